@@ -1,10 +1,11 @@
-"""Who may import whom: the contracts of pyproject.toml hold, and would notice a breach."""
+"""Who may import whom, and what is packaged: pyproject.toml says so, and a breach is noticed."""
 
 from __future__ import annotations
 
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 from tool_modules import tool
@@ -48,3 +49,13 @@ def test_modules_import_one_another_in_no_circle() -> None:
     assert "voronec.motion.viewer.page" in graph["voronec.motion.trajectory"]  # inside a function
     assert house.circles(graph) == []
     assert house.circles({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == [{"b", "c"}]
+
+
+def test_every_folder_of_code_is_packaged() -> None:
+    setup = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
+    places = {name: ROOT / folder for name, folder in setup["package-dir"].items()}
+    found = set()
+    for name, folder in places.items():
+        for init in folder.rglob("__init__.py"):
+            found.add(".".join([name, *init.parent.relative_to(folder).parts]))
+    assert found == set(setup["packages"])

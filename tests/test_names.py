@@ -1,4 +1,5 @@
-"""Functions, classes and files are named by nouns for values and verbs for work, no participles."""
+"""Functions, classes, constants and files are named by nouns for values and verbs for work, no
+participles."""
 
 import ast
 import re
@@ -55,12 +56,21 @@ def _definitions(node: ast.AST) -> Iterator[str]:
             yield inner.name
 
 
+def _constants(module: ast.Module) -> Iterator[str]:
+    """Names that a module assigns at its top."""
+    for node in module.body:
+        targets = node.targets if isinstance(node, ast.Assign) else []
+        targets = [node.target] if isinstance(node, ast.AnnAssign) else targets
+        for target in targets:
+            yield from (n.id for n in ast.walk(target) if isinstance(n, ast.Name))
+
+
 def names() -> Iterator[tuple[str, str]]:
-    """(file, name) of every file, function and class of the package."""
+    """(file, name) of every file, function, class and constant of the package."""
     for file in sorted(PACKAGE.rglob("*.py")):
-        place = str(file.relative_to(PACKAGE))
+        place, module = str(file.relative_to(PACKAGE)), ast.parse(file.read_text("utf-8"))
         yield place, file.stem
-        yield from ((place, name) for name in _definitions(ast.parse(file.read_text("utf-8"))))
+        yield from ((place, name) for name in (*_definitions(module), *_constants(module)))
 
 
 @pytest.mark.parametrize(

@@ -213,16 +213,6 @@ def test_the_citation_has_what_its_format_asks_for() -> None:
     ]
 
 
-def test_every_folder_of_code_is_packaged() -> None:
-    setup = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
-    places = {name: ROOT / folder for name, folder in setup["package-dir"].items()}
-    found = set()
-    for name, folder in places.items():
-        for init in folder.rglob("__init__.py"):
-            found.add(".".join([name, *init.parent.relative_to(folder).parts]))
-    assert found == set(setup["packages"])
-
-
 def test_the_constraints_pin_every_requirement() -> None:
     pinned = dict(
         line.split("==")

@@ -33,7 +33,7 @@ from voronec.algebra.numeric_functions import (
     SINHC,
     SINHC_SLOPE,
     SIZE,
-    TANH_REST,
+    TANH_SHORTFALL,
 )
 
 __all__ = ["cardinal_all", "coefficient"]
@@ -239,9 +239,9 @@ def _slopes_in(term: Any) -> dict[Any, tuple[Any, Any]]:
         elif isinstance(base, (se.coth, se.cosh)):
             whole = base if isinstance(base, se.coth) else base / se.sinh(w)
             if whole == base or powers.get(se.sinh(w)) == -1:
-                found[whole] = 1 / w, w * se.Function(TANH_REST)(w) / _tangent(w)
+                found[whole] = 1 / w, w * se.Function(TANH_SHORTFALL)(w) / _tangent(w)
         elif isinstance(base, se.tanh):
-            found[base] = w, -(w**3) * se.Function(TANH_REST)(w)
+            found[base] = w, -(w**3) * se.Function(TANH_SHORTFALL)(w)
         elif isinstance(base, (se.cot, se.cos)):
             whole = base if isinstance(base, se.cot) else base / se.sin(w)
             if whole == base or powers.get(se.sin(w)) == -1:

@@ -30,7 +30,7 @@ _DEPTH = 8
 _SHALLOW, _FEW = 2, 24
 """The same, and how many terms a polynomial may have, for signs that normal forms ask for: the
 search grows with the power of the number of variables."""
-_MOST_ASKED = 3_000
+_MOST_POLYNOMIALS = 3_000
 """How many polynomials the search for one certificate may lead to."""
 _KINDS = {1: ("nonnegative", "positive"), -1: ("nonpositive", "negative")}
 """What a generator is by the sign it is known to have: not strictly, and strictly."""
@@ -164,7 +164,7 @@ class Signs:
         """The sign of a polynomial, by its factors."""
         key = str(poly)
         sign, tried = self.known.get(key, (None, _DEPTH + 1))
-        if sign is None and depth < tried and len(self.known) < _MOST_ASKED:
+        if sign is None and depth < tried and len(self.known) < _MOST_POLYNOMIALS:
             self.known[key] = None, depth  # what is being asked for is no reason
             self.known[key] = self._of_factors(poly, depth), depth
         return self.known.get(key, (None, depth))[0]

@@ -50,10 +50,10 @@ def condition(given: Any, inward: Any) -> Any:
     """A relation of SymPy's, or several joined, as one Boolean; ``inward`` takes in its sides."""
     if given in (sp.true, sp.false):
         return se.sympify(bool(given))
-    kind = _COMPARED.get(type(given))
+    kind = _COMPARISONS.get(type(given))
     if kind is not None:
         return kind(inward(given.lhs), inward(given.rhs))
-    joined = _JOINED.get(type(given))
+    joined = _CONNECTIVES.get(type(given))
     if joined is not None:
         return joined(*[condition(part, inward) for part in given.args])
     plain = given.to_nnf() if hasattr(given, "to_nnf") else given
@@ -65,7 +65,7 @@ def condition(given: Any, inward: Any) -> Any:
     return condition(plain, inward)
 
 
-_COMPARED: dict[Any, Any] = {
+_COMPARISONS: dict[Any, Any] = {
     sp.StrictGreaterThan: lambda a, b: a > b,
     sp.StrictLessThan: lambda a, b: a < b,
     sp.GreaterThan: lambda a, b: a >= b,
@@ -73,7 +73,7 @@ _COMPARED: dict[Any, Any] = {
     sp.Equality: se.Eq,
     sp.Unequality: se.Ne,
 }
-_JOINED: dict[Any, Any] = {sp.And: se.And, sp.Or: se.Or, sp.Not: se.Not}
+_CONNECTIVES: dict[Any, Any] = {sp.And: se.And, sp.Or: se.Or, sp.Not: se.Not}
 
 
 def substituted_conditions(conditions: Iterable[Any], at: Mapping[Any, Any]) -> tuple[Any, ...]:

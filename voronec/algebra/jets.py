@@ -117,7 +117,7 @@ class Expansion:
 
     def _function(self, expr: Any) -> Parts:
         """f(a) by the recurrences of sin and cos, exp, log; others in terms of these."""
-        spelled = _SPELLED.get(type(expr))
+        spelled = _BY_SINES.get(type(expr))
         if spelled is not None:
             return self.of(se.sympify(spelled(*expr.args)))
         if isinstance(expr, se.Pow):
@@ -170,7 +170,7 @@ class Expansion:
         return self.of((expr.xreplace(self._moved) - constant).expand())
 
 
-_SPELLED: dict[type, Callable[..., Any]] = {
+_BY_SINES: dict[type, Callable[..., Any]] = {
     se.tan: lambda a: se.sin(a) / se.cos(a),
     se.cot: lambda a: se.cos(a) / se.sin(a),
     se.sec: lambda a: 1 / se.cos(a),

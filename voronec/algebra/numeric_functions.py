@@ -21,7 +21,7 @@ import symengine as se
 
 __all__ = [
     "ATAN_RATIO", "EXPM1", "EXPREL", "EXPREL_SLOPE", "FORMULAS", "HYPOT", "LOG1P", "LOG_RATIO",
-    "QUOTIENTS", "SINC", "SINC_SLOPE", "SINHC", "SINHC_SLOPE", "SIZE", "TANH_REST", "Quotient",
+    "QUOTIENTS", "SINC", "SINC_SLOPE", "SINHC", "SINHC_SLOPE", "SIZE", "TANH_SHORTFALL", "Quotient",
     "elementary", "formula", "numeric_name",
 ]  # fmt: skip
 
@@ -32,7 +32,7 @@ HYPOT, SIZE = "length of sides", "size on equal sides"
 SINC_SLOPE, SINHC_SLOPE = "slope of the cardinal sine", "slope of the hyperbolic cardinal sine"
 EXPREL_SLOPE = "slope of the relative exponential"
 LOG_RATIO, ATAN_RATIO = "logarithm beside one over its argument", "arctangent over its argument"
-TANH_REST = "what a hyperbolic tangent falls short of its argument"
+TANH_SHORTFALL = "what a hyperbolic tangent falls short of its argument"
 
 
 class Quotient(NamedTuple):
@@ -80,7 +80,7 @@ QUOTIENTS: dict[str, Quotient] = {
         lambda w: w * se.exp(w) - se.exp(w) + 1, 2, lambda n: (n + 1, factorial(n + 2))
     ),
     LOG_RATIO: Quotient(lambda w: se.log(1 + w), 1, lambda n: ((-1) ** n, n + 1), 0.25),
-    TANH_REST: Quotient(lambda w: w - se.tanh(w), 3, _tanh_remainder, 0.375),
+    TANH_SHORTFALL: Quotient(lambda w: w - se.tanh(w), 3, _tanh_remainder, 0.375),
     ATAN_RATIO: Quotient(se.atan, 1, lambda n: (_turning_sign(n), n + 1), 0.25),
 }  # fmt: skip
 """Functions with a value at zero that a division does not give, by name."""

@@ -5,7 +5,7 @@ what answers at once in nearly all cases.  What answers are printed with, what a
 where a search with more and more bits gives up stand where they are used.
 """
 
-__all__ = ["FIRST", "GENERIC", "NESTED", "PROOF", "SHARP"]
+__all__ = ["BRACKETS", "FIRST", "GENERIC", "PROOF", "SHARP"]
 
 FIRST = 64
 """A first try, hardly dearer than doubles, whose 53 bits it must hold with some to lose."""
@@ -14,7 +14,7 @@ GENERIC = 192
 twice those of a double, and a double's to tell a number from zero with."""
 SHARP = 256
 """Whole and rational numbers are read off values, which must be hit to a hundred bits and more."""
-NESTED = 320
+BRACKETS = 320
 """Brackets of brackets of fields, which lose bits at every level."""
 PROOF = 512
 """A conjugate of nested roots is told from zero: such numbers may be near to each other."""

@@ -25,7 +25,7 @@ __all__ = ["Roots", "domain_conditions", "ring_over"]
 
 TERMS = 60
 """The sign of a factor with more terms is not asked for."""
-_WALLED = (se.sign, se.floor)
+_STEPS = (se.sign, se.floor)
 _Power = tuple[Any, int]
 """A polynomial and its exponent."""
 
@@ -37,7 +37,7 @@ def domain_conditions(exprs: Iterable[Any]) -> list[Any]:
     taken.
     """
     parts = [*nodes(exprs)]
-    if any(isinstance(n, _WALLED) for n in parts):
+    if any(isinstance(n, _STEPS) for n in parts):
         return []
     powers = [n.args for n in parts if isinstance(n, se.Pow) and n.free_symbols]
     radicands = [(b, e) for b, e in powers if isinstance(e, se.Rational) and e.q != 1]

@@ -30,7 +30,7 @@ from voronec.algebra.numeric_functions import (
     SINHC,
     SINHC_SLOPE,
     SIZE,
-    TANH_REST,
+    TANH_SHORTFALL,
     numeric_name,
 )
 from voronec.algebra.text import exact_number
@@ -38,7 +38,7 @@ from voronec.errors import DefinitionError, EngineLimit, quote
 
 __all__ = ["Tape", "as_ball"]
 
-_UNDEFINED = flint.arb("nan")
+_NO_VALUE = flint.arb("nan")
 _UNARY: dict[type, Callable[[Any], Any]] = {
     se.sin: lambda a: a.sin(),
     se.cos: lambda a: a.cos(),
@@ -58,17 +58,17 @@ _UNARY: dict[type, Callable[[Any], Any]] = {
     se.acosh: lambda a: a.acosh(),
     se.atanh: lambda a: a.atanh(),
     se.log: lambda a: a.log(),
-    se.sign: lambda a: a.sgn() if a.is_finite() else _UNDEFINED,  # nan.sgn() is finite
+    se.sign: lambda a: a.sgn() if a.is_finite() else _NO_VALUE,  # nan.sgn() is finite
     se.floor: lambda a: a.floor(),
 }
 _NUMERIC: dict[str, Callable[..., Any]] = {
-    SINC: lambda a: a.sinc() if a.is_finite() else _UNDEFINED,
+    SINC: lambda a: a.sinc() if a.is_finite() else _NO_VALUE,
     SINHC: lambda a: flint.acb(0, a).sinc().real,
     EXPREL: lambda a: (a / 2).exp() * flint.acb(0, a / 2).sinc().real,
     SINC_SLOPE: lambda a: (-a * a / 4).hypgeom_0f1(flint.arb(5) / 2) / 3,
     SINHC_SLOPE: lambda a: (a * a / 4).hypgeom_0f1(flint.arb(5) / 2) / 3,
     EXPREL_SLOPE: lambda a: a.hypgeom_1f1(2, 3) / 2,
-    TANH_REST: lambda a: (a * a / 4).hypgeom_0f1(flint.arb(5) / 2) / 3 / a.cosh(),
+    TANH_SHORTFALL: lambda a: (a * a / 4).hypgeom_0f1(flint.arb(5) / 2) / 3 / a.cosh(),
     LOG_RATIO: lambda a: (-a).hypgeom_2f1(1, 1, 2),
     ATAN_RATIO: lambda a: (-a * a).hypgeom_2f1(flint.arb(1) / 2, 1, flint.arb(3) / 2),
     EXPM1: lambda a: a.expm1(),
@@ -227,7 +227,7 @@ def _power(base: Any, exponent: Any) -> tuple[Callable[..., Any], Sequence[Any]]
 
 def _angle(y: Any, x: Any) -> Any:
     """atan2(y, x); flint has a ball for what is not a number, too."""
-    return flint.arb.atan2(y, x) if y.is_finite() and x.is_finite() else _UNDEFINED
+    return flint.arb.atan2(y, x) if y.is_finite() and x.is_finite() else _NO_VALUE
 
 
 def _integer_power(base: Any, n: int) -> Any:

@@ -94,7 +94,7 @@ def _functions(section: Section) -> Iterator[Callable[..., Any]]:
             yield from (hook for hook in hooks if hook is not None)
 
 
-KEPT = 200
+SECTIONS = 200
 """How many sections, in whatever state of their sources, keep their verdicts."""
 
 
@@ -120,7 +120,7 @@ class Cache:
 
     def store(self, key: str, ordinal: int, found: Sequence[Examination]) -> None:
         """Keep the verdicts of a unit, whole or not at all."""
-        Store(self.folder, KEPT).save(key, str(ordinal), [asdict(e) for e in found])
+        Store(self.folder, SECTIONS).save(key, str(ordinal), [asdict(e) for e in found])
 
 
 def _read_examination(entry: dict[str, Any]) -> Examination:

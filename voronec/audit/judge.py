@@ -228,7 +228,7 @@ def _senseless(
 ) -> FormulaRecord:
     """The same for what has no value as printed, such as a name that nothing introduces."""
     found = None
-    if isinstance(error, PRINTED) and not isinstance(error, UnknownRate):
+    if isinstance(error, FAULTS_OF_PRINT) and not isinstance(error, UnknownRate):
         found = _made_true(formula, check, bench, f"it has no value as printed ({error})")
     fault = "" if found is not None else _meaningless(formula, check, bench, error)
     if fault:
@@ -258,7 +258,7 @@ def _meaningless(formula: Formula, check: Check, bench: SectionContext, error: E
 OTHERS = 3
 """With more other formulas in its section, a letter that no one of them has was misprinted."""
 
-PRINTED = (DefinitionError, TypeError, ValueError, AttributeError)
+FAULTS_OF_PRINT = (DefinitionError, TypeError, ValueError, AttributeError)
 """What may be wrong in print: a name, a vector in the place of a number; no limit of the engine."""
 
 

@@ -50,7 +50,7 @@ from voronec.audit.latex.nodes import (
     walk,
 )
 from voronec.audit.latex.tokens import Misprint
-from voronec.audit.latex.vocabulary import APPLIED
+from voronec.audit.latex.vocabulary import CALL
 from voronec.audit.structure import free_indices
 from voronec.audit.study import Study, UnknownRate, key_of, spell
 from voronec.errors import DefinitionError, VoronecError
@@ -128,7 +128,7 @@ def _function(node: Node, study: Study) -> Callable[..., Any] | None:
     """The dictionary's function of that name; families and expressions are none."""
     if not isinstance(node, Name):
         return None
-    for key in (key_of(node) + APPLIED, key_of(node)):
+    for key in (key_of(node) + CALL, key_of(node)):
         found = study.table.get(key)
         if callable(found) and not isinstance(found, sp.Basic):
             return found
@@ -150,7 +150,7 @@ def _two_vectors(
 
 def _is_quantity_too(node: Node, study: Study) -> bool:
     """Whether a letter of a function is, by itself, that of something else."""
-    return isinstance(node, Name) and {key_of(node), key_of(node) + APPLIED} <= {*study.table}
+    return isinstance(node, Name) and {key_of(node), key_of(node) + CALL} <= {*study.table}
 
 
 def _listed_symbols(

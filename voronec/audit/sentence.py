@@ -23,7 +23,7 @@ from voronec.errors import DefinitionError, did_you_mean
 __all__ = ["Sentence"]
 
 _MARK = re.compile(r"@(\w+):(\w+)\{")
-SHOWN = 40
+EXCERPT = 40
 """Characters of a quotation that are shown where it reads otherwise than its pattern."""
 
 
@@ -93,7 +93,7 @@ class Sentence:
 
     @property
     def _place(self) -> str:
-        return f"the sentence '{' '.join(self.quotation.split())[:SHOWN]}'"
+        return f"the sentence '{' '.join(self.quotation.split())[:EXCERPT]}'"
 
     def read(self, labels: Labels) -> dict[str, Any]:
         """The values of the slots in the quotation.
@@ -108,8 +108,8 @@ class Sentence:
         if found is None:
             start = _common(words, _single(self._plain_text))
             raise DefinitionError(
-                f"it reads '{words[max(0, start - SHOWN // 2) : start + SHOWN]}', which is not the "
-                "sentence that is decided here"
+                f"it reads '{words[max(0, start - EXCERPT // 2) : start + EXCERPT]}', which is not "
+                "the sentence that is decided here"
             )
         return {slot.name: slot.read(found[slot.name], labels) for slot in self.slots}
 

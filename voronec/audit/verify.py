@@ -48,10 +48,10 @@ class FormulaOutcome:
 NOTHING = Verdict("undecided", "it claims nothing; give it a relation, or its check a value")
 EMPTY = Verdict("refuted", "it says nothing: the two sides of an equality are the same")
 SLACK = Verdict("refuted", "it says too little: the two sides of an inequality are equal")
-UNSOLVED = Verdict(
+NEEDS_ACCELERATIONS = Verdict(
     "undecided", "it depends on accelerations that are not known; give Motion.of(eqs).solved(eqs)"
 )
-UNSIGNED = Verdict(
+NEEDS_SIGNS = Verdict(
     "undecided",
     "false for some signs of the symbols; say with positive symbols, or Study(ranges=...), which "
     "are meant",
@@ -75,7 +75,7 @@ def verify(chain: Chain, check: Check, study: Study) -> FormulaOutcome:
         return FormulaOutcome(SLACK, None, finding.count)
     ordered = by_range(study, check.within, lambda _, where: _order_verdict(gaps, where))
     if not study.ranges and ordered.verdict.refuted:
-        return FormulaOutcome(UNSIGNED)
+        return FormulaOutcome(NEEDS_SIGNS)
     return ordered if finding.count == 0 else replace(ordered, count=finding.count + len(gaps))
 
 
@@ -122,7 +122,7 @@ def _equal(comparison: Comparison, check: Check, study: Study) -> Verdict:
     verdict = prove_equal(left, right, study.relations)
     along = check.truth is None and check.role != "definition"  # what defines is true off it, too
     if along and verdict.refuted and _has_unknown_accelerations(left - right, study):
-        return UNSOLVED
+        return NEEDS_ACCELERATIONS
     if verdict.proved or check.truth is None:
         return verdict
     if prove_equal(-left, right).proved or _proportional(left, right, comparison.dots):

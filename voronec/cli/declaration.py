@@ -154,7 +154,7 @@ def _draw_sketch(subject: str, path: Path, as_json: bool) -> int:
 
 
 PICTURES = (".svg", ".png", ".pdf")
-KEPT = 200
+MEMORY = 200
 """Declarations that are remembered: of all systems, in a few states of their files."""
 
 
@@ -167,7 +167,7 @@ def declaration(subject: str) -> tuple[dict[str, Any], Path | None]:
     if origin is None:
         system, folder = resolve(subject)
         return _data(system), folder
-    store, files = Store.of_user("show", KEPT), sorted(closure([origin.resolve()]))
+    store, files = Store.of_user("show", MEMORY), sorted(closure([origin.resolve()]))
     key = digest(subject, files, __name__)
     found: dict[str, Any] | None = store.load(key, "declaration")
     if found is None:

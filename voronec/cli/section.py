@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = ["execute"]
 
-LISTED = 12
+LONGEST_LIST = 12
 """Starts that are not complete are listed up to so many."""
 DIRECTIONS = {"up": 1, "down": -1, "both": 0}
 
@@ -171,8 +171,8 @@ def _report(found: Section, scene: str | None, files: list[Path], as_json: bool)
     if found.touches:
         print(f"{len(found.touches)} times a motion touched the surface and turned back")
     short = [[f"start {i}", end] for i, end in enumerate(found.ends) if end != "complete"]
-    for line in columns(short[:LISTED]):
+    for line in columns(short[:LONGEST_LIST]):
         print(line)
-    if len(short) > LISTED:
-        print(f"and {len(short) - LISTED} further starts that are not complete")
+    if len(short) > LONGEST_LIST:
+        print(f"and {len(short) - LONGEST_LIST} further starts that are not complete")
     print("wrote " + ", ".join(str(f) for f in files))

@@ -24,7 +24,7 @@ from voronec.elliptic.roots import OpenDecision
 from voronec.elliptic.theta_balls import moment_of
 
 __all__ = [
-    "DECIDED",
+    "MOST_BITS",
     "Passage",
     "Passages",
     "Tally",
@@ -223,7 +223,7 @@ def _floors(passage: Passage, level: Passages, kinds: np.ndarray, winding: Any) 
     return np.asarray(found)
 
 
-DECIDED = 2048
+MOST_BITS = 2048
 """Bits at which a turning point that cannot be told from the border of a cap is taken for one
 that touches it: it leaves the turns open only where it is the pole too."""
 
@@ -397,6 +397,6 @@ def floor(value: arb) -> int:
 def _sign(value: arb) -> int:
     if value > 0 or value < 0:
         return 1 if value > 0 else -1
-    if ctx.prec < DECIDED:
+    if ctx.prec < MOST_BITS:
         raise OpenDecision("a turning point may lie on the border of a cap")
     return 0

@@ -21,7 +21,7 @@ from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import precise
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.passages import (
-    DECIDED,
+    MOST_BITS,
     Passage,
     Passages,
     Tally,
@@ -152,7 +152,7 @@ class Winding:
         """Whether the spin of a frame that turns evenly points upwards, as far as can be told."""
         own, bits = self.form.attitude, FIRST
         assert own is not None
-        while bits <= DECIDED:
+        while bits <= MOST_BITS:
             with precise(bits):
                 height = rotated(own.start(bits)[0], own.spin(bits))[2]
             if not height.contains(0):

@@ -15,9 +15,9 @@ from voronec.algebra.symbols import plain_name, velocity
 from voronec.declaration.reading import expression, fixed_mapping, quote, several
 from voronec.errors import DefinitionError
 
-__all__ = ["CHANGING", "Chart"]
+__all__ = ["CHART_PARTS", "Chart"]
 
-CHANGING = ("lagrangian", "constraints", "forces", "frame")
+CHART_PARTS = ("lagrangian", "constraints", "forces", "frame")
 """What may read differently in another chart."""
 
 
@@ -85,9 +85,9 @@ class Chart:
         changes = fixed_mapping(self.changes, "changes of a chart", "'lagrangian': expression")
         store("changes", changes)
         for name in changes:
-            if name not in CHANGING:
+            if name not in CHART_PARTS:
                 raise DefinitionError(
-                    f"a chart changes '{quote(name)}'; it may change {', '.join(CHANGING)}"
+                    f"a chart changes '{quote(name)}'; it may change {', '.join(CHART_PARTS)}"
                 )
 
     def values(self, system: Variables, part: str = "state") -> dict[sp.Expr, sp.Expr]:

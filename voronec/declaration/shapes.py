@@ -12,12 +12,12 @@ from voronec.algebra.text import as_expression
 from voronec.declaration.reading import several
 from voronec.errors import DefinitionError, quote
 
-__all__ = ["MESH", "PLACED", "ROLES", "Patch", "Shape", "turn_about"]
+__all__ = ["MESH", "PLACEMENT", "ROLES", "Patch", "Shape", "turn_about"]
 
 MESH = a, b = sp.symbols("mesh_a mesh_b")
 """The two coordinates of every patch."""
 ROLES = "body", "ground"
-PLACED = "centre", "attitude", "contact", "role", "title"
+PLACEMENT = "centre", "attitude", "contact", "role", "title"
 """What every shape may be given besides its form."""
 HALF, WHOLE = (0, sp.pi), (0, 2 * sp.pi)
 UNIT = (-1, 1)

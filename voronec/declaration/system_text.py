@@ -30,7 +30,7 @@ from voronec.algebra.text import CHARACTERS, FUNCTION_NAMES, exact_number, formu
 from voronec.declaration.claims import Case, Equation, Measure
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.scene import Parameter, Scene
-from voronec.declaration.shapes import PLACED, ROLES, Shape, turn_about
+from voronec.declaration.shapes import PLACEMENT, ROLES, Shape, turn_about
 from voronec.declaration.sketch import LOOKS, Sketch
 from voronec.declaration.system import System
 from voronec.declaration.table_file import KINDS, read_table, require_table
@@ -534,7 +534,7 @@ def _entries(call: Callable[..., Any]) -> Iterator[Entry]:
     """The arguments of a method, as entries of a table."""
     for argument in signature(call).parameters.values():
         if argument.kind is Argument.VAR_KEYWORD:
-            yield from (Entry(name, "", False) for name in PLACED)
+            yield from (Entry(name, "", False) for name in PLACEMENT)
         else:
             many = argument.kind is Argument.VAR_POSITIONAL
             needed = many or argument.default is Argument.empty

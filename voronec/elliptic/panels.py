@@ -55,7 +55,7 @@ def _powers() -> np.ndarray:
     return found
 
 
-FIT, RAISED = _chebyshev(), _powers()
+FIT, POWER_FORM = _chebyshev(), _powers()
 POINTS = np.concatenate(
     [np.cos((np.arange(NODES) + 0.5) * np.pi / NODES), np.cos(np.linspace(0, np.pi, CHECKS))]
 )
@@ -188,7 +188,7 @@ def _fit(
     """Which panels are good, and the coefficients of each, from values at ``POINTS``."""
     # what a function does on the panel, without its size, which would only be rounded
     level = values[..., NODES // 2]
-    coefficients = ((values[..., :NODES] - level[..., None]) @ FIT.T) @ RAISED.T
+    coefficients = ((values[..., :NODES] - level[..., None]) @ FIT.T) @ POWER_FORM.T
     coefficients[..., 0] += level
     tried = values[..., NODES:]
     error, size = np.abs(coefficients @ POWERS - tried), np.abs(tried)

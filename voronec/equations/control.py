@@ -23,7 +23,7 @@ from voronec.algebra.elimination import solve_linear
 from voronec.algebra.jets import Expansion, FieldJet, Span
 from voronec.algebra.matrices import determinant
 from voronec.algebra.normal import canonical
-from voronec.algebra.precision import NESTED
+from voronec.algebra.precision import BRACKETS
 from voronec.algebra.rank import generic_rows
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
@@ -260,7 +260,7 @@ class Control:
     def _independent(self, rows: Sequence[Vector]) -> list[int]:
         """The rows that enlarge the span of those before them at a generic point, in balls."""
         failure = "no point was found at which the fields are defined"
-        return generic_rows(rows, self.system_field.hypotheses, NESTED, failure)
+        return generic_rows(rows, self.system_field.hypotheses, BRACKETS, failure)
 
     def _require_still(self) -> None:
         clock = self.system_field.time

@@ -14,7 +14,7 @@ import symengine as se
 
 from voronec.algebra.matrices import dot
 from voronec.algebra.points import sample_evaluable
-from voronec.algebra.precision import NESTED
+from voronec.algebra.precision import BRACKETS
 from voronec.algebra.rank import generic_rows
 from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import decide_zero
@@ -110,7 +110,7 @@ def _integrability(
 
 def _is_nonzero_somewhere(exprs: Sequence[Any], relations: Sequence[Any]) -> bool:
     """Whether ball arithmetic shows one of the expressions to be nonzero somewhere."""
-    samples = sample_evaluable(Tape(exprs), relations, NESTED)
+    samples = sample_evaluable(Tape(exprs), relations, BRACKETS)
     return any(not value.contains(0) for _, values in samples for value in values)
 
 
@@ -202,4 +202,4 @@ class _RankOracle:
 
     def _independent(self, rows: Sequence[Sequence[Any]]) -> list[int]:
         failure = "no point was found at which the distribution is defined"
-        return generic_rows(rows, self._relations, NESTED, failure)
+        return generic_rows(rows, self._relations, BRACKETS, failure)

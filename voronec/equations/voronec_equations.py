@@ -70,7 +70,7 @@ WIDTH = 100
 """Characters in a line, unless told."""
 SCREEN = 2000
 """How many letters of equations are written out row by row, however wide the rows are."""
-ALIGNED = 32
+LONGEST_LEFT_SIDE = 32
 """How long a left side may be for others to be aligned with it."""
 BRACKETS = 4
 """How deep in brackets an equation may be broken."""
@@ -171,7 +171,7 @@ def _names(eqs: VoronecEquations) -> str:
 def equation_rows(pairs: Iterable[tuple[str, str]]) -> list[str]:
     """Left and right sides as lines, aligned but for left sides that are long."""
     found = [*pairs]
-    wide = max((len(left) for left, _ in found if len(left) <= ALIGNED), default=0)
+    wide = max((len(left) for left, _ in found if len(left) <= LONGEST_LEFT_SIDE), default=0)
     return [f"  {left.ljust(wide)}  = {right}" for left, right in found]
 
 

@@ -20,7 +20,7 @@ from voronec.kinematics.bodies import kinetic_energy
 from voronec.kinematics.families import constants, join_declarations, moment_words, rotor_words
 from voronec.kinematics.forms import SurfaceForms
 from voronec.kinematics.meanings import (
-    CURVED,
+    CURVATURE_LINES,
     contact_meanings,
     euler_meanings,
     vector_meanings,
@@ -33,7 +33,7 @@ from voronec.kinematics.vectors import three
 
 __all__ = ["CarriedContact"]
 
-CARRIED = (
+CARRIED_VECTORS = (
     "place of the body's centre",
     "place of the contact from the body's centre",
     "direction of u at the contact",
@@ -165,10 +165,10 @@ class CarriedContact:
 
     @property
     def _meanings(self) -> dict[Any, str]:
-        vectors = zip(self.vectors, CARRIED, strict=True)
+        vectors = zip(self.vectors, CARRIED_VECTORS, strict=True)
         return {
             **euler_meanings(self.base),
-            **contact_meanings(self.contact, on=CURVED),
+            **contact_meanings(self.contact, on=CURVATURE_LINES),
             **vector_meanings(self.omega),
             **{q: said for x, word in vectors for q, said in vector_meanings(x, word).items()},
         }

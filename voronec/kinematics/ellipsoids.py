@@ -50,7 +50,7 @@ SUPPORT = "distance of the centre from the tangent plane at the contact"
 ANGLES = sp.symbols("phi theta psi")
 ROTATION = Rotation.euler("zxz", *ANGLES)
 # Neumann's theta is no angle of Euler's.
-CARRIED = Rotation.euler("zxz", *sp.symbols("phi chi psi"))
+ROTATION_BESIDE_NEUMANN = Rotation.euler("zxz", *sp.symbols("phi chi psi"))
 
 
 @dataclass(frozen=True)
@@ -192,7 +192,7 @@ class RollingEllipsoid:
             _name_normal(normal, level),
             tuple(Surface.sphere(1, u1, v1).position),
             body.rolling_rate(OMEGA, sphere),
-            CARRIED,
+            ROTATION_BESIDE_NEUMANN,
             _turned_poles(whole, sphere, o, contact),
             whole,
             sphere,

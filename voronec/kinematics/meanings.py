@@ -20,7 +20,10 @@ __all__ = [
 Meanings = dict[Any, str]
 ROUND = ("colatitude of the contact", "longitude of the contact")
 FLAT = ("first coordinate of the contact", "second coordinate of the contact")
-CURVED = ("place along the first lines of curvature", "place along the second lines of curvature")
+CURVATURE_LINES = (
+    "place along the first lines of curvature",
+    "place along the second lines of curvature",
+)
 NORMAL = "normal of the fixed surface at the contact"
 """gamma, which points into the body."""
 SPIN = "angular velocity"

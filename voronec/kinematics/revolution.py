@@ -19,7 +19,7 @@ from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
 from voronec.kinematics.balls import OMEGA
 from voronec.kinematics.bodies import kinetic_energy
-from voronec.kinematics.carried_contact import CARRIED, carried_vectors, form_values
+from voronec.kinematics.carried_contact import CARRIED_VECTORS, carried_vectors, form_values
 from voronec.kinematics.families import (
     Words,
     constants,
@@ -182,7 +182,7 @@ class BodyOfRevolution:
             ),
             "meanings": {
                 **euler_meanings(ATTITUDE.coordinates),
-                **vector_meanings(PLACE, CARRIED[0]),
+                **vector_meanings(PLACE, CARRIED_VECTORS[0]),
                 **contact_meanings(self.contact),
                 **moving_meanings(SPINS),
             },

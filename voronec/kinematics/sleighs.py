@@ -24,7 +24,7 @@ __all__ = ["Sleigh"]
 
 PLACE = X, Y = sp.symbols("x y")
 HEADING = sp.Symbol("phi")
-RATES = SPEED, TURNING = sp.symbols("v w")
+RATES = SPEED, TURN_RATE = sp.symbols("v w")
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ class Sleigh:
         there; w does not change its sign, so the angle is written without a jump where v = 0.
         """
         ratio = self.turning_inertia / self.mass
-        angle = sp.atan(SPEED * sp.sqrt(1 / ratio) / TURNING)
+        angle = sp.atan(SPEED * sp.sqrt(1 / ratio) / TURN_RATE)
         return self.ahead * HEADING - sp.sqrt(ratio) * angle
 
     @property
@@ -117,7 +117,7 @@ class Sleigh:
         own = {
             "sketch": self.sketch,
             "fibration": Fibration((X, HEADING), (Y,)),
-            "frame": Frame.quasi({SPEED: self.forward, TURNING: velocity(HEADING)}),
+            "frame": Frame.quasi({SPEED: self.forward, TURN_RATE: velocity(HEADING)}),
             "lagrangian": self.kinetic,
             "constraints": (velocity(X) * sp.sin(HEADING) - velocity(Y) * sp.cos(HEADING),),
             "meanings": sleigh_meanings(PLACE, HEADING, RATES, self.ground),

@@ -28,8 +28,8 @@ from voronec.motion.steppers.run import COLLAPSE, INFINITE
 from voronec.motion.steppers.units import units_of_many
 
 __all__ = [
-    "PASSED",
     "SINGULAR",
+    "SINGULAR_PLACE",
     "Lanes",
     "StepSizes",
     "StopRequest",
@@ -46,7 +46,7 @@ SINGULAR = 1e-6
 """A motion with so short a step is not to be trusted after it."""
 PIECE = 64
 """Points of the grid in the first piece; later ones follow the steps it took."""
-PASSED = "the motion passes a place where its equations are singular, or nearly,"
+SINGULAR_PLACE = "the motion passes a place where its equations are singular, or nearly,"
 
 
 @dataclass(frozen=True, eq=False)

@@ -270,7 +270,7 @@ CONSISTENT = 1e-9
 """How far initial data may lie off the constraints, relative to their size."""
 ROUNDING = 1e-13
 """A smaller relative change is none."""
-UNDEFINED = "system '{}': the velocities are not defined at the initial point"
+NO_VELOCITIES = "system '{}': the velocities are not defined at the initial point"
 
 
 class NoFrame(DefinitionError):
@@ -298,7 +298,7 @@ def meet_conditions(
     chosen = independent(rows)
     involved = np.abs(rows).max(axis=0) > CONSISTENT * np.abs(rows).max(initial=0.0)
     if len(chosen) > involved.sum():  # beside rates that are as good as infinite
-        raise NoFrame(UNDEFINED.format(vocabulary.equations.system.name))
+        raise NoFrame(NO_VELOCITIES.format(vocabulary.equations.system.name))
     if len(chosen) < involved.sum():
         names = [name for name, i in zip(own, involved, strict=True) if i]
         raise DefinitionError(
@@ -341,7 +341,7 @@ def _pose_conditions(
     values = rates(q, np.hstack([np.zeros((n, 1)), np.eye(n)]))
     linear, offset = values[:, 1:] - values[:, :1], values[:, 0]
     if not np.isfinite(values).all():
-        raise NoFrame(UNDEFINED.format(system.name))
+        raise NoFrame(NO_VELOCITIES.format(system.name))
     posed = [np.eye(n)[own.index(k)] if k in own else linear[dots.index(k)] for k in order]
     right = [conditions[k] - (0.0 if k in own else offset[dots.index(k)]) for k in order]
     return order, np.array(posed), np.array(right)

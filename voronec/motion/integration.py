@@ -33,7 +33,7 @@ from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import Divisor
 from voronec.motion.events import Crossings, Event, name_events
 from voronec.motion.inputs import drive
-from voronec.motion.methods import CLOSED, METHODS
+from voronec.motion.methods import CLOSED_FORM, METHODS
 from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
 from voronec.motion.motion_start import Outset, WideStart
 from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
@@ -153,16 +153,16 @@ def integrate(
     )
     happenings, functions = name_events(vocabulary, events)
     outset = Outset.of(vocabulary, given, float(grid[0]), project, driven.changing)
-    if method == CLOSED and happenings:
+    if method == CLOSED_FORM and happenings:
         raise DefinitionError(
             "the closed form looks for no events; use another method, or evaluate the motion "
             "on a fine grid"
         )
     far = equations.system.motion is not None and not happenings and abs(grid[-1] - grid[0]) >= FAR
-    if method == CLOSED or (method == "auto" and far):
+    if method == CLOSED_FORM or (method == "auto" and far):
         from voronec.motion.closed_form_run import evaluated_motion
 
-        with suppress(*(() if method == CLOSED else (DefinitionError, EngineLimit))):
+        with suppress(*(() if method == CLOSED_FORM else (DefinitionError, EngineLimit))):
             return evaluated_motion(
                 vocabulary, asked, given, outset, grid, tol, dense, progress, began, method
             )

@@ -12,9 +12,9 @@ from voronec.motion.tolerances import EXACT, FINEST
 if TYPE_CHECKING:
     from voronec.motion.steppers.run import Problem, Stepper
 
-__all__ = ["CLOSED", "METHODS", "Method", "method_names"]
+__all__ = ["CLOSED_FORM", "METHODS", "Method", "method_names"]
 
-CLOSED = "closed-form"
+CLOSED_FORM = "closed-form"
 """Evaluates a declared motion; it takes no steps, and is no integrator."""
 
 
@@ -97,7 +97,7 @@ METHODS: dict[str, Method] = {
     ),
     "lsoda": Method(_lsoda, FINEST, best=1e-13),
     "flint": Method(_digits, best=1e-25, symbolic=True, exact=True),
-    CLOSED: Method(None, best=EXACT),
+    CLOSED_FORM: Method(None, best=EXACT),
 }
 
 

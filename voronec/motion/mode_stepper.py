@@ -16,7 +16,7 @@ import numpy as np
 import symengine as se
 
 from voronec.equations.program.python import compiled_digits
-from voronec.equations.program.walls import FLAT, SATURATED
+from voronec.equations.program.walls import FLAT, SATURATION
 from voronec.errors import EngineLimit
 from voronec.motion.events import Event
 from voronec.motion.mode_transitions import DOUBLE, GUARD, PAST, Crossroads, Mode
@@ -137,7 +137,7 @@ def _saturation(tol: float, exact: bool) -> Any:
     where they are largest: exp(-2 w) (N/2)^N/N! > tol.
     """
     reach = se.Rational(round(100 * FLAT * -log(tol)), 100)
-    return reach if exact else min(reach, SATURATED)
+    return reach if exact else min(reach, SATURATION)
 
 
 def _run_without_steps(problem: Problem, times: np.ndarray, reason: str) -> Run:

@@ -40,14 +40,14 @@ MOST = 4
 """So many walls may meet at an instant."""
 FREE = "the motion is not determined: it may leave {} on either side"
 PAST = "the past is not determined: the motion may have come along {}, or from either side"
-STUCK = "all fields lead back to {}, and switches would follow one another ever faster"
+NO_WAY_ON = "all fields lead back to {}, and switches would follow one another ever faster"
 RIM = 1e-11
 """A radicand of velocities that falls below this part of its value at the start has vanished."""
 GRAZE = 1e-9
 """A wall is touched where its function is smaller than this part of its terms, and turns."""
-CANCELLED = 1e-12
+CANCELLATION = 1e-12
 """Fields on the sides cancel where so much is left of them, in units of the largest: rounding."""
-UNDEFINED = (ZeroDivisionError, ValueError, TypeError)
+NO_VALUE = (ZeroDivisionError, ValueError, TypeError)
 """What mpmath raises where a function has no value, or none that is real."""
 SENSELESS = "the equations, or what switches in them, are not defined"
 TOGETHER = f"more than {MOST} walls meet"
@@ -126,7 +126,7 @@ class Crossroads:
         """
         try:
             return self._way_on(time, state, sides, hit)
-        except UNDEFINED:
+        except NO_VALUE:
             return SENSELESS
 
     def _way_on(
@@ -157,7 +157,7 @@ class Crossroads:
                 if mode is not None:
                     return mode
         rest = self._rest_mode(time, state, met, corners)
-        return STUCK.format(names) if rest is None else rest
+        return NO_WAY_ON.format(names) if rest is None else rest
 
     def _corners(
         self, time: Any, state: np.ndarray, sides: Mapping[Wall, int], hit: Sequence[Surface]
@@ -241,7 +241,7 @@ class Crossroads:
         """
         try:
             later, there = self._follow(program, time, state, sides, self.order)
-        except UNDEFINED:
+        except NO_VALUE:
             return [0] * len(surfaces)
         found = []
         for surface in surfaces:
@@ -344,7 +344,7 @@ class Crossroads:
         matrix = np.vstack([np.array(rows).T, np.ones(len(rows))])
         scale = max(1.0, np.abs(matrix).max())
         _, rest = nnls(matrix / scale, np.array([0.0] * len(state) + [1.0]) / scale)
-        if rest > CANCELLED:
+        if rest > CANCELLATION:
             return None
         corner, sides = next(iter(corners.values()))
         zero = Block((), (se.Integer(0),) * len(state))

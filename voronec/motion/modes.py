@@ -21,7 +21,7 @@ from voronec.equations.program import Block, Program
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.straight import with_plain_roots, without_stages
 from voronec.equations.program.walls import (
-    SATURATED,
+    SATURATION,
     Sides,
     Wall,
     has_walls,
@@ -83,14 +83,14 @@ class Modes:
     form: Any
     functions: Mapping[str, Any]
     cusps: frozenset[Any] = frozenset()
-    saturated: Any = SATURATED
+    saturated: Any = SATURATION
     _corners: list[Corner] = field(default_factory=list)
     _floors: dict[Wall, Any] = field(default_factory=dict)
     _gauges: dict[Wall, Callable[..., Any]] = field(default_factory=dict)
 
     @classmethod
     def of(
-        cls, form: Any, functions: Mapping[str, Any], saturated: Any = SATURATED
+        cls, form: Any, functions: Mapping[str, Any], saturated: Any = SATURATION
     ) -> Modes | None:
         """The modes of a form; None where it is smooth.  tanh w counts as flat to the rounding in
         force where |w| is greater than ``saturated``."""

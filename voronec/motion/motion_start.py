@@ -226,7 +226,7 @@ class Outset:
         return cls(start.state, constants, start.notes, exactly, changing, framed)
 
 
-DETERMINED = 1e-9
+LEAST_SINGULAR_VALUE = 1e-9
 """Conditions whose least singular value is below this part of the largest leave w open."""
 ROUNDS = 40
 """Each round of refinement gains the digits of a double, where conditions are not too bad."""
@@ -370,10 +370,12 @@ class _Conditions:
                 "at the initial point, and do not determine the motion; give velocities of "
                 f"coordinates, such as '{free}'"
             )
-        found = np.linalg.pinv(left, DETERMINED) @ right
+        found = np.linalg.pinv(left, LEAST_SINGULAR_VALUE) @ right
         _, sizes, basis = np.linalg.svd(left)
-        free_ways = basis[int((sizes > DETERMINED * sizes.max(initial=0.0)).sum()) :].T
-        rest = np.linalg.pinv(further @ free_ways, DETERMINED) @ (wanted - further @ found)
+        free_ways = basis[int((sizes > LEAST_SINGULAR_VALUE * sizes.max(initial=0.0)).sum()) :].T
+        rest = np.linalg.pinv(further @ free_ways, LEAST_SINGULAR_VALUE) @ (
+            wanted - further @ found
+        )
         return np.asarray(found + free_ways @ rest)
 
     def _pose(self, first: np.ndarray, given: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray]:

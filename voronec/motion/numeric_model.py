@@ -23,7 +23,7 @@ from voronec.motion.vocabulary import OutputTerms, Vocabulary
 
 __all__ = ["ProgrammedModel", "make_model", "numbers_at", "whole"]
 
-_written: WeakKeyDictionary[Model, dict[Any, ProgrammedModel]] = WeakKeyDictionary()
+_MEMORY: WeakKeyDictionary[Model, dict[Any, ProgrammedModel]] = WeakKeyDictionary()
 """What was written for a model, by outputs and events, as long as that lives."""
 
 
@@ -131,7 +131,7 @@ def make_model(
     found = models.of_start(known)
     model, name = found.model, f"{found.name} {[*wanted.names]} {[*functions]}"
     # another start that has the same model has it written already
-    written = _written.setdefault(model, {})
+    written = _MEMORY.setdefault(model, {})
     if name not in written:
         known_before = name in models.packs
         written[name] = models.packs.once(

@@ -10,7 +10,7 @@ import numpy as np
 
 from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError, IntegrationError
-from voronec.motion.steppers.choice import COMPILED, STAGES
+from voronec.motion.steppers.choice import COMPILATION, STAGES
 from voronec.motion.steppers.dop853_source import SHARE
 from voronec.motion.steppers.heyoka_stepper import STRIDE
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
@@ -31,7 +31,7 @@ __all__ = [
     "strides",
 ]
 
-COLLAPSED = 1e-3
+COLLAPSE_RATIO = 1e-3
 """Steps are about as long as the way to the next singularity of a motion in complex time, so that
 this share of the longest one tells how near it passed, and how many digits were lost."""
 
@@ -69,7 +69,7 @@ class StepSizes:
         self.shortest[which] = min(self.shortest[which], shortest)
         self.longest[which] = max(self.longest[which], longest)
 
-    def has_collapsed(self, which: int, share: float = COLLAPSED) -> bool:
+    def has_collapsed(self, which: int, share: float = COLLAPSE_RATIO) -> bool:
         """Whether the steps of a motion became so short that it must have passed a place where its
         equations are singular, or nearly: a pole of coordinates, a zero of a divisor."""
         return bool(self.shortest[which] < share * self.longest[which])
@@ -96,7 +96,7 @@ def is_lasting(
     if grid is None:
         return True
     steps = estimated_steps(Problem(program, states[0], values[0].tolist(), tol), grid)
-    return (steps or 0) * len(states) * STAGES * (program.operations + 1) > COMPILED
+    return (steps or 0) * len(states) * STAGES * (program.operations + 1) > COMPILATION
 
 
 def break_error(reason: str, time: float, state: np.ndarray) -> IntegrationError:

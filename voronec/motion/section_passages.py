@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from voronec.errors import IntegrationError, VoronecError
-from voronec.motion.batches import PASSED, SINGULAR, Lanes
+from voronec.motion.batches import SINGULAR, SINGULAR_PLACE, Lanes
 from voronec.motion.one_by_one import StepSizes, note_step, strides
 from voronec.motion.steppers.run import COLLAPSE, INFINITE
 from voronec.motion.vocabulary import number
@@ -292,7 +292,7 @@ PATIENCE = 50_000
 """Steps without a crossing after which a motion is given up."""
 FEWEST, MOST = 256, 4096
 """Steps between two looks for crossings: each look costs as much as some hundred steps."""
-STARTING = 1e-9
+START_SHARE = 1e-9
 """A crossing sooner than this part of the first step is the start itself."""
 FOREVER = 1e300
 
@@ -486,7 +486,7 @@ def _account(
         _collect(motions, watch, passages, Paths(output.times, series), holds, origin, trusted)
     for k in busy:
         if k in passed and k not in broken:
-            _fail(motions, passages, holds[k], lanes, k, PASSED)
+            _fail(motions, passages, holds[k], lanes, k, SINGULAR_PLACE)
         elif k in broken or k in stuck:
             _fail(motions, passages, holds[k], lanes, k, INFINITE if k in broken else COLLAPSE)
         elif output is None and (i := holds[k]) is not None:
@@ -521,7 +521,7 @@ def _collect(
         return watch.function(t, states, values)
 
     found = zeros(paths, plane, watch.needed, passages.direction)
-    first = STARTING * paths.lengths[0]
+    first = START_SHARE * paths.lengths[0]
     for k, i in enumerate(holds):
         if i is not None:
             _keep(passages, found, k, i, origin[k] + first[k], trusted[k])
@@ -605,10 +605,12 @@ def _follow(
             passages.steps[0] += 1
             note_step(sizes, step)
             if sizes.has_collapsed(0, SINGULAR):
-                raise IntegrationError(f"{PASSED} after t = {step.t_old:.12g}", step.t_old, step.y)
+                raise IntegrationError(
+                    f"{SINGULAR_PLACE} after t = {step.t_old:.12g}", step.t_old, step.y
+                )
             now = float(plane(np.array([step.t]), step.y[None], lane)[0])
             if after is None:
-                after = motions.time + STARTING * (step.t - motions.time)
+                after = motions.time + START_SHARE * (step.t - motions.time)
             # no look where the quantity could not come to zero at twice its latest rate
             length, rise = step.t - step.t_old, abs(now - last)
             near = min(abs(last), abs(now)) <= 2 * max(rise, rate * length)

@@ -229,7 +229,7 @@ def _others(
     return tuple([*first, *second, *rest][:2])
 
 
-GRAZING = 1e-4
+GRAZE = 1e-4
 """A crossing slower than this part of the quantity's largest rate is called near-tangent."""
 
 
@@ -511,7 +511,7 @@ def _section(
         t=t,
         start=start,
         speed=speed,
-        near_tangent=np.abs(speed) < GRAZING * passages.fastest[start],
+        near_tangent=np.abs(speed) < GRAZE * passages.fastest[start],
         touches=tuple(passages.touches),
         ends=tuple(passages.ends(i, motions.wrong) for i in range(len(motions))),
         errors=MappingProxyType({**motions.wrong, **passages.errors}),
@@ -549,7 +549,7 @@ def _driven_section(
         t=np.array([row[1] for row in found.rows]),
         start=start,
         speed=speed,
-        near_tangent=np.abs(speed) < GRAZING * np.array(found.fastest)[start],
+        near_tangent=np.abs(speed) < GRAZE * np.array(found.fastest)[start],
         touches=(),
         ends=tuple(found.ends),
         errors=MappingProxyType(found.errors),

@@ -64,7 +64,7 @@ BUDGET = 3000
 """Evaluations that integrating a window again may take."""
 TWICE = 24
 """Evaluations of a step of DOP853, made from two starts."""
-NEARBY, FINE, LEFT = 1e-7, 1e-11, 1e3
+NEARBY, FINE, MARGIN = 1e-7, 1e-11, 1e3
 """How far from the first another start is, the tolerance from there, and how many tolerances the
 state may be off."""
 
@@ -166,7 +166,7 @@ def again(
             return None
         ends.append(solver.y)
     grown = np.abs(ends[1] - ends[0]) / NEARBY
-    allowed = RELATIVE * size + LEFT * max(tol, FINE) * grown
+    allowed = RELATIVE * size + MARGIN * max(tol, FINE) * grown
     return np.asarray(np.abs(states[-1] - ends[0]) / allowed)
 
 

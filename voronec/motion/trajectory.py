@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Cost", "Trajectory", "assemble_trajectory", "make_trajectory"]
 
-CANCELLED = 1e-6
+CANCELLATION = 1e-6
 """An integral less than this part of its terms counts as starting at zero."""
 SMALL, ROUNDING, NOTHING = 1e-9, 1e-12, 1e-3
 """Terms of an integral that stay below the first may be rounding: they are, below the third part of
@@ -38,7 +38,7 @@ what they are where no state is less than the second."""
 
 FEW = 12
 """So many outputs are named where a trajectory is shown in short."""
-STAYED = "the motion between the instants stayed with the integrator when this was sent"
+NO_INTEGRATOR = "the motion between the instants stayed with the integrator when this was sent"
 
 
 @dataclass(frozen=True)
@@ -173,7 +173,7 @@ class Trajectory:
         held = {f.name: getattr(self, f.name) for f in fields(self)}
         if self.within is None:
             return held
-        return {**held, "within": None, "notes": (*self.notes, STAYED)}
+        return {**held, "within": None, "notes": (*self.notes, NO_INTEGRATOR)}
 
     def plot(self, names: Sequence[str] | None = None) -> Any:
         """Quantities against the time, by default the outputs, as a matplotlib ``Figure``: a
@@ -333,7 +333,7 @@ def _drifts(
     for name, key in watch.integrals.items():
         values, size = series[key], sizes[name]
         start = abs(values[0])
-        scale = start if start > CANCELLED * size else size
+        scale = start if start > CANCELLATION * size else size
         if size <= NOTHING * least.get(name, 0.0) or size == 0:
             scale = least.get(name, 1.0)
         found[name] = float(np.abs(values - values[0]).max() / scale)

@@ -89,7 +89,7 @@ FORMAT = 1
 LONGEST = 20_000
 """A group of entries with more characters is not stored; the values at points stand for it."""
 POINTS = 2
-UNASKED = "not computed"
+ABSENT = "not computed"
 DIGITS = 30
 FACTS = ("base", "fibre", "velocities", "parameters", "relations", "kind", "growth", "integrable")
 
@@ -199,8 +199,8 @@ def _plain_facts(eqs: VoronecEquations) -> dict[str, Any]:
         "velocities": _names(system.velocities),
         "parameters": [p.name for p in system.parameters],
         "kind": _within(lambda: eqs.kind),
-        "growth": UNASKED if general else _within(lambda: [int(n) for n in eqs.growth]),
-        "integrable": UNASKED if general else _within(lambda: [i + 1 for i in eqs.integrable]),
+        "growth": ABSENT if general else _within(lambda: [int(n) for n in eqs.growth]),
+        "integrable": ABSENT if general else _within(lambda: [i + 1 for i in eqs.integrable]),
     }
 
 
@@ -316,7 +316,7 @@ def read_expression(text: Any) -> sp.Expr:
 
 AGREEMENT = sp.Float("1e-24", 30)
 """How far accelerations of 30 digits may lie apart, relative to the largest."""
-SEEN = 201
+INSTANTS = 201
 """At how many instants motions are compared."""
 
 
@@ -547,7 +547,7 @@ def _deviations(ours: Any, theirs: Any) -> dict[str, float]:
 
     scene = ours.system.scenes["default"]
     begin, end = map(float, scene.times)
-    grid = np.linspace(begin, end, SEEN)
+    grid = np.linspace(begin, end, INSTANTS)
     outputs = _variables(ours.system)
     first = integrate(ours, scene="default", times=grid, outputs=outputs)
     shared = {p.name for p in theirs.system.parameters} & {*first.parameters}

@@ -22,7 +22,7 @@ from voronec.errors import DefinitionError, EngineLimit, IntegrationError, Voron
 from voronec.motion import integrate
 
 __all__ = [
-    "NEEDED",
+    "ACCURACY",
     "Reference",
     "agreed_reference",
     "difference",
@@ -115,13 +115,13 @@ def precise_states(level: BenchLevel, grid: np.ndarray, digits: int) -> list[lis
     return [[str(x) for x in row] for row in rows]
 
 
-NEEDED = 1e-13
+ACCURACY = 1e-13
 """The accuracy that a reference must have, relative to the size of each output."""
 DIGITS = (24, 32, 50)
 """The digits of the runs; the next number is tried where one does not suffice."""
-CROSSED = 60.0
+CROSS_SPAN = 60.0
 """Over so many units of time a closed form is held against an integration."""
-CHECKED = 41
+CROSS_INSTANTS = 41
 """At so many instants."""
 LONG = 60.0
 """Beyond this span, in units of time, flint is left out where heyoka can run both routes."""
@@ -145,11 +145,11 @@ class Reference:
     note: str = ""
 
 
-def reference(question: BenchMotion, needed: float = NEEDED) -> Reference:
+def reference(question: BenchMotion, needed: float = ACCURACY) -> Reference:
     """The motion of a question, to ``needed`` or better on the part of its grid that is returned.
 
     Where the system declares its motion in closed form, that is the reference, on any grid, and
-    another run of many digits agrees with it over the first ``CROSSED`` units of time.  Raises
+    another run of many digits agrees with it over the first ``CROSS_SPAN`` units of time.  Raises
     ``EngineLimit`` where no two independent runs can be made, and ``IntegrationError`` where
     two agree on no part of the grid.
     """
@@ -178,9 +178,9 @@ def _in_closed_form(question: BenchMotion, needed: float) -> Reference | None:
         return None
     start, end = float(question.grid[0]), float(question.grid[-1])
     crossed = question
-    if question.span > CROSSED:
-        last = start + CROSSED * (1 if end > start else -1)
-        crossed = replace(question, grid=np.linspace(start, last, CHECKED))
+    if question.span > CROSS_SPAN:
+        last = start + CROSS_SPAN * (1 if end > start else -1)
+        crossed = replace(question, grid=np.linspace(start, last, CROSS_INSTANTS))
     try:
         name, run = _routes(crossed, DIGITS[0])[0]
         said = f"the closed form, enclosed to {DIGITS[0] + 5} digits"

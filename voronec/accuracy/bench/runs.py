@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from voronec.accuracy.bench.agreement import NEEDED, Reference, difference, reference
+from voronec.accuracy.bench.agreement import ACCURACY, Reference, difference, reference
 from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, time_fastest
 from voronec.accuracy.bench.peers import PEERS
 from voronec.accuracy.bench.question import BenchMotion
@@ -28,7 +28,7 @@ from voronec.motion.chart_stepper import through_charts
 from voronec.motion.closed_form import closed_form
 from voronec.motion.numeric_model import make_model
 from voronec.motion.steppers import Problem, Stepper
-from voronec.motion.steppers.choice import CLOSED
+from voronec.motion.steppers.choice import CLOSED_FORM
 from voronec.motion.vocabulary import Vocabulary
 
 __all__ = ["CONTENDERS", "contenders", "measure"]
@@ -39,7 +39,7 @@ LONGEST = 30.0
 """Seconds beyond which it is left out."""
 
 COARSE_TO_FINE = (1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16)
-ROUNDED = (1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12, 2.3e-14)
+DOUBLE_TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12, 2.3e-14)
 
 
 def _prepare(question: BenchMotion, method: str, full: bool) -> Run:
@@ -64,7 +64,7 @@ def _prepare(question: BenchMotion, method: str, full: bool) -> Run:
     def run(tol: float) -> Outcome:
         trajectory = once(question.grid, tol)
         seconds = float(trajectory.cost.cpu)
-        if method == CLOSED:
+        if method == CLOSED_FORM:
             seconds = _evaluation_time(question)
         elif method != "flint" and not trajectory.interrupted:
             if tol not in made:
@@ -133,10 +133,10 @@ def _own(name: str, about: str, method: str, tols: tuple[float, ...], full: bool
 OWN = (
     _own("heyoka", "ours: Taylor method, smallest model", "heyoka", COARSE_TO_FINE, False),
     _own("heyoka-full", "ours: Taylor method, all coordinates", "heyoka", COARSE_TO_FINE, True),
-    _own("scipy", "ours: scipy's DOP853, smallest model", "scipy", ROUNDED, False),
-    _own("numba", "ours: DOP853 compiled, smallest model", "numba", ROUNDED, False),
-    _own("lsoda", "ours: scipy's LSODA, smallest model", "lsoda", ROUNDED[:-1], False),
-    _own(CLOSED, "ours: the motion in closed form, evaluated", CLOSED, (1e-16,), False),
+    _own("scipy", "ours: scipy's DOP853, smallest model", "scipy", DOUBLE_TOLERANCES, False),
+    _own("numba", "ours: DOP853 compiled, smallest model", "numba", DOUBLE_TOLERANCES, False),
+    _own("lsoda", "ours: scipy's LSODA, smallest model", "lsoda", DOUBLE_TOLERANCES[:-1], False),
+    _own(CLOSED_FORM, "ours: the motion in closed form, evaluated", CLOSED_FORM, (1e-16,), False),
     _own("flint", "ours: Taylor method in any precision", "flint", (EXACT,), False),
 )
 
@@ -163,7 +163,7 @@ def measure(
     question: BenchMotion,
     methods: Sequence[str] = (),
     tolerances: Sequence[float] = (),
-    needed: float = NEEDED,
+    needed: float = ACCURACY,
     budget: float = BUDGET,
     setup: Callable[[], SetupTime | None] | None = None,
     say: Say | None = None,

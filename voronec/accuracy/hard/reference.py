@@ -42,7 +42,7 @@ from voronec.motion.closed_form import closed_form
 
 __all__ = ["STORE", "Reference", "compute", "perturb", "reference", "slopes"]
 
-CLOSED = 1e-18
+RETURN = 1e-18
 """How far the state may be from its start after one period."""
 ITERATIONS = 12
 LOOKS = 400
@@ -63,7 +63,7 @@ def period(machine: Reel, names: tuple[str, ...], vanishing: str, stretch: float
         if last > 0 and float(before[place]) * float(state[place]) <= 0:
             zero, there = _zero(machine, place, machine.number(last), before)
             apart = (abs(float(a - b)) for a, b in zip(there, machine.begin, strict=True))
-            if max(apart) < CLOSED:
+            if max(apart) < RETURN:
                 return zero
             machine.rewind(machine.number(t), state)
         before, last = state, t
@@ -243,7 +243,7 @@ IN_A_PERIOD = 20
 """At so many instants of a period an angle is looked at, to follow it."""
 FOLLOWABLE = 4000
 """At so many instants at most."""
-FOLLOWED = 2e5
+LONGEST_CHECK = 2e5
 """A periodic motion is followed to the end, as a check of its period, up to this span."""
 
 
@@ -341,7 +341,7 @@ def _run(case: HardCase, asked: PreciseProblem) -> tuple[np.ndarray, np.ndarray]
 
 def _again(case: HardCase, own: VoronecEquations, asked: PreciseProblem) -> tuple[np.ndarray, str]:
     """The outputs once more, as independently as may be, and how."""
-    if case.period and float(case.scene.times[1]) > FOLLOWED:
+    if case.period and float(case.scene.times[1]) > LONGEST_CHECK:
         tol = TOLERANCES[case.arithmetic][1]
         single = reel(asked, case.arithmetic, tol, varied=False)
         length = period(single, asked.names, case.period, float(case.scene.times[1]) / 100)

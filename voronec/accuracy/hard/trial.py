@@ -32,7 +32,7 @@ ROUNDINGS = 100
 TOLERANCES = {"auto": EXACT, "default": 1e-13}
 """What the tool's own choice is asked for: the finest that doubles allow, so that its best is
 shown, as that of each method is; and ``default``, the tolerance of who gives none."""
-KEPT = 1e-12
+DRIFT = 1e-12
 """The drift of integrals that is allowed where the motion itself cannot be had."""
 
 
@@ -126,7 +126,7 @@ def judge(
     met = all((errors[n] <= allowed[n]).all() for n in errors)
     verdict = "met" if met else "missed"
     if min(x.max() for x in allowed.values()) > 1:
-        verdict = "kept" if drift <= KEPT else "lost"
+        verdict = "kept" if drift <= DRIFT else "lost"
     return Trial(
         case.name, method, verdict, error=max(map(_largest, errors.values())),
         condition=reference.largest_condition, roundings=max(map(_largest, made.values())),

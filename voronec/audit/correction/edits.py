@@ -50,7 +50,7 @@ from voronec.audit.latex.nodes import (
 )
 from voronec.audit.latex.reader import read
 from voronec.audit.latex.tokens import ELEMENTARY, Token, tokenize
-from voronec.audit.latex.vocabulary import APPLIED, Vocabulary
+from voronec.audit.latex.vocabulary import CALL, Vocabulary
 from voronec.audit.study import Study
 from voronec.errors import DefinitionError
 
@@ -75,7 +75,7 @@ __all__ = [
 
 
 _CLOSING = frozenset(")]}")
-_TAKING = frozenset(("\\partial", "\\dot", "\\ddot", "\\sqrt", "\\delta", *ELEMENTARY))
+_PREFIXES = frozenset(("\\partial", "\\dot", "\\ddot", "\\sqrt", "\\delta", *ELEMENTARY))
 """Words that something must follow."""
 LONGEST = 40
 """How many words may be said twice."""
@@ -158,7 +158,7 @@ def _arguments(words: Sequence[Token], letters: Sequence[str]) -> Iterator[Chang
     """A letter after a word that something must follow, where nothing does."""
     for word, after in zip(words, (*words[1:], None), strict=True):
         ends = after is None or after.text in {*_CLOSING, *RELATIONS, "+", "-", ","}
-        if word.text in _TAKING and ends:
+        if word.text in _PREFIXES and ends:
             for letter in dict.fromkeys(letters):
                 place = (word.end, word.end, space_after(" " + letter))
                 yield Change((place,), (word.start, word.end))
@@ -285,7 +285,7 @@ def _other_names(spare: Spare, study: Study) -> list[str]:
 
 def _known_letters(study: Study) -> list[str]:
     """The letters of the dictionary."""
-    keys = (key.removesuffix(APPLIED).replace("#", "") for key in study.table)
+    keys = (key.removesuffix(CALL).replace("#", "") for key in study.table)
     return [word.text for key in keys for word in tokenize(key) if is_letter(word)]
 
 
@@ -536,7 +536,7 @@ def _widen(at: Place, words: Sequence[Token], groups: dict[str, str]) -> Place:
         start, end = before[0].start, after[0].end
 
 
-_CLOSED_BY = {"(": ")", "[": "]", "{": "}"}
+_CLOSERS = {"(": ")", "[": "]", "{": "}"}
 _SIGNS = ("\\partial", "d")
 
 
@@ -563,23 +563,23 @@ def repairs(printed: str) -> list[Change]:
         return []
     places = [w for w in reversed(words) if w.start >= opened[-1].end]
     at_end = [insert(words[-1], _closers(opened), after=True)] if len(opened) > 1 else []
-    return at_end + [insert(w, _CLOSED_BY[opened[-1].text], after=True) for w in places]
+    return at_end + [insert(w, _CLOSERS[opened[-1].text], after=True) for w in places]
 
 
 def _open_brackets(words: Sequence[Token]) -> list[Token]:
     """Those that nothing closes; a bracket may close behind one inside it that does not."""
     opened: list[Token] = []
     for word in words:
-        if word.text in _CLOSED_BY:
+        if word.text in _CLOSERS:
             opened.append(word)
-        fitting = [w for w in opened if _CLOSED_BY[w.text] == word.text]
+        fitting = [w for w in opened if _CLOSERS[w.text] == word.text]
         if fitting:
             opened.remove(fitting[-1])
     return opened
 
 
 def _closers(opened: Sequence[Token]) -> str:
-    return "".join(_CLOSED_BY[word.text] for word in reversed(opened))
+    return "".join(_CLOSERS[word.text] for word in reversed(opened))
 
 
 def differentials(words: Sequence[Token]) -> Iterator[Change]:
@@ -605,7 +605,7 @@ def relations(words: Sequence[Token]) -> Iterator[Change]:
     yield insert(words[-1], "=0", after=True)
     depth = 0
     for word in words:
-        depth += (word.text in _CLOSED_BY) - (word.text in _CLOSED_BY.values())
+        depth += (word.text in _CLOSERS) - (word.text in _CLOSERS.values())
         if depth == 0 and word.text in ("+", "-") and word is not words[0]:
             yield replace_word(word, "=")
 

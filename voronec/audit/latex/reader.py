@@ -48,7 +48,7 @@ from voronec.audit.latex.tokens import (
     complain,
     tokenize,
 )
-from voronec.audit.latex.vocabulary import APPLIED, Vocabulary
+from voronec.audit.latex.vocabulary import CALL, Vocabulary
 from voronec.errors import DefinitionError
 
 __all__ = [
@@ -506,14 +506,14 @@ def read_name(source: str, vocabulary: Vocabulary | None = None) -> Node:
 
     ``\zeta(\cdot)`` is the function ``\zeta`` beside a variable of the same name.
     """
-    applied = source.endswith(APPLIED)
-    bare = source.removesuffix(APPLIED)
+    applied = source.endswith(CALL)
+    bare = source.removesuffix(CALL)
     if bare in _SIGN_NAMES:
         return Name(bare)
     reader = Reader(tokenize(bare), bare, vocabulary or Vocabulary(), all_labels=True)
     node = reader.factor()
     reader.expect_end()
-    return replace(node, head=node.head + APPLIED) if applied else node
+    return replace(node, head=node.head + CALL) if applied else node
 
 
 class Reader:

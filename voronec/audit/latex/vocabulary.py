@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 from voronec.audit.latex.tokens import FUNCTIONS
 
-__all__ = ["APPLIED", "Vocabulary"]
+__all__ = ["CALL", "Vocabulary"]
 
-APPLIED = r"(\cdot)"
+CALL = r"(\cdot)"
 r"""Ends the spelling of a name that is a function where a parenthesis follows it, and something
 else where none does: the dictionary holds ``\zeta`` and ``\zeta(\cdot)``."""
 
@@ -36,5 +36,5 @@ class Vocabulary:
         if head in FUNCTIONS:
             return True
         plain = head.rstrip("'")
-        spelled = (head, head + APPLIED, plain, plain + APPLIED)
+        spelled = (head, head + CALL, plain, plain + CALL)
         return any(name in self.functions for name in spelled)

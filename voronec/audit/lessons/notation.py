@@ -26,10 +26,10 @@ _DOTS = {"\N{COMBINING DOT ABOVE}": 1, "\N{COMBINING DIAERESIS}": 2}
 _LETTER = re.compile("([A-Za-z]|[\u0370-\u03ff])([\u0307\u0308]?)")
 _NO_RATIO = ("^", "t", "L", "T", "V")
 """What does not stand behind the ``d`` of a quotient of changes."""
-_RAISED = re.compile("[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+")
+_SUPERSCRIPTS = re.compile("[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+")
 _BEGINNING = re.compile(r"[\s$]*(?:\\\[|\\\(|\\begin\{[a-z]+\*?\})?\s*")
 _END = re.compile(r"[\s$.,;]*(?:\\\]|\\\)|\\end\{[a-z]+\*?\})?[\s$.,;]*$")
-_SPELLED = {
+_COMMANDS = {
     **{command[1:]: command for command in (*ELEMENTARY, *GREEK)},
     **{f"a{name}": f"\\arc{name}" for name in ("sin", "cos", "tan")},
     "sqrt": "\\sqrt",
@@ -45,7 +45,7 @@ _SAME = {
     "\\vert": "|", "\\dfrac": "\\frac", "\\{": "(", "\\}": ")",
 }  # fmt: skip
 """Commands, and what they mean where there are no vectors."""
-_APPLIED = {"abs": "abs", "Abs": "abs", "sgn": "sgn", "sign": "sgn", "signum": "sgn"}
+_FUNCTIONS = {"abs": "abs", "Abs": "abs", "sgn": "sgn", "sign": "sgn", "signum": "sgn"}
 """Functions by name, and what the dictionary calls them."""
 _TAIL = re.compile(
     r"(?:\\q?quad|\\\\|\\hfill|\s)*\(\d+[a-z']?\)\s*$|(?:\\q?quad|\\\\\s|\\\\$)+\s*$"
@@ -68,7 +68,7 @@ def words_of(text: str, spelled: Mapping[str, str]) -> list[Token]:
     words = tokenize(source, start, end)
     words = [_letter(w) for w in words]
     words = _spell_words(
-        source, words, _SPELLED | dict(spelled) if plain else _long(spelled), plain
+        source, words, _COMMANDS | dict(spelled) if plain else _long(spelled), plain
     )
     words = [_common(w) for w in words]
     bars = [w for w in words if w.text == "|"]
@@ -101,7 +101,7 @@ def _in_ascii(source: str, plain: bool) -> str:
         return f"^{{{unicodedata.normalize('NFKC', match[0])}}}".translate(_SIGNS)
 
     parted = unicodedata.normalize("NFD", source)  # letters, and what stands above them
-    return unicodedata.normalize("NFC", _RAISED.sub(exponent, _LETTER.sub(letter, parted)))
+    return unicodedata.normalize("NFC", _SUPERSCRIPTS.sub(exponent, _LETTER.sub(letter, parted)))
 
 
 def _bounds(source: str) -> tuple[int, int]:
@@ -130,8 +130,8 @@ def _common(word: Token) -> Token:
         return replace(word, kind="command" if text.startswith("\\") else "sign", text=text)
     if name in ELEMENTARY and word.kind == "text":
         return replace(word, kind="command", text=name)
-    if name.lstrip("\\") in _APPLIED and word.kind in ("command", "text"):
-        return replace(word, kind="text", text=_APPLIED[name.lstrip("\\")])
+    if name.lstrip("\\") in _FUNCTIONS and word.kind in ("command", "text"):
+        return replace(word, kind="text", text=_FUNCTIONS[name.lstrip("\\")])
     return word
 
 
@@ -227,7 +227,7 @@ def _functions(words: list[Token]) -> list[Token]:
     position = 0
     while position < len(words):
         word, after = words[position], words[position + 1 : position + 2]
-        applied = word.kind == "text" and word.text in _APPLIED.values()
+        applied = word.kind == "text" and word.text in _FUNCTIONS.values()
         power = (
             word.text == "e" and word.kind in ("letter", "text") and after and after[0].text == "^"
         )
@@ -450,7 +450,7 @@ def spelling_of(
     names: Sequence[str], moving: Sequence[str], latex: Callable[[str], str]
 ) -> dict[str, str]:
     r"""Plain names -> LaTeX; of what moves also ``xdot``, ``xddot``; names of functions."""
-    found = {name: f"\\mathrm{{{other}}}" for name, other in _APPLIED.items()}
+    found = {name: f"\\mathrm{{{other}}}" for name, other in _FUNCTIONS.items()}
     found |= {name: latex(name) for name in names}
     for name in moving:
         found |= {name + "dot" * order: f"\\{'d' * order}ot{{{latex(name)}}}" for order in (1, 2)}

@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 
 from voronec.audit.page.symbols import (
     ACCENTS,
+    ACCENTS_OF_WIDTH,
     BRACKETS,
     FONTS,
     FUNCTIONS,
@@ -27,7 +28,6 @@ from voronec.audit.page.symbols import (
     SIGNS,
     SIZES,
     SPACES,
-    STRETCHED,
     letter_in_font,
 )
 from voronec.errors import DefinitionError
@@ -100,7 +100,7 @@ def is_closed(words: Sequence[Word], opening: str) -> bool:
 _OUTER = re.compile(r"\s*(?:\$\$(.*)\$\$|\$(.*)\$|\\\[(.*)\\\]|\\\((.*)\\\))\s*", re.DOTALL)
 _ALIGNMENT = {"eqnarray": "rcl", "matrix": "c", "pmatrix": "c", "bmatrix": "c", "cases": "l"}
 _TEXTS = {"\\text", "\\mathrm", "\\mbox", "\\operatorname", "\\textrm", "\\mathsf", "\\mathtt"}
-_FENCED = {"pmatrix": "()", "bmatrix": "[]", "vmatrix": "||"}
+_FENCES = {"pmatrix": "()", "bmatrix": "[]", "vmatrix": "||"}
 
 
 @dataclass(frozen=True)
@@ -283,10 +283,10 @@ class _Parser:
         closing = self.take()
         if closing.kind != "end" or closing.text.split("{")[1] != f"{name}}}":
             raise DefinitionError(f"'{word.text}' is not ended, in '{self.source[:40]}'")
-        if name not in _FENCED:
+        if name not in _FENCES:
             return replace(body, start=word.start, end=closing.end)
-        first = Box("sign", word.start, word.end, _FENCED[name][0])
-        last = Box("sign", closing.start, closing.end, _FENCED[name][1])
+        first = Box("sign", word.start, word.end, _FENCES[name][0])
+        last = Box("sign", closing.start, closing.end, _FENCES[name][1])
         return Box("fence", word.start, closing.end, "left", (first, body, last))
 
     def command(self, word: Word) -> Box:
@@ -318,7 +318,7 @@ class _Parser:
                 self.expect("]")
             body = self.argument()
             return Box("root", word.start, body.end, "", (body, *degree))
-        for kind, table in (("accent", ACCENTS), ("over", STRETCHED)):
+        for kind, table in (("accent", ACCENTS), ("over", ACCENTS_OF_WIDTH)):
             if name in table:
                 body = self.argument()
                 return Box(kind, word.start, body.end, table[name], (body,))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 __all__ = [
     "ACCENTS",
+    "ACCENTS_OF_WIDTH",
     "BRACKETS",
     "FONTS",
     "FUNCTIONS",
@@ -13,7 +14,6 @@ __all__ = [
     "SIGNS",
     "SIZES",
     "SPACES",
-    "STRETCHED",
     "letter_in_font",
 ]
 
@@ -114,7 +114,7 @@ FUNCTIONS = frozenset(
 LIMITS = frozenset({"\\sum", "\\prod", "\\lim", "\\max", "\\min", "\\sup", "\\inf"})
 """Scripts of these stand below and above."""
 ACCENTS = {"dot": "˙", "ddot": "¨", "tilde": "~", "bar": "¯", "hat": "^", "vec": "→", "check": "ˇ"}
-STRETCHED = {
+ACCENTS_OF_WIDTH = {
     "overrightarrow": "→",
     "overline": "¯",
     "widehat": "^",

@@ -37,7 +37,7 @@ from voronec.declaration.system import System, require_possible
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = [
-    "NEEDED",
+    "ROOTS_OF_CLASS",
     "Conditions",
     "conditions",
     "elsewhere",
@@ -49,7 +49,7 @@ __all__ = [
 ]
 
 
-NEEDED = {"B": 1, "C": 2, "C1": 2, "C2": 2, "D1": 1, "D2": 1, "D3": 2, "E1+E2": 2, "A|C": 2}
+ROOTS_OF_CLASS = {"B": 1, "C": 2, "C1": 2, "C2": 2, "D1": 1, "D2": 1, "D3": 2, "E1+E2": 2, "A|C": 2}
 """Roots that phi must have."""
 
 
@@ -194,7 +194,7 @@ REACH = 4
 FEWEST = 3
 """So many draws are looked at exactly where no picture could be made of any."""
 FACTORS = tuple(sp.Rational(*q) for q in ((1, 1), (1, 2), (2, 1), (3, 2), (2, 3), (3, 1), (1, 3)))
-DRAWS, SOLVED, FEW, ROUNDS, TRIED = 3000, 30, 10, 5, 12
+DRAWS, SOLUTIONS, FEW, ROUNDS, CANDIDATES = 3000, 30, 10, 5, 12
 PERIODS = 12
 """A curve that closes after no more periods is liked."""
 
@@ -252,7 +252,7 @@ def _impossible(known: DeclaredTraces, curve: Curve, label: str, own: Mapping[An
         return f"class {label} {curve.title} does not exist: the trace is a parallel with {values}"
     phi = [sp.cancel(c.xreplace(dict(own))) for c in curve.phi]
     degree = max((i for i, c in enumerate(phi) if c != 0), default=-1)
-    needed = NEEDED.get(label, 0)
+    needed = ROOTS_OF_CLASS.get(label, 0)
     if degree < needed:
         return (
             f"class {label} {curve.title} does not exist: it needs a phi with {needed} root"
@@ -302,7 +302,7 @@ class _Search:
             marks = np.where(seen.labels == self.label, marks, -np.inf)
         elif np.all(marks == -np.inf):
             marks[:FEWEST] = -1e9  # what comes of the conditions says why there is no such motion
-        for i in np.argsort(-marks)[:TRIED]:
+        for i in np.argsort(-marks)[:CANDIDATES]:
             if marks[i] == -np.inf:
                 break
             found = self._confirm_start(own, drawn[i])
@@ -316,7 +316,7 @@ class _Search:
         wanted = conditions(self.known, self.curve, self.label)
         plain = len(wanted.vanishing) == 1
         moving = [q for q in system.coordinates if self.known.place.has(q)]
-        for _ in range(DRAWS // 100 if plain else FEW if wanted.further else SOLVED):
+        for _ in range(DRAWS // 100 if plain else FEW if wanted.further else SOLUTIONS):
             angles = {q: sp.Integer(0) for q in system.coordinates}
             angles |= {q: sp.acos(self.dice.choice(COSINES)) for q in moving}
             for found in solutions(wanted, {**own, **angles}, system.velocities):

@@ -38,7 +38,7 @@ from voronec.declaration.system import System
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 
 __all__ = [
-    "UNDECIDED",
+    "NO_VERDICT",
     "Discs",
     "Path",
     "Survey",
@@ -187,7 +187,7 @@ def _beyond(path: Path, centre: np.ndarray, radius: np.ndarray, n: int) -> tuple
     return rate * pace * fall, pace * fall
 
 
-UNDECIDED = "undecided"
+NO_VERDICT = "undecided"
 """The label of a motion on which algebra has no verdict."""
 
 
@@ -228,7 +228,7 @@ def _exact_label(system: System, row: list[Any], trace: str | None) -> tuple[str
             return "parallel", 0
         label = label_trace(closed, curve, counts)
     except EngineLimit:
-        return UNDECIDED, -1
+        return NO_VERDICT, -1
     return label, sum(times % 2 for _, times in counts.inner)
 
 

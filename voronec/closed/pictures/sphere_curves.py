@@ -27,7 +27,7 @@ __all__ = [
 
 FINE = 2e-4
 """How far arcs may lie from the curve, in radii: 1/50 of a point on a sphere of 3 inches."""
-SETTLED = 0.03
+CLOSE = 0.03
 """How far from a curve of every other point the rest may lie; all together err 16 times less."""
 LONG = 0.05
 """A step, in radii, above which a cubic leaves the sphere visibly."""
@@ -171,7 +171,7 @@ def is_resolved(points: np.ndarray, times: np.ndarray | None = None) -> bool:
     coarse = CubicSpline(place[::2], points[::2])
     last = len(points) - 1 - len(points) % 2  # beyond the last even point nothing is between
     off = np.linalg.norm(coarse(place[1:last:2]) - points[1:last:2], axis=1)
-    return bool(off.max() < SETTLED)
+    return bool(off.max() < CLOSE)
 
 
 def great_arcs(points: np.ndarray) -> Arcs:

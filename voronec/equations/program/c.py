@@ -39,7 +39,7 @@ _KEYWORDS = (
     "union unsigned void volatile while asm main NAN INFINITY HUGE_VAL t state parameters inputs "
     "result"
 ).split()
-_REPEATED = 4
+_LONGEST_PRODUCT = 4
 """Up to this exponent a power of a name is a product; above, a call of ``pow``."""
 _SIGN = "static double sign_of(double x) { return (x > 0.0) - (x < 0.0); }\n\n"
 _CARDINAL = {
@@ -53,7 +53,7 @@ _CARDINAL = {
 
 def _power(base: str, exponent: int) -> str:
     """An integer power; a product where it is small."""
-    if exponent <= _REPEATED and base.isidentifier():
+    if exponent <= _LONGEST_PRODUCT and base.isidentifier():
         return f"({'*'.join([base] * exponent)})"
     return f"pow({base}, {exponent}.0)"
 

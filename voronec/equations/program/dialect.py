@@ -16,7 +16,7 @@ from voronec.algebra.numeric_functions import (
     QUOTIENTS,
     SINC_SLOPE,
     SINHC_SLOPE,
-    TANH_REST,
+    TANH_SHORTFALL,
     numeric_name,
 )
 from voronec.equations.program.straight import Block
@@ -43,7 +43,7 @@ FUNCTIONS = (
 ).split()
 """What every dialect has a word for; the rest is rewritten in terms of these."""
 
-_REWRITTEN: dict[type, Callable[[Any], Any]] = {
+_BY_OTHERS: dict[type, Callable[[Any], Any]] = {
     se.cot: lambda x: 1 / se.tan(x),
     se.sec: lambda x: 1 / se.cos(x),
     se.csc: lambda x: 1 / se.sin(x),
@@ -54,7 +54,7 @@ SLOPES = {
     SINC_SLOPE: ("sinc_slope", "sin(x) - x*cos(x)"),
     SINHC_SLOPE: ("sinhc_slope", "x*cosh(x) - sinh(x)"),
     EXPREL_SLOPE: ("exprel_slope", "(x - 1)*exp(x) + 1"),
-    TANH_REST: ("tanh_rest", "x - tanh(x)"),
+    TANH_SHORTFALL: ("tanh_rest", "x - tanh(x)"),
 }
 """Quotients that cancel near zero, where doubles take their ``series``: a word, what is divided."""
 DOUBLE = 1e-18
@@ -109,7 +109,7 @@ def series(name: str, x: str = "x") -> str:
 
 def rewrite(expr: Any) -> Any | None:
     """cot, sec and their like by the functions that every dialect has; None for others."""
-    rule = _REWRITTEN.get(type(expr))
+    rule = _BY_OTHERS.get(type(expr))
     return rule(*expr.args) if rule else None
 
 

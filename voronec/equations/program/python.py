@@ -31,7 +31,7 @@ from voronec.algebra.numeric_functions import (
     SINHC,
     SINHC_SLOPE,
     SIZE,
-    TANH_REST,
+    TANH_SHORTFALL,
 )
 from voronec.equations.program.dialect import (
     FUNCTIONS,
@@ -74,14 +74,14 @@ _QUOTIENTS |= {"log1p_ratio": "log1p", "atan_ratio": "atan"}
 _CHOICES, _SIZES = {"numpy": "where", "casadi": "if_else"}, {"numpy": "abs", "casadi": "fabs"}
 """Libraries where both ways of a choice are computed, and how they write it, and |x|."""
 _COLUMNS = ("vertsplit", "vertcat", "horzcat")
-_HELPING = tuple(
+_HELPERS = tuple(
     "expm1 where if_else fabs exp sin cos sinh cosh tanh log1p atan arctan hyp0f1 hyp1f1".split()
 )
 _IN_DIGITS = {
     SINC_SLOPE: "hyp0f1(mpf(5)/2, -x*x/4)/3",
     SINHC_SLOPE: "hyp0f1(mpf(5)/2, x*x/4)/3",
     EXPREL_SLOPE: "hyp1f1(2, 3, x)/2",
-    TANH_REST: "hyp0f1(mpf(5)/2, x*x/4)/3/cosh(x)",
+    TANH_SHORTFALL: "hyp0f1(mpf(5)/2, x*x/4)/3/cosh(x)",
 }
 """The slopes of these quotients by hypergeometric functions, which mpmath has in any precision."""
 _NUMPY = {f: f.replace("a", "arc", 1) if f[0] == "a" else f for f in FUNCTIONS} | _NUMERIC
@@ -160,7 +160,7 @@ def scalar_source(program: Program, extras: bool = False) -> str:
     """Python source for compilers: ``rhs(t, x0, x1, ..., parameters)``, one argument for each entry
     of the state, returns a tuple; so does ``extras``, which stands in its place where asked for."""
     words, dialect = {*_FLOATS.dialect.words.values()}, _FLOATS.dialect
-    reserved = {*keyword.kwlist, *_ARGUMENTS, "rhs", "extras", "pi", "jit", *_HELPING, *words}
+    reserved = {*keyword.kwlist, *_ARGUMENTS, "rhs", "extras", "pi", "jit", *_HELPERS, *words}
     names = identifiers([*program.state, *program.parameters], reserved) | {program.time: "t"}
     title, block = ("extras", program.extras) if extras else ("rhs", program.derivative)
     names |= identifiers([n for n, _ in block.assignments], names.values())
@@ -200,7 +200,7 @@ def _nothing(_t: Any, _state: Any, _parameters: Any) -> list[Any]:
 
 def _module(program: Program, flavour: _Flavour, alike: bool = False, slopes: bool = False) -> str:
     dialect = flavour.dialect
-    reserved = {*keyword.kwlist, *_ARGUMENTS, *TITLES, "mpf", "pi", *_HELPING, *_COLUMNS}
+    reserved = {*keyword.kwlist, *_ARGUMENTS, *TITLES, "mpf", "pi", *_HELPERS, *_COLUMNS}
     reserved |= {*dialect.words.values()}
     names = identifiers(arguments_of(program), reserved) | {program.time: "t"}
     parts = [_function(p, program, names, flavour, alike) for p in parts_of(program, slopes)]
@@ -211,7 +211,7 @@ def _module(program: Program, flavour: _Flavour, alike: bool = False, slopes: bo
 def _with_imports(parts: Sequence[str], flavour: _Flavour) -> str:
     """Functions, and before them the imports of what they call."""
     dialect, body = flavour.dialect, "\n\n".join(parts)
-    words = {*dialect.words.values(), "mpf", *_HELPING, *_COLUMNS} - _QUOTIENTS.keys()
+    words = {*dialect.words.values(), "mpf", *_HELPERS, *_COLUMNS} - _QUOTIENTS.keys()
     words -= {word for word, _ in SLOPES.values()}
     used = sorted(words & _called_names(body))
     used += ["pi"] if re.search(r"\bpi\b", body) else []

@@ -107,7 +107,7 @@ def _bracket(terms: list[dict[Any, int]], still: set[Any], choice: Choice) -> An
     return se.Add(factor * bracket, _bracket(outside, still, choice))
 
 
-NESTED = 1_000
+LONGEST_TO_NEST = 1_000
 """Above this many operations sums stay as they are: to try both forms would take too long."""
 
 
@@ -314,7 +314,7 @@ def _derivative(form: FirstOrderForm, known: tuple[Any, ...]) -> Block:
         return _eliminate(form, single, left, blocks, common, fresh)
 
     plain = write(se.sympify)
-    if plain.operations > NESTED:
+    if plain.operations > LONGEST_TO_NEST:
         return plain
     bracketed = write(lambda e: nest_sums(e, form.parameters))
     return min(plain, bracketed, key=lambda block: block.weight(form.parameters))

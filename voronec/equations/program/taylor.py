@@ -27,7 +27,7 @@ from voronec.algebra.numeric_functions import (
     SINHC,
     SINHC_SLOPE,
     SIZE,
-    TANH_REST,
+    TANH_SHORTFALL,
     numeric_name,
 )
 from voronec.equations.program.dialect import rational, rewrite
@@ -181,7 +181,7 @@ _ABOVE: dict[str, Callable[[Any, Any], Any]] = {
     SINC_SLOPE: lambda w, hy: hy.sin(w) - w * hy.cos(w),
     SINHC_SLOPE: lambda w, hy: w * hy.cosh(w) - hy.sinh(w),
     EXPREL_SLOPE: lambda w, hy: (w - 1.0) * hy.exp(w) + 1.0,
-    TANH_REST: lambda w, hy: w - hy.tanh(w),
+    TANH_SHORTFALL: lambda w, hy: w - hy.tanh(w),
     LOG_RATIO: lambda w, hy: _beside_one(w, hy),
     ATAN_RATIO: lambda w, hy: hy.atan(w),
 }

@@ -23,7 +23,7 @@ from voronec.errors import EngineLimit
 
 __all__ = [
     "FLAT",
-    "SATURATED",
+    "SATURATION",
     "Sides",
     "Wall",
     "has_walls",
@@ -32,7 +32,7 @@ __all__ = [
     "radicands",
 ]
 
-SATURATED = se.Integer(17)
+SATURATION = se.Integer(17)
 """tanh w is flat to rounding for |w| a little beyond this: there a series knows nothing of what is
 to come, and a step as long as it allows would go over all of it."""
 FLAT = 0.59
@@ -71,7 +71,7 @@ class Sides:
     number: Callable[[Wall], Any]
     still: frozenset[Any] = frozenset()
     cusps: frozenset[Any] = frozenset()
-    saturated: Any = SATURATED
+    saturated: Any = SATURATION
     walls: dict[Wall, None] = field(default_factory=dict)
     _known: dict[Any, Any] = field(default_factory=dict)
 

@@ -35,7 +35,7 @@ from voronec.algebra.numeric_functions import (
     SINHC,
     SINHC_SLOPE,
     SIZE,
-    TANH_REST,
+    TANH_SHORTFALL,
     numeric_name,
 )
 from voronec.algebra.stable import stable_all
@@ -61,7 +61,7 @@ _FUNCTIONS |= {
     SINC_SLOPE: lambda a: mp.hyp0f1(mp.mpf(5) / 2, -a * a / 4) / 3,
     SINHC_SLOPE: lambda a: mp.hyp0f1(mp.mpf(5) / 2, a * a / 4) / 3,
     EXPREL_SLOPE: lambda a: mp.hyp1f1(2, 3, a) / 2,
-    TANH_REST: lambda a: mp.hyp0f1(mp.mpf(5) / 2, a * a / 4) / 3 / mp.cosh(a),
+    TANH_SHORTFALL: lambda a: mp.hyp0f1(mp.mpf(5) / 2, a * a / 4) / 3 / mp.cosh(a),
     LOG_RATIO: lambda a: mp.log1p(a) / a if a else mp.mpf(1),
     ATAN_RATIO: lambda a: mp.atan(a) / a if a else mp.mpf(1),
     EXPM1: mp.expm1,

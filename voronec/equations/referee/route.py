@@ -46,7 +46,7 @@ __all__ = [
 ]
 
 
-GIVEN = 1e-9
+SLACK = 1e-9
 """How far a point may lie off its relations, and superfluous velocities off each other."""
 
 
@@ -85,7 +85,7 @@ def _settle(plan: Plan, numbers: dict[str, Any]) -> None:
     if not plan.system.fibration.relations:
         return
     residual, jacobian, sizes = _off_relations(plan, numbers)
-    excess = [abs(r) - GIVEN * size for r, size in zip(residual, sizes, strict=True)]
+    excess = [abs(r) - SLACK * size for r, size in zip(residual, sizes, strict=True)]
     if max(excess) > 0:
         worst = excess.index(max(excess))
         raise DefinitionError(
@@ -136,7 +136,7 @@ def _find_velocities(plan: Plan, numbers: dict[str, Any]) -> list[Vector]:
     found = eliminate(matrix, right, width, first=plan.exact)
     _check_consistency(plan, found, "contradicts the others")
     for row, rest in found.leftover.items():
-        if row >= plan.exact and abs(rest) > GIVEN * found.size + _noise(found):
+        if row >= plan.exact and abs(rest) > SLACK * found.size + _noise(found):
             raise DefinitionError(
                 f"the velocity '{plan.velocities[row - plan.exact]}' of the point is off by "
                 f"{mp.nstr(rest, 5)} from what the other velocities, the constraints and the "

@@ -28,12 +28,12 @@ from voronec.declaration.whole_files import make_room, user_cache
 __all__ = ["Packs", "engine_digest"]
 
 T = TypeVar("T")
-KEPT = 300
+FILES = 300
 """So many files stay; those that nobody used for longest give way."""
 ROOMS = ("algebra", "declaration", "equations", "motion")
 """The rooms of the engine that models come from."""
 LIBRARIES = ("sympy", "symengine", "python-flint", "numpy")
-DERIVED_FROM = (
+DYNAMIC_FIELDS = (
     "fibration", "lagrangian", "constraints", "parameters", "possible", "forces", "frame",
     "invariants", "integrals", "inputs", "charts",
 )  # fmt: skip
@@ -51,7 +51,9 @@ class Packs:
 
     def __init__(self, system: System, wanted: Any) -> None:
         self._system = system
-        said = _Spelling().of([engine_digest(), [getattr(system, n) for n in DERIVED_FROM], wanted])
+        said = _Spelling().of(
+            [engine_digest(), [getattr(system, n) for n in DYNAMIC_FIELDS], wanted]
+        )
         self._file = user_cache("models") / sha256(said.encode()).hexdigest()[:32]
         self._packed = _read(self._file)
         self._on_disk = {*self._packed}
@@ -86,7 +88,7 @@ class Packs:
         content = pickle.dumps(self._packed)
         draft = self._file.with_suffix(f".{os.getpid()}")
         with suppress(OSError):
-            make_room(self._file.parent, KEPT)
+            make_room(self._file.parent, FILES)
             self._file.parent.mkdir(parents=True, exist_ok=True)
             draft.write_bytes(sha256(content).hexdigest().encode() + content)
             draft.replace(self._file)

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from voronec.errors import DefinitionError, EngineLimit
-from voronec.motion.methods import CLOSED, METHODS, method_names
+from voronec.motion.methods import CLOSED_FORM, METHODS, method_names
 from voronec.motion.steppers.run import Problem, Stepper, in_pieces
 from voronec.motion.steppers.scipy_stepper import estimated_steps
 from voronec.motion.tolerances import EXACT, FINEST
@@ -31,9 +31,9 @@ TINY = 2_000_000
 """So many operations take Python less time than to compile a heavy program."""
 STAGES = 12
 """Evaluations in a step of DOP853."""
-COMPILED = 20_000_000
+COMPILATION = 20_000_000
 """So many operations take Python a second or two, and numba some seconds to compile for them."""
-LASTING = 100_000
+LONG_RUN = 100_000
 """So many steps of a heavy program take heyoka longer than numba takes to compile and to run."""
 
 
@@ -49,8 +49,8 @@ def choose(method: str, problem: Problem, grid: np.ndarray) -> tuple[Stepper, di
     if method not in method_names():
         known = ", ".join(method_names())
         raise DefinitionError(f"there is no method '{method}'; methods are {known}")
-    if method == CLOSED:
-        raise DefinitionError(f"'{CLOSED}' takes no steps; it evaluates one motion at a time")
+    if method == CLOSED_FORM:
+        raise DefinitionError(f"'{CLOSED_FORM}' takes no steps; it evaluates one motion at a time")
     if not 0 < problem.tol < 1:
         raise DefinitionError(f"tol = {problem.tol} must lie between 0 and 1, such as 1e-13")
     called = problem.changing.python_signal if problem.changing is not None else None
@@ -84,7 +84,7 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
     compiled = METHODS["numba"].is_there and not problem.brief
     if not there and not compiled:
         return "scipy", "heyoka is not installed"
-    cost, enough = STAGES * (problem.program.operations + 1), TINY if there else COMPILED
+    cost, enough = STAGES * (problem.program.operations + 1), TINY if there else COMPILATION
     steps = estimated_steps(problem, grid)
     if steps is None or steps * cost <= enough:
         other = "heyoka" if there else "numba"
@@ -93,7 +93,7 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
         return ("heyoka", "heyoka is installed") if there else ("scipy", "heyoka is not installed")
     if not there:
         return "numba", "heyoka is not installed, and there are many steps"
-    if compiled and steps > LASTING:
+    if compiled and steps > LONG_RUN:
         return "numba", "many steps of a heavy program"
     return "heyoka", "heyoka is installed"
 

@@ -17,9 +17,9 @@ import numpy as np
 
 from voronec.equations.program import Program, hoist, scalar_source
 
-__all__ = ["COLLAPSED", "DONE", "FIRST_GROWTH", "HAPPENING", "LIMIT", "growth", "kernel_source"]
+__all__ = ["END", "EVENT", "FIRST_GROWTH", "LIMIT", "NO_STEP", "growth", "kernel_source"]
 
-DONE, LIMIT, HAPPENING, COLLAPSED = range(4)
+END, LIMIT, EVENT, NO_STEP = range(4)
 """Why ``drive`` came back: the grid ended, so many trials were made, something may happen within
 the last step, or no step was short enough."""
 STAGES = 12

@@ -43,7 +43,7 @@ from voronec.motion.steppers.run import (
 from voronec.motion.steppers.units import angles_among, natural_units
 
 __all__ = [
-    "GROWING",
+    "GROWTH",
     "STRIDE",
     "Winding",
     "heyoka",
@@ -401,7 +401,7 @@ class _Drive:
         found = None
         for k in range(taken):
             length = ta.step(max_delta_t=float(self.grid[-1] - ta.time), write_tc=True)[1]
-            if abs(length) > GROWING * before:
+            if abs(length) > GROWTH * before:
                 allowed = opening(ta.tc, length, self.problem.tol)
                 if allowed < np.inf:
                     found = k, allowed
@@ -529,7 +529,7 @@ STRIDE = 4.0
 """A step so many times the mean of the others of its chunk may have been made too long by
 coefficients that vanish; then the chunk is looked at step by step.  So is each chunk of a run that
 began with such a step, since a motion comes back."""
-GROWING = 1.5
+GROWTH = 1.5
 """Of these, only such are looked at as are so many times longer than the step before."""
 
 
@@ -601,7 +601,7 @@ def overlong_lanes(
         integrator.step(max_delta_t=np.where(still, SPECK, left).tolist(), write_tc=True)
         for lane in np.flatnonzero(suspect & ~found):
             length = abs(integrator.step_res[lane][1])
-            if length > GROWING * before[lane]:
+            if length > GROWTH * before[lane]:
                 tol, tc = integrator.tol, integrator.tc[:, :, lane]
                 found[lane] = opening(tc, length, tol) < np.inf
             before[lane] = length

@@ -25,7 +25,7 @@ from voronec.declaration.whole_files import make_room, user_cache
 
 __all__ = ["kept_function"]
 
-KEPT = 200
+SOURCES = 200
 """How many sources keep their code; those that were made longest ago give way."""
 SOURCE, LIST = "source.py", "digests.json"
 
@@ -49,7 +49,7 @@ def kept_function(
         _forget(folder, "cannot be read")
     text = source()
     try:
-        make_room(folder.parent, KEPT)
+        make_room(folder.parent, SOURCES)
         folder.mkdir(parents=True, exist_ok=True)
         (folder / SOURCE).write_text(text, encoding="utf-8")
     except OSError:  # a folder that cannot be written costs only the time of the next run

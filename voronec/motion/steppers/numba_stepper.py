@@ -17,9 +17,9 @@ import numpy as np
 from voronec.equations.program import Program, hoist, scalar_source
 from voronec.motion.steppers import dop853_source
 from voronec.motion.steppers.dop853_source import (
-    COLLAPSED,
+    EVENT,
     FIRST_GROWTH,
-    HAPPENING,
+    NO_STEP,
     SHARE,
     kernel_source,
 )
@@ -34,7 +34,7 @@ __all__ = ["Loop", "compiled_dop853", "compiled_loop"]
 
 CHUNK = 10_000
 """Steps between two looks at the keyboard."""
-KEPT = 1_000
+TRIALS_WITH_STEPS = 1_000
 """The same where ends of steps, or their dense output, are kept."""
 PARTS = 7
 """Coefficients of the dense output of a step."""
@@ -131,7 +131,7 @@ class Loop:
             return self.stride(self.clock[[2, 0]], self.states[[3, 0]], self.bend.copy())
         problem, n = self.problem, len(self.problem.start)
         keep = problem.dense or problem.marked or problem.suspect is not None
-        room, bent = (KEPT if keep else 1), (KEPT if problem.dense else 1)
+        room, bent = (TRIALS_WITH_STEPS if keep else 1), (TRIALS_WITH_STEPS if problem.dense else 1)
         times, ends, bends = np.empty((room, 2)), np.empty((room, 2, n)), np.empty((bent, PARTS, n))
         order = np.sign(self.grid[-1] - self.grid[0])
         done = int(np.searchsorted(order * self.grid, order * self.clock[0], side="right"))
@@ -141,9 +141,9 @@ class Loop:
             self.grid, self.rows, self.clock, self.counts, self.states, self.bend, times, ends,
             bends, self.scales, *self.fixed, problem.dense, keep, CHUNK,
         )  # fmt: skip
-        self.happening = outcome == HAPPENING
+        self.happening = outcome == EVENT
         kept, taken = int(self.counts[4]), int(self.counts[1]) - steps - self.happening
-        if outcome == COLLAPSED and not taken:
+        if outcome == NO_STEP and not taken:
             raise IntegratorFailure(COLLAPSE)
         when, where = (2, 3) if self.happening else (0, 0)  # it ends before what may happen
         return Stretch(

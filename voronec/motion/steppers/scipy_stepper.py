@@ -19,7 +19,7 @@ __all__ = ["Pace", "dop853", "estimated_steps", "lsoda"]
 
 PATIENCE = 300
 """So many evaluations in turn without a value lead nowhere; scipy would go on for ever."""
-SHORTENED = 0.95
+SHORT = 0.95
 """A step shorter than this part of what was tried first was rejected, or ends the run."""
 TRIAL = 12
 """Steps after which the rest is estimated; the first ones are shorter than those that follow."""
@@ -130,7 +130,7 @@ class Pace:
             return
         length = solver.step_size
         factor = solver.h_abs / length
-        solver.h_abs = length * growth(factor, self.last, length < SHORTENED * tried)
+        solver.h_abs = length * growth(factor, self.last, length < SHORT * tried)
         self.last = factor
 
 

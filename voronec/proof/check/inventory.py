@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Inventory", "graph"]
 
-KEPT = 8
+CATALOGUES = 8
 """Catalogues that are remembered: of a few environments, and of files, that share a home."""
 DECIDER = "voronec.proof.check.survey"
 """The module that loads systems and their relations."""
@@ -58,7 +58,7 @@ class Inventory:
     def contents(self) -> Contents:
         """What the systems declare: as an earlier time found it where nothing has changed."""
         files = closure(e.origin.resolve() for e in self.entries.values() if e.origin is not None)
-        store = Store.of_user("catalogue", KEPT)
+        store = Store.of_user("catalogue", CATALOGUES)
         key = digest(repr(self.entries), sorted(files), DECIDER)
         kept = Contents.from_dict(store.load(key, "contents"))
         if kept is not None:

@@ -177,13 +177,13 @@ def _serve(pipe: Any) -> None:
         pipe.send(examine(unit, bench))
 
 
-KEPT = 3000
+RESULTS = 3000
 """How many results, in whatever state of their sources, are kept."""
 
 
 def user_store() -> Store:
     """Where results are kept between checks."""
-    return Store.of_user("check", KEPT)
+    return Store.of_user("check", RESULTS)
 
 
 def known_results(stock: Inventory, names: Iterable[str] = ()) -> list[Result]:

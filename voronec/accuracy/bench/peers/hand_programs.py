@@ -28,7 +28,7 @@ from voronec.errors import VoronecError
 
 __all__ = [
     "BY_HAND",
-    "HANDWRITTEN",
+    "CONTENDERS_BY_HAND",
     "HandProgram",
     "ball",
     "demchenko",
@@ -249,7 +249,7 @@ def right_side(program: HandProgram) -> Callable[[float, np.ndarray], list[float
     return lambda _t, state: rates(state.tolist())
 
 
-HANDWRITTEN = (
+CONTENDERS_BY_HAND = (
     Contender(
         "heyoka-by-hand", "a heyoka program written by hand, in momentum and normal", TOLERANCES,
         partial(_prepare, by=_by_heyoka),

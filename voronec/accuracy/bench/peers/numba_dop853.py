@@ -21,7 +21,7 @@ from voronec.accuracy.bench.question import BenchMotion
 from voronec.algebra.text import as_expression
 from voronec.equations.program import Program, python_source
 
-__all__ = ["JITTED", "right_hand_side", "stepper_source"]
+__all__ = ["BY_NUMBA", "right_hand_side", "stepper_source"]
 
 STAGES = 12
 LONGEST = 20_000
@@ -219,7 +219,7 @@ def advance(grid, start, parameters, tol, rows):
     return steps, evaluations
 """
 
-JITTED = (
+BY_NUMBA = (
     Contender(
         "dop853-numba", "DOP853 compiled by numba, right-hand side by SymPy", TOLERANCES,
         partial(_prepare, ours=False),

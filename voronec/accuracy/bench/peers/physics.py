@@ -31,7 +31,7 @@ from voronec.errors import VoronecError
 
 __all__ = ["BEST", "DEFAULT", "PHYSICS", "Setting", "model_text"]
 
-OFFERED = ("gamma1", "gamma2", "gamma3", "omega1", "omega2", "omega3")
+OUTPUTS = ("gamma1", "gamma2", "gamma3", "omega1", "omega2", "omega3")
 MOMENTS: Mapping[str, tuple[str, str, str]] = {
     "chaplygin-ball": ("I1", "I2", "I3"),
     "homogeneous-ball": ("A", "A", "A"),
@@ -91,7 +91,7 @@ def _prepare(question: BenchMotion, setting: Setting) -> Run:
     name = question.system.name
     if name not in MOMENTS:
         raise NotHere(f"only for a ball on a plane: {', '.join(MOMENTS)}")
-    require_outputs(question.outputs, OFFERED)
+    require_outputs(question.outputs, OUTPUTS)
     try:
         import mujoco
     except ImportError:
@@ -130,7 +130,7 @@ def _simulate(
     rows, seconds = time_fastest(once)
     if not np.isfinite(rows).all():
         raise NotHere("the simulation became unstable")
-    known = dict(zip(OFFERED, rows.T, strict=True))
+    known = dict(zip(OUTPUTS, rows.T, strict=True))
     states = np.column_stack([known[str(s)] for s in at.field.variables])
     values, drift = at.outputs_and_drift(question.grid, states)
     steps = each * (len(question.grid) - 1)

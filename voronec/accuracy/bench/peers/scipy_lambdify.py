@@ -22,7 +22,7 @@ from voronec.algebra.text import as_expression
 from voronec.equations.vector_field import VectorField
 from voronec.errors import VoronecError
 
-__all__ = ["LAMBDIFIED"]
+__all__ = ["BY_LAMBDIFY"]
 
 TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
 LONGEST = 20_000
@@ -115,7 +115,7 @@ def _peer(method: str, at: str, kind: str = "") -> Contender:
     return Contender(short, about, TOLERANCES, prepare)
 
 
-LAMBDIFIED = (
+BY_LAMBDIFY = (
     _peer("DOP853", "invariants"),
     _peer("DOP853", "invariants", "plain"),
     _peer("DOP853", "coordinates"),

@@ -13,18 +13,18 @@ R = sp.Rational
 u = sp.Symbol("u")
 BALL = ("gamma1", "gamma2", "gamma3", "omega1", "omega2", "omega3")
 CONTACT = (sp.cos(u), "s", "tau", "n")
-ROLLED = {"u": 1, "s": R(1, 5), "n": R(3, 2), "u1": 1}
+DEMCHENKO_START = {"u": 1, "s": R(1, 5), "n": R(3, 2), "u1": 1}
 
 SPANS = (
     HardCase(
         "long", "demchenko",
-        Scene(ROLLED, (0, 10**5), {}, CONTACT,
+        Scene(DEMCHENKO_START, (0, 10**5), {}, CONTACT,
               "Demchenko's ball for 1e5 units of time, tens of thousands of periods."),
         points=11, period="tau", methods=("heyoka",),
     ),
     HardCase(
         "very-long", "demchenko",
-        Scene(ROLLED, (0, 10**6), {}, CONTACT, "The same for 1e6 units."),
+        Scene(DEMCHENKO_START, (0, 10**6), {}, CONTACT, "The same for 1e6 units."),
         points=11, period="tau", methods=("heyoka",),
     ),
     HardCase(
