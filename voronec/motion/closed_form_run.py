@@ -58,7 +58,7 @@ def evaluated_motion(
     if not 0 < tol < 1:
         raise DefinitionError(f"tol = {tol} must lie between 0 and 1, such as 1e-13")
     form = outset.memo.once("closed form", lambda: closed_form_of_start(vocabulary, given, outset))
-    watch, program = _watched(vocabulary, asked, outset.memo)
+    watch, program = _watch_program(vocabulary, asked, outset.memo)
     sight = _Sight(vocabulary, form, watch, program, outset, float(grid[0]), tol)
     if tol >= EXACT:
         outset.memo.once("closed form at the start", lambda: form.modulo(0.0, sight.names))
@@ -82,18 +82,20 @@ def evaluated_motion(
     )
 
 
-def _watched(vocabulary: Vocabulary, asked: Sequence[Any], memo: Memo) -> tuple[Watch, Program]:
+def _watch_program(
+    vocabulary: Vocabulary, asked: Sequence[Any], memo: Memo
+) -> tuple[Watch, Program]:
     """What is watched, and the program for it, once for the same outputs."""
 
-    def made() -> tuple[Watch, Program]:
+    def make() -> tuple[Watch, Program]:
         watch = watch_of(vocabulary, asked)
         if watch.multipliers is not None:
             return watch, whole(vocabulary, asked, {}).program
         return watch, quantities(vocabulary.equations.raw.form, watch.expressions)
 
     if not all(isinstance(x, str | sp.Basic) for x in asked):
-        return made()
-    return memo.once(("watched", tuple(asked)), made)
+        return make()
+    return memo.once(("watched", tuple(asked)), make)
 
 
 @dataclass(frozen=True)

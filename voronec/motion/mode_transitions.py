@@ -468,7 +468,7 @@ class Crossroads:
     def _levels(
         self, corner: Corner, sides: Mapping[Wall, int], along: tuple[Surface, ...]
     ) -> dict[str, Any]:
-        """What falls through zero where a mode ends, by the names of ``_watched``."""
+        """What falls through zero where a mode ends, by the names of ``_watched_surfaces``."""
         levels = {}
         for i, wall in enumerate(corner.walls):
             if wall in {s.wall for s in along}:

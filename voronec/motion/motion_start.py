@@ -82,14 +82,14 @@ def _rates_program(equations: VoronecEquations, form: Any) -> Program:
     """The ``rates_program`` of a form of the equations, kept with them and on disk."""
     kind = "raw" if form is equations.raw.form else "short"
 
-    def made() -> Program:
+    def make() -> Program:
         d = equations.definition
         packs = Packs(equations.system, ["rates", kind, d.near, d.share])
         program = packs.once("program", lambda: rates_program(form))
         packs.keep()
         return program
 
-    return equations.memo.once(("rates", kind), made)
+    return equations.memo.once(("rates", kind), make)
 
 
 def _are_rates(ground: SplitGround, q: np.ndarray, v: np.ndarray, w: np.ndarray) -> bool:

@@ -218,7 +218,7 @@ def _fill(
     span = (float(grid[0]), float(grid[-1]))
     for steps, solver in enumerate(strides("scipy", program, state, values, span, tol), 1):
         note_step(sizes, solver)
-        if crawl.found(steps, solver.t):
+        if crawl.leads_nowhere(steps, solver.t):
             raise break_error(COLLAPSE, solver.t, solver.y)
         reached = int(np.searchsorted(order * grid, order * solver.t, side="right"))
         if reached > done:
@@ -242,7 +242,7 @@ def _fill_by_numba(
         if len(whole):
             sizes.note(0, whole.min(), whole.max())
         steps += stretch.steps
-        if crawl.found(steps, stretch.end):
+        if crawl.leads_nowhere(steps, stretch.end):
             raise break_error(COLLAPSE, stretch.end, stretch.state)
         yield stretch.steps
 

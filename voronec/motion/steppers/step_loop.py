@@ -157,7 +157,7 @@ class Crawl:
     mark: Any
     marked: int = 0
 
-    def found(self, steps: int, time: Any) -> bool:
+    def leads_nowhere(self, steps: int, time: Any) -> bool:
         """Whether the last of so many steps, which came to a time, covered next to nothing."""
         windows = (steps - self.marked) // WINDOW
         if not windows:
@@ -263,7 +263,7 @@ class _March:
                 ticker(self.last.time)
                 if len(self.recent) >= SUSPECTS and (halt := self.singular()):
                     return self.result(halt)
-                if crawl.found(self.steps, self.last.time):
+                if crawl.leads_nowhere(self.steps, self.last.time):
                     return self.result(self.last)
         except KeyboardInterrupt:
             return self.result(interrupted=True)
