@@ -86,7 +86,7 @@ def test_a_misprint_comes_back_from_the_cache_with_all_its_marks(tmp_path):
 
 
 def test_only_so_many_sections_are_kept(tmp_path, monkeypatch):
-    monkeypatch.setattr(cache_module, "KEPT", 2)
+    monkeypatch.setattr(cache_module, "SECTIONS", 2)
     for latex in ("x=x", "2x=x+x", "3x=2x+x", "4x=3x+x"):
         audit_paper(paper([], latex), cache=Cache(tmp_path))
     assert len(list(tmp_path.iterdir())) == 2

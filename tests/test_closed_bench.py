@@ -30,7 +30,7 @@ def test_the_closed_form_takes_part_and_is_the_reference(equations):
 
 
 def test_a_long_motion_is_checked_on_its_beginning(equations, monkeypatch):
-    monkeypatch.setattr(agreement, "CROSSED", 2.0)
+    monkeypatch.setattr(agreement, "CROSS_SPAN", 2.0)
     question = ask(equations, time=300.0, instants=5)
     found = agreement.reference(question)
     assert len(found.t) == 5

@@ -127,7 +127,7 @@ def test_another_default_scene_has_a_model_of_its_own(shelf, no_levels) -> None:
 
 
 def test_those_that_nobody_used_for_longest_give_way(shelf, monkeypatch) -> None:
-    monkeypatch.setattr(packs, "KEPT", 2)
+    monkeypatch.setattr(packs, "FILES", 2)
     for outputs in (("x",), ("y",), ("phi",)):
         motion("sleigh", outputs, {})
     assert len([*shelf.iterdir()]) == 2

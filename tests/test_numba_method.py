@@ -127,7 +127,7 @@ def test_kept_code_is_read_and_damaged_code_is_named_and_made_anew(monkeypatch):
 def test_auto_takes_it_for_long_runs_where_heyoka_is_missing(monkeypatch):
     monkeypatch.setitem(sys.modules, "heyoka", None)
     assert moved("auto").cost.method == "scipy", "a short run"
-    monkeypatch.setattr(choice, "COMPILED", 1000)
+    monkeypatch.setattr(choice, "COMPILATION", 1000)
     found = moved("auto")
     assert found.cost.method == "numba" and "heyoka is not installed" in found.cost.reason
     monkeypatch.setitem(sys.modules, "numba", None)
@@ -159,7 +159,7 @@ def test_ensembles_take_it_where_heyoka_is_missing_and_motions_are_many(monkeypa
     monkeypatch.setitem(sys.modules, "heyoka", None)
     given = {"times": TIMES, "tol": 1e-11, "inputs": {tau: 0}}
     assert vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, **given).cost.method == "scipy"
-    monkeypatch.setattr(single, "COMPILED", 1000)
+    monkeypatch.setattr(single, "COMPILATION", 1000)
     assert vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, **given).cost.method == "numba"
     monkeypatch.setitem(sys.modules, "numba", None)
     assert vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, **given).cost.method == "scipy"
