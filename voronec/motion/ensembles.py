@@ -409,6 +409,8 @@ class _ResultRows:
 def _run(filled: _ResultRows, lanes: Lanes | None, tol: float, jobs: int, progress: Any) -> bool:
     """All motions, block by block; whether it was stopped by hand."""
     sound = np.array(filled.motions.sound, dtype=int)
+    if lanes:  # those that go side by side wait for the slowest
+        sound = sound[np.argsort(filled.motions.paces[sound], kind="stable")]
     size = BATCHES * lanes.width if lanes else TOGETHER if filled.single == "numba" else 1
     blocks = [sound[i : i + size] for i in range(0, len(sound), size)]
     jobs = max(1, min(jobs, len(blocks))) if lanes else 1

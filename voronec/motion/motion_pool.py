@@ -145,6 +145,17 @@ class Many:
         """Positions of the starts from which a motion goes."""
         return [i for i in range(len(self)) if i not in self.wrong]
 
+    @cached_property
+    def paces(self) -> np.ndarray:
+        """The length of velocities and rates at the starts (s,): motions that are alike in it take
+        about as many steps."""
+        names = [f"rate {i}" for i in range(self.states.shape[1])]
+        rhs = compile_program(self.program)[0]
+        slopes = at_each(rhs, names, self.time, self.states, self.values).values()
+        speeds = self.full[:, len(self.vocabulary.equations.definition.coordinates) :]
+        with np.errstate(all="ignore"):
+            return np.linalg.norm(np.column_stack([*slopes, speeds]), axis=1)
+
     @property
     def moving_lanes(self) -> tuple[np.ndarray, np.ndarray]:
         """States and parameters of these."""

@@ -65,7 +65,7 @@ class StartData:
 
 def _spelling(value: Any) -> Hashable | None:
     """A number or a formula, told from all others; None for what may change, or is none."""
-    if type(value) in (int, float, str):
+    if type(value) in (int, float, str, np.float64):
         return type(value).__name__, repr(value)  # zeros differ in sign
     # equal numbers of SymPy may differ in their precision
     exact = isinstance(value, sp.Expr) and not value.has(sp.Float)

@@ -135,9 +135,14 @@ class Probe:
         negative = int((np.linalg.eigvalsh(base / scale) < 0).sum())
 
         def first(t: np.ndarray, states: np.ndarray) -> int | None:
+            if not negative:
+                rows = self._lower_rows(t, states)
+                scaled = [
+                    [x / scale[i, j] for j, x in enumerate(row)] for i, row in enumerate(rows)
+                ]
+                if _are_definite(scaled):
+                    return None
             masses = self.masses(t, states) / scale
-            if not negative and _are_definite(masses):
-                return None
             masses[~np.isfinite(masses).all(axis=(1, 2))] = base / scale
             sizes = np.linalg.eigvalsh(masses)
             small = np.abs(sizes).min(axis=1) < SINGULAR * np.abs(sizes).max(axis=1)
@@ -177,12 +182,17 @@ class Probe:
     def masses(self, t: np.ndarray, states: np.ndarray) -> np.ndarray:
         """Mass matrices (k, n, n) at times (k,) and states (k, m)."""
         n = len(self.form.velocities)
-        with np.errstate(all="ignore"):
-            flat = self._mass_entries(t, list(states.T), self._values(t))
-        result, pairs = np.empty((len(t), n, n)), ((i, j) for i in range(n) for j in range(i + 1))
-        for (i, j), column in zip(pairs, flat, strict=True):
-            result[:, i, j] = result[:, j, i] = column
+        result = np.empty((len(t), n, n))
+        for i, row in enumerate(self._lower_rows(t, states)):
+            for j, column in enumerate(row):
+                result[:, i, j] = result[:, j, i] = column
         return result
+
+    def _lower_rows(self, t: np.ndarray, states: np.ndarray) -> list[list[Any]]:
+        """Their entries on and below the diagonal, row by row, arrays (k,) or constants."""
+        with np.errstate(all="ignore"):
+            flat = iter(self._mass_entries(t, list(states.T), self._values(t)))
+        return [[next(flat) for _ in range(i + 1)] for i in range(len(self.form.velocities))]
 
     def _values(self, t: np.ndarray) -> list[Any]:
         """The parameters at times (k,)."""
@@ -218,17 +228,22 @@ class Probe:
         return ", ".join(f"{name} = {value:.6g}" for name, value in pairs)
 
 
-def _are_definite(masses: np.ndarray) -> bool:
-    """Whether matrices (k, n, n) are positive definite and far from singular, told in a third of
-    the time that their eigenvalues take: the least is at least det / trace^n times the largest."""
+def _are_definite(rows: Sequence[Sequence[Any]]) -> bool:
+    """Whether matrices, given by arrays (k,) of their entries on and below the diagonal, are
+    positive definite and far from singular, told in a tenth of the time that their eigenvalues
+    take: the least is at least det / trace^n times the largest."""
+    rest = [list(row) for row in rows]
+    trace, determinant = sum(row[-1] for row in rows), 1.0
     with np.errstate(all="ignore"):
-        try:
-            roots = np.linalg.cholesky(masses)
-        except np.linalg.LinAlgError:
-            return False
-        determinants = np.diagonal(roots, axis1=1, axis2=2).prod(axis=1) ** 2
-        traces = np.trace(masses, axis1=1, axis2=2)
-        return bool((determinants > SINGULAR * traces ** masses.shape[1]).all())
+        for j, row in enumerate(rest):
+            if not np.all(row[j] > 0):
+                return False
+            determinant = determinant * row[j]
+            for i in range(j + 1, len(rest)):
+                share = rest[i][j] / row[j]
+                for k in range(j + 1, i + 1):
+                    rest[i][k] = rest[i][k] - share * rest[k][j]
+        return bool(np.all(determinant > SINGULAR * trace ** len(rest)))
 
 
 def _smallest(scale: np.ndarray, mass: np.ndarray) -> float:

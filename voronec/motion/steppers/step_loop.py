@@ -228,7 +228,8 @@ class _March:
     states: np.ndarray = field(init=False)
     strides: list[Stride] = field(default_factory=list)
     ends: list[float] = field(default_factory=list)
-    recent: list[tuple[Any, np.ndarray]] = field(default_factory=list)
+    recent: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
+    unseen: int = 0
     done: int = 1
     steps: int = 0
     idle: int = 0
@@ -242,8 +243,7 @@ class _March:
         self.order = 1 if grid[-1] >= grid[0] else -1
         self.forward = self.order * grid
         self.last = Halt(COLLAPSE, grid[0], start)
-        if self.problem.suspect is not None:
-            self.recent.append((grid[0], start))
+        self.suspect(grid[:1], start[None, :])
 
     def run(self) -> Run:
         ticker = Ticker(self.problem.progress, float(self.grid[0]), float(self.grid[-1]))
@@ -261,7 +261,7 @@ class _March:
                     self.steps += 1
                     self.take(stride)
                 ticker(self.last.time)
-                if len(self.recent) >= SUSPECTS and (halt := self.singular()):
+                if self.unseen >= SUSPECTS and (halt := self.singular()):
                     return self.result(halt)
                 if crawl.leads_nowhere(self.steps, self.last.time):
                     return self.result(self.last)
@@ -289,16 +289,20 @@ class _March:
             self.idle = 0
             new = slice(self.done, reached)
             self.states[new] = stride.at(self.grid[new])
-            if self.problem.suspect is not None:
-                self.recent += zip(self.grid[new], self.states[new], strict=True)
+            self.suspect(self.grid[new], self.states[new])
             self.done = reached
         if self.problem.dense:
             self.strides.append(stride)
         if self.problem.marked:
             self.ends.append(float(stride.end))
         self.last = Halt(COLLAPSE, stride.end, stride.state)
+        self.suspect(np.array([stride.end]), stride.state[None, :])
+
+    def suspect(self, times: np.ndarray, states: np.ndarray) -> None:
+        """Have the mass matrices at times (k,) and states (k, n) looked at, before long."""
         if self.problem.suspect is not None:
-            self.recent.append((stride.end, stride.state))
+            self.recent.append((times, states))
+            self.unseen += len(times)
 
     def pass_over(self, stretch: Stretch) -> None:
         """Enter steps in which nothing happens."""
@@ -308,7 +312,7 @@ class _March:
             times = np.concatenate([self.grid[new], stretch.times])
             states = np.vstack([stretch.rows, stretch.states])
             turn = np.argsort(self.order * times, kind="stable")
-            self.recent += zip(times[turn], states[turn], strict=True)
+            self.suspect(times[turn], states[turn])
         self.done, self.steps = new.stop, self.steps + stretch.steps
         self.idle = 0 if len(stretch.rows) else self.idle + stretch.steps
         self.strides += stretch.strides
@@ -338,13 +342,13 @@ class _March:
         """The last state before one with a singular mass matrix, if there is one."""
         if not self.recent or self.problem.suspect is None:
             return None
-        times = np.array([float(t) for t, _ in self.recent])
-        states = np.array([s for _, s in self.recent], dtype=float)
-        found = self.problem.suspect(times, states)
-        previous, self.recent = self.recent, self.recent[-1:]
+        times = np.concatenate([t for t, _ in self.recent])
+        states = np.vstack([rows for _, rows in self.recent])
+        found = self.problem.suspect(times.astype(float), states.astype(float))
+        self.recent, self.unseen = [(times[-1:], states[-1:])], 1
         if found is None:
             return None
-        time, state = previous[max(found - 1, 0)]
+        time, state = times[max(found - 1, 0)], states[max(found - 1, 0)]
         reached = int(np.searchsorted(self.forward, float(self.order * time), side="right"))
         self.done = min(self.done, max(reached, 1))
         return Halt(SINGULAR, time, state, singular=True)
