@@ -106,14 +106,21 @@ def circles(graph: dict[str, set[str]]) -> list[set[str]]:
 
 
 def _lone(graph: dict[str, set[str]]) -> dict[str, str]:
-    """Modules that exactly one other imports, with the idea that each holds."""
-    importers = collections.Counter(b for a in graph for b in graph[a])
+    """Modules that exactly one other imports, with that other and the idea that each holds."""
+    importers: dict[str, list[str]] = collections.defaultdict(list)
+    for a in graph:
+        for b in graph[a]:
+            importers[b].append(a)
     files = {_name(p): p for p in PACKAGE.rglob("*.py")}
     return {
-        m: (ast.get_docstring(ast.parse(files[m].read_text("utf-8"))) or "").partition("\n")[0]
+        f"{m} <- {importers[m][0]}": _idea(files[m])
         for m in sorted(graph)
-        if importers[m] == 1 and files[m].name != "__init__.py"
+        if len(importers[m]) == 1 and files[m].name != "__init__.py"
     }
+
+
+def _idea(path: Path) -> str:
+    return (ast.get_docstring(ast.parse(path.read_text("utf-8"))) or "").partition("\n")[0]
 
 
 def _layers() -> int:
