@@ -14,7 +14,7 @@ import voronec as vo
 from voronec.algebra.symbols import plain_name
 from voronec.equations.program import Program, compile_program
 from voronec.motion.observables import Branch
-from voronec.motion.vocabulary import Vocabulary
+from voronec.motion.request import Vocabulary
 
 ERROR = 2e-9
 

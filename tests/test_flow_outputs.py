@@ -14,7 +14,7 @@ import voronec as vo
 from voronec.equations.program import Program
 from voronec.motion.observables import evaluate_watch, watch_of
 from voronec.motion.reactions import Multipliers
-from voronec.motion.vocabulary import Vocabulary
+from voronec.motion.request import Vocabulary
 
 pytestmark = pytest.mark.slow
 

@@ -10,10 +10,9 @@ import pytest
 import voronec as vo
 from voronec.equations.program import compile_program
 from voronec.motion import initial_state, motion_pool
-from voronec.motion.initial_state import name_values, parameter_values, start_of
-from voronec.motion.request import quantity
+from voronec.motion.initial_state import parameter_values, start_of
+from voronec.motion.request import Vocabulary, name_values, quantity
 from voronec.motion.state_probe import quiet, rates_along
-from voronec.motion.vocabulary import Vocabulary
 
 COUNT = 7
 random = np.random.default_rng(11)

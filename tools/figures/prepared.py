@@ -17,7 +17,7 @@ from voronec.accuracy.bench.peers.hand_programs import BY_HAND, start_values
 from voronec.accuracy.bench.runs import contenders
 from voronec.equations.program import Program, hoist, taylor_system
 from voronec.motion.numeric_model import make_model
-from voronec.motion.vocabulary import Vocabulary
+from voronec.motion.request import Vocabulary
 
 __all__ = ["ROWS"]
 

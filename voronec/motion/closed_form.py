@@ -16,8 +16,7 @@ from voronec.closed.compiled_motion import motion_of
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_possible, require_system
 from voronec.errors import DefinitionError
-from voronec.motion.request import StartData, Values, scene_of
-from voronec.motion.vocabulary import Vocabulary, number
+from voronec.motion.request import StartData, Values, Vocabulary, number, scene_of
 
 if TYPE_CHECKING:
     from voronec.equations.voronec_equations import VoronecEquations

@@ -23,11 +23,10 @@ from voronec.motion.closed_form import closed_form_of_start
 from voronec.motion.motion_start import Outset
 from voronec.motion.numeric_model import whole
 from voronec.motion.observables import Watch, watch_of
-from voronec.motion.request import StartData
+from voronec.motion.request import StartData, Vocabulary
 from voronec.motion.state_probe import quantities
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Trajectory, make_trajectory
-from voronec.motion.vocabulary import Vocabulary
 
 __all__ = ["evaluated_motion"]
 

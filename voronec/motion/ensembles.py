@@ -25,7 +25,9 @@ from voronec.motion.motion_pool import Many, at_each, drifts, many
 from voronec.motion.one_by_one import StopRequest, along_one
 from voronec.motion.request import (  # fmt: skip
     Values,
+    Vocabulary,
     grid_of,
+    held_name,
     outputs_of,
     quantity,
     scene_of,
@@ -35,7 +37,6 @@ from voronec.motion.separate_motions import Apart
 from voronec.motion.soundness import JudgeOfMany
 from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.trajectory import Cost, Trajectory
-from voronec.motion.vocabulary import Vocabulary, held_name
 
 __all__ = ["Ensemble", "ensemble"]
 

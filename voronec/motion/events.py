@@ -11,7 +11,7 @@ import sympy as sp
 
 from voronec.algebra.arguments import COUNT, FLAG, SEVERAL, TEXT, require
 from voronec.errors import DefinitionError, quote
-from voronec.motion.vocabulary import Vocabulary, held_name
+from voronec.motion.request import Vocabulary, held_name
 
 __all__ = ["Crossings", "Event", "name_events"]
 

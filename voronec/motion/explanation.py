@@ -27,8 +27,7 @@ from voronec.motion.model import Model, smallest_model
 from voronec.motion.motion_start import rates_at
 from voronec.motion.numeric_model import numbers_at
 from voronec.motion.reactions import Multipliers
-from voronec.motion.request import StartData, outputs_of, scene_of
-from voronec.motion.vocabulary import Vocabulary, number
+from voronec.motion.request import StartData, Vocabulary, number, outputs_of, scene_of
 
 if TYPE_CHECKING:
     from voronec.motion.model import Role

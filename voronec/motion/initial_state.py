@@ -19,11 +19,11 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import names_in, plain_name, velocity
-from voronec.declaration.reading import fixed_mapping, quote, texts_read
+from voronec.declaration.reading import quote
 from voronec.declaration.system import require_possible
 from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError
-from voronec.motion.vocabulary import Vocabulary, number
+from voronec.motion.request import Vocabulary, name_values, number
 
 if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
@@ -38,7 +38,6 @@ __all__ = [
     "coordinates_of",
     "independent",
     "meet_conditions",
-    "name_values",
     "numbers_of",
     "parameter_values",
     "start_of",
@@ -119,24 +118,6 @@ def _residuals_and_slopes(form: FirstOrderForm) -> tuple[tuple[Any, ...], Callab
     wanted = {str(i): e for i, e in enumerate([*form.relations, *slopes])}
     program = Program.of_extras(form, wanted)
     return program.parameters, compile_program(program)[1]
-
-
-def name_values(vocabulary: Vocabulary, given: Mapping[Any, Any], role: str) -> dict[str, Any]:
-    """Values by plain name; ``role`` is ``parameter`` or ``initial value``."""
-    system = vocabulary.equations.system
-    if role == "parameter":
-        among = [p.name for p in system.parameters]
-    else:
-        constants = {p.name for p in system.parameters}
-        among = [name for name in vocabulary.symbols if name not in constants | {"t"}]
-    result: dict[str, Any] = {}
-    argument = "parameters" if role == "parameter" else "initial"
-    for key, value in texts_read(fixed_mapping(given, argument, "name: value"), role).items():
-        name = vocabulary.name(key, among, role)
-        if name in result:
-            raise DefinitionError(f"system '{system.name}': the {role} '{name}' is given twice")
-        result[name] = value
-    return result
 
 
 def parameter_values(

@@ -38,7 +38,7 @@ from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
 from voronec.motion.motion_start import Outset, WideStart
 from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
 from voronec.motion.observables import Watch, evaluate_watch
-from voronec.motion.request import StartData, grid_of, outputs_of, scene_of
+from voronec.motion.request import StartData, Vocabulary, grid_of, outputs_of, scene_of
 from voronec.motion.singular_coordinates import LAST, NearPole, PoleGuard, charted_directions
 from voronec.motion.soundness import Breach, Judge, Untold, require_branches
 from voronec.motion.split_models import NEAR, SplitGround
@@ -49,7 +49,6 @@ from voronec.motion.steppers.choice import is_exact
 from voronec.motion.steppers.run import Signals, in_kind
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Trajectory, make_trajectory
-from voronec.motion.vocabulary import Vocabulary
 
 __all__ = ["Way", "first_success", "integrate", "other_method"]
 

@@ -42,7 +42,7 @@ from voronec.motion.initial_state import (
     start_of,
 )
 from voronec.motion.model.packs import Packs
-from voronec.motion.request import StartData
+from voronec.motion.request import StartData, Vocabulary
 from voronec.motion.singular_coordinates import (
     POLE,
     blind_directions,
@@ -53,7 +53,6 @@ from voronec.motion.singular_coordinates import (
 from voronec.motion.split_models import NEAR, SplitGround
 from voronec.motion.state_probe import Probe, quantities, rates_program
 from voronec.motion.steppers.run import Signals
-from voronec.motion.vocabulary import Vocabulary
 
 __all__ = ["Exactly", "Outset", "WideStart", "exact_number", "rates_at", "require_inertia"]
 

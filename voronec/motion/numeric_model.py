@@ -17,9 +17,9 @@ from voronec.equations.program import Program, compile_program
 from voronec.equations.program.python import compiled_digits
 from voronec.motion.model import Model, SmallestModels
 from voronec.motion.observables import Branch, Watch, watch_of
+from voronec.motion.request import OutputTerms, Vocabulary
 from voronec.motion.state_probe import Probe, mass_program, quantities
 from voronec.motion.steppers.run import Signals
-from voronec.motion.vocabulary import OutputTerms, Vocabulary
 
 __all__ = ["ProgrammedModel", "make_model", "numbers_at", "whole"]
 

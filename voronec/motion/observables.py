@@ -13,7 +13,7 @@ import symengine as se
 from voronec.equations.program import Program, compile_program
 from voronec.equations.program.python import compiled_digits, precision
 from voronec.motion.reactions import Multipliers
-from voronec.motion.vocabulary import OutputTerms, Vocabulary
+from voronec.motion.request import OutputTerms, Vocabulary
 
 __all__ = ["Branch", "Watch", "evaluate_extras", "evaluate_watch", "watch_of"]
 

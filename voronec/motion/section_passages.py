@@ -16,8 +16,8 @@ import numpy as np
 from voronec.errors import IntegrationError, VoronecError
 from voronec.motion.batches import SINGULAR, SINGULAR_PLACE, Lanes
 from voronec.motion.one_by_one import StepSizes, note_step, strides
+from voronec.motion.request import number
 from voronec.motion.steppers.run import COLLAPSE, INFINITE
-from voronec.motion.vocabulary import number
 
 if TYPE_CHECKING:
     from voronec.motion.motion_pool import Many

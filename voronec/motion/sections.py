@@ -32,13 +32,21 @@ from voronec.motion.events import Event
 from voronec.motion.inputs import drive
 from voronec.motion.integration import integrate
 from voronec.motion.motion_pool import Many, at_each, drifts, many
-from voronec.motion.request import Values, outputs_of, quantity, scene_of, spread_starts
+from voronec.motion.request import (
+    Values,
+    Vocabulary,
+    held_name,
+    number,
+    outputs_of,
+    quantity,
+    scene_of,
+    spread_starts,
+)
 from voronec.motion.section_passages import Passages, Watch, pass_lanes, pass_one_by_one
 from voronec.motion.separate_motions import Apart
 from voronec.motion.soundness import JudgeOfMany
 from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.trajectory import Cost, Trajectory
-from voronec.motion.vocabulary import Vocabulary, held_name, number
 
 __all__ = [
     "DrivenPassages",

@@ -25,6 +25,7 @@ from voronec.motion.divisors import Divisor
 from voronec.motion.events import Crossings, Event
 from voronec.motion.motion_start import WideStart
 from voronec.motion.observables import Watch, evaluate_watch
+from voronec.motion.request import Vocabulary
 from voronec.motion.soundness import Judge
 from voronec.motion.split_models import CLEAR, NEAR, SplitGround, SplitModel, candidates
 from voronec.motion.state_probe import Probe, quantities
@@ -33,7 +34,6 @@ from voronec.motion.steppers.choice import is_exact
 from voronec.motion.steppers.run import part_at
 from voronec.motion.tolerances import FINEST
 from voronec.motion.trajectory import Cost, Trajectory, assemble_trajectory
-from voronec.motion.vocabulary import Vocabulary
 
 __all__ = ["NearDivisor", "SplitRun", "guard_events", "without_guards"]
 

@@ -23,7 +23,7 @@ from voronec.equations.program import Program
 from voronec.errors import DefinitionError
 from voronec.motion.events import Crossings
 from voronec.motion.observables import Watch, evaluate_extras, evaluate_watch
-from voronec.motion.vocabulary import Vocabulary, held_name
+from voronec.motion.request import Vocabulary, held_name
 
 if TYPE_CHECKING:
     from voronec.motion.viewer.page import PageView

@@ -19,7 +19,7 @@ from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, VoronecError, did_you_mean
 from voronec.motion import integrate
 from voronec.motion.inputs import drive
-from voronec.motion.vocabulary import number
+from voronec.motion.request import number
 
 __all__ = ["INSTANTS", "BenchMotion", "ask"]
 

@@ -17,7 +17,7 @@ from voronec.equations.motions import Motions
 from voronec.equations.program import Block, Program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError
-from voronec.motion.vocabulary import Vocabulary
+from voronec.motion.request import Vocabulary
 
 __all__ = ["PreciseProblem", "problem"]
 

@@ -30,12 +30,12 @@ from voronec.equations.voronec_equations import derive
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.motion.closed_form import closed_form
 from voronec.motion.observables import watch_of
-from voronec.motion.vocabulary import Vocabulary
+from voronec.motion.request import Vocabulary
 
 if TYPE_CHECKING:
     from voronec.declaration.system import System
     from voronec.motion.pictures.motion_record import MotionRecord
-    from voronec.motion.vocabulary import Vocabulary
+    from voronec.motion.request import Vocabulary
 
 __all__ = ["LARGEST", "Page", "PageView", "check_shapes", "view_of"]
 
