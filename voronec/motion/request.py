@@ -1,4 +1,4 @@
-"""What a user says of motions, and what it means: names, scene, outputs, times, parameters, starts."""
+"""What a user says of motions, and its meaning: names, scene, outputs, times, parameters, starts."""
 
 from __future__ import annotations
 
