@@ -1,4 +1,4 @@
-"""What a user says of motions, and its meaning: names, scene, outputs, times, parameters, starts."""
+"""What a user says of motions, and its meaning: names, scene, outputs, times, parameters, start."""
 
 from __future__ import annotations
 
