@@ -237,7 +237,11 @@ def _read_forces(
     pushed = [a for a in dict.fromkeys(system.accelerations) if a in door]
     if not pushed:
         return forces, ()
-    linear = AffineForms.of(forces, door.inward_all(pushed))
+    held_accelerations = set(door.inward_all(pushed))
+    bent = (any(f.free_symbols & held_accelerations for f in e.atoms(se.Function)) for e in forces)
+    linear = next((k for k, is_bent in enumerate(bent) if is_bent), None)
+    if linear is None:
+        linear = AffineForms.of(forces, door.inward_all(pushed))
     if isinstance(linear, int):
         raise DefinitionError(
             f"system '{system.name}': the force on '{plain_name(system.directions[linear])}' is "
