@@ -198,7 +198,9 @@ def test_an_error_of_the_door_is_seen_by_the_referee(monkeypatch):
     assert abs(here[q] - there[q]) > 0.1
 
 
-@pytest.mark.parametrize("bend", [sp.sign, sp.floor, sp.Abs, sp.sin, lambda e: sp.Max(e, 0)])
+@pytest.mark.parametrize(
+    "bend", [sp.sign, sp.floor, sp.Abs, sp.sin, lambda e: sp.Max(e, 0), lambda e: sp.sqrt(1 + e)]
+)
 def test_what_bends_an_acceleration_is_not_linear_in_it(bend):
     with pytest.raises(DefinitionError, match="not linear in the accelerations"):
         vo.derive(spring(forces={q: -bend(q.diff(time, 2))}))

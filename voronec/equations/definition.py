@@ -11,7 +11,7 @@ velocities jump too, and the equations between the walls do not say how far.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -237,9 +237,7 @@ def _read_forces(
     pushed = [a for a in dict.fromkeys(system.accelerations) if a in door]
     if not pushed:
         return forces, ()
-    held_accelerations = set(door.inward_all(pushed))
-    bent = (any(f.free_symbols & held_accelerations for f in e.atoms(se.Function)) for e in forces)
-    linear = next((k for k, is_bent in enumerate(bent) if is_bent), None)
+    linear: AffineForms | int | None = _first_bent(forces, set(door.inward_all(pushed)))
     if linear is None:
         linear = AffineForms.of(forces, door.inward_all(pushed))
     if isinstance(linear, int):
@@ -257,6 +255,15 @@ def _read_forces(
             rests[k] += weight * rest
         rows.append(tuple(total))
     return tuple(rests), tuple(rows)
+
+
+def _first_bent(forces: Sequence[Any], accelerations: Set[Any]) -> int | None:
+    """The first force with an acceleration under a function or a root, which may have no slope."""
+    for k, force in enumerate(forces):
+        bends = [p for p in force.atoms(se.Pow) if not p.args[1].is_Integer]
+        if any(f.free_symbols & accelerations for f in (*force.atoms(se.Function), *bends)):
+            return k
+    return None
 
 
 def _rates_of_velocities(
