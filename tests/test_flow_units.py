@@ -39,6 +39,29 @@ def test_a_ball_in_other_units(ball: vo.VoronecEquations, method: str) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "flint"])
+def test_powers_of_a_short_length_cost_no_digits(method: str) -> None:
+    """A quartic potential x^4/l^3: in fixed point the roundings of x^3 are 1/l^3 times as large."""
+    x, y, length = sp.symbols("x y l")
+    Dx, Dy = vo.velocity(x), vo.velocity(y)
+    potential = x**4 / (4 * length**3) + y**2 / (2 * length) + x**2 * y**2 / length**3
+    made = vo.System(
+        name="quartic",
+        fibration=vo.Fibration((x, y)),
+        lagrangian=(Dx**2 + Dy**2) / 2 - length * potential,
+        parameters=(length,),
+    )
+    ends = []
+    for size in (1.0, 2.0**-30, 2.0**30):
+        run = vo.integrate(
+            made, initial={x: size, Dy: 0.25 * size}, parameters={length: size}, times=[0, 7, 20],
+            method=method, tol=1e-20 if method == "flint" else 1e-13,
+        )  # fmt: skip
+        ends.append([float(run[name][-1]) / size for name in ("x", "ydot")])
+    assert np.ptp(ends, axis=0).max() < 1e-11
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["heyoka", "scipy"])
 def test_motions_of_many_sizes_at_once(ball: vo.VoronecEquations, method: str) -> None:
     """An ensemble of balls, and a section, whose units of length differ from motion to motion."""

@@ -391,13 +391,17 @@ class Recurrences:
     constants: dict[str, Any]
     parameters: tuple[Any, ...]
 
+    def magnitude(self, values: Sequence[Any]) -> int:
+        """Bits before the point of the largest constant, which makes roundings so much larger."""
+        numbers = self._numbers(values, 64)
+        return max([0, *(fixed_point(x, 0).bit_length() for x in numbers)])
+
     def expansion(self, values: Sequence[Any], bits: int) -> Expansion:
         """The compiled expansion at parameters, in units of 2^-bits."""
         filename = f"<voronec recurrences {hashlib.sha256(self.source.encode()).hexdigest()[:12]}>"
         lines = self.source.splitlines(keepends=True)
         linecache.cache[filename] = (len(self.source), None, lines, filename)
-        point = {str(p): v for p, v in zip(self.parameters, values, strict=True)}
-        numbers = self._tape.arb({a: point[str(a)] for a in self._tape.atoms}, bits + 64)
+        numbers = self._numbers(values, bits + 64)
         with flint.ctx.workprec(bits + 64):
             known = {
                 name: fixed_point(x, bits) for name, x in zip(self.constants, numbers, strict=True)
@@ -409,6 +413,11 @@ class Recurrences:
         namespace: dict[str, Any] = {"P": bits, "ONE": 1 << bits, **functions, **known}
         exec(code(self.source, filename), namespace)
         return namespace["expand"]
+
+    def _numbers(self, values: Sequence[Any], bits: int) -> list[Any]:
+        """The constants in balls."""
+        point = {str(p): v for p, v in zip(self.parameters, values, strict=True)}
+        return list(self._tape.arb({a: point[str(a)] for a in self._tape.atoms}, bits))
 
     @cached_property
     def _tape(self) -> Tape:

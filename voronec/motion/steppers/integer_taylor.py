@@ -123,7 +123,7 @@ class _Walker:
         self.kept = self.bits - GUARD // 2
         self.order = ceil(ORDER * -log(self.problem.tol)) + 3
         self.units = natural_units(self.problem)
-        self.bits += self._below_one()
+        self.bits += self._below_one() + self._above_one()
         self.expand = self.rules.expansion(self.problem.parameters, self.bits)
         self.state = [_units(x, self.bits) for x in self.problem.start]
         self.time, self.end = (_units(t, self.bits) for t in self.grid[[0, -1]])
@@ -135,6 +135,11 @@ class _Walker:
         values = [abs(float(x)) for x in self.problem.parameters]
         least = min([x for x in (*self.units.tolist(), *values) if x > 0], default=1.0)
         return max(0, ceil(-log2(least))) if least < SMALL else 0
+
+    def _above_one(self) -> int:
+        """Bits that a large constant, such as 1/l^3 of a short length, makes of roundings."""
+        larger = self.rules.magnitude(self.problem.parameters)
+        return larger if larger > NARROW else 0
 
     def advance(self) -> Stride:
         """The next step, as long as the guess or, where that is too long, shorter."""
