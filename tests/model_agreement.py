@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 import voronec as vo
 from voronec.algebra.symbols import plain_name
 from voronec.equations.program import Program, compile_program
-from voronec.motion.observables import Branch
+from voronec.motion.observables import AngleBranch
 from voronec.motion.request import Vocabulary
 
 ERROR = 2e-9
@@ -60,7 +60,7 @@ def followed(model: vo.Model, start: Mapping[Any, float], t: np.ndarray) -> dict
               extras(t, list(states), constants)]  # fmt: skip
     found = dict(zip(program.names, series, strict=True))
     for n, angle in own.angles.items():
-        branch = Branch(f"cos {n}", f"sin {n}", angle.signs(start), start[angle.coordinate])
+        branch = AngleBranch(f"cos {n}", f"sin {n}", angle.signs(start), start[angle.coordinate])
         found[n] = branch.along(found)
     return {n: found[n] for n in (*own.outputs, *own.angles)}
 

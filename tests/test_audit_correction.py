@@ -12,7 +12,7 @@ from voronec.audit import Check, Display, Motion, Range, Section, Study, Transcr
 from voronec.audit.correction import Correction, correct
 from voronec.audit.correction.changes import Change, Spare, apply_pieces
 from voronec.audit.correction.edits import repairs, single_changes
-from voronec.audit.correction.mending import Search
+from voronec.audit.correction.mending import CorrectionSearch
 from voronec.audit.formula import Formula
 from voronec.audit.latex.reader import read
 from voronec.audit.structure import are_multiples
@@ -323,6 +323,6 @@ def test_a_change_is_applied_to_the_text():
 
 
 def test_a_formula_without_numbers_has_no_search():
-    assert Search.of("E=const", Check(), STUDY) is None
-    assert Search.of("a+(b", Check(), STUDY) is None
-    assert Search.of("x=x", Check(), STUDY) is None, "nothing fails"
+    assert CorrectionSearch.of("E=const", Check(), STUDY) is None
+    assert CorrectionSearch.of("a+(b", Check(), STUDY) is None
+    assert CorrectionSearch.of("x=x", Check(), STUDY) is None, "nothing fails"

@@ -12,7 +12,7 @@ from voronec.audit import Check, Display, Motion, Range, Section, Study, Transcr
 from voronec.audit.correction import Correction, Spare, close_brackets, correct
 from voronec.audit.correction.changes import apply_pieces
 from voronec.audit.correction.edits import repairs, single_changes
-from voronec.audit.latex.vocabulary import Vocabulary
+from voronec.audit.latex.vocabulary import LatexVocabulary
 
 pytestmark = pytest.mark.slow
 
@@ -142,7 +142,7 @@ def test_a_letter_in_the_exponent_is_a_small_number():
 
 
 def test_open_brackets_are_closed_at_the_end():
-    plain = Vocabulary()
+    plain = LatexVocabulary()
     assert close_brackets("a(b+[c+(d", plain) == "a(b+[c+(d)])"
     assert close_brackets("a(b)", plain) is None
     assert close_brackets(r"a(b\frobnicate", plain) is None

@@ -8,7 +8,7 @@ import sympy as sp
 from voronec import DefinitionError, prove_equal, velocity
 from voronec.audit import Motion, Study
 from voronec.audit.latex.reader import read
-from voronec.audit.latex.vocabulary import Vocabulary
+from voronec.audit.latex.vocabulary import LatexVocabulary
 from voronec.audit.meaning import direction, evaluate, rate
 
 a, b, u, v, k = sp.symbols("a b u v k")
@@ -75,7 +75,7 @@ def test_a_sum_sign_reaches_over_one_term_and_binds_its_index():
     summed = a * (value("x_1") + value("x_2") + value("x_3"))
     assert value(r"\sum_{i=1}^n x_i a+b") == sp.expand(summed) + b
     assert value(r"\sum_{i=1}^2\sum_{j=1}^i x_j") == 2 * value("x_1") + value("x_2")
-    wide = Vocabulary(wide_sums=True)
+    wide = LatexVocabulary(wide_sums=True)
     assert evaluate(read(r"\sum_{i=1}^n a+b", wide).parts[0], STUDY) == 3 * (a + b)
 
 

@@ -23,7 +23,7 @@ from voronec.audit.latex.nodes import (
     Wedge,
 )
 from voronec.audit.latex.reader import read, read_name
-from voronec.audit.latex.vocabulary import Vocabulary
+from voronec.audit.latex.vocabulary import LatexVocabulary
 from voronec.audit.meaning import evaluate
 from voronec.audit.transcript import Transcript
 from voronec.declaration.catalogue import load_paper
@@ -61,7 +61,7 @@ def test_trees_know_their_place_in_the_source():
 
 def test_a_parenthesis_applies_a_function_only_where_that_is_known():
     assert isinstance(read("P(s+1)").parts[0], Product)
-    assert read("X(x)", Vocabulary(functions=frozenset("X"))).parts[0].arguments
+    assert read("X(x)", LatexVocabulary(functions=frozenset("X"))).parts[0].arguments
     assert len(read(r"T(t,q_1,\dots,q_n)").parts[0].arguments) == 4
     assert isinstance(read(r"\sum_{i=1}^n x_i").parts[0], Bound)
 
@@ -91,7 +91,7 @@ def test_what_is_not_understood_is_named_with_its_place(latex, complaint):
         read(latex)
 
 
-READ_WITH = Vocabulary(
+READ_WITH = LatexVocabulary(
     functions=frozenset([r"\wp", r"\zeta(\cdot)", r"\sigma", "X", r"\phi", "A"]),
     labelled=frozenset(["B", r"\omega"]),
     numbered=frozenset("x"),
@@ -112,7 +112,7 @@ def test_every_display_of_the_paper_is_read_or_its_open_bracket_is_shown():
     assert r">>> (2y\wp'(\zeta)" in complaint
 
 
-def part(latex: str, vocabulary: Vocabulary = READ_WITH):
+def part(latex: str, vocabulary: LatexVocabulary = READ_WITH):
     return read(latex, vocabulary).parts[0]
 
 

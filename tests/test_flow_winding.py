@@ -8,7 +8,7 @@ import symengine as se
 
 import voronec as vo
 from voronec.equations.program import Block
-from voronec.motion.steppers.heyoka_stepper import Winding
+from voronec.motion.steppers.heyoka_stepper import TurnCount
 from voronec.motion.steppers.units import _angles
 
 pytestmark = pytest.mark.slow
@@ -17,7 +17,7 @@ a, b, v = se.symbols("a b v")
 
 
 def test_what_is_taken_out_comes_back_to_a_rounding() -> None:
-    winding = Winding(np.array([0]), np.array([1]), 3, np.ones(3))
+    winding = TurnCount(np.array([0]), np.array([1]), 3, np.ones(3))
     state = np.array([0.1, 40.0, 5.0])
     for _ in range(1000):
         state[:2] += (0.1, 7.0)

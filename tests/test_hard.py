@@ -16,7 +16,7 @@ from voronec.accuracy.hard import CASES, QUICK, HardCase, compute, every_case, r
 from voronec.accuracy.hard.case_program import problem
 from voronec.accuracy.hard.conditioning import UNIT, reel
 from voronec.accuracy.hard.page import cells, page, tally
-from voronec.accuracy.hard.reference import Reference, _stored_references, perturb, slopes
+from voronec.accuracy.hard.reference import HardReference, _stored_references, perturb, slopes
 from voronec.accuracy.hard.trial import TOLERANCES, attempt, judge, trials
 
 pytestmark = pytest.mark.slow
@@ -178,8 +178,8 @@ class _Found(SimpleNamespace):
         return self.series[name]
 
 
-def known(condition: float) -> Reference:
-    return Reference(
+def known(condition: float) -> HardReference:
+    return HardReference(
         np.array([0.0, 1.0]), {"x": np.array([1.0, 2.0])}, {"x": np.array([1.0, condition])}, 0, ""
     )
 
@@ -209,7 +209,9 @@ def test_an_error_is_judged_by_the_condition(
 
 
 def test_an_output_that_is_zero_is_compared_absolutely() -> None:
-    zero = Reference(np.array([0.0, 1.0]), {"x": np.array([0.0, 1e-40])}, {"x": np.ones(2)}, 0, "")
+    zero = HardReference(
+        np.array([0.0, 1.0]), {"x": np.array([0.0, 1e-40])}, {"x": np.ones(2)}, 0, ""
+    )
     case = on_the_line(1.0, 2)
     assert judge(case, "auto", _Found({"x": np.array([0.0, 1e-16])}, 0.0), zero).verdict == "met"
     found = _Found({"x": np.array([0.0, 1e-9])}, 0.0)

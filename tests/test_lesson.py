@@ -13,13 +13,13 @@ import sympy as sp
 from command_line import refused
 
 import voronec as vo
-from voronec.audit.lessons.lesson import Part, _Work
+from voronec.audit.lessons.lesson import LessonStep, _Work
 from voronec.cli import main
 
 told = cache(lambda name: vo.lesson(vo.load(name)))
 
 
-def _part(name: str, title: str) -> Part:
+def _part(name: str, title: str) -> LessonStep:
     (found,) = [part for part in told(name).parts if part.title == title]
     return found
 

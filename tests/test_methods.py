@@ -12,7 +12,7 @@ import sympy as sp
 from tool_modules import tool
 
 import voronec as vo
-from voronec.audit.lessons.methods import METHODS, Comparison, Method, _compare_sides
+from voronec.audit.lessons.methods import METHODS, MethodComparison, MethodEquations, _compare_sides
 from voronec.cli import main
 
 PROBLEMS = ("sleigh", "vertical-disc", "two-wheeled-carriage", "snakeboard", "chaplygin-ball")
@@ -104,7 +104,9 @@ def test_each_method_agrees_with_the_multipliers(name: str) -> None:
             assert abs(sp.N(outside.xreplace(values), 30) - expected[q]) < 1e-20, (method.name, q)
 
 
-def _accelerations(found: Comparison, method: Method, point: dict[Any, Any]) -> dict[Any, Any]:
+def _accelerations(
+    found: MethodComparison, method: MethodEquations, point: dict[Any, Any]
+) -> dict[Any, Any]:
     """The rates of the velocities that a method's equations give."""
     outward, symbols = (
         found.problem.door.outward,

@@ -3,6 +3,7 @@ participles."""
 
 import ast
 import re
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -90,3 +91,20 @@ def test_nouns_and_verbs_are_none(name):
 def test_nothing_is_named_by_a_participle():
     found = [(file, name) for file, name in names() if participle(name)]
     assert [one for one in found if one[1] not in WORDS_OF_THE_PUBLIC] == []
+
+
+def test_a_class_has_its_name_for_itself():
+    """But for the sections of a paper and of motions, both of which users hold, and for parts of a
+    formula, which messages call by the names of their classes."""
+    counts = Counter(
+        node.name
+        for file in PACKAGE.rglob("*.py")
+        for node in ast.walk(ast.parse(file.read_text("utf-8")))
+        if isinstance(node, ast.ClassDef)
+    )
+    assert {name for name, count in counts.items() if count > 1} == {
+        "Elementary",
+        "Integral",
+        "Root",
+        "Section",
+    }

@@ -10,7 +10,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.equations.motions import Motions
-from voronec.proof.quadratures import Ground, statements
+from voronec.proof.quadratures import QuadratureGround, statements
 
 pytestmark = pytest.mark.slow
 
@@ -35,7 +35,7 @@ def field(name):
 
 def verdicts(name, motion=None, only=None):
     """What is decided of a motion of a system; ``only`` the claims that begin with some words."""
-    ground = Ground(field(name), motion or bare(name).motion)
+    ground = QuadratureGround(field(name), motion or bare(name).motion)
     chosen = only or ground.motion.claims
     return {k: decide() for k, decide in statements(ground) if k.startswith(tuple(chosen))}
 

@@ -12,7 +12,7 @@ import numpy as np
 import voronec as vo
 from figures.extent import EXTENT
 from figures.table import Row
-from voronec.accuracy.bench import BenchMotion, Reference, ask, at_error, difference
+from voronec.accuracy.bench import BenchMotion, BenchReference, ask, at_error, difference
 from voronec.accuracy.bench.peers.hand_programs import BY_HAND, start_values
 from voronec.accuracy.bench.runs import contenders
 from voronec.equations.program import Program, hoist, taylor_system
@@ -155,7 +155,7 @@ def minimal() -> Iterator[Row]:
     yield _closed_form_call(question, exact, slow)
 
 
-def _closed_form_call(question: BenchMotion, exact: Reference, full: float) -> Row:
+def _closed_form_call(question: BenchMotion, exact: BenchReference, full: float) -> Row:
     """A whole call for the motion in closed form, against ``full`` seconds of the full model."""
 
     def call() -> vo.Trajectory:
@@ -179,7 +179,7 @@ def _closed_form_call(question: BenchMotion, exact: Reference, full: float) -> R
     )
 
 
-def _demchenko_by_hand(question: BenchMotion) -> Reference:
+def _demchenko_by_hand(question: BenchMotion) -> BenchReference:
     """u and v by a program of its own kind, at the tolerance that drifts least."""
     import heyoka as hy
 
@@ -187,10 +187,10 @@ def _demchenko_by_hand(question: BenchMotion) -> Reference:
     start = hand.start(start_values(question))
     integrator = hy.taylor_adaptive(hand.equations, start.tolist(), tol=1e-16)
     values = hand.back(integrator.propagate_grid(question.grid)[-1])
-    return Reference(question.grid, values, 1e-12, ("by hand", ""))
+    return BenchReference(question.grid, values, 1e-12, ("by hand", ""))
 
 
-def _worst(question: BenchMotion, values: Mapping[str, Any], exact: Reference) -> float:
+def _worst(question: BenchMotion, values: Mapping[str, Any], exact: BenchReference) -> float:
     return max(
         float(difference(values[n], exact.values[n], n in question.angles).max())
         for n in question.outputs

@@ -15,8 +15,8 @@ from figures.table import Row
 from voronec.accuracy.bench import (
     Bench,
     BenchMotion,
+    BenchReference,
     Point,
-    Reference,
     ask,
     difference,
     measure,
@@ -43,7 +43,7 @@ def rows_of(measurement: Callable[[], Iterator[Row]]) -> list[Row]:
 
 
 @cache
-def ball() -> tuple[BenchMotion, Reference]:
+def ball() -> tuple[BenchMotion, BenchReference]:
     """The ball on a sphere, and its motion by two independent runs."""
     question = ask(vo.load("ball-on-sphere"), time=EXTENT.span)
     return question, reference(question, 1e-12)

@@ -26,7 +26,7 @@ import voronec as vo
 from voronec.algebra.symbols import velocity
 from voronec.audit import Check, Sentence
 from voronec.audit.record import worst
-from voronec.audit.run import Item, Work, items
+from voronec.audit.run import AuditItem, Work, items
 from voronec.audit.transcript import formulas_by_label
 from voronec.declaration.catalogue import load_paper
 from voronec.errors import VoronecError
@@ -219,7 +219,7 @@ def _audited(
         vo.derive, vo.descend = derive, descend
 
 
-def _told(work: Work, item: Item) -> Told:
+def _told(work: Work, item: AuditItem) -> Told:
     found = work.examine(item)
     checks: list[Check | Sentence] = [f.display.check(f.position) for f in item.formulas]
     checks += [item.sentence] if item.sentence is not None else []

@@ -17,7 +17,7 @@ from voronec.audit.formula import Formula
 from voronec.audit.latex.nodes import Chain, Integral, Node, Sum
 from voronec.audit.meaning import SENSELESS, evaluate
 from voronec.audit.record import VERDICTS
-from voronec.audit.run import Item, Work, items
+from voronec.audit.run import AuditItem, Work, items
 from voronec.audit.slots import Labels
 from voronec.audit.structure import are_multiples, holds_always, integrand, new_names
 from voronec.audit.transcript import assignments
@@ -49,7 +49,7 @@ class Fault:
 
     def correction(self) -> str | None:
         """What the audit proposes to read instead."""
-        item = Item("display", 1, (self.formula,))
+        item = AuditItem("display", 1, (self.formula,))
         return replace(self.work, corrects=True).examine(item)[0].record.correction
 
 
@@ -119,10 +119,10 @@ class Page:
         return {}
 
     @cached_property
-    def _items(self) -> list[Item]:
+    def _items(self) -> list[AuditItem]:
         return list(items(self._whole.transcript))
 
-    def before(self, item: Item) -> list[Examination]:
+    def before(self, item: AuditItem) -> list[Examination]:
         """The verdicts of a record, or of some of its formulas, without an error."""
         whole = self._items[item.ordinal - 1]
         if item.ordinal not in self._before:
@@ -138,7 +138,7 @@ class Page:
         return (*self.section.displays, *self.section.inline)
 
     @cached_property
-    def _sentences(self) -> list[Item]:
+    def _sentences(self) -> list[AuditItem]:
         return [i for i in self._items if i.sentence is not None]
 
     def latex(self, place: int) -> str:
@@ -156,7 +156,7 @@ class Page:
             here = [i.designation for i in self._items if self._at(i, place)]
         return f"{', '.join(here)} of '{self.section.title}'"
 
-    def _at(self, item: Item, place: int) -> bool:
+    def _at(self, item: AuditItem, place: int) -> bool:
         return bool(item.formulas) and item.formulas[0].display is self._displays[place]
 
     def slips(self) -> Iterator[tuple[int, Slip]]:
@@ -234,7 +234,9 @@ class Page:
         labels = {unit.label for unit in display.units}
         return "" in self._spied[1] or bool(labels & self._spied[1])
 
-    def _pairs(self, work: Work, place: int, display: Display) -> list[tuple[Item | None, Item]]:
+    def _pairs(
+        self, work: Work, place: int, display: Display
+    ) -> list[tuple[AuditItem | None, AuditItem]]:
         """The records at a place before and now, as far as the error is in them."""
         old = [i for i in self._items if self._at(i, place)]
         new = [i for i in items(work.transcript) if i.formulas and i.formulas[0].display is display]
@@ -242,7 +244,7 @@ class Page:
             return [(None, item) for item in new]
         return [(a, b) for a, b in zip(old, new, strict=True) if a.printed != b.printed]
 
-    def _judged(self, work: Work, pairs: list[tuple[Item | None, Item]]) -> Trial | None:
+    def _judged(self, work: Work, pairs: list[tuple[AuditItem | None, AuditItem]]) -> Trial | None:
         """The trial, where the verdict of a record at the place itself has become worse.
 
         The formulas that bear the error are looked at first, and mostly that is enough.
@@ -262,7 +264,7 @@ class Page:
                 return Trial("undecided", _told(found))
         return None
 
-    def _dependents(self, place: int, display: Display) -> Iterator[Item]:
+    def _dependents(self, place: int, display: Display) -> Iterator[AuditItem]:
         """The other records that rest on a place, directly or through definitions."""
         every = [i for i in self._items if not self._at(i, place)]
         yield from (i for i in self._items if self._at(i, place) and len(display.units) > 1)
@@ -281,7 +283,9 @@ class Page:
             if known & uses or any(labels & set(c.given) for c in checks):
                 yield item
 
-    def _survivor(self, work: Work, pairs: list[tuple[Item | None, Item]], slip: Slip) -> Trial:
+    def _survivor(
+        self, work: Work, pairs: list[tuple[AuditItem | None, AuditItem]], slip: Slip
+    ) -> Trial:
         """Whether an error that changes no verdict is one at all."""
         verdicts = "; ".join(_told(work.examine(item)) for _, item in pairs) or "nothing changed"
         same = [old is not None and _same_record(old, item, work) for old, item in pairs]
@@ -290,7 +294,7 @@ class Page:
         return Trial("survived", verdicts)
 
 
-def _fault(work: Work, old: Item | None, item: Item, found: list[Examination]) -> Fault:
+def _fault(work: Work, old: AuditItem | None, item: AuditItem, found: list[Examination]) -> Fault:
     at = next(i for i, e in enumerate(found) if e.record.verdict == _worst(found))
     if old is None:
         return Fault(work, item.formulas[at], ())
@@ -298,7 +302,7 @@ def _fault(work: Work, old: Item | None, item: Item, found: list[Examination]) -
     return Fault(work, item.formulas[at], old.formulas[at : at + 1] if alone else old.formulas)
 
 
-def _narrowed(old: Item | None, new: Item) -> tuple[Item | None, Item]:
+def _narrowed(old: AuditItem | None, new: AuditItem) -> tuple[AuditItem | None, AuditItem]:
     """Two records with only those formulas that differ."""
     if old is None or len(old.formulas) != len(new.formulas):
         return old, new
@@ -333,7 +337,7 @@ def _told(found: list[Examination]) -> str:
     return "no formula" if record is None else f"{record.verdict}, {record.method}"
 
 
-def _same_record(old: Item, item: Item, work: Work) -> bool:
+def _same_record(old: AuditItem, item: AuditItem, work: Work) -> bool:
     """Whether every formula of a record is proved to say what it said before."""
     if len(old.formulas) != len(item.formulas):
         return False

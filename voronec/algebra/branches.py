@@ -24,7 +24,15 @@ from voronec.algebra.groebner import groebner_basis, reduce_by
 from voronec.algebra.ring import Ring
 from voronec.algebra.simple_zeros import compose_on_section, has_simple_zeros
 
-__all__ = ["Branches", "Product", "Wall", "bounds_of", "has_branches", "is_plain", "product_of"]
+__all__ = [
+    "BranchWall",
+    "Branches",
+    "Factorisation",
+    "bounds_of",
+    "has_branches",
+    "is_plain",
+    "product_of",
+]
 
 HALF_PI = se.pi / 2
 _ESSENTIAL = (
@@ -39,7 +47,7 @@ _MANY = (se.sign, se.floor, se.atan, se.acot, se.atan2, se.log, se.atanh, se.Abs
 
 
 @dataclass(frozen=True)
-class Product:
+class Factorisation:
     """content * product of h^k over ``powers``; the h are irreducible, and differ.
 
     ``roots`` are those of the h that are roots themselves, and nowhere negative.
@@ -68,7 +76,7 @@ class Product:
 @lru_cache(maxsize=4096)
 def product_of(
     expr: Any, relations: tuple[Any, ...] = (), moving: frozenset[Any] = frozenset()
-) -> Product:
+) -> Factorisation:
     """The factors of an expression where relations vanish; ``EngineLimit`` where it is too large.
 
     Several products are the same there: one is taken without further multiple zeros, if possible.
@@ -76,7 +84,7 @@ def product_of(
     ring = Ring([expr, *relations])
     value = ring.fraction(expr)
     if value.num == 0:
-        return Product(se.Integer(0), {})
+        return Factorisation(se.Integer(0), {})
     below = ring.field.denominator(value.den)
     plain = _factor(ring, value.num, below)
     if not relations or has_simple_zeros(plain.odd, relations, moving):
@@ -105,7 +113,7 @@ def _reorder(poly: Any, order: Sequence[int], context: Any) -> Any:
     return context.from_dict({tuple(m[i] for i in order): c for m, c in poly.to_dict().items()})
 
 
-def _factor(ring: Ring, above: Any, below: Any) -> Product:
+def _factor(ring: Ring, above: Any, below: Any) -> Factorisation:
     """The factors of a quotient of polynomials, in half angles."""
     halves = _Halves.of(ring)
     content, powers = se.Integer(1), dict[Any, int]()
@@ -118,7 +126,7 @@ def _factor(ring: Ring, above: Any, below: Any) -> Product:
             if h != 1:
                 powers[h] = powers.get(h, 0) + side * int(e)
     roots = frozenset(powers) & {ring.meaning[ring.index(r)] for r in ring.roots.values()}
-    return Product(content, {h: k for h, k in powers.items() if k}, roots)
+    return Factorisation(content, {h: k for h, k in powers.items() if k}, roots)
 
 
 @dataclass(frozen=True)
@@ -160,7 +168,7 @@ class _Halves:
 
 
 @dataclass(frozen=True)
-class Wall:
+class BranchWall:
     """A piece of the zeros of ``function``.
 
     ``above`` and ``below`` are an expression on its sides, ``function`` > 0 and < 0, as functions
@@ -227,12 +235,12 @@ class Branches:
         one, other = (self.product(e).powers for e in (rest, slope * root.args[0]))
         return not any(h.free_symbols & self.moving for h in one.keys() & other.keys())
 
-    def walls(self) -> Iterator[Wall]:
+    def walls(self) -> Iterator[BranchWall]:
         """Every piece of every wall."""
         for h, whole in self._found.items():
             yield from self._pieces(h, whole)
 
-    def product(self, expr: Any) -> Product:
+    def product(self, expr: Any) -> Factorisation:
         """The factors of an expression."""
         return product_of(expr, self.relations, self.moving)
 
@@ -291,7 +299,7 @@ class Branches:
             if h not in found.roots and h.free_symbols & self.moving and (not side or side * k > 0):
                 self._found.setdefault(h)
 
-    def _pieces(self, h: Any, whole: Any) -> Iterator[Wall]:
+    def _pieces(self, h: Any, whole: Any) -> Iterator[BranchWall]:
         waiting: list[dict[Any, int]] = [{}]
         while waiting:
             assumed = waiting.pop()
@@ -304,7 +312,7 @@ class Branches:
                 continue
             edge = any((above.inside[n] + e).expand() == 0 for n, e in below.inside.items())
             where = tuple(s * e for e, s in assumed.items())
-            yield Wall(h, *sides, where, edge, whole and whole[1])
+            yield BranchWall(h, *sides, where, edge, whole and whole[1])
 
 
 class _UnknownSign(Exception):

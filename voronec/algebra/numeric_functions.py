@@ -21,8 +21,8 @@ import symengine as se
 
 __all__ = [
     "ATAN_RATIO", "EXPM1", "EXPREL", "EXPREL_SLOPE", "FORMULAS", "HYPOT", "LOG1P", "LOG_RATIO",
-    "QUOTIENTS", "SINC", "SINC_SLOPE", "SINHC", "SINHC_SLOPE", "SIZE", "TANH_SHORTFALL", "Quotient",
-    "elementary", "formula", "numeric_name",
+    "QUOTIENTS", "SINC", "SINC_SLOPE", "SINHC", "SINHC_SLOPE", "SIZE", "TANH_SHORTFALL",
+    "CardinalQuotient", "elementary", "formula", "numeric_name",
 ]  # fmt: skip
 
 SINC, SINHC, EXPREL = "cardinal sine", "hyperbolic cardinal sine", "relative exponential"
@@ -35,7 +35,7 @@ LOG_RATIO, ATAN_RATIO = "logarithm beside one over its argument", "arctangent ov
 TANH_SHORTFALL = "what a hyperbolic tangent falls short of its argument"
 
 
-class Quotient(NamedTuple):
+class CardinalQuotient(NamedTuple):
     """f(w)/w^power, f given by ``above``, and its power series: ``coefficient`` takes n to p and q
     of p/q w^n.  It is used where |w| is below ``reach``."""
 
@@ -64,29 +64,29 @@ def _turning_sign(n: int) -> int:
     return (1, 0, -1, 0)[n % 4]
 
 
-QUOTIENTS: dict[str, Quotient] = {
-    SINC: Quotient(se.sin, 1, lambda n: (_turning_sign(n), factorial(n + 1))),
-    SINHC: Quotient(se.sinh, 1, lambda n: (1 - n % 2, factorial(n + 1))),
-    EXPREL: Quotient(lambda w: se.exp(w) - 1, 1, lambda n: (1, factorial(n + 1))),
-    SINC_SLOPE: Quotient(
+QUOTIENTS: dict[str, CardinalQuotient] = {
+    SINC: CardinalQuotient(se.sin, 1, lambda n: (_turning_sign(n), factorial(n + 1))),
+    SINHC: CardinalQuotient(se.sinh, 1, lambda n: (1 - n % 2, factorial(n + 1))),
+    EXPREL: CardinalQuotient(lambda w: se.exp(w) - 1, 1, lambda n: (1, factorial(n + 1))),
+    SINC_SLOPE: CardinalQuotient(
         lambda w: se.sin(w) - w * se.cos(w), 3,
         lambda n: ((n + 2) * _turning_sign(n), factorial(n + 3)),
     ),
-    SINHC_SLOPE: Quotient(
+    SINHC_SLOPE: CardinalQuotient(
         lambda w: w * se.cosh(w) - se.sinh(w), 3,
         lambda n: ((n + 2) * (1 - n % 2), factorial(n + 3)),
     ),
-    EXPREL_SLOPE: Quotient(
+    EXPREL_SLOPE: CardinalQuotient(
         lambda w: w * se.exp(w) - se.exp(w) + 1, 2, lambda n: (n + 1, factorial(n + 2))
     ),
-    LOG_RATIO: Quotient(lambda w: se.log(1 + w), 1, lambda n: ((-1) ** n, n + 1), 0.25),
-    TANH_SHORTFALL: Quotient(lambda w: w - se.tanh(w), 3, _tanh_remainder, 0.375),
-    ATAN_RATIO: Quotient(se.atan, 1, lambda n: (_turning_sign(n), n + 1), 0.25),
+    LOG_RATIO: CardinalQuotient(lambda w: se.log(1 + w), 1, lambda n: ((-1) ** n, n + 1), 0.25),
+    TANH_SHORTFALL: CardinalQuotient(lambda w: w - se.tanh(w), 3, _tanh_remainder, 0.375),
+    ATAN_RATIO: CardinalQuotient(se.atan, 1, lambda n: (_turning_sign(n), n + 1), 0.25),
 }  # fmt: skip
 """Functions with a value at zero that a division does not give, by name."""
 
 
-def _with_quotient(quotient: Quotient) -> Callable[[Any], Any]:
+def _with_quotient(quotient: CardinalQuotient) -> Callable[[Any], Any]:
     return lambda w: quotient.above(w) / w**quotient.power
 
 

@@ -111,7 +111,7 @@ def formula(text: str, place: str, names: Mapping[str, Any] | None = None) -> An
     ``place`` says in messages whose text it is; ``names`` are symbols or expressions that names
     stand for, every other name is a symbol.  ``DefinitionError`` names the column at fault.
     """
-    return _Reader(text, place, dict(names or {})).whole()
+    return _FormulaReader(text, place, dict(names or {})).whole()
 
 
 def read_sympy_text(text: str, place: str, names: Mapping[str, Any] | None = None) -> Any:
@@ -120,12 +120,12 @@ def read_sympy_text(text: str, place: str, names: Mapping[str, Any] | None = Non
     Besides what a formula holds these are unknown functions and their derivatives, such as
     ``Derivative(f(x), (x, 2))``.
     """
-    return _Reader(text, place, dict(names or {}), open=True).whole()
+    return _FormulaReader(text, place, dict(names or {}), open=True).whole()
 
 
 def exact_number(text: str, place: str) -> Any:
     """The real number that a text means, exactly: ``-pi/2``, ``acos(-8/17)``, ``1/3``, ``1e-9``."""
-    read = _Reader(text, place, {}, kind="number").whole()
+    read = _FormulaReader(text, place, {}, kind="number").whole()
     if read.free_symbols:
         unknown = min(map(str, read.free_symbols))
         raise DefinitionError(
@@ -159,7 +159,7 @@ def as_expression(thing: Any, place: str = "an expression") -> Any:
 
 
 @dataclass
-class _Reader:
+class _FormulaReader:
     """Recursive descent over the tokens of one text."""
 
     text: str

@@ -39,9 +39,9 @@ from voronec.algebra.typeset import html_table
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = [
-    "Search",
     "Verdict",
     "Witness",
+    "WitnessSearch",
     "all_vanish",
     "decide_equal",
     "decide_zero",
@@ -248,7 +248,7 @@ def decide_equal(
         return Verdict("proved", "zero in exact normal form")
     if tape is None:
         return Verdict("undecided", f"{reason}; {NO_POINT}")
-    found, agreeing = _look_again(Search(a, b, relations, pointwise), tape, relations)
+    found, agreeing = _look_again(WitnessSearch(a, b, relations, pointwise), tape, relations)
     if found is not None:
         point, (left, right) = found
         return Verdict("refuted", "ball arithmetic", witness_at(point, left, right))
@@ -284,7 +284,7 @@ def _difference_in_normal_form(
     return "the normal form of the difference is not zero"
 
 
-def _look_again(search: Search, tape: Tape, relations: Sequence[Any]) -> tuple[Any, int]:
+def _look_again(search: WitnessSearch, tape: Tape, relations: Sequence[Any]) -> tuple[Any, int]:
     """A witness where branches change, or in many more digits; None where there is none, and at
     how many points the sides agree."""
     agreeing = 0 if search.run() else search.agreement_count()
@@ -369,7 +369,7 @@ _SMALL = [flint.fmpq(p, q) for p, q in ((1, 1), (-1, 1), (0, 1), (1, 2), (2, 1),
 
 
 @dataclass
-class Search:
+class WitnessSearch:
     """A search for a point at which two symengine expressions differ, where relations vanish
     and conditions hold.
 

@@ -20,11 +20,11 @@ from voronec.audit.study import Study
 from voronec.audit.transcript import assignments
 from voronec.errors import DefinitionError
 
-__all__ = ["Comparison", "accelerations", "comparisons", "value_of"]
+__all__ = ["FormulaComparison", "accelerations", "comparisons", "value_of"]
 
 
 @dataclass(frozen=True)
-class Comparison:
+class FormulaComparison:
     """Two values that a formula claims to be equal, and for which indices.
 
     ``dots`` are the accelerations, for an equation that may bear a factor.
@@ -37,7 +37,7 @@ class Comparison:
     dots: tuple[Any, ...] = ()
 
 
-def comparisons(chain: Chain, check: Check, study: Study) -> Iterator[Comparison]:
+def comparisons(chain: Chain, check: Check, study: Study) -> Iterator[FormulaComparison]:
     """The values to be compared, one pair at a time."""
     for where in assignments(chain, study):
         if check.stationary:
@@ -61,7 +61,7 @@ def value_of(node: Any, study: Study, where: dict[str, int]) -> Any:
 
 def _identities(
     chain: Chain, check: Check, study: Study, where: dict[str, int]
-) -> Iterator[Comparison]:
+) -> Iterator[FormulaComparison]:
     """Neighbouring parts must be equal; a part that is "const" must not change in time."""
     for group in _equalities(chain):
         # Only a definition may introduce a name; elsewhere an unknown one is an error.
@@ -71,7 +71,7 @@ def _identities(
 
 def _equal_parts(
     chain: Chain, study: Study, where: dict[str, int], new: set[str]
-) -> Iterator[Comparison]:
+) -> Iterator[FormulaComparison]:
     if any(isinstance(p, Integral) and p.upper is None for p in chain.parts):
         rates = [rate(p, study, where) for p in chain.parts]
         for left, right in pairwise(rates):
@@ -111,15 +111,15 @@ def _only_equalities(chain: Chain) -> None:
 
 def _componentwise(
     left: Any, right: Any, where: dict[str, int], about: str = ""
-) -> Iterator[Comparison]:
+) -> Iterator[FormulaComparison]:
     left, right = _as_vectors(left, right)
     if isinstance(left, sp.MatrixBase) != isinstance(right, sp.MatrixBase):
         raise Misprint("a vector is set equal to a number")
     if not isinstance(left, sp.MatrixBase):
-        yield Comparison(left, right, where, about)
+        yield FormulaComparison(left, right, where, about)
         return
     for position, (a, b) in enumerate(zip(left, right, strict=True)):
-        yield Comparison(a, b, where, f"component {position + 1} {about}".strip())
+        yield FormulaComparison(a, b, where, f"component {position + 1} {about}".strip())
 
 
 def _as_vectors(left: Any, right: Any) -> tuple[Any, Any]:
@@ -131,7 +131,7 @@ def _as_vectors(left: Any, right: Any) -> tuple[Any, Any]:
     return left, right
 
 
-def _equation(chain: Chain, check: Check, study: Study, where: dict[str, int]) -> Comparison:
+def _equation(chain: Chain, check: Check, study: Study, where: dict[str, int]) -> FormulaComparison:
     _only_equalities(chain)
     if len(chain.parts) != 2:
         raise Misprint("an equation of motion has two sides, one '=' between them")
@@ -139,7 +139,7 @@ def _equation(chain: Chain, check: Check, study: Study, where: dict[str, int]) -
     truth = call_hook(check.truth, study, where) if check.truth else sp.Integer(0)
     truth = truth.xreplace(dict(study.given))
     about = "left side minus right side"
-    return Comparison(left - right, truth, where, about, accelerations(study))
+    return FormulaComparison(left - right, truth, where, about, accelerations(study))
 
 
 def accelerations(study: Study) -> tuple[Any, ...]:
@@ -150,7 +150,7 @@ def accelerations(study: Study) -> tuple[Any, ...]:
 
 def _stationary(
     chain: Chain, check: Check, study: Study, where: dict[str, int]
-) -> Iterator[Comparison]:
+) -> Iterator[FormulaComparison]:
     """Integration by parts: the coefficient of each independent variation must be the truth."""
     integral = next(p for p in chain.parts if isinstance(p, Integral))
     if check.truth is None:
@@ -166,6 +166,6 @@ def _stationary(
         euler = sp.diff(value, variation) - study.motion.derivative(sp.diff(value, rate))
         number = {**where, letter: position + 1}
         about = "coefficient of the variation"
-        yield Comparison(
+        yield FormulaComparison(
             euler, call_hook(check.truth, study, number), number, about, accelerations(study)
         )

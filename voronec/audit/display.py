@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from voronec.algebra.verdicts import Verdict
-from voronec.audit.latex.displays import Unit, split_display
+from voronec.audit.latex.displays import FormulaUnit, split_display
 from voronec.audit.sentence import Sentence
 from voronec.audit.study import Range, Study
 from voronec.errors import DefinitionError
@@ -124,7 +124,7 @@ class Display:
             raise DefinitionError(f"the display '{start}' holds no formula")
 
     @cached_property
-    def units(self) -> tuple[Unit, ...]:
+    def units(self) -> tuple[FormulaUnit, ...]:
         """What bears one number in print."""
         return split_display(self.latex)
 

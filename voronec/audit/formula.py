@@ -6,10 +6,10 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from voronec.audit.latex.displays import Piece, Unit
+from voronec.audit.latex.displays import FormulaUnit, Piece
 from voronec.audit.latex.nodes import Chain
 from voronec.audit.latex.reader import read_tokens
-from voronec.audit.latex.vocabulary import Vocabulary
+from voronec.audit.latex.vocabulary import LatexVocabulary
 
 __all__ = ["Formula", "source_of"]
 
@@ -19,7 +19,7 @@ class Formula:
     """One formula with its place: unit, piece, position in the display (a ``Display``)."""
 
     display: Any
-    unit: Unit
+    unit: FormulaUnit
     piece: Piece
     position: int
     kind: str = "display"
@@ -29,7 +29,7 @@ class Formula:
         """The formula as it stands in the source, without alignment marks and labels."""
         return source_of(self.piece, self.unit.display)
 
-    def tree(self, vocabulary: Vocabulary) -> Chain:
+    def tree(self, vocabulary: LatexVocabulary) -> Chain:
         """The formula, parsed."""
         return read_tokens(self.piece.tokens, self.unit.display, vocabulary)
 

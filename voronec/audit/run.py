@@ -21,7 +21,7 @@ from voronec.audit.study import Study
 from voronec.audit.transcript import Transcript, formulas_by_label
 from voronec.errors import DefinitionError, did_you_mean
 
-__all__ = ["Item", "Work", "audit_paper", "audit_section", "items"]
+__all__ = ["AuditItem", "Work", "audit_paper", "audit_section", "items"]
 
 Progress = Callable[[str, str], None]
 Stage = Callable[[str, Sequence[Record]], None]
@@ -103,7 +103,7 @@ class _Shelf:
 
 
 @dataclass(frozen=True)
-class Item:
+class AuditItem:
     """What gets one record: the formulas of a unit, or a sentence."""
 
     kind: str
@@ -140,7 +140,7 @@ def audit_section(
     ``labels``: the formulas of the whole paper by their labels, to which sentences may refer.
     """
     work = Work(section, formulas_by_label([section]) if labels is None else labels)
-    done: list[tuple[Item, list[Examination]]] = []
+    done: list[tuple[AuditItem, list[Examination]]] = []
     for item in items(work.transcript):
         found = shelf.load(item.ordinal) if shelf is not None else None
         if found is None:
@@ -154,20 +154,23 @@ def audit_section(
     return tuple(_record(section, item, found, everything) for item, found in done)
 
 
-def items(transcript: Transcript) -> Iterator[Item]:
+def items(transcript: Transcript) -> Iterator[AuditItem]:
     """Units in the order of print, then the formulas of the text, then the sentences."""
     units: dict[int, list[Formula]] = {}
     for formula in transcript.formulas():
         units.setdefault(id(formula.unit), []).append(formula)
     ordinal = 0
     for ordinal, formulas in enumerate(units.values(), start=1):
-        yield Item(formulas[0].kind, ordinal, tuple(formulas))
+        yield AuditItem(formulas[0].kind, ordinal, tuple(formulas))
     for number, sentence in enumerate(transcript.section.sentences, start=ordinal + 1):
-        yield Item("text", number, sentence=sentence)
+        yield AuditItem("text", number, sentence=sentence)
 
 
 def _record(
-    section: Section, item: Item, found: Sequence[Examination], everything: Sequence[Examination]
+    section: Section,
+    item: AuditItem,
+    found: Sequence[Examination],
+    everything: Sequence[Examination],
 ) -> Record:
     formulas = tuple(with_uses(e, everything) for e in found)
     return Record(item.label, section.title, item.ordinal, item.printed, formulas, item.kind)
@@ -208,13 +211,13 @@ class Work:
         bench.refuse_unknown(where)
         return bench
 
-    def examine(self, item: Item) -> list[Examination]:
+    def examine(self, item: AuditItem) -> list[Examination]:
         """The verdicts of an item."""
         if item.sentence is not None:
             return [Examination(judge_sentence(item.sentence, self.bench), item.designation)]
         return [self._formula(formula, item) for formula in item.formulas]
 
-    def _formula(self, formula: Formula, item: Item) -> Examination:
+    def _formula(self, formula: Formula, item: AuditItem) -> Examination:
         check = formula.display.check(formula.position)
         record, chain = judge_formula(formula, check, self.bench)
         marks = formula.piece.quantifiers

@@ -18,7 +18,7 @@ from voronec.algebra.door import Door
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.audit.latex.nodes import Dot, Name, Node, Number, Product, Sum, Variation
 from voronec.audit.latex.reader import read_name
-from voronec.audit.latex.vocabulary import Vocabulary
+from voronec.audit.latex.vocabulary import LatexVocabulary
 from voronec.errors import DefinitionError
 
 __all__ = ["Motion", "Range", "Study", "UnknownRate", "key_of", "spell"]
@@ -232,7 +232,7 @@ class Study:
     def tree(self, name: str) -> Node:
         """The tree of a key of ``names``."""
         try:
-            return read_name(name, Vocabulary(numbered=self.numbered))
+            return read_name(name, LatexVocabulary(numbered=self.numbered))
         except DefinitionError as error:
             text = f"the name '{name}' of the study cannot be read: {error}"
             raise DefinitionError(text) from None
@@ -246,11 +246,11 @@ class Study:
         return isinstance(node, Name) and not node.sub and node.head in self.indices
 
     @cached_property
-    def vocabulary(self) -> Vocabulary:
+    def vocabulary(self) -> LatexVocabulary:
         """What the reader has to know of this dictionary."""
         heads = {_innermost(self.tree(k)).head for k, v in self.names.items() if callable(v)}
         plain = {k for k in heads if k in self.table}
-        return Vocabulary(self.functions | plain, self.labelled, self.numbered)
+        return LatexVocabulary(self.functions | plain, self.labelled, self.numbered)
 
     @cached_property
     def spelling(self) -> dict[Any, str]:

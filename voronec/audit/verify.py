@@ -13,7 +13,7 @@ from voronec.algebra.normal import shorten
 from voronec.algebra.signs import prove_inequality
 from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import Verdict, prove_equal
-from voronec.audit.comparisons import Comparison, accelerations, comparisons, value_of
+from voronec.audit.comparisons import FormulaComparison, accelerations, comparisons, value_of
 from voronec.audit.display import Check, Decision
 from voronec.audit.hooks import HookError, call_hook
 from voronec.audit.latex.nodes import Chain, Integral, Name, Number, walk
@@ -33,7 +33,7 @@ class FormulaOutcome:
     """
 
     verdict: Verdict
-    comparison: Comparison | None = None
+    comparison: FormulaComparison | None = None
     count: int = 0
     ranges: tuple[tuple[Range, Verdict], ...] = ()
     scope: tuple[str, ...] = ()
@@ -117,7 +117,7 @@ def _order_verdict(gaps: Sequence[tuple[Any, str, Any]], where: Range) -> Verdic
     return found[0]
 
 
-def _equal(comparison: Comparison, check: Check, study: Study) -> Verdict:
+def _equal(comparison: FormulaComparison, check: Check, study: Study) -> Verdict:
     left, right = comparison.left, comparison.right
     verdict = prove_equal(left, right, study.relations)
     along = check.truth is None and check.role != "definition"  # what defines is true off it, too

@@ -19,15 +19,15 @@ from flint import arb, ctx
 
 from voronec.closed.arithmetic import angle, ball
 from voronec.closed.inverted_motion import InvertedMotion
-from voronec.closed.space import Composition, product, rotation_to, times, transpose
+from voronec.closed.space import FrameProduct, product, rotation_to, times, transpose
 from voronec.elliptic.roots import OpenDecision
 from voronec.elliptic.theta_balls import moment_of
 
 __all__ = [
     "MOST_BITS",
-    "Passage",
-    "Passages",
-    "Tally",
+    "CapPassage",
+    "CapPassages",
+    "CapTally",
     "certain_floor_sum",
     "first_doubt",
     "floor",
@@ -109,7 +109,7 @@ CHUNK = 1 << 20
 
 
 @dataclass(frozen=True)
-class Tally:
+class CapTally:
     """States of a motion with respect to the caps, and the state at each time.
 
     Attributes:
@@ -126,7 +126,7 @@ class Tally:
     last: np.ndarray
 
 
-def tally(winding: Any, level: Passages, times: np.ndarray) -> Tally:
+def tally(winding: Any, level: CapPassages, times: np.ndarray) -> CapTally:
     """The states at times.
 
     Raises:
@@ -157,17 +157,17 @@ def tally(winding: Any, level: Passages, times: np.ndarray) -> Tally:
 
 
 def _tally_states(
-    winding: Any, level: Passages, state: np.ndarray, numbers: Sequence[Sequence[int]]
-) -> Tally:
+    winding: Any, level: CapPassages, state: np.ndarray, numbers: Sequence[Sequence[int]]
+) -> CapTally:
     """Each state by itself, from how many passages of each kind there have been."""
     inside = [level.inside(row) for row in numbers]
     gained = [winding.gain(level, row) for row in numbers]
     near, far = (np.array(column) for column in zip(*inside, strict=True))
     first, last = (np.array(column, dtype=float) for column in zip(*gained, strict=True))
-    return Tally(state, near, far, first, last)
+    return CapTally(state, near, far, first, last)
 
 
-def _periodic(winding: Any, level: Passages, state: np.ndarray, kinds: np.ndarray) -> Tally:
+def _periodic(winding: Any, level: CapPassages, state: np.ndarray, kinds: np.ndarray) -> CapTally:
     """A state between each passage and the next, in each of the periods ``kinds``."""
     count = len(level.passages)
     before = _before(winding, level, kinds)
@@ -177,17 +177,17 @@ def _periodic(winding: Any, level: Passages, state: np.ndarray, kinds: np.ndarra
     ]
     inside = [level.inside([1] * (k + 1) + [0] * (count - k - 1)) for k in range(count)]
     near, far = (np.tile(column, len(kinds)) for column in zip(*inside, strict=True))
-    return Tally(state, near, far, *sums)
+    return CapTally(state, near, far, *sums)
 
 
-def _steps(winding: Any, level: Passages, kinds: np.ndarray) -> list[np.ndarray]:
+def _steps(winding: Any, level: CapPassages, kinds: np.ndarray) -> list[np.ndarray]:
     """What is gained at each passage of these periods: in the near cap, and in the far one."""
     steps = np.array([p.way * _floors(p, level, kinds, winding) for p in level.passages])
     far = np.array([p.far for p in level.passages])[:, None]
     return [np.where(far, 0, steps), np.where(far, steps, 0)]
 
 
-def _before(winding: Any, level: Passages, kinds: np.ndarray) -> np.ndarray:
+def _before(winding: Any, level: CapPassages, kinds: np.ndarray) -> np.ndarray:
     """What has been gained before each of the periods, which ascend: in both caps."""
     count, found = len(level.passages), []
     for part in np.split(kinds, np.flatnonzero(np.diff(kinds // CHUNK)) + 1):
@@ -203,7 +203,7 @@ def _before(winding: Any, level: Passages, kinds: np.ndarray) -> np.ndarray:
     return np.concatenate(found, axis=1)
 
 
-def _floors(passage: Passage, level: Passages, kinds: np.ndarray, winding: Any) -> np.ndarray:
+def _floors(passage: CapPassage, level: CapPassages, kinds: np.ndarray, winding: Any) -> np.ndarray:
     """``floor(phase + j advance)``, exactly: in whole numbers of 2^-64, and in balls where that
     leaves it open."""
     one = 1 << BITS
@@ -229,7 +229,7 @@ that touches it: it leaves the turns open only where it is the pole too."""
 
 
 @dataclass(frozen=True)
-class Passage:
+class CapPassage:
     """Of the border of a cap, again in each period.
 
     Attributes:
@@ -246,7 +246,7 @@ class Passage:
 
 
 @dataclass(frozen=True)
-class Passages:
+class CapPassages:
     """Of one motion, at one precision.
 
     Attributes:
@@ -267,7 +267,7 @@ class Passages:
     longitude: arb
     period: arb | None
     advance: arb
-    passages: tuple[Passage, ...]
+    passages: tuple[CapPassage, ...]
     near: bool
     far: bool
     borders: tuple[arb, ...]
@@ -290,7 +290,7 @@ class Passages:
         return [1 + floor((time - p.time) / self.period) for p in self.passages]
 
 
-def moving_passages(form: InvertedMotion, parts: Composition, bits: int) -> Passages:
+def moving_passages(form: InvertedMotion, parts: FrameProduct, bits: int) -> CapPassages:
     """Those of a motion whose variable moves.
 
     Raises:
@@ -309,20 +309,20 @@ def moving_passages(form: InvertedMotion, parts: Composition, bits: int) -> Pass
         moved = moment_of(constants, time).expressions[j] - constants.starts[j]
         return (side * (begin + moved) - longitude) / (2 * arb.pi()) + arb(half) / 2
 
-    found: list[Passage] = []
+    found: list[CapPassage] = []
     inside, borders = [], []
     for far in (False, True):
         level = -height if far else height
         signs = [_sign(level - e if far else e - level) for e in ends]
         for time, way in _times(form, constants, signs, (side * level - offset, slope), bits):
-            found.append(Passage(time, phase(time, far), far, way))
+            found.append(CapPassage(time, phase(time, far), far, way))
         # before the first of them the variable is beyond the other end, or at the first there is
         early = signs[0] if constants.kind == "exponential" else signs[1]
         inside.append((early or signs[0] or signs[1]) > 0)
         borders += [arb(far) / 2] * (signs == [0, 0])
     found.sort(key=lambda p: (float(p.time.mid()), p.way))
     advances = constants.advances
-    return Passages(
+    return CapPassages(
         side, longitude,
         None if constants.half is None else 2 * constants.half,
         arb(0) if advances is None else side * advances[j] / (2 * arb.pi()),
@@ -330,7 +330,9 @@ def moving_passages(form: InvertedMotion, parts: Composition, bits: int) -> Pass
     )  # fmt: skip
 
 
-def resting_passages(form: InvertedMotion, parts: Composition, bits: int, upper: bool) -> Passages:
+def resting_passages(
+    form: InvertedMotion, parts: FrameProduct, bits: int, upper: bool
+) -> CapPassages:
     """Where the variable rests there are none: the frame turns evenly about its spin, of which
     ``upper`` says whether it points upwards.
 
@@ -352,7 +354,7 @@ def resting_passages(form: InvertedMotion, parts: Composition, bits: int, upper:
         raise OpenDecision("the frame may turn about the normal of the contact alone")
     signs = [_sign(gap) for gap in (side * c.cos() - height, -height - side * c.cos())]
     borders = tuple(arb(far) / 2 for far, sign in enumerate(signs) if sign == 0)
-    return Passages(
+    return CapPassages(
         side, longitude, None, arb(0), (), signs[0] > 0, signs[1] > 0, borders, (v, b), rate
     )
 
@@ -362,7 +364,7 @@ def _pole(turn: list[Any], side: int) -> tuple[int, arb, arb]:
     return side, side * turn[8], angle(side * turn[7], turn[6])
 
 
-def _cosine(form: InvertedMotion, parts: Composition, bits: int) -> tuple[arb, arb]:
+def _cosine(form: InvertedMotion, parts: FrameProduct, bits: int) -> tuple[arb, arb]:
     """Offset and slope of the cosine of the colatitude about K."""
     first = form.problem.prepared.cosine_at + 2 * parts.trace
     offset, slope = form.problem.table(bits)[first : first + 2]

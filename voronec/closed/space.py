@@ -26,7 +26,7 @@ from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = [
     "Attitude",
-    "Composition",
+    "FrameProduct",
     "composition",
     "product",
     "rotation_to",
@@ -286,7 +286,7 @@ def _towards(a: Any, b: Any, c: Any) -> list[Any]:
 
 
 @dataclass(frozen=True)
-class Composition:
+class FrameProduct:
     """``frame = Rz(longitude) Ry(colatitude) Rz(sense third) F`` with F constant.
 
     Attributes:
@@ -304,13 +304,13 @@ class Composition:
     sense: int
 
 
-def composition(own: CompiledMotion) -> Composition | None:
+def composition(own: CompiledMotion) -> FrameProduct | None:
     """How the coordinates in space of a motion turn its frame; proved.  None where they do not in
     this way."""
     return own.memo.once("composition", lambda: _composition(own))
 
 
-def _composition(own: CompiledMotion) -> Composition | None:
+def _composition(own: CompiledMotion) -> FrameProduct | None:
     space = own.motion.space
     if space is None:
         return None
@@ -319,13 +319,13 @@ def _composition(own: CompiledMotion) -> Composition | None:
         if len(rest) != 1 or len(space.coordinates) != 3 or rest[0] not in own.motion.angles:
             continue
         for sense in (1, -1):
-            found = Composition(i, trace.longitude, trace.colatitude, rest[0], sense)
+            found = FrameProduct(i, trace.longitude, trace.colatitude, rest[0], sense)
             if _holds(space.frame, found):
                 return found
     return None
 
 
-def _holds(frame: sp.Matrix, parts: Composition) -> bool:
+def _holds(frame: sp.Matrix, parts: FrameProduct) -> bool:
     """Whether F is free of the coordinates."""
     names = (parts.longitude, parts.colatitude, parts.third)
     v, c, b = own = sp.symbols("longitude colatitude third", cls=sp.Dummy)

@@ -22,9 +22,9 @@ from voronec.closed.arithmetic import precise
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.passages import (
     MOST_BITS,
-    Passage,
-    Passages,
-    Tally,
+    CapPassage,
+    CapPassages,
+    CapTally,
     certain_floor_sum,
     first_doubt,
     floor,
@@ -32,7 +32,7 @@ from voronec.closed.passages import (
     resting_passages,
     tally,
 )
-from voronec.closed.space import Composition, composition, transpose
+from voronec.closed.space import FrameProduct, composition, transpose
 from voronec.closed.space import times as rotated
 from voronec.elliptic.roots import OpenDecision
 from voronec.errors import EngineLimit
@@ -97,10 +97,10 @@ class Winding:
     """The whole turns of the coordinates in space of one motion that is not upright."""
 
     form: InvertedMotion
-    _levels: dict[int, Passages] = field(default_factory=dict, repr=False)
+    _levels: dict[int, CapPassages] = field(default_factory=dict, repr=False)
 
     @cached_property
-    def parts(self) -> Composition:
+    def parts(self) -> FrameProduct:
         """How the coordinates turn the frame.
 
         Raises:
@@ -120,7 +120,7 @@ class Winding:
         """The two coordinates that wind."""
         return self.parts.longitude, self.parts.third
 
-    def passages(self, bits: int) -> Passages | None:
+    def passages(self, bits: int) -> CapPassages | None:
         """When caps are entered and left; None where the contact stays at one place in space."""
         form, parts = self.form, self.parts
         if form.rests and self._stands:
@@ -162,7 +162,7 @@ class Winding:
 
     # -- what is counted -------------------------------------------------------------------
 
-    def gain(self, level: Passages, numbers: Sequence[int]) -> Turns:
+    def gain(self, level: CapPassages, numbers: Sequence[int]) -> Turns:
         """What phi gains in whole turns within the near cap, and within the far one, up to
         constants, when so many passages of each kind have been.
 
@@ -181,12 +181,12 @@ class Winding:
             raise min(open_, key=lambda doubt: abs(doubt.time))
         return totals[0], totals[1]
 
-    def pole(self, level: Passages, passage: Passage, number: int) -> PolePassage:
+    def pole(self, level: CapPassages, passage: CapPassage, number: int) -> PolePassage:
         """That a passage may be one through the pole."""
         time = passage.time
         return PolePassage(time if level.period is None else time + number * level.period)
 
-    def centres(self, level: Passages | None, time: arb, upright: Angles) -> Angles:
+    def centres(self, level: CapPassages | None, time: arb, upright: Angles) -> Angles:
         """Angles that are continuous, and less than half a turn from the longitude and from
         ``sense third``, up to whole turns that do not change with the time.
 
@@ -208,7 +208,7 @@ class Winding:
         about += pi if level.side < 0 else 0
         return along - 2 * pi * (first + last), about + 2 * pi * (first - last)
 
-    def turns(self, level: Passages | None, time: arb, upright: Angles, read: Angles) -> Turns:
+    def turns(self, level: CapPassages | None, time: arb, upright: Angles, read: Angles) -> Turns:
         """How many whole turns longitude and third angle have beyond those that are read off, up
         to constants.
 
@@ -238,7 +238,7 @@ class Winding:
 
         return self.certain(work)
 
-    def upright(self, level: Passages | None, moved: Mapping[Any, arb] | None, bits: int,
+    def upright(self, level: CapPassages | None, moved: Mapping[Any, arb] | None, bits: int,
                 time: Any = 0) -> Angles:  # fmt: skip
         """Longitude and third angle about the constant axis, continuous; ``moved`` has them where
         the variable moves, None means the start."""
@@ -321,7 +321,7 @@ class Winding:
                 whole *= np.pi
                 read[q][:] += whole
 
-    def _tally(self, times: np.ndarray, bits: int) -> tuple[Passages | None, Tally | None]:
+    def _tally(self, times: np.ndarray, bits: int) -> tuple[CapPassages | None, CapTally | None]:
         level = self.passages(bits)
         if level is None:
             return None, None
@@ -331,7 +331,7 @@ class Winding:
         return level, tally(self, level, times)
 
     def _centres(
-        self, level: Passages, counted: Tally, times: np.ndarray, moved: Rows
+        self, level: CapPassages, counted: CapTally, times: np.ndarray, moved: Rows
     ) -> list[np.ndarray]:
         """What ``centres`` gives, the second one as the third angle is counted."""
         side, sense, pole = level.side, self.parts.sense, float(level.longitude.mid())
@@ -369,7 +369,7 @@ class Winding:
         along = rotated(transpose(own.start(bits)[0]), normal)
         return v, b, sum((w * e for w, e in zip(own.spin(bits), along, strict=True)), arb(0))
 
-    def _stays(self, level: Passages, now: arb, time: arb) -> None:
+    def _stays(self, level: CapPassages, now: arb, time: arb) -> None:
         """That a contact which stays on a parallel through a pole has not passed that pole."""
         met = []
         for half in level.borders:
@@ -384,7 +384,7 @@ class Winding:
         if met:
             raise NoWholeTurns(self.names, min(met, key=abs))
 
-    def _stay(self, level: Passages, phases: np.ndarray, times: np.ndarray) -> None:
+    def _stay(self, level: CapPassages, phases: np.ndarray, times: np.ndarray) -> None:
         """The same at many times; what is too near to tell is evaluated in balls."""
         met = []
         for half in level.borders:
@@ -398,12 +398,12 @@ class Winding:
         if met:
             raise NoWholeTurns(self.names, min(met, key=abs))
 
-    def _phase_at_start(self, level: Passages, bits: int) -> arb:
+    def _phase_at_start(self, level: CapPassages, bits: int) -> arb:
         """phi at the start, in turns."""
         start = self.upright(level, None, bits)[0]
         return (level.side * start - level.longitude) / (2 * arb.pi())
 
-    def _first_passage(self, level: Passages, half: arb, time: float) -> float:
+    def _first_passage(self, level: CapPassages, half: arb, time: float) -> float:
         """When the pole is first met on the way to a time that lies beyond, by halving."""
         begun = float(self._phase_at_start(level, FIRST) + half)
 

@@ -63,7 +63,7 @@ RELATION = re.compile(r"<=|>=|<|>")
 BETWEEN = {"<": sp.Lt, ">": sp.Gt, "<=": sp.Le, ">=": sp.Ge}
 
 
-class Entry(NamedTuple):
+class DrawnArgument(NamedTuple):
     """An argument of a method that draws: its name, its kind, whether it must be given, and whether
     it stands for any number of them."""
 
@@ -483,7 +483,7 @@ class _Text:
         item: Item,
         key: str,
         kinds: Mapping[str, Callable[..., Any]],
-        reader: Callable[[Entry], Callable[[Item], Any]],
+        reader: Callable[[DrawnArgument], Callable[[Item], Any]],
     ) -> Any:
         """What the method that the entry ``key`` names makes of the other entries."""
         table = item.table()
@@ -530,12 +530,12 @@ class _Text:
         return item.text() if OUTPUT.fullmatch(item.scalar()) else self._formula(item)
 
 
-def _entries(call: Callable[..., Any]) -> Iterator[Entry]:
+def _entries(call: Callable[..., Any]) -> Iterator[DrawnArgument]:
     """The arguments of a method, as entries of a table."""
     for argument in signature(call).parameters.values():
         if argument.kind is Argument.VAR_KEYWORD:
-            yield from (Entry(name, "", False) for name in PLACEMENT)
+            yield from (DrawnArgument(name, "", False) for name in PLACEMENT)
         else:
             many = argument.kind is Argument.VAR_POSITIONAL
             needed = many or argument.default is Argument.empty
-            yield Entry(argument.name, str(argument.annotation), needed, many)
+            yield DrawnArgument(argument.name, str(argument.annotation), needed, many)

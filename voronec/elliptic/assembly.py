@@ -139,7 +139,7 @@ def _name(x: arb | None) -> str:
 
 
 @dataclass(frozen=True)
-class Part:
+class IntegralPart:
     """A part of all integrals: its closed terms, and its linear rate in each integral."""
 
     phases: tuple[Phase, ...]
@@ -147,7 +147,7 @@ class Part:
     rates: tuple[arb, ...]
 
 
-def pole_part(numbers: Numbers, lattice: Lattice, place: int) -> Part | None:
+def pole_part(numbers: Numbers, lattice: Lattice, place: int) -> IntegralPart | None:
     """The part of one pole; None where it adds nothing.
 
     Raises:
@@ -161,12 +161,12 @@ def pole_part(numbers: Numbers, lattice: Lattice, place: int) -> Part | None:
     if part is None:
         return None
     phases = tuple(replace(phase, pole=place) for phase in part.phases)
-    return Part(phases, tuple(replace(one, pole=place) for one in part.strains), part.rates)
+    return IntegralPart(phases, tuple(replace(one, pole=place) for one in part.strains), part.rates)
 
 
 def _part_of(
     numbers: Numbers, lattice: Lattice, pole: Pole, shares: tuple[Any, ...]
-) -> Part | None:
+) -> IntegralPart | None:
     if pole.weight is not None:
         return _phase_part(numbers, lattice, pole, pole.weight, shares)
     spot = spot_of(lattice, pole.place)
@@ -183,7 +183,7 @@ def _part_of(
 
 def _phase_part(
     numbers: Numbers, lattice: Lattice, pole: Pole, weight: arb, shares: tuple[Any, ...]
-) -> Part | None:
+) -> IntegralPart | None:
     if not value_at(numbers, pole.place).overlaps(-4 * weight * weight):
         raise DefinitionError(
             f"f = {show_ball(value_at(numbers, pole.place))} at the pole {show_ball(pole.place)}, "
@@ -200,10 +200,14 @@ def _phase_part(
     # The trace passes through the pole at every turn at that end, and is a great circle there.
     alpha = arb(0)
     gain = gain_of(lattice, alpha, 1)
-    return Part((Phase(near[0], alpha, 1, gain, shares),), (), tuple(arb(0) for _ in shares))
+    return IntegralPart(
+        (Phase(near[0], alpha, 1, gain, shares),), (), tuple(arb(0) for _ in shares)
+    )
 
 
-def _angle(lattice: Lattice, spot: Spot, place: arb, weight: arb, shares: tuple[Any, ...]) -> Part:
+def _angle(
+    lattice: Lattice, spot: Spot, place: arb, weight: arb, shares: tuple[Any, ...]
+) -> IntegralPart:
     """The part of ``weight/(x - place)`` with ``f(place) = -4 weight^2``
     [Theory, eq. (27)]."""
     if not spot.imaginary:
@@ -219,22 +223,24 @@ def _angle(lattice: Lattice, spot: Spot, place: arb, weight: arb, shares: tuple[
     zeta = lattice.sums.zeta(acb(0, alpha)).imag
     rate = weight / (end.x - place) + lattice.scale * zeta
     phase = Phase(spot.side, alpha, sign, gain_of(lattice, alpha, sign), shares)
-    return Part((phase,), (), tuple(share * rate for share in shares))
+    return IntegralPart((phase,), (), tuple(share * rate for share in shares))
 
 
 def _strain_part(
     lattice: Lattice, spot: Spot, shares: list[acb], place: arb | acb, velocity: acb
-) -> Part:
+) -> IntegralPart:
     """The part of ``Re share/(x - place)``, x having that velocity where it is ``place``."""
     end = lattice.side(spot.side)
     logs = tuple(share / velocity for share in shares)
     zetas = tuple(acb(0) for _ in shares)
     strain = strain_at(lattice, spot, logs, zetas)
     values = [(share / (end.x - place)).real for share in shares]
-    return Part((), (strain,), surplus(lattice, strain, values))
+    return IntegralPart((), (strain,), surplus(lattice, strain, values))
 
 
-def polynomial_part(numbers: Numbers, lattice: Lattice, coefficient: list[arb]) -> Part | None:
+def polynomial_part(
+    numbers: Numbers, lattice: Lattice, coefficient: list[arb]
+) -> IntegralPart | None:
     """The part of ``linear x + square x^2``, where f has degree 4; None where both are 0.
 
     ``x = -1/(k t) - b + ...`` near its pole, with ``k^2 = f4`` and ``b = f3/(4 f4)``.
@@ -256,19 +262,21 @@ def polynomial_part(numbers: Numbers, lattice: Lattice, coefficient: list[arb]) 
     if not spot.imaginary:
         logs = tuple(acb(side * one / lead.sqrt()) for one in simple)
         strain = strain_at(lattice, spot, logs, zetas)
-        return Part((), (strain,), surplus(lattice, strain, values))
+        return IntegralPart((), (strain,), surplus(lattice, strain, values))
     alpha = spot.place.imag
     shares = tuple(-2 * side * one / (-lead).sqrt() for one in simple)
     turned = lattice.scale * lattice.sums.zeta(acb(0, alpha)).imag
     values = [value + share * turned for value, share in zip(values, shares, strict=True)]
     phases = (Phase(spot.side, alpha, 1, gain_of(lattice, alpha, 1), shares),)
     if all(_nothing(value) for value in square):
-        return Part(phases, (), tuple(values))
+        return IntegralPart(phases, (), tuple(values))
     strain = strain_at(lattice, spot, none, zetas)
-    return Part(phases, (strain,), surplus(lattice, strain, values))
+    return IntegralPart(phases, (strain,), surplus(lattice, strain, values))
 
 
-def cubic_part(numbers: Numbers, lattice: Lattice, linear: list[arb], lead: arb) -> Part | None:
+def cubic_part(
+    numbers: Numbers, lattice: Lattice, linear: list[arb], lead: arb
+) -> IntegralPart | None:
     """The part of ``linear x`` where f has degree 3: ``x = 4/(f3 t^2) + ...`` near its pole."""
     if all(_nothing(value) for value in linear):
         return None
@@ -276,7 +284,7 @@ def cubic_part(numbers: Numbers, lattice: Lattice, linear: list[arb], lead: arb)
     end: Place = lattice.side(spot.side)
     zetas = tuple(acb(-2 * lattice.scale * one / lead) for one in linear)
     strain = strain_at(lattice, spot, tuple(acb(0) for _ in linear), zetas)
-    return Part((), (strain,), surplus(lattice, strain, [one * end.x for one in linear]))
+    return IntegralPart((), (strain,), surplus(lattice, strain, [one * end.x for one in linear]))
 
 
 def strain_at(
@@ -469,7 +477,7 @@ def degree(numbers: Numbers) -> int:
     return sum((len(factor) - 1) * times for factor, times in numbers.factors)
 
 
-def _polynomial(numbers: Numbers, lattice: Lattice, coefficient: list[arb]) -> Part | None:
+def _polynomial(numbers: Numbers, lattice: Lattice, coefficient: list[arb]) -> IntegralPart | None:
     if degree(numbers) == 4:
         return polynomial_part(numbers, lattice, coefficient)
     if degree(numbers) == 3:

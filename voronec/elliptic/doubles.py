@@ -41,10 +41,10 @@ from voronec.errors import EngineLimit
 __all__ = [
     "PIECE",
     "Arguments",
-    "Course",
     "Doubles",
-    "Reduction",
+    "QuarticReduction",
     "Rows",
+    "SecularPart",
     "advance",
     "doubles_of",
     "matrix",
@@ -63,7 +63,7 @@ LONG = 60.0
 
 
 @dataclass(frozen=True)
-class Course:
+class SecularPart:
     """What an integral does beside its periodic parts, for times up to some latest.
 
     Attributes:
@@ -126,12 +126,12 @@ class Doubles:
     ratios: tuple[complex, ...]
     origins: list[tuple[float, float]] = field(default_factory=list, repr=False)
 
-    def reduction(self, latest: float) -> Reduction:
+    def reduction(self, latest: float) -> QuarticReduction:
         """Of times up to ``latest`` in absolute value."""
         with ctx.workprec(BITS):
-            return Reduction.of(self.constants.half, self.constants.turn, latest)
+            return QuarticReduction.of(self.constants.half, self.constants.turn, latest)
 
-    def course(self, number: int, reduction: Reduction, latest: float) -> Course:
+    def course(self, number: int, reduction: QuarticReduction, latest: float) -> SecularPart:
         """The steady part of an integral."""
         with ctx.workprec(BITS):
             constants = self.constants
@@ -146,7 +146,7 @@ class Doubles:
                 whole = turns(gained, reduction)
             spin = mean / (2 * arb.pi())
             high = float(spin.mid())
-            return Course(
+            return SecularPart(
                 float(mean.mid()), (high, float((spin - arb(high)).mid())),
                 abs(float(mean.mid())) * reach > LONG, first, second, whole,
             )  # fmt: skip
@@ -318,7 +318,7 @@ class Arguments:
 
     doubles: Doubles
     times: np.ndarray
-    reduction: Reduction
+    reduction: QuarticReduction
     kept: Rows
     passing: Rows
     phases: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
@@ -508,7 +508,7 @@ SHARP = 110
 
 
 @dataclass(frozen=True)
-class Reduction:
+class QuarticReduction:
     """How times become a whole number of half periods and a rest.
 
     Attributes:
@@ -524,7 +524,7 @@ class Reduction:
     bits: int
 
     @classmethod
-    def of(cls, half: arb | None, turn: arb, latest: float) -> Reduction:
+    def of(cls, half: arb | None, turn: arb, latest: float) -> QuarticReduction:
         """The reduction of times up to ``latest``, in absolute value.
 
         Raises:
@@ -599,14 +599,14 @@ def parts(value: arb, bits: int, count: int, top: int | None = None) -> tuple[fl
     return tuple(found)
 
 
-def turns(value: arb, reduction: Reduction) -> tuple[float, ...]:
+def turns(value: arb, reduction: QuarticReduction) -> tuple[float, ...]:
     """Parts of the angle ``value`` as a fraction of a turn, in (-1, 1), for exact products."""
     turn = value / (2 * arb.pi())
     whole = int((turn.mid() + arb(0.5)).floor().unique_fmpz())
     return parts(turn - whole, reduction.bits, len(reduction.half), 0)
 
 
-def advance(value: arb, reduction: Reduction) -> tuple[float, float]:
+def advance(value: arb, reduction: QuarticReduction) -> tuple[float, float]:
     """The value as two doubles, the first short enough for an exact product."""
     first = parts(value, reduction.bits, 1)[0]
     return first, float((value - arb(first)).mid())

@@ -15,10 +15,10 @@ from voronec.elliptic.doubles import (
     BITS,
     PIECE,
     Arguments,
-    Course,
     Doubles,
-    Reduction,
+    QuarticReduction,
     Rows,
+    SecularPart,
     doubles_of,
     matrix,
     two_product,
@@ -26,7 +26,7 @@ from voronec.elliptic.doubles import (
 from voronec.elliptic.theta_polynomials import Angle, horner
 from voronec.errors import DefinitionError
 
-__all__ = ["Sample", "Stretch", "sample_at"]
+__all__ = ["Sample", "TimeStretch", "sample_at"]
 
 FAR = 40.0
 """Where sinh is a power of e to the last bit, and at most two terms of a sum count."""
@@ -182,7 +182,7 @@ Origin = tuple[float, float]
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
+class TimeStretch:
     """The motion at a stretch of times; what several results need is computed once.
 
     Attributes:
@@ -194,7 +194,7 @@ class Stretch:
 
     doubles: Doubles
     arguments: Arguments
-    courses: tuple[Course, ...]
+    courses: tuple[SecularPart, ...]
     origins: tuple[Origin, ...]
 
     @property
@@ -274,7 +274,7 @@ class Stretch:
         self.arguments.passing.free(mark)
         return value
 
-    def _turns(self, course: Course, value: np.ndarray, spare: np.ndarray) -> None:
+    def _turns(self, course: SecularPart, value: np.ndarray, spare: np.ndarray) -> None:
         """The steady part of an integral in turns, less whole ones."""
         count, rest = self.arguments.phase_reduction
         high, low = course.spin
@@ -368,7 +368,7 @@ class Sample:
 
     times: np.ndarray
     shape: tuple[int, ...]
-    model: Stretch
+    model: TimeStretch
 
     @classmethod
     def of(cls, solution: Any, times: Any) -> Sample:
@@ -418,10 +418,10 @@ class Sample:
         """The same as an angle in (-pi, pi], as accurate late as early."""
         return self._join(lambda at: at.modulo(number, start))
 
-    def each(self, work: Callable[[Stretch], Sequence[np.ndarray]]) -> tuple[np.ndarray, ...]:
+    def each(self, work: Callable[[TimeStretch], Sequence[np.ndarray]]) -> tuple[np.ndarray, ...]:
         """Several results at once: what ``work`` makes of a stretch, for all times.
 
-        A ``Stretch`` has the properties and methods of a sample:
+        A ``TimeStretch`` has the properties and methods of a sample:
         ``sample.each(lambda at: (at.x, at.integral(0), at.modulo(1)))``.
         """
         size = min(BLOCK, self.times.size)
@@ -437,7 +437,7 @@ class Sample:
             passing.free()
         return () if whole is None else tuple(row.reshape(self.shape) for row in whole)
 
-    def _join(self, work: Callable[[Stretch], np.ndarray]) -> np.ndarray:
+    def _join(self, work: Callable[[TimeStretch], np.ndarray]) -> np.ndarray:
         whole = self._results.new(self.times.size)
         passing, stretches = self._stretches
         for part, stretch in stretches:
@@ -452,7 +452,7 @@ class Sample:
         return Rows(max(1, PIECE // size) if size > 4 * BLOCK else 1, size)
 
     @cached_property
-    def _stretches(self) -> tuple[Rows, list[tuple[slice, Stretch]]]:
+    def _stretches(self) -> tuple[Rows, list[tuple[slice, TimeStretch]]]:
         size = min(BLOCK, self.times.size)
         many = max(ROWS, PIECE // BLOCK) if self.times.size > 4 * BLOCK else ROWS
         kept, passing = Rows(many, size), Rows(ROWS, size)
@@ -471,7 +471,7 @@ def sample_at(solution: Any, times: Any) -> Sample:
     return Sample.of(solution, times)
 
 
-def _model(doubles: Doubles, latest: float) -> Stretch:
+def _model(doubles: Doubles, latest: float) -> TimeStretch:
     """The motion at no times yet, with the values of the integrals at t = 0."""
     here = _bare(doubles, doubles.reduction(latest), latest)
     if len(doubles.origins) < len(here.courses):
@@ -486,23 +486,23 @@ def _model(doubles: Doubles, latest: float) -> Stretch:
     return replace(here, origins=tuple(doubles.origins))
 
 
-def _starts(number: int) -> tuple[Callable[[Stretch], np.ndarray], ...]:
+def _starts(number: int) -> tuple[Callable[[TimeStretch], np.ndarray], ...]:
     return (lambda at: at.integral(number)), (lambda at: at.modulo(number))
 
 
-def _bare(doubles: Doubles, reduction: Reduction, latest: float) -> Stretch:
+def _bare(doubles: Doubles, reduction: QuarticReduction, latest: float) -> TimeStretch:
     count = len(doubles.constants.rates)
     courses = tuple(doubles.course(number, reduction, latest) for number in range(count))
     arguments = Arguments(doubles, np.zeros(0), reduction, Rows(1, 0), Rows(1, 0))
-    return Stretch(doubles, arguments, courses, ((0.0, 0.0),) * count)
+    return TimeStretch(doubles, arguments, courses, ((0.0, 0.0),) * count)
 
 
-def _at(model: Stretch, times: np.ndarray, kept: Rows, passing: Rows) -> Stretch:
+def _at(model: TimeStretch, times: np.ndarray, kept: Rows, passing: Rows) -> TimeStretch:
     arguments = replace(model.arguments, times=times, kept=kept, passing=passing)
     return replace(model, arguments=arguments)
 
 
-def _quietly(work: Callable[[Stretch], Any], stretch: Stretch) -> Any:
+def _quietly(work: Callable[[TimeStretch], Any], stretch: TimeStretch) -> Any:
     """What happens at infinite ratios is meant."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore", under="ignore"):
         return work(stretch)

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from voronec.elliptic.doubles import Reduction, Rows, matrix
-from voronec.elliptic.many_times import Stretch
+from voronec.elliptic.doubles import QuarticReduction, Rows, matrix
+from voronec.elliptic.many_times import TimeStretch
 
 __all__ = ["Panels"]
 
@@ -36,7 +36,7 @@ BESIDE = 2.0**-10
 BLOCK, GROUP, LONGEST = 4096, 4096, 1 << 15
 """Times that are reduced at once, in one product, and sorted at once."""
 
-Work = Callable[[Stretch], Sequence[np.ndarray]]
+Work = Callable[[TimeStretch], Sequence[np.ndarray]]
 
 
 def _chebyshev() -> np.ndarray:
@@ -75,7 +75,7 @@ class Panels:
         coefficients: of the panels, of the functions, ascending.
     """
 
-    model: Stretch
+    model: TimeStretch
     work: Work
     reach: float
     places: np.ndarray
@@ -84,7 +84,7 @@ class Panels:
     coefficients: np.ndarray
 
     @classmethod
-    def of(cls, model: Stretch, work: Work, sizes: Sequence[str]) -> Panels | None:
+    def of(cls, model: TimeStretch, work: Work, sizes: Sequence[str]) -> Panels | None:
         """Panels for the functions, each with one of ``SIZES``.
 
         None where the motion has no period, or where most of it is too steep.
@@ -118,7 +118,7 @@ class Panels:
         middles, radii, coefficients = (np.array(part) for part in zip(*found, strict=True))
         return cls(model, work, reach, places, middles, radii, coefficients)
 
-    def at(self, times: np.ndarray, reduction: Reduction) -> tuple[np.ndarray, np.ndarray]:
+    def at(self, times: np.ndarray, reduction: QuarticReduction) -> tuple[np.ndarray, np.ndarray]:
         """Whole half periods from the turning point, and the functions, row by row."""
         count = self.coefficients.shape[1]
         number, rows = np.empty(times.size), matrix(count, times.size)
@@ -131,7 +131,7 @@ class Panels:
     def _fill(
         self,
         times: np.ndarray,
-        reduction: Reduction,
+        reduction: QuarticReduction,
         number: np.ndarray,
         rows: np.ndarray,
         spare: np.ndarray,
@@ -153,7 +153,7 @@ class Panels:
             np.take(source, back, out=row, mode="clip")
 
     def _panel_of(
-        self, times: np.ndarray, reduction: Reduction, number: np.ndarray, rest: np.ndarray
+        self, times: np.ndarray, reduction: QuarticReduction, number: np.ndarray, rest: np.ndarray
     ) -> np.ndarray:
         """The panel of each time, from which its phase is counted."""
         place = np.empty(times.size)
@@ -200,7 +200,7 @@ def _fit(
     return good, coefficients.swapaxes(0, 1)
 
 
-def _phases(model: Stretch, work: Work, rest: np.ndarray, late: np.ndarray) -> np.ndarray:
+def _phases(model: TimeStretch, work: Work, rest: np.ndarray, late: np.ndarray) -> np.ndarray:
     """The functions at phases: ``rest`` from a turning point, or ``late`` from the next one."""
     size = rest.size
     odd = np.asarray(late != model.doubles.odd, dtype=float)

@@ -44,13 +44,13 @@ def turned_poles(
     """
     require("turned_poles", "contact", contact, instance(RollingContact))
     require("turned_poles", "changes", changes, POINT)
-    ball, theta = _Pole(*contact.body.coordinates), contact.theta
+    ball, theta = _PolarPair(*contact.body.coordinates), contact.theta
     flipped = {**ball.twin, **{x: -x for x in along}, theta: theta + sp.pi}
     turned = {**ball.state, **ball.components(along)}
     if not _is_sphere(contact.fixed):
         state = {**turned, theta: theta - ball.angle}
         return {"pole of the ball turned": Chart(state, ball.singular, changes, twins=(flipped,))}
-    fixed = _Pole(*contact.fixed.coordinates)
+    fixed = _PolarPair(*contact.fixed.coordinates)
     singular = ball.singular * fixed.singular
     both = {**turned, **fixed.state, theta: theta - ball.angle - fixed.angle}
     twins = (flipped, {**fixed.twin, theta: theta + sp.pi})
@@ -63,7 +63,7 @@ def turned_poles(
 
 
 @dataclass(frozen=True)
-class _Pole:
+class _PolarPair:
     """Colatitude and longitude, and what the half turn makes of them."""
 
     u: sp.Expr

@@ -31,8 +31,8 @@ __all__ = [
     "RETURN",
     "SIDE",
     "Atlas",
+    "ChartProblem",
     "KeptChart",
-    "Place",
     "kept_charts",
     "own_singular",
 ]
@@ -190,7 +190,7 @@ class Progress:
 
 
 @dataclass(frozen=True)
-class Place:
+class ChartProblem:
     """One chart, ready to be integrated in.
 
     ``stepper`` begins at what ``problem.start`` holds when it is called; ``home`` takes times (k,)
@@ -235,7 +235,7 @@ class Atlas:
     charts: tuple[KeptChart, ...]
     functions: Mapping[str, Any] = field(default_factory=dict)
     seconds: list[float] = field(default_factory=list)
-    _places: dict[str, Place] = field(default_factory=dict)
+    _places: dict[str, ChartProblem] = field(default_factory=dict)
 
     @cached_property
     def angles(self) -> np.ndarray:
@@ -297,7 +297,7 @@ class Atlas:
         turns = 2 * np.pi * np.rint(steps / (2 * np.pi))
         return np.where(self.angles, steps - turns, steps)
 
-    def place(self, name: str) -> Place:
+    def place(self, name: str) -> ChartProblem:
         """A chart, ready to be integrated in."""
         if name not in self._places:
             began = perf_counter()
@@ -323,7 +323,7 @@ class Atlas:
         report = self.problem.progress
         return None if report is None else Progress(report)
 
-    def _own(self) -> Place:
+    def _own(self) -> ChartProblem:
         given = self.problem
         levels = {**self.functions, LEAVE: _beyond(own_singular(self.charts), NEAR)}
         regular = self._distance(HOME, self.grid[0], given.start) > float(NEAR)
@@ -339,9 +339,9 @@ class Atlas:
             units=self._units,
         )
         made = choose(self.method, problem, self.grid)
-        return Place(HOME, problem, *made, _as_they_are)
+        return ChartProblem(HOME, problem, *made, _as_they_are)
 
-    def _other(self, name: str) -> Place:
+    def _other(self, name: str) -> ChartProblem:
         chart, given = next(c for c in self.charts if c.name == name), self.problem
         levels = {event: chart.pull_back(e) for event, e in self.functions.items()}
         levels[LEAVE] = _beyond(chart.singular, NEAR)
@@ -363,7 +363,7 @@ class Atlas:
         )
         made = choose(self.place(HOME).chosen["method"], problem, self.grid)
         twins = tuple(self._rows(self.form, twin) for twin in chart.twins)
-        return Place(name, problem, *made, self._rows(chart.form, chart.back), twins)
+        return ChartProblem(name, problem, *made, self._rows(chart.form, chart.back), twins)
 
     def _end(self, name: str, direction: int) -> Event:
         """The end of a stretch; the direction is that along the run, which may go backwards."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.motion.atlas import HOME, LEAVE, RETURN, SIDE, Atlas, Home, Place, kept_charts
+from voronec.motion.atlas import HOME, LEAVE, RETURN, SIDE, Atlas, ChartProblem, Home, kept_charts
 from voronec.motion.steppers import Halt, Problem, Run, Stepper, choose, cut_at_singularity
 from voronec.motion.steppers.choice import is_exact
 from voronec.motion.steppers.run import DISTANT, part_at
@@ -54,7 +54,7 @@ def through_charts(
 
 
 @dataclass(frozen=True)
-class _Stretch:
+class _ChartStretch:
     """States of the own chart along a part of the way, on the right branches of angles.
 
     ``inside`` gives states at any times of the part, of dense runs, on any branches.
@@ -89,7 +89,7 @@ class _Journey:
     standing: tuple[Any, np.ndarray] = field(init=False)
     rows: list[np.ndarray] = field(init=False)
     crossings: dict[str, list[tuple[np.ndarray, np.ndarray]]] = field(default_factory=dict)
-    stretches: list[_Stretch] = field(default_factory=list)
+    stretches: list[_ChartStretch] = field(default_factory=list)
     touched: list[float] = field(default_factory=list)
     still: list[str] = field(default_factory=list)
 
@@ -142,7 +142,7 @@ class _Journey:
         self.take(place, part)
         return part
 
-    def take(self, place: Place, part: Run) -> None:
+    def take(self, place: ChartProblem, part: Run) -> None:
         """Enter a stretch: points of the grid, crossings, dense output."""
         angles, own = self.atlas.angles, place.name == HOME
         times, rows = part.t, part.states
@@ -157,7 +157,7 @@ class _Journey:
         inside = part.inside
         sampled = None if inside is None else lambda t: home(t, inside(t))
         # in the own chart angles are on their branches as they are
-        stretch = _Stretch(times, rows, angles & (not own), sampled)
+        stretch = _ChartStretch(times, rows, angles & (not own), sampled)
         ahead = self.order * self.grid[self.done :]
         count = int(np.searchsorted(ahead, self.order * times[-1], side="right"))
         self.rows.append(rows[np.searchsorted(self.order * times, ahead[:count])])
@@ -174,7 +174,7 @@ class _Journey:
         if self.atlas.problem.dense:
             self.stretches.append(stretch)
 
-    def on_this_side(self, place: Place, time: Any, state: np.ndarray) -> Home:
+    def on_this_side(self, place: ChartProblem, time: Any, state: np.ndarray) -> Home:
         """The way home from a chart; of coordinates that give states twice, on the side on which
         the run has been."""
         here, now = np.array([time]), state[None, :]
@@ -186,7 +186,7 @@ class _Journey:
 
         return min(place.ways_home, key=off)
 
-    def beside_pole(self, place: Place, times: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    def beside_pole(self, place: ChartProblem, times: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """States at home, where a stretch sets out from a pole, or stays there, as if it had come
         there as it leaves: there one angle of two is free, and stays as it was."""
         begin = self.last[None, :]

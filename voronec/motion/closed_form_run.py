@@ -58,7 +58,7 @@ def evaluated_motion(
         raise DefinitionError(f"tol = {tol} must lie between 0 and 1, such as 1e-13")
     form = outset.memo.once("closed form", lambda: closed_form_of_start(vocabulary, given, outset))
     watch, program = _watch_program(vocabulary, asked, outset.memo)
-    sight = _Sight(vocabulary, form, watch, program, outset, float(grid[0]), tol)
+    sight = _ClosedSight(vocabulary, form, watch, program, outset, float(grid[0]), tol)
     if tol >= EXACT:
         outset.memo.once("closed form at the start", lambda: form.modulo(0.0, sight.names))
     elif not form.rests:
@@ -98,7 +98,7 @@ def _watch_program(
 
 
 @dataclass(frozen=True)
-class _Sight:
+class _ClosedSight:
     """How instants become states, and states a trajectory."""
 
     vocabulary: Vocabulary

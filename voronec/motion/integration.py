@@ -43,7 +43,7 @@ from voronec.motion.singular_coordinates import LAST, NearPole, PoleGuard, chart
 from voronec.motion.soundness import Breach, Judge, Untold, require_branches
 from voronec.motion.split_models import NEAR, SplitGround
 from voronec.motion.split_stepper import NearDivisor, SplitRun, guard_events, without_guards
-from voronec.motion.state_probe import Probe, quantities
+from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Problem, Run, Stepper
 from voronec.motion.steppers.choice import is_exact
 from voronec.motion.steppers.run import Signals, in_kind
@@ -393,7 +393,7 @@ class _Job:
             raise probe.failure(state, run.halt, trajectory)
         return replace(trajectory, notes=(*told, *notes))
 
-    def _problem(self, state: np.ndarray, values: Sequence[float], probe: Probe) -> Problem:
+    def _problem(self, state: np.ndarray, values: Sequence[float], probe: StateProbe) -> Problem:
         """What is to be integrated, as if it were smooth and nobody watched."""
         made = self.made
         return Problem(

@@ -20,7 +20,7 @@ from voronec.equations.program.walls import FLAT, SATURATION
 from voronec.errors import EngineLimit
 from voronec.motion.events import Event
 from voronec.motion.mode_transitions import DOUBLE, GUARD, PAST, Crossroads, Mode
-from voronec.motion.modes import Corner, Modes, Surface
+from voronec.motion.modes import Corner, LevelSurface, Modes
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
 from voronec.motion.steppers.choice import is_exact
 from voronec.motion.steppers.run import in_parts, in_pieces, until
@@ -148,7 +148,7 @@ def _run_without_steps(problem: Problem, times: np.ndarray, reason: str) -> Run:
 
 
 @dataclass(frozen=True)
-class _Stretch:
+class _ModeStretch:
     """A part of the way in one mode; ``inside``, of dense runs, gives states in it."""
 
     end: Any
@@ -168,7 +168,7 @@ class _Passage:
     switches: int = 0
     rows: list[np.ndarray] = field(init=False)
     crossings: dict[str, list[tuple[Any, np.ndarray]]] = field(default_factory=dict)
-    stretches: list[_Stretch] = field(default_factory=list)
+    stretches: list[_ModeStretch] = field(default_factory=list)
     recent: list[Any] = field(default_factory=list)
     held: bool = False
 
@@ -234,7 +234,7 @@ class _Passage:
                 zip(*part.crossings[event.name], strict=True)
             )
         if roads.problem.dense:
-            self.stretches.append(_Stretch(part.t[-1], part.inside))
+            self.stretches.append(_ModeStretch(part.t[-1], part.inside))
         self.time, self.state = (
             part.t[-1],
             np.array(list(map(mpmath.mpf, part.states[-1])), dtype=object),
@@ -254,7 +254,7 @@ class _Passage:
                     )  # fmt: skip
         return part
 
-    def switch(self, hit: tuple[Surface, ...]) -> Run | None:
+    def switch(self, hit: tuple[LevelSurface, ...]) -> Run | None:
         """Change the mode where one ended; the run, where that ends it."""
         roads, before = self.roads, self.mode
         if not hit:

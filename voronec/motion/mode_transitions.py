@@ -24,7 +24,7 @@ from voronec.equations.program.walls import Wall
 from voronec.errors import DefinitionError
 from voronec.motion.atlas import Progress
 from voronec.motion.events import Event
-from voronec.motion.modes import Corner, Modes, Surface, motion_along_surfaces
+from voronec.motion.modes import Corner, LevelSurface, Modes, motion_along_surfaces
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run, Stepper, choose, cut_at_singularity
 
@@ -66,9 +66,9 @@ class Mode:
     program: Program
     levels: Program
     sides: Mapping[Wall, int]
-    along: tuple[Surface, ...]
-    watch: Mapping[str, tuple[Surface, ...]]
-    turns: Mapping[str, Surface]
+    along: tuple[LevelSurface, ...]
+    watch: Mapping[str, tuple[LevelSurface, ...]]
+    turns: Mapping[str, LevelSurface]
     problem: Problem
     chosen: Mapping[str, Any]
     stepper: Stepper | None
@@ -118,7 +118,7 @@ class Crossroads:
     # -- which way ------------------------------------------------------------------------
 
     def next_mode(
-        self, time: Any, state: np.ndarray, sides: Mapping[Wall, int], hit: Sequence[Surface]
+        self, time: Any, state: np.ndarray, sides: Mapping[Wall, int], hit: Sequence[LevelSurface]
     ) -> Mode | str:
         """The mode in which the motion goes on, or the reason why it does not.
 
@@ -130,7 +130,7 @@ class Crossroads:
             return SENSELESS
 
     def _way_on(
-        self, time: Any, state: np.ndarray, sides: Mapping[Wall, int], hit: Sequence[Surface]
+        self, time: Any, state: np.ndarray, sides: Mapping[Wall, int], hit: Sequence[LevelSurface]
     ) -> Mode | str:
         met, corners = self._corners(time, state, sides, hit)
         if len(met) > MOST:
@@ -160,13 +160,13 @@ class Crossroads:
         return NO_WAY_ON.format(names) if rest is None else rest
 
     def _corners(
-        self, time: Any, state: np.ndarray, sides: Mapping[Wall, int], hit: Sequence[Surface]
-    ) -> tuple[list[Surface], dict[tuple[int, ...], tuple[Corner, dict[Wall, int]]]]:
+        self, time: Any, state: np.ndarray, sides: Mapping[Wall, int], hit: Sequence[LevelSurface]
+    ) -> tuple[list[LevelSurface], dict[tuple[int, ...], tuple[Corner, dict[Wall, int]]]]:
         """The surfaces that meet at a state, and the equations on each side of all of them."""
         met = list(hit)
         while True:
             corners = {}
-            more: list[Surface] = []
+            more: list[LevelSurface] = []
             for above in product((1, -1), repeat=len(met)):
                 given = {s.wall: s.value(side) for s, side in zip(met, above, strict=True)}
                 corner, values = self._corner(time, state, {**sides, **given})
@@ -203,14 +203,14 @@ class Crossroads:
 
     def _touched_surfaces(
         self, wall: Wall, time: Any, state: np.ndarray, values: Mapping[Wall, int]
-    ) -> list[Surface]:
+    ) -> list[LevelSurface]:
         """The surface of a wall on which a state lies, to rounding."""
         g, *slopes = self._measure(wall, time, state, values)
         level = int(mpmath.nint(g)) if wall.whole else 0
         size = sum(abs(a * b) for a, b in zip(slopes, [time, *state], strict=True))
         if abs(g - level) > size * mpmath.mpf(2) ** (NEAR - self.bits):
             return []
-        return [Surface(wall, level)]
+        return [LevelSurface(wall, level)]
 
     def _measure(
         self, wall: Wall, time: Any, state: np.ndarray, values: Mapping[Wall, int]
@@ -232,7 +232,7 @@ class Crossroads:
 
     def _sides_ahead(
         self, program: Program, time: Any, state: np.ndarray, sides: Mapping[Wall, int],
-        surfaces: Sequence[Surface],
+        surfaces: Sequence[LevelSurface],
     ) -> list[int]:  # fmt: skip
         """On which side of each surface a short motion along the run leads, 0 for none.
 
@@ -276,7 +276,11 @@ class Crossroads:
         return self._follow(mode.program, time, state, mode.sides, way * self.order)
 
     def on_surfaces(
-        self, time: Any, state: np.ndarray, surfaces: Sequence[Surface], sides: Mapping[Wall, int]
+        self,
+        time: Any,
+        state: np.ndarray,
+        surfaces: Sequence[LevelSurface],
+        sides: Mapping[Wall, int],
     ) -> np.ndarray:
         """The state moved onto surfaces that it has reached, to rounding: the nearest there."""
         measured = [self._measure(s.wall, time, state, sides) for s in surfaces]
@@ -294,7 +298,8 @@ class Crossroads:
         return np.where(abs(moved) <= tiny * abs(state), mpmath.mpf(0), moved)
 
     def _along(
-        self, time: Any, state: np.ndarray, met: Sequence[Surface], along: tuple[Surface, ...],
+        self, time: Any, state: np.ndarray, met: Sequence[LevelSurface],
+        along: tuple[LevelSurface, ...],
         corners: Mapping[tuple[int, ...], tuple[Corner, dict[Wall, int]]],
     ) -> Mode | None:  # fmt: skip
         """The motion along some of the surfaces that meet, if there is one."""
@@ -303,7 +308,7 @@ class Crossroads:
         for rest in product((1, -1), repeat=len(free)):
             other = dict(zip(free, rest, strict=True))
 
-            def at(below: Surface | None, other: Mapping[Surface, int] = other) -> Any:
+            def at(below: LevelSurface | None, other: Mapping[LevelSurface, int] = other) -> Any:
                 sides = (other.get(s, -1 if s == below else 1) for s in met)
                 return corners[tuple(sides)]
 
@@ -324,7 +329,7 @@ class Crossroads:
         return None
 
     def _rest_mode(
-        self, time: Any, state: np.ndarray, met: Sequence[Surface],
+        self, time: Any, state: np.ndarray, met: Sequence[LevelSurface],
         corners: Mapping[tuple[int, ...], tuple[Corner, dict[Wall, int]]],
     ) -> Mode | None:  # fmt: skip
         """The state of rest, where the fields on the sides cancel and hold no time."""
@@ -352,7 +357,7 @@ class Crossroads:
         return self._mode((still,), sides, ())
 
     def touches(
-        self, time: Any, state: np.ndarray, surface: Surface, sides: Mapping[Wall, int]
+        self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Wall, int]
     ) -> bool:
         """Whether a wall is touched, not crossed, from a side while the other side leads to it, in
         the sense of time: then the motion may have come along it."""
@@ -366,7 +371,7 @@ class Crossroads:
         return bool(other * side > 0)
 
     def _rate(
-        self, time: Any, state: np.ndarray, surface: Surface, sides: Mapping[Wall, int]
+        self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Wall, int]
     ) -> tuple[Any, Any]:
         """How fast a wall's function grows on given sides, and the size of the terms of that."""
         self._require_rates((surface,))
@@ -381,7 +386,7 @@ class Crossroads:
         ]
         return sum(terms), sum(speeds) + abs(slope)
 
-    def _require_rates(self, surfaces: Sequence[Surface]) -> None:
+    def _require_rates(self, surfaces: Sequence[LevelSurface]) -> None:
         """Refuse to follow a wall that holds a function of Python's whose rate is not known."""
         changing = self.problem.changing
         for surface in surfaces if changing is not None else ():
@@ -411,8 +416,8 @@ class Crossroads:
 
     def _affine(
         self, time: Any, state: np.ndarray, mode: Mode, weights: Sequence[Any],
-        other: Mapping[Surface, int], corners: Mapping[tuple[int, ...], Any],
-        met: Sequence[Surface],
+        other: Mapping[LevelSurface, int], corners: Mapping[tuple[int, ...], Any],
+        met: Sequence[LevelSurface],
     ) -> bool:  # fmt: skip
         """Whether the field is affine in the sides of several surfaces, so that it is known what
         leads along all of them."""
@@ -438,7 +443,10 @@ class Crossroads:
     # -- modes made ready -------------------------------------------------------------------
 
     def _mode(
-        self, corners: tuple[Corner, ...], sides: Mapping[Wall, int], along: tuple[Surface, ...]
+        self,
+        corners: tuple[Corner, ...],
+        sides: Mapping[Wall, int],
+        along: tuple[LevelSurface, ...],
     ) -> Any:
         floors = tuple(s for s in along if s.wall.whole)
         key = (corners, along, tuple(sides[s.wall] for s in floors))
@@ -451,22 +459,22 @@ class Crossroads:
         return replace(found, sides=sides, watch=self._watched_surfaces(corners[0], sides, along))
 
     def _watched_surfaces(
-        self, corner: Corner, sides: Mapping[Wall, int], along: tuple[Surface, ...]
-    ) -> dict[str, tuple[Surface, ...]]:
-        watch: dict[str, tuple[Surface, ...]] = {}
+        self, corner: Corner, sides: Mapping[Wall, int], along: tuple[LevelSurface, ...]
+    ) -> dict[str, tuple[LevelSurface, ...]]:
+        watch: dict[str, tuple[LevelSurface, ...]] = {}
         for i, wall in enumerate(corner.walls):
             if wall in {s.wall for s in along}:
                 continue
             if wall.whole:
-                watch[f"wall {i} below"] = (Surface(wall, sides[wall]),)
-                watch[f"wall {i} above"] = (Surface(wall, sides[wall] + 1),)
+                watch[f"wall {i} below"] = (LevelSurface(wall, sides[wall]),)
+                watch[f"wall {i} above"] = (LevelSurface(wall, sides[wall] + 1),)
             else:
-                watch[f"wall {i}"] = (Surface(wall),)
+                watch[f"wall {i}"] = (LevelSurface(wall),)
         watch |= {f"rim {i}": () for i in range(len(corner.rims))}
         return watch | {f"weight {i}": along for i in range(len(along))}
 
     def _levels(
-        self, corner: Corner, sides: Mapping[Wall, int], along: tuple[Surface, ...]
+        self, corner: Corner, sides: Mapping[Wall, int], along: tuple[LevelSurface, ...]
     ) -> dict[str, Any]:
         """What falls through zero where a mode ends, by the names of ``_watched_surfaces``."""
         levels = {}
@@ -497,7 +505,10 @@ class Crossroads:
         return measure - se.Rational(*small.as_integer_ratio())
 
     def _make_mode(
-        self, corners: tuple[Corner, ...], sides: Mapping[Wall, int], along: tuple[Surface, ...]
+        self,
+        corners: tuple[Corner, ...],
+        sides: Mapping[Wall, int],
+        along: tuple[LevelSurface, ...],
     ) -> Mode | None:
         """The smooth problem on ``sides`` of all walls, or along some; None where none is there."""
         corner = corners[0]
@@ -531,7 +542,7 @@ class Crossroads:
 
     def _problem_of_mode(
         self, corner: Corner, program: Program, levels: Program, sides: Mapping[Wall, int],
-        along: tuple[Surface, ...], turns: Mapping[str, Any],
+        along: tuple[LevelSurface, ...], turns: Mapping[str, Any],
     ) -> Problem:  # fmt: skip
         """What is to be integrated until a surface is met that the mode does not lie along."""
         given, ends = self.problem, [*self._watched_surfaces(corner, sides, along)]
@@ -553,7 +564,7 @@ class Crossroads:
         return choose("flint" if self.bits != DOUBLE else method, problem, self.grid)
 
     def _number_corner(
-        self, corner: Corner, below: Surface | None, along: Sequence[Surface]
+        self, corner: Corner, below: LevelSurface | None, along: Sequence[LevelSurface]
     ) -> Corner:
         """A corner with numbers for the floors along which the motion is held."""
         floors = {
@@ -569,7 +580,10 @@ class Crossroads:
 
 
 def _with_turns(
-    levels: Program, program: Program, turns: Mapping[str, Surface], functions: Mapping[str, Any]
+    levels: Program,
+    program: Program,
+    turns: Mapping[str, LevelSurface],
+    functions: Mapping[str, Any],
 ) -> Program:
     """The same quantities, and the rates of those of ``functions`` that turn."""
     lines = program.derivative.assignments

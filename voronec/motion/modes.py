@@ -31,11 +31,11 @@ from voronec.equations.program.walls import (
 from voronec.errors import EngineLimit
 from voronec.motion.state_probe import quantities
 
-__all__ = ["Corner", "Modes", "Surface", "motion_along_surfaces"]
+__all__ = ["Corner", "LevelSurface", "Modes", "motion_along_surfaces"]
 
 
 @dataclass(frozen=True)
-class Surface:
+class LevelSurface:
     """A wall where its function is a ``level``: zero, or of a floor any whole number."""
 
     wall: Wall
@@ -219,7 +219,7 @@ def _is_positive(base: Any, positive: frozenset[Any]) -> bool:
 
 
 def motion_along_surfaces(
-    corners: Sequence[Corner], surfaces: Sequence[Surface]
+    corners: Sequence[Corner], surfaces: Sequence[LevelSurface]
 ) -> tuple[Program, Block] | None:
     """The motion along surfaces, and the block that computes their weights a, and how far the push
     of each leads back to its own; None where the sides do not differ in where they lead.

@@ -51,7 +51,7 @@ from voronec.motion.singular_coordinates import (
     polar_directions,
 )
 from voronec.motion.split_models import NEAR, SplitGround
-from voronec.motion.state_probe import Probe, quantities, rates_program
+from voronec.motion.state_probe import StateProbe, quantities, rates_program
 from voronec.motion.steppers.run import Signals
 
 __all__ = ["Exactly", "Outset", "WideStart", "exact_number", "rates_at", "require_inertia"]
@@ -69,7 +69,7 @@ def rates_at(
         for own in (form, equations.form):
             values = [constants.get(str(p), np.nan) for p in own.parameters]
             program = _rates_program(equations, own)
-            found = Probe(equations.system.name, own, program, values, time).rates(q, v)
+            found = StateProbe(equations.system.name, own, program, values, time).rates(q, v)
             if np.isfinite(found).all() and _are_rates(ground, q, v, found):
                 return found
         return np.full_like(found, np.nan)
@@ -565,7 +565,7 @@ def _singular(
     """Whether the mass matrix is singular at the start and about it."""
     form = equations.raw.form
     values = [constants.get(str(p), np.nan) for p in form.parameters]
-    probe = Probe(equations.system.name, form, quantities(form, {}), values, time)
+    probe = StateProbe(equations.system.name, form, quantities(form, {}), values, time)
     random = np.random.default_rng(0)  # any numbers will do, the same every time
     about = state + AWAY * random.standard_normal((PLACES, len(state)))
     masses = probe.masses(np.full(PLACES + 1, time), np.vstack([state, about]))

@@ -16,9 +16,9 @@ from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
 from voronec.equations.program.python import compiled_digits
 from voronec.motion.model import Model, SmallestModels
-from voronec.motion.observables import Branch, Watch, watch_of
+from voronec.motion.observables import AngleBranch, Watch, watch_of
 from voronec.motion.request import OutputTerms, Vocabulary
-from voronec.motion.state_probe import Probe, mass_program, quantities
+from voronec.motion.state_probe import StateProbe, mass_program, quantities
 from voronec.motion.steppers.run import Signals
 
 __all__ = ["ProgrammedModel", "make_model", "numbers_at", "whole"]
@@ -95,9 +95,9 @@ class ProgrammedModel:
 
     def probe(
         self, name: str, values: Sequence[float], time: float, changing: Signals | None = None
-    ) -> Probe:
+    ) -> StateProbe:
         """Looks at single states of the model."""
-        return Probe(name, self.form, self.program, values, time, changing, self.inertia)
+        return StateProbe(name, self.form, self.program, values, time, changing, self.inertia)
 
 
 def make_model(
@@ -141,7 +141,9 @@ def make_model(
             models.packs.keep()
     made = written[name]
     branches = {
-        name: Branch(f"cosine of {name}", f"sine of {name}", a.signs(known), known[a.coordinate])
+        name: AngleBranch(
+            f"cosine of {name}", f"sine of {name}", a.signs(known), known[a.coordinate]
+        )
         for name, a in model.cut.angles.items()
     }
     return replace(made, model=model, watch=replace(made.watch, branches=branches))

@@ -15,11 +15,11 @@ from voronec.equations.program.python import compiled_digits, precision
 from voronec.motion.reactions import Multipliers
 from voronec.motion.request import OutputTerms, Vocabulary
 
-__all__ = ["Branch", "Watch", "evaluate_extras", "evaluate_watch", "watch_of"]
+__all__ = ["AngleBranch", "Watch", "evaluate_extras", "evaluate_watch", "watch_of"]
 
 
 @dataclass(frozen=True)
-class Branch:
+class AngleBranch:
     """An angle read off two quantities: atan2(turn[1] sine, turn[0] cosine) and whole turns.
 
     At ``start``, its value there, the branch begins; from instant to instant the nearest is taken.
@@ -60,7 +60,7 @@ class Watch:
     expressions: Mapping[str, Any]
     reactions: Mapping[str, int] = field(default_factory=dict)
     multipliers: Multipliers | None = None
-    branches: Mapping[str, Branch] = field(default_factory=dict)
+    branches: Mapping[str, AngleBranch] = field(default_factory=dict)
     besides: tuple[str, ...] = ()
 
     @classmethod

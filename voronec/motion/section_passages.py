@@ -22,7 +22,15 @@ from voronec.motion.steppers.run import COLLAPSE, INFINITE
 if TYPE_CHECKING:
     from voronec.motion.motion_pool import Many
 
-__all__ = ["Passages", "Paths", "Watch", "Zeros", "pass_lanes", "pass_one_by_one", "zeros"]
+__all__ = [
+    "Paths",
+    "SectionPassages",
+    "SectionWatch",
+    "Zeros",
+    "pass_lanes",
+    "pass_one_by_one",
+    "zeros",
+]
 
 
 SAMPLES = 4
@@ -38,7 +46,7 @@ Quantity = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
-class Watch:
+class SectionWatch:
     """The plane's quantity: ``function(t, states (m, n), values (m, p))``, and which entries of
     the state it holds."""
 
@@ -298,7 +306,7 @@ FOREVER = 1e300
 
 
 @dataclass(frozen=True, eq=False)
-class Passages:
+class SectionPassages:
     """Crossings as they are found, start by start; its arrays and lists are filled in."""
 
     wanted: int
@@ -320,7 +328,7 @@ class Passages:
     @classmethod
     def empty(
         cls, starts: int, wanted: int, direction: int, until: float | None, progress: Any
-    ) -> Passages:
+    ) -> SectionPassages:
         """Nothing passed yet."""
 
         def nothing() -> np.ndarray:
@@ -394,7 +402,7 @@ class Passages:
         return start, t, states, speed
 
 
-def pass_lanes(motions: Many, watch: Watch, passages: Passages, lanes: Lanes) -> None:
+def pass_lanes(motions: Many, watch: SectionWatch, passages: SectionPassages, lanes: Lanes) -> None:
     """Follow the motions in heyoka's lanes; a lane whose motion is over takes the next one."""
     waiting = iter(motions.sound)
     holds: list[int | None] = [_load(lanes, k, waiting, motions) for k in range(lanes.width)]
@@ -421,8 +429,8 @@ def _load(lanes: Lanes, lane: int, waiting: Iterator[int], motions: Many) -> int
 
 def _stretch(
     motions: Many,
-    watch: Watch,
-    passages: Passages,
+    watch: SectionWatch,
+    passages: SectionPassages,
     lanes: Lanes,
     holds: list[int | None],
     origin: np.ndarray,
@@ -459,8 +467,8 @@ def _stretch(
 
 def _account(
     motions: Many,
-    watch: Watch,
-    passages: Passages,
+    watch: SectionWatch,
+    passages: SectionPassages,
     lanes: Lanes,
     holds: list[int | None],
     times: tuple[np.ndarray, np.ndarray],
@@ -497,7 +505,7 @@ def _is_stuck(now: float, before: float, origin: float) -> bool:
     return bool(now - before <= 1e-13 * max(abs(now - origin), 1e-3))
 
 
-def _steps_ahead(passages: Passages, holds: list[int | None]) -> int:
+def _steps_ahead(passages: SectionPassages, holds: list[int | None]) -> int:
     """So many steps that the motion nearest to its end is not carried far beyond it."""
     left = [passages.wanted - passages.count[i] for i in holds if i is not None]
     done = int(passages.count.sum())
@@ -507,8 +515,8 @@ def _steps_ahead(passages: Passages, holds: list[int | None]) -> int:
 
 def _collect(
     motions: Many,
-    watch: Watch,
-    passages: Passages,
+    watch: SectionWatch,
+    passages: SectionPassages,
     paths: Paths,
     holds: list[int | None],
     origin: np.ndarray,
@@ -541,7 +549,7 @@ def _trusted_until(times: np.ndarray) -> float:
 
 
 def _keep(
-    passages: Passages, found: Zeros, lane: int, i: int, after: float, until: float = np.inf
+    passages: SectionPassages, found: Zeros, lane: int, i: int, after: float, until: float = np.inf
 ) -> None:
     take = (found.lane == lane) & (found.t > after) & (found.t < until)
     room = passages.wanted - int(passages.count[i])
@@ -551,7 +559,7 @@ def _keep(
 
 
 def _fail(
-    motions: Many, passages: Passages, i: int | None, lanes: Lanes, lane: int, reason: str
+    motions: Many, passages: SectionPassages, i: int | None, lanes: Lanes, lane: int, reason: str
 ) -> None:
     if i is None:
         return
@@ -574,7 +582,7 @@ def _unfinished_error(
 
 
 def pass_one_by_one(
-    motions: Many, watch: Watch, passages: Passages, method: str, tol: float
+    motions: Many, watch: SectionWatch, passages: SectionPassages, method: str, tol: float
 ) -> None:
     """Follow the motions one by one with DOP853; crossings are sought on its interpolant."""
     try:
@@ -586,7 +594,7 @@ def pass_one_by_one(
 
 
 def _follow(
-    motions: Many, watch: Watch, passages: Passages, method: str, tol: float, i: int
+    motions: Many, watch: SectionWatch, passages: SectionPassages, method: str, tol: float, i: int
 ) -> None:
     values = motions.values[i]
 

@@ -42,7 +42,12 @@ from voronec.motion.request import (
     scene_of,
     spread_starts,
 )
-from voronec.motion.section_passages import Passages, Watch, pass_lanes, pass_one_by_one
+from voronec.motion.section_passages import (
+    SectionPassages,
+    SectionWatch,
+    pass_lanes,
+    pass_one_by_one,
+)
 from voronec.motion.separate_motions import Apart
 from voronec.motion.soundness import JudgeOfMany
 from voronec.motion.steppers.scipy_stepper import FINEST
@@ -51,7 +56,7 @@ from voronec.motion.trajectory import Cost, Trajectory
 __all__ = [
     "DrivenPassages",
     "Section",
-    "Surface",
+    "SectionSurface",
     "driven_passages",
     "section",
     "starts_alike",
@@ -165,7 +170,7 @@ LONGER = 5.0
 
 
 @dataclass(frozen=True)
-class Surface:
+class SectionSurface:
     """plane = value, and what is worth recording there."""
 
     plane: str
@@ -179,7 +184,7 @@ def suggest_surface(
     initial: Mapping[Any, Any] | None = None,
     parameters: Mapping[Any, Any] | None = None,
     plane: str | None = None,
-) -> Surface:
+) -> SectionSurface:
     """The first position or velocity that oscillates along the scene's motion, at zero or else at
     the middle of its range; and a further position and velocity that move.  Where ``plane`` names
     the surface, only the outputs are suggested.
@@ -200,11 +205,11 @@ def suggest_surface(
     )  # fmt: skip
     series = {name: x[0][np.isfinite(x[0])] for name, x in trial.series.items()}
     if plane is not None:
-        return Surface(plane, 0.0, _others(series, plane, positions, velocities))
+        return SectionSurface(plane, 0.0, _others(series, plane, positions, velocities))
     for name in names:
         value = _passed_value(series[name])
         if value is not None:
-            return Surface(name, value, _others(series, name, positions, velocities))
+            return SectionSurface(name, value, _others(series, name, positions, velocities))
     raise DefinitionError(
         f"system '{system.name}': nothing oscillates along its motion, so no plane suggests "
         f"itself; name one with plane EXPR=VALUE in {', '.join(names)}"
@@ -377,7 +382,7 @@ def section(
     apart = Apart.of(motions, method, tol, np.array([0.0, 1.0]))
     follow, used, reason, finest = _followers(motions, apart, watch, method, tol)
     ready = perf_counter()
-    passages = Passages.empty(len(motions), crossings, direction, until, progress)
+    passages = SectionPassages.empty(len(motions), crossings, direction, until, progress)
     if apart is None:
         follow(passages)
     else:
@@ -393,8 +398,8 @@ def section(
 
 
 def _followers(
-    motions: Many, apart: Apart | None, watch: Watch, method: str, tol: float
-) -> tuple[Callable[[Passages], None], str, str, float]:
+    motions: Many, apart: Apart | None, watch: SectionWatch, method: str, tol: float
+) -> tuple[Callable[[SectionPassages], None], str, str, float]:
     """What follows motions with one right side to their crossings; the method that it takes, why,
     and its tolerance."""
     if apart is not None:
@@ -427,7 +432,7 @@ def _starts(
     return [{**own, **row} for row in single], columns
 
 
-def _watch(motions: Many, name: str, value: float) -> Watch:
+def _watch(motions: Many, name: str, value: float) -> SectionWatch:
     program = Program.of(motions.ground.form, {"plane": motions.ground.quantities[name]})
     symbols = program.extras.symbols
     needed = np.array([i for i, s in enumerate(program.state) if s in symbols], dtype=int)
@@ -441,10 +446,10 @@ def _watch(motions: Many, name: str, value: float) -> Watch:
     def function(t: Any, states: np.ndarray, values: np.ndarray) -> np.ndarray:
         return at_each(extras, ("plane",), t, states, values)["plane"] - value
 
-    return Watch(function, needed)
+    return SectionWatch(function, needed)
 
 
-def _refuse_nothing(motions: Many, passages: Passages, surface: str, value: float) -> None:
+def _refuse_nothing(motions: Many, passages: SectionPassages, surface: str, value: float) -> None:
     if passages.count.any() or passages.interrupted[0]:
         return
     for error in passages.errors.values():
@@ -470,7 +475,7 @@ def _refuse_nothing(motions: Many, passages: Passages, surface: str, value: floa
     )
 
 
-def _cut_unsound(motions: Many, passages: Passages, cost: Cost) -> None:
+def _cut_unsound(motions: Many, passages: SectionPassages, cost: Cost) -> None:
     """Of motions that lose a proved integral keep the points before that, and say so."""
     own = motions.vocabulary.equations
     integrals = {name: f"integral {name}" for name in motions.ground.integrals}
@@ -496,7 +501,7 @@ def _cut_unsound(motions: Many, passages: Passages, cost: Cost) -> None:
 
 def _section(
     motions: Many,
-    passages: Passages,
+    passages: SectionPassages,
     outputs: tuple[str, ...],
     surface: str,
     value: float,

@@ -23,7 +23,7 @@ from voronec.motion.steppers import Problem, Run
 
 if TYPE_CHECKING:
     from voronec.motion.motion_pool import Many
-    from voronec.motion.section_passages import Passages, Watch
+    from voronec.motion.section_passages import SectionPassages, SectionWatch
 
 __all__ = ["Apart"]
 
@@ -75,7 +75,9 @@ class Apart:
         rows[: len(run.t)] = run.states
         return rows, _error(run), run.steps
 
-    def passages(self, watch: Watch, passages: Passages, name: str, value: float) -> None:
+    def passages(
+        self, watch: SectionWatch, passages: SectionPassages, name: str, value: float
+    ) -> None:
         """The crossings of a plane by all motions."""
         try:
             for i in self.motions.sound:
@@ -84,7 +86,9 @@ class Apart:
         except KeyboardInterrupt:
             passages.interrupted[0] = True
 
-    def _pass(self, i: int, watch: Watch, passages: Passages, name: str, value: float) -> None:
+    def _pass(
+        self, i: int, watch: SectionWatch, passages: SectionPassages, name: str, value: float
+    ) -> None:
         motions = self.motions
         time, state, values = motions.time, motions.states[i], motions.values[i]
         unit = self._unit(time, state, values)
@@ -137,7 +141,12 @@ class Apart:
         return self.plane
 
     def _speeds(
-        self, watch: Watch, t: np.ndarray, states: np.ndarray, values: np.ndarray, unit: float
+        self,
+        watch: SectionWatch,
+        t: np.ndarray,
+        states: np.ndarray,
+        values: np.ndarray,
+        unit: float,
     ) -> np.ndarray:
         """How fast the plane's quantity changes at crossings."""
         if not len(t):

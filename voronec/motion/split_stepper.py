@@ -28,7 +28,7 @@ from voronec.motion.observables import Watch, evaluate_watch
 from voronec.motion.request import Vocabulary
 from voronec.motion.soundness import Judge
 from voronec.motion.split_models import CLEAR, NEAR, SplitGround, SplitModel, candidates
-from voronec.motion.state_probe import Probe, quantities
+from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Halt, Problem, Run
 from voronec.motion.steppers.choice import is_exact
 from voronec.motion.steppers.run import part_at
@@ -87,7 +87,7 @@ def without_guards(run: Run, guards: Sequence[Divisor], vocabulary: Vocabulary) 
 
 
 @dataclass(frozen=True, eq=False)
-class _Stretch:
+class _SplitStretch:
     """A part of a run in one split; ``rows`` (k, n) are those on the grid."""
 
     split: SplitModel
@@ -119,7 +119,7 @@ class SplitRun:
     bits: int
     began: float
     splits: list[SplitModel] = field(default_factory=list)
-    stretches: list[_Stretch] = field(default_factory=list)
+    stretches: list[_SplitStretch] = field(default_factory=list)
     chosen: dict[str, Any] = field(default_factory=dict)
     prepared: float = 0.0
     told: list[str] = field(default_factory=list)
@@ -273,7 +273,9 @@ class SplitRun:
         functions = {**split.functions, **levels}
         state = split.narrow(float(time), wide.astype(float))
         values = self.ground.values(split.program)
-        probe = Probe(self.ground.home.system.name, split.form, split.program, values, float(time))
+        probe = StateProbe(
+            self.ground.home.system.name, split.form, split.program, values, float(time)
+        )
         if not split.equations.system.charts:
             probe.check(state)
         problem = Problem(
@@ -349,7 +351,7 @@ class SplitRun:
         last = part.stopped and part.stopped not in own
         if last and (not count or times[-1] != ahead[count - 1]):
             rows, kept = np.vstack([rows, part.states[-1:]]), np.append(kept, part.t[-1])
-        self.stretches.append(_Stretch(split, kept, rows, part))
+        self.stretches.append(_SplitStretch(split, kept, rows, part))
         if self.progress is not None:
             self.progress(float(abs(times[-1] - order * self.grid[0]) / np.ptp(self.grid)))
         return count
@@ -385,7 +387,7 @@ class SplitRun:
         """The error for a run that cannot go on in any split."""
         last = replace(self.stretches[-1].run, halt=halt)
         values = self.ground.values(split.program)
-        probe = Probe(
+        probe = StateProbe(
             self.ground.home.system.name, split.form, split.program, values, float(self.grid[0])
         )
         start = self.stretches[-1].run.states[0]

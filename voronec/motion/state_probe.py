@@ -14,7 +14,7 @@ from voronec.equations.program import Program, compile_program, hoist
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.steppers.run import Halt, Signals, Suspect, values_along
 
-__all__ = ["Probe", "mass_program", "quantities", "quiet", "rates_along", "rates_program"]
+__all__ = ["StateProbe", "mass_program", "quantities", "quiet", "rates_along", "rates_program"]
 
 SINGULAR = 1e-13
 """A mass matrix with a smaller eigenvalue, in units of its diagonal, counts as singular."""
@@ -70,7 +70,7 @@ def mass_program(form: Any) -> Program:
 
 
 @dataclass(frozen=True)
-class Probe:
+class StateProbe:
     """The program of a first-order form at given parameters and starting time.
 
     ``name`` is the system's, for messages; ``inertia`` the ``mass_program`` of the form, where it

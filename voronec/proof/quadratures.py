@@ -35,7 +35,14 @@ from voronec.proof.claims import Claim
 from voronec.proof.decision import all_zero
 from voronec.proof.walls import across_walls
 
-__all__ = ["Ground", "InSpace", "Residuals", "check_motion", "decide_residues", "statements"]
+__all__ = [
+    "InSpace",
+    "QuadratureGround",
+    "Residuals",
+    "check_motion",
+    "decide_residues",
+    "statements",
+]
 
 
 LENGTH = se.Symbol("length of the vector")
@@ -44,7 +51,7 @@ Residuals = list[tuple[str, Any]]
 
 
 @dataclass(frozen=True)
-class Ground:
+class QuadratureGround:
     """A declaration, and the field on the coordinates from which it has to follow."""
 
     field: VectorField
@@ -121,7 +128,7 @@ SAMPLES = 12
 """At how many states the sign of the clock is looked at."""
 
 
-def decide_residues(ground: Ground, rate: sp.Expr) -> Verdict:
+def decide_residues(ground: QuadratureGround, rate: sp.Expr) -> Verdict:
     """A rate has simple poles where they are declared, with residues w, -w or 0, and no others.
 
     The denominator has as many roots as its degree, all of them declared; and the fraction grows
@@ -136,7 +143,8 @@ def decide_residues(ground: Ground, rate: sp.Expr) -> Verdict:
         return Verdict("proved", "the rate is a polynomial")
     given = [*motion.poles.items(), *((c, None) for c in motion.others)]
     poles = [
-        _Pole.of(door.inward(c), None if w is None else door.inward(w), fraction) for c, w in given
+        _FractionAtPole.of(door.inward(c), None if w is None else door.inward(w), fraction)
+        for c, w in given
     ]
     shares = _shares(ground, poles)
     if len(shares) != bottom:
@@ -151,7 +159,7 @@ def decide_residues(ground: Ground, rate: sp.Expr) -> Verdict:
 
 
 @dataclass(frozen=True)
-class _Pole:
+class _FractionAtPole:
     """A fraction top/bottom at a declared pole: both, and the slope of the bottom, there.
 
     Without a weight the residue may be any.
@@ -164,7 +172,7 @@ class _Pole:
     slope: Any
 
     @classmethod
-    def of(cls, place: Any, weight: Any, fraction: tuple[Any, Any]) -> _Pole:
+    def of(cls, place: Any, weight: Any, fraction: tuple[Any, Any]) -> _FractionAtPole:
         """The values at a place."""
         values = (e.xreplace({FREE: place}) for e in (*fraction, fraction[1].diff(FREE)))
         return cls(place, weight, *values)
@@ -183,12 +191,14 @@ class _Pole:
         return self.top - share * self.weight * self.slope
 
 
-def _shares(ground: Ground, poles: Sequence[_Pole]) -> dict[_Pole, int]:
+def _shares(
+    ground: QuadratureGround, poles: Sequence[_FractionAtPole]
+) -> dict[_FractionAtPole, int]:
     """The poles at which the fraction has one, each place once; and how many weights the residue
     is there, -1, 0 or 1, as numbers suggest."""
     seen = [ground.at_level(e) for p in poles for e in (p.place, p.bottom, p.share)]
     for _, values in sample_evaluable(Tape(seen), ground.field.hypotheses, GENERIC, count=1):
-        found: dict[_Pole, int] = {}
+        found: dict[_FractionAtPole, int] = {}
         places: list[Any] = []
         for i, pole in enumerate(poles):
             place, bottom, share = values[3 * i : 3 * i + 3]
@@ -211,7 +221,7 @@ def _degree(polynomial: Any) -> int:
 class InSpace:
     """What is stated of a frame in space, a matrix of functions of the state."""
 
-    ground: Ground
+    ground: QuadratureGround
     space: Space
 
     @cached_property
@@ -284,7 +294,7 @@ def check_motion(motions: Motions) -> Iterator[Claim]:
     system = motions.system
     if system.motion is None:
         return
-    for name, decide in statements(Ground(motions.on_coordinates, system.motion)):
+    for name, decide in statements(QuadratureGround(motions.on_coordinates, system.motion)):
         begin = clock.perf_counter()
         try:
             verdict = decide()
@@ -296,7 +306,7 @@ def check_motion(motions: Motions) -> Iterator[Claim]:
         yield Claim("motion", name, verdict, "coordinates", seconds, reason=reason)
 
 
-def statements(ground: Ground) -> Iterator[tuple[str, Callable[[], Verdict]]]:
+def statements(ground: QuadratureGround) -> Iterator[tuple[str, Callable[[], Verdict]]]:
     """The name of each claim, which ``Quadratures.claims`` lists too, and how it is decided."""
     motion = ground.motion
     ways: list[Callable[[], Verdict]] = [partial(_constant, ground, c) for c in motion.constants]
@@ -317,13 +327,13 @@ def statements(ground: Ground) -> Iterator[tuple[str, Callable[[], Verdict]]]:
     return zip(motion.claims, ways, strict=True)
 
 
-def _constant(ground: Ground, symbol: sp.Symbol) -> Verdict:
+def _constant(ground: QuadratureGround, symbol: sp.Symbol) -> Verdict:
     function = ground.level[ground.field.door.inward(symbol)]
     found = ground.zero([("", ground.field.derivative(function))])
     return across_walls(found, ground.field, [("", function)], constant=True)
 
 
-def _quartic(ground: Ground) -> Verdict:
+def _quartic(ground: QuadratureGround) -> Verdict:
     found = ground.zero([("", ground.run**2 - ground.on_level(ground.motion.quartic))])
     variable = [("the variable", ground.field.read(ground.motion.meaning))]
     back = _where_time_runs_back(ground) if found.proved else None
@@ -332,7 +342,7 @@ def _quartic(ground: Ground) -> Verdict:
     return across_walls(found, ground.field, variable, periods=False)
 
 
-def _where_time_runs_back(ground: Ground) -> Verdict | None:
+def _where_time_runs_back(ground: QuadratureGround) -> Verdict | None:
     """A refutation where dt/dtau is not positive at a state; that it is so on all the way of a
     motion is seen when the motion is computed."""
     if ground.motion.clock == 1:
@@ -345,31 +355,31 @@ def _where_time_runs_back(ground: Ground) -> Verdict | None:
     return None
 
 
-def _rate(ground: Ground, q: sp.Expr) -> Verdict:
+def _rate(ground: QuadratureGround, q: sp.Expr) -> Verdict:
     there = ground.data_for(q)
     found = there(ground.field.derivative(ground.field.read(q)) * ground.pace)
     return ground.zero([("", found - there(ground.on_level(ground.motion.integrals[q])))])
 
 
-def _pole(ground: Ground, place: sp.Expr) -> Verdict:
+def _pole(ground: QuadratureGround, place: sp.Expr) -> Verdict:
     """f(c) + 4 w^2 = 0 [Theory, eq. (26)]."""
     motion = ground.motion
     f = motion.quartic.xreplace({motion.x: place})
     return ground.zero([("", ground.on_level(f + 4 * motion.poles[place] ** 2))])
 
 
-def _trace(ground: Ground, trace: Trace) -> Verdict:
+def _trace(ground: QuadratureGround, trace: Trace) -> Verdict:
     there = ground.data_for(trace.colatitude)
     found = there(se.cos(ground.field.read(trace.colatitude)))
     return ground.zero([("", found - there(ground.on_level(trace.cosine)))])
 
 
-def _velocity(ground: Ground, v: sp.Expr) -> Verdict:
+def _velocity(ground: QuadratureGround, v: sp.Expr) -> Verdict:
     claimed = ground.on_level(ground.motion.velocities[v])
     return ground.zero([("", ground.field.read(v) - claimed)])
 
 
-def _direction(ground: Ground, plane: Plane) -> Verdict:
+def _direction(ground: QuadratureGround, plane: Plane) -> Verdict:
     """The vector in the plane is constant, and as long as is said."""
     a, b = (ground.field.read(e) for e in plane.direction)
     found = [
@@ -381,7 +391,7 @@ def _direction(ground: Ground, plane: Plane) -> Verdict:
     return across_walls(ground.zero(found), ground.field, parts, constant=True)
 
 
-def _along(ground: Ground, plane: Plane) -> Verdict:
+def _along(ground: QuadratureGround, plane: Plane) -> Verdict:
     """length d(x + i y)/dtau = (a + i b)(rates + slopes dz/dtau)."""
     field = ground.field
     a, b = (field.read(e) for e in plane.direction)

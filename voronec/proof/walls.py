@@ -20,7 +20,14 @@ from typing import Any
 import flint
 import symengine as se
 
-from voronec.algebra.branches import Branches, Wall, bounds_of, has_branches, is_plain, product_of
+from voronec.algebra.branches import (
+    Branches,
+    BranchWall,
+    bounds_of,
+    has_branches,
+    is_plain,
+    product_of,
+)
 from voronec.algebra.conditions import domain_of, moved_hypotheses, split_hypotheses
 from voronec.algebra.normal import canonical
 from voronec.algebra.points import consistent, sample_point
@@ -145,7 +152,7 @@ class _Ground:
 
     # -- one wall -------------------------------------------------------------------------------
 
-    def _jump(self, wall: Wall) -> _Jump | None:
+    def _jump(self, wall: BranchWall) -> _Jump | None:
         """The jump on a piece of a wall; None where there is none that a motion would meet."""
         h = wall.function
         if wall.above == wall.below or wall.edge or self._has_sign(h):
@@ -196,7 +203,7 @@ class _Ground:
         """Whether the field is singular all over a wall: a rate has a pole, or inertia is none."""
         return any(self._is_pole_of(e, there) for e in self.field.components)
 
-    def _is_pole(self, wall: Wall, there: tuple[Any, ...]) -> bool:
+    def _is_pole(self, wall: BranchWall, there: tuple[Any, ...]) -> bool:
         """Whether both sides tend to infinity."""
         return self._is_pole_of(wall.above, there) and self._is_pole_of(wall.below, there)
 
@@ -218,7 +225,7 @@ class _Ground:
         return -short if _is_negative(short) else short
 
     def _crossings(
-        self, wall: Wall, there: tuple[Any, ...]
+        self, wall: BranchWall, there: tuple[Any, ...]
     ) -> Iterator[tuple[dict[Any, Any], Any, Any]]:
         """States on a wall, at which motions cross it, with different values on its sides.
 
@@ -315,7 +322,7 @@ class _Ground:
         """Whether a function is constant off its walls."""
         return all(self._vanishes(function.diff(x), self.hypotheses) for x in self.moving)
 
-    def _place(self, wall: Wall) -> str:
+    def _place(self, wall: BranchWall) -> str:
         """Where a wall is, in words."""
         if wall.whole is not None:
             return f"{self._write(wall.function + wall.whole)} is a whole number"

@@ -4,7 +4,7 @@
 a ``Bench`` of all methods.  Peers are optional: what is not installed is named, never needed.
 """
 
-from voronec.accuracy.bench.agreement import Reference, difference, reference
+from voronec.accuracy.bench.agreement import BenchReference, difference, reference
 from voronec.accuracy.bench.call_stages import CallStages, measure_calls
 from voronec.accuracy.bench.question import BenchMotion, ask
 from voronec.accuracy.bench.record import At, Bench, Measured, Point, at_error, observed_order
@@ -16,10 +16,10 @@ __all__ = [
     "At",
     "Bench",
     "BenchMotion",
+    "BenchReference",
     "CallStages",
     "Measured",
     "Point",
-    "Reference",
     "SetupTime",
     "ask",
     "at_error",

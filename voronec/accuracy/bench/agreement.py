@@ -23,7 +23,7 @@ from voronec.motion import integrate
 
 __all__ = [
     "ACCURACY",
-    "Reference",
+    "BenchReference",
     "agreed_reference",
     "difference",
     "precise_outputs",
@@ -131,7 +131,7 @@ Route = tuple[str, Callable[[], Mapping[str, np.ndarray]]]
 
 
 @dataclass(frozen=True, eq=False)
-class Reference:
+class BenchReference:
     """Values of the outputs, each of shape (k,), on the times ``t`` (k,).
 
     ``accuracy`` is the largest difference of the two runs in ``how``, relative to the size of the
@@ -145,7 +145,7 @@ class Reference:
     note: str = ""
 
 
-def reference(question: BenchMotion, needed: float = ACCURACY) -> Reference:
+def reference(question: BenchMotion, needed: float = ACCURACY) -> BenchReference:
     """The motion of a question, to ``needed`` or better on the part of its grid that is returned.
 
     Where the system declares its motion in closed form, that is the reference, on any grid, and
@@ -156,7 +156,7 @@ def reference(question: BenchMotion, needed: float = ACCURACY) -> Reference:
     found = _in_closed_form(question, needed)
     if found is not None:
         return found
-    best: Reference | None = None
+    best: BenchReference | None = None
     for digits in DIGITS:
         first, second = _routes(question, digits)
         found = agreed_reference(question, [(n, run()) for n, run in (first, second)], needed)
@@ -172,7 +172,7 @@ def reference(question: BenchMotion, needed: float = ACCURACY) -> Reference:
     return best
 
 
-def _in_closed_form(question: BenchMotion, needed: float) -> Reference | None:
+def _in_closed_form(question: BenchMotion, needed: float) -> BenchReference | None:
     """The enclosed motion, where there is one and an independent run agrees with it."""
     if question.system.motion is None:
         return None
@@ -209,7 +209,7 @@ def _ball_solution(question: BenchMotion) -> Mapping[str, np.ndarray]:
 
 def agreed_reference(
     question: BenchMotion, runs: Sequence[tuple[str, Mapping[str, np.ndarray]]], needed: float
-) -> Reference | None:
+) -> BenchReference | None:
     """The reference that two runs make, cut where they part; None where they part at once."""
     (first, one), (second, two) = runs
     apart = np.max(
@@ -225,7 +225,7 @@ def agreed_reference(
             f"the two runs agree to {needed:g} up to t = {question.grid[good - 1]:g} only; "
             "the rest is not measured"
         )
-    return Reference(
+    return BenchReference(
         t=question.grid[:good],
         values={n: np.asarray(one[n][:good], dtype=float) for n in question.outputs},
         accuracy=max(float(apart[:good].max()), float(np.finfo(float).eps) / 2),

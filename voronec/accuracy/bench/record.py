@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from voronec.accuracy.bench.agreement import Reference
+from voronec.accuracy.bench.agreement import BenchReference
 from voronec.accuracy.bench.question import BenchMotion
 from voronec.accuracy.bench.setup_time import SetupTime
 
@@ -76,7 +76,7 @@ class Bench:
     """Every method and tolerance measured on one question, against its reference."""
 
     question: BenchMotion
-    reference: Reference
+    reference: BenchReference
     methods: tuple[Measured, ...]
     machine: Mapping[str, str]
     setup: SetupTime | None = None

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from voronec.accuracy.bench.agreement import ACCURACY, Reference, difference, reference
+from voronec.accuracy.bench.agreement import ACCURACY, BenchReference, difference, reference
 from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, time_fastest
 from voronec.accuracy.bench.peers import PEERS
 from voronec.accuracy.bench.question import BenchMotion
@@ -167,7 +167,7 @@ def measure(
     budget: float = BUDGET,
     setup: Callable[[], SetupTime | None] | None = None,
     say: Say | None = None,
-    against: Reference | None = None,
+    against: BenchReference | None = None,
 ) -> Bench:
     """Every method at every tolerance, against a reference accurate to ``needed``.
 
@@ -208,7 +208,7 @@ def measure(
 def _measure(
     contender: Contender,
     question: BenchMotion,
-    exact: Reference,
+    exact: BenchReference,
     tolerances: Sequence[float],
     budget: float,
     points: list[Point],
@@ -243,7 +243,7 @@ def _next_cost(points: Sequence[Point], span: float, setting: float) -> float:
     return done[-1].per_unit * span * growth
 
 
-def _point(run: Run, setting: float, question: BenchMotion, exact: Reference) -> Point:
+def _point(run: Run, setting: float, question: BenchMotion, exact: BenchReference) -> Point:
     try:
         outcome = run(setting)
     except VoronecError as failure:
@@ -265,7 +265,7 @@ def _point(run: Run, setting: float, question: BenchMotion, exact: Reference) ->
     )
 
 
-def _errors(outcome: Outcome, question: BenchMotion, exact: Reference) -> dict[str, float]:
+def _errors(outcome: Outcome, question: BenchMotion, exact: BenchReference) -> dict[str, float]:
     return {
         n: float(difference(outcome.values[n], exact.values[n], n in question.angles).max())
         for n in question.outputs

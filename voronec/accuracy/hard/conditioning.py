@@ -27,7 +27,16 @@ from voronec.accuracy.hard.case_program import DIGITS, PreciseProblem
 from voronec.equations.program import taylor_extras, taylor_system
 from voronec.errors import IntegrationError
 
-__all__ = ["UNIT", "Passage", "Reel", "condition_numbers", "output_sizes", "reel", "sizes", "times"]
+__all__ = [
+    "UNIT",
+    "PreciseMotion",
+    "Reel",
+    "condition_numbers",
+    "output_sizes",
+    "reel",
+    "sizes",
+    "times",
+]
 
 
 UNIT = 2.0**-53
@@ -49,7 +58,7 @@ def sizes(problem: PreciseProblem, states: np.ndarray) -> np.ndarray:
     return result
 
 
-def condition_numbers(problem: PreciseProblem, passage: Passage) -> np.ndarray:
+def condition_numbers(problem: PreciseProblem, passage: PreciseMotion) -> np.ndarray:
     """kappa of every output at every instant of a passage; shape (k, m)."""
     scale = output_sizes(passage.outputs)
     size = sizes(problem, passage.states)
@@ -72,7 +81,7 @@ def output_sizes(outputs: np.ndarray) -> np.ndarray:
     return np.where(largest > NOTHING, largest, 1.0)
 
 
-def _error_growth(passage: Passage, j: int, size: np.ndarray) -> np.ndarray:
+def _error_growth(passage: PreciseMotion, j: int, size: np.ndarray) -> np.ndarray:
     """What an error made at the worst instant up to the j-th does to the outputs there."""
     reach = passage.gradients[j]
     worst = np.abs(reach.astype(float)) @ size
@@ -96,7 +105,7 @@ LEAST = 1e-3
 
 
 @dataclass(frozen=True)
-class Passage:
+class PreciseMotion:
     """A motion in many digits at ``t`` (k,), with the propagators from each instant to the next.
 
     ``states`` (k, n) and ``outputs`` (k, m); ``gradients`` (k, m, n) and ``by_parameters``
@@ -131,7 +140,7 @@ class Reel:
     look: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
     begin: np.ndarray
 
-    def follow(self, grid: np.ndarray, state: np.ndarray | None = None) -> Passage:
+    def follow(self, grid: np.ndarray, state: np.ndarray | None = None) -> PreciseMotion:
         """The motion along a grid, starting on its first instant."""
         start = self.begin if state is None else state
         self.rewind(self.number(grid[0]), start)
@@ -146,7 +155,7 @@ class Reel:
         outputs, gradients, by_parameters = (
             np.array(part, dtype=object) for part in zip(*looks, strict=True)
         )
-        return Passage(
+        return PreciseMotion(
             grid, np.array(states, dtype=object), outputs, gradients, by_parameters,
             np.array(steps, dtype=object), np.array(drives, dtype=object),
         )  # fmt: skip

@@ -26,7 +26,7 @@ import numpy as np
 from voronec.accuracy.hard.case import ARITHMETICS, HardCase
 from voronec.accuracy.hard.case_program import PreciseProblem, problem
 from voronec.accuracy.hard.conditioning import (
-    Passage,
+    PreciseMotion,
     Reel,
     condition_numbers,
     output_sizes,
@@ -40,7 +40,7 @@ from voronec.errors import EngineLimit, IntegrationError
 from voronec.motion import Trajectory, integrate
 from voronec.motion.closed_form import closed_form
 
-__all__ = ["STORE", "Reference", "compute", "perturb", "reference", "slopes"]
+__all__ = ["STORE", "HardReference", "compute", "perturb", "reference", "slopes"]
 
 RETURN = 1e-18
 """How far the state may be from its start after one period."""
@@ -93,7 +93,7 @@ class OnePeriod:
     ``places[j]`` of ``passage``, which ends with the period.
     """
 
-    passage: Passage
+    passage: PreciseMotion
     turns: tuple[int, ...]
     places: tuple[int, ...]
 
@@ -135,7 +135,7 @@ def fold(reel: Reel, length: Any, grid: np.ndarray) -> OnePeriod:
     return OnePeriod(passage, tuple(turns), tuple(stops.index(t) for t in rest))
 
 
-def _since_start(passage: Passage) -> list[np.ndarray]:
+def _since_start(passage: PreciseMotion) -> list[np.ndarray]:
     """d (state, parameters) at every instant / d the same at the start."""
     n, p = passage.states.shape[1], passage.drives.shape[2]
     found = [np.eye(n + p, dtype=int).astype(object)]
@@ -248,7 +248,7 @@ LONGEST_CHECK = 2e5
 
 
 @dataclass(frozen=True, eq=False)
-class Reference:
+class HardReference:
     """True outputs on the grid of a case, and how much they magnify relative changes.
 
     ``values`` and ``condition`` map the name of every output to arrays of shape (points,);
@@ -278,7 +278,7 @@ class Reference:
         }
 
     @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Reference:
+    def from_dict(cls, data: Mapping[str, Any]) -> HardReference:
         """From plain data."""
         values, condition = (
             {n: np.array(x) for n, x in data[k].items()} for k in ("values", "condition")
@@ -287,14 +287,14 @@ class Reference:
         return cls(np.array(data["t"]), values, condition, agreed, made)
 
 
-def reference(case: HardCase, equations: VoronecEquations | None = None) -> Reference:
+def reference(case: HardCase, equations: VoronecEquations | None = None) -> HardReference:
     """The stored reference of a case; computed now where none is stored for its declaration.
 
     Raises ``EngineLimit`` where it must be computed and heyoka is not installed.
     """
     stored = _stored_references().get(case.name)
     if stored is not None and stored["digest"] == case.digest:
-        return Reference.from_dict(stored)
+        return HardReference.from_dict(stored)
     return compute(case, equations)
 
 
@@ -304,7 +304,7 @@ def _stored_references() -> dict[str, Any]:
     return found
 
 
-def compute(case: HardCase, equations: VoronecEquations | None = None) -> Reference:
+def compute(case: HardCase, equations: VoronecEquations | None = None) -> HardReference:
     """The reference of a case by two runs in many digits, and its condition numbers."""
     own = equations or derive(load(case.system))
     asked = problem(case, own)
@@ -314,10 +314,10 @@ def compute(case: HardCase, equations: VoronecEquations | None = None) -> Refere
     except ImportError:
         values, slopes, agreed = perturb(case, own)
         how = "25 digits on coordinates; against 21 digits, data changed in place of variations"
-        return Reference(case.grid, values, slopes, agreed, how)
+        return HardReference(case.grid, values, slopes, agreed, how)
     apart = np.abs((outputs - again).astype(float)) / output_sizes(outputs)
     names = asked.program.names
-    return Reference(
+    return HardReference(
         case.grid,
         dict(zip(names, outputs.astype(float).T, strict=True)),
         dict(zip(names, condition.T, strict=True)),

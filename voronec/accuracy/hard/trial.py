@@ -14,7 +14,7 @@ import numpy as np
 
 from voronec.accuracy.hard.case import HardCase
 from voronec.accuracy.hard.conditioning import UNIT, output_sizes
-from voronec.accuracy.hard.reference import Reference, reference
+from voronec.accuracy.hard.reference import HardReference, reference
 from voronec.declaration.catalogue import load
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
@@ -72,7 +72,7 @@ class Trial:
         return {k: None if x != x else x for k, x in vars(self).items()}
 
 
-def bound(reference: Reference) -> Mapping[str, np.ndarray]:
+def bound(reference: HardReference) -> Mapping[str, np.ndarray]:
     """The error that every output is allowed at every instant: max(1e-10, 100 u kappa)."""
     return {n: np.maximum(FLOOR, ROUNDINGS * UNIT * c) for n, c in reference.condition.items()}
 
@@ -85,7 +85,7 @@ def _tolerance(method: str) -> float:
 
 
 def attempt(
-    case: HardCase, equations: VoronecEquations, method: str, reference: Reference | None
+    case: HardCase, equations: VoronecEquations, method: str, reference: HardReference | None
 ) -> Trial:
     """Integrate a case by a method, and judge it by its reference.
 
@@ -108,7 +108,7 @@ def attempt(
 
 
 def judge(
-    case: HardCase, method: str, trajectory: Trajectory, reference: Reference | None
+    case: HardCase, method: str, trajectory: Trajectory, reference: HardReference | None
 ) -> Trial:
     """What to make of a trajectory."""
     drift = max(trajectory.drift.values(), default=np.nan)
@@ -150,7 +150,7 @@ class CaseResult:
     """A case, its reference (None where no motion starts) and what every method made of it."""
 
     case: HardCase
-    reference: Reference | None
+    reference: HardReference | None
     trials: tuple[Trial, ...]
 
     @property

@@ -195,7 +195,7 @@ class Units:
         found: Weight | None = None
         for where in assignments(chain, study):
             spoken = [p for p in chain.parts if not names_constant(p)]
-            parts = [_Reading(self.scale, study, where).weight(p) for p in spoken]
+            parts = [_Weights(self.scale, study, where).weight(p) for p in spoken]
             found = self.scale.common_weight([weight for weight in parts if weight != SILENT])
         return found
 
@@ -205,7 +205,7 @@ SILENT: Any = ()
 
 
 @dataclass(frozen=True)
-class _Reading:
+class _Weights:
     """Weights of the parts of a formula as it is printed; ``SILENT`` where nothing is known."""
 
     scale: _Scale

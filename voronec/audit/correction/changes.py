@@ -16,7 +16,7 @@ from voronec.audit.transcript import Transcript
 
 __all__ = [
     "Change",
-    "Letter",
+    "FontLetter",
     "Piece",
     "Spare",
     "apply_pieces",
@@ -58,7 +58,7 @@ class Spare:
 
     indices: tuple[str, ...] = ()
     letters: tuple[str, ...] = ()
-    names: tuple[Letter, ...] = ()
+    names: tuple[FontLetter, ...] = ()
     factors: tuple[str, ...] = ()
     formulas: tuple[str, ...] = ()
 
@@ -114,7 +114,7 @@ def without(word: Token, words: Sequence[Token]) -> Change:
 
 
 @dataclass(frozen=True)
-class Letter:
+class FontLetter:
     r"""``\mathbf G``: the command of the font or accent, or nothing, the letter, its range."""
 
     accent: str
@@ -138,7 +138,7 @@ def space_after(text: str) -> str:
     return text + " " if text.startswith("\\") else text
 
 
-def letters_of(words: Sequence[Token]) -> Iterator[Letter]:
+def letters_of(words: Sequence[Token]) -> Iterator[FontLetter]:
     r"""All letters; ``\mathbf{G}`` is one, like ``\mathbf G``."""
     skip = 0
     for position, word in enumerate(words):
@@ -146,13 +146,13 @@ def letters_of(words: Sequence[Token]) -> Iterator[Letter]:
         if position < skip:
             continue
         if word.text in ACCENTS and inside and is_letter(inside[0]):
-            yield Letter(word.text, inside[0].text, word.start, inside[0].end)
+            yield FontLetter(word.text, inside[0].text, word.start, inside[0].end)
             skip = position + 2
         elif word.text in ACCENTS and len(inside) == 3 and _are_braced(inside):
-            yield Letter(word.text, inside[1].text, word.start, inside[2].end)
+            yield FontLetter(word.text, inside[1].text, word.start, inside[2].end)
             skip = position + 4
         elif is_letter(word):
-            yield Letter("", word.text, word.start, word.end)
+            yield FontLetter("", word.text, word.start, word.end)
 
 
 def names_in(words: Sequence[Token], source: str) -> Iterator[str]:

@@ -18,7 +18,7 @@ from itertools import pairwise
 
 from voronec.audit.correction.changes import (
     Change,
-    Letter,
+    FontLetter,
     Piece,
     Spare,
     insert,
@@ -50,7 +50,7 @@ from voronec.audit.latex.nodes import (
 )
 from voronec.audit.latex.reader import read
 from voronec.audit.latex.tokens import ELEMENTARY, Token, tokenize
-from voronec.audit.latex.vocabulary import CALL, Vocabulary
+from voronec.audit.latex.vocabulary import CALL, LatexVocabulary
 from voronec.audit.study import Study
 from voronec.errors import DefinitionError
 
@@ -357,7 +357,7 @@ def _font_edits(words: Sequence[Token], study: Study) -> Iterator[Change]:
             yield Change(tuple(pieces), (pieces[0][0], pieces[-1][1]))
 
 
-def _letter_edits(words: Sequence[Token], others: Sequence[Letter]) -> Iterator[Change]:
+def _letter_edits(words: Sequence[Token], others: Sequence[FontLetter]) -> Iterator[Change]:
     """A letter with its font for another one, where one of them has a font."""
     texts = {other.text: other for other in others}
     for place in letters_of(words):
@@ -540,7 +540,7 @@ _CLOSERS = {"(": ")", "[": "]", "{": "}"}
 _SIGNS = ("\\partial", "d")
 
 
-def close_brackets(printed: str, vocabulary: Vocabulary | None = None) -> str | None:
+def close_brackets(printed: str, vocabulary: LatexVocabulary | None = None) -> str | None:
     """The formula with all open brackets closed at its end, if that can be read."""
     opened = _open_brackets(tokenize(printed))
     if not opened:

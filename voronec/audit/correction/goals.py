@@ -23,7 +23,7 @@ from voronec.audit.meaning import SENSELESS
 from voronec.audit.structure import names_constant, new_names, whole_name
 from voronec.audit.study import Study
 
-__all__ = ["Slot", "Where", "along", "holds", "plant", "slots_of"]
+__all__ = ["MendingPlace", "Where", "along", "holds", "plant", "slots_of"]
 
 
 Where = dict[str, int]
@@ -31,7 +31,7 @@ Where = dict[str, int]
 
 def slots_of(
     chain: Chain, check: Check, study: Study, sampler: Sampler, where: Where
-) -> list[Slot] | None:
+) -> list[MendingPlace] | None:
     """The parts of both sides of the first equality that fails; ``None`` where none does."""
 
     def value(node: Node) -> Any:
@@ -69,7 +69,9 @@ def along(check: Check) -> bool:
     return check.truth is None and check.value is None
 
 
-def _against_value(chain: Chain, check: Check, sampler: Sampler, where: Where) -> list[Slot] | None:
+def _against_value(
+    chain: Chain, check: Check, sampler: Sampler, where: Where
+) -> list[MendingPlace] | None:
     """The parts of the first side that has not the derived value."""
     derived = call_hook(check.value, sampler.study, where) if check.value else 0
     goal = sampler.number_of(derived)
@@ -120,7 +122,7 @@ Value = Callable[[Node], Any]
 
 
 @dataclass(frozen=True, eq=False)
-class Slot:
+class MendingPlace:
     """A part of the formula at ``node``, with its value, and the values that would mend the whole.
 
     ``up`` takes another value of this part to the value that its parent then has.  The
@@ -131,7 +133,7 @@ class Slot:
     node: Node
     value: Any
     goals: tuple[Any, ...]
-    parent: Slot | None = None
+    parent: MendingPlace | None = None
     up: Callable[[Any], Any] = lambda value: value
 
     @property
@@ -149,7 +151,7 @@ class Slot:
         """Whether changes of two parts multiply."""
         return isinstance(self.node, (Product, Quotient)) and not np.ndim(self.value)
 
-    def ancestors(self, value: Any) -> Iterator[tuple[Slot, Slot, Any]]:
+    def ancestors(self, value: Any) -> Iterator[tuple[MendingPlace, MendingPlace, Any]]:
         """Parent, the part in it that changes, and the new value of that part; upwards."""
         part = self
         while part.parent is not None:
@@ -168,11 +170,15 @@ class _Branch:
 
 
 def plant(
-    node: Node, goals: Sequence[Any], value: Value, parent: Slot | None = None, up: Any = None
-) -> list[Slot]:
+    node: Node,
+    goals: Sequence[Any],
+    value: Value,
+    parent: MendingPlace | None = None,
+    up: Any = None,
+) -> list[MendingPlace]:
     """The slots of a tree, the whole first."""
     own = value(node)
-    slot = Slot(node, own, tuple(goals), parent, up or (lambda v: v))
+    slot = MendingPlace(node, own, tuple(goals), parent, up or (lambda v: v))
     found = [slot]
     try:
         branches = _branches(node, own, value)

@@ -23,7 +23,7 @@ import numpy as np
 from voronec.audit.correction.balance import Units
 from voronec.audit.correction.changes import Change, Piece, Spare, apply_pieces
 from voronec.audit.correction.edits import repairs, single_changes
-from voronec.audit.correction.goals import Slot, Where, along, holds, slots_of
+from voronec.audit.correction.goals import MendingPlace, Where, along, holds, slots_of
 from voronec.audit.correction.sampling import TOLERANCE, Sampler, close
 from voronec.audit.display import Check
 from voronec.audit.formula import Formula
@@ -67,7 +67,7 @@ from voronec.audit.transcript import assignments
 from voronec.audit.verify import verify
 from voronec.errors import DefinitionError, VoronecError
 
-__all__ = ["Correction", "Screen", "Search", "Spare", "correct", "unknown_places"]
+__all__ = ["Correction", "CorrectionSearch", "Screen", "Spare", "correct", "unknown_places"]
 
 
 SEEDS = 12
@@ -82,12 +82,12 @@ class _Effect:
     """What a change does: the part it concerns, and the value that this part gets."""
 
     change: Change
-    slot: Slot
+    slot: MendingPlace
     value: Any
 
 
 @dataclass(frozen=True)
-class Search:
+class CorrectionSearch:
     """A false formula at a point where it fails; ``slots`` are its parts with their goals."""
 
     printed: str
@@ -95,10 +95,10 @@ class Search:
     study: Study
     sampler: Sampler
     where: Where
-    slots: tuple[Slot, ...]
+    slots: tuple[MendingPlace, ...]
 
     @classmethod
-    def of(cls, printed: str, check: Check, study: Study) -> Search | None:
+    def of(cls, printed: str, check: Check, study: Study) -> CorrectionSearch | None:
         """Look for a point; ``None`` where the formula has no numbers to go by."""
         if check.stationary or check.decide is not None:
             return None
@@ -137,11 +137,11 @@ class Search:
             yield from sorted(apart, key=lambda change: change.rank)
         yield from self._together(effects)
 
-    def _reaches(self, slot: Slot, value: Any) -> bool:
+    def _reaches(self, slot: MendingPlace, value: Any) -> bool:
         scale = slot.value if slot.parent is None or not np.ndim(slot.value) else 1.0
         return any(close(value, goal, scale) for goal in slot.goals)
 
-    def _slot(self, change: Change) -> Slot | None:
+    def _slot(self, change: Change) -> MendingPlace | None:
         """The smallest part that holds the words of a change."""
         start, end = change.about
         holding = [s for s in self.slots if s.at[0] <= start and end <= s.at[1]]
@@ -158,7 +158,7 @@ class Search:
             slot = slot.parent
         return None
 
-    def _changed_part(self, slot: Slot, pieces: Sequence[Piece]) -> tuple[Node | None, Any]:
+    def _changed_part(self, slot: MendingPlace, pieces: Sequence[Piece]) -> tuple[Node | None, Any]:
         """A part with replacements in it, and its value; ``None`` for what there is not."""
         start, end = slot.at
         moved = [(a - start, b - start, text) for a, b, text in pieces]
@@ -175,7 +175,7 @@ class Search:
 
     def _apart(self, effects: Sequence[_Effect]) -> Iterator[Change | None]:
         """Pairs in different parts of a sum or a product; a sign is a part of its own."""
-        groups: dict[Slot, list[_Member]] = {}
+        groups: dict[MendingPlace, list[_Member]] = {}
         for effect in effects:
             groups.setdefault(effect.slot, []).append(_Member(effect, effect.value, effect))
             for parent, part, value in effect.slot.ancestors(effect.value):
@@ -201,7 +201,7 @@ class Search:
 
     def _together(self, effects: Sequence[_Effect]) -> Iterator[Change]:
         """Pairs in one and the same smallest part."""
-        groups: dict[Slot, list[Change]] = {}
+        groups: dict[MendingPlace, list[Change]] = {}
         for effect in effects:
             groups.setdefault(effect.slot, []).append(effect.change)
         tried = [
@@ -218,7 +218,7 @@ class Search:
                 yield both
 
 
-def _fits(node: Node, slot: Slot) -> bool:
+def _fits(node: Node, slot: MendingPlace) -> bool:
     """Whether a changed part can stand where the old one does without brackets around it."""
     bare = tuple(node.at) == (0, node.at[1])
     if isinstance(node, Sum) and len(node.terms) > 1 and bare:
@@ -254,7 +254,9 @@ def _ratio(new: Any, old: Any) -> float:
     return float(np.log(abs(new / old))) if new and old else float("nan")
 
 
-def _matches(members: Sequence[_Member], parent: Slot, effect: Any) -> Iterator[Change | None]:
+def _matches(
+    members: Sequence[_Member], parent: MendingPlace, effect: Any
+) -> Iterator[Change | None]:
     """Pairs of different parts whose effects together take the parent to a goal.
 
     ``effect`` is what adds up: a difference, or the logarithm of a ratio.
@@ -458,7 +460,7 @@ def correct(
         return None  # what it should have said cannot be seen
     spare = spare or Spare()
     changes = _order_changes(formula, study, spare)
-    search = None if senseless else Search.of(printed, check, study)
+    search = None if senseless else CorrectionSearch.of(printed, check, study)
     found = _search_correction(case, changes, spare, search)
     return found or (None if check.proposal is None else _proposed_correction(case, check.proposal))
 
@@ -606,7 +608,7 @@ def _like_neighbours(printed: str, change: Change, spare: Spare) -> bool:
 
 
 def _search_correction(
-    case: _Case, changes: Sequence[Change], spare: Spare, search: Search | None
+    case: _Case, changes: Sequence[Change], spare: Spare, search: CorrectionSearch | None
 ) -> Correction | None:
     if search is not None:
         found = case.first(search.singles(changes))
@@ -643,7 +645,7 @@ def _after_repair(case: _Case, mending: Sequence[Change], spare: Spare) -> Corre
     mended = 0
     for repair in mending:
         latex, _ = apply_pieces(case.printed, repair.pieces)
-        search = Search.of(latex, case.check, case.study)
+        search = CorrectionSearch.of(latex, case.check, case.study)
         if search is None:
             continue
         changes = single_changes(latex, case.study, spare)

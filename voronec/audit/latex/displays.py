@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from voronec.audit.latex.tokens import ELLIPSES, Token, tokenize
 from voronec.errors import DefinitionError
 
-__all__ = ["RELATIONS", "Piece", "Unit", "script_ranges", "split_display"]
+__all__ = ["RELATIONS", "FormulaUnit", "Piece", "script_ranges", "split_display"]
 
 _PLACES = {"\\in", "\\colon", "\\longmapsto", "\\mapsto"}
 RELATIONS = {"=", "<", ">", "\\ne", "\\neq", "\\le", "\\leq", "\\ge", "\\geq"} | _PLACES
@@ -39,7 +39,7 @@ class Piece:
 
 
 @dataclass(frozen=True)
-class Unit:
+class FormulaUnit:
     """What bears one number in print: a label or none, source text, formulas.
 
     ``display`` is the source in which the places of the pieces are counted.
@@ -51,7 +51,7 @@ class Unit:
     display: str
 
 
-def split_display(latex: str) -> tuple[Unit, ...]:
+def split_display(latex: str) -> tuple[FormulaUnit, ...]:
     """The numbered units of a display, given with its delimiters, each with its formulas.
 
     In ``eqnarray`` and its like every line without ``\\nonumber`` closes a unit; else the whole
@@ -62,7 +62,7 @@ def split_display(latex: str) -> tuple[Unit, ...]:
     lines = _lines(latex, start, end)
     if environment not in _NUMBERED_LINES:
         return (_unit(latex, lines),)
-    units: list[Unit] = []
+    units: list[FormulaUnit] = []
     waiting: list[tuple[int, int]] = []
     for line in lines:
         waiting.append(line)
@@ -101,7 +101,7 @@ def _lines(latex: str, start: int, end: int) -> list[tuple[int, int]]:
     return lines
 
 
-def _unit(latex: str, lines: list[tuple[int, int]]) -> Unit:
+def _unit(latex: str, lines: list[tuple[int, int]]) -> FormulaUnit:
     labels = [m.group(1) for m in _LABEL.finditer(latex)] if len(lines) else []
     inside = [m.group(1) for a, b in lines for m in _LABEL.finditer(latex, a, b)]
     label = inside[-1] if inside else (labels[0] if len(set(labels)) == 1 else None)
@@ -116,7 +116,7 @@ def _unit(latex: str, lines: list[tuple[int, int]]) -> Unit:
             said, ended = words, True
         ended = bool(tokens) and tokens[-1].text in _SEPARATORS
     source = "\\\\ ".join(_LABEL.sub("", latex[a:b]).strip() for a, b in lines)
-    return Unit(label, source, tuple(pieces), latex)
+    return FormulaUnit(label, source, tuple(pieces), latex)
 
 
 def _append(

@@ -48,7 +48,7 @@ from voronec.audit.latex.tokens import (
     complain,
     tokenize,
 )
-from voronec.audit.latex.vocabulary import CALL, Vocabulary
+from voronec.audit.latex.vocabulary import CALL, LatexVocabulary
 from voronec.errors import DefinitionError
 
 __all__ = [
@@ -491,17 +491,17 @@ _BETWEEN: dict[str, Callable[[Node, Node, tuple[int, int]], Node]] = {
 }
 
 
-def read(source: str, vocabulary: Vocabulary | None = None) -> Chain:
+def read(source: str, vocabulary: LatexVocabulary | None = None) -> Chain:
     """The tree of one formula; ``DefinitionError`` names the place of what is not understood."""
-    return read_tokens(tokenize(source), source, vocabulary or Vocabulary())
+    return read_tokens(tokenize(source), source, vocabulary or LatexVocabulary())
 
 
-def read_tokens(tokens: Sequence[Token], source: str, vocabulary: Vocabulary) -> Chain:
+def read_tokens(tokens: Sequence[Token], source: str, vocabulary: LatexVocabulary) -> Chain:
     """The tree of the formula that the given words of ``source`` make."""
     return Reader(list(tokens), source, vocabulary).formula()
 
 
-def read_name(source: str, vocabulary: Vocabulary | None = None) -> Node:
+def read_name(source: str, vocabulary: LatexVocabulary | None = None) -> Node:
     r"""The tree of a single name, as dictionaries spell their keys; any superscript is a label.
 
     ``\zeta(\cdot)`` is the function ``\zeta`` beside a variable of the same name.
@@ -510,7 +510,7 @@ def read_name(source: str, vocabulary: Vocabulary | None = None) -> Node:
     bare = source.removesuffix(CALL)
     if bare in _SIGN_NAMES:
         return Name(bare)
-    reader = Reader(tokenize(bare), bare, vocabulary or Vocabulary(), all_labels=True)
+    reader = Reader(tokenize(bare), bare, vocabulary or LatexVocabulary(), all_labels=True)
     node = reader.factor()
     reader.expect_end()
     return replace(node, head=node.head + CALL) if applied else node
@@ -520,7 +520,11 @@ class Reader:
     """Recursive descent over the words; one method for each construct."""
 
     def __init__(
-        self, tokens: list[Token], source: str, vocabulary: Vocabulary, all_labels: bool = False
+        self,
+        tokens: list[Token],
+        source: str,
+        vocabulary: LatexVocabulary,
+        all_labels: bool = False,
     ) -> None:
         self.tokens, self.source, self.vocabulary = tokens, source, vocabulary
         self.all_labels = all_labels

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from voronec.audit.latex.tokens import FUNCTIONS
 
-__all__ = ["CALL", "Vocabulary"]
+__all__ = ["CALL", "LatexVocabulary"]
 
 CALL = r"(\cdot)"
 r"""Ends the spelling of a name that is a function where a parenthesis follows it, and something
@@ -14,7 +14,7 @@ else where none does: the dictionary holds ``\zeta`` and ``\zeta(\cdot)``."""
 
 
 @dataclass(frozen=True)
-class Vocabulary:
+class LatexVocabulary:
     r"""What the reader must know beforehand about a paper's names.
 
     ``functions``: heads that a parenthesis applies.  ``labelled``: heads whose superscript is a

@@ -28,7 +28,7 @@ from voronec.equations.voronec_equations import VoronecEquations, derive, equati
 from voronec.errors import DefinitionError
 from voronec.proof.decision import all_zero
 
-__all__ = ["Field", "Lesson", "Part", "Row", "lesson"]
+__all__ = ["Lesson", "LessonField", "LessonFormula", "LessonStep", "lesson"]
 
 
 def lesson(system: System | VoronecEquations) -> Lesson:
@@ -149,7 +149,7 @@ class _Work:
             )
             yield self.names[i], left - right
 
-    def parts(self) -> Iterator[Part]:
+    def parts(self) -> Iterator[LessonStep]:
         """The steps in their order."""
         yield self._statement_part()
         yield self._velocities()
@@ -163,19 +163,19 @@ class _Work:
         yield self._sum()
         yield self._solution_part()
 
-    def _statement_part(self) -> Part:
+    def _statement_part(self) -> LessonStep:
         system = self.eqs.system
-        rows = [Row("L", "L", system.lagrangian)]
+        rows = [LessonFormula("L", "L", system.lagrangian)]
         rows += [
-            Row(f"Q[{plain_name(q)}]", f"Q_{{{symbol_latex(plain_name(q))}}}", f)
+            LessonFormula(f"Q[{plain_name(q)}]", f"Q_{{{symbol_latex(plain_name(q))}}}", f)
             for q, f in system.forces.items()
         ]
-        rows += [Row("0", "0", c) for c in system.constraints]
-        rows += [Row("0", "0", r) for r in system.fibration.relations]
+        rows += [LessonFormula("0", "0", c) for c in system.constraints]
+        rows += [LessonFormula("0", "0", r) for r in system.fibration.relations]
         base = ", ".join(map(plain_name, system.fibration.base))
         fibre = ", ".join(map(plain_name, system.fibration.fibre))
         over = f", and of the fibre over them, {fibre}" if fibre else ""
-        return Part(
+        return LessonStep(
             "What is given",
             f"The coordinates of the base, {base}{over}; the Lagrangian, the forces, and the "
             "constraints, which vanish. What is asked: equations of motion without multipliers for "
@@ -184,18 +184,18 @@ class _Work:
             rows=tuple(rows),
         )
 
-    def _velocities(self) -> Part:
+    def _velocities(self) -> LessonStep:
         system = self.eqs.system
         rows = []
         if system.frame is not None:
             pairs = zip(system.frame.velocities, system.frame.expressions, strict=True)
-            rows = [Row(plain_name(v), symbol_latex(plain_name(v)), e) for v, e in pairs]
+            rows = [LessonFormula(plain_name(v), symbol_latex(plain_name(v)), e) for v, e in pairs]
         rows += [
-            Row(plain_name(velocity(q)), f"\\dot{{{symbol_latex(plain_name(q))}}}", rate)
+            LessonFormula(plain_name(velocity(q)), f"\\dot{{{symbol_latex(plain_name(q))}}}", rate)
             for q, rate in zip(self.eqs.coordinates, self.eqs.rates, strict=True)
             if velocity(q) != rate
         ]
-        return Part(
+        return LessonStep(
             "The velocities that the constraints admit",
             "The constraints, with the definitions of the velocities in use, are linear equations "
             "for the velocities of the coordinates; they are solved.",
@@ -205,7 +205,7 @@ class _Work:
             "The velocities of the coordinates are free.",
         )
 
-    def _fields(self) -> Part:
+    def _fields(self) -> LessonStep:
         rows = []
         for i, name in enumerate((*self.names, "0")):
             field = self.fields[i] if i in self.size else self.drift
@@ -214,10 +214,10 @@ class _Work:
                 terms = [*zip(entries, self.eqs.coordinates, strict=True)]
                 if i not in self.size:
                     terms.insert(0, (sp.Integer(1), time))
-                value = Field(tuple(term for term in terms if term[0] != 0))
+                value = LessonField(tuple(term for term in terms if term[0] != 0))
                 label = _tex(name)
-                rows.append(Row(f"h[{name}]", f"h_{{{label}}}", value))
-        return Part(
+                rows.append(LessonFormula(f"h[{name}]", f"h_{{{label}}}", value))
+        return LessonStep(
             "The horizontal fields",
             "The coefficient of each velocity is a field on the configurations along which the "
             "system can move; d_x is differentiation by x.",
@@ -229,7 +229,7 @@ class _Work:
     def _symbols(self) -> set[Any]:
         return set().union(*(r.free_symbols for r in self.rates))
 
-    def _brackets(self) -> Part:
+    def _brackets(self) -> LessonStep:
         rows = []
         fibre = self.own.split[1]
         behind = [*self.names, "0"]
@@ -239,7 +239,7 @@ class _Work:
                 ("B", fibre, self.eqs.brackets.B),
             ):
                 rows += [
-                    Row(
+                    LessonFormula(
                         f"{symbol}^{name}[{behind[i]}, {behind[j]}]",
                         f"{symbol}_{{{_tex(behind[i])}\\,{_tex(behind[j])}}}^{{{_tex(name)}}}",
                         table[k, i, j],
@@ -247,7 +247,7 @@ class _Work:
                     for k, name in enumerate(above)
                     if table[k, i, j] != 0
                 ]
-        return Part(
+        return LessonStep(
             "The brackets of the fields",
             "Going round a small parallelogram along two of the fields does not lead back: their "
             "bracket has a part along the fields, c, and one along the fibre, the curvature B.",
@@ -260,13 +260,13 @@ class _Work:
             "All brackets vanish.",
         )
 
-    def _curvature(self) -> Part:
+    def _curvature(self) -> LessonStep:
         base, fibre = self.own.split
         rows = []
         for k, name in enumerate(fibre):
             for i, one in enumerate(base):
                 rows += [
-                    Row(
+                    LessonFormula(
                         f"A^{name}[{one}, {base[j]}]",
                         f"A_{{{_tex(one)}\\,{_tex(base[j])}}}^{{{_tex(name)}}}",
                         self.eqs.curvature[k, i, j],
@@ -274,8 +274,8 @@ class _Work:
                     for j in range(i + 1, len(base))
                 ]
                 label = f"A_{{{_tex(one)}}}^{{{_tex(name)}}}"
-                rows.append(Row(f"A^{name}[{one}]", label, self.eqs.curvature.time[k, i]))
-        return Part(
+                rows.append(LessonFormula(f"A^{name}[{one}]", label, self.eqs.curvature.time[k, i]))
+        return LessonStep(
             "The curvature in the coordinates of the base",
             "In the frame of the base velocities, with Voronec's sign:",
             "(7), (8)",
@@ -287,7 +287,7 @@ class _Work:
             "It vanishes.",
         )
 
-    def _kind(self) -> Part:
+    def _kind(self) -> LessonStep:
         why = {
             "holonomic": "The curvature vanishes, or there is no fibre: the system is holonomic, "
             "and the equations are Lagrange's.",
@@ -297,18 +297,18 @@ class _Work:
             "is the general case, Voronec's.",
         }
         growth = ", ".join(map(str, self.eqs.growth))
-        return Part(
+        return LessonStep(
             "The kind of the system",
             f"{why[self.eqs.kind]} The fields span {self.eqs.growth[0]} directions; with their "
             "brackets, and the brackets of these, "
             f"({growth}) of {self.eqs.distribution.dimension}.",
         )
 
-    def _reduction_part(self) -> Part:
-        rows = [Row("Lc", "L_c", self.eqs.theta)]
+    def _reduction_part(self) -> LessonStep:
+        rows = [LessonFormula("Lc", "L_c", self.eqs.theta)]
         pairs = zip(self.own.split[1], self.eqs.momenta, strict=True)
-        rows += [Row(f"p[{name}]", f"p_{{{_tex(name)}}}", p) for name, p in pairs]
-        return Part(
+        rows += [LessonFormula(f"p[{name}]", f"p_{{{_tex(name)}}}", p) for name, p in pairs]
+        return LessonStep(
             "The Lagrangian on the constraints",
             "The velocities of the coordinates are replaced in L. Before that, L is differentiated "
             "by the velocities of the fibre: these momenta are what the curvature acts on.",
@@ -321,7 +321,7 @@ class _Work:
             tuple(rows),
         )
 
-    def _terms(self) -> Iterator[Part]:
+    def _terms(self) -> Iterator[LessonStep]:
         for title, sentence, formula, labels, values in zip(
             *zip(*TERMS, strict=True),
             (self.slopes, self.lifted, self.turned, self.pushed),
@@ -331,22 +331,24 @@ class _Work:
                 self.outward(e) for e in shortest(values, self.own.relations, self.own.velocities)
             ]
             rows = [
-                Row(labels[0].format(name), labels[1].format(_tex(name)), value)
+                LessonFormula(labels[0].format(name), labels[1].format(_tex(name)), value)
                 for name, value in zip(self.names, found, strict=True)
             ]
             shown = rows if values is not self.pushed or any(e != 0 for e in found) else []
-            yield Part(title, sentence, "", formula, tuple(shown), "There are no other forces.")
+            yield LessonStep(
+                title, sentence, "", formula, tuple(shown), "There are no other forces."
+            )
 
-    def _sum(self) -> Part:
+    def _sum(self) -> LessonStep:
         rows = tuple(
-            Row(
+            LessonFormula(
                 f"d/dt dLc/d{name}",
                 f"\\frac{{d}}{{dt}}\\frac{{\\partial L_c}}{{\\partial {_tex(name)}}}",
                 value,
             )
             for name, value in zip(self.names, self.eqs.right, strict=True)
         )
-        return Part(
+        return LessonStep(
             "The equations",
             "The principle of d'Alembert and Lagrange, along each field, puts the terms together:",
             "(9)",
@@ -359,12 +361,12 @@ class _Work:
             rows,
         )
 
-    def _solution_part(self) -> Part:
+    def _solution_part(self) -> LessonStep:
         rows = []
         for i in self.size:
             terms = [self.eqs.mass[i, j] * velocity(v) for j, v in enumerate(self.eqs.velocities)]
-            rows.append(Row("", "", (sp.Add(*terms), self.eqs.force[i, 0])))
-        return Part(
+            rows.append(LessonFormula("", "", (sp.Add(*terms), self.eqs.force[i, 0])))
+        return LessonStep(
             "For the accelerations",
             "The derivative by the time is carried out: linear equations for the accelerations.",
             "(11)",
@@ -392,14 +394,14 @@ _INDENT: dict[str, Any] = {"initial_indent": "  ", "subsequent_indent": "  "}
 
 
 @dataclass(frozen=True)
-class Field:
+class LessonField:
     """A vector field: coefficients, each with the coordinate (or time) of its differentiation."""
 
     terms: tuple[tuple[Any, Any], ...]
 
 
 @dataclass(frozen=True)
-class Row:
+class LessonFormula:
     """A formula: its left side as text and as LaTeX, and the value; or both sides as values."""
 
     text: str
@@ -408,7 +410,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Part:
+class LessonStep:
     """A step: what is asked and done, the formula of the theory, and what comes out.
 
     ``numbers`` are those of the formulas in ``docs/theory.md``; ``formula`` is the one that is
@@ -419,7 +421,7 @@ class Part:
     sentence: str
     numbers: str = ""
     formula: tuple[str, str] = ("", "")
-    rows: tuple[Row, ...] = ()
+    rows: tuple[LessonFormula, ...] = ()
     nothing: str = ""
 
 
@@ -428,7 +430,7 @@ class Lesson:
     """The steps of a derivation, and the verdict on their sum."""
 
     equations: VoronecEquations
-    parts: tuple[Part, ...]
+    parts: tuple[LessonStep, ...]
     verdict: Verdict
 
     @property
@@ -516,7 +518,7 @@ class Lesson:
         return "\n".join(self.lines())
 
 
-def _nothing(part: Part) -> list[str]:
+def _nothing(part: LessonStep) -> list[str]:
     return [f"  {part.nothing}"] if part.nothing else []
 
 
@@ -536,11 +538,11 @@ def _end(found: Lesson) -> str:
     return f"Check: {found.verdict.status}: {found.verdict.method}."
 
 
-def _text(row: Row) -> tuple[str, str]:
+def _text(row: LessonFormula) -> tuple[str, str]:
     if isinstance(row.value, tuple):
         left, right = map(caret_text, row.value)
         return left, right
-    if isinstance(row.value, Field):
+    if isinstance(row.value, LessonField):
         terms = [(c, caret_text(c), f"d_{plain_name(q)}") for c, q in row.value.terms]
         return row.text, _sum(terms, " ", "({})")
     return row.text, caret_text(row.value)
@@ -548,7 +550,7 @@ def _text(row: Row) -> tuple[str, str]:
 
 def _formula(found: Lesson, value: Any) -> str:
     system = found.system
-    if isinstance(value, Field):
+    if isinstance(value, LessonField):
         terms = [
             (c, _formula(found, c), f"\\partial_{{{symbol_latex(plain_name(q))}}}")
             for c, q in value.terms
@@ -575,7 +577,7 @@ def _sum(terms: Sequence[tuple[Any, str, str]], times: str, brackets: str) -> st
     return text
 
 
-def _latex(found: Lesson, row: Row) -> str:
+def _latex(found: Lesson, row: LessonFormula) -> str:
     if isinstance(row.value, tuple):
         left, right = (_formula(found, value) for value in row.value)
         return f"{left} = {right}"

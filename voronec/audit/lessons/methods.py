@@ -32,19 +32,27 @@ from voronec.equations.voronec_equations import VoronecEquations, derive, equati
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.proof.decision import all_zero
 
-__all__ = ["METHODS", "Comparison", "Equality", "Method", "Rows", "Step", "by_methods"]
+__all__ = [
+    "METHODS",
+    "Equality",
+    "MethodComparison",
+    "MethodEquations",
+    "Rows",
+    "Step",
+    "by_methods",
+]
 
 
-def first_principles(problem: Statement) -> Method:
+def first_principles(problem: Statement) -> MethodEquations:
     """Newton's and Euler's laws of the declared bodies; without them d'Alembert's balances."""
     return newton_euler(problem) if problem.equations.system.bodies else dalembert(problem)
 
 
-def newton_euler(problem: Statement) -> Method:
+def newton_euler(problem: Statement) -> MethodEquations:
     """Momentum balances of free bodies; the reactions are eliminated."""
     bodies = FreeBodies(problem)
     rows = zip(bodies.names, bodies.inertias, bodies.active, bodies.reactions, strict=True)
-    return Method(
+    return MethodEquations(
         "Newton and Euler, with reactions",
         (
             Step(
@@ -64,7 +72,7 @@ def newton_euler(problem: Statement) -> Method:
     )
 
 
-def dalembert(problem: Statement) -> Method:
+def dalembert(problem: Statement) -> MethodEquations:
     """Inertia forces against forces and reactions, coordinate by coordinate, solved for both."""
     mass, rest = inertia(problem)
     active = _active(problem)
@@ -87,7 +95,7 @@ def dalembert(problem: Statement) -> Method:
         se.Add(*[m * a for m, a in zip(row, problem.qdd, strict=True)], g)
         for row, g in zip(mass, rest, strict=True)
     ]
-    return Method(
+    return MethodEquations(
         "d'Alembert, with reactions",
         (
             Step(
@@ -121,7 +129,7 @@ def _reactions(problem: Statement, free: Vector, swung: list[Vector]) -> Vector:
     return problem.tidy([row[0] for row in solve_linear(gram, right).values])
 
 
-def lagrange(problem: Statement) -> Method:
+def lagrange(problem: Statement) -> MethodEquations:
     """Lagrange's equations of the first kind; the multipliers are eliminated."""
     sides = _euler_lagrange(problem)
     rows, fibre = problem.constraint_rows, problem.fibre
@@ -138,7 +146,7 @@ def lagrange(problem: Statement) -> Method:
         (str(q), (sides[a], se.Add(*[r[a] * x for r, x in zip(rows, names, strict=True)])))
         for a, q in enumerate(problem.q)
     ]
-    return Method(
+    return MethodEquations(
         "Lagrange, with multipliers",
         (
             Step(
@@ -165,7 +173,7 @@ def _multipliers(lambdas: Vector) -> tuple[Step, ...]:
     )
 
 
-def kane(problem: Statement) -> Method:
+def kane(problem: Statement) -> MethodEquations:
     """Active forces and forces of inertia, along the partial velocities."""
     matrix, _ = problem.inverse
     slopes = [problem.lagrangian.diff(d).xreplace(problem.rates) for d in problem.qd]
@@ -180,7 +188,7 @@ def kane(problem: Statement) -> Method:
         for a, d in enumerate(problem.qd)
         if matrix[a][r] != 0
     )
-    return Method(
+    return MethodEquations(
         "Kane",
         (
             Step("The partial velocities, which are not zero, are", partial),
@@ -192,7 +200,7 @@ def kane(problem: Statement) -> Method:
     )
 
 
-def gibbs_appell(problem: Statement) -> Method:
+def gibbs_appell(problem: Statement) -> MethodEquations:
     """The energy of the accelerations, differentiated by the accelerations in use."""
     mass, rest = inertia(problem)
     values = [problem.accelerations[a] for a in problem.qdd]
@@ -206,7 +214,7 @@ def gibbs_appell(problem: Statement) -> Method:
     zero = dict.fromkeys(problem.vd, se.Integer(0))
     shown = problem.tidy([energy - energy.xreplace(zero)])[0]
     slopes = [energy.diff(a) for a in problem.vd]
-    return Method(
+    return MethodEquations(
         "Gibbs and Appell",
         (
             Step(
@@ -220,7 +228,7 @@ def gibbs_appell(problem: Statement) -> Method:
     )
 
 
-def voronec(problem: Statement) -> Method:
+def voronec(problem: Statement) -> MethodEquations:
     """The equations that the engine derives in the velocities of the base, by the curvature."""
     eqs = derive(_in_base(problem))
     inward = problem.door.inward
@@ -231,7 +239,7 @@ def voronec(problem: Statement) -> Method:
     ]
     names, fibres = eqs.definition.split
     momenta = [(f"K_{s}", inward(eqs.momenta[k, 0])) for k, s in enumerate(fibres)]
-    return Method(
+    return MethodEquations(
         "Chaplygin" if eqs.kind == "chaplygin" else "Voronec",
         (
             Step(
@@ -269,7 +277,7 @@ def _curvature(problem: Statement, eqs: VoronecEquations) -> Rows:
     return tuple((name, problem.door.inward(e)) for name, e in found if e != 0)
 
 
-def hamel(problem: Statement) -> Method:
+def hamel(problem: Statement) -> MethodEquations:
     """All forms as quasi-velocities, those of the constraints last; they vanish at the end."""
     last = tuple(se.Symbol(f"constraint {k + 1}") for k in range(len(problem.constraint_rows)))
     omega = (*problem.v, *last)
@@ -290,7 +298,7 @@ def hamel(problem: Statement) -> Method:
         for c, entry in enumerate(entries)
         if i < j and entry != 0
     )
-    return Method(
+    return MethodEquations(
         "Hamel",
         (
             Step(
@@ -322,7 +330,7 @@ def _hamel_equations(
         yield problem.rate(slopes[i]) - problem.along(i, pushed) + se.Add(*turned)
 
 
-METHODS: tuple[Callable[[Statement], Method], ...] = (
+METHODS: tuple[Callable[[Statement], MethodEquations], ...] = (
     first_principles,
     lagrange,
     kane,
@@ -333,7 +341,7 @@ METHODS: tuple[Callable[[Statement], Method], ...] = (
 """The methods in the order in which they are taught."""
 
 
-def by_methods(system: System | VoronecEquations) -> Comparison:
+def by_methods(system: System | VoronecEquations) -> MethodComparison:
     """Solve one problem by every method, and prove that the equations are the same.
 
     Each method goes its own way from Lagrangian, forces and constraints to equations for the
@@ -346,7 +354,7 @@ def by_methods(system: System | VoronecEquations) -> Comparison:
     """
     begun = process_time()
     problem = Statement.of(system)
-    found: tuple[Method, ...] = ()
+    found: tuple[MethodEquations, ...] = ()
     try:
         for method in METHODS:
             found = (*found, method(problem))
@@ -358,10 +366,10 @@ def by_methods(system: System | VoronecEquations) -> Comparison:
             "and vo.multiplier_acceleration those with multipliers, to be compared in numbers"
         ) from None
     equalities = tuple(_compare_sides(problem, a, b) for a, b in pairwise(found))
-    return Comparison(problem, found, equalities, process_time() - begun)
+    return MethodComparison(problem, found, equalities, process_time() - begun)
 
 
-def _compare_sides(problem: Statement, left: Method, right: Method) -> Equality:
+def _compare_sides(problem: Statement, left: MethodEquations, right: MethodEquations) -> Equality:
     begun = process_time()
     if left.solved:
         places = dict(zip(problem.vd, left.solved, strict=True))
@@ -521,7 +529,7 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Method:
+class MethodEquations:
     """The steps of one method; ``residuals`` vanish along the motion: they are written with q, v
     and vdot, and one belongs to each velocity.  Where a method gives accelerations, ``solved`` are
     those of v instead."""
@@ -543,11 +551,11 @@ class Equality:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class MethodComparison:
     """One problem by all methods, and the proofs that they agree."""
 
     problem: Statement
-    methods: tuple[Method, ...]
+    methods: tuple[MethodEquations, ...]
     equalities: tuple[Equality, ...]
     seconds: float
 
@@ -658,7 +666,7 @@ def _texts(problem: Statement, rows: Any) -> list[tuple[str, str]]:
     return found
 
 
-def _equations(problem: Statement, method: Method) -> list[tuple[str, str]]:
+def _equations(problem: Statement, method: MethodEquations) -> list[tuple[str, str]]:
     """What a method ends with: the terms with accelerations on the left, the rest on the right."""
     found = []
     still = dict.fromkeys(problem.vd, se.Integer(0))

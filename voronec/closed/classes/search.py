@@ -217,7 +217,7 @@ def find(
     known = declared_traces(system)
     curve = known.curve(trace)
     fixed = held_parameters(system, parameters or {})
-    search = _Search(known, curve, label, fixed, np.random.default_rng(seed))
+    search = _StartSearch(known, curve, label, fixed, np.random.default_rng(seed))
     for turn in range(ROUNDS):
         if progress is not None:
             progress(f"{label} {curve.title}: round {turn + 1} of at most {ROUNDS}")
@@ -263,7 +263,7 @@ def _impossible(known: DeclaredTraces, curve: Curve, label: str, own: Mapping[An
 
 
 @dataclass(frozen=True, eq=False)
-class _Search:
+class _StartSearch:
     known: DeclaredTraces
     curve: Curve
     label: str

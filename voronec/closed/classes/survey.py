@@ -310,15 +310,15 @@ def arrays(
 
 
 @dataclass(frozen=True)
-class _Formulas:
+class _TraceFunctions:
     starting: Callable[..., list[BoundedNumber]]
     level: Callable[..., list[BoundedNumber]]
 
 
 @cache
-def _formulas(known: DeclaredTraces, curve: Curve) -> _Formulas:
+def _formulas(known: DeclaredTraces, curve: Curve) -> _TraceFunctions:
     values = (*known.quartic, *curve.cosine, *curve.phi)
-    return _Formulas(
+    return _TraceFunctions(
         compile_with_bounds(known.inputs, known.starting), compile_with_bounds(known.level, values)
     )
 

@@ -277,14 +277,14 @@ def tally(problem: InversionProblem, curve: Curve) -> Tally | None:
     """The counts of a trace; None where its cosine has no value on this level."""
     if not all(problem.exact(c)(FIRST).is_finite() for c in curve.cosine):
         return None
-    search = _Search(problem, curve)
+    search = _RootSearch(problem, curve)
     if problem.rests:
         return search.at_rest()
     return search.between()
 
 
 @dataclass(frozen=True, eq=False)
-class _Search:
+class _RootSearch:
     problem: InversionProblem
     curve: Curve
 

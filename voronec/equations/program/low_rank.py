@@ -30,8 +30,8 @@ from voronec.equations.program.weight import taylor_weight
 from voronec.errors import DefinitionError, VoronecError
 
 __all__ = [
-    "Elimination",
     "LowRank",
+    "MassElimination",
     "coupled_rows",
     "eliminations",
     "low_rank",
@@ -74,7 +74,7 @@ class LowRank:
 
 
 @dataclass(frozen=True)
-class Elimination:
+class MassElimination:
     """How some rows of mass * x = right are solved: ``solve(known, right, name)`` takes names for
     ``expressions`` and the right sides of ``rows``, and gives x of these rows."""
 
@@ -103,7 +103,7 @@ def solve_mass(
 def eliminations(
     mass: Sequence[Sequence[Any]],
     constants: Iterable[Any] = (), relations: Sequence[Any] = (), positive: Iterable[Any] = (),
-) -> list[Elimination]:  # fmt: skip
+) -> list[MassElimination]:  # fmt: skip
     """How the rows of a symmetric positive matrix are solved: blocks that are diagonal plus a
     product one by one, where that is cheaper and stable; the rest together by L D L^T."""
     constants, positive = list(constants), list(positive)
@@ -113,7 +113,7 @@ def eliminations(
         split = _stable(block, tuple(relations), tuple(positive))
         if split is None:
             continue
-        low = Elimination(rows, split.expressions, split.solve)
+        low = MassElimination(rows, split.expressions, split.solve)
         if _weight(low, constants) < _weight(_triangular(block, range(len(rows))), constants):
             found.append(low)
             left = [i for i in left if i not in rows]
@@ -234,7 +234,7 @@ def _sign(expr: Any, positive: set[str]) -> tuple[int, bool]:
     return 0, False
 
 
-def _triangular(mass: Sequence[Sequence[Any]], rows: Iterable[int]) -> Elimination:
+def _triangular(mass: Sequence[Sequence[Any]], rows: Iterable[int]) -> MassElimination:
     """L D L^T of the rows of a matrix."""
     chosen = tuple(rows)
     places = [(i, j) for a, i in enumerate(chosen) for j in chosen[: a + 1]]
@@ -244,10 +244,10 @@ def _triangular(mass: Sequence[Sequence[Any]], rows: Iterable[int]) -> Eliminati
         matrix = [[half[max(i, j), min(i, j)] for j in chosen] for i in chosen]
         return solve_symmetric(matrix, right, name)
 
-    return Elimination(chosen, tuple(mass[i][j] for i, j in places), solve)
+    return MassElimination(chosen, tuple(mass[i][j] for i, j in places), solve)
 
 
-def _weight(block: Elimination, constants: Sequence[Any]) -> float:
+def _weight(block: MassElimination, constants: Sequence[Any]) -> float:
     """The cost of an elimination for Taylor's method, for a right side that moves."""
     assignments: list[tuple[Any, Any]] = []
     names = (se.Symbol(f"_{i}") for i in count())

@@ -17,7 +17,7 @@ import symengine as se
 from voronec.algebra.graphs import is_atom
 from voronec.algebra.stable import stable_all
 from voronec.algebra.stages import needed_stages
-from voronec.equations.program.low_rank import Elimination, coupled_rows, eliminations
+from voronec.equations.program.low_rank import MassElimination, coupled_rows, eliminations
 from voronec.equations.program.walls import is_rough, plain_roots
 from voronec.equations.program.weight import evaluation_weight, taylor_weight
 from voronec.errors import DefinitionError
@@ -322,7 +322,7 @@ def _derivative(form: FirstOrderForm, known: tuple[Any, ...]) -> Block:
 
 def _eliminate(
     form: FirstOrderForm, single: Mapping[int, Any], left: Sequence[int],
-    blocks: Sequence[Elimination], common: Block, fresh: Iterator[Any],
+    blocks: Sequence[MassElimination], common: Block, fresh: Iterator[Any],
 ) -> Block:  # fmt: skip
     """Shared subexpressions first; then the elimination, on their names."""
     results, assignments = list(common.results), list(common.assignments)

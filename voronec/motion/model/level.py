@@ -37,7 +37,7 @@ from voronec.equations.vector_field import VectorField
 from voronec.errors import EngineLimit, VoronecError
 
 __all__ = [
-    "Angle",
+    "AngleOutput",
     "Level",
     "blocks",
     "closure",
@@ -55,7 +55,7 @@ __all__ = [
 
 
 @dataclass(frozen=True)
-class Angle:
+class AngleOutput:
     """q = atan2(sine, cosine) up to signs and turns that the start tells.
 
     Both are in terms of the invariants, with a common factor r whose sign does not change while the
@@ -69,7 +69,7 @@ class Angle:
     meaning: tuple[Any, Any]
     roots: tuple[bool, bool]
 
-    def map(self, on: Callable[[Any], Any]) -> Angle:
+    def map(self, on: Callable[[Any], Any]) -> AngleOutput:
         """The angle with its expressions replaced."""
         return replace(self, cosine=on(self.cosine), sine=on(self.sine))
 
@@ -91,7 +91,7 @@ class Angle:
         return set(self.cosine.free_symbols | self.sine.free_symbols)
 
 
-def recovered_angles(motions: Motions, wanted: Mapping[str, Any]) -> dict[str, Angle]:
+def recovered_angles(motions: Motions, wanted: Mapping[str, Any]) -> dict[str, AngleOutput]:
     """Those wanted quantities that are coordinates and can be read off the invariants."""
     d, door = motions.equations.definition, motions.equations.door
     names = {e: name for name, e in wanted.items() if e in d.coordinates}
@@ -99,7 +99,7 @@ def recovered_angles(motions: Motions, wanted: Mapping[str, Any]) -> dict[str, A
         return {}
     known = [(se.Symbol(name), door.inward(g)) for name, g in motions.system.invariants.items()]
     angles = [q for q in d.coordinates if any(se.has_symbol(g, q) for _, g in known)]
-    found: dict[Any, Angle] = {}
+    found: dict[Any, AngleOutput] = {}
     while True:
         fresh = _next(known, [q for q in angles if q not in found])
         if fresh is None:
@@ -111,7 +111,9 @@ def recovered_angles(motions: Motions, wanted: Mapping[str, Any]) -> dict[str, A
     return {name: found[q] for q, name in names.items() if q in found}
 
 
-def _next(known: Iterable[tuple[Any, Any]], angles: Iterable[Any]) -> tuple[Angle, Any, Any] | None:
+def _next(
+    known: Iterable[tuple[Any, Any]], angles: Iterable[Any]
+) -> tuple[AngleOutput, Any, Any] | None:
     """One more angle, and the factor that is known with it: as read off, and as it is."""
     functions = list(known)
     for q in angles:
@@ -122,7 +124,7 @@ def _next(known: Iterable[tuple[Any, Any]], angles: Iterable[Any]) -> tuple[Angl
                         continue
                     factor = _factor(cosine, sign * sine, q)
                     root = se.sqrt(a**2 + b**2)
-                    angle = Angle(
+                    angle = AngleOutput(
                         q, a, sign * b, (cosine, sign * sine), (bool(a.args), bool(b.args))
                     )  # fmt: skip
                     return angle, (None if factor is None else root), factor
@@ -171,7 +173,7 @@ class Level:
     start: Mapping[Any, Any]
     outputs: Mapping[str, Any]
     integrals: Mapping[str, Any]
-    angles: Mapping[str, Angle] = field(default_factory=dict)
+    angles: Mapping[str, AngleOutput] = field(default_factory=dict)
     stages: tuple[tuple[Any, Any], ...] = ()
     exact: bool = True
     inertia: tuple[tuple[Any, ...], ...] | None = None
@@ -348,7 +350,7 @@ def _claims(
 
 
 def _express_outputs(
-    motions: Motions, spelled: Mapping[str, Any], angles: Mapping[str, Angle]
+    motions: Motions, spelled: Mapping[str, Any], angles: Mapping[str, AngleOutput]
 ) -> tuple[dict[str, Any], tuple[Any, ...], list[Any]]:
     """Outputs on the invariants; the coordinates that they keep, and the rates of these."""
     todo = {name: e for name, e in spelled.items() if name not in angles}

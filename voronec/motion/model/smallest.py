@@ -47,7 +47,7 @@ from voronec.motion.model.special import (
 if TYPE_CHECKING:
     import networkx as nx
 
-__all__ = ["Candidate", "Model", "Role", "SmallestModels", "absent", "smallest_model"]
+__all__ = ["Model", "ModelCandidate", "Role", "SmallestModels", "absent", "smallest_model"]
 
 
 def absent(level: Level, needed: set[Any], names: tuple[Any, ...]) -> Iterator[tuple[Any, str]]:
@@ -103,7 +103,7 @@ class _Particular:
 
 
 @dataclass(frozen=True)
-class Finding:
+class ModelSearch:
     """A model, and all that was asked of the start that it was made for: zeros and steep slopes,
     level by level.  Another start that gives the same answers has the same model.  It is kept under
     its ``name``, and what is made of it under names that begin so."""
@@ -130,7 +130,7 @@ class SmallestModels:
         self.packs = packs
         self._motions = motions
         self._levels: tuple[Level, ...] = packs.once("levels", lambda: tuple(make()))
-        self._findings: list[Finding] = []
+        self._findings: list[ModelSearch] = []
         while (name := self._next_name) in packs:
             self._findings.append(packs.value_of(name))
 
@@ -169,7 +169,7 @@ class SmallestModels:
         self.packs.keep()
         return found
 
-    def of_start(self, start: Mapping[Any, float]) -> Finding:
+    def of_start(self, start: Mapping[Any, float]) -> ModelSearch:
         """The model of a start; starts of which nothing else is known than of another have its."""
         values = [_at_start(level, start) for level in self._levels]
         starts = [_Particular(each) for each in values]
@@ -187,11 +187,11 @@ class SmallestModels:
 
     def _find(
         self, zeros: tuple[frozenset[Any], ...], values: Sequence[Mapping[Any, float]]
-    ) -> Finding:
+    ) -> ModelSearch:
         starts = [_Particular(each) for each in values]
         pairs = zip(self._levels, starts, strict=True)
         model = _cheapest([_cut_down(self._motions, *pair) for pair in pairs])
-        return Finding(self._next_name, model, zeros, tuple(tuple(s.asked) for s in starts))
+        return ModelSearch(self._next_name, model, zeros, tuple(tuple(s.asked) for s in starts))
 
 
 def smallest_model(
@@ -274,7 +274,7 @@ def _cut_down(motions: Motions, full: Level, known: _Particular | None) -> Model
             why = f"by {holders}" if holders else "no output depends on it"
             note(x, "replaced" if holders else "dropped", why)
     program = Program.of(level.form)
-    summary = Candidate(level.name, len(level.variables), program.operations, program.weight)
+    summary = ModelCandidate(level.name, len(level.variables), program.operations, program.weight)
     order = {x: i for i, x in enumerate([*full.variables, *full.angles])}
     ranked = sorted(roles.items(), key=lambda item: order.get(item[0], len(order)))
     return Model(level, full, tuple(r for _, r in ranked), (summary,), frozen | told)
@@ -377,7 +377,7 @@ class Role:
 
 
 @dataclass(frozen=True)
-class Candidate:
+class ModelCandidate:
     """One level that was weighed, cut down to what the outputs need: its number of states, and
     operations and weight of its right-hand side."""
 
@@ -403,7 +403,7 @@ class Model:
     cut: Level
     full: Level
     roles: tuple[Role, ...]
-    candidates: tuple[Candidate, ...]
+    candidates: tuple[ModelCandidate, ...]
     frozen: Mapping[Any, Any] = field(default_factory=dict)
     refuted: tuple[str, ...] = ()
 

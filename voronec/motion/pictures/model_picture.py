@@ -17,11 +17,11 @@ from voronec.motion.model import Model
 from voronec.motion.model.level import Level, dependence
 from voronec.motion.pictures.layered_layout import Layout, layered_layout
 
-__all__ = ["Box", "boxes", "model_figure", "show_name"]
+__all__ = ["ModelBox", "boxes", "model_figure", "show_name"]
 
 
 @dataclass(frozen=True)
-class Box:
+class ModelBox:
     """Names that share a part: the kind of ``Role``, or ``wanted`` for an output that is no
     variable; ``title`` says it in words, names in it as mathematics."""
 
@@ -30,7 +30,7 @@ class Box:
     title: str
 
 
-def boxes(model: Model) -> tuple[dict[str, Box], set[tuple[str, str]]]:
+def boxes(model: Model) -> tuple[dict[str, ModelBox], set[tuple[str, str]]]:
     """Boxes by key, and arrows between their keys.
 
     A cycle of dependence is one box, with what first integrals give inside it; what is dropped is
@@ -130,11 +130,11 @@ def _alike(
     return {k: group[0] for group in groups.values() for k in group}
 
 
-def _box(key: str, members: list[str], kinds: Mapping[str, str], model: Model) -> Box:
+def _box(key: str, members: list[str], kinds: Mapping[str, str], model: Model) -> ModelBox:
     names = tuple(x.removeprefix("= ") for x in members)
     if key.startswith("= "):
         read = all(n in model.cut.angles for n in names)
-        return Box(names, "wanted", "wanted, read off" if read else "wanted")
+        return ModelBox(names, "wanted", "wanted, read off" if read else "wanted")
     kind = "integrated" if "integrated" in {kinds[x] for x in members} else kinds[members[0]]
     titles = {
         "integrated": "integrated" if len(names) == 1 else "integrated together",
@@ -151,7 +151,7 @@ def _box(key: str, members: list[str], kinds: Mapping[str, str], model: Model) -
     wanted = [x for x in members if x in model.outputs]
     if wanted:
         title += ", wanted" if len(wanted) == len(members) else f"; {_list_names(wanted)} wanted"
-    return Box(names, kind, title)
+    return ModelBox(names, kind, title)
 
 
 def _list_names(names: Iterable[str]) -> str:
@@ -218,7 +218,7 @@ def model_figure(model: Model) -> Any:
 
 
 def _places(
-    layout: Layout, found: Mapping[str, Box]
+    layout: Layout, found: Mapping[str, ModelBox]
 ) -> tuple[dict[str, Place], dict[Any, list[Place]], Place]:
     """The middles of the boxes, the points on the ways of long edges, width and height; inches."""
     sizes = {key: _size(box) for key, box in found.items()}
@@ -264,14 +264,14 @@ def _alone(
     return places, height + SPACE if keys else 0.0, x - SPACE
 
 
-def _size(box: Box) -> Place:
+def _size(box: ModelBox) -> Place:
     """Width and height in inches."""
     lines = _lines(box)
     longest = max(*(_letters(line) for line in lines), _room(box.title) * 0.72)
     return longest * LETTER + 2 * PAD, (len(lines) + 0.8) * LINE + PAD
 
 
-def _lines(box: Box) -> list[list[str]]:
+def _lines(box: ModelBox) -> list[list[str]]:
     """The names in a box, as many in a line as have room."""
     rows: list[list[str]] = [[]]
     for name in box.names:
@@ -292,7 +292,7 @@ def _room(text: str) -> int:
     return len(re.sub(r"\\[a-zA-Z]+", "x", bare))
 
 
-def _draw(axes: Any, box: Box, place: Place) -> None:
+def _draw(axes: Any, box: ModelBox, place: Place) -> None:
     """A box with its names, and below them in small letters what it is."""
     from matplotlib.patches import FancyBboxPatch
 
@@ -318,7 +318,7 @@ def _draw(axes: Any, box: Box, place: Place) -> None:
 
 
 def _arrow(
-    axes: Any, found: Mapping[str, Box], places: Mapping[str, Place], pair: tuple[str, str],
+    axes: Any, found: Mapping[str, ModelBox], places: Mapping[str, Place], pair: tuple[str, str],
     bends: Sequence[Place],
 ) -> None:  # fmt: skip
     """A smooth arrow from the side of one box to the side of another."""

@@ -45,7 +45,7 @@ from voronec.motion.steppers.units import angles_among, natural_units
 __all__ = [
     "GROWTH",
     "STRIDE",
-    "Winding",
+    "TurnCount",
     "heyoka",
     "opening",
     "openings",
@@ -61,7 +61,7 @@ FINE = 2 * (float(np.float64(np.pi) - COARSE / 2)) + 2.4492935982947064e-16
 
 
 @dataclass
-class Winding:
+class TurnCount:
     """What was taken out of the states: turns of ``angles``, all of ``quadratures`` (positions).
 
     The states that are kept small are in ``units`` of their own; those of angles are 1.
@@ -80,7 +80,7 @@ class Winding:
         self.reset()
 
     @classmethod
-    def of(cls, problem: Problem) -> Winding:
+    def of(cls, problem: Problem) -> TurnCount:
         """The states of a problem that may be kept small."""
         program, levels = problem.program, problem.levels
         blocks = (program.derivative, *([levels.extras] if levels is not None else []))
@@ -132,9 +132,9 @@ class Winding:
             result[..., at] = (result[..., at] + self.low[at]) + self.high[at]
         return result * self.units if self.has_units else result
 
-    def now(self) -> Winding:
+    def now(self) -> TurnCount:
         """What is taken out at present, for states that are looked at later."""
-        result = Winding(self.quadratures, self.angles, self.width, self.units)
+        result = TurnCount(self.quadratures, self.angles, self.width, self.units)
         result.high, result.low = self.high.copy(), self.low.copy()
         return result
 
@@ -179,11 +179,11 @@ class _Machine:
 
     integrator: Any
     log: Log
-    winding: Winding
+    winding: TurnCount
     constants: Any
 
     @classmethod
-    def of(cls, problem: Problem, winding: Winding, hy: Any) -> _Machine:
+    def of(cls, problem: Problem, winding: TurnCount, hy: Any) -> _Machine:
         """One for problems that differ in start and parameters."""
         log = Log(0.0, 0.0, len(problem.start), walls=problem.walls)
         integrator = _integrator(problem, log, winding, hy)
@@ -205,7 +205,7 @@ class _Machine:
 def taylor(problem: Problem) -> Stepper:
     """The integrator, compiled; ``EngineLimit`` for a function that heyoka does not know."""
     hy = heyoka()
-    winding = Winding.of(problem)
+    winding = TurnCount.of(problem)
     events = tuple((e.name, e.direction, e.stop) for e in problem.events)
     watched = events, problem.levels if events else None, problem.walls
     key = problem.program, winding.units.tobytes(), problem.tol, watched
@@ -236,7 +236,7 @@ def taylor(problem: Problem) -> Stepper:
     return run
 
 
-def _integrator(problem: Problem, log: Log, winding: Winding, hy: Any) -> Any:
+def _integrator(problem: Problem, log: Log, winding: TurnCount, hy: Any) -> Any:
     """heyoka's integrator, to be given start and parameters."""
     program, levels = hoist(problem.program).program, problem.levels
     units = winding.units.tolist()
@@ -282,7 +282,7 @@ def _direction(event: Event, hy: Any) -> Any:
     return {1: kinds.positive, -1: kinds.negative, 0: kinds.any}[event.direction]
 
 
-def _passing_event(event: Event, expr: Any, log: Log, winding: Winding, hy: Any) -> Any:
+def _passing_event(event: Event, expr: Any, log: Log, winding: TurnCount, hy: Any) -> Any:
     def note(integrator: Any, time: float, _sign: int) -> None:
         integrator.update_d_output(time)
         log.enter(event, time, winding.whole(integrator.d_output))
@@ -290,7 +290,7 @@ def _passing_event(event: Event, expr: Any, log: Log, winding: Winding, hy: Any)
     return hy.nt_event(expr, callback=note, direction=_direction(event, hy))
 
 
-def _terminal(event: Event, expr: Any, log: Log, winding: Winding, hy: Any) -> Any:
+def _terminal(event: Event, expr: Any, log: Log, winding: TurnCount, hy: Any) -> Any:
     def note(integrator: Any, _sign: int) -> bool:
         return not log.enter(event, float(integrator.time), winding.whole(integrator.state))
 
@@ -305,7 +305,7 @@ class _Drive:
     integrator: Any
     problem: Problem
     log: Log
-    winding: Winding
+    winding: TurnCount
     grid: np.ndarray
     ticker: Ticker
     rows: list[np.ndarray] = field(default_factory=list)
@@ -465,7 +465,7 @@ class _Drive:
         """Rows of the grid that a stretch of dense output covers."""
         if stretch is None:
             return np.empty((0, len(self.problem.start)))
-        self.stretches.append(_Stretch(stretch, self.winding.now()))
+        self.stretches.append(_Chunk(stretch, self.winding.now()))
         order = np.sign(self.grid[-1] - self.grid[0])
         end = np.searchsorted(order * self.grid, order * stretch.bounds[1], side="right")
         rows = np.array(stretch(self.grid[self.done : end])).reshape(-1, len(self.problem.start))
@@ -501,11 +501,11 @@ class _Drive:
 
 
 @dataclass(frozen=True)
-class _Stretch:
+class _Chunk:
     """Dense output of a chunk, and what was taken out of its states."""
 
     inside: Any
-    winding: Winding
+    winding: TurnCount
 
     @property
     def bounds(self) -> Any:

@@ -18,14 +18,16 @@ from voronec.proof.relations.functions import formal, unknown_functions
 __all__ = ["applications", "by_name", "read_parameters", "refuse_unknown"]
 
 
-class Reader(Protocol):
+class ParameterReader(Protocol):
     """Reads expressions in the symbols of the source."""
 
     def read(self, expr: sp.Expr, place: str, formals: Mapping[str, Any] = ...) -> Any:
         """The expression inside the door."""
 
 
-def read_parameters(relation: Relation, reader: Reader, target: VectorField) -> dict[Any, Any]:
+def read_parameters(
+    relation: Relation, reader: ParameterReader, target: VectorField
+) -> dict[Any, Any]:
     """The value of every parameter, and of every unknown function, of the target."""
     given = by_name(relation.parameters)
     symbols = {p.name: target.door.inward(p.symbol) for p in target.system.parameters}

@@ -32,11 +32,11 @@ from voronec.proof.search.residues import PRIMES, Array, fraction_of, free_colum
 
 __all__ = [
     "SURPLUS",
-    "Candidate",
     "Kernel",
     "KnownFunction",
+    "ModularIntegral",
     "Normalization",
-    "Quotient",
+    "RationalEntry",
     "coefficients",
     "investigate",
     "products",
@@ -56,7 +56,7 @@ Sampler = Callable[[Array, int], Array]
 
 
 @dataclass(frozen=True)
-class Quotient:
+class RationalEntry:
     """numerator/denominator, as {exponents: coefficient}."""
 
     numerator: dict[Monomial, Any]
@@ -65,7 +65,7 @@ class Quotient:
 
 def rational_functions(
     sample: Sampler, variables: int, rng: Any, primes: Sequence[int] = PRIMES
-) -> list[Quotient]:
+) -> list[RationalEntry]:
     """The functions behind the values; ``EngineLimit`` where they are too large."""
     p = primes[0]
     base, direction = rng.integers(1, p, (2, variables), dtype=np.int64)
@@ -126,7 +126,7 @@ def _monomials(single: Sequence[int], total: int) -> list[Monomial]:
 
 def _from_primes(
     sample: Sampler, variables: int, shapes: Sequence[Any], rng: Any, primes: Sequence[int]
-) -> list[Quotient]:
+) -> list[RationalEntry]:
     """Coefficients modulo more and more primes, until they are those of one fraction each."""
     residues: list[list[int]] = []
     modulus = 1
@@ -186,7 +186,7 @@ def _powers(points: Array, monomials: Sequence[Monomial], p: int) -> Array:
 
 def _fractions(
     residues: Sequence[Sequence[int]], shapes: Sequence[Any], modulus: int
-) -> list[Quotient] | None:
+) -> list[RationalEntry] | None:
     found = []
     for vector, (above, below) in zip(residues, shapes, strict=True):
         numbers = [fraction_of(int(r), modulus) for r in vector]
@@ -194,7 +194,7 @@ def _fractions(
             return None
         exact = [flint.fmpq(*n) for n in numbers if n is not None]
         found.append(
-            Quotient(
+            RationalEntry(
                 dict(zip(above, exact[: len(above)], strict=True)),
                 dict(zip(below, exact[len(above) :], strict=True)),
             )
@@ -202,7 +202,9 @@ def _fractions(
     return found
 
 
-def _agree(found: Sequence[Quotient], sample: Sampler, variables: int, rng: Any, p: int) -> bool:
+def _agree(
+    found: Sequence[RationalEntry], sample: Sampler, variables: int, rng: Any, p: int
+) -> bool:
     """Whether the fractions take the right values at points modulo another prime."""
     points = rng.integers(1, p, (3, variables), dtype=np.int64)
     for q, values in zip(found, sample(points, p), strict=True):
@@ -243,7 +245,7 @@ class Normalization:
         """The places of the other parameters."""
         return [i for i in range(count) if i not in self.places]
 
-    def undone(self, quotient: Quotient, shift: Array, count: int) -> Quotient:
+    def undone(self, quotient: RationalEntry, shift: Array, count: int) -> RationalEntry:
         """A function of the other parameters as one of all, homogeneous of weight ``shift``."""
         left = self.other_places(count)
         parts = []
@@ -260,7 +262,7 @@ class Normalization:
         lowest = np.min([*above, *below], axis=0) if above or below else np.zeros(count)
         lift = [-int(min(e, 0)) for e in lowest]
         every = range(count)
-        return Quotient(
+        return RationalEntry(
             {_raise_power(m, every, lift): c for m, c in above.items()},
             {_raise_power(m, every, lift): c for m, c in below.items()},
         )
@@ -274,7 +276,7 @@ def _raise_power(monomial: Monomial, places: Iterable[int], by: Iterable[Any]) -
 
 
 def coefficients(
-    candidate: Candidate, probe: Probe, normalization: Normalization, rng: Any
+    candidate: ModularIntegral, probe: Probe, normalization: Normalization, rng: Any
 ) -> list[Any]:
     """The coefficients of an integral, without common factors, inside the door."""
     count = len(probe.constants)
@@ -293,7 +295,7 @@ def coefficients(
 
 
 def _sample_coefficients(
-    candidate: Candidate, probe: Probe, points: Array, p: int, rng: Any
+    candidate: ModularIntegral, probe: Probe, points: Array, p: int, rng: Any
 ) -> Array:
     """The coefficients at given parameters, (coefficient, setting)."""
     columns: list[Array] = []
@@ -318,7 +320,7 @@ def _normalized_vector(rates: Array, free: int, p: int) -> Array:
     return found
 
 
-def _polynomial(quotients: list[Quotient], constants: list[Any]) -> list[Any]:
+def _polynomial(quotients: list[RationalEntry], constants: list[Any]) -> list[Any]:
     """Coefficients multiplied by what makes them polynomials without a common factor."""
     context = flint.fmpq_mpoly_ctx.get([f"a{i}" for i in range(len(constants))] or ["a"], "lex")
     parts = [(_poly(q.numerator, context), _poly(q.denominator, context)) for q in quotients]
@@ -371,7 +373,7 @@ class KnownFunction:
 
 
 @dataclass(frozen=True)
-class Candidate:
+class ModularIntegral:
     """An integral modulo p: a sum of independent monomials, one of which has coefficient 1.
 
     ``free`` is the place of that one.
@@ -390,7 +392,7 @@ class Kernel:
     independent: int
     dimension: int
     known: int
-    new: tuple[Candidate, ...]
+    new: tuple[ModularIntegral, ...]
 
 
 def combine(values: Array, vector: Array, p: int) -> Array:
@@ -467,10 +469,10 @@ def _sparse_kernel(rates: Array, p: int) -> tuple[Array, list[int]]:
     return vectors, free
 
 
-def _candidate(exponents: Array, vector: Array, free: int) -> Candidate:
+def _candidate(exponents: Array, vector: Array, free: int) -> ModularIntegral:
     support = np.flatnonzero(vector)
     place = int(np.flatnonzero(support == free)[0])
-    return Candidate(exponents[support], vector[support], place)
+    return ModularIntegral(exponents[support], vector[support], place)
 
 
 def rank_of(gradients: Sequence[Array], at: Values) -> int:

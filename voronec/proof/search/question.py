@@ -226,7 +226,7 @@ class Question:
         new = {s for v in values.values() for s in v.free_symbols}
         _check_symbols(motions.system, plain, new)
         field = _specialize(motions.field_for(plain), values)
-        reader = _Reader(field, values)
+        reader = _StateReader(field, values)
         letters = [
             *reader.velocities(momenta),
             *reader.positions(),
@@ -243,7 +243,7 @@ class Question:
 
 
 @dataclass(frozen=True)
-class _Reader:
+class _StateReader:
     field: VectorField
     values: Mapping[sp.Symbol, sp.Expr]
 

@@ -24,9 +24,9 @@ from voronec.proof.search.gradings import Gradings
 from voronec.proof.search.independence import Independence
 from voronec.proof.search.lifting import (
     SURPLUS,
-    Candidate,
     Kernel,
     KnownFunction,
+    ModularIntegral,
     Normalization,
     coefficients,
     investigate,
@@ -199,7 +199,7 @@ class _Run:
         after = [*before, new.gradient(self.values)]
         return rank_of(after, self.values) > rank_of(before, self.values)
 
-    def _lift(self, candidate: Candidate, independent: bool) -> FoundIntegral:
+    def _lift(self, candidate: ModularIntegral, independent: bool) -> FoundIntegral:
         letters, mechanics = self.question.ansatz.letters, self.question.field
         factors = coefficients(candidate, self.probe, self.normalization, self.rng)
         plain = [se.Symbol(f"letter {i}") for i in range(len(letters))]
