@@ -237,7 +237,7 @@ def _read_forces(
     pushed = [a for a in dict.fromkeys(system.accelerations) if a in door]
     if not pushed:
         return forces, ()
-    linear: AffineForms | int | None = _first_bent(forces, set(door.inward_all(pushed)))
+    linear: AffineForms | int | None = _first_bend(forces, set(door.inward_all(pushed)))
     if linear is None:
         linear = AffineForms.of(forces, door.inward_all(pushed))
     if isinstance(linear, int):
@@ -257,7 +257,7 @@ def _read_forces(
     return tuple(rests), tuple(rows)
 
 
-def _first_bent(forces: Sequence[Any], accelerations: Set[Any]) -> int | None:
+def _first_bend(forces: Sequence[Any], accelerations: Set[Any]) -> int | None:
     """The first force with an acceleration under a function or a root, which may have no slope."""
     for k, force in enumerate(forces):
         bends = [p for p in force.atoms(se.Pow) if not p.args[1].is_Integer]
