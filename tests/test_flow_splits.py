@@ -18,6 +18,7 @@ from scipy.integrate import solve_ivp
 import voronec as vo
 from voronec import velocity
 from voronec.motion.divisors import divisors
+from voronec.motion.steppers import choice
 
 pytestmark = pytest.mark.slow
 
@@ -365,6 +366,20 @@ def test_an_ensemble_passes_too() -> None:
         truth = multiplier_motion(ball.system, whole, times)
         names = [str(q) for q in ball.system.coordinates]
         assert np.abs(many["x"][row] - truth[names.index("x")]).max() < 1e-9
+
+
+def test_the_cost_names_all_methods_that_worked(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second split of the snakeboard is the heavier one: there the rule may take another."""
+    pytest.importorskip("heyoka")
+    start = {"theta": -0.04, "psi": 0.73, "phi": 1.13, "x": -0.03, "y": 0.59}
+    start |= {"thetadot": -0.97, "psidot": -0.37, "phidot": -0.44}
+    board, run = vo.load("snakeboard"), {"initial": start, "times": [0, 8]}
+    plain = vo.integrate(board, **run)
+    monkeypatch.setattr(choice, "HEAVY", 60.0)
+    mixed = vo.integrate(board, **run)
+    assert plain.cost.switches and mixed.cost.switches
+    assert (plain.cost.method, mixed.cost.method) == ("heyoka", "heyoka, scipy")
+    assert mixed.state[-1] == pytest.approx(plain.state[-1], abs=1e-10)
 
 
 def test_a_snakeboard_starts_with_its_wheels_straight() -> None:

@@ -599,7 +599,8 @@ def other_method(error: IntegrationError) -> str:
     """
     if error.singular or error.trajectory is None:
         return ""
-    used = METHODS.get(error.trajectory.cost.method)
+    # of several methods the last one failed
+    used = METHODS.get(error.trajectory.cost.method.rpartition(", ")[2])
     return used.other if used is not None else ""
 
 

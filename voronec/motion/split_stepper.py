@@ -121,6 +121,7 @@ class SplitRun:
     splits: list[SplitModel] = field(default_factory=list)
     stretches: list[_SplitStretch] = field(default_factory=list)
     chosen: dict[str, Any] = field(default_factory=dict)
+    methods: dict[str, None] = field(default_factory=dict)
     prepared: float = 0.0
     told: list[str] = field(default_factory=list)
 
@@ -293,6 +294,7 @@ class SplitRun:
             self.method, problem, times, split.equations, functions, split.form
         )
         self.chosen = self.chosen or {**chosen, "tolerance": max(chosen["tolerance"], self.tol)}
+        self.methods.setdefault(chosen["method"])
         self.prepared += perf_counter() - began
         return stepper(times)
 
@@ -365,8 +367,9 @@ class SplitRun:
             a.split is not b.split for a, b in zip(self.stretches, self.stretches[1:], strict=False)
         )
         whole = perf_counter() - self.began
+        chosen = {**self.chosen, "method": ", ".join(self.methods)}
         cost = Cost(
-            **self.chosen, setup=self.prepared, run=max(whole - self.prepared, 0.0),
+            **chosen, setup=self.prepared, run=max(whole - self.prepared, 0.0),
             cpu=process_time() - busy, steps=sum(r.steps for r in runs),
             evaluations=sum(r.evaluations for r in runs),
             switches=changes + sum(r.switches for r in runs),
