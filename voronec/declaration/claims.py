@@ -162,8 +162,8 @@ class Corrected:
     """A claim that is false as ``printed`` in ``source``, with the one that is true.
 
     Both are of the kind that stands in its place: an integral, an ``Equation``, an ``Assertion``, a
-    measure.  The
-    printed one must be refuted and the other proved.
+    measure.  ``source`` is a key of the bibliography.  A check demands that
+    the printed one is refuted and the other proved.
     """
 
     right: Any

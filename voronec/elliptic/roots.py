@@ -158,6 +158,9 @@ class Ends:
 def ends_of(source: Source, bits: int = FIRST_BITS) -> Ends:
     """The roots of f and the interval of x alone, at the least precision that decides them.
 
+    ``source`` gives the numbers of the problem at any precision, in bits; ``bits`` is the first one
+    that is tried, then twice as many.
+
     Raises:
         DefinitionError: there is no real motion, or x is not between two roots.
         EngineLimit: two roots could not be told apart.

@@ -179,7 +179,14 @@ def skew(entries: Sequence[Any], dimension: int) -> sp.ImmutableMatrix:
 
 @accepts(moments=SEQUENCE, dimension=COUNT)
 def product_moments(moments: Sequence[Any], dimension: int) -> dict[Pair, sp.Expr]:
-    """J_ij = a_i a_j: the other moments in terms of J_12, ..., J_1n and J_23."""
+    """The moments J_ij, 1 < i < j, but J_23, where all moments are products, J_ij = a_i a_j.
+
+        J_ij = J_1i J_1j J_23/(J_12 J_13)
+
+    ``moments`` are all n (n - 1)/2 of them for n = ``dimension``, in the order of the pairs
+    (1, 2), (1, 3), ..., (n - 1, n); the result is {(i, j): its value}, to be put in as parameters
+    of a case.  ``DefinitionError`` where their number is another.
+    """
     pairs = combinations(range(1, dimension + 1), 2)
     given = dict(zip(pairs, _check_count(moments, dimension), strict=True))
     scale = given[2, 3] / (given[1, 2] * given[1, 3])
@@ -189,7 +196,11 @@ def product_moments(moments: Sequence[Any], dimension: int) -> dict[Pair, sp.Exp
 
 @accepts(moments=SEQUENCE, vector=SEQUENCE)
 def product_form(moments: Sequence[Any], vector: Sequence[Any]) -> sp.Expr:
-    """a_1 sum a_i gamma_i^2 for moments J_ij = a_i a_j."""
+    """a_1 sum a_i gamma_i^2 for moments J_ij = a_i a_j, ``vector`` being gamma, of n entries.
+
+    It is J_12 J_13/J_23 gamma_1^2 + sum J_1i gamma_i^2, so that no root occurs; ``moments`` are as
+    for ``product_moments``.
+    """
     vector = [expression(entry, "an entry of a vector") for entry in vector]
     size = len(vector)
     pairs = combinations(range(1, size + 1), 2)

@@ -31,7 +31,7 @@ SPIN = "angular velocity"
 
 @reads("three angles")
 def euler_meanings(angles: Sequence[Any]) -> Meanings:
-    """Of Euler's angles in the sequence zxz: precession, nutation, spin."""
+    """{angle: words} of Euler's angles in the sequence zxz: precession, nutation, spin."""
     words = (
         "precession, Euler's angle about the third axis of space",
         "nutation, the angle from the third axis of space to that of the body",
@@ -42,13 +42,14 @@ def euler_meanings(angles: Sequence[Any]) -> Meanings:
 
 @reads("three names")
 def vector_meanings(names: Iterable[Any], what: str = SPIN, whose: str = "the body") -> Meanings:
-    """Of the components of a vector along the axes of a body, from the first on."""
+    """{name: words} of the components of a vector ``what`` along the axes of a body, ``whose`` they
+    are, from the first on."""
     return {x: f"{what} along axis {k} of {whose}" for k, x in enumerate(names, 1)}
 
 
 @reads("three names")
 def moving_meanings(spins: Iterable[Any]) -> Meanings:
-    """Of the angular velocity along the directions that go with the contact, (e_u, e_v, n)."""
+    """{name: words} of the angular velocity along (e_u, e_v, n), which go with the contact."""
     where = ("the direction of u", "the direction of v", "the normal")
     return {x: f"{SPIN} along {d} at the contact" for x, d in zip(spins, where, strict=True)}
 
@@ -57,7 +58,8 @@ def moving_meanings(spins: Iterable[Any]) -> Meanings:
 def sleigh_meanings(
     place: Sequence[Any], heading: Any, rates: Iterable[Any], plane: str = "plane"
 ) -> Meanings:
-    """Of a sleigh: where its blade is on the ``plane``, its heading; its speed and turning."""
+    """{name: words} of a sleigh: where its blade is on the ``plane``, which may be another word for
+    the ground, its heading, and its ``rates``: speed along the blade and rate of turning."""
     x, y = place
     v, w = rates
     axis = "the first axis" if plane == "plane" else f"the first axis of the {plane}"
@@ -74,7 +76,8 @@ def sleigh_meanings(
 def contact_meanings(
     contact: RollingContact, body: str = "the body", on: tuple[str, str] = ROUND
 ) -> Meanings:
-    """Of C. Neumann's coordinates of a contact; ``on`` are those of a surface that is no plane."""
+    """{name: words} of C. Neumann's coordinates of a contact; ``body`` is what the body is called,
+    and ``on`` are the words for both coordinates on a surface that is no plane."""
     fixed = contact.fixed
     flat = isinstance(fixed, Surface) and tuple(fixed.position[:2]) == fixed.coordinates
     where = "the plane" if flat else "the fixed surface"

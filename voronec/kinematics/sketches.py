@@ -280,7 +280,9 @@ def sleigh_shapes(place: Sequence[Any], heading: Any, ahead: Any) -> tuple[Shape
 
 @reads("two coordinates, a heading and an angle")
 def disc_sketch(place: Sequence[Any], heading: Any, rolled: Any, lean: Any = "") -> Sketch:
-    """A disc on its edge, upright or leaning."""
+    """A disc on its edge, from the side: ``place`` has the two coordinates of its contact, its
+    ``heading`` is the angle in the plane, ``rolled`` that about its axle, and ``lean``, where
+    there is one, that from the vertical."""
     tilt = 17.0 if lean else 0.0
     middle = polar(CONTACT, 1.1, 90 + tilt)
     ahead = (1.0, -0.68)
@@ -317,7 +319,7 @@ def pinned_sketch(
 
 @reads("names of three components")
 def particle_sketch(gamma: Sequence[Any]) -> Sketch:
-    """A particle on the unit sphere."""
+    """A particle on the unit sphere, from the side: its place is ``gamma``, three names."""
     sketch = Sketch("seen from the side").ellipse((0, 0), 1.2, 1.2).ring((0, 0), 1.2, 0.3)
     tip = polar((0, 0), 1.2, 55)
     return sketch.dot((0, 0), "O", 200).arrow((0, 0), tip).dot(tip, _join(gamma), 35)
