@@ -52,6 +52,14 @@ def test_a_sleigh_of_ones_own_turns_as_its_integrals_say():
     assert verdicts["heading"] == "refuted"
 
 
+@pytest.mark.parametrize("wrong", [None, 1, "m", [M], object()])
+def test_values_and_integrals_are_mappings(wrong):
+    with pytest.raises(DefinitionError, match=r"values = .* is not a mapping"):
+        Sleigh(M, A, b).system(name="own", values=wrong)
+    with pytest.raises(DefinitionError, match="integrals"):
+        Sleigh(M, A, b).system(name="own", values={M: 1, A: 2, b: 3}, integrals=wrong)
+
+
 def test_a_sleigh_says_what_its_mass_may_be():
     with pytest.raises(DefinitionError, match="the mass of a sleigh"):
         Sleigh(object(), A, b)

@@ -7,6 +7,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.declaration.reading import fixed_mapping
 from voronec.declaration.scene import Parameter
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, quote
@@ -26,7 +27,7 @@ def constants(values: Mapping[Any, Any], words: Words) -> tuple[Parameter, ...]:
     ``words`` say what each of them is; a ``Parameter`` in the place of a value says it itself.
     """
     found: list[Parameter] = []
-    for names, value in values.items():
+    for names, value in fixed_mapping(values, "values", "symbol: value").items():
         single = not isinstance(names, Sequence)
         symbols, numbers = ((names,), (value,)) if single else (names, tuple(value))
         if len(symbols) != len(numbers):
@@ -85,8 +86,10 @@ def join_declarations(own: Mapping[str, Any], more: Mapping[str, Any]) -> System
         old = both.get(name)
         maps = isinstance(old, Mapping) and isinstance(value, Mapping)
         both[name] = {**old, **value} if maps and isinstance(old, Mapping) else value
-    said = {name: INTEGRALS[name] for name in both.get("integrals", ()) if name in INTEGRALS}
-    both["meanings"] = {**said, **both.get("meanings", {})}
+    integrals, meanings = both.get("integrals"), both.get("meanings", {})
+    if isinstance(integrals, Mapping) and isinstance(meanings, Mapping):  # else refused below
+        said = {name: INTEGRALS[name] for name in integrals if name in INTEGRALS}
+        both["meanings"] = {**said, **meanings}
     return System(**both)
 
 

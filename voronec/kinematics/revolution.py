@@ -13,6 +13,7 @@ from voronec.algebra.symbols import velocity
 from voronec.algebra.text import as_expression
 from voronec.declaration.claims import Equation
 from voronec.declaration.geometry import Fibration, Frame
+from voronec.declaration.reading import fixed_mapping
 from voronec.declaration.scene import Parameter, Scene
 from voronec.declaration.shapes import Shape
 from voronec.declaration.sketch import Sketch
@@ -287,7 +288,8 @@ class TorusOnEllipsoid:
         on an ellipsoid of semi-axes 3 and 2.  The motion of the scene begins on the equator of the
         ellipsoid; ``caption`` is its own.
         """
-        values = {**self._usual, **(values or {})}
+        own = {} if values is None else fixed_mapping(values, "values", "symbol: value")
+        values = {**self._usual, **own}
         a, c = self.axes
         u, v, u1, v1, theta = self.body.contact.coordinates
         around, up = a * sp.sin(u1) / SLANT, c**2 * sp.cos(u1) / (a * SLANT)
