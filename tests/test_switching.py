@@ -1,5 +1,7 @@
 """Right sides that are not smooth: friction, steps, switches, motions held on walls."""
 
+from contextlib import suppress
+
 import mpmath as mp
 import numpy as np
 import pytest
@@ -135,6 +137,26 @@ def test_what_is_not_determined_is_said(method):
     assert "\n" not in str(caught.value)
     with pytest.raises(IntegrationError, match="past is not determined"):
         motion(mass_point(-x - sp.sign(Dx - 1)), (2, 0), -10, method)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_wall_that_is_only_touched_decides_nothing_in_silence(method):
+    """x = -sin t touches 1, beyond which a force jumps: the motion turns, or it is not determined;
+    with a little more speed it goes on, and rounding decides nothing."""
+    push = mass_point(-x + 5 * sp.Heaviside(x - 1))
+    found = None
+    with suppress(IntegrationError):
+        found = motion(push, (0, -1), 20, method)["x"][-1]
+    if found is None:
+        with pytest.raises(IntegrationError, match="and may turn there or go on beyond"):
+            motion(push, (0, -1), 20, method)
+    else:
+        assert abs(found + mp.sin(20)) < 1e-9
+    free = motion(mass_point(-x + sp.Max(0, x - 1)), (0, -1), 20, method)["x"][-1]
+    assert abs(free + mp.sin(20)) < 1e-6  # nothing jumps
+    fast = -1 - 1e-6
+    truth = motion(push, (0, fast), 5.5, "flint")["x"][-1]
+    assert abs(motion(push, (0, fast), 5.5, method)["x"][-1] - truth) < 1e-7
 
 
 def test_switches_that_accumulate_are_named():

@@ -19,7 +19,7 @@ from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.walls import FLAT, SATURATION
 from voronec.errors import EngineLimit
 from voronec.motion.events import Event
-from voronec.motion.mode_transitions import DOUBLE, GUARD, PAST, Crossroads, Mode
+from voronec.motion.mode_transitions import DOUBLE, GUARD, PAST, TOUCH, Crossroads, Mode
 from voronec.motion.modes import Corner, LevelSurface, Modes
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
 from voronec.motion.steppers.choice import is_exact
@@ -261,6 +261,13 @@ class _Passage:
             return self.result(Halt(RIM, self.time, self.number(self.state)))
         if roads.order < 0 and roads.touches(self.time, self.state, hit[0], before.sides):
             return self.result(Halt(PAST.format(hit[0]), self.time, self.number(self.state)))
+        if (
+            roads.order > 0
+            and len(hit) == 1
+            and not before.along
+            and roads.grazes(self.time, self.state, hit[0], before.sides)
+        ):
+            return self.result(Halt(TOUCH.format(hit[0]), self.time, self.number(self.state)))
         if not before.along:
             self.state = roads.on_surfaces(self.time, self.state, hit, before.sides)
         self.switches += 1

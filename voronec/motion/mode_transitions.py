@@ -28,7 +28,7 @@ from voronec.motion.modes import Corner, LevelSurface, Modes, motion_along_surfa
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run, Stepper, choose, cut_at_singularity
 
-__all__ = ["DOUBLE", "GUARD", "PAST", "Crossroads", "Mode"]
+__all__ = ["DOUBLE", "GUARD", "PAST", "TOUCH", "Crossroads", "Mode"]
 
 DOUBLE = 53
 """Bits of a double."""
@@ -40,11 +40,14 @@ MOST = 4
 """So many walls may meet at an instant."""
 FREE = "the motion is not determined: it may leave {} on either side"
 PAST = "the past is not determined: the motion may have come along {}, or from either side"
+TOUCH = "the motion is not determined: it touches {}, and may turn there or go on beyond"
 NO_WAY_ON = "all fields lead back to {}, and switches would follow one another ever faster"
 RIM = 1e-11
 """A radicand of velocities that falls below this part of its value at the start has vanished."""
 GRAZE = 1e-9
 """A wall is touched where its function is smaller than this part of its terms, and turns."""
+UNSURE = 0.7
+"""A run to the tolerance tol may miss a wall by tol to this power."""
 CANCELLATION = 1e-12
 """Fields on the sides cancel where so much is left of them, in units of the largest: rounding."""
 NO_VALUE = (ZeroDivisionError, ValueError, TypeError)
@@ -369,6 +372,30 @@ class Crossroads:
             return False
         other, _ = self._rate(time, state, surface, {**sides, surface.wall: surface.value(-side)})
         return bool(other * side > 0)
+
+    def grazes(
+        self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Wall, int]
+    ) -> bool:
+        """Whether a motion that reached a wall would have turned within its error of it, while the
+        other side leads away: then that error decides on which side it goes on."""
+        _, *slopes = self._measure(surface.wall, time, state, sides)
+        size = sum(abs(a * b) for a, b in zip(slopes, [time, *state], strict=True))
+        side = 1 if sides[surface.wall] == surface.value(1) else -1
+        own, bend = self._rate_and_bend(time, state, surface, sides)
+        if bend * side <= 0 or own**2 / (2 * bend * side) > self.problem.tol**UNSURE * size:
+            return False
+        beyond = {**sides, surface.wall: surface.value(-side)}
+        other, bend = self._rate_and_bend(time, state, surface, beyond)
+        return not (other * self.order * side > 2 * abs(own) or bend * side > 0)
+
+    def _rate_and_bend(
+        self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Wall, int]
+    ) -> tuple[Any, Any]:
+        """How fast a wall's function grows on given sides, and how fast that does."""
+        rate, _ = self._rate(time, state, surface, sides)
+        corner, values = self._corner(time, state, sides)
+        later, there = self._follow(corner.program, time, state, values, self.order)
+        return rate, (self._rate(later, there, surface, sides)[0] - rate) / (later - time)
 
     def _rate(
         self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Wall, int]

@@ -39,23 +39,29 @@ LOOKS = 8
 TOUCH = 0.1
 """Where a parabola predicts a least value below this part of what is seen, the least value between
 two looks is computed: there may be two zeros there."""
+GRAIN = 1e-26
+"""What stands for the function of a wall on it: a motion may leave it and come back at once."""
 TRIES = 200
 NARROWINGS = 40
 GOLDEN = 0.381966
 
 
 def crossings(
-    events: Mapping[int, Event], levels: Callable[..., np.ndarray], stride: Stride
-) -> list[tuple[Any, Event]]:
+    events: Mapping[int, Event], levels: Callable[..., np.ndarray], stride: Stride,
+    walls: frozenset[str] = frozenset(),
+) -> list[tuple[Any, Event]]:  # fmt: skip
     """Times at which events happen within a step, in the order of the motion.
 
-    ``events`` are given by the columns of their ``levels``.
+    ``events`` are given by the columns of their ``levels``.  Those named in ``walls`` fall from
+    what is not negative where the step starts, but for rounding: it may start on a wall.
     """
     start, end = stride.start, stride.end
     times = np.array([start + (end - start) * i / LOOKS for i in range(LOOKS)] + [end])
     values = levels(times, stride.at(times))
     found = []
     for column, event in events.items():
+        if event.name in walls and values[0, column] <= 0:
+            values[0, column] = GRAIN
 
         def level(time: Any, column: int = column) -> Any:
             moment = np.array([time], dtype=times.dtype)
@@ -278,7 +284,8 @@ class _March:
             if event.name not in self.problem.coarse or self.near(stride, i)
         }
         if fine:
-            for time, event in crossings(fine, self.levels, stride):
+            left = self.problem.walls if self.steps <= 1 else frozenset()
+            for time, event in crossings(fine, self.levels, stride, left):
                 state = stride.at(np.array([time], dtype=self.states.dtype))[0]
                 if self.log.enter(event, time, state):
                     end = time
