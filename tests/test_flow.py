@@ -18,6 +18,7 @@ from sympy.physics.mechanics import dynamicsymbols
 import voronec as vo
 from voronec.motion.steppers import heyoka_stepper as taylor
 from voronec.motion.steppers import scipy_stepper as stepwise
+from voronec.motion.steppers import step_loop
 
 METHODS = ("scipy", "heyoka") if find_spec("heyoka") else ("scipy",)
 both = pytest.mark.parametrize("method", METHODS)
@@ -462,3 +463,19 @@ def test_errors_of_steps_by_scipy_add_up_to_less_than_those_of_scipy_alone() -> 
     )
     assert abs(here["theta"][-1] - truth) < abs(plain.y[0, -1] - truth) / 2 < 1e-7
     assert here.cost.evaluations < plain.nfev
+
+
+@both
+def test_a_run_that_never_ends_is_ended(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """x'' = sin(phi) while phi grows as e^t: steps grow shorter as fast, to t = 100 there are
+    10^43 of them.  Up to t = 7 there are few, and they are taken."""
+    monkeypatch.setattr(step_loop, "LONG", 2_000)
+    system = vo.System(
+        name="siren", fibration=vo.Fibration((phi, x), ()), lagrangian=(Dphi**2 + Dx**2) / 2,
+        forces={phi: Dphi, x: sp.sin(phi)},
+    )  # fmt: skip
+    run = {"initial": {phi: 0, Dphi: 1}, "method": method, "tol": 1e-9, "outputs": ("x",)}
+    assert vo.integrate(system, times=[0, 7], **run).t[-1] == 7
+    with pytest.raises(vo.IntegrationError, match="step size collapsed after") as caught:
+        vo.integrate(system, times=[0, 100], **run)
+    assert 7 < float(caught.value.time) < 20

@@ -40,6 +40,7 @@ from voronec.motion.steppers.run import (
     Ticker,
     in_parts,
 )
+from voronec.motion.steppers.step_loop import Horizon
 from voronec.motion.steppers.units import angles_among, natural_units
 
 __all__ = [
@@ -155,6 +156,8 @@ AHEAD = 100_000
 """Points of the grid that are handed over at a time, at most."""
 FEW = 1_000
 """Points that are handed over where chunks are short."""
+LONG = 250_000
+"""After four times so many steps, seconds of work, a run is asked whether it ends at all."""
 CRAWL = 1e-9
 """A chunk of steps that covers less than this part of the span leads nowhere."""
 SPECK = 1e-300
@@ -318,8 +321,10 @@ class _Drive:
     ahead: int = field(init=False)
     longest: float = 0.0
     standing: tuple[float, np.ndarray] = field(init=False)
+    horizon: Horizon = field(init=False)
 
     def __post_init__(self) -> None:
+        self.horizon = Horizon(float(self.grid[-1]), float(self.grid[0]), LONG)
         self.standing = float(self.grid[0]), self.problem.start.copy()
         self.size, self.ahead = CHUNK, AHEAD
         self.opening = self.first_step()
@@ -379,6 +384,8 @@ class _Drive:
         # heyoka does not count steps of length zero among those that it took
         limited = outcome == self.hy.taylor_outcome.step_limit
         if limited and moved <= CRAWL * size / CHUNK * np.ptp(self.grid):
+            return self.halt(COLLAPSE)
+        if self.horizon.recedes(self.steps, self.integrator.time):
             return self.halt(COLLAPSE)
         if outcome == self.hy.taylor_outcome.err_nf_state:
             return self.last_good(before, state, taken)

@@ -147,6 +147,9 @@ TINY = 1e-6
 """The part of a step over which slopes of functions are taken."""
 WINDOW, CRAWL = 1000, 1e-7
 """So many steps that cover less than this part of the span lead nowhere."""
+RECEDING, LONG = 30.0, 50_000
+"""A run is ended where the steps left grow by so many with each that is taken, four times so many
+and more: the steps of a motion that is evenly accelerated would be a thousand times as many."""
 SUSPECTS = 64
 """States whose mass matrices are looked at together."""
 
@@ -170,6 +173,35 @@ class Crawl:
             return False
         way, self.mark, self.marked = abs(time - self.mark), time, steps
         return bool(way <= CRAWL * self.span * windows)
+
+
+@dataclass
+class Horizon:
+    """A look at whether a run never ends: at its best pace the way to the ``end`` would take more
+    and more steps.
+
+    The best pace since ``looked`` steps counts, whenever the number of steps has doubled.
+    """
+
+    end: float
+    time: float
+    looked: int
+    steps: int = 0
+    best: float = 0.0
+    left: float = np.inf
+
+    def recedes(self, steps: int, time: Any) -> bool:
+        """Whether, at a time reached after so many steps, the end is ever farther away."""
+        if steps - self.steps < WINDOW:
+            return False
+        pace = abs(float(time) - self.time) / (steps - self.steps)
+        self.time, self.steps, self.best = float(time), steps, max(self.best, pace)
+        if steps < 2 * self.looked:
+            return False
+        left = abs(self.end - self.time) / self.best if self.best else np.inf
+        receded = left - self.left > RECEDING * (steps - self.looked)
+        self.looked, self.left, self.best = steps, left, 0.0
+        return receded
 
 
 @dataclass(frozen=True)
@@ -254,6 +286,7 @@ class _March:
     def run(self) -> Run:
         ticker = Ticker(self.problem.progress, float(self.grid[0]), float(self.grid[-1]))
         crawl = Crawl(self.log.span, self.grid[0])
+        horizon = Horizon(float(self.grid[-1]), float(self.grid[0]), LONG)
         try:
             while self.done < len(self.grid) and not self.log.stopped:
                 try:
@@ -269,7 +302,8 @@ class _March:
                 ticker(self.last.time)
                 if self.unseen >= SUSPECTS and (halt := self.singular()):
                     return self.result(halt)
-                if crawl.leads_nowhere(self.steps, self.last.time):
+                reached = self.steps, self.last.time
+                if crawl.leads_nowhere(*reached) or horizon.recedes(*reached):
                     return self.result(self.last)
         except KeyboardInterrupt:
             return self.result(interrupted=True)
