@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from voronec.equations.program import Program, compile_program
+from voronec.equations.program import Program, compile_program, hoist
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.steppers.choice import COMPILATION, STAGES
 from voronec.motion.steppers.dop853_source import SHARE
@@ -16,7 +16,7 @@ from voronec.motion.steppers.heyoka_stepper import STRIDE
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
 from voronec.motion.steppers.scipy_stepper import Pace, estimated_steps
 from voronec.motion.steppers.step_loop import Crawl, IntegratorFailure, Stretch, Stride
-from voronec.motion.steppers.units import natural_units, units_of_many
+from voronec.motion.steppers.units import units_of_many
 from voronec.motion.tolerances import FINEST
 
 __all__ = [
@@ -173,10 +173,11 @@ def _stretches(
     dense: bool,
 ) -> Iterator[Stretch]:  # fmt: skip
     """Stretches of the compiled loop, up to the end of a grid."""
-    from voronec.motion.steppers.numba_stepper import Loop, compiled_loop
+    from voronec.motion.steppers.numba_stepper import Loop, compiled_loop, scales_of
 
     problem = Problem(program, state, values.tolist(), tol, dense=dense, marked=True)
-    loop = Loop.of(compiled_loop(program), problem, grid, natural_units(problem))
+    scales, raised = scales_of(problem), hoist(program)
+    loop = Loop.of(compiled_loop(program), problem, grid, scales, raised)
     time, good = float(grid[0]), state
     while time != grid[-1]:
         try:

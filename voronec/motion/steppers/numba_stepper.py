@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from voronec.equations.program import Program, hoist, scalar_source
+from voronec.equations.program import HoistedProgram, Program, hoist, scalar_source
 from voronec.motion.steppers import dop853_source
 from voronec.motion.steppers.dop853_source import (
     EVENT,
@@ -30,7 +30,7 @@ from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride
 from voronec.motion.steppers.units import natural_units
 from voronec.motion.tolerances import FINEST
 
-__all__ = ["Loop", "compiled_dop853", "compiled_loop"]
+__all__ = ["Loop", "compiled_dop853", "compiled_loop", "scales_of"]
 
 CHUNK = 10_000
 """Steps between two looks at the keyboard."""
@@ -51,14 +51,23 @@ def compiled_dop853(problem: Problem) -> Stepper:
     ``ImportError`` without numba.
     """
     drive = compiled_loop(problem.program, problem.levels if problem.events else None)
-    units = natural_units(problem)  # of a short run they would take most of the time
+    # of a short run these would take most of the time
+    scales, raised = scales_of(problem), hoist(problem.program)
 
     def run(grid: np.ndarray) -> Run:
-        loop = Loop.of(drive, problem, grid, units)
+        loop = Loop.of(drive, problem, grid, scales, raised)
         with np.errstate(all="ignore"):
             return march(problem, grid, loop, level_function(problem))
 
     return run
+
+
+def scales_of(problem: Problem) -> np.ndarray:
+    """Absolute and relative tolerances of the states (2, n)."""
+    finest, held = max(SHARE * problem.tol, FINEST), problem.program.derivative.symbols
+    # nothing depends on a quadrature: its size loosens no tolerance
+    relative = [finest if s in held else 0.0 for s in problem.program.state]
+    return np.array([finest * natural_units(problem), relative])
 
 
 @lru_cache(maxsize=32)  # loaded code stays in memory, and to read it takes longer than most runs
@@ -105,18 +114,16 @@ class Loop:
 
     @classmethod
     def of(
-        cls, drive: Callable[..., int], problem: Problem, grid: np.ndarray, units: np.ndarray
-    ) -> Loop:
-        """At the start of a problem, whatever went before; ``units`` (n,) are those of states."""
+        cls, drive: Callable[..., int], problem: Problem, grid: np.ndarray, scales: np.ndarray,
+        raised: HoistedProgram,
+    ) -> Loop:  # fmt: skip
+        """At the start of a problem, whatever went before, with the tolerances ``scales_of`` it and
+        its program ``raised``."""
         n, given = len(problem.start), [float(x) for x in problem.parameters]
         states = np.zeros((5, n))
         states[0] = problem.start
-        finest, held = max(SHARE * problem.tol, FINEST), problem.program.derivative.symbols
-        # nothing depends on a quadrature: its size loosens no tolerance
-        relative = [finest if s in held else 0.0 for s in problem.program.state]
-        scales = np.array([finest * units, relative])
         coarse = np.array([e.name in problem.coarse for e in problem.events], dtype=np.int64)
-        known = hoist(problem.program).values(given)
+        known = raised.values(given)
         return cls(
             drive, problem, grid, np.empty((len(grid), n)),
             np.array([float(grid[0]), 0.0, float(grid[0]), FIRST_GROWTH]),
