@@ -40,6 +40,7 @@ def execute(arguments: Namespace) -> int:
 
     Stopped by Ctrl-C, the points that are there are written all the same.
     """
+    # long because all options are read and refused before the work, and all is told after it
     tol = tolerance(arguments.tol)
     until = None if arguments.until is None else finite(arguments.until, "--until")
     pairs, inputs = [pair(text) for text in arguments.set], input_values(arguments.input)

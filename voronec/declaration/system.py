@@ -219,6 +219,7 @@ class System:
 
     def _read(self) -> None:
         """Bring every declaration into its final form."""
+        # long because it is a list: one entry for each declaration, in the order of need
 
         def store(name: str, value: Any) -> None:
             object.__setattr__(self, name, value)

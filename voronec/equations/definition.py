@@ -133,6 +133,7 @@ def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0
     the start of the default scene.  With a ``share`` they are well conditioned there: no pivot is
     smaller than this part of its row.
     """
+    # long because it is a list: every part of a definition in turn, each from those before it
     require_system(system)
     pushed = set().union(*map(names_in, system.forces.values())) & {*system.accelerations}
     known = (*system.known_symbols(), *sorted(pushed, key=str))
