@@ -26,6 +26,7 @@ def test_texts_are_refused_in_one_line_and_never_run(opened: Any) -> None:
     assert [found for found in map(opened, range(150)) if found[2]] == []
 
 
+@pytest.mark.slow
 def test_a_reader_that_runs_text_is_found(opened: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     def run(text: str, place: Path) -> Any:
         if "sin" in text:

@@ -87,6 +87,7 @@ class Truth:
 truth_of = cache(Truth)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", list(dict.fromkeys(row[0] for row in ROWS)))
 def test_no_verdict_is_wrong(name: str) -> None:
     """Proved where the multipliers say so, refuted where they do not; nothing stays open."""
@@ -102,6 +103,7 @@ def test_no_verdict_is_wrong(name: str) -> None:
     assert not wrong
 
 
+@pytest.mark.slow
 def test_the_collection() -> None:
     """Two hundred equations, half of them changed, over more than ten systems."""
     judged = [(truth_of(s).holds(m), s) for s, _, m in ROWS]

@@ -56,6 +56,7 @@ def no_levels(monkeypatch: pytest.MonkeyPatch):
     return forbid
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["heyoka", "scipy"])
 def test_a_motion_from_the_disk_is_the_fresh_one_bit_for_bit(shelf, no_levels, method) -> None:
     fresh = []

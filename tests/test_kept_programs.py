@@ -27,6 +27,7 @@ def run(code: str, cache: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.slow
 def test_programs_lie_in_our_folder_and_are_found_there(tmp_path: Path) -> None:
     size = "import heyoka\nprint(heyoka.llvm_state.get_diskcache_size())"
     first = run(RUN + size, tmp_path).stdout.split()
@@ -36,6 +37,7 @@ def test_programs_lie_in_our_folder_and_are_found_there(tmp_path: Path) -> None:
     assert run(RUN + size, tmp_path).stdout.split() == first  # nothing was compiled again
 
 
+@pytest.mark.slow
 def test_who_loads_heyoka_keeps_its_folder(tmp_path: Path) -> None:
     state = "heyoka.llvm_state"
     own = f"import heyoka\n{state}.set_diskcache_path({str(tmp_path / 'mine')!r})\n"
@@ -45,6 +47,7 @@ def test_who_loads_heyoka_keeps_its_folder(tmp_path: Path) -> None:
     assert not (tmp_path / "voronec" / "heyoka").exists()
 
 
+@pytest.mark.slow
 def test_where_nobody_can_write_programs_are_not_kept(tmp_path: Path) -> None:
     done = run(RUN, Path(os.devnull))
     assert done.stdout.split() == ["heyoka"]

@@ -147,6 +147,7 @@ def test_matrices_are_those_of_sympys_linearizer(name: str) -> None:
         assert gap.applyfunc(sp.simplify) == sp.zeros(*gap.shape), name
 
 
+@pytest.mark.slow
 def test_slopes_at_a_generic_point_are_those_of_the_referee() -> None:
     """Central differences of the accelerations by multipliers, in forty digits."""
     system = vo.from_mechanics(models.rolling_disc_on_the_plane())

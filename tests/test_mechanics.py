@@ -77,6 +77,7 @@ LAGRANGE = [n for n in models.MODELS if n not in KANE]
 KANE.remove("whipple_bicycle")  # its matrices are too long to be written out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", KANE)
 def test_rates_of_speeds_are_those_of_kanes_method(name: str) -> None:
     with mp.workdps(DIGITS):

@@ -88,6 +88,7 @@ def test_what_is_too_large_is_told_in_one_line() -> None:
         vo.by_methods(vo.load("bicycle"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PROBLEMS + MORE)
 def test_each_method_agrees_with_the_multipliers(name: str) -> None:
     """At a point, in numbers of the referee, which shares no code with any of them."""

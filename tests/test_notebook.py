@@ -178,6 +178,7 @@ def test_what_lies_between_instants_stays_behind_and_says_so() -> None:
         found.at([0.3])
 
 
+@pytest.mark.slow
 def test_another_process_reads_a_motion(results: dict[str, Any], tmp_path: Path) -> None:
     file = tmp_path / "motion.pickle"
     file.write_bytes(pickle.dumps(results["trajectory"]))

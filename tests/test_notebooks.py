@@ -23,6 +23,7 @@ def test_there_are_four_notebooks() -> None:
     assert len(NOTEBOOKS) == 1 + 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", NOTEBOOKS, ids=lambda page: page.stem)
 def test_cells_run_and_show_little(
     page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

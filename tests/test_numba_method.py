@@ -52,6 +52,7 @@ def moved(method, inputs=0, **options):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("events", [(), EVENTS], ids=["plain", "events"])
 def test_steps_are_those_of_scipy_and_states_too(events):
     here, there = (moved(m, dense=True, events=events) for m in ("numba", "scipy"))
@@ -77,6 +78,7 @@ def test_it_agrees_with_taylor_series_and_runs_backwards():
     assert abs(back["x"][-1] - 1) < 1e-12
 
 
+@pytest.mark.slow
 def test_an_event_ends_a_run_and_a_table_changes_it():
     stop = (vo.Event(x, "middle", stop=True), EVENTS[1])
     here, there = (moved(m, events=stop) for m in ("numba", "scipy"))
@@ -89,6 +91,7 @@ def test_an_event_ends_a_run_and_a_table_changes_it():
         moved("numba", lambda t: 0.0)
 
 
+@pytest.mark.slow
 def test_where_the_motion_ends_it_says_so():
     system = vo.System(
         name="runaway", fibration=vo.Fibration((y,), ()), lagrangian=vo.velocity(y) ** 2 / 2,
@@ -101,6 +104,7 @@ def test_where_the_motion_ends_it_says_so():
     assert 0.99 < caught.value.time < 1.001
 
 
+@pytest.mark.slow
 def test_kept_code_is_read_and_damaged_code_is_named_and_made_anew(monkeypatch):
     first, read, folders = moved("numba"), kept_code._sound_source, []
     monkeypatch.setattr(kept_code, "_sound_source", lambda f: folders.append(f) or read(f))
@@ -136,6 +140,7 @@ def test_auto_takes_it_for_long_runs_where_heyoka_is_missing(monkeypatch):
         moved("numba", events=(vo.Event(x - 1),))
 
 
+@pytest.mark.slow
 def test_many_motions_and_sections_go_by_it_as_by_scipy():
     starts = {"x": np.linspace(0.2, 1, 5), "xdot": 0.3}
     both = [
