@@ -267,3 +267,18 @@ def test_what_the_budget_cannot_reach_is_not_integrated_again() -> None:
     assert soundness.again(rates, t, states, 1e-10, steps=1e4) is None and not asked
     off = soundness.again(rates, t, states, 1e-10, steps=30)
     assert off is not None and off.max() < 1 and asked
+
+
+@pytest.mark.parametrize("method", ["heyoka", "flint"])
+def test_an_output_without_a_value_is_noted(method: str) -> None:
+    x = sp.Symbol("x")
+    oscillator = vo.System(
+        name="oscillator",
+        fibration=vo.Fibration(x),
+        lagrangian=vo.velocity(x) ** 2 / 2 - x**2 / 2,
+    )
+    run = vo.integrate(
+        oscillator, initial={x: 1}, times=[0, 1, 2, 3], outputs=(sp.log(x),), method=method
+    )
+    (note,) = run.notes
+    assert note == "the output 'log(x)' has no finite value at 2 of 4 instants, first at t = 2"

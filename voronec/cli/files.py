@@ -26,7 +26,10 @@ def delivery(folder: Path, products: Iterable[str] = ()) -> Iterator[Path]:
         place = folder if folder.is_dir() else folder.parent
         place.mkdir(parents=True, exist_ok=True)
         with workshop(place) as drafts:
-            yield drafts
+            try:
+                yield drafts
+            except DefinitionError as error:
+                raise DefinitionError(str(error).replace(str(drafts), str(folder))) from None
             folder.mkdir(exist_ok=True)
             made = sorted(drafts.iterdir())
             for file in made:

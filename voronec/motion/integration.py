@@ -5,7 +5,7 @@ A run that fails falls back before it refuses: on other methods and models, one 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -391,7 +391,7 @@ class _Job:
             trajectory = replace(sight.trajectory(run), notes=told)
         if run.halt is not None:
             raise probe.failure(state, run.halt, trajectory)
-        return replace(trajectory, notes=(*told, *notes))
+        return replace(trajectory, notes=(*told, *notes, *_outputs_without_value(trajectory)))
 
     def _problem(self, state: np.ndarray, values: Sequence[float], probe: StateProbe) -> Problem:
         """What is to be integrated, as if it were smooth and nobody watched."""
@@ -590,6 +590,24 @@ def _unknown_functions(system: System) -> set[Any]:
 Way = Callable[[IntegrationError | None], Trajectory | None]
 """From the first error, where there was one, to a trajectory, or to None where the way is of no
 use after that."""
+
+
+def _outputs_without_value(trajectory: Trajectory) -> Iterator[str]:
+    """Notes on outputs that are no finite numbers at some instants, as log(x) where x < 0."""
+    for name in trajectory.outputs:
+        values = trajectory[name]
+        if values.dtype == object:
+            sound = np.array(
+                [not isinstance(x, mpmath.mpc) and bool(mpmath.isfinite(x)) for x in values]
+            )
+        else:
+            sound = np.isfinite(values)
+        if not sound.all():
+            first = float(trajectory.t[np.argmin(sound)])
+            yield (
+                f"the output '{name}' has no finite value at {np.sum(~sound)} of {len(sound)} "
+                f"instants, first at t = {first:.6g}"
+            )
 
 
 def other_method(error: IntegrationError) -> str:
