@@ -39,26 +39,26 @@ SPRING = vo.System(
 
 
 @pytest.fixture(scope="module")
-def spring() -> bench.Question:
+def spring() -> bench.BenchMotion:
     return bench.ask(SPRING, outputs=("q", "p"), instants=13)
 
 
 @pytest.fixture(scope="module")
-def ball() -> bench.Question:
+def ball() -> bench.BenchMotion:
     return bench.ask(vo.load("chaplygin-ball"), time=2.0, instants=11)
 
 
-def known(question: bench.Question) -> bench.Reference:
+def known(question: bench.BenchMotion) -> bench.BenchReference:
     """The closed form of the springs, in place of a reference."""
     t = question.grid
-    return bench.Reference(t, {"q": np.cos(t), "p": np.sin(2 * t)}, 1e-16, ("one", "other"))
+    return bench.BenchReference(t, {"q": np.cos(t), "p": np.sin(2 * t)}, 1e-16, ("one", "other"))
 
 
 def contender(name: str) -> Contender:
     return contenders([name])[0]
 
 
-def test_every_method_gets_the_same_doubles(ball: bench.Question) -> None:
+def test_every_method_gets_the_same_doubles(ball: bench.BenchMotion) -> None:
     assert ball.initial["omega3"] == 0.2 and ball.parameters["I1"] == 0.4
     assert ball.outputs == ("gamma1", "gamma2", "gamma3", "omega1", "omega2", "omega3")
     low, high = level(ball, "invariants"), level(ball, "coordinates")
@@ -95,7 +95,7 @@ def test_a_question_that_makes_no_sense_is_refused(words: dict[str, Any], messag
         bench.ask(SPRING, **words)
 
 
-def test_a_reference_is_as_good_as_it_says(spring: bench.Question) -> None:
+def test_a_reference_is_as_good_as_it_says(spring: bench.BenchMotion) -> None:
     found = bench.reference(spring)
     exact = known(spring)
     assert found.accuracy < 1e-15 and found.note == "" and len(set(found.how)) == 2
@@ -103,7 +103,7 @@ def test_a_reference_is_as_good_as_it_says(spring: bench.Question) -> None:
         np.testing.assert_allclose(found.values[name], exact.values[name], rtol=0, atol=4e-16)
 
 
-def test_the_two_routes_meet_on_different_equations(ball: bench.Question) -> None:
+def test_the_two_routes_meet_on_different_equations(ball: bench.BenchMotion) -> None:
     pytest.importorskip("heyoka")
     levels = agreement._levels(ball)
     routes = [agreement._heyoka_route(at, ball, 30) for at in levels]
@@ -113,7 +113,7 @@ def test_the_two_routes_meet_on_different_equations(ball: bench.Question) -> Non
     assert found is not None and len(found.t) == len(ball.grid)
 
 
-def test_more_digits_are_better_digits(ball: bench.Question) -> None:
+def test_more_digits_are_better_digits(ball: bench.BenchMotion) -> None:
     pytest.importorskip("heyoka")
     from voronec.accuracy.bench.agreement import precise_outputs
 
@@ -123,7 +123,7 @@ def test_more_digits_are_better_digits(ball: bench.Question) -> None:
     assert 0 < apart < 1e-22
 
 
-def test_runs_that_part_are_used_up_to_there(spring: bench.Question) -> None:
+def test_runs_that_part_are_used_up_to_there(spring: bench.BenchMotion) -> None:
     exact = dict(known(spring).values)
     wrong = {"q": exact["q"].copy(), "p": exact["p"]}
     wrong["q"][7:] += 1e-6
@@ -135,7 +135,7 @@ def test_runs_that_part_are_used_up_to_there(spring: bench.Question) -> None:
 
 
 def test_a_reference_whose_routes_disagree_is_refused(
-    spring: bench.Question, monkeypatch: pytest.MonkeyPatch
+    spring: bench.BenchMotion, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     exact = dict(known(spring).values)
     other = {name: x + 1e-3 for name, x in exact.items()}
@@ -151,7 +151,9 @@ def test_a_reference_whose_routes_disagree_is_refused(
     assert asked == list(agreement.DIGITS), "more digits are tried first"
 
 
-def test_one_route_is_no_reference(spring: bench.Question, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_one_route_is_no_reference(
+    spring: bench.BenchMotion, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(agreement, "_flint_routes", lambda *_: [])
     monkeypatch.setattr(agreement, "_heyoka_route", lambda *_: ("only", dict))
     with pytest.raises(vo.EngineLimit, match="no two independent high-precision runs"):
@@ -212,15 +214,17 @@ def test_the_observed_order_is_that_of_the_finest_runs() -> None:
     [("dop853-numba", "numba"), ("mujoco-best", "mujoco"), ("heyoka-by-hand", "heyoka")],
 )
 def test_a_peer_that_is_not_installed_is_said_to_be(
-    ball: bench.Question, monkeypatch: pytest.MonkeyPatch, name: str, package: str
+    ball: bench.BenchMotion, monkeypatch: pytest.MonkeyPatch, name: str, package: str
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
-    found = bench.measure(ball, [name], against=bench.Reference(ball.grid, {}, 1e-16, ("", "")))
+    found = bench.measure(
+        ball, [name], against=bench.BenchReference(ball.grid, {}, 1e-16, ("", ""))
+    )
     assert found[name].absent == f"not installed: {package}" and found[name].points == ()
 
 
 @pytest.mark.parametrize("name", ["mujoco-best", "heyoka-by-hand", "dop853-lambdify-invariants"])
-def test_a_peer_that_does_not_fit_says_why(spring: bench.Question, name: str) -> None:
+def test_a_peer_that_does_not_fit_says_why(spring: bench.BenchMotion, name: str) -> None:
     with pytest.raises(NotHere):
         contender(name).prepare(spring)
 
@@ -231,7 +235,7 @@ def test_a_peer_refuses_outputs_that_it_does_not_compute() -> None:
         contender("heyoka-by-hand").prepare(question)
 
 
-def test_our_source_of_dop853_is_dop853(spring: bench.Question) -> None:
+def test_our_source_of_dop853_is_dop853(spring: bench.BenchMotion) -> None:
     at = lowest(spring)
     namespace: dict[str, Any] = {"np": np, "right": numba_dop853.right_hand_side(at.program)}
     exec(numba_dop853.stepper_source(len(at.start)), namespace)
@@ -249,7 +253,7 @@ def test_our_source_of_dop853_is_dop853(spring: bench.Question) -> None:
     np.testing.assert_allclose(rows[1], [1, 0, 0, 2], atol=1e-11)
 
 
-def test_sympys_right_hand_side_is_ours(ball: bench.Question) -> None:
+def test_sympys_right_hand_side_is_ours(ball: bench.BenchMotion) -> None:
     at = lowest(ball)
     ours, _ = compile_program(at.program)
     state = np.array([0.48, 0.6, 0.64, 0.5, 2.1, 0.4])  # |gamma| = 1, where forms may differ
@@ -281,14 +285,14 @@ def test_a_program_by_hand_is_the_engines_motion(name: str) -> None:
         assert bench.difference(values, ours[key], turned).max() < 1e-9, key
 
 
-def test_our_integrator_is_timed_on_the_motion_that_is_shown(spring: bench.Question) -> None:
+def test_our_integrator_is_timed_on_the_motion_that_is_shown(spring: bench.BenchMotion) -> None:
     seen = vo.integrate(SPRING, times=spring.grid, outputs=("q", "p"), method="scipy", tol=1e-8)
     again = own._again(spring, tuple(spring.expressions.values()), seen)
     assert again is not None
     assert again(spring.grid).steps == again(spring.grid).steps == seen.cost.steps > 0
 
 
-def test_another_motion_is_not_timed_in_place_of_ours(spring: bench.Question) -> None:
+def test_another_motion_is_not_timed_in_place_of_ours(spring: bench.BenchMotion) -> None:
     seen = vo.integrate(SPRING, times=spring.grid, outputs=("q", "p"), method="scipy", tol=1e-8)
     other = replace(seen, cost=replace(seen.cost, steps=seen.cost.steps + 1))
     assert own._again(spring, tuple(spring.expressions.values()), other) is None
@@ -304,7 +308,7 @@ PEERS = (
 
 
 @pytest.mark.parametrize("name", PEERS)
-def test_finer_tolerances_are_nearer_to_the_reference(ball: bench.Question, name: str) -> None:
+def test_finer_tolerances_are_nearer_to_the_reference(ball: bench.BenchMotion, name: str) -> None:
     if "by-hand" in name:
         pytest.importorskip("heyoka")
     exact = _exact(ball)
@@ -317,13 +321,13 @@ def test_finer_tolerances_are_nearer_to_the_reference(ball: bench.Question, name
     assert fine.evaluations > 0 and fine.per_unit > 0
 
 
-def test_dop853_of_numba_is_as_accurate(ball: bench.Question) -> None:
+def test_dop853_of_numba_is_as_accurate(ball: bench.BenchMotion) -> None:
     pytest.importorskip("numba")
     found = bench.measure(ball, ["dop853-numba"], [1e-11], against=_exact(ball))["dop853-numba"]
     assert found.points[0].error < 1e-9
 
 
-def test_mujoco_converges_with_its_best_settings_only(ball: bench.Question) -> None:
+def test_mujoco_converges_with_its_best_settings_only(ball: bench.BenchMotion) -> None:
     pytest.importorskip("mujoco")
     names = ("mujoco-best", "mujoco-default")
     errors = {}
@@ -341,16 +345,16 @@ def test_mujoco_converges_with_its_best_settings_only(ball: bench.Question) -> N
     assert errors["mujoco-best"][1] < errors["mujoco-best"][0] / 4, "second order"
 
 
-def test_the_model_of_mujoco_holds_the_ball(ball: bench.Question) -> None:
+def test_the_model_of_mujoco_holds_the_ball(ball: bench.BenchMotion) -> None:
     text = physics.model_text(physics.BEST, 0.5, 2.0, 3.0, (0.4, 0.5, 0.7))
     assert 'diaginertia="0.4 0.5 0.7"' in text and 'mass="2.0"' in text
     assert 'size="3.0"' in text and 'timestep="0.5"' in text and 'solref="0.375 1"' in text
 
 
-EXACT: dict[str, bench.Reference] = {}
+EXACT: dict[str, bench.BenchReference] = {}
 
 
-def _exact(ball: bench.Question) -> bench.Reference:
+def _exact(ball: bench.BenchMotion) -> bench.BenchReference:
     if "ball" not in EXACT:
         EXACT["ball"] = bench.reference(ball)
     return EXACT["ball"]
@@ -360,7 +364,7 @@ def _made(name: str, run: Any, tolerances: tuple[float, ...] = (1e-2, 1e-4)) -> 
     return Contender(name, "ours: made for a test", tolerances, lambda _question: run)
 
 
-def _answer(question: bench.Question, wrong: float, seconds: float = 0.5) -> Outcome:
+def _answer(question: bench.BenchMotion, wrong: float, seconds: float = 0.5) -> Outcome:
     values = {n: x + wrong for n, x in known(question).values.items()}
     return Outcome(values, seconds, 7, 3, {"energy": wrong})
 
@@ -375,7 +379,7 @@ def made(monkeypatch: pytest.MonkeyPatch) -> Any:
     return put
 
 
-def test_a_measurement_is_plain_data(spring: bench.Question, made: Any) -> None:
+def test_a_measurement_is_plain_data(spring: bench.BenchMotion, made: Any) -> None:
     made(_made("good", lambda tol: _answer(spring, tol)))
     found = bench.measure(spring, against=known(spring))
     data = json.loads(json.dumps(found.as_dict(), allow_nan=False))
@@ -396,12 +400,14 @@ def test_a_measurement_is_plain_data(spring: bench.Question, made: Any) -> None:
     assert "numpy" in data["machine"]
 
 
-def test_an_error_is_never_less_than_the_reference_knows(spring: bench.Question, made: Any) -> None:
+def test_an_error_is_never_less_than_the_reference_knows(
+    spring: bench.BenchMotion, made: Any
+) -> None:
     made(_made("good", lambda tol: _answer(spring, 0.0)))
     assert bench.measure(spring, against=known(spring))["good"].points[0].error == 1e-16
 
 
-def test_a_run_that_fails_is_kept_with_its_reason(spring: bench.Question, made: Any) -> None:
+def test_a_run_that_fails_is_kept_with_its_reason(spring: bench.BenchMotion, made: Any) -> None:
     def run(tol: float) -> Outcome:
         if tol > 1e-3:
             raise vo.IntegrationError("it broke")
@@ -412,14 +418,16 @@ def test_a_run_that_fails_is_kept_with_its_reason(spring: bench.Question, made: 
     assert [p.failed for p in points] == ["it broke", "the outputs are not finite"]
 
 
-def test_what_would_take_too_long_is_left_out_and_named(spring: bench.Question, made: Any) -> None:
+def test_what_would_take_too_long_is_left_out_and_named(
+    spring: bench.BenchMotion, made: Any
+) -> None:
     made(_made("slow", lambda tol: _answer(spring, tol, seconds=10.0)))
     found = bench.measure(spring, against=known(spring), budget=20.0)["slow"]
     assert [p.setting for p in found.points] == [1e-2]
     assert found.note == "tolerance 0.0001 and finer left out: over 20 s a run"
 
 
-def test_ctrl_c_keeps_what_is_measured(spring: bench.Question, made: Any) -> None:
+def test_ctrl_c_keeps_what_is_measured(spring: bench.BenchMotion, made: Any) -> None:
     def run(tol: float) -> Outcome:
         if tol < 1e-3:
             raise KeyboardInterrupt
@@ -434,25 +442,27 @@ def test_ctrl_c_keeps_what_is_measured(spring: bench.Question, made: Any) -> Non
 
 
 def test_only_the_part_that_the_reference_covers_is_measured(
-    spring: bench.Question, made: Any
+    spring: bench.BenchMotion, made: Any
 ) -> None:
     grids = []
 
-    def prepare(question: bench.Question) -> Any:
+    def prepare(question: bench.BenchMotion) -> Any:
         grids.append(question.grid)
         return lambda tol: _answer(question, tol)
 
     made(Contender("seen", "", (1e-2,), prepare))
     full = known(spring)
-    short = bench.Reference(full.t[:5], {n: x[:5] for n, x in full.values.items()}, 1e-16, ("", ""))
+    short = bench.BenchReference(
+        full.t[:5], {n: x[:5] for n, x in full.values.items()}, 1e-16, ("", "")
+    )
     bench.measure(spring, against=short)
     assert len(grids[0]) == 5 and grids[0][-1] == 1.0
 
 
-def test_steps_are_not_taken_for_tolerances(spring: bench.Question, made: Any) -> None:
+def test_steps_are_not_taken_for_tolerances(spring: bench.BenchMotion, made: Any) -> None:
     seen: list[float] = []
 
-    def prepare(_question: bench.Question) -> Any:
+    def prepare(_question: bench.BenchMotion) -> Any:
         return lambda step: seen.append(step) or _answer(spring, step)
 
     made(Contender("stepped", "", (0.5, 0.25), prepare, knob="step"))
@@ -468,13 +478,13 @@ def test_steps_are_not_taken_for_tolerances(spring: bench.Question, made: Any) -
     ],
 )
 def test_methods_and_tolerances_that_are_none_are_refused(
-    spring: bench.Question, words: dict[str, Any], message: str
+    spring: bench.BenchMotion, words: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(vo.DefinitionError, match=message):
         bench.measure(spring, against=known(spring), **words)
 
 
-def test_ratios_are_of_times_at_equal_error(spring: bench.Question) -> None:
+def test_ratios_are_of_times_at_equal_error(spring: bench.BenchMotion) -> None:
     def method(name: str, scale: float) -> Measured:
         points = tuple(Point(e, e, scale * s, 1, 1, {}, {}) for e, s in RUNS)
         return Measured(name, "", points=points)
@@ -488,7 +498,7 @@ def test_names_of_methods_are_not_given_twice() -> None:
     assert len({c.name for c in CONTENDERS}) == len(CONTENDERS)
 
 
-def test_the_plot_holds_every_method_that_ran(spring: bench.Question) -> None:
+def test_the_plot_holds_every_method_that_ran(spring: bench.BenchMotion) -> None:
     points = tuple(Point(e, e, s, 1, 1, {}, {}) for e, s in RUNS)
     ours = Measured("taylor", "ours: it", points=points)
     peer = Measured("other", "theirs", points=points[:2])
@@ -511,7 +521,7 @@ def test_set_up_is_measured_in_fresh_processes(tmp_path: Path) -> None:
     assert found.warm > 0 and found.cold > 0 and found.load > 0
 
 
-def test_a_program_has_the_outputs_and_integrals_of_its_level(ball: bench.Question) -> None:
+def test_a_program_has_the_outputs_and_integrals_of_its_level(ball: bench.BenchMotion) -> None:
     at = level(ball, "invariants")
     assert isinstance(at.program, Program) and at.name == "invariants"
     values, drift = at.outputs_and_drift(np.array([0.0, 1.0]), np.array([at.state, 2 * at.state]))
