@@ -195,6 +195,13 @@ def test_run_writes_the_motion_and_tells_the_drift(call: Call, method: str) -> N
     assert "<svg" in Path("made/plot.svg").read_text()
 
 
+def test_run_tells_the_notes(call: Call) -> None:
+    words = ("run", "sleigh", "--times", "0:1:3", "--outputs", "log(v-100)")
+    note = "the output 'log(v - 100)' has no finite value at 3 of 3 instants, first at t = 0"
+    assert f"note: {note}" in call(*words).out.splitlines()
+    assert json.loads(call(*words, "--json").out)["notes"] == [note]
+
+
 def test_run_twice_writes_the_same_and_keeps_what_else_is_there(call: Call) -> None:
     call("run", "sleigh")
     first = {p.name: p.read_bytes() for p in Path("sleigh-run").iterdir()}

@@ -112,7 +112,7 @@ def _report(trajectory: Trajectory, scene: str | None, files: list[Path], as_jso
             "steps": cost.steps, "evaluations": cost.evaluations, "switches": cost.switches,
             "parameters": {name: float(x) for name, x in trajectory.parameters.items()},
             "drift": dict(trajectory.drift), "residuals": dict(trajectory.residuals),
-            "files": [str(f) for f in files],
+            "notes": list(trajectory.notes), "files": [str(f) for f in files],
         })  # fmt: skip
         return
     what = f"{trajectory.system.name}, scene {scene}" if scene else trajectory.system.name
@@ -121,6 +121,7 @@ def _report(trajectory: Trajectory, scene: str | None, files: list[Path], as_jso
     rows = [["drift of", name, f"{value:.1e}"] for name, value in trajectory.drift.items()]
     rows += [["residual of", name, f"{value:.1e}"] for name, value in trajectory.residuals.items()]
     print("\n".join(columns(rows) or ["no integral is declared, so no drift is known"]))
+    print("".join(f"note: {note}\n" for note in trajectory.notes), end="")
     print("wrote " + ", ".join(str(f) for f in files))
 
 

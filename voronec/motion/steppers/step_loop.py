@@ -147,7 +147,7 @@ TINY = 1e-6
 """The part of a step over which slopes of functions are taken."""
 WINDOW, CRAWL = 1000, 1e-7
 """So many steps that cover less than this part of the span lead nowhere."""
-RECEDING, LONG = 30.0, 10_000
+RETREAT, LONG = 30.0, 10_000
 """A run is ended where the steps left grow by so many with each that is taken, four times so many
 and more: the steps of a motion that is evenly accelerated would be a thousand times as many."""
 SUSPECTS = 64
@@ -199,7 +199,7 @@ class Horizon:
         if steps < 2 * self.looked:
             return False
         left = abs(self.end - self.time) / self.best if self.best else np.inf
-        receded = left - self.left > RECEDING * (steps - self.looked)
+        receded = left - self.left > RETREAT * (steps - self.looked)
         self.looked, self.left, self.best = steps, left, 0.0
         return receded
 
