@@ -431,6 +431,13 @@ def test_a_function_of_pythons_pushes_a_block_with_dry_friction():
     assert run["x"] == pytest.approx([0, 0, there, there + back], abs=1e-11)
     both = vo.ensemble(BLOCK, {x: [0, 1]}, times=times, inputs=push)
     assert both["x"][1] - 1 == pytest.approx(run["x"], abs=1e-11)
+    for rounding in range(-20, 21):  # the last instant is that of a switch, but for rounding
+        last = second + rounding * math.ulp(second)
+        late = vo.integrate(
+            BLOCK, times=[*times[:-1], last], initial={x: 1}, inputs=push, dense=True
+        )
+        assert late["x"][-1] - 1 == pytest.approx(there + back, abs=1e-11)
+        assert late.at(last)["x"] == pytest.approx(late["x"][-1], abs=1e-12)
 
 
 def test_a_belt_whose_speed_is_a_function_of_pythons():

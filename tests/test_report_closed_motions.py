@@ -244,8 +244,8 @@ def test_no_motion_is_no_portrait() -> None:
 def test_pictures_of_the_documentation_are_small_and_vectors() -> None:
     folder = Path(__file__).parent.parent / "docs" / "closed-form"
     pictures = sorted(folder.iterdir())
-    labels = {p.stem.removeprefix("class-") for p in pictures if p.stem.startswith("class-")}
-    assert labels == {"A", "B", "C1", "C2", "D1", "D2", "D3", "E1", "E2"}
+    pictures = [p for p in pictures if not p.stem.startswith("class-")]  # the site makes these
+    assert len(pictures) == 8
     for picture in pictures:
         content = picture.read_bytes()
         assert picture.suffix == ".svg"

@@ -29,6 +29,8 @@ __all__ = ["SwitchedIntegrator", "through_walls"]
 
 WINDOW, CRAWL = 200, 1e-8
 """So many switches that cover less than this part of the span lead nowhere."""
+ULPS = 16
+"""Instants that lie closer together than so many roundings of them are one."""
 COINCIDENT = 1e-9
 """An event that is closer to zero than this at a switch, in units of its terms, may pass there."""
 RIM = "the motion comes to rest where a root of velocities in its equations has no slope"
@@ -203,9 +205,18 @@ class _Passage:
                 end = self.switch(self.mode.watch[part.stopped])
                 if end is not None:
                     return end
+                self.arrive()
         except KeyboardInterrupt:
             return self.result(interrupted=True)
         return self.result()
+
+    def arrive(self) -> None:
+        """Enter the instants that rounding alone tells from that of a switch: no step fits between,
+        and a wall would be met again and again."""
+        near = ULPS * 2.0**-self.roads.bits * abs(self.time)
+        while self.done < len(self.grid) and abs(self.grid[self.done] - self.time) <= near:
+            self.rows.append(self.number(self.state))
+            self.done += 1
 
     def stretch(self) -> Run:
         """Go on in a mode until it ends, or the grid does."""
