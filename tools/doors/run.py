@@ -167,8 +167,9 @@ def _watch_text() -> None:
         frames = traceback.extract_stack()  # SymPy reads numbers and units of its own so
         own = any(f.name == "nsimplify" or "units" in f.filename for f in frames)
         # ``progress=sympy.sin``: what the caller's own function does with our words is its affair
-        last = [f.line or "" for f in frames if "/voronec/" in f.filename][-1:]
-        if not own and last != ["return function(*args)"]:
+        inner = [f for f in frames if "/voronec/" in f.filename][-1:]
+        called = [(Path(f.filename).name, f.name) for f in inner] == [("arguments.py", "call")]
+        if not own and not called:
             RAN.append(code[:80])
         return run(code, *rest)
 

@@ -112,9 +112,7 @@ def _add_audit(page: Path) -> None:
     audit.write_pages(folder)
     place = folder.relative_to(page.parent).as_posix()
     links = f"Here are [the page]({place}/report.html) and [the article]({place}/report.tex).\n"
-    text = page.read_text("utf-8")
-    assert BOTH in text, f"{page.name} does not say where the audit is"
-    page.write_text(text.replace(BOTH, BOTH + links, 1), "utf-8")
+    _add_behind(BOTH, links, page)
 
 
 def _add_classes(page: Path) -> None:
@@ -124,11 +122,14 @@ def _add_classes(page: Path) -> None:
     for name in gallery.CLASSES:
         gallery.write_picture(pictures[name](), folder / f"{name}.svg")
     shown = [f"[{label}]({folder.name}/{name}.svg)" for name, label in gallery.CLASSES.items()]
+    _add_behind(CLASSES, f"Here they are: {', '.join(shown)}.\n", page)
+
+
+def _add_behind(words: str, more: str, page: Path) -> None:
+    """Go on behind the words of a page that tell of what the site adds."""
     text = page.read_text("utf-8")
-    assert CLASSES in text, f"{page.name} does not say where the classes are"
-    page.write_text(
-        text.replace(CLASSES, f"{CLASSES}Here they are: {', '.join(shown)}.\n", 1), "utf-8"
-    )
+    assert words in text, f"{page.name} does not say: {words}"
+    page.write_text(text.replace(words, words + more, 1), "utf-8")
 
 
 def add_motions(page: Path, folder: Path) -> None:
@@ -142,9 +143,7 @@ def add_motions(page: Path, folder: Path) -> None:
 <iframe src="{place}/{first.name}" style="width: 100%; height: 52rem; border: 0"></iframe>
 ```
 """
-    text = page.read_text("utf-8")
-    assert CARRIED in text, f"{page.name} does not say where the motions are"
-    page.write_text(text.replace(CARRIED, CARRIED + shown, 1), "utf-8")
+    _add_behind(CARRIED, shown, page)
 
 
 def _list_others(index: Path, pages: str, last: str) -> None:

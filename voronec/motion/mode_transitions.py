@@ -208,12 +208,18 @@ class Crossroads:
         self, wall: Wall, time: Any, state: np.ndarray, values: Mapping[Wall, int]
     ) -> list[LevelSurface]:
         """The surface of a wall on which a state lies, to rounding."""
-        g, *slopes = self._measure(wall, time, state, values)
+        g, size = self._value_and_size(wall, time, state, values)
         level = int(mpmath.nint(g)) if wall.whole else 0
-        size = sum(abs(a * b) for a, b in zip(slopes, [time, *state], strict=True))
         if abs(g - level) > size * mpmath.mpf(2) ** (NEAR - self.bits):
             return []
         return [LevelSurface(wall, level)]
+
+    def _value_and_size(
+        self, wall: Wall, time: Any, state: np.ndarray, values: Mapping[Wall, int]
+    ) -> tuple[Any, Any]:
+        """The value of a wall's function, and the size of its terms."""
+        g, *slopes = self._measure(wall, time, state, values)
+        return g, sum(abs(a * b) for a, b in zip(slopes, [time, *state], strict=True))
 
     def _measure(
         self, wall: Wall, time: Any, state: np.ndarray, values: Mapping[Wall, int]
@@ -364,8 +370,7 @@ class Crossroads:
     ) -> bool:
         """Whether a wall is touched, not crossed, from a side while the other side leads to it, in
         the sense of time: then the motion may have come along it."""
-        g, *slopes = self._measure(surface.wall, time, state, sides)
-        size = sum(abs(a * b) for a, b in zip(slopes, [time, *state], strict=True))
+        g, size = self._value_and_size(surface.wall, time, state, sides)
         side = 1 if sides[surface.wall] == surface.value(1) else -1
         own, scale = self._rate(time, state, surface, sides)
         if abs(g - surface.level) > GRAZE * size or abs(own) > mpmath.sqrt(GRAZE) * scale:
@@ -378,8 +383,7 @@ class Crossroads:
     ) -> bool:
         """Whether a motion that reached a wall would have turned within its error of it, while the
         other side leads away: then that error decides on which side it goes on."""
-        _, *slopes = self._measure(surface.wall, time, state, sides)
-        size = sum(abs(a * b) for a, b in zip(slopes, [time, *state], strict=True))
+        _, size = self._value_and_size(surface.wall, time, state, sides)
         side = 1 if sides[surface.wall] == surface.value(1) else -1
         own, bend = self._rate_and_bend(time, state, surface, sides)
         if bend * side <= 0 or own**2 / (2 * bend * side) > self.problem.tol**UNSURE * size:
