@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from figures.extent import EXTENT
+from figures.extent import Extent
 from figures.table import Row
 
 __all__ = ["ROWS", "in_process"]
@@ -47,14 +47,14 @@ def in_process(cache: str, *words: str) -> Any:
     return json.loads(done.stdout.splitlines()[-1])
 
 
-def calls() -> Iterator[Row]:
+def calls(extent: Extent) -> Iterator[Row]:
     """From ``vo.integrate(system, ...)`` to the trajectory, and from nothing to it."""
     for name, allowed in SECOND.items():
         with tempfile.TemporaryDirectory() as cache:
             in_process(cache, "-c", CALL, name, "auto", "2")
             found = [
-                in_process(cache, "-c", CALL, name, "auto", str(20 * EXTENT.turns))
-                for _ in range(EXTENT.processes)
+                in_process(cache, "-c", CALL, name, "auto", str(20 * extent.turns))
+                for _ in range(extent.processes)
             ]
         first, second = np.min(found, axis=0)
         yield Row(
@@ -76,13 +76,13 @@ def calls() -> Iterator[Row]:
         )
 
 
-def numba_calls() -> Iterator[Row]:
+def numba_calls(extent: Extent) -> Iterator[Row]:
     """The method ``numba`` where heyoka is not installed."""
     with tempfile.TemporaryDirectory() as cache:
         ever = in_process(cache, "-c", CALL, "ball-on-sphere", "numba", "2")[0]
         later = min(
             in_process(cache, "-c", CALL, "ball-on-sphere", "numba", "2")[0]
-            for _ in range(EXTENT.processes)
+            for _ in range(extent.processes)
         )
     yield Row(
         "method `numba`, heyoka not installed, ball-on-sphere, T = 10: first call ever, imports "
@@ -103,4 +103,4 @@ def numba_calls() -> Iterator[Row]:
     )
 
 
-ROWS: dict[str, Callable[[], Iterator[Row]]] = {"calls": calls, "numba-calls": numba_calls}
+ROWS: dict[str, Callable[[Extent], Iterator[Row]]] = {"calls": calls, "numba-calls": numba_calls}

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["EXTENT"]
+__all__ = ["FULL", "SHORT", "Extent"]
 
 
-@dataclass
+@dataclass(frozen=True)
 class Extent:
     """Units of time of one motion, of many and of long ones; starts, crossings, repetitions."""
 
@@ -20,11 +20,7 @@ class Extent:
     rounds: int = 5
     processes: int = 3
 
-    def shorten(self) -> None:
-        """Go so far only that everything is called; figures mean nothing then."""
-        self.span, self.many, self.long = 20.0, 5.0, 200.0
-        self.starts, self.crossings, self.turns, self.rounds, self.processes = 32, 4000, 2, 1, 1
 
-
-EXTENT = Extent()
-"""The extent of this process."""
+FULL = Extent()
+SHORT = Extent(20.0, 5.0, 200.0, 32, 4000, 2, 1, 1)
+"""So far only that everything is called; figures mean nothing then."""

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 import voronec as vo
-from figures.extent import EXTENT
+from figures.extent import Extent
 from figures.table import Row
 from voronec.accuracy.bench import ask, at_error
 from voronec.accuracy.bench.level import level
@@ -66,11 +66,11 @@ class Peer:
         )
 
 
-def drift() -> Iterator[Row]:
+def drift(extent: Extent) -> Iterator[Row]:
     """Every integral over T = 1e5, from several starts."""
     ball = vo.derive(vo.load("ball-on-sphere"))
     names = tuple(ball.system.integrals)
-    spans = tuple(EXTENT.long * share for share in (1e-3, 1e-2, 1e-1, 1.0))
+    spans = tuple(extent.long * share for share in (1e-3, 1e-2, 1e-1, 1.0))
     changes = {name: np.zeros((8, len(spans))) for name in names}
     dice = np.random.default_rng(5)
     for row in range(8):
@@ -89,7 +89,7 @@ def drift() -> Iterator[Row]:
         growth[name] = float(np.polyfit(np.log(spans), typical, 1)[0])
     said = ", ".join(f"{name} t^{power:.2f}" for name, power in growth.items())
     yield Row(
-        f"T = {EXTENT.long:g}, every integral of the ball on a sphere, 8 starts, tolerance 1e-16",
+        f"T = {extent.long:g}, every integral of the ball on a sphere, 8 starts, tolerance 1e-16",
         "relative drift under 1e-12, growing no faster than t^0.6",
         f"{worst:.1e} at worst; {said}",
         worst < 1e-12 and max(growth.values()) <= 0.6,
@@ -97,12 +97,12 @@ def drift() -> Iterator[Row]:
     )
 
 
-def ensembles() -> Iterator[Row]:
+def ensembles(extent: Extent) -> Iterator[Row]:
     """A thousand starts on one core, against a loop over scipy."""
-    end, dice = EXTENT.many, np.random.default_rng(2)
+    end, dice = extent.many, np.random.default_rng(2)
     grid = np.linspace(0, end, 11)
     ball = vo.derive(vo.load("ball-on-sphere"))
-    spins = {name: 1 + 0.3 * dice.normal(size=EXTENT.starts) for name in BALL[3:]}
+    spins = {name: 1 + 0.3 * dice.normal(size=extent.starts) for name in BALL[3:]}
     exact = _ensemble(ball, {n: x[:FEW] for n, x in spins.items()}, grid, 1e-16)[0]
     pairs, whole = [], np.inf
     for tol in TOLS:
@@ -110,7 +110,7 @@ def ensembles() -> Iterator[Row]:
         pairs.append((_apart(found, exact), running))
         if pairs[-1][0] <= ERROR:
             whole = min(whole, all_of_it)
-    ours, count = at_error(pairs, ERROR).seconds or np.nan, EXTENT.starts
+    ours, count = at_error(pairs, ERROR).seconds or np.nan, extent.starts
     question = ask(ball, time=end)
     for kind, about in WAYS.items():
         theirs = at_error(_loop(question, kind, spins, grid, exact), ERROR).seconds or np.nan
@@ -183,7 +183,7 @@ CROSSINGS = 100
 """Over so many crossings errors are compared."""
 
 
-def sections() -> Iterator[Row]:
+def sections(extent: Extent) -> Iterator[Row]:
     """Points per second where gamma1 = 0, of one motion, and of four at once."""
     ball = vo.derive(vo.load("ball-on-sphere"))
     exact = _crossings(ball, 1e-16, CROSSINGS, 1)
@@ -192,7 +192,7 @@ def sections() -> Iterator[Row]:
         found = _crossings(ball, tol, CROSSINGS, 1)
         error = float(np.abs(found.points - exact.points).max())
         for starts in pairs:
-            pairs[starts].append((error, _seconds_a_point(ball, tol, starts)))
+            pairs[starts].append((error, _seconds_a_point(ball, tol, starts, extent.crossings)))
     ours = {n: at_error(p, ERROR).seconds or np.nan for n, p in pairs.items()}
     question = ask(ball, time=float(exact.t[-1]))
     for kind, about in WAYS.items():
@@ -218,15 +218,15 @@ def _crossings(ball: Any, tol: float, crossings: int, starts: int, progress: Any
     )  # fmt: skip
 
 
-def _seconds_a_point(ball: Any, tol: float, starts: int) -> float:
+def _seconds_a_point(ball: Any, tol: float, starts: int, crossings: int) -> float:
     """CPU time of a point, without set-up: between the first report of progress and the last."""
     best = np.inf
     for _ in range(2):
         told: list[tuple[float, float]] = []
         note = partial(_note, told)
-        _crossings(ball, tol, EXTENT.crossings // starts, starts, note)
+        _crossings(ball, tol, crossings // starts, starts, note)
         (first, then), (last, now) = told[0], told[-1]
-        best = min(best, (now - then) / ((last - first) * EXTENT.crossings))
+        best = min(best, (now - then) / ((last - first) * crossings))
     return best
 
 
@@ -252,7 +252,7 @@ def _events(question: BenchMotion, kind: str, exact: Any) -> list[tuple[float, f
     return pairs
 
 
-ROWS: dict[str, Callable[[], Iterator[Row]]] = {
+ROWS: dict[str, Callable[[Extent], Iterator[Row]]] = {
     "drift": drift,
     "ensembles": ensembles,
     "sections": sections,

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import voronec as vo
-from figures.extent import EXTENT
+from figures.extent import Extent
 from figures.table import Row
 from voronec.accuracy.bench import BenchMotion, BenchReference, ask, at_error, difference
 from voronec.accuracy.bench.peers.hand_programs import BY_HAND, start_values
@@ -26,10 +26,10 @@ SHORT = 200.0
 FINE = (1e-10, 1e-11, 1e-12, 1e-13)
 
 
-def turns(runs: Mapping[Any, Callable[[], Any]], more: int = 1) -> dict[Any, float]:
+def turns(runs: Mapping[Any, Callable[[], Any]], rounds: int) -> dict[Any, float]:
     """The shortest CPU time of each run, taken in turn so that noise hits all of them."""
     best = dict.fromkeys(runs, np.inf)
-    for _ in range(more * EXTENT.turns):
+    for _ in range(rounds):
         for name, run in runs.items():
             began = process_time()
             run()
@@ -82,11 +82,11 @@ def _driven(integrator: Any, start: np.ndarray, span: float) -> Callable[[], Non
     return run
 
 
-def by_hand() -> Iterator[Row]:
+def by_hand(extent: Extent) -> Iterator[Row]:
     """The engine's program against the best one by hand, tolerance by tolerance."""
     import heyoka as hy
 
-    question = ask(vo.load("ball-on-sphere"), time=EXTENT.span)
+    question = ask(vo.load("ball-on-sphere"), time=extent.span)
     ours = smallest(question)
     hand = BY_HAND["ball-on-sphere"](question.parameters)
     start = hand.start(start_values(question))
@@ -96,7 +96,7 @@ def by_hand() -> Iterator[Row]:
         other = hy.taylor_adaptive(hand.equations, start.tolist(), tol=tol)
         best = turns({
             "ours": _driven(one, ours.start, SHORT), "hand": _driven(other, start, SHORT)
-        }, more=3)  # fmt: skip
+        }, 3 * extent.turns)  # fmt: skip
         ratios.append(best["ours"] / best["hand"])
     worst = max(ratios)
     yield Row(
@@ -110,9 +110,9 @@ def by_hand() -> Iterator[Row]:
     )
 
 
-def minimal() -> Iterator[Row]:
+def minimal(extent: Extent) -> Iterator[Row]:
     """Demchenko's ball: u and v on the smallest model, against everything in coordinates."""
-    question = ask(vo.load("demchenko"), time=EXTENT.span, outputs=("u", "v"))
+    question = ask(vo.load("demchenko"), time=extent.span, outputs=("u", "v"))
     question = replace(question, angles=frozenset(("u", "v")))  # the peer's v has no whole turns
     run = contenders(["heyoka"])[0].prepare(question)
     few = smallest(question)
@@ -133,7 +133,7 @@ def minimal() -> Iterator[Row]:
             ("compact", t): _driven(every.integrator(t, compact=True), every.start, span)
             for t, _ in large
         },
-    })  # fmt: skip
+    }, extent.turns)  # fmt: skip
     error = 1e-9
     seconds = {
         side: at_error([(e, best[side, t]) for t, e in pairs], error).seconds or np.nan
@@ -152,10 +152,12 @@ def minimal() -> Iterator[Row]:
         "v1, theta add three equations of eight; both divide by sin u, which shortens their steps "
         "alike; in (G, gamma) the same motion takes a fifth fewer steps",
     )
-    yield _closed_form_call(question, exact, slow)
+    yield _closed_form_call(question, exact, slow, extent)
 
 
-def _closed_form_call(question: BenchMotion, exact: BenchReference, full: float) -> Row:
+def _closed_form_call(
+    question: BenchMotion, exact: BenchReference, full: float, extent: Extent
+) -> Row:
     """A whole call for the motion in closed form, against ``full`` seconds of the full model."""
 
     def call() -> vo.Trajectory:
@@ -166,7 +168,7 @@ def _closed_form_call(question: BenchMotion, exact: BenchReference, full: float)
 
     found = call()
     error = _worst(question, {n: found[n] for n in question.outputs}, exact)
-    whole = turns({"call": call})["call"]
+    whole = turns({"call": call}, extent.turns)["call"]
     return Row(
         f"Demchenko's ball, u and v alone, T = {question.span:g}: whole call for the closed form "
         f"after the first, {len(question.grid)} points, against the run of the full model at "
@@ -207,4 +209,4 @@ def _whole(
     return {str(s): column for s, column in zip(program.state, rows.T, strict=True)}
 
 
-ROWS: dict[str, Callable[[], Iterator[Row]]] = {"programs": by_hand, "minimal": minimal}
+ROWS: dict[str, Callable[[Extent], Iterator[Row]]] = {"programs": by_hand, "minimal": minimal}

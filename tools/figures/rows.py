@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import voronec as vo
-from figures.extent import EXTENT
+from figures.extent import Extent
 from figures.table import Row
 from voronec.accuracy.bench import (
     Bench,
@@ -34,39 +34,39 @@ DOP853 = (1e-10, 1e-11, 1e-13, 3e-14)
 """Tolerances at which DOP853's errors at T = 1000 lie around 1e-6 and 1e-9."""
 
 
-def rows_of(measurement: Callable[[], Iterator[Row]]) -> list[Row]:
+def rows_of(measurement: Callable[..., Iterator[Row]], *arguments: Any) -> list[Row]:
     """The rows of one measurement; what stops it is a missed row, and the others go on."""
     try:
-        return list(measurement())
+        return list(measurement(*arguments))
     except (vo.VoronecError, ImportError, OSError, ValueError) as error:
         return [Row(measurement.__name__, "to be measured", f"it failed: {error}", False)]
 
 
 @cache
-def ball() -> tuple[BenchMotion, BenchReference]:
+def ball(extent: Extent) -> tuple[BenchMotion, BenchReference]:
     """The ball on a sphere, and its motion by two independent runs."""
-    question = ask(vo.load("ball-on-sphere"), time=EXTENT.span)
+    question = ask(vo.load("ball-on-sphere"), time=extent.span)
     return question, reference(question, 1e-12)
 
 
 @cache
-def measured(name: str) -> Any:
+def measured(name: str, extent: Extent) -> Any:
     """One method on the ball, at its own tolerances, or those that matter of a slow one."""
-    question, exact = ball()
+    question, exact = ball(extent)
     chosen = DOP853 if "lambdify" in name else ()
     return measure(question, [name], chosen, budget=60.0, against=exact)[name]
 
 
-def around(names: Iterable[str], errors: Iterable[float]) -> Bench:
+def around(names: Iterable[str], errors: Iterable[float], extent: Extent) -> Bench:
     """Methods on the ball, those runs measured again in turn that lie around the errors."""
-    question, exact = ball()
-    found = {name: measured(name) for name in names}
+    question, exact = ball(extent)
+    found = {name: measured(name, extent) for name in names}
     runs = {}
     for name in found:
         (contender,) = contenders([name])
         runs[name] = contender.prepare(question)
     best: dict[tuple[str, float], Point] = {}
-    for _ in range(EXTENT.rounds):
+    for _ in range(extent.rounds):
         for name, one in found.items():
             for p in _bracketing(one.good, errors):
                 if p.per_unit * question.span < LONG:
@@ -118,9 +118,9 @@ PEERS = {
 }
 
 
-def lambdify() -> Iterator[Row]:
+def lambdify(extent: Extent) -> Iterator[Row]:
     """scipy's DOP853 with SymPy's lambdify, written by a good hand and by others."""
-    bench = around(["heyoka", *PEERS], ERRORS)
+    bench = around(["heyoka", *PEERS], ERRORS, extent)
     for name, about in PEERS.items():
         for error, factor in zip(ERRORS, (500, 600), strict=True):
             yield _ratio(
@@ -131,11 +131,11 @@ def lambdify() -> Iterator[Row]:
             )  # fmt: skip
 
 
-def numba() -> Iterator[Row]:
+def numba(extent: Extent) -> Iterator[Row]:
     """DOP853 compiled by numba."""
     names = {"dop853-numba": "SymPy's right-hand side", "dop853-numba-ours": "our program"}
     errors = {1e-9: 1.2, 1e-11: 1.0}
-    bench = around(["heyoka", *names], errors)
+    bench = around(["heyoka", *names], errors, extent)
     for name, about in names.items():
         for error, factor in errors.items():
             yield _ratio(
@@ -147,9 +147,9 @@ def numba() -> Iterator[Row]:
             )  # fmt: skip
 
 
-def by_hand() -> Iterator[Row]:
+def by_hand(extent: Extent) -> Iterator[Row]:
     """heyoka by hand at equal error, as `integrate` runs, checks of the mass matrix included."""
-    bench = around(["heyoka", "heyoka-by-hand"], ERRORS)
+    bench = around(["heyoka", "heyoka-by-hand"], ERRORS, extent)
     for error in ERRORS:
         ratio = bench.ratio("heyoka", "heyoka-by-hand", error)
         ours, hand = (
@@ -166,10 +166,10 @@ def by_hand() -> Iterator[Row]:
         )
 
 
-def finest() -> Iterator[Row]:
+def finest(extent: Extent) -> Iterator[Row]:
     """How small the error becomes, and what the rounding of the start alone does."""
-    question, exact = ball()
-    ours = min(measured("heyoka").good, key=lambda p: p.error)
+    question, exact = ball(extent)
+    ours = min(measured("heyoka", extent).good, key=lambda p: p.error)
     hand = BY_HAND["ball-on-sphere"](question.parameters)
     start = hand.start(start_values(question))
 
@@ -200,9 +200,9 @@ def finest() -> Iterator[Row]:
     )
 
 
-def without_heyoka() -> Iterator[Row]:
+def without_heyoka(extent: Extent) -> Iterator[Row]:
     """The method `numba`, at equal error."""
-    bench = around(["heyoka", "numba"], ERRORS[1:])
+    bench = around(["heyoka", "numba"], ERRORS[1:], extent)
     ratio = bench.ratio("numba", "heyoka", 1e-9)
     times = [1e6 * (bench[n].at(1e-9).seconds or np.nan) for n in ("numba", "heyoka")]
     yield Row(
@@ -214,9 +214,9 @@ def without_heyoka() -> Iterator[Row]:
     )
 
 
-def mujoco() -> Iterator[Row]:
+def mujoco(extent: Extent) -> Iterator[Row]:
     """MuJoCo's best settings on the ball on a plane."""
-    question = ask(vo.load("chaplygin-ball"), time=EXTENT.many, instants=11)
+    question = ask(vo.load("chaplygin-ball"), time=extent.many, instants=11)
     exact = reference(question, 1e-12)
     bench = measure(question, ["heyoka", "mujoco-best"], budget=10.0, against=exact)
     times = [bench[n].at(1e-6, n.startswith("m")) for n in ("mujoco-best", "heyoka")]
@@ -231,7 +231,7 @@ def mujoco() -> Iterator[Row]:
     )
 
 
-ROWS: dict[str, Callable[[], Iterator[Row]]] = {
+ROWS: dict[str, Callable[[Extent], Iterator[Row]]] = {
     "by-hand": by_hand,
     "finest": finest,
     "without-heyoka": without_heyoka,

@@ -10,7 +10,7 @@ import numpy as np
 
 from figures.calls import in_process
 from figures.chain import against_numba, bicycle_problem, chain_problem
-from figures.extent import EXTENT
+from figures.extent import Extent
 from figures.table import Row
 from voronec.accuracy.bench import at_error
 
@@ -33,10 +33,10 @@ print(json.dumps([times[0], min(times[1:])]))
 """
 
 
-def setup() -> Iterator[Row]:
+def setup(extent: Extent) -> Iterator[Row]:
     """From a loaded system to an integrator that has run, in a fresh process."""
     colds, warms = [], []
-    for _ in range(EXTENT.processes):
+    for _ in range(extent.processes):
         with tempfile.TemporaryDirectory() as cache:
             cold, warm = in_process(cache, "-c", SETUP)
         colds.append(cold)
@@ -60,7 +60,7 @@ def setup() -> Iterator[Row]:
     )
 
 
-def chain() -> Iterator[Row]:
+def chain(_: Extent) -> Iterator[Row]:
     """Six degrees of freedom, thousands of operations; a bicycle."""
     with tempfile.TemporaryDirectory() as cache:  # heyoka shall compile there, and only there
         record = in_process(cache, str(Path(__file__).parents[1] / "bench.py"), "chain", "--json")
@@ -89,4 +89,4 @@ def chain() -> Iterator[Row]:
             )
 
 
-ROWS: dict[str, Callable[[], Iterator[Row]]] = {"setup": setup, "chain": chain}
+ROWS: dict[str, Callable[[Extent], Iterator[Row]]] = {"setup": setup, "chain": chain}

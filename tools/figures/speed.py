@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from figures import calls, many, prepared, rows, setup
-from figures.extent import EXTENT
+from figures.extent import FULL, SHORT, Extent
 from figures.rows import ball, measured, rows_of
 from figures.table import Row, runs, table
 from voronec.accuracy.bench import Bench
@@ -83,10 +83,10 @@ def reasons(rows: list[Row]) -> str:
     return "\n".join(lines)
 
 
-def curves() -> Bench:
+def curves(extent: Extent) -> Bench:
     """Error against time of the methods on the ball."""
-    question, exact = ball()
-    return Bench(question, exact, tuple(measured(name) for name in CURVES), {})
+    question, exact = ball(extent)
+    return Bench(question, exact, tuple(measured(name, extent) for name in CURVES), {})
 
 
 def curve_table(bench: Bench) -> str:
@@ -101,11 +101,11 @@ def kept(page: Path) -> dict[str, Any]:
     return {"rows": {}, "curve": "", "accuracy": 0.0, **known}
 
 
-def write_page(page: Path, name: str, rows: list[Row]) -> None:
+def write_page(page: Path, name: str, rows: list[Row], extent: Extent) -> None:
     """Put a measurement among those kept, and write the page anew."""
     known = kept(page)
     if name == CURVE:
-        bench = curves()
+        bench = curves(extent)
         save(plot_work_precision(bench), page.with_suffix(".svg"))
         known |= {"curve": curve_table(bench), "accuracy": bench.reference.accuracy}
     else:
@@ -133,19 +133,18 @@ def main() -> int:
     parser.add_argument("--json", action="store_true", help="print the rows as JSON")
     parser.add_argument("--short", action="store_true", help="see only that all rows run")
     options = parser.parse_args()
-    if options.short:
-        EXTENT.shorten()
+    extent = SHORT if options.short else FULL
     unknown = [name for name in options.rows if name not in names]
     if unknown:
         parser.error(f"there is no row '{unknown[0]}'; rows are {', '.join(names)}")
     rows: list[Row] = []
     for name in options.rows or names:
-        found = rows_of(ROWS[name]) if name != CURVE else []
+        found = rows_of(ROWS[name], extent) if name != CURVE else []
         rows += found
         for row in found:
             print(f"{row.row}: {row.reached} ({row.verdict})", file=sys.stderr, flush=True)
         if options.page:
-            write_page(options.page, name, found)
+            write_page(options.page, name, found, extent)
     print(json.dumps(_plain(rows), indent=1) if options.json else table(rows))
     return 0 if all(row.good for row in rows) else 1
 
