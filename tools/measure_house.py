@@ -1,6 +1,6 @@
 """The house in figures: rooms, circles, lines, lone modules, files on the way, CPU of commands.
 
-    python tools/measure_house.py [--json] [--lone] [--quick]
+    python tools/measure_house.py [--json] [--lone] [--files] [--quick]
 
 Lines are those of code: docstrings, comments, blank lines and imports aside.  A circle is a set of
 modules that import one another, names that only annotate and imports inside functions included.  A
@@ -36,6 +36,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--lone", action="store_true", help="list modules with a single importer")
+    parser.add_argument("--files", action="store_true", help="name the files on the way")
     parser.add_argument("--quick", action="store_true", help="run nothing, read the tree alone")
     chosen = parser.parse_args()
     graph = imports()
@@ -59,15 +60,21 @@ def main() -> int:
         return 0
     for name, value in found.items():
         if isinstance(value, dict) and name != "imported by one":
-            print(f"{name}: " + ", ".join(f"{k} {v}" for k, v in value.items()))
+            print(f"{name}: " + ", ".join(f"{k} {_count(v)}" for k, v in value.items()))
         else:
-            print(f"{name}: {len(value) if isinstance(value, list | dict) else value}")
+            print(f"{name}: {_count(value)}")
     for circle in found["circles"]:
         print("  circle: " + " ".join(circle))
     if chosen.lone:
         for name, idea in found["imported by one"].items():
             print(f"  {name}: {idea}")
+    for job, files in found.get("files on the way", {}).items() if chosen.files else ():
+        print(f"  {job}: " + " ".join(files))
     return 0
+
+
+def _count(value: Any) -> Any:
+    return len(value) if isinstance(value, list | dict) else value
 
 
 def imports() -> dict[str, set[str]]:
@@ -181,15 +188,15 @@ JOBS: dict[str, Callable[[], None]] = {
 }
 
 
-def _way(job: str) -> int:
-    """How many files of the package a job runs through, in a process of its own."""
+def _way(job: str) -> list[str]:
+    """The files of the package that a job runs through, in a process of its own."""
     command = [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(ROOT / 'tools')!r}); "
-               f"import measure_house as m; print(m.files_of({job!r}))"]  # fmt: skip
+               f"import measure_house as m; print(*m.files_of({job!r}))"]  # fmt: skip
     done = subprocess.run(command, capture_output=True, text=True, check=True)
-    return int(done.stdout.split()[-1])
+    return done.stdout.splitlines()[-1].split()
 
 
-def files_of(job: str) -> int:
+def files_of(job: str) -> list[str]:
     """The files of the package in which functions run during a job, imports aside."""
     JOBS[job]()
     seen: set[str] = set()
@@ -203,7 +210,8 @@ def files_of(job: str) -> int:
         JOBS[job]()
     finally:
         sys.setprofile(None)
-    return len({s for s in seen if Path(s).is_relative_to(PACKAGE)})
+    own = {Path(s) for s in seen if Path(s).is_relative_to(PACKAGE)}
+    return sorted(str(p.relative_to(PACKAGE)) for p in own)
 
 
 def _seconds(words: list[str]) -> float:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from voronec.algebra.garbage import no_collection
+from voronec.declaration.garbage import no_collection
 
 if TYPE_CHECKING:
     from voronec.accuracy.hard import HardCase

@@ -7,6 +7,7 @@ line that names the place and the mend; 130 stopped by Ctrl-C.
 from __future__ import annotations
 
 import contextlib
+import gc
 import os
 import sys
 from collections.abc import Iterator, Sequence
@@ -14,7 +15,6 @@ from importlib import import_module
 from pathlib import Path
 from traceback import extract_tb
 
-from voronec.algebra.garbage import rare_collection
 from voronec.cli.arguments import as_options, command_parser
 from voronec.errors import DefinitionError, VoronecError, printable
 
@@ -55,9 +55,24 @@ def _execute(arguments: Sequence[str] | None) -> int:
     if chosen.module is None:
         parser.print_help()
         return 0
-    with _files_alone(), rare_collection():
+    with _files_alone(), _rare_collection():
         status: int = import_module(chosen.module).execute(chosen)
     return status
+
+
+OBJECTS = 100_000
+"""So many new ones a command makes before garbage is searched for; Python's own number is 700."""
+
+
+@contextlib.contextmanager
+def _rare_collection() -> Iterator[None]:
+    """A search for garbage only now and then inside: a command is over soon."""
+    before = gc.get_threshold()
+    gc.set_threshold(OBJECTS, *before[1:])
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)
 
 
 @contextlib.contextmanager

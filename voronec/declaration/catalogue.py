@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.arguments import PATH, accepts
-from voronec.algebra.garbage import no_collection
+from voronec.declaration.garbage import no_collection
 from voronec.declaration.plugin_files import failure, run_file
 from voronec.errors import DefinitionError, did_you_mean
 
