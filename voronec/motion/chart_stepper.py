@@ -44,7 +44,8 @@ def through_charts(
     precision: the maps are made for doubles, and there steps may be as short as they like.
     """
     form = form or equations.form
-    charts = () if is_exact(method, problem.tol) else kept_charts(equations, form)
+    none = not equations.system.charts or is_exact(method, problem.tol)
+    charts = () if none else kept_charts(equations, form)
     if not charts:
         stepper, chosen = choose(method, problem, grid)
         return lambda times: cut_at_singularity(stepper(times), problem), chosen

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from math import log2
 from typing import Any
 
 import numpy as np
@@ -22,16 +23,24 @@ import symengine as se
 
 from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.graphs import is_atom
+from voronec.motion.events import Event
+from voronec.motion.request import Vocabulary
+from voronec.motion.steppers import Run
 
 __all__ = [
+    "CLEAR",
+    "NEAR",
     "Divisor",
     "Field",
+    "NearDivisor",
     "around",
     "bases",
     "crossing_divisors",
     "divisors",
+    "guard_events",
     "usual_size",
     "without_factors",
+    "without_guards",
 ]
 
 SAMPLES = 64
@@ -43,6 +52,9 @@ POLE = 1e-5
 """Where the metric is nearer to being singular than this part of the usual, coordinates fail."""
 TRUE = 1e-3
 """A function that is found to be larger where its sign changes has a pole there."""
+NEAR, CLEAR = 0.05, 0.15
+"""Below the one, in units of its usual size, a divisor makes its split be left; above the other a
+split is good enough.  What is lost in digits is the square of such a number at most."""
 
 Field = Callable[[np.ndarray], np.ndarray]
 """States (n, k), a column each, to values (m, k)."""
@@ -153,3 +165,36 @@ def usual_size(sizes: np.ndarray, otherwise: float = 0.0) -> float:
     finite = np.sort(sizes[np.isfinite(sizes)])
     n = len(finite)
     return float(finite[(n - 1) // 2] + finite[n // 2]) / 2 if n else otherwise
+
+
+# -- watched along a run --------------------------------------------------------------------
+
+
+def guard_events(
+    guards: Sequence[Divisor], level: float = NEAR, direction: int = 0
+) -> tuple[tuple[Event, ...], dict[str, Any]]:
+    """Events that end a run where a divisor passes a level, in units of its usual size, and their
+    functions by name; by default where it comes near zero."""
+    names = [f"divisor {i} at {level:g}" for i in range(len(guards))]
+    functions = {
+        name: g.function**2 - se.Integer(2) ** (2 * round(log2(level * g.scale)))
+        for name, g in zip(names, guards, strict=True)
+    }
+    return tuple(Event(name, name, direction, stop=True) for name in names), functions
+
+
+class NearDivisor(Exception):
+    """A model divides by what comes near zero: the splits of its system, that of ``vocabulary``,
+    have to be used."""
+
+    def __init__(self, vocabulary: Vocabulary) -> None:
+        super().__init__("a divisor comes near zero")
+        self.vocabulary = vocabulary
+
+
+def without_guards(run: Run, guards: Sequence[Divisor], vocabulary: Vocabulary) -> Run:
+    """A run as if nobody had watched; raises ``NearDivisor`` where a divisor came near zero."""
+    names = {event.name for event in guard_events(guards)[0]}
+    if run.stopped in names:
+        raise NearDivisor(vocabulary)
+    return run.without(names)

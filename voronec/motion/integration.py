@@ -30,7 +30,7 @@ from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion.atlas import NEAR as CHANGE
 from voronec.motion.chart_stepper import through_charts
-from voronec.motion.divisors import Divisor
+from voronec.motion.divisors import NEAR, Divisor, NearDivisor, guard_events, without_guards
 from voronec.motion.events import Crossings, Event, name_events
 from voronec.motion.inputs import drive
 from voronec.motion.methods import CLOSED_FORM, METHODS
@@ -41,8 +41,8 @@ from voronec.motion.observables import Watch, evaluate_watch
 from voronec.motion.request import StartData, Vocabulary, grid_of, outputs_of, scene_of
 from voronec.motion.singular_coordinates import LAST, NearPole, PoleGuard, charted_directions
 from voronec.motion.soundness import Breach, Judge, Untold, require_branches
-from voronec.motion.split_models import NEAR, SplitGround
-from voronec.motion.split_stepper import NearDivisor, SplitRun, guard_events, without_guards
+from voronec.motion.split_models import SplitGround
+from voronec.motion.split_stepper import SplitRun
 from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Problem, Run, Stepper
 from voronec.motion.steppers.choice import is_exact

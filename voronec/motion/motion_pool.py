@@ -16,12 +16,12 @@ from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
-from voronec.motion.divisors import Divisor
+from voronec.motion.divisors import NEAR, Divisor
 from voronec.motion.initial_state import parameter_values, start_of, starts_in_arrays
 from voronec.motion.model import smallest_model
 from voronec.motion.motion_start import require_inertia
 from voronec.motion.request import Vocabulary, name_values
-from voronec.motion.split_models import NEAR, SplitGround
+from voronec.motion.split_models import SplitGround
 from voronec.motion.state_probe import quantities, quiet, rates_along
 
 __all__ = ["Ground", "Many", "at_each", "drifts", "ground", "many"]

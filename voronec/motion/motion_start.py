@@ -31,6 +31,7 @@ from voronec.equations.program import Program
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
+from voronec.motion.divisors import NEAR
 from voronec.motion.initial_state import (
     CONSISTENT,
     NoFrame,
@@ -50,7 +51,7 @@ from voronec.motion.singular_coordinates import (
     open_beyond,
     polar_directions,
 )
-from voronec.motion.split_models import NEAR, SplitGround
+from voronec.motion.split_models import SplitGround
 from voronec.motion.state_probe import StateProbe, quantities, rates_program
 from voronec.motion.steppers.run import Signals
 

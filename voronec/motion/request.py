@@ -208,6 +208,12 @@ def _columns(given: Values, role: str) -> dict[Any, np.ndarray]:
     return found
 
 
+GRID = (
+    "times must be a strictly monotonic, finite, one-dimensional array, such as "
+    "numpy.linspace(0, 10, 1001), or one number, the end of a span of some length"
+)
+
+
 def grid_of(system: System, scene: Scene | None, times: Any) -> np.ndarray:
     """The grid of times, by default over the span of the scene; it must be strictly monotonic.
 
@@ -216,23 +222,19 @@ def grid_of(system: System, scene: Scene | None, times: Any) -> np.ndarray:
     known = scene or system.scenes.get("default")
     if times is None:
         return _span(system, known)
-    wrong = DefinitionError(
-        "times must be a strictly monotonic, finite, one-dimensional array, such as "
-        "numpy.linspace(0, 10, 1001), or one number, the end of a span of some length"
-    )
     try:
         grid = doubles(times, "times")
     except DefinitionError:
-        raise wrong from None
+        raise DefinitionError(GRID) from None
     if grid.ndim == 0 and np.isfinite(grid):
         begin = 0.0 if known is None else number(known.times[0], "the span's end")
         grid = _even(begin, float(grid))
     if grid.ndim != 1 or grid.size == 0 or not np.isfinite(grid).all():
-        raise wrong
+        raise DefinitionError(GRID)
     _require_span(float(grid[0]), float(grid[-1]))
     steps = np.diff(grid)
     if not ((steps > 0).all() or (steps < 0).all()):
-        raise wrong
+        raise DefinitionError(GRID)
     return grid
 
 

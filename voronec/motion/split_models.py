@@ -36,6 +36,7 @@ from voronec.equations.program.python import compiled_digits
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import VoronecError
 from voronec.motion.divisors import (
+    CLEAR,
     Divisor,
     around,
     bases,
@@ -49,8 +50,6 @@ from voronec.motion.reactions import Multipliers
 from voronec.motion.state_probe import quantities
 
 __all__ = [
-    "CLEAR",
-    "NEAR",
     "Geometry",
     "SplitGround",
     "SplitModel",
@@ -247,9 +246,6 @@ def equations_near(system: System, near: Mapping[str, Any]) -> VoronecEquations:
     )
 
 
-NEAR, CLEAR = 0.05, 0.15
-"""Below the one, in units of its usual size, a divisor makes its split be left; above the other a
-split is good enough.  What is lost in digits is the square of such a number at most."""
 AT_POLE = 1e-6
 """Coordinates are singular where a chart's ``singular`` is below it, as in ``blind``."""
 ON_RELATIONS, NEWTON = 1e-9, 12

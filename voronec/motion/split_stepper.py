@@ -6,28 +6,26 @@ the system; at a change all velocities are carried over by exact linear formulas
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from math import log2
 from time import perf_counter, process_time
 from types import MappingProxyType
 from typing import Any
 
 import mpmath
 import numpy as np
-import symengine as se
 
 from voronec.algebra.symbols import plain_name
 from voronec.errors import IntegrationError
 from voronec.motion.chart_stepper import through_charts
-from voronec.motion.divisors import Divisor
+from voronec.motion.divisors import CLEAR, NEAR, guard_events
 from voronec.motion.events import Crossings, Event
 from voronec.motion.motion_start import WideStart
 from voronec.motion.observables import Watch, evaluate_watch
 from voronec.motion.request import Vocabulary
 from voronec.motion.soundness import Judge
-from voronec.motion.split_models import CLEAR, NEAR, SplitGround, SplitModel, candidates
+from voronec.motion.split_models import SplitGround, SplitModel, candidates
 from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Halt, Problem, Run
 from voronec.motion.steppers.choice import is_exact
@@ -35,7 +33,7 @@ from voronec.motion.steppers.run import part_at
 from voronec.motion.tolerances import FINEST
 from voronec.motion.trajectory import Cost, Trajectory, assemble_trajectory
 
-__all__ = ["NearDivisor", "SplitRun", "guard_events", "without_guards"]
+__all__ = ["SplitRun"]
 
 DEPENDENT = "the constraints become dependent"
 LEAST = 1e-6
@@ -54,36 +52,6 @@ BEFORE = 0.9
 in another: next to the place all velocities of a state of that split have lost their digits."""
 SHORT = 1e-6
 """A way shorter than this part of the whole is not gone back on: no split leads past its end."""
-
-
-def guard_events(
-    guards: Sequence[Divisor], level: float = NEAR, direction: int = 0
-) -> tuple[tuple[Event, ...], dict[str, Any]]:
-    """Events that end a run where a divisor passes a level, in units of its usual size, and their
-    functions by name; by default where it comes near zero."""
-    names = [f"divisor {i} at {level:g}" for i in range(len(guards))]
-    functions = {
-        name: g.function**2 - se.Integer(2) ** (2 * round(log2(level * g.scale)))
-        for name, g in zip(names, guards, strict=True)
-    }
-    return tuple(Event(name, name, direction, stop=True) for name in names), functions
-
-
-class NearDivisor(Exception):
-    """A model divides by what comes near zero: the splits of its system, that of ``vocabulary``,
-    have to be used."""
-
-    def __init__(self, vocabulary: Vocabulary) -> None:
-        super().__init__("a divisor comes near zero")
-        self.vocabulary = vocabulary
-
-
-def without_guards(run: Run, guards: Sequence[Divisor], vocabulary: Vocabulary) -> Run:
-    """A run as if nobody had watched; raises ``NearDivisor`` where a divisor came near zero."""
-    names = {event.name for event in guard_events(guards)[0]}
-    if run.stopped in names:
-        raise NearDivisor(vocabulary)
-    return run.without(names)
 
 
 @dataclass(frozen=True, eq=False)

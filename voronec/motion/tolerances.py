@@ -1,4 +1,4 @@
-"""The finest tolerances that make sense."""
+"""The finest tolerances that make sense: below the table of methods and below its integrators."""
 
 __all__ = ["EXACT", "FINEST"]
 
