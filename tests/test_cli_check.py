@@ -257,11 +257,10 @@ def test_ctrl_c_keeps_what_is_finished(tmp_path: Path, own_store: Path) -> None:
         env={**os.environ, "HOME": str(own_store)}, start_new_session=True,
         preexec_fn=hears_ctrl_c,
     )  # fmt: skip
-    deadline = time.monotonic() + 120
-    while not list(own_store.rglob("result.json")) and time.monotonic() < deadline:
+    while process.poll() is None and not list(own_store.rglob("result.json")):
         time.sleep(0.1)
     os.killpg(process.pid, signal.SIGINT)
-    out, err = process.communicate(timeout=60)
+    out, err = process.communicate()
     assert process.returncode == 130
     assert "Traceback" not in err and err.endswith("voronec: stopped\n")
     assert "stopped before the end" in out and "proved" in out

@@ -123,11 +123,10 @@ def test_an_interrupted_audit_leaves_what_is_finished(tmp_path: Path, own_cache:
         command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, stdout=subprocess.PIPE,
         preexec_fn=hears_ctrl_c,
     )  # fmt: skip
-    deadline = time.monotonic() + 60
-    while not list(own_cache.rglob("*.json")) and time.monotonic() < deadline:
+    while work.poll() is None and not list(own_cache.rglob("*.json")):
         time.sleep(0.02)
     work.send_signal(signal.SIGINT)
-    out, err = work.communicate(timeout=60)
+    out, err = work.communicate()
     assert work.returncode == 130
     assert b"Traceback" not in out + err
     assert list(own_cache.rglob("*.json"))

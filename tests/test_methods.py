@@ -25,12 +25,11 @@ solved = cache(lambda name: vo.by_methods(vo.load(name)))
 
 @pytest.mark.parametrize("name", PROBLEMS + MORE)
 def test_all_methods_are_proved_equal(name: str) -> None:
-    """Five equalities of six methods, in less than half a minute."""
+    """Five equalities of six methods."""
     found = solved(name)
     assert len(found.methods) == len(METHODS) == 6
     assert [e.verdict.status for e in found.equalities] == ["proved"] * 5
     assert found.proved
-    assert found.seconds < 30
     first = "d'Alembert" if name in WITHOUT_BODIES else "Newton and Euler"
     assert found.methods[0].name == f"{first}, with reactions"
 

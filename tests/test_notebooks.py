@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import re
-import time
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,6 @@ import pytest
 DOCS = Path(__file__).parents[1] / "docs"
 PAGES = [DOCS / "tutorial.md", *sorted((DOCS / "notebooks").glob("*.md"))]
 NOTEBOOKS = [page for page in PAGES if "file_format: mystnb" in page.read_text("utf-8")]
-SECONDS = 20  # of one processor: twice what the longest takes
 
 CELL = re.compile(r"^```\{code-cell\}.*?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
@@ -31,7 +29,6 @@ def test_cells_run_and_show_little(
     monkeypatch.chdir(tmp_path)
     mpl.use("agg")
     names: dict[str, Any] = {"__name__": "__main__"}
-    begin = time.process_time()
     cells = CELL.findall(page.read_text("utf-8"))
     assert cells
     for cell in cells:
@@ -39,7 +36,6 @@ def test_cells_run_and_show_little(
         assert repr(shown).count("\n") < 40
         for form in ("_repr_html_", "_repr_latex_"):
             assert isinstance(getattr(shown, form, str)(), str | None), (cell, form)
-    assert time.process_time() - begin < SECONDS
 
 
 def _run(cell: str, names: dict[str, Any]) -> Any:

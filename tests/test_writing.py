@@ -4,7 +4,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -157,7 +156,6 @@ def test_a_film_that_is_stopped_leaves_nothing(tmp_path):
             assert len(list(tmp_path.iterdir())) == 2  # it lives, so it stays
         os.kill(work.pid, signal.SIGKILL)
         work.wait()
-    time.sleep(0.05)
     with workshop(tmp_path):
         assert len(list(tmp_path.iterdir())) == 1
 
