@@ -111,6 +111,14 @@ def test_the_architecture_names_every_module() -> None:
     assert [name for name in names if f"`{name}`" not in page] == []
 
 
+def test_every_file_that_the_architecture_names_is_there() -> None:
+    """A bare name stands for a file in the folder named before it, or anywhere where none is."""
+    page = (ROOT / "docs" / "architecture.md").read_text()
+    files = [p.relative_to(ROOT) for d in ("voronec", "tests") for p in (ROOT / d).rglob("*.py")]
+    named = re.findall(r"`((?:\w+/)*\w+\.py)", page)
+    assert [n for n in named if not any(f"/{f}".endswith(f"/{n}") for f in files)] == []
+
+
 def test_each_formula_of_the_theory_is_cited_where_it_is_computed() -> None:
     """Numbers rise by one, letters follow their number, and no range stands for what is in it."""
     theory, cited = (ROOT / "docs" / "theory.md").read_text(), set()

@@ -91,7 +91,7 @@ def test_a_chart_shows_each_region_as_it_is(demchenko: vo.System, tmp_path: Path
     from matplotlib.colors import to_hex
 
     from voronec.closed.pictures.stability_picture import STABLE, UNSTABLE, stability_figure
-    from voronec.closed.special.chart import chart_of
+    from voronec.closed.special.stability_chart import chart_of
 
     chart = chart_of(demchenko, unit="k/A")
     figure = stability_figure({"outer": chart}, labels=("$x$", "$w$"))

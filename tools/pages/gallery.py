@@ -26,8 +26,8 @@ from voronec.closed.pictures.phase_picture import phase_figure, phase_levels
 from voronec.closed.pictures.sphere_picture import motion_traces, traces_figure
 from voronec.closed.pictures.stability_picture import stability_figure
 from voronec.closed.special.bifurcation import bifurcation_set
-from voronec.closed.special.chart import chart_of
 from voronec.closed.special.precessions import precessions, quadratures_of
+from voronec.closed.special.stability_chart import chart_of
 from voronec.motion.pictures.rolling_animation import film_strip, rolling_of
 from voronec.motion.pictures.run_pictures import save
 

@@ -36,8 +36,8 @@ if TYPE_CHECKING:
         sleigh_meanings,
         vector_meanings,
     )
-    from voronec.kinematics.polar import cartesian_chart
-    from voronec.kinematics.poles import turned_poles
+    from voronec.kinematics.neumann_charts import turned_poles
+    from voronec.kinematics.polar_chart import cartesian_chart
     from voronec.kinematics.revolution import BodyOfRevolution, TorusOnEllipsoid
     from voronec.kinematics.rolling import RollingContact
     from voronec.kinematics.rotations import Rotation
@@ -109,8 +109,8 @@ _HOME = {
     "forms": "SurfaceForms",
     "groups": "BodyVelocity product_form product_moments skew skew_entries wedge_square",
     "meanings": "contact_meanings euler_meanings moving_meanings sleigh_meanings vector_meanings",
-    "polar": "cartesian_chart",
-    "poles": "turned_poles",
+    "neumann_charts": "turned_poles",
+    "polar_chart": "cartesian_chart",
     "revolution": "BodyOfRevolution TorusOnEllipsoid",
     "rolling": "RollingContact",
     "rotations": "Rotation",

@@ -16,7 +16,7 @@ from voronec.declaration.reading import expression
 from voronec.declaration.scene import Scene
 from voronec.kinematics.bodies import kinetic_energy, point_velocity
 from voronec.kinematics.meanings import NORMAL, contact_meanings, vector_meanings
-from voronec.kinematics.poles import HALF_TURN, turned_poles
+from voronec.kinematics.neumann_charts import HALF_TURN, turned_poles
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.sketches import ball_sketch
 from voronec.kinematics.surfaces import Surface

@@ -36,7 +36,7 @@ from voronec.kinematics.meanings import (
     euler_meanings,
     vector_meanings,
 )
-from voronec.kinematics.poles import HALF_TURN, turned_poles
+from voronec.kinematics.neumann_charts import HALF_TURN, turned_poles
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
 from voronec.kinematics.sketches import carried_sketch, rolling_sketch, wheel_of

@@ -1,12 +1,11 @@
 """The small changes that a formula may need, in the order in which they are believed.
 
 A change is a few replacements in the printed text: at one place, or of one name at all its places.
-
+Each kind of change is a function of the words that yields changes, and has its line in
+``single_changes``; a change that gives a meaning to what cannot be read has one in ``repairs``.
 Factors, terms and words that are too many, and factors that are missing, follow the tree of the
-formula; inside derivatives, integrals and functions nothing
-is put in or left out.
-
-A printer leaves out a bracket, one sign of differentiation of two, the relation.
+formula; inside derivatives, integrals and functions nothing is put in or left out.  A printer
+leaves out a bracket, one sign of differentiation of two, the relation.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ from voronec.closed.pictures.style import INK, MARK, STYLE
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
-    from voronec.closed.special.chart import StabilityChart
+    from voronec.closed.special.stability_chart import StabilityChart
 
 __all__ = ["STABLE", "UNSTABLE", "stability_figure"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from voronec.closed.special.bifurcation import BifurcationSet, bifurcation_set
-from voronec.closed.special.chart import StabilityChart, chart_of
 from voronec.closed.special.elementary import Elementary, elementary
 from voronec.closed.special.precessions import (
     Branch,
@@ -16,6 +15,7 @@ from voronec.closed.special.precessions import (
 from voronec.closed.special.pseudo_regular import PseudoRegular, pseudo_regular
 from voronec.closed.special.remarkable import Remarkable, remarkable
 from voronec.closed.special.stability import Stability
+from voronec.closed.special.stability_chart import StabilityChart, chart_of
 
 __all__ = [
     "BifurcationSet",
