@@ -348,6 +348,7 @@ def skate() -> Any:
 def whipple_bicycle() -> Any:
     """The bicycle of the benchmark: rear frame, fork, two knife-edge wheels; spins and the yaw of
     the contact are left out of the coordinates where nothing depends on them."""
+    # long because it is a list: frames, points, rates, bodies and loads of one model
     q1, q2, q4, q5 = ds("q1 q2 q4 q5")
     u1, u2, u3, u4, u5, u6 = ds("u1:7")
     r_f, r_r, tilt, offset, fork_length, frame_length = sp.symbols(

@@ -99,14 +99,14 @@ def mechanics_of(system: Any, inputs: Mapping[Any, sp.Expr] | None = None) -> Me
         names |= dict(zip(frame.velocities if frame else (), own, strict=True))
         independent = tuple(own) if frame else tuple(w[: len(system.velocities)])
     directions = ambient if group else coordinates
-    brackets = {}
-    for (a, b), parts in ((frame.brackets or {}) if group else {}).items():
-        brackets[ambient.index(a), ambient.index(b)] = {
-            ambient.index(c): sp.sympify(e).xreplace(names) for c, e in parts.items()
-        }
 
     def read(expr: Any) -> sp.Expr:
         return sp.sympify(expr).xreplace(names)
+
+    brackets = {
+        (ambient.index(a), ambient.index(b)): {ambient.index(c): read(e) for c, e in parts.items()}
+        for (a, b), parts in ((frame.brackets or {}) if group else {}).items()
+    }
 
     return Mechanics(
         coordinates=tuple(map(_text, coordinates)),

@@ -347,6 +347,23 @@ def _everything(bench: _Bench) -> tuple[str, ...]:
     return (*m.coordinates, *m.velocities)
 
 
+def _is_singular(referee: Any, q: Any, v: Any, p: Any, time: float) -> bool:
+    """Whether the equations are singular at a start."""
+    try:
+        return bool(referee.condition(referee.start(q, v, p, time), p, time) > 1e13)
+    except (Unsupported, ZeroDivisionError, ValueError, TypeError):
+        return True
+
+
+def _bounds(scene: Scene, values: Any, grown: Any) -> np.ndarray:
+    """How wrong a method may be: tolerances are local, and a run of many steps adds them up, as
+    the methods mean them."""
+    loose = max(1.0, scene.tol / 1e-13) * LOOSE.get(scene.method, 1.0)
+    size = np.maximum(1.0, np.abs(_doubles(values)))
+    share = 100 * UNIT * SHARP.get(scene.method, 1.0)
+    return np.maximum(FLOOR * size, share * grown) * loose
+
+
 def _truth(bench: _Bench, scene: Scene) -> Truth:
     """The motion by the referee in two resolutions, with starts nearby for its condition."""
     referee, m = bench.referee, bench.referee.mechanics
@@ -356,14 +373,9 @@ def _truth(bench: _Bench, scene: Scene) -> Truth:
     count = len(scene.times)
     places = sorted({count - 1, *(dice.randrange(count) for _ in range(INSTANTS - 1))})
     times = [scene.times[i] for i in places]
-    note = ""
-    try:
-        start = referee.start(q, v, p, scene.times[0])
-        singular = referee.condition(start, p, scene.times[0]) > 1e13
-    except (Unsupported, ZeroDivisionError, ValueError, TypeError):
-        singular = True
+    singular = _is_singular(referee, q, v, p, scene.times[0])
+    note = "; compared with starts nearby, where the coordinates are not singular" * singular
     if singular:
-        note = "; compared with starts nearby, where the coordinates are not singular"
         q = [x + 1e-10 * dice.uniform(0.5, 1) for x in q]
     try:
         start = referee.start(q, v, p, scene.times[0])
@@ -386,13 +398,7 @@ def _truth(bench: _Bench, scene: Scene) -> Truth:
         values = _values(reader, fine, times, p)
         unsure = np.abs(_doubles(values) - _doubles(_values(reader, coarse, times, p)))
         grown = _grown(bench, scene, (q, v, p), times, precision, reader, fine.states, values)
-        # tolerances are local: a run of many steps adds them up, as the methods mean them
-        loose = max(1.0, scene.tol / 1e-13) * LOOSE.get(scene.method, 1.0)
-        size = np.maximum(1.0, np.abs(_doubles(values)))
-        share = 100 * UNIT * SHARP.get(scene.method, 1.0)
-        bounds = np.maximum(FLOOR * size, share * grown) * loose
-        if singular:
-            bounds = np.maximum(bounds, 1e-7)
+        bounds = np.maximum(_bounds(scene, values, grown), 1e-7 if singular else 0.0)
         if (unsure < bounds / 10).all():
             break
     else:

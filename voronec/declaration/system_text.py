@@ -91,6 +91,7 @@ class _Text:
 
     def system(self) -> System:
         """The system that the text declares, names before the formulas that hold them."""
+        # long because it is a list: one entry for each part of a text, in the order of need
         top = self.top = self.root.table(FIELDS)
         for key in ("name", "coordinates", "lagrangian"):
             if key not in top:

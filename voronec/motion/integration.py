@@ -44,7 +44,7 @@ from voronec.motion.soundness import Breach, Judge, Untold, require_branches
 from voronec.motion.split_models import SplitGround
 from voronec.motion.split_stepper import SplitRun
 from voronec.motion.state_probe import StateProbe, quantities
-from voronec.motion.steppers import Problem, Run, Stepper
+from voronec.motion.steppers import Halt, Problem, Run, Stepper
 from voronec.motion.steppers.choice import is_exact
 from voronec.motion.steppers.run import Signals, in_kind
 from voronec.motion.tolerances import EXACT
@@ -380,18 +380,28 @@ class _Job:
             run=perf_counter() - ready - run.prepared, cpu=process_time() - busy,
             steps=run.steps, evaluations=run.evaluations, switches=run.switches, level=made.level,
         )  # fmt: skip
+        trajectory, halt = self._outcome(run, values, cost, switched is None)
+        if halt is not None:
+            raise probe.failure(state, halt, trajectory)
+        return trajectory
+
+    def _outcome(
+        self, run: Run, values: Sequence[float], cost: Cost, smooth: bool
+    ) -> tuple[Trajectory, Halt | None]:
+        """The motion of a run as far as it is sound, and what ended it before its end."""
         sight = self._sight(run, values, cost)
-        told = outset.notes + run.notes
+        told = self.outset.notes + run.notes
         trajectory = replace(sight.trajectory(run), notes=told)
         if run.halt is None and not run.interrupted:
-            require_branches(trajectory, made.watch.branches, run)
-        breach, notes = self.judge(trajectory, run, values, switched is None)
+            require_branches(trajectory, self.made.watch.branches, run)
+        breach, notes = self.judge(trajectory, run, values, smooth)
         if breach is not None:
             run = run.until(breach.row, breach.what)
             trajectory = replace(sight.trajectory(run), notes=told)
         if run.halt is not None:
-            raise probe.failure(state, run.halt, trajectory)
-        return replace(trajectory, notes=(*told, *notes, *_outputs_without_value(trajectory)))
+            return trajectory, run.halt
+        whole = (*told, *notes, *_outputs_without_value(trajectory))
+        return replace(trajectory, notes=whole), None
 
     def _problem(self, state: np.ndarray, values: Sequence[float], probe: StateProbe) -> Problem:
         """What is to be integrated, as if it were smooth and nobody watched."""

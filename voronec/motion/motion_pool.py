@@ -181,7 +181,25 @@ def many(
     constants, wrong = _constants(vocabulary, scene, parameters, len(starts), needed)
     initial = name_values(vocabulary, scene.initial if scene else {}, "initial value")
     table = _table(constants, below.parameters, len(starts))
-    rates_of_many = partial(_rates_of_many, functions[0], table, time)
+    full = _states(vocabulary, initial, starts, constants, functions[0], table, time, wrong)
+    states, frozen = _place_on_ground(below, functions[1], full, constants, time)
+    values = _table({**constants, **frozen}, program.parameters, len(starts))
+    rhs, extras = compile_program(program)
+    if not program.derivative.is_rough(program.parameters):
+        # a case that does not hold may have no value, and yet the motion has
+        _mark_undefined_states(vocabulary, rhs, states, values, time, wrong)
+    return Many(vocabulary, basis, program, extras, states, full, values, constants, time, wrong)
+
+
+def _states(
+    vocabulary: Vocabulary, initial: Mapping[str, Any], starts: Sequence[Mapping[Any, Any]],
+    constants: Mapping[str, np.ndarray], rhs: Any, table: np.ndarray, time: float,
+    wrong: dict[int, VoronecError],
+) -> np.ndarray:  # fmt: skip
+    """The states (s, n) of the starts on the coordinates, all at once, and one by one where that
+    says too little; those from which no motion goes join the ``wrong`` ones."""
+    equations = vocabulary.equations
+    rates_of_many = partial(_rates_of_many, rhs, table, time)
     full = starts_in_arrays(vocabulary, initial, starts, constants, rates_of_many)
     full[[*wrong]] = np.nan
     zero = np.zeros(len(starts), dtype=bool)
@@ -194,19 +212,13 @@ def many(
         own = {name: float(x[i]) for name, x in constants.items()}
         try:
             if np.isnan(full[i]).any():
-                rates = partial(rates_along, quiet(functions[0], table[i].tolist()), time)
+                rates = partial(rates_along, quiet(rhs, table[i].tolist()), time)
                 data = name_values(vocabulary, given, "initial value")
                 full[i] = start_of(vocabulary, initial, data, own, rates, time).state
             require_inertia(equations, own, full[i], time)
         except VoronecError as error:
             wrong[i] = error
-    states, frozen = _place_on_ground(below, functions[1], full, constants, time)
-    values = _table({**constants, **frozen}, program.parameters, len(starts))
-    rhs, extras = compile_program(program)
-    if not program.derivative.is_rough(program.parameters):
-        # a case that does not hold may have no value, and yet the motion has
-        _mark_undefined_states(vocabulary, rhs, states, values, time, wrong)
-    return Many(vocabulary, basis, program, extras, states, full, values, constants, time, wrong)
+    return full
 
 
 def _rates_of_many(

@@ -378,23 +378,33 @@ def section(
     )
     if len(motions.wrong) == len(motions):
         raise motions.wrong[0]
-    watch = _watch(motions, f"plane {surface}", on_plane)
+    passages = SectionPassages.empty(len(motions), crossings, direction, until, progress)
+    cost = _follow(motions, passages, surface, on_plane, method, tol, began)
+    return _section(motions, passages, tuple(wanted), surface, on_plane, direction, cost)
+
+
+def _follow(
+    motions: Many, passages: SectionPassages, surface: str, value: float, method: str, tol: float,
+    began: float,
+) -> Cost:  # fmt: skip
+    """Follow motions to their crossings, and look at them; ``DefinitionError`` where there are
+    none."""
+    watch = _watch(motions, f"plane {surface}", value)
     apart = Apart.of(motions, method, tol, np.array([0.0, 1.0]))
     follow, used, reason, finest = _followers(motions, apart, watch, method, tol)
     ready = perf_counter()
-    passages = SectionPassages.empty(len(motions), crossings, direction, until, progress)
     if apart is None:
         follow(passages)
     else:
-        apart.passages(watch, passages, f"plane {surface}", on_plane)
+        apart.passages(watch, passages, f"plane {surface}", value)
     cost = Cost(
         method=used, reason=reason, tolerance=finest, setup=ready - began,
         run=perf_counter() - ready, steps=passages.steps[0], evaluations=passages.steps[0],
     )  # fmt: skip
-    _refuse_nothing(motions, passages, surface, on_plane)
+    _refuse_nothing(motions, passages, surface, value)
     if apart is None:  # else the equations have more than one right side
         _cut_unsound(motions, passages, cost)
-    return _section(motions, passages, tuple(wanted), surface, on_plane, direction, cost)
+    return cost
 
 
 def _followers(
