@@ -253,6 +253,34 @@ def test_our_source_of_dop853_is_dop853(spring: bench.BenchMotion) -> None:
     np.testing.assert_allclose(rows[1], [1, 0, 0, 2], atol=1e-11)
 
 
+def test_dop853_on_scalars_takes_the_steps_of_that_on_arrays() -> None:
+    source, grid, start = numba_dop853.stepper_source(2), np.linspace(0, 3, 4), np.array([1.0, 0.0])
+
+    def on_arrays(_t: float, y: Any, p: Any, result: Any) -> None:
+        result[0], result[1] = y[1], -p[0] * y[0]
+
+    found = []
+    for text, right in (
+        (source, on_arrays),
+        (numba_dop853.unrolled(source, 2), lambda _t, a, b, p: (b, -p[0] * a)),
+    ):
+        namespace: dict[str, Any] = {"np": np, "right": right}
+        exec(text, namespace)
+        rows = np.empty((4, 2))
+        found.append((namespace["advance"](grid, start, np.array([4.0]), 1e-9, rows), rows))
+    (counts, rows), (other, same) = found
+    assert counts == other and (rows == same).all()
+    np.testing.assert_allclose(same[:, 0], np.cos(2 * grid), atol=1e-8)
+
+
+@pytest.mark.parametrize("name", ["dop853-numba-unrolled", "dop853-numba-fastmath"])
+def test_a_ball_by_hand_on_scalars_is_the_ball(ball: bench.BenchMotion, name: str) -> None:
+    pytest.importorskip("heyoka")
+    pytest.importorskip("numba")
+    found = bench.measure(ball, [name], [1e-11], against=_exact(ball))[name]
+    assert found.points[0].error < 1e-9, found
+
+
 def test_sympys_right_hand_side_is_ours(ball: bench.BenchMotion) -> None:
     at = lowest(ball)
     ours, _ = compile_program(at.program)

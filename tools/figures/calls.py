@@ -7,10 +7,9 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from statistics import median
 from typing import Any
-
-import numpy as np
 
 from figures.extent import Extent
 from figures.table import Row
@@ -47,6 +46,12 @@ def in_process(cache: str, *words: str) -> Any:
     return json.loads(done.stdout.splitlines()[-1])
 
 
+def _spread(times: Iterable[float]) -> tuple[float, float, float]:
+    """The middle one, the smallest and the largest."""
+    found = list(times)
+    return median(found), min(found), max(found)
+
+
 def calls(extent: Extent) -> Iterator[Row]:
     """From ``vo.integrate(system, ...)`` to the trajectory, and from nothing to it."""
     for name, allowed in SECOND.items():
@@ -56,11 +61,13 @@ def calls(extent: Extent) -> Iterator[Row]:
                 in_process(cache, "-c", CALL, name, "auto", str(20 * extent.turns))
                 for _ in range(extent.processes)
             ]
-        first, second = np.min(found, axis=0)
+        (first, least, most), (second, low, high) = (
+            _spread(times) for times in zip(*found, strict=True)
+        )
         yield Row(
             f"whole call, {name}, T = 10, second call in a process",
             f"{allowed} ms",
-            f"{1e3 * second:.1f} ms of CPU",
+            f"{1e3 * second:.1f} ms of CPU ({1e3 * low:.1f} to {1e3 * high:.1f})",
             bool(1e3 * second <= allowed),
             "the run itself takes a tenth of it; the rest reads what is asked, looks whether the "
             "motion obeys the equations, and evaluates outputs and integrals on the grid",
@@ -68,7 +75,7 @@ def calls(extent: Extent) -> Iterator[Row]:
         yield Row(
             f"whole call, {name}, T = 10, first in a process whose disk knows it, imports included",
             "0.4 s",
-            f"{first:.2f} s of CPU",
+            f"{first:.2f} s of CPU ({least:.2f} to {most:.2f})",
             bool(first <= 0.4),
             "to start Python and import heyoka alone, which loads SymPy and NumPy itself, takes "
             "0.4 s on this machine; the rest is shared by the engine's modules, the "
@@ -80,7 +87,7 @@ def numba_calls(extent: Extent) -> Iterator[Row]:
     """The method ``numba`` where heyoka is not installed."""
     with tempfile.TemporaryDirectory() as cache:
         ever = in_process(cache, "-c", CALL, "ball-on-sphere", "numba", "2")[0]
-        later = min(
+        later, least, most = _spread(
             in_process(cache, "-c", CALL, "ball-on-sphere", "numba", "2")[0]
             for _ in range(extent.processes)
         )
@@ -96,7 +103,7 @@ def numba_calls(extent: Extent) -> Iterator[Row]:
         "method `numba`, heyoka not installed, ball-on-sphere, T = 10: first call in a later "
         "process, imports included",
         "0.5 s",
-        f"{later:.2f} s of CPU",
+        f"{later:.2f} s of CPU ({least:.2f} to {most:.2f})",
         bool(later <= 0.5),
         "to import SymPy, NumPy and numba takes longer than that; numba loads all that it knows of "
         "NumPy, and SciPy's linear algebra, before it takes machine code from its disk",

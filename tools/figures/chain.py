@@ -11,17 +11,19 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from time import process_time
 from typing import Any
 
 import numpy as np
 
 import voronec as vo
+from figures.race import OneRun, Race, race
 from figures.systems import chain
 from voronec.accuracy.bench import ask
+from voronec.accuracy.bench.contender import time_fastest
 from voronec.accuracy.bench.level import lowest
 from voronec.accuracy.bench.peers.numba_dop853 import right_hand_side, stepper_source
 from voronec.equations.program import HoistedProgram, Program, hoist, taylor_system
@@ -121,36 +123,71 @@ def posed(raised: HoistedProgram, span: float) -> Problem:
     return Problem(raised, np.array(raised.values(values)), np.concatenate([places, speeds]), span)
 
 
-def chain_problem() -> Problem:
+@dataclass(frozen=True)
+class PosedCall:
+    """A problem, and the same as a whole call of ``integrate``, which takes a tolerance."""
+
+    problem: Problem
+    call: Callable[[float], Any]
+
+
+def chain_problem() -> PosedCall:
     """The chain that is measured by default."""
-    return posed(hoist(Program.of(lean_form(vo.derive(chain()).raw))), 20.0)
+    equations = vo.derive(chain())
+    problem = posed(hoist(Program.of(lean_form(equations.raw))), 20.0)
+    given = problem.raised.original
+    values = dict(zip(map(str, given.parameters), problem.constants.tolist(), strict=False))
+    start = dict(zip(map(str, given.state), problem.start.tolist(), strict=True))
+    call = partial(
+        vo.integrate, equations, times=[0.0, problem.span], parameters=values, initial=start,
+        outputs=tuple(start), method="numba",
+    )  # fmt: skip
+    return PosedCall(problem, lambda tol: call(tol=tol))
 
 
-def bicycle_problem() -> Problem:
+def bicycle_problem() -> PosedCall:
     """The bicycle of the catalogue over its own span."""
     question = ask(vo.load("bicycle"))
     at = lowest(question)
     raised = hoist(at.program)
-    return Problem(raised, np.array(raised.values(list(at.constants))), at.state, question.span)
+    problem = Problem(raised, np.array(raised.values(list(at.constants))), at.state, question.span)
+    call = partial(
+        vo.integrate, question.equations, question.bare, times=question.grid[[0, -1]],
+        method="numba",
+    )  # fmt: skip
+    return PosedCall(problem, lambda tol: call(tol=tol))
 
 
-def against_numba(problem: Problem) -> dict[str, list[tuple[float, float]]]:
-    """(error, seconds) at the end of a span: ``ours``, the method `numba`, and by ``hand``."""
-    hand, original = by_numba(problem), problem.raised.original
+def against_numba(posed_call: PosedCall, errors: Iterable[float], rounds: int) -> Race:
+    """At the end of a span: ``ours``, the method `numba`, and by ``hand``."""
+    problem = posed_call.problem
+    by = by_numba(problem)
+    original = problem.raised.original
     values, grid = problem.constants[: len(original.parameters)], np.array([0.0, problem.span])
+    compiled = cache(
+        lambda tol: compiled_dop853(Motion(original, problem.start, list(values), tol))
+    )
+    _, exact = best(lambda: compiled(2.3e-14)(grid).states[-1])
 
-    def ours(tol: float) -> Callable[[], np.ndarray]:
-        run = compiled_dop853(Motion(original, problem.start, list(values), tol))
-        return lambda: run(grid).states[-1]
+    def ran(work: Callable[[], np.ndarray]) -> tuple[float, float]:
+        state, seconds = time_fastest(work)
+        return float(np.abs(state - exact).max()), seconds
 
-    _, exact = best(ours(2.3e-14))
-    pairs: dict[str, list[tuple[float, float]]] = {"ours": [], "hand": []}
-    for tol in (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12):
-        works: dict[str, Callable[[], np.ndarray]] = {"ours": ours(tol), "hand": partial(hand, tol)}
-        for name, work in works.items():
-            seconds, state = best(work)
-            pairs[name].append((float(np.abs(state - exact).max()), seconds))
-    return pairs
+    def hand(tol: float) -> OneRun:
+        error, seconds = ran(lambda: by(tol))
+        return OneRun(error, {"run": seconds})
+
+    def ours(tol: float) -> OneRun:
+        stepper = compiled(tol)
+        error, seconds = ran(lambda: stepper(grid).states[-1])
+        _, whole = time_fastest(lambda: posed_call.call(tol))
+        return OneRun(error, {"run": seconds, "whole": whole})
+
+    runs = {"ours": ours, "hand": hand}
+    tols = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
+    return race(
+        runs, {n: {tol: run(tol) for tol in tols} for n, run in runs.items()}, errors, rounds
+    )
 
 
 def by_heyoka(problem: Problem) -> Callable[[float], np.ndarray]:

@@ -12,8 +12,9 @@ import numpy as np
 
 import voronec as vo
 from figures.extent import Extent
+from figures.race import OneRun, clocked, race
 from figures.table import Row
-from voronec.accuracy.bench import ask, at_error
+from voronec.accuracy.bench import ask
 from voronec.accuracy.bench.level import level
 from voronec.accuracy.bench.peers.hand_programs import BY_HAND, right_side, start_values
 from voronec.accuracy.bench.peers.scipy_lambdify import RIGHT_SIDES
@@ -23,8 +24,6 @@ __all__ = ["ROWS"]
 
 BALL = ("gamma1", "gamma2", "gamma3", "omega1", "omega2", "omega3")
 ERROR = 1e-9
-FEW = 3
-"""So many starts stand for all of them in the loop over scipy."""
 TOLS = (1e-9, 1e-10, 1e-11, 1e-12)
 PYTHON = (1e-11, 1e-12, 1e-13, 3e-14)
 WAYS = {
@@ -103,80 +102,111 @@ def ensembles(extent: Extent) -> Iterator[Row]:
     grid = np.linspace(0, end, 11)
     ball = vo.derive(vo.load("ball-on-sphere"))
     spins = {name: 1 + 0.3 * dice.normal(size=extent.starts) for name in BALL[3:]}
-    exact = _ensemble(ball, {n: x[:FEW] for n, x in spins.items()}, grid, 1e-16)[0]
-    pairs, whole = [], np.inf
-    for tol in TOLS:
-        found, running, all_of_it = _ensemble(ball, spins, grid, tol)
-        pairs.append((_apart(found, exact), running))
-        if pairs[-1][0] <= ERROR:
-            whole = min(whole, all_of_it)
-    ours, count = at_error(pairs, ERROR).seconds or np.nan, extent.starts
-    question = ask(ball, time=end)
+    question, count = ask(ball, time=end), extent.starts
+    exact = _in_long_doubles(question, spins, grid)
+    rough = _apart(_ensemble(ball, spins, grid, TOLS[0])[0], exact)
+    few = np.argsort(rough)[[count // 4, count // 2, 3 * count // 4]]
+    worst: dict[float, float] = {}
+
+    def ours(tol: float) -> OneRun:
+        found, seconds = _ensemble(ball, spins, grid, tol)
+        apart = _apart(found, exact)
+        worst[tol] = float(apart.max())
+        return OneRun(float(np.median(apart)), seconds)
+
+    usual = start_values(question)
+    starts = [{**usual, **{n: x[i] for n, x in spins.items()}} for i in few]
+    runs: dict[str, Callable[[float], OneRun]] = {"ours": ours}
+    runs |= {k: partial(_loop, Peer.of(k, question), starts, grid, exact[few]) for k in WAYS}
+    tols = {"ours": TOLS, **dict.fromkeys(WAYS, PYTHON)}
+    first = {name: {tol: run(tol) for tol in tols[name]} for name, run in runs.items()}
+    found = race(runs, first, (ERROR,), extent.rounds)
+    good = max((tol for tol in TOLS if first["ours"][tol].error <= ERROR), default=TOLS[-1])
     for kind, about in WAYS.items():
-        theirs = at_error(_loop(question, kind, spins, grid, exact), ERROR).seconds or np.nan
-        for what, seconds, asked in (("running", ours, 800), ("whole call", whole, 600)):
-            ratio = theirs * count / FEW / seconds
+        theirs = found.at(kind, ERROR)
+        for what, name, asked in (("run", "running", 800), ("whole", "whole call", 600)):
+            seconds = found.at("ours", ERROR, what)
+            ratio = theirs.over(seconds).scaled(count)
             yield Row(
-                f"ensemble of {count} starts, T = {end:g}, error {ERROR:g}, one core, {what}, "
-                f"against a loop over scipy's DOP853 (timed over {FEW} starts): {about}",
+                f"ensemble of {count} starts, T = {end:g}, error {ERROR:g} in the middle, one "
+                f"core, {name}, against a loop over scipy's DOP853 (over three starts, the "
+                f"quartiles by our error): {about}",
                 f"{asked} times faster",
-                f"{ratio:.0f} times ({theirs / FEW:.3g} s / {1e3 * seconds / count:.3g} ms per "
-                "start)",
-                bool(ratio >= asked),
+                f"{ratio.times()}; {theirs.median:.3g} s / "
+                f"{1e3 * seconds.median / count:.3g} ms per start; of all starts at "
+                f"tolerance {good:g} the middle error is {first['ours'][good].error:.1e}, the "
+                f"largest {worst[good]:.1e}",
+                ratio.median >= asked,
                 "eight lanes of one core give about three times the speed of one motion",
             )
 
 
+def _in_long_doubles(
+    question: BenchMotion, spins: dict[str, np.ndarray], grid: np.ndarray
+) -> np.ndarray:
+    """States (starts, k, 6) of all starts by the program by hand, in numbers of 64 bits of
+    mantissa."""
+    import heyoka as hy
+
+    real = np.longdouble
+    hand, usual = BY_HAND[question.system.name](question.parameters), start_values(question)
+    one = hy.taylor_adaptive(hand.equations, np.zeros(6, real), fp_type=real, tol=real(1e-18))
+    rows = []
+    for i in range(len(spins[BALL[3]])):
+        one.time = real(0)
+        one.state[:] = hand.start({**usual, **{n: x[i] for n, x in spins.items()}})
+        values = hand.back(one.propagate_grid(grid.astype(real))[-1])
+        rows.append(np.stack([values[n] for n in BALL], axis=-1))
+    return np.array(rows, dtype=float)
+
+
 def _ensemble(
     ball: Any, spins: dict[str, np.ndarray], grid: np.ndarray, tol: float
-) -> tuple[np.ndarray, float, float]:
-    """States of the first few starts (few, k, 6), CPU time of the running, and of everything.
+) -> tuple[np.ndarray, dict[str, float]]:
+    """States of all starts (starts, k, 6), CPU time of the running, and of everything.
 
     The running is told from set-up by the reports of progress.
     """
     told: list[tuple[float, float]] = []
-    best, whole = np.inf, np.inf
-    for _ in range(2 if len(spins["omega1"]) > FEW else 1):
-        told.clear()
-        began = process_time()
-        found = vo.ensemble(
+    found, whole = clocked(
+        lambda: vo.ensemble(
             ball, spins, times=grid, outputs=BALL, scene="default", tol=tol, method="heyoka",
             progress=partial(_note, told),
-        )  # fmt: skip
-        whole = min(whole, process_time() - began)
-        (first, then), (last, now) = told[0], told[-1]
-        best = min(best, (now - then) / (last - first) if last > first else np.nan)
-    return np.stack([found[n][:FEW] for n in BALL], axis=-1), best, whole
+        )
+    )  # fmt: skip
+    return np.stack([found[n] for n in BALL], axis=-1), {"run": _pace(told), "whole": whole}
+
+
+def _pace(told: list[tuple[float, float]]) -> float:
+    """CPU seconds of all the way, from reports of progress."""
+    (first, then), (last, now) = told[0], told[-1]
+    return (now - then) / (last - first) if last > first else np.nan
 
 
 def _note(told: list[tuple[float, float]], part: float) -> None:
     told.append((part, process_time()))
 
 
-def _apart(found: np.ndarray, exact: np.ndarray) -> float:
-    return float(np.abs(found - exact).max())
+def _apart(found: np.ndarray, exact: np.ndarray) -> np.ndarray:
+    """The largest error of each motion: values are (motions, k, 6)."""
+    return np.asarray(np.abs(found - exact).max(axis=(1, 2)))
 
 
 def _loop(
-    question: BenchMotion, kind: str, spins: dict[str, np.ndarray], grid: np.ndarray,
-    exact: np.ndarray,
-) -> list[tuple[float, float]]:  # fmt: skip
-    """(error, CPU seconds) of scipy on a few starts, at several tolerances; the best of three
-    loops, since a single one has taken twice as long by chance."""
+    peer: Peer, starts: list[dict[str, float]], grid: np.ndarray, exact: np.ndarray, tol: float
+) -> OneRun:
+    """scipy on a few starts: the middle error, and seconds for one."""
     from scipy.integrate import solve_ivp
 
-    peer, pairs, usual = Peer.of(kind, question), [], start_values(question)
-    starts = [peer.start({**usual, **{n: x[i] for n, x in spins.items()}}) for i in range(FEW)]
-    for tol in PYTHON:
-        seconds, options = np.inf, {"t_eval": grid, "rtol": tol, "atol": tol}
-        for _ in range(3):
-            began = process_time()
-            rows = [
-                solve_ivp(peer.right, (0, grid[-1]), y, "DOP853", **options).y.T for y in starts
-            ]
-            seconds = min(seconds, process_time() - began)
-        pairs.append((_apart(np.array([peer.back(each) for each in rows]), exact), seconds))
-    return pairs
+    options = {"t_eval": grid, "rtol": tol, "atol": tol}
+    rows, seconds = clocked(
+        lambda: [
+            solve_ivp(peer.right, (0, grid[-1]), peer.start(values), "DOP853", **options).y.T
+            for values in starts
+        ]
+    )
+    apart = _apart(np.array([peer.back(each) for each in rows]), exact)
+    return OneRun(float(np.median(apart)), {"run": seconds / len(starts)})
 
 
 CROSSINGS = 100
@@ -187,24 +217,35 @@ def sections(extent: Extent) -> Iterator[Row]:
     """Points per second where gamma1 = 0, of one motion, and of four at once."""
     ball = vo.derive(vo.load("ball-on-sphere"))
     exact = _crossings(ball, 1e-16, CROSSINGS, 1)
-    pairs: dict[int, list[tuple[float, float]]] = {1: [], 4: []}
-    for tol in TOLS:
-        found = _crossings(ball, tol, CROSSINGS, 1)
-        error = float(np.abs(found.points - exact.points).max())
-        for starts in pairs:
-            pairs[starts].append((error, _seconds_a_point(ball, tol, starts, extent.crossings)))
-    ours = {n: at_error(p, ERROR).seconds or np.nan for n, p in pairs.items()}
+    found_at = {tol: _crossings(ball, tol, CROSSINGS, 1).points for tol in TOLS}
+    errors = {tol: float(np.abs(found - exact.points).max()) for tol, found in found_at.items()}
+
+    def ours(starts: int, tol: float) -> OneRun:
+        return OneRun(errors[tol], _seconds_a_point(ball, tol, starts, extent.crossings))
+
     question = ask(ball, time=float(exact.t[-1]))
+    names = {4: "four motions at once", 1: "one motion"}
+    events = {kind: partial(_events, Peer.of(kind, question), question, exact) for kind in WAYS}
+    runs: dict[str, Any] = {names[n]: partial(ours, n) for n in names} | events
+    tols = {**dict.fromkeys(names.values(), TOLS), **dict.fromkeys(WAYS, PYTHON)}
+    found = race(
+        runs,
+        {name: {tol: run(tol) for tol in tols[name]} for name, run in runs.items()},
+        (ERROR,),
+        extent.rounds,
+    )
     for kind, about in WAYS.items():
-        theirs = at_error(_events(question, kind, exact), ERROR).seconds or np.nan
-        for starts, name in ((4, "four motions at once"), (1, "one motion")):
-            ratio = theirs / ours[starts]
+        theirs = found.at(kind, ERROR)
+        for name in names.values():
+            seconds, whole = (found.at(name, ERROR, what) for what in ("run", "whole"))
+            ratio = theirs.over(seconds)
             yield Row(
                 f"section points of the ball on a sphere, gamma1 = 0, {name}, error {ERROR:g} "
                 f"over {CROSSINGS} crossings, against scipy's events: {about}",
                 "200 times as many a second",
-                f"{ratio:.0f} times ({1 / ours[starts]:.3g} / {1 / theirs:.3g} a second)",
-                bool(ratio >= 200),
+                f"{ratio.times()}; {1 / seconds.median:.3g} / {1 / theirs.median:.3g} a second; "
+                f"whole call for {extent.crossings} points {theirs.over(whole).times()}",
+                ratio.median >= 200,
                 "a crossing is sought in Python on the polynomials of many steps at once, which "
                 "costs as much as the steps",
             )
@@ -218,38 +259,35 @@ def _crossings(ball: Any, tol: float, crossings: int, starts: int, progress: Any
     )  # fmt: skip
 
 
-def _seconds_a_point(ball: Any, tol: float, starts: int, crossings: int) -> float:
-    """CPU time of a point, without set-up: between the first report of progress and the last."""
-    best = np.inf
-    for _ in range(2):
-        told: list[tuple[float, float]] = []
-        note = partial(_note, told)
-        _crossings(ball, tol, crossings // starts, starts, note)
-        (first, then), (last, now) = told[0], told[-1]
-        best = min(best, (now - then) / ((last - first) * crossings))
-    return best
+def _seconds_a_point(ball: Any, tol: float, starts: int, crossings: int) -> dict[str, float]:
+    """CPU time of a point: without set-up, between the first report of progress and the last, and
+    in a whole call."""
+    told: list[tuple[float, float]] = []
+    _, whole = clocked(
+        lambda: _crossings(ball, tol, crossings // starts, starts, partial(_note, told))
+    )
+    return {"run": _pace(told) / crossings, "whole": whole / crossings}
 
 
-def _events(question: BenchMotion, kind: str, exact: Any) -> list[tuple[float, float]]:
-    """(error, CPU seconds a point) of scipy's events over the same crossings."""
+def _events(peer: Peer, question: BenchMotion, exact: Any, tol: float) -> OneRun:
+    """scipy's events over the same crossings: seconds a point."""
     from scipy.integrate import solve_ivp
 
-    peer, pairs = Peer.of(kind, question), []
     start = peer.start(start_values(question))
 
     def event(_t: float, y: np.ndarray) -> float:
         return float(y[peer.place])
 
     event.direction = 1  # type: ignore[attr-defined]
-    span = (0.0, float(exact.t[-1]) + 1e-3)
-    for tol in PYTHON:
-        began = process_time()
-        found = solve_ivp(peer.right, span, start, "DOP853", events=event, rtol=tol, atol=tol)
-        seconds = process_time() - began
-        rows = found.y_events[0][-len(exact.t) :]
-        if len(rows) == len(exact.t):
-            pairs.append((_apart(peer.back(rows), exact.points), seconds / len(rows)))
-    return pairs
+    span, options = (0.0, float(exact.t[-1]) + 1e-3), {"rtol": tol, "atol": tol}
+    found, seconds = clocked(
+        lambda: solve_ivp(peer.right, span, start, "DOP853", events=event, **options)
+    )
+    rows = found.y_events[0][-len(exact.t) :]
+    error = np.inf  # where a crossing is not found
+    if len(rows) == len(exact.t):
+        error = float(np.abs(peer.back(rows) - exact.points).max())
+    return OneRun(error, {"run": seconds / len(exact.t)})
 
 
 ROWS: dict[str, Callable[[Extent], Iterator[Row]]] = {

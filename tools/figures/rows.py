@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -11,12 +10,12 @@ import numpy as np
 
 import voronec as vo
 from figures.extent import Extent
+from figures.race import OneRun, Race, Spread, clocked, race
 from figures.table import Row
 from voronec.accuracy.bench import (
-    Bench,
     BenchMotion,
     BenchReference,
-    Point,
+    Measured,
     ask,
     difference,
     measure,
@@ -24,12 +23,11 @@ from voronec.accuracy.bench import (
 )
 from voronec.accuracy.bench.peers.hand_programs import BY_HAND, start_values
 from voronec.accuracy.bench.runs import contenders
+from voronec.motion.methods import METHODS
 
 __all__ = ["ROWS", "ball", "measured", "rows_of"]
 
 ERRORS = (1e-6, 1e-9)
-LONG = 2.0
-"""CPU seconds of a run above which it is not measured again: noise is small beside it."""
 DOP853 = (1e-10, 1e-11, 1e-13, 3e-14)
 """Tolerances at which DOP853's errors at T = 1000 lie around 1e-6 and 1e-9."""
 
@@ -50,63 +48,70 @@ def ball(extent: Extent) -> tuple[BenchMotion, BenchReference]:
 
 
 @cache
-def measured(name: str, extent: Extent) -> Any:
+def measured(name: str, extent: Extent) -> Measured:
     """One method on the ball, at its own tolerances, or those that matter of a slow one."""
     question, exact = ball(extent)
     chosen = DOP853 if "lambdify" in name else ()
     return measure(question, [name], chosen, budget=60.0, against=exact)[name]
 
 
-def around(names: Iterable[str], errors: Iterable[float], extent: Extent) -> Bench:
-    """Methods on the ball, those runs measured again in turn that lie around the errors."""
-    question, exact = ball(extent)
-    found = {name: measured(name, extent) for name in names}
-    runs = {}
-    for name in found:
-        (contender,) = contenders([name])
-        runs[name] = contender.prepare(question)
-    best: dict[tuple[str, float], Point] = {}
-    for _ in range(extent.rounds):
-        for name, one in found.items():
-            for p in _bracketing(one.good, errors):
-                if p.per_unit * question.span < LONG:
-                    seconds = runs[name](p.setting).seconds / question.span
-                    key = (name, p.setting)
-                    if key not in best or seconds < best[key].per_unit:
-                        best[key] = replace(p, per_unit=seconds)
-    methods = [
-        replace(
-            one,
-            points=tuple(best.get((name, p.setting), p) for p in _bracketing(one.good, errors)),
-        )
-        for name, one in found.items()
-    ]
-    return Bench(question, exact, tuple(methods), {})
+def around(names: Iterable[str], errors: Iterable[float], extent: Extent) -> Race:
+    """Methods on the ball in turn, at the errors; ours in whole calls too."""
+    question, _ = ball(extent)
+    known = {name: measured(name, extent) for name in names}
+    return race(
+        {name: _runs(question, one) for name, one in known.items()},
+        {name: _first(question, one) for name, one in known.items()},
+        errors,
+        extent.rounds,
+    )
 
 
-def _bracketing(points: list[Point], errors: Iterable[float]) -> list[Point]:
-    """The runs next to the errors on either side."""
-    kept = set()
-    for error in errors:
-        worse = [p for p in points if p.error > error]
-        better = [p for p in points if p.error <= error]
-        kept |= {min(worse, key=lambda p: p.error).setting} if worse else set()
-        kept |= {min(better, key=lambda p: p.per_unit).setting} if better else set()
-        kept |= {max(better, key=lambda p: p.error).setting} if better else set()
-    return [p for p in points if p.setting in kept]
+def _first(question: BenchMotion, one: Measured) -> dict[float, OneRun]:
+    return {p.setting: OneRun(p.error, {"run": p.per_unit * question.span}) for p in one.good}
 
 
-def _ratio(bench: Bench, slow: str, error: float, factor: float, row: str, why: str) -> Row:
-    times = [bench[name].at(error).seconds for name in (slow, "heyoka")]
-    ratio = bench.ratio(slow, "heyoka", error)
-    if times[0] is None and times[1] is not None:
-        alone = f"alone: the peer does not reach it ({1e6 * times[1]:.3g} µs per unit of time)"
-        return Row(row, f"{factor:g} times faster", alone, True, why)
-    if times[0] is None or times[1] is None:
-        return Row(row, f"{factor:g} times faster", "that error is not reached", False, why)
-    micro = [1e6 * x for x in times if x is not None]
-    reached = f"{ratio:.3g} times ({micro[0]:.3g} / {micro[1]:.3g} µs per unit of time)"
-    return Row(row, f"{factor:g} times faster", reached, ratio >= factor, why)
+def _runs(question: BenchMotion, one: Measured) -> Callable[[float], OneRun]:
+    """One method, run again at settings whose errors are known."""
+    (contender,) = contenders([one.name])
+    run, errors = contender.prepare(question), {p.setting: p.error for p in one.good}
+    outputs = [question.expressions[n] for n in question.outputs]
+
+    def once(tol: float) -> OneRun:
+        seconds = {"run": run(tol).seconds}
+        if one.name in METHODS:
+            seconds["whole"] = clocked(
+                lambda: vo.integrate(
+                    question.equations, question.bare, times=question.grid, outputs=outputs,
+                    method=one.name, tol=tol,
+                )
+            )[1]  # fmt: skip
+        return OneRun(errors[tol], seconds)
+
+    return once
+
+
+def _micro(spread: Spread, span: float) -> str:
+    """Seconds of a run as microseconds per unit of time."""
+    return f"{1e6 * spread.median / span:.3g}"
+
+
+def _ratio(
+    found: Race, slow: str, error: float, factor: float, row: str, why: str, span: float
+) -> Row:
+    theirs, ours = found.at(slow, error), found.at("heyoka", error)
+    asked = f"{factor:g} times faster"
+    if not ours.values:
+        return Row(row, asked, "that error is not reached", False, why)
+    if not theirs.values:
+        alone = f"alone: the peer does not reach it ({_micro(ours, span)} µs per unit of time)"
+        return Row(row, asked, alone, True, why)
+    ratio, whole = theirs.over(ours), found.at("heyoka", error, "whole")
+    reached = (
+        f"{ratio.times()}; {_micro(theirs, span)} / {_micro(ours, span)} µs per unit of time; "
+        f"whole call {theirs.over(whole).times()}"
+    )
+    return Row(row, asked, reached, ratio.median >= factor, why)
 
 
 PEERS = {
@@ -120,46 +125,51 @@ PEERS = {
 
 def lambdify(extent: Extent) -> Iterator[Row]:
     """scipy's DOP853 with SymPy's lambdify, written by a good hand and by others."""
-    bench = around(["heyoka", *PEERS], ERRORS, extent)
+    found = around(["heyoka", *PEERS], ERRORS, extent)
     for name, about in PEERS.items():
         for error, factor in zip(ERRORS, (500, 600), strict=True):
             yield _ratio(
-                bench, name, error, factor,
+                found, name, error, factor,
                 f"against scipy DOP853 at error {error:g}: {about}",
                 "a peer that writes out what the engine found, on plain floats, is the fastest "
                 "Python there is; the Taylor method saves least at coarse errors",
+                extent.span,
             )  # fmt: skip
 
 
 def numba(extent: Extent) -> Iterator[Row]:
     """DOP853 compiled by numba."""
-    names = {"dop853-numba": "SymPy's right-hand side", "dop853-numba-ours": "our program"}
+    names = {
+        "dop853-numba": "SymPy's right-hand side",
+        "dop853-numba-ours": "our program",
+        "dop853-numba-unrolled": "(G, gamma) by hand, scalars unrolled, without fast-math",
+        "dop853-numba-fastmath": "(G, gamma) by hand, scalars unrolled, with fast-math",
+    }
     errors = {1e-9: 1.2, 1e-11: 1.0}
-    bench = around(["heyoka", *names], errors, extent)
+    found = around(["heyoka", *names], errors, extent)
     for name, about in names.items():
         for error, factor in errors.items():
             yield _ratio(
-                bench, name, error, factor,
+                found, name, error, factor,
                 f"against DOP853 compiled by numba at error {error:g}: {about}",
-                "both run machine code; the peer is our own compiled DOP853 with its stages "
-                "written out; the best program by hand does little better here, so this is what "
+                "both run machine code, and fast-math gives the peer a tenth: this is what "
                 "Taylor's method has over DOP853 at this error",
+                extent.span,
             )  # fmt: skip
 
 
 def by_hand(extent: Extent) -> Iterator[Row]:
     """heyoka by hand at equal error, as `integrate` runs, checks of the mass matrix included."""
-    bench = around(["heyoka", "heyoka-by-hand"], ERRORS, extent)
+    found, span = around(["heyoka", "heyoka-by-hand"], ERRORS, extent), extent.span
     for error in ERRORS:
-        ratio = bench.ratio("heyoka", "heyoka-by-hand", error)
-        ours, hand = (
-            1e6 * (bench[n].at(error).seconds or np.nan) for n in ("heyoka", "heyoka-by-hand")
-        )
+        ours, hand = (found.at(n, error) for n in ("heyoka", "heyoka-by-hand"))
+        ratio, whole = ours.over(hand), found.at("heyoka", error, "whole").over(hand)
         yield Row(
             f"run of `integrate` against heyoka by hand in (G, gamma) at error {error:g}",
             "at most 1.0 times its time",
-            f"{ratio:.2f} times ({ours:.3g} / {hand:.3g} µs per unit of time)",
-            bool(ratio <= 1.0),
+            f"{ratio.times()}; {_micro(ours, span)} / {_micro(hand, span)} µs per unit of time; "
+            f"whole call {whole.times()}",
+            ratio.median <= 1.0,
             "both take the same steps; as bare programs they are within a tenth of each other, "
             "and a run also looks whether the mass matrix is regular and the first step short "
             "enough, and hands arrays on, which takes a tenth of a millisecond however long it is",
@@ -202,14 +212,16 @@ def finest(extent: Extent) -> Iterator[Row]:
 
 def without_heyoka(extent: Extent) -> Iterator[Row]:
     """The method `numba`, at equal error."""
-    bench = around(["heyoka", "numba"], ERRORS[1:], extent)
-    ratio = bench.ratio("numba", "heyoka", 1e-9)
-    times = [1e6 * (bench[n].at(1e-9).seconds or np.nan) for n in ("numba", "heyoka")]
+    found, span = around(["heyoka", "numba"], ERRORS[1:], extent), extent.span
+    ours, other = (found.at(n, 1e-9) for n in ("numba", "heyoka"))
+    ratio = ours.over(other)
+    whole = found.at("numba", 1e-9, "whole").over(found.at("heyoka", 1e-9, "whole"))
     yield Row(
         "run of method `numba` against method `heyoka` at error 1e-09",
         "at most 1.3 times its time",
-        f"{ratio:.2f} times ({times[0]:.3g} / {times[1]:.3g} µs per unit of time)",
-        bool(ratio <= 1.3),
+        f"{ratio.times()}; {_micro(ours, span)} / {_micro(other, span)} µs per unit of time; "
+        f"whole calls {whole.times()}",
+        ratio.median <= 1.3,
         "DOP853 takes many more steps at such an error",
     )
 
@@ -218,15 +230,25 @@ def mujoco(extent: Extent) -> Iterator[Row]:
     """MuJoCo's best settings on the ball on a plane."""
     question = ask(vo.load("chaplygin-ball"), time=extent.many, instants=11)
     exact = reference(question, 1e-12)
-    bench = measure(question, ["heyoka", "mujoco-best"], budget=10.0, against=exact)
-    times = [bench[n].at(1e-6, n.startswith("m")) for n in ("mujoco-best", "heyoka")]
-    ratio = (times[0].seconds or np.nan) / (times[1].seconds or np.nan)
+    names = ("mujoco-best", "heyoka")
+    bench = measure(question, names, budget=10.0, against=exact)
+    known = {name: bench[name] for name in names}
+    found = race(
+        {name: _runs(question, one) for name, one in known.items()},
+        {name: _first(question, one) for name, one in known.items()},
+        (1e-6,),
+        extent.rounds,
+    )
+    theirs, ours = (found.at(n, 1e-6, extrapolate=n.startswith("m")) for n in names)
+    ratio, micro = theirs.over(ours), 1e6 / question.span
+    whole = theirs.over(found.at("heyoka", 1e-6, "whole"))
+    kind = bench[names[0]].at(1e-6, True).kind
     yield Row(
         "against MuJoCo's best setting at error 1e-6, ball on a plane, T = 100",
         "5000 times faster",
-        f"{ratio:.0f} times ({1e6 * (times[0].seconds or np.nan):.3g} µs, {times[0].kind}, / "
-        f"{1e6 * (times[1].seconds or np.nan):.3g} µs per unit of time)",
-        bool(ratio >= 5000),
+        f"{ratio.times()}; {micro * theirs.median:.3g} µs, {kind}, "
+        f"/ {micro * ours.median:.3g} µs per unit of time; whole call {whole.times()}",
+        ratio.median >= 5000,
         "at such an error only; MuJoCo solves a more general problem",
     )
 

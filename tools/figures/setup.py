@@ -5,14 +5,12 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
-
-import numpy as np
+from statistics import median
 
 from figures.calls import in_process
 from figures.chain import against_numba, bicycle_problem, chain_problem
 from figures.extent import Extent
 from figures.table import Row
-from voronec.accuracy.bench import at_error
 
 __all__ = ["ROWS"]
 
@@ -41,26 +39,25 @@ def setup(extent: Extent) -> Iterator[Row]:
             cold, warm = in_process(cache, "-c", SETUP)
         colds.append(cold)
         warms.append(warm)
-    cold, warm = min(colds), min(warms)
     what = "Chaplygin ball with method heyoka, `integrate` over a span of no length"
     yield Row(
         f"set-up, warm, {what}: again in the same process",
         "0.1 s",
-        f"{warm:.3f} s of CPU",
-        warm <= 0.1,
+        f"{median(warms):.3f} s of CPU ({min(warms):.3f} to {max(warms):.3f})",
+        median(warms) <= 0.1,
         "heyoka takes the compiled code from memory, but builds its decomposition again",
     )
     yield Row(
         f"set-up, cold, {what}: derivation, smallest model and compilation, first in the process, "
         "caches empty, imports excluded",
         "1.5 s",
-        f"{cold:.2f} s of CPU",
-        cold <= 1.5,
+        f"{median(colds):.2f} s of CPU ({min(colds):.2f} to {max(colds):.2f})",
+        median(colds) <= 1.5,
         "most of it is heyoka's compiler",
     )
 
 
-def chain(_: Extent) -> Iterator[Row]:
+def chain(extent: Extent) -> Iterator[Row]:
     """Six degrees of freedom, thousands of operations; a bicycle."""
     with tempfile.TemporaryDirectory() as cache:  # heyoka shall compile there, and only there
         record = in_process(cache, str(Path(__file__).parents[1] / "bench.py"), "chain", "--json")
@@ -76,15 +73,18 @@ def chain(_: Extent) -> Iterator[Row]:
         f"chain of {record['system']}, six degrees of freedom": chain_problem(),
         "bicycle, scene `default`": bicycle_problem(),
     }.items():
-        pairs = against_numba(problem)
-        for error in (1e-6, 1e-9):
-            ours, hand = (at_error(pairs[m], error).seconds or np.nan for m in ("ours", "hand"))
+        errors = (1e-6, 1e-9)
+        found = against_numba(problem, errors, extent.rounds)
+        for error in errors:
+            ours, hand = (found.at(m, error) for m in ("ours", "hand"))
+            ratio, whole = ours.over(hand), found.at("ours", error, "whole")
             yield Row(
                 f"{name}: run of method `numba`, which `auto` takes for many steps of a heavy "
                 f"program, against DOP853 wholly in numba by hand, at error {error:g}",
                 "not slower than 1.1 times",
-                f"{ours / hand:.2f} times its time ({1e3 * ours:.3g} / {1e3 * hand:.3g} ms)",
-                bool(ours <= 1.1 * hand),
+                f"{ratio.times()}; {1e3 * ours.median:.3g} / {1e3 * hand.median:.3g} ms; whole "
+                f"call {1e3 * whole.median:.3g} ms",
+                ratio.median <= 1.1,
                 "the same stages; some hundredths of a millisecond of a run are spent outside them",
             )
 

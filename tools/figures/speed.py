@@ -37,9 +37,10 @@ PAGE = """# Speed against error
 
 Written by `python tools/bench.py speed --page docs/speed.md`: every row comes from one run on one
 machine; naming rows measures those anew and keeps the others. Times are CPU time of one thread,
-set-up excluded unless said. Short runs on the ball, and program against program, are the best of
-many in which the two sides take turns, so that noise hits both; runs of seconds, the plot, and the
-rows on MuJoCo, ensembles, sections and the chain take one side after the other.
+set-up excluded unless said. Both sides of a ratio take turns. "1.1 times (1 to 1.2 in 5)" is the
+middle of five repetitions, the smallest and the largest; a repetition of a short run is the best
+of many, and what takes more than two seconds is repeated once. A whole call is one of `integrate`
+after the first: all is read, checked and evaluated. The plot takes one method after the other.
 Methods are compared at equal error, never at equal tolerance: the error is the
 largest of all outputs over the whole grid against a reference that two independent runs of over 20
 digits agree on, and a time at an error is interpolated between the runs on either side of it.

@@ -23,6 +23,8 @@ from voronec.accuracy.bench.contender import (
     without,
 )
 from voronec.accuracy.bench.level import BenchLevel, level
+from voronec.accuracy.bench.peers.numba_dop853 import TOLERANCES as COMPILED
+from voronec.accuracy.bench.peers.numba_dop853 import stepper_source, unrolled
 from voronec.accuracy.bench.question import BenchMotion
 from voronec.errors import VoronecError
 
@@ -241,12 +243,48 @@ def _by_scipy(program: HandProgram, start: np.ndarray, grid: np.ndarray) -> Rows
 
 def right_side(program: HandProgram) -> Callable[[float, np.ndarray], list[float]]:
     """The equations as a good hand gives them to scipy: ``lambdify`` to ``math`` with ``cse``."""
-    import heyoka as hy
     import sympy as sp
 
-    pairs = [(hy.to_sympy(x), hy.to_sympy(rate)) for x, rate in program.equations]
-    rates = sp.lambdify([[x for x, _ in pairs]], [e for _, e in pairs], modules="math", cse=True)
+    variables, rates = _in_sympy(program)
+    rates = sp.lambdify([variables], rates, modules="math", cse=True)
     return lambda _t, state: rates(state.tolist())
+
+
+def _by_numba(program: HandProgram, start: np.ndarray, grid: np.ndarray, fast: bool) -> Rows:
+    """DOP853 and the same equations on scalars, compiled together; ``fast`` lets the compiler
+    reorder sums."""
+    try:
+        import numba
+    except ImportError:
+        raise without("numba") from None
+    import sympy as sp
+
+    variables, rates = _in_sympy(program)
+    names = ", ".join(map(str, variables))
+    shared, rates = sp.cse(rates)
+    rows = [f"{x} = {sp.pycode(e)}" for x, e in shared]
+    rows.append(f"return {', '.join(map(sp.pycode, rates))}")
+    source = "\n    ".join([f"def right(t, {names}, parameters):", *rows])
+    compiler = numba.njit(error_model="numpy", fastmath=fast)
+    namespace: dict[str, Any] = {"np": np}
+    exec(f"{source}\n{unrolled(stepper_source(len(start)), len(start))}", namespace)
+    namespace["right"] = compiler(namespace["right"])
+    advance = compiler(namespace["advance"])
+
+    def found(tol: float) -> tuple[int, int, np.ndarray]:
+        rows = np.empty((len(grid), len(start)))
+        return (*advance(grid, start, start[:0], tol, rows), rows)
+
+    found(1e-3)
+    return found
+
+
+def _in_sympy(program: HandProgram) -> tuple[list[Any], list[Any]]:
+    """Variables and rates."""
+    import heyoka as hy
+
+    pairs = [(hy.to_sympy(x), hy.to_sympy(rate)) for x, rate in program.equations]
+    return [x for x, _ in pairs], [rate for _, rate in pairs]
 
 
 CONTENDERS_BY_HAND = (
@@ -257,5 +295,13 @@ CONTENDERS_BY_HAND = (
     Contender(
         "dop853-by-hand", "the same program for scipy's DOP853, on plain numbers",
         tuple(tol for tol in TOLERANCES if tol >= 1e-13), partial(_prepare, by=_by_scipy),
+    ),
+    Contender(
+        "dop853-numba-unrolled", "the same program and DOP853 compiled by numba, on scalars",
+        COMPILED, partial(_prepare, by=partial(_by_numba, fast=False)),
+    ),
+    Contender(
+        "dop853-numba-fastmath", "the same with fast-math",
+        COMPILED, partial(_prepare, by=partial(_by_numba, fast=True)),
     ),
 )  # fmt: skip

@@ -8,8 +8,10 @@ written out without their zeros.
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Callable
 from functools import partial
+from textwrap import dedent, indent
 from typing import Any
 
 import numpy as np
@@ -21,7 +23,7 @@ from voronec.accuracy.bench.question import BenchMotion
 from voronec.algebra.text import as_expression
 from voronec.equations.program import Program, python_source
 
-__all__ = ["BY_NUMBA", "right_hand_side", "stepper_source"]
+__all__ = ["BY_NUMBA", "right_hand_side", "stepper_source", "unrolled"]
 
 STAGES = 12
 LONGEST = 20_000
@@ -148,6 +150,31 @@ def stepper_source(n: int) -> str:
     )
 
 
+def unrolled(source: str, n: int) -> str:
+    """The same source on scalars: loops over components written out, and ``right`` a function
+    ``right(t, y_0, ..., parameters)`` that returns the rates."""
+
+    def each(name: str) -> str:
+        return ", ".join(f"{name}_{i}" for i in range(n))
+
+    source = re.sub(r"^ *[\w, ]+ = np\.empty\(.*\n", "", source, flags=re.MULTILINE)
+    source = re.sub(
+        r"right\((.+), (\w+), parameters, (\w+)\)",
+        lambda m: f"{each(m[3])} = right({m[1]}, {each(m[2])}, parameters)",
+        source,
+    )
+
+    def written_out(loop: re.Match[str]) -> str:
+        rows = []
+        for i in range(n):
+            row = loop[2].replace("start[i]", f"start[{i}]").replace(", i]", f", {i}]")
+            rows.append(re.sub(r"(\w+)\[i\]", rf"\1_{i}", row))
+        return indent(dedent("".join(rows)), loop[1])
+
+    loops = r"^( *)for i in range\(\d+\):\n((?:\1 +.*\n)+)"
+    return re.sub(loops, written_out, source, flags=re.MULTILINE)
+
+
 def _weighted_sum(row: Any) -> str:
     terms = [f"{float(c)!r}*k{j}[i]" for j, c in enumerate(row) if c != 0]
     return " + ".join(terms)
@@ -160,9 +187,11 @@ def _combination(target: str, term: str, n: int) -> str:
 _TEMPLATE = """
 def advance(grid, start, parameters, tol, rows):
     {slopes}
-    trial, ahead, y = np.empty({n}), np.empty({n}), start.copy()
+    trial, ahead, y = np.empty({n}), np.empty({n}), np.empty({n})
     rows[:] = np.nan
-    rows[0] = y
+    for i in range({n}):
+        y[i] = start[i]
+        rows[0, i] = start[i]
     t, steps, evaluations = grid[0], 0, 2
     order = 1.0 if grid[-1] > grid[0] else -1.0
     right(t, y, parameters, k0)
@@ -207,15 +236,17 @@ def advance(grid, start, parameters, tol, rows):
                 # a step cut short by the grid must not shorten the next
                 size = max(size, abs(h)*factor) if ends else abs(h)*factor
                 t = grid[place] if ends else t + h
-                y[:] = ahead
-                k0[:] = k12
+                for i in range({n}):
+                    y[i] = ahead[i]
+                    k0[i] = k12[i]
             elif error >= 1.0:
                 size = abs(h)*max(0.2, 0.9*error**-0.125)
                 rejected = True
             else:
                 size = abs(h)*0.2
                 rejected = True
-        rows[place] = y
+        for i in range({n}):
+            rows[place, i] = y[i]
     return steps, evaluations
 """
 
