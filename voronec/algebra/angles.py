@@ -13,6 +13,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.normal import canonical
+from voronec.algebra.terms import summands
 
 __all__ = ["Angles", "holds_angles"]
 
@@ -64,7 +65,7 @@ class Angles:
 
     def _pair(self, angle: Any) -> tuple[Any, Any]:
         """Sine and cosine of a sum of angles."""
-        terms = angle.args if isinstance(angle, se.Add) else (angle,)
+        terms = summands(angle)
         plain = [t for t in terms if not _multiple(t)]
         rest = se.Add(*plain)
         sine, cosine = se.sin(rest), se.cos(rest)

@@ -18,6 +18,8 @@ from typing import Any
 
 import symengine as se
 
+from voronec.algebra.terms import factors_of, summands
+
 __all__ = ["bound_all_exponentials", "bound_exponentials", "exponential_sum", "holds_exponentials"]
 
 DEGREE = 6
@@ -80,7 +82,7 @@ def _is_exponential(expr: Any) -> bool:
 
 def _quotient(expr: Any) -> Any | None:
     """A product rewritten; None where it is no quotient of exponentials that is bounded."""
-    factors = expr.args if isinstance(expr, se.Mul) else (expr,)
+    factors = factors_of(expr)
     if not _below(factors):
         return None
     found = [w for f in factors for w in _arguments(f.args[0] if _is_power(f) else f)]
@@ -127,8 +129,8 @@ def _below(factors: Iterable[Any]) -> list[Any]:
 def _arguments(expr: Any) -> list[Any]:
     """The w of which a sum, or a hyperbolic function, holds exp(w)."""
     found = []
-    for term in expr.args if isinstance(expr, se.Add) else (expr,):
-        for factor in term.args if isinstance(term, se.Mul) else (term,):
+    for term in summands(expr):
+        for factor in factors_of(term):
             if isinstance(factor, (se.sinh, se.cosh)):
                 found.append(factor.args[0])
             elif _is_exponential(factor):
@@ -152,9 +154,9 @@ def _size(argument: Any) -> tuple[float, str]:
 def _laurent(expr: Any, argument: Any) -> _Laurent | None:
     """An expression as a polynomial in exp(w) and exp(-w) with at least one such power; None."""
     total: _Laurent = {}
-    for term in expr.args if isinstance(expr, se.Add) else (expr,):
+    for term in summands(expr):
         product: _Laurent = {0: se.Integer(1)}
-        for factor in term.args if isinstance(term, se.Mul) else (term,):
+        for factor in factors_of(term):
             part = _single(factor, argument)
             if part is None:
                 return None

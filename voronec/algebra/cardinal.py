@@ -35,6 +35,7 @@ from voronec.algebra.numeric_functions import (
     SIZE,
     TANH_SHORTFALL,
 )
+from voronec.algebra.terms import factors_of, summands
 
 __all__ = ["cardinal_all", "coefficient"]
 
@@ -120,7 +121,7 @@ def _nodes(exprs: Iterable[Any]) -> Iterator[Any]:
 def _factors(expr: Any) -> dict[Any, Any]:
     """The factors of a product with their exponents, numbers left out."""
     found = {}
-    for factor in expr.args if isinstance(expr, se.Mul) else (expr,):
+    for factor in factors_of(expr):
         if not factor.is_Number:
             plain = isinstance(factor, se.Pow) and factor.args[1].is_Number
             base, exponent = factor.args if plain else (factor, se.Integer(1))
@@ -209,7 +210,7 @@ def _exponential_slope(terms: Sequence[Any]) -> Any | None:
     neither is there."""
     known = {*terms}
     for term in terms:
-        for factor in term.args if isinstance(term, se.Mul) else (term,):
+        for factor in factors_of(term):
             if not (isinstance(factor, se.Pow) and factor.args[0] == se.E):
                 continue
             w, c = factor.args[1], -term / factor
@@ -290,7 +291,7 @@ def _distribute(above: Any, rest: Any, u: Any) -> Any | None:
     """A sum, times a product that divides it by u, term by term where that takes up all of u."""
 
     def is_clear(expr: Any) -> bool:
-        terms = expr.args if isinstance(expr, se.Add) else (expr,)
+        terms = summands(expr)
         return all(_factors(t).get(u, 0) >= 0 for t in terms)
 
     parts = [(term, _quotient(term * rest, False)) for term in above.args]

@@ -19,13 +19,14 @@ import symengine as se
 from voronec.algebra.certificates import Sign, Signs
 from voronec.algebra.conditions import split_hypotheses
 from voronec.algebra.congruence import Congruence
-from voronec.algebra.factors import irreducible_factors
+from voronec.algebra.factors import fraction_factors
 from voronec.algebra.generators import TRIGONOMETRIC, linear_terms, prime_factors
 from voronec.algebra.graphs import is_atom, nodes
 from voronec.algebra.normal import canonical
 from voronec.algebra.ring import Ring
 from voronec.algebra.roots import domain_conditions, ring_over
 from voronec.algebra.tape import Tape
+from voronec.algebra.terms import factors_of
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["angles_of", "are_equal", "fold_angles"]
@@ -323,7 +324,7 @@ class Composition:
         """A term in normal form, its logarithms apart."""
         if term.is_Number:
             return term
-        factors = term.args if isinstance(term, se.Mul) else (term,)
+        factors = factors_of(term)
         logs = [f for f in factors if f.atoms(se.log)]
         return se.Mul(self._normal(se.Mul(*[f for f in factors if f not in logs])), *logs)
 
@@ -333,15 +334,10 @@ class Composition:
         try:
             ring = ring_over([argument], self._hypotheses, INNER_WORK)
             fraction = ring.fraction(argument)
-            unit, factors = irreducible_factors(fraction.num)
+            unit, powers = fraction_factors(fraction.num, ring.field.factors(fraction.den))
             signs = Signs.of(ring, self._conditions, bounded=True)
         except (EngineLimit, DefinitionError):
             return se.log(argument)
-        powers = [*factors]
-        for poly, e in ring.field.factors(fraction.den):
-            content, parts = irreducible_factors(poly)
-            unit /= content**e
-            powers += [(part, -e * times) for part, times in parts]
         terms, others = list[Any](), list[_Term]()
         for poly, e in powers:
             size = self._size(ring, signs, poly)

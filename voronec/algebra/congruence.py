@@ -21,6 +21,7 @@ from voronec.algebra.graphs import is_atom, nodes
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import SHARP
 from voronec.algebra.tape import Tape
+from voronec.algebra.terms import summands
 
 __all__ = ["Congruence"]
 
@@ -164,7 +165,7 @@ def _is_plain(node: Any) -> bool:
 def _terms(argument: Any) -> Iterator[tuple[Any, Any]]:
     """(term, number): a sum as it is written; a number stands as a term."""
     number, rest = _number_of(argument)
-    for term in rest.args if isinstance(rest, se.Add) else (rest,):
+    for term in summands(rest):
         inner, bare = _number_of(term)
         yield bare, number * inner
 

@@ -26,6 +26,7 @@ from sympy.logic.boolalg import BooleanFunction
 
 from voronec.algebra.graphs import nodes
 from voronec.algebra.symbols import plain_name, time, velocity
+from voronec.algebra.terms import factors_of
 from voronec.algebra.text import as_expression, quote
 from voronec.errors import DefinitionError, EngineLimit
 
@@ -274,7 +275,7 @@ class Door:
 def _size(inner: Any) -> Any:
     """The root of a square; even roots in a product, not negative, stay what they are: the square
     would be real where they are not."""
-    factors = inner.args if isinstance(inner, se.Mul) else (inner,)
+    factors = factors_of(inner)
     roots = [f for f in factors if isinstance(f, se.Pow) and _is_even_root(f.args[1])]
     rest = se.Mul(*[f for f in factors if f not in roots])
     return se.Mul(*roots, se.sqrt(rest**2))

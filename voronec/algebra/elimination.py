@@ -7,7 +7,7 @@ form before it is dropped.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,7 +19,7 @@ from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import decide_zero
 from voronec.errors import EngineLimit
 
-__all__ = ["LinearSolution", "solve_linear"]
+__all__ = ["LinearSolution", "independent_columns", "null_vectors", "solve_linear"]
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,38 @@ class _Row:
     shadow_left: dict[int, Any]
     shadow_right: dict[int, Any]
     near_left: dict[int, Any]
+
+
+def independent_columns(
+    rows: Sequence[Sequence[Any]], order: Iterable[int], relations: Sequence[Any] = ()
+) -> list[int]:
+    """As many columns as there are rows, where so many are independent: the first of an order."""
+    chosen: list[int] = []
+    for j in order:
+        trial = [*chosen, j]
+        columns = [[row[i] for i in trial] for row in rows]
+        if not solve_linear(columns, [[se.Integer(0)]] * len(columns), relations).free:
+            chosen = trial
+        if len(chosen) == len(rows):
+            break
+    return sorted(chosen)
+
+
+def null_vectors(
+    rows: Sequence[Sequence[Any]], bound: Sequence[int], relations: Sequence[Any] = ()
+) -> list[list[Any]]:
+    """Vectors w that span rows * w = 0, a unit vector each in all but the ``bound`` columns, which
+    are independent."""
+    size = range(len(rows[0]))
+    free = [j for j in size if j not in bound]
+    left = [[row[j] for j in bound] for row in rows]
+    right = [[-row[j] for j in free] for row in rows]
+    solved = solve_linear(left, right, relations).values
+    vectors = [[se.Integer(int(i == j)) for i in size] for j in free]
+    for k, vector in enumerate(vectors):
+        for i, values in zip(bound, solved, strict=True):
+            vector[i] = values[k]
+    return vectors
 
 
 def solve_linear(

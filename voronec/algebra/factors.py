@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import flint
@@ -11,7 +11,7 @@ import sympy as sp
 
 from voronec.errors import EngineLimit
 
-__all__ = ["in_factors", "irreducible_factors", "write_polynomial"]
+__all__ = ["fraction_factors", "in_factors", "irreducible_factors", "write_polynomial"]
 
 MOST_TERMS, MOST_DEGREE = 20_000, 2_000
 """flint takes less than a second for polynomials of this size; for x^n - 1 the square of n."""
@@ -38,6 +38,17 @@ def irreducible_factors(poly: Any) -> tuple[Any, list[tuple[Any, int]]]:
         raise EngineLimit(f"a polynomial of degree {degree} is too large to be factored")
     unit, powers = poly.factor()
     return unit, [(factor, int(exponent)) for factor, exponent in powers]
+
+
+def fraction_factors(num: Any, den: Iterable[tuple[Any, int]]) -> tuple[Any, list[tuple[Any, int]]]:
+    """The same of a fraction whose denominator is a product of powers: a number, and the
+    irreducible factors with their exponents, those below negative."""
+    unit, powers = irreducible_factors(num)
+    for poly, exponent in den:
+        content, parts = irreducible_factors(poly)
+        unit /= content**exponent
+        powers += [(part, -exponent * times) for part, times in parts]
+    return unit, powers
 
 
 def in_factors(expr: sp.Expr) -> sp.Expr:

@@ -7,7 +7,7 @@ of bare g, since 1/g = g**(q-1)/f: a common factor is found by polynomial divisi
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -164,7 +164,10 @@ class Field:
             total += num if scale == 1 else self.product(num, scale)
         if len(groups) > 1 or (len(terms) > 1 and common):
             total, common = self._cancel(total, common)
-        return Fraction(total, tuple(sorted(common.items()))) if total != 0 else Fraction(self.zero)
+        return self._fraction(total, common)
+
+    def _fraction(self, num: Any, den: Mapping[int, int]) -> Fraction:
+        return Fraction(num, tuple(sorted(den.items()))) if num != 0 else Fraction(self.zero)
 
     def cancel(self, f: Fraction) -> Fraction:
         """A fraction with common factors taken out."""
@@ -245,7 +248,7 @@ class Field:
             total = self.product(total, num)
         if den:
             total, den = self._cancel(total, den)
-        return Fraction(total, tuple(sorted(den.items()))) if total != 0 else Fraction(self.zero)
+        return self._fraction(total, den)
 
     def power(self, f: Fraction, n: int) -> Fraction:
         """An integer power of a fraction."""

@@ -16,6 +16,7 @@ import flint
 import symengine as se
 
 from voronec.algebra.graphs import is_atom, is_flat
+from voronec.algebra.terms import summands
 from voronec.errors import EngineLimit
 
 __all__ = ["Generators", "holds_far_multiples", "linear_terms", "prime_factors"]
@@ -51,7 +52,7 @@ def linear_terms(expr: Any) -> dict[Any, Any]:
         raise EngineLimit("the argument of a function is too large to be expanded")
     expr = expr.expand()
     terms: dict[Any, Any] = {}
-    for term in expr.args if isinstance(expr, se.Add) else (expr,):
+    for term in summands(expr):
         coefficient, rest = se.Integer(1), term
         if term.is_Number:
             coefficient, rest = term, se.Integer(1)

@@ -14,11 +14,12 @@ import symengine as se
 
 from voronec.algebra.certificates import Signs
 from voronec.algebra.conditions import comparisons, split_hypotheses
-from voronec.algebra.factors import irreducible_factors
+from voronec.algebra.factors import fraction_factors
 from voronec.algebra.field import WORK_LIMIT, Fraction
 from voronec.algebra.generators import TRIGONOMETRIC, prime_factors
 from voronec.algebra.graphs import is_atom, nodes
 from voronec.algebra.ring import Ring
+from voronec.algebra.terms import factors_of, summands
 from voronec.errors import EngineLimit
 
 __all__ = ["Roots", "domain_conditions", "ring_over"]
@@ -147,10 +148,10 @@ class Roots:
         if not exponent.atoms(se.log):
             return se.exp(exponent)
         exponent = se.expand(exponent)
-        terms = exponent.args if isinstance(exponent, se.Add) else (exponent,)
+        terms = summands(exponent)
         powers, rest = [], []
         for term in terms:
-            factors = term.args if isinstance(term, se.Mul) else (term,)
+            factors = factors_of(term)
             logs = [f for f in factors if isinstance(f, se.log)]
             if len(logs) == 1:
                 powers.append(se.Pow(logs[0].args[0], term / logs[0]))
@@ -187,13 +188,7 @@ class Roots:
 
     def _powers(self, fraction: Fraction) -> tuple[Any, list[_Power]]:
         """A number, and primitive polynomials with their exponents."""
-        unit, factors = irreducible_factors(fraction.num)
-        powers = list(factors)
-        for poly, e in self.ring.field.factors(fraction.den):
-            content, parts = irreducible_factors(poly)
-            unit /= content**e
-            powers += [(part, -e * times) for part, times in parts]
-        return unit, powers
+        return fraction_factors(fraction.num, self.ring.field.factors(fraction.den))
 
     def _with_sines(self, unit: Any, powers: list[_Power]) -> tuple[Any, list[_Power]]:
         """-s**2 for (c - 1) (c + 1), where the sign of the sine s is known."""

@@ -23,6 +23,7 @@ import symengine as se
 from voronec.algebra.bounded_exponentials import exponential_sum
 from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.numeric_functions import EXPM1, HYPOT, LOG1P, SIZE
+from voronec.algebra.terms import factors_of
 
 __all__ = ["stable_all"]
 
@@ -71,7 +72,7 @@ def _root(base: Any, exponent: Any) -> Any | None:
 def _side(term: Any) -> Any | None:
     """A root of a term that is a square at sight; None of any other."""
     roots = []
-    for factor in term.args if isinstance(term, se.Mul) else (term,):
+    for factor in factors_of(term):
         if factor.is_Number:
             if factor < 0:
                 return None
@@ -145,7 +146,7 @@ def _less_one(total: Any) -> Any:
     """A sum in which c cos w - c, c cosh w - c and c sqrt(n + x) - c sqrt(n) do not cancel."""
     left = dict.fromkeys(total.args)
     for term in total.args:
-        for factor in term.args if isinstance(term, se.Mul) else (term,):
+        for factor in factors_of(term):
             found = _from_zero(factor)
             if found is None:
                 continue
@@ -181,7 +182,7 @@ def _from_zero(factor: Any) -> tuple[Any, Any] | None:
 
 def _exponential(term: Any) -> tuple[Any, Any]:
     """(c, w) with c exp(w) the term, and w = 0 where no exponential is in it."""
-    factors = term.args if isinstance(term, se.Mul) else (term,)
+    factors = factors_of(term)
     powers = [f for f in factors if isinstance(f, se.Pow) and f.args[0] == se.E]
     w = se.Add(*[f.args[1] for f in powers])
     return se.Mul(*[f for f in factors if f not in powers]), w
@@ -217,7 +218,7 @@ def _with_tails(total: Any) -> Any:
 
 
 def _tangents(term: Any) -> list[Any]:
-    factors = term.args if isinstance(term, se.Mul) else (term,)
+    factors = factors_of(term)
     bases = [f.args[0] if isinstance(f, se.Pow) else f for f in factors]
     return [b for b in bases if isinstance(b, se.tanh)]
 
@@ -227,7 +228,7 @@ def _in_powers(total: Any, tangent: Any) -> _Terms:
     parts: dict[int, list[Any]] = {}
     for term in total.args:
         power, rest = 0, [se.Integer(1)]
-        for factor in term.args if isinstance(term, se.Mul) else (term,):
+        for factor in factors_of(term):
             base, exponent = factor.args if isinstance(factor, se.Pow) else (factor, se.Integer(1))
             if base == tangent and isinstance(exponent, se.Integer) and exponent > 0:
                 power += int(exponent)

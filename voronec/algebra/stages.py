@@ -27,6 +27,7 @@ from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.ring import Ring
 from voronec.algebra.tape import Tape
+from voronec.algebra.terms import factors_of, summands
 from voronec.errors import EngineLimit
 
 __all__ = [
@@ -136,7 +137,7 @@ def factor_sums(definitions: Mapping[Any, Any], fresh: Callable[[], Any]) -> dic
 def _powers(term: Any) -> dict[Any, int]:
     """The factors of a term with their exponents; what has no whole positive exponent is one."""
     powers: dict[Any, int] = {}
-    for f in term.args if isinstance(term, se.Mul) else (term,):
+    for f in factors_of(term):
         if isinstance(f, se.Pow) and isinstance(f.args[1], se.Integer) and f.args[1] > 0:
             powers[f.args[0]] = int(f.args[1])
         elif f != 1:
@@ -401,9 +402,9 @@ def _is_zero(expr: Any, work: int) -> bool:
 def _terms(expr: Any, inside: Mapping[Any, Any]) -> int:
     """How many terms a sum has at most, once stages are opened and everything is expanded."""
     total = 0
-    for term in expr.args if isinstance(expr, se.Add) else (expr,):
+    for term in summands(expr):
         count = 1
-        for factor in term.args if isinstance(term, se.Mul) else (term,):
+        for factor in factors_of(term):
             base, power = factor.args if isinstance(factor, se.Pow) else (factor, se.Integer(1))
             if base in inside and isinstance(inside[base], se.Add):
                 count *= len(inside[base].args) ** min(abs(int(float(power))) or 1, 9)

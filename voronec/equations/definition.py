@@ -22,7 +22,7 @@ import sympy as sp
 from voronec.algebra.bounded_exponentials import bound_exponentials, holds_exponentials
 from voronec.algebra.conditions import condition
 from voronec.algebra.door import Door
-from voronec.algebra.elimination import solve_linear
+from voronec.algebra.elimination import independent_columns, solve_linear
 from voronec.algebra.symbols import is_symbolic_name, names_in, plain_name, time, velocity
 from voronec.algebra.verdicts import decide_zero
 from voronec.declaration.reading import quote
@@ -480,16 +480,9 @@ def _working_split(
     velocities, base = system.directions, system.base_directions
     total = len(velocities)
     order = [*range(base, total), *range(base)]
-    chosen: list[int] = []
-    for j in order:
-        trial = [*chosen, j]
-        columns = [[row[i] for i in trial] for row in constraints.matrix]
-        if not solve_linear(columns, [[se.Integer(0)]] * len(columns), ideal).free:
-            chosen = trial
-        if len(chosen) == len(constraints.matrix):
-            break
+    chosen = independent_columns(constraints.matrix, order, ideal)
     names = [plain_name(q) for q in velocities]
-    return [names[i] for i in range(total) if i not in chosen], [names[i] for i in sorted(chosen)]
+    return [names[i] for i in range(total) if i not in chosen], [names[i] for i in chosen]
 
 
 def require_no_jump(place: Callable[[], str], expr: Any, conditions: Sequence[Any] = ()) -> None:

@@ -59,6 +59,11 @@ class FirstOrderForm:
     positive: tuple[Any, ...] = ()
     inputs: tuple[Any, ...] = ()
 
+    @property
+    def expressions(self) -> tuple[Any, ...]:
+        """Rates, force, and mass row by row; stages are left out."""
+        return (*self.rates, *self.force, *(e for row in self.mass for e in row))
+
 
 @dataclass(frozen=True)
 class Derivation:

@@ -110,7 +110,7 @@ class DerivedEquations:
     def is_large(self) -> bool:
         """Whether numbers are better computed from the straight-line form."""
         form = self.raw.form
-        if holds_far_multiples([*form.rates, *form.force, *(e for row in form.mass for e in row)]):
+        if holds_far_multiples(form.expressions):
             return True
         if self.system.invariants:
             return False
@@ -237,9 +237,8 @@ class DerivedEquations:
     @cached_property
     def orders(self) -> dict[str, int]:
         """The highest derivative of each input, by name, that the equations hold."""
-        form = self.raw.form
-        exprs = [*form.rates, *form.force, *(e for row in form.mass for e in row)]
-        found = set().union(*(se.sympify(e).atoms(se.Derivative) for e in exprs))
+        exprs = map(se.sympify, self.raw.form.expressions)
+        found = set().union(*(e.atoms(se.Derivative) for e in exprs))
         functions = [f for f in self.definition.inputs if any(d.args[0] == f for d in found)]
         return {
             f.get_name(): max(len(d.args) - 1 for d in found if d.args[0] == f) for f in functions
@@ -274,14 +273,13 @@ class DerivedEquations:
 
 def _cost(form: FirstOrderForm) -> int:
     """The operations of a first-order form, shared subexpressions counted once."""
-    rows = [e for row in form.mass for e in row]
-    return operations([*(e for _, e in form.stages), *form.rates, *form.force, *rows])
+    return operations([*(e for _, e in form.stages), *form.expressions])
 
 
 def _nodes(form: FirstOrderForm) -> int:
     """The nodes of the graph of a first-order form, shared ones counted once: quicker than
     operations, where forms are long."""
-    return Tape([*form.rates, *form.force, *(e for row in form.mass for e in row)]).size
+    return Tape(form.expressions).size
 
 
 def _holds_in_vain(form: FirstOrderForm) -> bool:

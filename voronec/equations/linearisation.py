@@ -306,8 +306,7 @@ def _chain_slopes(slopes: Sequence[Any], spread: Sequence[Sequence[Any]], k: int
 
 
 def _holds(form: Any, atom: Any) -> bool:
-    exprs = [*form.rates, *form.force, *(e for row in form.mass for e in row)]
-    return any(atom in e.atoms(type(atom)) for e in map(se.sympify, exprs))
+    return any(atom in e.atoms(type(atom)) for e in map(se.sympify, form.expressions))
 
 
 def _is_rational(value: Any) -> bool:

@@ -73,8 +73,7 @@ def divisors(form: Any) -> tuple[Any, ...]:
     """What rates, mass and force are divided by, as far as it moves; each once."""
     moving = {*form.coordinates, *form.velocities, form.time, *(name for name, _ in form.stages)}
     found: dict[Any, None] = {}
-    exprs = [*form.rates, *(e for row in form.mass for e in row), *form.force]
-    for base in bases(cardinal_all([*exprs, *(e for _, e in form.stages)])):
+    for base in bases(cardinal_all([*form.expressions, *(e for _, e in form.stages)])):
         if base.free_symbols & moving:
             found[base] = None
     return tuple(found)

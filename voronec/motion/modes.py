@@ -97,7 +97,7 @@ class Modes:
         form, functions = without_stages(with_plain_roots(form), functions)
         still = frozenset(form.parameters)
         functions = {name: plain_roots(e, still) for name, e in functions.items()}
-        exprs = [*form.rates, *form.force, *(e for row in form.mass for e in row)]
+        exprs = form.expressions
         if not has_walls([*exprs, *functions.values()], still) and not rims(form, exprs):
             return None
         return cls(form, functions, _cusps(form, exprs), saturated)
@@ -128,7 +128,7 @@ class Modes:
         functions = {name: change(e) for name, e in self.functions.items()}
         floors = [self.floor(wall) for wall in change.walls if wall.whole]
         made = replace(made, parameters=(*form.parameters, *floors))
-        exprs = [*made.rates, *made.force, *(e for row in made.mass for e in row)]
+        exprs = made.expressions
         found = Corner(
             made, Program.of(made), functions, asked, tuple(change.walls), rims(form, exprs)
         )

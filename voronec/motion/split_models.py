@@ -25,6 +25,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.terms import factors_of
 from voronec.algebra.text import as_expression
 from voronec.declaration.charts import Chart
 from voronec.declaration.geometry import Fibration, Frame
@@ -374,7 +375,7 @@ class SplitGround:
         found: dict[Any, None] = {}
         for chart in self.home.system.charts.values():
             inside = self.home.definition.door.inward(chart.singular)
-            found |= dict.fromkeys(inside.args if isinstance(inside, se.Mul) else (inside,))
+            found |= dict.fromkeys(factors_of(inside))
         return tuple(found)
 
     def _crossing_divisors(

@@ -26,6 +26,7 @@ from voronec.algebra.elimination import solve_linear
 from voronec.algebra.matrices import dot
 from voronec.algebra.rank import generic_rows
 from voronec.algebra.verdicts import Verdict, decide_zero
+from voronec.equations.connection import AffineForms
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
 from voronec.proof.decision import Decision, all_zero, zero_everywhere
@@ -127,11 +128,8 @@ def _constrained_lagrangian(motions: Motions, dots: Sequence[Any]) -> Any:
     """Lc(r, rdot): the Lagrangian on the constraints, in velocities of the base."""
     own, fibre = motions.equations.definition, motions.equations.best.fibre
     sdots = own.coordinate_velocities[own.base :]
-    solved = [
-        se.Add(offset, *[e * dot for e, dot in zip(row, dots, strict=True)])
-        for row, offset in zip(fibre.matrix, fibre.offset, strict=True)
-    ]
-    return own.lagrangian.xreplace(dict(zip(sdots, solved, strict=True)))
+    solved = AffineForms(fibre.matrix, fibre.offset)
+    return own.lagrangian.xreplace(dict(zip(sdots, solved.expressions(dots), strict=True)))
 
 
 def _foreign(

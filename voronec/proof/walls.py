@@ -35,6 +35,7 @@ from voronec.algebra.precision import GENERIC
 from voronec.algebra.roots import ring_over
 from voronec.algebra.signs import known_sign
 from voronec.algebra.tape import Tape
+from voronec.algebra.terms import factors_of
 from voronec.algebra.verdicts import Verdict, witness_at
 from voronec.equations.vector_field import VectorField
 from voronec.errors import DefinitionError, EngineLimit, quote
@@ -352,7 +353,7 @@ def _is_positive(mass: Any) -> bool:
 
 
 def _is_negative(expr: Any) -> bool:
-    factors = expr.args if isinstance(expr, se.Mul) else (expr,)
+    factors = factors_of(expr)
     return any(f.is_Number and f < 0 for f in factors)
 
 

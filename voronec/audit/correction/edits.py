@@ -28,7 +28,7 @@ from voronec.audit.correction.changes import (
     space_after,
     without,
 )
-from voronec.audit.latex.displays import RELATIONS, script_ranges
+from voronec.audit.latex.displays import RELATIONS, group_end, script_ranges
 from voronec.audit.latex.nodes import (
     Bound,
     Call,
@@ -57,7 +57,6 @@ __all__ = [
     "NUMBERS",
     "close_brackets",
     "differentials",
-    "group_end",
     "keyboard_slips",
     "letter_exponents",
     "number_edits",
@@ -607,14 +606,3 @@ def relations(words: Sequence[Token]) -> Iterator[Change]:
         depth += (word.text in _CLOSERS) - (word.text in _CLOSERS.values())
         if depth == 0 and word.text in ("+", "-") and word is not words[0]:
             yield replace_word(word, "=")
-
-
-def group_end(words: Sequence[Token], position: int) -> int:
-    """The position behind the group in braces that starts at ``position``."""
-    depth = 0
-    while position < len(words):
-        depth += (words[position].text == "{") - (words[position].text == "}")
-        position += 1
-        if depth == 0:
-            break
-    return position

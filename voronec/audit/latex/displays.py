@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from voronec.audit.latex.tokens import ELLIPSES, Token, tokenize
 from voronec.errors import DefinitionError
 
-__all__ = ["RELATIONS", "FormulaUnit", "Piece", "script_ranges", "split_display"]
+__all__ = ["RELATIONS", "FormulaUnit", "Piece", "group_end", "script_ranges", "split_display"]
 
 _PLACES = {"\\in", "\\colon", "\\longmapsto", "\\mapsto"}
 RELATIONS = {"=", "<", ">", "\\ne", "\\neq", "\\le", "\\leq", "\\ge", "\\geq"} | _PLACES
@@ -188,12 +188,16 @@ def _is_word(token: Token, before: list[Token]) -> bool:
 def script_ranges(words: Sequence[Token]) -> Iterator[tuple[int, int]]:
     """Positions of the words that make up each subscript and superscript, braces included."""
     for position, word in enumerate(words[:-1]):
-        if word.text not in ("_", "^"):
-            continue
-        end, depth = position + 1, 0
-        while end < len(words):
-            depth += (words[end].text == "{") - (words[end].text == "}")
-            end += 1
-            if depth == 0:
-                break
-        yield position + 1, end
+        if word.text in ("_", "^"):
+            yield position + 1, group_end(words, position + 1)
+
+
+def group_end(words: Sequence[Token], position: int) -> int:
+    """The position behind the word, or the group in braces, that starts at ``position``."""
+    depth = 0
+    while position < len(words):
+        depth += (words[position].text == "{") - (words[position].text == "}")
+        position += 1
+        if depth == 0:
+            break
+    return position

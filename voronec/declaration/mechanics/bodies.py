@@ -21,7 +21,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.door import Door
-from voronec.algebra.elimination import solve_linear
+from voronec.algebra.elimination import null_vectors, solve_linear
 from voronec.algebra.matrices import dot
 from voronec.algebra.normal import shortest
 from voronec.algebra.rank import generic_rows
@@ -105,19 +105,8 @@ class Places:
     def _tangents(self) -> list[list[Any]]:
         """Rates of coordinates and time that keep the relations, as many as are free."""
         slopes = [[r.diff(q) for q in self._along] for r in self.relations]
-        bound = constraint_columns(slopes, self.relations)
-        free = [j for j in range(len(self._along)) if j not in bound]
         rows = [slopes[r] for r in constraint_rows(slopes, self.relations)]
-        left, right = ([[c * row[j] for j in js] for row in rows]
-                       for c, js in ((1, bound), (-1, free)))  # fmt: skip
-        solved = solve_linear(left, right, self.relations).values
-        basis = []
-        for k, j in enumerate(free):
-            tangent = [se.Integer(int(i == j)) for i in range(len(self._along))]
-            for i, row in zip(bound, solved, strict=True):
-                tangent[i] = row[k]
-            basis.append(tangent)
-        return basis
+        return null_vectors(rows, constraint_columns(slopes, self.relations), self.relations)
 
     def form(self, rate: Any) -> list[Any]:
         """The coefficients of the rates of the coordinates, and the rest."""

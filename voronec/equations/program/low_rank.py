@@ -26,6 +26,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.normal import canonical, quotient
+from voronec.algebra.terms import factors_of
 from voronec.equations.program.weight import taylor_weight
 from voronec.errors import DefinitionError, VoronecError
 
@@ -191,7 +192,7 @@ def _without_root(
 
 
 def _factors(expr: Any) -> Sequence[Any]:
-    return expr.args if isinstance(expr, se.Mul) else (expr,)
+    return factors_of(expr)
 
 
 def _lighter(short: Any, long: Any, column: Iterable[Any]) -> Any:

@@ -24,6 +24,7 @@ import symengine as se
 
 from voronec.algebra.factors import irreducible_factors, write_polynomial
 from voronec.algebra.stages import needed_stages, primitive
+from voronec.algebra.terms import factors_of
 from voronec.equations.program.parts import arguments_of
 from voronec.equations.program.python import compile_program
 from voronec.equations.program.straight import (
@@ -494,7 +495,7 @@ class _Lifting:
 
     def _split_constant(self, term: Any) -> tuple[Any, Any]:
         """A term as constant times what moves, the constant in the original's parameters."""
-        factors = term.args if isinstance(term, se.Mul) else [term]
+        factors = factors_of(term)
         still = [f for f in factors if f.free_symbols <= self._still]
         moving = [f for f in factors if not f.free_symbols <= self._still]
         return se.Mul(*still), se.Mul(*moving)

@@ -17,6 +17,7 @@ import symengine as se
 from voronec.algebra.graphs import is_atom
 from voronec.algebra.stable import stable_all
 from voronec.algebra.stages import needed_stages
+from voronec.algebra.terms import factors_of
 from voronec.equations.program.low_rank import MassElimination, coupled_rows, eliminations
 from voronec.equations.program.walls import is_rough, plain_roots
 from voronec.equations.program.weight import evaluation_weight, taylor_weight
@@ -66,7 +67,7 @@ def _nest(expr: Any, still: set[Any], choice: Choice, memo: dict[Any, Any]) -> A
 def factor_exponents(term: Any) -> dict[Any, int]:
     """A term as {factor: exponent}; numbers and odd powers are factors of their own."""
     found: dict[Any, int] = {}
-    for factor in term.args if isinstance(term, se.Mul) else [term]:
+    for factor in factors_of(term):
         base, exponent = factor, 1
         if isinstance(factor, se.Pow) and isinstance(factor.args[1], se.Integer):
             base, exponent = factor.args[0], int(factor.args[1])
@@ -430,8 +431,7 @@ def without_stages(
 
 def with_plain_roots(form: FirstOrderForm) -> FirstOrderForm:
     """A form without roots of squares and derivatives of signs; the same one where it has none."""
-    exprs = [*form.rates, *form.force, *(e for row in form.mass for e in row)]
-    exprs += [e for _, e in form.stages]
+    exprs = [*form.expressions, *(e for _, e in form.stages)]
     known: dict[Any, Any] = {}
     still = frozenset(form.parameters)
     if all(plain_roots(e, still, known) == e for e in map(se.sympify, exprs)):

@@ -19,6 +19,7 @@ from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.graphs import is_flat
 from voronec.algebra.numeric_functions import formula
 from voronec.algebra.ring import Ring
+from voronec.algebra.terms import factors_of, summands
 from voronec.errors import EngineLimit
 
 __all__ = [
@@ -142,11 +143,11 @@ class Sides:
 
     def _angle_argument(self, expr: Any) -> Any:
         """The argument of a sine: whole turns of an angle in it are nothing."""
-        terms = expr.args if isinstance(expr, se.Add) else (expr,)
+        terms = summands(expr)
         return se.Add(*[self._turn(t) for t in terms])
 
     def _turn(self, term: Any) -> Any:
-        factors = term.args if isinstance(term, se.Mul) else (term,)
+        factors = factors_of(term)
         plain = [f for f in factors if not isinstance(f, se.atan2)]
         if len(plain) + 1 == len(factors) and all(isinstance(f, se.Integer) for f in plain):
             angle = next(f for f in factors if isinstance(f, se.atan2))
@@ -201,7 +202,7 @@ def rounding(radicand: Any, still: frozenset[Any]) -> tuple[Any, Any] | None:
 
 def _is_unbounded_square(term: Any) -> bool:
     """Whether a term is a square at sight, up to a number, and no function of an angle."""
-    factors = term.args if isinstance(term, se.Mul) else (term,)
+    factors = factors_of(term)
     if any(f.is_Number and f < 0 for f in factors) or term.atoms(se.Function):
         return False
     powers = [f for f in factors if not f.is_Number]
@@ -291,7 +292,7 @@ def _plain(expr: Any, still: frozenset[Any], known: dict[Any, Any]) -> Any:
     args = [plain_roots(a, still, known) for a in expr.args]
     if isinstance(expr, se.Pow) and isinstance(args[1], se.Rational) and args[1].q != 1:
         root, rest = square_part(args[0])
-        factors = root.args if isinstance(root, se.Mul) else (root,)
+        factors = factors_of(root)
         kept = se.Mul(*[f for f in factors if f.free_symbols <= still])
         if kept != root:
             return _size(root / kept, 2 * args[1]) * (rest * kept**2) ** args[1]
@@ -312,7 +313,7 @@ def square_part(base: Any) -> tuple[Any, Any]:
     one = se.Integer(1)
     if isinstance(base, (se.Mul, se.Pow)):
         roots, rest = [], []
-        for factor in base.args if isinstance(base, se.Mul) else (base,):
+        for factor in factors_of(base):
             below, exponent = factor.args if isinstance(factor, se.Pow) else (factor, one)
             inner, left = (one, one) if factor.is_Number else square_part(below)
             if factor.is_Number or not isinstance(exponent, se.Integer):

@@ -29,6 +29,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.normal import canonical
+from voronec.algebra.terms import factors_of, summands
 from voronec.algebra.verdicts import all_vanish
 from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.motions import Motions
@@ -490,7 +491,7 @@ def _rewrite(expr: Any, relations: Sequence[Any], done: dict[Any, Any]) -> Any:
 
 def _divide(product: Any, relations: Sequence[Any]) -> Any:
     """A product, with single factors and pairs of its denominator replaced."""
-    factors = product.args if isinstance(product, se.Mul) else (product,)
+    factors = factors_of(product)
     below = {
         f.args[0]: int(-f.args[1])
         for f in factors
@@ -523,14 +524,14 @@ def _as_squares(divisor: Any, relations: Sequence[Any]) -> tuple[int, Any | None
 
 def _constant(poly: Any) -> Any:
     """The constant term of an expanded polynomial, a number."""
-    terms = poly.args if isinstance(poly, se.Add) else (poly,)
+    terms = summands(poly)
     return se.Add(*[t for t in terms if t.is_Number])
 
 
 def _is_positive(poly: Any) -> bool:
     """Whether every term is a positive number times even powers of symbols."""
-    terms = poly.args if isinstance(poly, se.Add) else (poly,)
-    return all(_is_square(f) for t in terms for f in (t.args if isinstance(t, se.Mul) else (t,)))
+    terms = summands(poly)
+    return all(_is_square(f) for t in terms for f in (factors_of(t)))
 
 
 def _is_square(factor: Any) -> bool:

@@ -16,6 +16,7 @@ import symengine as se
 
 from voronec.algebra.angles import Angles
 from voronec.algebra.symbols import plain_name
+from voronec.algebra.terms import factors_of
 from voronec.algebra.verdicts import Verdict
 from voronec.declaration.charts import Chart
 from voronec.declaration.claims import without_claims
@@ -115,4 +116,4 @@ def _up_to_turns(pairs: Iterable[tuple[str, Any]], angles: Angles) -> list[tuple
 
 
 def _factors(product: Any) -> tuple[Any, ...]:
-    return product.args if isinstance(product, se.Mul) else (product,)
+    return factors_of(product)

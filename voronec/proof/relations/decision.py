@@ -26,7 +26,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.conditions import split_hypotheses
-from voronec.algebra.elimination import solve_linear
+from voronec.algebra.elimination import independent_columns, null_vectors, solve_linear
 from voronec.algebra.matrices import determinant, dot
 from voronec.algebra.normal import canonical
 from voronec.algebra.rank import generic_rank
@@ -359,36 +359,10 @@ def volume_factor(statemap: StateMap) -> Any:
 def _tangents(variables: Sequence[Any], relations: Sequence[Any]) -> Matrix:
     """Vectors that span the tangent space: solutions of dR(w) = 0, some entries chosen free."""
     size = range(len(variables))
-    unit = [[se.Integer(int(i == j)) for j in size] for i in size]
     if not relations:
-        return unit
+        return [[se.Integer(int(i == j)) for j in size] for i in size]
     gradient = [[r.diff(x) for x in variables] for r in relations]
-    bound = _pivots(gradient, len(relations))
-    free = [j for j in size if j not in bound]
-    left = [[row[j] for j in bound] for row in gradient]
-    right = [[-row[j] for j in free] for row in gradient]
-    solved = solve_linear(left, right, relations).values
-    rows = []
-    for k, j in enumerate(free):
-        row = list(unit[j])
-        for position, values in zip(bound, solved, strict=True):
-            row[position] = values[k]
-        rows.append(row)
-    return rows
-
-
-def _pivots(gradient: Matrix, count: int) -> list[int]:
-    """Columns in which the gradients are independent, found by elimination from the right."""
-    last = list(reversed(range(len(gradient[0]))))
-    chosen: list[int] = []
-    for j in last:
-        trial = [*chosen, j]
-        columns = [[row[i] for i in trial] for row in gradient]
-        if not solve_linear(columns, [[se.Integer(0)]] * len(columns)).free:
-            chosen = trial
-        if len(chosen) == count:
-            break
-    return sorted(chosen)
+    return null_vectors(gradient, independent_columns(gradient, reversed(size)), relations)
 
 
 def _normals(field: Any) -> Matrix:

@@ -1,0 +1,19 @@
+"""Sums and products of symengine, as their terms and factors."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import symengine as se
+
+__all__ = ["factors_of", "summands"]
+
+
+def summands(expr: Any) -> tuple[Any, ...]:
+    """The terms of a sum; anything else is its only term."""
+    return expr.args if isinstance(expr, se.Add) else (expr,)
+
+
+def factors_of(expr: Any) -> tuple[Any, ...]:
+    """The factors of a product; anything else is its only factor."""
+    return expr.args if isinstance(expr, se.Mul) else (expr,)
