@@ -101,6 +101,51 @@ def test_no_step_goes_over_what_its_series_does_not_see(force, method):
     assert abs(float(run["x"][-1]) - truth) < 1e-8
 
 
+def end_of_short_steps(rates, start, end):
+    """The first state at the end, by many short steps of a Runge-Kutta method."""
+    from scipy.integrate import solve_ivp
+
+    short = {"method": "DOP853", "rtol": 3e-14, "atol": 1e-15, "max_step": 0.02}
+    return solve_ivp(rates, (0, end), start, **short).y[0, -1]
+
+
+@METHODS
+@pytest.mark.parametrize(("degree", "spring"), [(20, 0), (40, 0), (60, 0), (60, 1)])
+def test_no_step_goes_over_a_high_power(degree, spring, method):
+    """The series of x^n at x = 0 is zero up to the order n; with a spring a motion comes back."""
+    end = 20 if spring else 3
+    for start in ({x: 0, v: 0.9}, {x: -0.6, v: 0.7}, {x: 0.2, v: -0.8}):
+        run = vo.integrate(
+            system(-(x ** (degree + 1)) - spring * x), times=[0, end], initial=start, method=method
+        )
+        truth = end_of_short_steps(
+            lambda t, s: [s[1], -(s[0] ** (degree + 1)) - spring * s[0]], list(start.values()), end
+        )
+        assert float(run["x"][-1]) == pytest.approx(truth, abs=2e-10)
+
+
+@METHODS
+@pytest.mark.parametrize("end", [1.2, 1.8])
+def test_a_series_that_knows_nothing_of_what_comes_is_not_trusted(end, method):
+    """Two powers, neither of them high: nothing but the right side at the end of a step tells."""
+    y = sp.Symbol("y")
+    made = System(
+        name="two powers", fibration=Fibration((x, y)),
+        lagrangian=(v**2 + velocity(y) ** 2) / 2, forces={x: -(x**13) * y**12},
+    )  # fmt: skip
+    starts = [{x: 0, y: 0, v: 1, velocity(y): 1}, {x: 0, y: 0.01, v: 0.9, velocity(y): 1}]
+
+    def rates(t, s):
+        return [s[2], s[3], -(s[0] ** 13) * s[1] ** 12, 0]
+
+    truth = [end_of_short_steps(rates, [float(x) for x in s.values()], end) for s in starts]
+    runs = [vo.integrate(made, times=[0, end], initial=s, method=method) for s in starts]
+    assert [float(run["x"][-1]) for run in runs] == pytest.approx(truth, abs=1e-12)
+    if method != "flint":
+        many = vo.ensemble(made, starts=starts, times=[0, end], method=method)
+        assert many["x"][:, -1] == pytest.approx(truth, abs=1e-12)
+
+
 def test_constants_that_are_not_small_round_no_corner():
     form = vo.derive(system(-sp.sqrt(1 + v**2) - 1 / sp.sqrt(4 + 3 * x**2))).form
     assert not has_walls(form.force)

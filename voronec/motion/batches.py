@@ -23,8 +23,9 @@ from voronec.motion.one_by_one import (
     compile_method,
     is_lasting,
 )
-from voronec.motion.steppers.heyoka_stepper import heyoka, openings, overlong_lanes
+from voronec.motion.steppers.heyoka_stepper import heyoka
 from voronec.motion.steppers.run import COLLAPSE, INFINITE
+from voronec.motion.steppers.series_reach import openings, overlong_lanes
 from voronec.motion.steppers.units import units_of_many
 
 __all__ = [
@@ -88,10 +89,12 @@ class Lanes:
         self.steps.stride[found < np.inf] = 1.0
         return found
 
-    def look_back(self, begin: tuple[np.ndarray, ...], state: np.ndarray) -> np.ndarray:
-        """Which lanes took steps too long since they began there, in the integrator's units; it is
-        noted, too."""
-        found = overlong_lanes(self.integrator, begin, state, self.steps.stride)
+    def look_back(
+        self, begin: tuple[np.ndarray, ...], state: np.ndarray, limits: np.ndarray
+    ) -> np.ndarray:
+        """Which lanes took steps too long since they began there, in the integrator's units, though
+        none went beyond ``limits``; it is noted, too."""
+        found = overlong_lanes(self.integrator, begin, state, self.steps.stride, limits)
         self.steps.overlong[found] = True
         return found
 
@@ -192,7 +195,8 @@ def _pieces(
             raise StopRequest
         if (ta.time != grid[at]).any():  # a piece may end an ulp beside the grid
             ta.set_time(float(grid[at]))
-        longest = lanes.first_steps(np.full(lanes.width, grid[-1] - grid[at])).tolist()
+        limits = lanes.first_steps(np.full(lanes.width, grid[-1] - grid[at]))
+        longest = limits.tolist()
         if min(longest) < np.inf:
             piece = 1  # steps of a piece are short where the first one must be
         end = min(at + piece, len(grid) - 1)
@@ -219,7 +223,7 @@ def _pieces(
                 return collapsed, steps
             new = np.stack([block[:, at], lanes.states], axis=1)
         else:
-            lanes.look_back(begin, state)
+            lanes.look_back(begin, state, limits)
         block[:, at : end + 1] = new
         at = end
         piece = max(1, min(4 * piece, int(piece * CHUNK / (4 * max(taken, 1)))))

@@ -12,9 +12,9 @@ from voronec.equations.program import Program, compile_program, hoist
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.steppers.choice import COMPILATION, STAGES
 from voronec.motion.steppers.dop853_source import SHARE
-from voronec.motion.steppers.heyoka_stepper import STRIDE
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
 from voronec.motion.steppers.scipy_stepper import Pace, estimated_steps
+from voronec.motion.steppers.series_reach import STRIDE
 from voronec.motion.steppers.step_loop import Crawl, IntegratorFailure, Stretch, Stride
 from voronec.motion.steppers.units import units_of_many
 from voronec.motion.tolerances import FINEST

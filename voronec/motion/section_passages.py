@@ -453,7 +453,7 @@ def _stretch(
         ends.tolist(), max_steps=limit, max_delta_t=longest.tolist(), c_output=True
     )[0]
     taken = [r[3] for r in ta.propagate_res]
-    if not careful and lanes.look_back(begin, state).any():
+    if not careful and lanes.look_back(begin, state, longest).any():
         ta.set_dtime(*begin)
         ta.state[:] = state
         for _ in range(max(taken)):

@@ -5,10 +5,6 @@ the tolerance of all the others by 1e5.  But where the right-hand side does not 
 (a quadrature), or holds it under sines and cosines only (an angle), what has grown can be taken
 out of it between steps and added to the results: the motion of the others is the same.
 
-Its first steps would be far too long here and there: heyoka takes the length of a step from the
-last two Taylor coefficients, which vanish at once where the start is special: x'' = 1 - x^2 from
-rest at 0 has those of t^2, t^6, t^10, ... alone.
-
 What it compiles is kept in a folder that stays small: on its first use in a process heyoka sums up
 the sizes of all programs that it keeps on disk, which takes 0.4 s where they are 1.2 GB (2500
 programs); by default it lets them grow to 20 GB.
@@ -40,17 +36,20 @@ from voronec.motion.steppers.run import (
     Ticker,
     in_parts,
 )
+from voronec.motion.steppers.series_reach import (
+    BRIEF,
+    BRIEF_STRIDE,
+    GROWTH,
+    PARTS,
+    STRIDE,
+    reach,
+)
 from voronec.motion.steppers.step_loop import Horizon
 from voronec.motion.steppers.units import angles_among, natural_units
 
 __all__ = [
-    "GROWTH",
-    "STRIDE",
     "TurnCount",
     "heyoka",
-    "opening",
-    "openings",
-    "overlong_lanes",
     "taylor",
 ]
 
@@ -320,6 +319,7 @@ class _Drive:
     size: int = field(init=False)
     ahead: int = field(init=False)
     longest: float = 0.0
+    usual: float = np.inf
     standing: tuple[float, np.ndarray] = field(init=False)
     horizon: Horizon = field(init=False)
 
@@ -338,7 +338,7 @@ class _Drive:
         time, state = ta.time, ta.state.copy()
         span = float(self.grid[-1] - self.grid[0])
         taken = ta.step(max_delta_t=span, write_tc=True)[1] if span else 0.0
-        length = opening(ta.tc, taken, self.problem.tol)
+        length = reach(ta, taken, PARTS if abs(taken) >= abs(span) else 1)
         ta.time, ta.state[:], self.log.silent = time, state, False
         if ta.with_events:
             ta.reset_cooldowns()
@@ -360,12 +360,14 @@ class _Drive:
         self.winding.take(self.integrator.state)
         before, state = self.integrator.time, self.integrator.state.copy()
         moment = self.integrator.dtime
-        size = self.size if self.opening == np.inf else 1
+        limit = self.opening
+        size = self.size if limit == np.inf else 1
         kept = {name: len(rows) for name, rows in self.log.rows.items()}
         ends, stretches = len(self.ends), len(self.stretches)
         outcome, taken, new = self.advance(size)
         self.opening = np.inf
-        overlong = self.overlong(moment, state, taken)
+        overlong = self.overlong(moment, state, taken) if limit == np.inf else None
+        self.usual = min(self.usual, limit)
         if overlong is not None:
             good, length = overlong
             self.log.stopped = ""
@@ -400,16 +402,18 @@ class _Drive:
         such step."""
         ta, span = self.integrator, abs(self.integrator.time - sum(moment))
         longest = max(self.longest, abs(ta.last_h))
-        others = (span - longest) / max(taken - 1, 1)
-        if taken < 2 or not longest > self.stride * others:
+        if taken > 1:
+            self.usual = (span - longest) / (taken - 1)
+        usual = self.usual * (self.stride if taken > BRIEF else min(self.stride, BRIEF_STRIDE))
+        if not taken or not longest > usual:
             return None
-        end, there, before = ta.dtime, ta.state.copy(), np.inf
+        end, there, before = ta.dtime, ta.state.copy(), 0.0
         ta.dtime, ta.state[:], self.log.silent = moment, state, True
         found = None
         for k in range(taken):
             length = ta.step(max_delta_t=float(self.grid[-1] - ta.time), write_tc=True)[1]
-            if abs(length) > GROWTH * before:
-                allowed = opening(ta.tc, length, self.problem.tol)
+            if abs(length) > min(GROWTH * before, usual):
+                allowed = reach(ta, length, PARTS if abs(length) > usual else 1)
                 if allowed < np.inf:
                     found = k, allowed
                     break
@@ -528,93 +532,6 @@ def _join_stretches(stretches: list[Any], states: np.ndarray) -> Any:
     ends = [s.bounds[1] for s in stretches]
     order = 1.0 if not ends or ends[-1] >= stretches[0].bounds[0] else -1.0
     return lambda times: in_parts(ends, order, stretches, times, states)
-
-
-SPARSE = 2.0
-"""A step so many times longer than the other coefficients allow is not to be trusted."""
-STRIDE = 4.0
-"""A step so many times the mean of the others of its chunk may have been made too long by
-coefficients that vanish; then the chunk is looked at step by step.  So is each chunk of a run that
-began with such a step, since a motion comes back."""
-GROWTH = 1.5
-"""Of these, only such are looked at as are so many times longer than the step before."""
-
-
-def opening(coefficients: np.ndarray, taken: float, tol: float) -> float:
-    """The length of a step whose Taylor coefficients are (n, order + 1), where the one ``taken`` is
-    too long; else infinite.
-
-    It goes by the latter half of them: the radius of convergence that each suggests, times
-    tol^(1/order).
-    """
-    sizes = np.abs(coefficients).max(axis=0).tolist()
-    scale, order = max(1.0, sizes[0]), len(sizes) - 1
-    later = ((k, sizes[k] / scale) for k in range(order // 2, order + 1))
-    radii = [size ** (-1.0 / k) for k, size in later if size > 0]
-    length = min(radii, default=np.inf) * tol ** (1.0 / order)
-    return float(length if abs(taken) > SPARSE * length else np.inf)
-
-
-def _openings(coefficients: np.ndarray, taken: np.ndarray, tol: float) -> np.ndarray:
-    """The same of several steps (k,), with coefficients (n, order + 1, k)."""
-    sizes = np.abs(coefficients).max(axis=0)
-    sizes = sizes / np.fmax(1.0, sizes[0])
-    order = len(sizes) - 1
-    powers = -1.0 / np.arange(order // 2, order + 1)[:, None]
-    later = sizes[order // 2 :]
-    sound = np.where(later > 0, later, 0.0)  # to a negative power: infinite
-    with np.errstate(divide="ignore"):
-        lengths = (sound**powers).min(axis=0) * tol ** (1.0 / order)
-    return np.where(np.abs(taken) > SPARSE * lengths, lengths, np.inf)
-
-
-def openings(integrator: Any, spans: np.ndarray) -> np.ndarray:
-    """Such lengths for all lanes of a batch integrator, no step going beyond ``spans``; it stands
-    afterwards where it stood."""
-    times, state = [part.copy() for part in integrator.dtime], integrator.state.copy()
-    integrator.step(max_delta_t=spans.tolist(), write_tc=True)
-    taken = np.array([length for _, length in integrator.step_res])
-    found = _openings(integrator.tc, taken, integrator.tol)
-    integrator.set_dtime(*times)
-    integrator.state[:] = state
-    return found
-
-
-def overlong_lanes(
-    integrator: Any, begin: tuple[np.ndarray, ...], state: np.ndarray, stride: np.ndarray
-) -> np.ndarray:
-    """Which lanes (width,) of a batch integrator took a step that was made too long, from
-    ``begin`` (its ``dtime``) and ``state`` (n, width) to where it stands, and stands afterwards.
-
-    Lanes of which one step is more than ``stride`` (width,) times the others are gone over again.
-    """
-    ends, there = tuple(part.copy() for part in integrator.dtime), integrator.state.copy()
-    width = len(ends[0])
-    taken, longest = (
-        np.array([abs(result[k]) for result in integrator.propagate_res]) for k in (3, 2)
-    )
-    span = np.abs(ends[0] - begin[0])
-    others = (span - longest) / np.maximum(taken - 1, 1)
-    suspect, found = (taken > 1) & (longest > stride * others), np.zeros(width, dtype=bool)
-    if not suspect.any() or not np.isfinite(there).all():
-        return found
-    integrator.set_dtime(*begin)
-    integrator.state[:] = state
-    before = np.full(width, np.inf)
-    for _ in range(int(taken[suspect].max())):
-        left = ends[0] - integrator.time
-        # a lane that has arrived, or whose motion ends on the way, stands still
-        still = (left == 0) | ~np.isfinite(left)
-        integrator.step(max_delta_t=np.where(still, SPECK, left).tolist(), write_tc=True)
-        for lane in np.flatnonzero(suspect & ~found):
-            length = abs(integrator.step_res[lane][1])
-            if length > GROWTH * before[lane]:
-                tol, tc = integrator.tol, integrator.tc[:, :, lane]
-                found[lane] = opening(tc, length, tol) < np.inf
-            before[lane] = length
-    integrator.set_dtime(*ends)
-    integrator.state[:] = there
-    return found
 
 
 ROOM = 64 * 2**20

@@ -16,6 +16,7 @@ from voronec.equations.program import Program
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.recurrences import Recurrences, fixed_point, recurrences
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
+from voronec.motion.steppers.series_reach import BLIND, FAITHFUL, HALVINGS, SHRINKS
 from voronec.motion.steppers.step_loop import IntegratorFailure, Levels, Stride, march
 from voronec.motion.steppers.units import SMALL, natural_units
 
@@ -99,6 +100,16 @@ class _Polynomial:
             result.append(value)
         return result
 
+    def slopes(self, place: int) -> list[int]:
+        """The rates of the variables there, times the step."""
+        result = []
+        for row in self.rows:
+            value = 0
+            for k in range(len(row) - 1, 0, -1):
+                value = (value * place >> self.bits) + k * row[k]
+            result.append(value)
+        return result
+
     def at(self, times: np.ndarray) -> np.ndarray:
         """States (k, n) at times (k,), as mpmath's numbers."""
         states = np.empty((len(times), len(self.rows)), dtype=object)
@@ -152,6 +163,7 @@ class _Walker:
         part = min(1 << bits, int(min(room, 1.0) * 2**53) << bits - 53)
         polynomial = _Polynomial(rows, start, step, bits, self.kept)
         self.guess = abs(step) * int(min(room, 2.0) * 2**20) >> 20
+        part = self.faithful(polynomial, part)
         self.time = self.time + (step * part >> bits)
         if abs(self.time - start) < _units(self.least, bits):
             raise IntegratorFailure(COLLAPSE)
@@ -179,10 +191,45 @@ class _Walker:
         self.time, self.end, self.guess = (x << more for x in (self.time, self.end, self.guess))
         return self.expand_step(step << more)
 
+    def faithful(self, polynomial: _Polynomial, part: int) -> int:
+        """The part of a step whose defect is of the size of the tolerance: half of it, and so on,
+        where the series does not know what is to come."""
+        deep = log2(self.problem.tol)
+        allowed, worst = BLIND * deep, self.defect(polynomial, part)
+        if worst <= allowed:
+            return part
+        for _ in range(HALVINGS):
+            less = self.defect(polynomial, part >> 1)
+            if worst <= allowed and less > worst + log2(SHRINKS):
+                break  # what is left is rounding
+            part, worst = part >> 1, less
+            if worst <= min(allowed, deep + log2(FAITHFUL)):
+                break
+        self.guess = min(self.guess, abs(polynomial.step) * part >> self.bits)
+        return part
+
+    def defect(self, polynomial: _Polynomial, part: int) -> float:
+        """log2 of by how much the slope of a series misses the right side at the end of a part."""
+        state, bits, step = polynomial.state(part), self.bits, polynomial.step
+        try:
+            right, _ = self.expand(state, polynomial.start + (step * part >> bits), step, 1)
+        except (ValueError, ZeroDivisionError, OverflowError):
+            return inf
+        slopes = polynomial.slopes(part)
+        missed = [
+            (abs(row[1] - slope) * part >> bits, size)
+            for row, slope, size in zip(right, slopes, self.sizes(polynomial.rows), strict=True)
+        ]
+        return max((_log(miss) - _log(size) for miss, size in missed), default=-inf)
+
+    def sizes(self, rows: list[list[int]]) -> list[int]:
+        """Of the variables at the start of a step: at least their units."""
+        units = [_units(u, self.bits) for u in self.units.tolist()]
+        return [max(u, abs(row[0])) for u, row in zip(units, rows, strict=True)]
+
     def room(self, rows: list[list[int]]) -> float:
         """The longest step that the tolerance leaves, in units of this one."""
-        units = [_units(u, self.bits) for u in self.units.tolist()]
-        sizes = [max(u, abs(row[0])) for u, row in zip(units, rows, strict=True)]
+        sizes = self.sizes(rows)
         radii = {}
         for k in range(self.order // 2, self.order + 1):
             pairs = zip(rows, sizes, strict=True)

@@ -1,0 +1,228 @@
+"""How far a Taylor series is to be trusted.
+
+heyoka takes the length of a step from the last two Taylor coefficients.  Steps would be far too
+long here and there: where these vanish at once, as x'' = 1 - x^2 from rest at 0 has those of t^2,
+t^6, t^10, ... alone; and where all of them know nothing of what is to come, as x'' = -x^40 has none
+at x = 0.  The first is seen in the other coefficients, the second in the defect: by how much the
+slope of the series misses the right side, there where it leads.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+__all__ = [
+    "BLIND",
+    "BRIEF",
+    "BRIEF_STRIDE",
+    "FAITHFUL",
+    "GROWTH",
+    "HALVINGS",
+    "PARTS",
+    "SHRINKS",
+    "STRIDE",
+    "openings",
+    "overlong_lanes",
+    "reach",
+]
+
+
+SPARSE = 2.0
+"""A step so many times longer than the other coefficients allow is not to be trusted."""
+STRIDE = 4.0
+"""A step so many times the mean of the others of its chunk may have been made too long by
+coefficients that vanish; then the chunk is looked at step by step.  So is each chunk of a run that
+began with such a step, since a motion comes back."""
+BRIEF, BRIEF_STRIDE = 8, 2.0
+"""The same of chunks of no more than so many steps."""
+GROWTH = 1.5
+"""Of these, only such are looked at as are so many times longer than the step before."""
+
+
+BLIND = 0.75
+"""A defect above this power of the tolerance tells of a series that does not know what is to come;
+those of other steps are far below."""
+FAITHFUL = 100.0
+"""Such a step is halved until its defect is at most so many times the tolerance."""
+SHRINKS = 0.25
+"""Or until half of it has still more than this part of the defect: what is left is rounding."""
+HALVINGS = 40
+PARTS = 16
+"""At the ends of so many parts a step that may be far too long is looked at."""
+
+
+def reach(integrator: Any, taken: float, parts: int = 1) -> float:
+    """The length up to which the step just ``taken``, with its Taylor coefficients, may be trusted,
+    where it is too long; else infinite.
+
+    Its defect is looked at where so many ``parts`` of it end.
+    """
+    length = _coefficients_reach(integrator.tc, taken, integrator.tol)
+    if length < np.inf or not taken:
+        return length
+    series = _Series(integrator, integrator.tc[:, :, None].copy(), np.array([taken]), parts)
+    end, state = integrator.dtime, integrator.state.copy()
+    length = float(series.reach()[0])
+    integrator.dtime, integrator.state[:] = end, state
+    return length
+
+
+def _coefficients_reach(coefficients: np.ndarray, taken: float, tol: float) -> float:
+    """The same by the latter half of the coefficients (n, order + 1): the radius of convergence
+    that each suggests, times tol^(1/order)."""
+    sizes = np.abs(coefficients).max(axis=0).tolist()
+    scale, order = max(1.0, sizes[0]), len(sizes) - 1
+    later = ((k, sizes[k] / scale) for k in range(order // 2, order + 1))
+    radii = [size ** (-1.0 / k) for k, size in later if size > 0]
+    length = min(radii, default=np.inf) * tol ** (1.0 / order)
+    return float(length if abs(taken) > SPARSE * length else np.inf)
+
+
+def _lanes_reach(coefficients: np.ndarray, taken: np.ndarray, tol: float) -> np.ndarray:
+    """The same of several steps (k,), with coefficients (n, order + 1, k)."""
+    sizes = np.abs(coefficients).max(axis=0)
+    sizes = sizes / np.fmax(1.0, sizes[0])
+    order = len(sizes) - 1
+    powers = -1.0 / np.arange(order // 2, order + 1)[:, None]
+    later = sizes[order // 2 :]
+    sound = np.where(later > 0, later, 0.0)  # to a negative power: infinite
+    with np.errstate(divide="ignore"):
+        lengths = (sound**powers).min(axis=0) * tol ** (1.0 / order)
+    return np.where(np.abs(taken) > SPARSE * lengths, lengths, np.inf)
+
+
+@dataclass(frozen=True)
+class _Series:
+    """The Taylor ``coefficients`` (n, order + 1, k) of the steps just ``taken`` (k,) by an
+    integrator of one motion or of a batch, looked at where so many ``parts`` of them end."""
+
+    integrator: Any
+    coefficients: np.ndarray
+    taken: np.ndarray
+    parts: int
+    ends: np.ndarray = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "ends", np.array(self.integrator.time, dtype=float))
+
+    def reach(self) -> np.ndarray:
+        """The lengths (k,) up to which the defect is of the size of the tolerance; infinite where
+        it is ordinary.  The integrator stands elsewhere afterwards."""
+        tol = self.integrator.tol
+        allowed, faithful = tol**BLIND, min(FAITHFUL * tol, tol**BLIND)
+        lengths = self.taken.copy()
+        worst = self._defects(lengths)
+        blind = worst > allowed
+        left = blind.copy()
+        for _ in range(HALVINGS):
+            if not left.any():
+                break
+            half = np.where(left, lengths / 2, lengths)
+            less = self._defects(half)
+            left &= (worst > allowed) | (less <= SHRINKS * worst)
+            lengths, worst = np.where(left, half, lengths), np.where(left, less, worst)
+            left &= worst > faithful
+        return np.where(blind & (worst <= allowed), np.abs(lengths), np.inf)
+
+    def _defects(self, lengths: np.ndarray) -> np.ndarray:
+        """The largest defects of steps of some lengths (k,); infinite where the right side has no
+        value."""
+        ends = [self._defect(lengths * (i / self.parts)) for i in range(self.parts, 0, -1)]
+        return np.asarray(np.nan_to_num(np.max(ends, axis=0), nan=np.inf))
+
+    def _defect(self, lengths: np.ndarray) -> np.ndarray:
+        """|p' - f(p)| h / max(1, |x|), with p the series at the end of a length h."""
+        series = self.coefficients
+        numbers = np.arange(series.shape[1])[:, None]
+        with np.errstate(all="ignore"):
+            powers = lengths**numbers
+            states = np.einsum("ijk,jk->ik", series, powers)
+            slopes = np.einsum("ijk,jk->ik", series[:, 1:], numbers[1:] * powers[:-1])
+            missed = np.abs(slopes - self._right_side(states, lengths)).max(axis=0)
+            return np.asarray(missed * np.abs(lengths) / np.fmax(1, np.abs(series[:, 0]).max(0)))
+
+    def _right_side(self, states: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+        """Its values (n, k): the first coefficients of steps of length zero."""
+        integrator, times = self.integrator, self.ends - self.taken + lengths
+        if self.ends.ndim:
+            integrator.set_time(times.tolist())
+            integrator.state[:] = states
+            integrator.step(max_delta_t=[0.0] * len(lengths), write_tc=True)
+            return np.asarray(integrator.tc[:, 1])
+        integrator.time, integrator.state[:] = float(times[0]), states[:, 0]
+        integrator.step(max_delta_t=0.0, write_tc=True)
+        return np.asarray(integrator.tc[:, 1:2])
+
+
+def openings(integrator: Any, spans: np.ndarray) -> np.ndarray:
+    """Such lengths for all lanes of a batch integrator, no step going beyond ``spans``; it stands
+    afterwards where it stood."""
+    times, state = [part.copy() for part in integrator.dtime], integrator.state.copy()
+    integrator.step(max_delta_t=spans.tolist(), write_tc=True)
+    taken = np.array([length for _, length in integrator.step_res])
+    whole = (np.abs(taken) >= np.abs(spans)).any()
+    found = _steps_reach(integrator, taken, PARTS if whole else 1)
+    integrator.set_dtime(*times)
+    integrator.state[:] = state
+    return found
+
+
+def _steps_reach(integrator: Any, taken: np.ndarray, parts: int) -> np.ndarray:
+    """``reach`` of the steps just ``taken`` (k,) by a batch integrator."""
+    times, state = [part.copy() for part in integrator.dtime], integrator.state.copy()
+    series = _Series(integrator, integrator.tc.copy(), taken, parts)
+    found = _lanes_reach(series.coefficients, taken, integrator.tol)
+    found = np.minimum(found, series.reach())
+    integrator.set_dtime(*times)
+    integrator.state[:] = state
+    return found
+
+
+def overlong_lanes(
+    integrator: Any,
+    begin: tuple[np.ndarray, ...],
+    state: np.ndarray,
+    stride: np.ndarray,
+    limits: np.ndarray,
+) -> np.ndarray:
+    """Which lanes (width,) of a batch integrator took a step that was made too long, from
+    ``begin`` (its ``dtime``) and ``state`` (n, width) to where it stands, and stands afterwards.
+    No step was to be longer than ``limits`` (width,).
+
+    Lanes of which one step is more than ``stride`` (width,) times the others are gone over again.
+    """
+    ends, there = tuple(part.copy() for part in integrator.dtime), integrator.state.copy()
+    width = len(ends[0])
+    taken, longest = (
+        np.array([abs(result[k]) for result in integrator.propagate_res]) for k in (3, 2)
+    )
+    span = np.abs(ends[0] - begin[0])
+    # a last step that was cut is not among the longest; nor is it known where others went on
+    cut = np.fmax(np.abs(integrator.last_h), span - (taken - 1) * longest)
+    longest = np.where(taken > 1, np.fmax(longest, cut), longest)
+    others = (span - longest) / np.maximum(taken - 1, 1)
+    usual = others * np.where(taken > BRIEF, stride, np.minimum(stride, BRIEF_STRIDE))
+    found = np.zeros(width, dtype=bool)
+    suspect = (taken > 1) & (longest > usual)
+    if not suspect.any() or not np.isfinite(there).all():
+        return found
+    integrator.set_dtime(*begin)
+    integrator.state[:] = state
+    before = np.zeros(width)
+    for _ in range(int(taken[suspect].max())):
+        left = ends[0] - integrator.time
+        # a lane that has arrived, or whose motion ends on the way, stands still
+        left = np.clip(np.where(np.isfinite(left), left, 0.0), -limits, limits)
+        integrator.step(max_delta_t=left.tolist(), write_tc=True)
+        taken = np.array([length for _, length in integrator.step_res])
+        longer = suspect & ~found & (np.abs(taken) > np.minimum(GROWTH * before, usual))
+        if longer.any():
+            parts = PARTS if (longer & (np.abs(taken) > usual)).any() else 1
+            found |= longer & (_steps_reach(integrator, taken, parts) < np.inf)
+        before = np.abs(taken)
+    integrator.set_dtime(*ends)
+    integrator.state[:] = there
+    return found
