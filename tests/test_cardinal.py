@@ -19,7 +19,9 @@ from voronec.equations.program import Program, compile_program
 
 x, y = sp.symbols("x y")
 v = velocity(x)
-METHODS = pytest.mark.parametrize("method", ["scipy", "heyoka", "flint"])
+METHODS = pytest.mark.parametrize(
+    "method", ["scipy", pytest.param("heyoka", marks=pytest.mark.slow), "flint"]
+)
 
 
 def system(force=0) -> System:

@@ -83,6 +83,7 @@ def benchmark_in_sympys_model() -> dict[str, Any]:
     return {"tilt": angle, **values, **lengths}
 
 
+@pytest.mark.slow
 def test_the_bicycle_of_sympys_tests_has_the_same_eigenvalues() -> None:
     """Another model of it, other coordinates and speeds, read from SymPy's objects."""
     system = vo.from_mechanics(models.whipple_bicycle())
@@ -124,7 +125,10 @@ OPERATING: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", OPERATING)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=pytest.mark.slow) if "pendulum" in n else n for n in OPERATING],
+)
 def test_matrices_are_those_of_sympys_linearizer(name: str) -> None:
     kane = models.MODELS[name]()
     kane.kanes_equations()

@@ -5,6 +5,7 @@ import ast
 import re
 from collections import Counter
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -51,10 +52,20 @@ def participle(name: str) -> str | None:
     return last if re.search("(ed|ing)$", last) and last not in NOUNS else None
 
 
-def _definitions(node: ast.AST) -> Iterator[str]:
-    for inner in ast.walk(node):
+@cache
+def modules() -> dict[str, ast.Module]:
+    """Every file of the package, read."""
+    files = sorted(PACKAGE.rglob("*.py"))
+    return {str(f.relative_to(PACKAGE)): ast.parse(f.read_text("utf-8")) for f in files}
+
+
+def definitions(node: ast.AST) -> Iterator[ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef]:
+    """Functions and classes in a module, inner ones too; expressions hold none."""
+    for inner in ast.iter_child_nodes(node):
         if isinstance(inner, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
-            yield inner.name
+            yield inner
+        if not isinstance(inner, ast.expr):
+            yield from definitions(inner)
 
 
 def _constants(module: ast.Module) -> Iterator[str]:
@@ -68,10 +79,10 @@ def _constants(module: ast.Module) -> Iterator[str]:
 
 def names() -> Iterator[tuple[str, str]]:
     """(file, name) of every file, function, class and constant of the package."""
-    for file in sorted(PACKAGE.rglob("*.py")):
-        place, module = str(file.relative_to(PACKAGE)), ast.parse(file.read_text("utf-8"))
-        yield place, file.stem
-        yield from ((place, name) for name in (*_definitions(module), *_constants(module)))
+    for place, module in modules().items():
+        yield place, Path(place).stem
+        yield from ((place, node.name) for node in definitions(module))
+        yield from ((place, name) for name in _constants(module))
 
 
 @pytest.mark.parametrize(
@@ -98,8 +109,8 @@ def test_a_class_has_its_name_for_itself():
     formula, which messages call by the names of their classes."""
     counts = Counter(
         node.name
-        for file in PACKAGE.rglob("*.py")
-        for node in ast.walk(ast.parse(file.read_text("utf-8")))
+        for module in modules().values()
+        for node in definitions(module)
         if isinstance(node, ast.ClassDef)
     )
     assert {name for name, count in counts.items() if count > 1} == {

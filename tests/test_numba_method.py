@@ -67,6 +67,7 @@ def test_steps_are_those_of_scipy_and_states_too(events):
         assert np.abs(one.t - other.t).max() < 1e-11
 
 
+@pytest.mark.slow
 def test_it_agrees_with_taylor_series_and_runs_backwards():
     fine = moved("flint", tol=1e-22, times=[0, 15, 30])
     here = moved("numba", tol=1e-14, times=[0, 15, 30])
@@ -128,6 +129,7 @@ def test_kept_code_is_read_and_damaged_code_is_named_and_made_anew(monkeypatch):
         assert (moved("numba")["x"] == first["x"]).all()
 
 
+@pytest.mark.slow
 def test_auto_takes_it_for_long_runs_where_heyoka_is_missing(monkeypatch):
     monkeypatch.setitem(sys.modules, "heyoka", None)
     assert moved("auto").cost.method == "scipy", "a short run"
@@ -158,6 +160,7 @@ def test_many_motions_and_sections_go_by_it_as_by_scipy():
     assert np.abs(here.t - there.t).max() < 1e-9
 
 
+@pytest.mark.slow
 def test_ensembles_take_it_where_heyoka_is_missing_and_motions_are_many(monkeypatch):
     import voronec.motion.one_by_one as single
 

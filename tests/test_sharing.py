@@ -80,7 +80,10 @@ def test_products_of_two_sums_are_not_written_out() -> None:
     assert float(short.derivative.results[1].xreplace(known)) == pytest.approx(exact, rel=1e-15)
 
 
-@pytest.mark.parametrize("name", ["rolling_disc", "chaos_pendulum", "four_bar_linkage"])
+@pytest.mark.parametrize(
+    "name",
+    ["rolling_disc", "chaos_pendulum", pytest.param("four_bar_linkage", marks=pytest.mark.slow)],
+)
 def test_half_of_the_operations_of_rhs_after_cse(name: str) -> None:
     method = bench.MODELS[name]()
     method.kanes_equations()

@@ -63,6 +63,7 @@ def test_the_site_carries_the_pages_of_a_dozen_motions(build, tmp_path: Path) ->
     assert '<iframe src="../motions/demchenko-default.html"' in page.read_text()
 
 
+@pytest.mark.slow
 def test_the_index_names_every_page_and_systems_have_their_sketches(build, tmp_path: Path) -> None:
     source = tmp_path / "source"
     build.write_source(source)

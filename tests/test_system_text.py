@@ -219,6 +219,7 @@ def test_nothing_is_run_and_nothing_explodes(tmp_path: Path) -> None:
     assert "the number is too" in wrong(tmp_path, SKATE.replace("9.81", "1e999999"))
 
 
+@pytest.mark.slow
 def test_every_command_takes_a_text(call: Call) -> None:
     assert call("new", "rolling-coin", "--toml").status == 0
     file = "rolling_coin.toml"

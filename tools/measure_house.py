@@ -89,7 +89,7 @@ def _name(path: Path) -> str:
 
 
 def _imported(name: str, path: Path, files: dict[str, Path]) -> Iterator[str]:
-    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+    for node in _statements(ast.parse(path.read_text("utf-8"))):
         if isinstance(node, ast.Import):
             yield from (a.name for a in node.names if a.name in files)
         elif isinstance(node, ast.ImportFrom) and node.module in files:
@@ -98,6 +98,14 @@ def _imported(name: str, path: Path, files: dict[str, Path]) -> Iterator[str]:
                 found = inner if inner in files else node.module
                 if found != name:
                     yield found
+
+
+def _statements(node: ast.AST) -> Iterator[ast.AST]:
+    """What stands below a node, expressions aside."""
+    for inner in ast.iter_child_nodes(node):
+        if not isinstance(inner, ast.expr):
+            yield inner
+            yield from _statements(inner)
 
 
 def _room(module: str) -> str:
