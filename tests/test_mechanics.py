@@ -90,7 +90,9 @@ def test_rates_of_speeds_are_those_of_kanes_method(name: str) -> None:
             assert abs(rate - expected[u]) < CLOSE * (1 + abs(rate)), (name, u)
 
 
-@pytest.mark.parametrize("name", LAGRANGE)
+@pytest.mark.parametrize(
+    "name", [n if "pendulum" in n else pytest.param(n, marks=pytest.mark.slow) for n in LAGRANGE]
+)
 def test_accelerations_are_those_of_lagranges_method(name: str) -> None:
     with mp.workdps(DIGITS):
         method = models.MODELS[name]()
