@@ -497,3 +497,50 @@ def test_a_run_goes_back_before_it_leaves_a_split_that_broke_down() -> None:
     sharp = vo.integrate(vo.load("bicycle"), initial=start, times=times, tol=1e-18)
     for name in rough.names:
         assert np.abs(rough[name] - sharp[name].astype(float)).max() < 1e-9, name
+
+
+BLADE_START = {"y": 1.093, "phi": -1.457, "x": 0.519, "ydot": -0.149, "phidot": 1.294}
+
+
+def blade() -> vo.System:
+    """A blade on a plane, given by the velocity of y: along x that does not tell the other."""
+    x, y, phi = sp.symbols("x y phi")
+    Dx, Dy, spin = map(vo.velocity, (x, y, phi))
+    return vo.System(
+        name="blade", fibration=vo.Fibration(base=(y, phi), fibre=(x,)),
+        lagrangian=3 * spin**2 / 8 + 17 * (Dx**2 + Dy**2) / 20,
+        constraints=(Dx * sp.sin(phi) - Dy * sp.cos(phi),),
+    )  # fmt: skip
+
+
+def blade_circle(time: float) -> tuple[float, float]:
+    """(x, y): the blade goes round at constant speed."""
+    first, spin = BLADE_START["phi"], BLADE_START["phidot"]
+    radius, last = BLADE_START["ydot"] / np.sin(first) / spin, first + spin * time
+    x = BLADE_START["x"] + radius * (np.sin(last) - np.sin(first))
+    return x, BLADE_START["y"] - radius * (np.cos(last) - np.cos(first))
+
+
+@pytest.mark.parametrize("method", ["scipy", "numba", "heyoka"])
+def test_an_ensemble_sees_between_its_instants_that_a_split_fails(method: str) -> None:
+    grid = [0.0, 4.404]
+    many = vo.ensemble(blade(), starts=[BLADE_START], times=grid, outputs=("x", "y"), method=method)
+    end = [many[name][0, -1] for name in ("x", "y")]
+    assert end == pytest.approx(blade_circle(grid[-1]), abs=1e-11)
+
+
+@pytest.mark.parametrize("method", ["scipy", "numba", "heyoka"])
+def test_a_section_does_not_go_across_a_singular_split_in_silence(method: str) -> None:
+    def crossing() -> float:
+        section = vo.section(
+            blade(), starts=[BLADE_START], plane=sp.Symbol("y") - 1.12, crossings=3, method=method,
+            outputs=("phi", "x"),
+        )  # fmt: skip
+        times = (section["phi"] - BLADE_START["phi"]) / BLADE_START["phidot"]
+        return max(abs(blade_circle(t)[1] - 1.12) for t in times)
+
+    if method == "heyoka":
+        assert crossing() < 1e-11
+        return
+    with pytest.raises(vo.IntegrationError, match="equations are singular"):
+        crossing()

@@ -474,7 +474,7 @@ def _block(
             elif lanes is None:
                 rows, error, steps, short = along_one(
                     filled.single, motions.program, states[0], values[0], filled.grid, tol,
-                    halt.is_set,
+                    halt.is_set, motions.divisor_watch(values[0]),
                 )  # fmt: skip
                 filled.collapsed.extend(where[:short].tolist())
                 rows, failed = rows[None], {} if error is None else {0: error}
@@ -486,17 +486,15 @@ def _block(
     except StopRequest:
         return
     finally:
-        _fill_judgements(filled, over, taken, lanes is None)
+        _fill_judgements(filled, over, taken)
 
 
 def _fill_judgements(
     filled: _ResultRows,
     over: list[tuple[np.ndarray, np.ndarray, dict[int, IntegrationError]]],
     steps: int,
-    stepwise: bool,
 ) -> None:
-    """Fill in what is done of a block, after a look at whether it went well; ``stepwise`` says that
-    it was by scipy."""
+    """Fill in what is done of a block, after a look at whether it went well."""
     if not over:
         return
     where = np.concatenate([w for w, _, _ in over])
@@ -513,8 +511,6 @@ def _fill_judgements(
         time, state = float(filled.grid[breach.row]), rows[i, breach.row].copy()
         failed[i] = IntegrationError(f"{breach.what} after t = {time:.12g}", time, state)
         rows[i, breach.row + 1 :] = np.nan
-    if smooth and stepwise:  # steps of Taylor's method grow short there, others may go across
-        filled.collapsed.extend(where[filled.motions.passes_divisor(filled.grid, rows, values)])
     filled.steps.append(steps)
     filled.put(where, rows, _errors_by_start(filled.motions, where, failed))
 

@@ -115,22 +115,29 @@ class Many:
         program = quantities(equations.raw.form, below)
         return tuple(places.watch_divisors(ground.form, program, self.full[i]))
 
-    def passes_divisor(self, t: Any, states: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Of motions (m, k, n) with parameters (m, p), which came near a zero of a divisor (m,), as
-        far as the instants ``t`` tell."""
-        found = np.zeros(len(states), dtype=bool)
+    def divisor_watch(
+        self, values: np.ndarray, level: float = NEAR
+    ) -> Callable[[np.ndarray, np.ndarray], bool] | None:
+        """Whether a motion with parameters (p,) brings a divisor below a level, in units of its
+        usual size, or across zero, as far as times (s,) and states (s, n) tell; None where no
+        divisor vanishes."""
         if not self.divisors:
-            return found
+            return None
         names = [str(i) for i in range(len(self.divisors))]
         functions = [d.function for d in self.divisors]
         program = quantities(self.ground.form, dict(zip(names, functions, strict=True)))
+        evaluate = compile_program(program)[1]
         order = [self.program.parameters.index(p) for p in program.parameters]
-        each = np.broadcast_to(values[:, None, order], (*states.shape[:2], len(program.parameters)))
-        sizes = at_each(compile_program(program)[1], program.names, t, states, each)
-        for divisor, size in zip(self.divisors, sizes.values(), strict=True):
-            found |= (np.abs(size) < NEAR * divisor.scale).any(axis=1)
-            found |= (np.diff(np.sign(size), axis=1) != 0).any(axis=1)
-        return found
+        scales = np.array([d.scale for d in self.divisors])
+
+        def passes(times: np.ndarray, states: np.ndarray) -> bool:
+            each = np.broadcast_to(values[order], (1, len(times), len(order)))
+            found = at_each(evaluate, program.names, times, states[None], each)
+            sizes = np.stack([found[name][0] for name in names])
+            near = np.abs(sizes) < level * scales[:, None]
+            return bool(near.any() or (np.diff(np.sign(sizes), axis=1) != 0).any())
+
+        return passes
 
     @property
     def may_go_on(self) -> bool:

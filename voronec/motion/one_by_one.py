@@ -21,6 +21,7 @@ from voronec.motion.tolerances import FINEST
 
 __all__ = [
     "Look",
+    "Passes",
     "StepSizes",
     "StopRequest",
     "along_one",
@@ -35,8 +36,13 @@ COLLAPSE_RATIO = 1e-3
 """Steps are about as long as the way to the next singularity of a motion in complex time, so that
 this share of the longest one tells how near it passed, and how many digits were lost."""
 
+LOOKED_AT = 1000
+"""So many steps, or stretches of the compiled loop, are looked at together."""
+
 Look = Callable[[], bool]
 """Whether somebody asked to stop."""
+Passes = Callable[[np.ndarray, np.ndarray], bool]
+"""Whether a motion with states (s, n) at times (s,) passes a place that makes it doubtful."""
 
 
 class StopRequest(Exception):
@@ -191,30 +197,41 @@ def _stretches(
 
 def along_one(
     method: str, program: Program, state: np.ndarray, values: np.ndarray, grid: np.ndarray,
-    tol: float, stopped: Look,
+    tol: float, stopped: Look, passes: Passes | None = None,
 ) -> tuple[np.ndarray, IntegrationError | None, int, bool]:  # fmt: skip
     """One motion along a grid: states (k, n), the error that ended it, steps, and whether these
-    collapsed."""
+    collapsed, or what it ``passes`` between their ends makes it doubtful."""
     rows = np.full((len(grid), len(state)), np.nan)
-    rows[0], steps, sizes = state, 0, StepSizes.of(1)
+    rows[0], steps, sizes, doubtful = state, 0, StepSizes.of(1), False
     if len(grid) == 1:
         return rows, None, 0, False
     fill = _fill_by_numba if method == "numba" else _fill
+    path = [(grid[:1], state[None])]
+
+    def look() -> bool:
+        times, states = (np.concatenate(parts) for parts in zip(*path, strict=True))
+        del path[:-1]
+        return passes is not None and passes(times, states)
+
     try:
-        for taken in fill(program, state, values, grid, tol, rows, sizes):
-            steps += taken
+        for times, states in fill(program, state, values, grid, tol, rows, sizes):
+            steps += len(times)
+            path.append((times, states))
+            if len(path) > LOOKED_AT:
+                doubtful |= look()
             if stopped():
                 raise StopRequest
     except IntegrationError as error:
         return rows, error, steps, False
-    return rows, None, steps, sizes.has_collapsed(0)
+    return rows, None, steps, look() or doubtful or sizes.has_collapsed(0)
 
 
 def _fill(
     program: Program, state: np.ndarray, values: np.ndarray, grid: np.ndarray, tol: float,
     rows: np.ndarray, sizes: StepSizes,
-) -> Iterator[int]:  # fmt: skip
-    """Fill in the rows of a motion by scipy; yields how many steps were taken."""
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:  # fmt: skip
+    """Fill in the rows of a motion by scipy; yields times (s,) and states (s, n) at the ends of
+    steps."""
     order, done, crawl = np.sign(grid[-1] - grid[0]), 1, Crawl(float(np.ptp(grid)), grid[0])
     span = (float(grid[0]), float(grid[-1]))
     for steps, solver in enumerate(strides("scipy", program, state, values, span, tol), 1):
@@ -225,13 +242,13 @@ def _fill(
         if reached > done:
             rows[done:reached] = solver.dense_output()(grid[done:reached]).T
             done = reached
-        yield 1
+        yield np.array([solver.t]), solver.y[None].copy()
 
 
 def _fill_by_numba(
     program: Program, state: np.ndarray, values: np.ndarray, grid: np.ndarray, tol: float,
     rows: np.ndarray, sizes: StepSizes,
-) -> Iterator[int]:  # fmt: skip
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:  # fmt: skip
     """The same in the compiled loop."""
     done, steps, begin, crawl = 1, 0, float(grid[0]), Crawl(float(np.ptp(grid)), grid[0])
     for stretch in _stretches(program, state, values, grid, tol, dense=False):
@@ -245,7 +262,7 @@ def _fill_by_numba(
         steps += stretch.steps
         if crawl.leads_nowhere(steps, stretch.end):
             raise break_error(COLLAPSE, stretch.end, stretch.state)
-        yield stretch.steps
+        yield stretch.times, stretch.states
 
 
 def note_step(sizes: StepSizes, method: Any) -> None:

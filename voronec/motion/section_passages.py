@@ -605,17 +605,20 @@ def _follow(
     size, after, rate = len(motions.states[i]), None, np.inf
     everything, lane = np.arange(size), np.zeros(1, dtype=int)
     last = float(plane(np.array([motions.time]), motions.states[i : i + 1], lane)[0])
-    sizes = StepSizes.of(1)
+    sizes, crosses = StepSizes.of(1), motions.divisor_watch(values, 0.0)
+    begin = motions.states[i]
     try:
         span = (motions.time, end)
         run = strides(method, motions.program, motions.states[i], values, span, tol)
         for step in run:
             passages.steps[0] += 1
             note_step(sizes, step)
-            if sizes.has_collapsed(0, SINGULAR):
+            ends = np.array([step.t_old, step.t]), np.stack([begin, step.y])
+            if sizes.has_collapsed(0, SINGULAR) or (crosses is not None and crosses(*ends)):
                 raise IntegrationError(
-                    f"{SINGULAR_PLACE} after t = {step.t_old:.12g}", step.t_old, step.y
+                    f"{SINGULAR_PLACE} after t = {step.t_old:.12g}", step.t_old, begin
                 )
+            begin = step.y.copy()
             now = float(plane(np.array([step.t]), step.y[None], lane)[0])
             if after is None:
                 after = motions.time + START_SHARE * (step.t - motions.time)
