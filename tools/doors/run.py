@@ -30,6 +30,7 @@ from pathlib import Path
 from typing import Any
 
 import sympy as sp
+from shared.campaign import campaign_parser, read_campaign
 from shared.child_time import ChildClock
 
 import voronec as vo
@@ -80,18 +81,9 @@ def main() -> int:
 
 
 def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--seed", type=int, default=None)
-    parser.add_argument("--count", type=int, default=20_000)
-    parser.add_argument("--seconds", type=float, default=60.0)
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
-    parser.add_argument("--kind", choices=[*DOORS], default=None)
-    parser.add_argument("--only", type=int, default=None)
+    parser = campaign_parser(__doc__, DOORS)
     parser.add_argument("--first", type=int, default=0)
-    chosen = parser.parse_args()
-    if chosen.seed is None:
-        chosen.seed = random.SystemRandom().randrange(10**6)
-    return chosen
+    return read_campaign(parser)
 
 
 def opened(seed: int, number: int, kind: str | None, home: Path) -> tuple[str, str, str]:

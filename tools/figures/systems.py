@@ -1,5 +1,4 @@
-"""Systems of the benchmarks beyond the catalogue: gyroscopic balls in Neumann coordinates, and a
-chain of bodies on blades."""
+"""Systems of the benchmarks beyond the catalogue: gyroscopic balls, a chain of bodies on blades."""
 
 from __future__ import annotations
 

@@ -317,7 +317,7 @@ def _narrowed(old: AuditItem | None, new: AuditItem) -> tuple[AuditItem | None, 
 
 def _quantifiers(formula: Formula) -> list[list[str]]:
     ranges = [[word.text for word in words] for words in formula.piece.quantifiers]
-    return [[formula.piece.said], *ranges]
+    return [[formula.piece.phrase], *ranges]
 
 
 def _mended(display: Display, mends: Mapping[str, list[tuple[int, int, str]]]) -> Display:

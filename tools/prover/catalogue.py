@@ -1,5 +1,7 @@
-"""Claims about systems of the catalogue for the attack on the prover: functions of their integrals,
-and the same with a place changed, whose rates the multipliers tell."""
+"""Claims about systems of the catalogue for the attack on the prover.
+
+They are functions of their integrals, and the same with a place changed, whose rates the
+multipliers tell."""
 
 from __future__ import annotations
 
@@ -13,7 +15,7 @@ import sympy as sp
 
 import voronec as vo
 from prover.identities import Letters, mutated
-from prover.truth import STEP, Outside, Statement, number
+from prover.truth import Outside, Statement, number, slope
 from voronec.declaration.claims import right_of
 from voronec.equations.motions import Motions
 from voronec.proof.claims import decide_integral
@@ -77,12 +79,10 @@ def _changes(system: vo.System, function: Any, dice: Random) -> bool | None:
             with mp.workdps(60):
                 rates = {vo.velocity(s): second[s] for s in system.coordinates}
                 rates |= {s: full[d] for s, d in zip(system.coordinates, dots, strict=True)}
-                ends = [number(told, {**full, **{s: full[s] + h * v for s, v in rates.items()}})
-                        for h in (STEP, -STEP)]  # fmt: skip
-                slope = (ends[0] - ends[1]) / (2 * STEP)
+                rate = slope(told, full, rates)
         except (Outside, ZeroDivisionError, vo.VoronecError, TypeError, ValueError, KeyError):
             continue
-        if abs(slope) > mp.mpf(10) ** -8:
+        if abs(rate) > mp.mpf(10) ** -8:
             return True
     return None
 

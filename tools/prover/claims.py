@@ -1,5 +1,4 @@
-"""Claims and relations for the attack on the prover, of systems made here, whose motions are
-written out."""
+"""Claims and relations for the attack on the prover, of systems whose motions are written out."""
 
 from __future__ import annotations
 
@@ -16,7 +15,7 @@ import voronec as vo
 from prover.catalogue import catalogue
 from prover.identities import Letters, mutated
 from prover.relations import catalogue_relation
-from prover.truth import APART, STEP, Outside, Statement, number
+from prover.truth import APART, Outside, Statement, number, slope
 from voronec.proof.claims import check_claims
 
 __all__ = ["KINDS", "claim", "relation"]
@@ -82,13 +81,8 @@ def made_systems() -> tuple[Made, ...]:
 
 
 def rate_along(function: Any, rates: Mapping[Any, Any], at: Mapping[Any, Any]) -> Any:
-    """dF/dt at a state, by a central difference along the rates."""
-    speeds = {s: number(r, at) for s, r in rates.items()}
-    ends = [
-        number(function, {**at, **{s: at[s] + h * v for s, v in speeds.items()}})
-        for h in (STEP, -STEP)
-    ]
-    return (ends[0] - ends[1]) / (2 * STEP)
+    """dF/dt at a state, along the rates."""
+    return slope(function, at, {s: number(r, at) for s, r in rates.items()})
 
 
 def holds_along(function: Any, rate: Any, made: Made, dice: Random) -> bool | None:

@@ -1,5 +1,7 @@
-"""Identities for the attack on the prover: true ones by rules that hold where both sides are
-real, false ones by a change in one side that a point shows to matter."""
+"""Identities for the attack on the prover, true ones and false ones.
+
+True ones come by rules that hold where both sides are real, false ones by a change in one side
+that a point shows to matter."""
 
 from __future__ import annotations
 

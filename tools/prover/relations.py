@@ -1,6 +1,7 @@
-"""Relations of the catalogue for the attack on the prover: as they are declared, rewritten, and
-with a coefficient changed, two values exchanged, a condition dropped, an order raised.  The
-multipliers of both systems tell which of them hold."""
+"""Relations of the catalogue for the attack on the prover, as they are declared, and changed.
+
+They are rewritten, or a coefficient is changed, two values exchanged, a condition dropped, an order
+raised.  The multipliers of both systems tell which of them hold."""
 
 from __future__ import annotations
 
@@ -16,7 +17,7 @@ import sympy as sp
 import voronec as vo
 from prover.catalogue import accelerations, coordinate_rates, states
 from prover.identities import Letters, mutated
-from prover.truth import STEP, Outside, Statement, number
+from prover.truth import Outside, Statement, number, slope
 from voronec.declaration.catalogue import entries, entry_of
 
 __all__ = ["Pair", "catalogue_relation", "entry_of", "holds"]
@@ -236,12 +237,8 @@ def _apart(a: Any, b: Any) -> Any:
 
 
 def _rate(expr: Any, flow: tuple[Mapping[Any, Any], Mapping[Any, Any]]) -> Any:
-    """The derivative of an expression along a flow, by a central difference."""
-    at, rates = flow
-    ends = [
-        number(expr, {**at, **{s: at[s] + h * v for s, v in rates.items()}}) for h in (STEP, -STEP)
-    ]
-    return (ends[0] - ends[1]) / (2 * STEP)
+    """The derivative of an expression along a flow."""
+    return slope(expr, *flow)
 
 
 def _flow(system: vo.System, at: Mapping[Any, Any]) -> tuple[dict[Any, Any], dict[Any, Any]]:

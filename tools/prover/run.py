@@ -15,7 +15,6 @@ from __future__ import annotations
 import argparse
 import collections
 import multiprocessing as mp
-import os
 import random
 import signal
 import time
@@ -25,6 +24,7 @@ from typing import Any
 
 import mpmath
 import sympy as sp
+from shared.campaign import campaign_parser, read_campaign
 
 from prover import claims, identities
 from prover.truth import APART, Outside, Statement, number
@@ -82,19 +82,10 @@ def main() -> int:
 
 
 def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--seed", type=int, default=None)
-    parser.add_argument("--count", type=int, default=20_000)
-    parser.add_argument("--seconds", type=float, default=60.0)
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
-    parser.add_argument("--kind", choices=[*KINDS], default=None)
-    parser.add_argument("--only", type=int, default=None)
+    parser = campaign_parser(__doc__, KINDS)
     parser.add_argument("--limit", type=float, default=LIMIT)
     parser.add_argument("--open", action="store_true", help="print what is left undecided, too")
-    chosen = parser.parse_args()
-    if chosen.seed is None:
-        chosen.seed = random.SystemRandom().randrange(10**6)
-    return chosen
+    return read_campaign(parser)
 
 
 NO_ANSWER = "no answer"

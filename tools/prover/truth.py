@@ -1,5 +1,6 @@
-"""What is true, by a route of its own: SymPy trees as real numbers in mpmath, and points at which
-two of them part.  Nothing of the prover is used here, neither its door nor its balls."""
+"""What is true, by a route of its own: SymPy trees as real numbers in mpmath.
+
+Two of them part at points.  Nothing of the prover is used here, neither its door nor its balls."""
 
 from __future__ import annotations
 
@@ -12,7 +13,16 @@ from typing import Any
 import mpmath as mp
 import sympy as sp
 
-__all__ = ["APART", "STEP", "Outside", "Statement", "difference_at", "first_difference", "number"]
+__all__ = [
+    "APART",
+    "STEP",
+    "Outside",
+    "Statement",
+    "difference_at",
+    "first_difference",
+    "number",
+    "slope",
+]
 
 DIGITS = 50
 NEAR = mp.mpf(10) ** -30
@@ -53,6 +63,15 @@ def number(expr: Any, at: Mapping[Any, Any]) -> Any:
         return known[e]
 
     return value(sp.sympify(expr))
+
+
+def slope(function: Any, at: Mapping[Any, Any], speeds: Mapping[Any, Any]) -> Any:
+    """The rate of a function at a state that moves at some speeds, by a central difference."""
+    ends = [
+        number(function, {**at, **{s: at[s] + h * v for s, v in speeds.items()}})
+        for h in (STEP, -STEP)
+    ]
+    return (ends[0] - ends[1]) / (2 * STEP)
 
 
 def _value(e: Any, at: Mapping[Any, Any], value: Callable[[Any], Any]) -> Any:

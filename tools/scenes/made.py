@@ -1,6 +1,8 @@
-"""Systems made at random for the fuzzer: generic ones, and classes of mechanics with parameters
-drawn anew, in splits and angles that become singular, with forces that are not smooth, and with
-forces that depend on the time."""
+"""Systems made at random for the fuzzer: generic ones, and classes of mechanics.
+
+Their parameters are drawn anew, in splits and angles that become singular, with forces that are not
+smooth, and with forces that depend on the time.
+"""
 
 from __future__ import annotations
 

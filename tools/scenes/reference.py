@@ -71,6 +71,14 @@ class Mechanics:
         """An expression in the system's symbols, in the referee's."""
         return sp.sympify(expr).xreplace(dict(self.names)).xreplace(dict(self.names))
 
+    def meaning(self, system: Any, name: str) -> sp.Expr:
+        """A coordinate, a velocity or an invariant by name, in the referee's symbols."""
+        if name in self.coordinates:
+            return self.q[self.coordinates.index(name)]
+        if name in self.velocities:
+            return self.independent[self.velocities.index(name)]
+        return self.own(system.invariants[name])
+
 
 time = sp.Symbol("t")
 

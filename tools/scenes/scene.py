@@ -385,7 +385,7 @@ def _truth(bench: _Bench, scene: Scene) -> Truth:
     names = list(scene.outputs or _everything(bench))
     if singular:
         names = [n for n in names if n in m.velocities or n in bench.system.invariants]
-    reader = referee.reader([_meaning(bench, n) for n in names])
+    reader = referee.reader([referee.mechanics.meaning(bench.system, n) for n in names])
     for precision in tried:
         tolerances = (3e-17, 1e-15) if precision == "long double" else (1e-22, 1e-19)
         budget = 400_000 if precision == "long double" else 60_000
@@ -461,16 +461,6 @@ def _values(reader: Any, motion: Motion, times: list[float], p: list[float]) -> 
 
 def _doubles(rows: Any) -> np.ndarray:
     return np.array([[float(x) for x in row] for row in rows])
-
-
-def _meaning(bench: _Bench, name: str) -> sp.Expr:
-    """An output by name, in the referee's symbols."""
-    m, system = bench.referee.mechanics, bench.system
-    if name in m.coordinates:
-        return m.q[m.coordinates.index(name)]
-    if name in m.velocities:
-        return m.independent[m.velocities.index(name)]
-    return m.own(system.invariants[name])
 
 
 def _snippet(bench: _Bench, scene: Scene) -> str:

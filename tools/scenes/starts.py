@@ -267,7 +267,9 @@ class Bench:
         found = self.referee.motion(state, self.values, begin, times, 1e-16, "long double", 400_000)
         if found.outcome != "done":
             raise Unsupported(f"{found.outcome} at t = {found.reached:.4g}")
-        reader = self.referee.reader([self._meaning(n) for n in names])
+        reader = self.referee.reader(
+            [self.referee.mechanics.meaning(self.system, n) for n in names]
+        )
         rows = [reader(t, s, self.values) for t, s in zip(times, found.states, strict=True)]
         return np.array([[float(x) for x in row] for row in rows])
 
@@ -296,14 +298,6 @@ class Bench:
         bounds = LOOSE * np.maximum(1.0, np.abs(here)) + 10 * np.abs(drawn - rougher)
         gaps = np.abs(drawn - here)
         return dict(zip(names, zip(gaps, bounds, strict=True), strict=True))
-
-    def _meaning(self, name: str) -> sp.Expr:
-        m = self.referee.mechanics
-        if name in m.coordinates:
-            return m.q[m.coordinates.index(name)]
-        if name in m.velocities:
-            return m.independent[m.velocities.index(name)]
-        return m.own(self.system.invariants[name])
 
     def judged(self, start: Start) -> tuple[str, str]:
         """Outcome and detail of one start."""

@@ -1,5 +1,6 @@
-"""How long a child process has worked: seconds of the processor, which no load of the machine
-stretches, for the tools that end children which hang."""
+"""How long a child process has worked: seconds of the processor, which no load stretches.
+
+For the tools that end children which hang."""
 
 from __future__ import annotations
 

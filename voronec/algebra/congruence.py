@@ -40,7 +40,7 @@ class _Argument:
     """An argument as it was written and with letters, its values, and its letter."""
 
     argument: Any
-    lettered: Any
+    letter_form: Any
     values: list[Any]
     letter: Any
 
@@ -101,7 +101,7 @@ class Congruence:
         if not _holds_functions(argument):
             return argument
         ratio, kept = self._class_of(argument)
-        return ratio * kept.lettered
+        return ratio * kept.letter_form
 
     def _sum(self, argument: Any) -> Any:
         """An angle or an exponent, in letters for what holds functions."""
@@ -133,7 +133,7 @@ class Congruence:
             ratio = _ratio(values, kept.values)
             if ratio is None:
                 continue
-            pairs = ((rewritten, kept.lettered), (argument, kept.argument))
+            pairs = ((rewritten, kept.letter_form), (argument, kept.argument))
             if any(u == ratio * v for u, v in pairs):
                 return ratio, kept
             if any(self.proves(u, ratio * v) for u, v in pairs):

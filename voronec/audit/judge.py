@@ -401,7 +401,7 @@ def _unused_name(formula: Formula, chain: Chain, check: Check, bench: SectionCon
 
 
 def _words(piece: Piece) -> list[list[str]]:
-    return [[piece.said], *([word.text for word in words] for words in piece.quantifiers)]
+    return [[piece.phrase], *([word.text for word in words] for words in piece.quantifiers)]
 
 
 UNIVERSAL = ("all", "any", "every", "each", "arbitrary")
@@ -410,7 +410,7 @@ UNIVERSAL = ("all", "any", "every", "each", "arbitrary")
 
 def _wrong_range(formula: Formula, chain: Chain, study: Study) -> str:
     """What is wrong with the printed ranges of the indices, ``i=1,\\dots,n``; else nothing."""
-    phrase = formula.piece.said
+    phrase = formula.piece.phrase
     if phrase.startswith("for ") and phrase.split()[1] not in UNIVERSAL:
         return f"it holds for all, and is printed '{phrase}'"
     for words in formula.piece.quantifiers:

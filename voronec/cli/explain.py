@@ -1,5 +1,6 @@
-"""``voronec explain``: what of a system has to be integrated for what is wanted, and why; or the
-derivation of its equations, step by step."""
+"""``voronec explain``: what of a system has to be integrated for what is wanted, and why.
+
+Or the derivation of its equations, step by step."""
 
 from __future__ import annotations
 

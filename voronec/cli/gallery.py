@@ -1,5 +1,6 @@
-"""``voronec gallery``: a motion of every class of traces, found, told and drawn; without a name,
-pages of a dozen motions.
+"""``voronec gallery``: a motion of every class of traces, found, told and drawn.
+
+Without a name, pages of a dozen motions.
 """
 
 from __future__ import annotations

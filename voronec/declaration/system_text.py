@@ -84,7 +84,7 @@ class _Text:
 
     root: Item
     names: dict[str, Any] = field(default_factory=lambda: {plain_name(time): time})
-    taken: dict[str, str] = field(default_factory=lambda: {plain_name(time): "the time"})
+    roles: dict[str, str] = field(default_factory=lambda: {plain_name(time): "the time"})
     meanings: dict[str, str] = field(default_factory=dict)
     lengths: dict[str, int] = field(default_factory=dict)
     """Of definitions: how long they are where everything in them is written out."""
@@ -153,12 +153,12 @@ class _Text:
                 f"'{quote(name)}' cannot be {role}; expected a name of letters, digits and "
                 "underscores, a letter first, that means nothing else, such as phi or x1"
             )
-        if name in self.taken:
+        if name in self.roles:
             item.wrong_key(
-                f"the name '{name}' is used twice, for {self.taken[name]} and for {role}; "
+                f"the name '{name}' is used twice, for {self.roles[name]} and for {role}; "
                 "rename one"
             )
-        self.taken[name], self.names[name] = role, sp.Symbol(name)
+        self.roles[name], self.names[name] = role, sp.Symbol(name)
         return self.names[name]
 
     def _fibration(self) -> Fibration:
@@ -170,7 +170,7 @@ class _Text:
             dot = plain_name(velocity(self.names[name]))
             if dot in given:
                 given[dot].wrong_key(f"'{dot}' is the velocity of '{name}'; rename the coordinate")
-            self.taken[dot], self.names[dot] = f"the velocity of '{name}'", sp.Symbol(dot)
+            self.roles[dot], self.names[dot] = f"the velocity of '{name}'", sp.Symbol(dot)
         fibre = self.top["fibre"].several() if "fibre" in self.top else []
         chosen = [self._among(item, given, "coordinate") for item in fibre]
         base = tuple(self.names[name] for name in given if name not in chosen)
@@ -192,7 +192,7 @@ class _Text:
         symbol = self._new(item, "an input")
         self._mean(plain_name(symbol), item)
         rate = velocity(symbol)
-        self.taken[plain_name(rate)], self.names[plain_name(rate)] = "the rate of an input", rate
+        self.roles[plain_name(rate)], self.names[plain_name(rate)] = "the rate of an input", rate
         return symbol
 
     def _velocities(self) -> dict[str, Item]:
@@ -297,7 +297,7 @@ class _Text:
         moving = {
             plain_name(velocity(s)): velocity(s)
             for name, s in self.names.items()
-            if self.taken[name].split()[:2] in (["the", "velocity"], ["a", "velocity"])
+            if self.roles[name].split()[:2] in (["the", "velocity"], ["a", "velocity"])
         }
         found: dict[Any, Any] = {}
         for item in (self.top["forces"].table() if "forces" in self.top else {}).values():
@@ -315,7 +315,7 @@ class _Text:
             along = formula(said, "what a force acts along", known)
         except DefinitionError as error:
             item.wrong_key(str(error))
-        velocities = {self.names[n] for n, r in self.taken.items() if r.startswith(moving)}
+        velocities = {self.names[n] for n, r in self.roles.items() if r.startswith(moving)}
         rest = along.xreplace(dict.fromkeys(velocities, 0))
         slopes = [along.diff(v) for v in velocities]
         bent = any(slope.free_symbols & velocities for slope in slopes) or not any(slopes)
@@ -378,7 +378,7 @@ class _Text:
     def _known(self, item: Item, *roles: str) -> Any:
         """The symbol that a key names, which is one of some roles."""
         name = str(item.keys[-1])
-        among = [n for n, role in self.taken.items() if role.startswith(roles)]
+        among = [n for n, role in self.roles.items() if role.startswith(roles)]
         if name not in among:
             item.wrong_key(f"'{quote(name)}' is not {roles[0]}{did_you_mean(name, among)}")
         return self.names[name]

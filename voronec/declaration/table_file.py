@@ -1,9 +1,9 @@
-"""A table of an input: what it must hold, and how it stands in a file, a line for each instant, its
-time and the value there.
+"""A table of an input: what it must hold, and how it stands in a file.
 
-Columns stand apart by commas, semicolons or tabs; where semicolons do it, a comma is a decimal
-comma, as spreadsheets of many countries write it.  A mark of the byte order is passed over, and so
-is a first line that holds no number.
+A line stands for each instant, with its time and the value there. Columns stand apart by commas,
+semicolons or tabs; where semicolons do it, a comma is a decimal comma, as spreadsheets of many
+countries write it. A mark of the byte order is passed over, and so is a first line that holds no
+number.
 """
 
 from __future__ import annotations

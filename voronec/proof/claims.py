@@ -217,7 +217,7 @@ class _Known:
 
     integrals: tuple[Any, ...] = ()
     measure: Any = None
-    measured: Verdict | None = None
+    verdict: Verdict | None = None
 
     def with_claims(self, system: System, claims: list[Claim]) -> _Known:
         """With what has been decided of a system and is still declared."""
@@ -292,9 +292,9 @@ def _decide_assertion(motions: Motions, claim: Assertion) -> Decision:
 
 def _integrable(motions: Motions, known: _Known) -> Decision:
     """The theorem of Euler and Jacobi."""
-    if known.measured is None:
+    if known.verdict is None:
         return Decision(Verdict("refuted", "no measure is declared"))
-    return decide_integrable(motions, known.measure, known.measured, known.integrals)
+    return decide_integrable(motions, known.measure, known.verdict, known.integrals)
 
 
 DECIDERS: dict[str, Decide] = {

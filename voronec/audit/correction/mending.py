@@ -365,10 +365,10 @@ class Correction:
 class _Case:
     """A formula to be mended; ``new`` are the names that it defines, ``terms`` what it adds.
 
-    ``letters`` are those that it has; ``cancelled`` are the terms that it adds and takes away
-    again, ``shared`` the numbers by which both sides of a relation are multiplied or to which both
-    are raised, ``beside`` the other formulas of its display; ``empty`` says that it sets something
-    equal to itself, ``legible`` that it can be read.
+    ``letters`` are those that it has; ``cancelling_terms`` are the terms that it adds and takes
+    away again, ``shared_numbers`` the numbers by which both sides of a relation are multiplied or
+    to which both are raised, ``beside`` the other formulas of its display; ``empty`` says that it
+    sets something equal to itself, ``legible`` that it can be read.
     """
 
     printed: str
@@ -377,8 +377,8 @@ class _Case:
     new: frozenset[str] = frozenset()
     terms: frozenset[Node] = frozenset()
     letters: frozenset[str] = frozenset()
-    cancelled: frozenset[Node] = frozenset()
-    shared: frozenset[tuple[str, Node]] = frozenset()
+    cancelling_terms: frozenset[Node] = frozenset()
+    shared_numbers: frozenset[tuple[str, Node]] = frozenset()
     beside: frozenset[str] = frozenset()
     empty: bool = False
     legible: bool = False
@@ -409,7 +409,7 @@ class _Case:
                 return None  # a chain rises or falls
             if _repeated_terms(chain):
                 return None  # x + x is no print of 2x
-            if _shared_numbers(chain) - self.shared:
+            if _shared_numbers(chain) - self.shared_numbers:
                 return None  # 2a > 2b is no print of a > b, nor a^2 = b^2 of a = b
             if self.letters and self.letters.isdisjoint(_letters(chain)):
                 return None  # nothing of the print is left
@@ -417,7 +417,7 @@ class _Case:
                 return None  # B_ii where B_ij is meant, f f(x)
             if (
                 not new_names(chain, self.study) <= self.new
-                or _cancelling_terms(chain) - self.cancelled
+                or _cancelling_terms(chain) - self.cancelling_terms
             ):
                 return None
             finding = verify(chain, self.check, self.study)
@@ -567,8 +567,8 @@ def _case(printed: str, check: Check, study: Study) -> _Case:
         new=frozenset(new_names(chain, study)),
         terms=_terms(chain),
         letters=_letters(chain),
-        cancelled=_cancelling_terms(chain),
-        shared=_shared_numbers(chain),
+        cancelling_terms=_cancelling_terms(chain),
+        shared_numbers=_shared_numbers(chain),
         empty=says_nothing(chain),
         legible=True,
     )

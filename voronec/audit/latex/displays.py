@@ -24,13 +24,13 @@ _OPEN, _CLOSE = {"(", "[", "{"}, {")", "]", "}"}
 class Piece:
     """One formula: the range of the display's source it stands in, and its quantifiers.
 
-    ``tokens`` are its words (of two lines, where the second only goes on with the first), ``said``
-    the words of text before its last quantifier, as "for all".
+    ``tokens`` are its words (of two lines, where the second only goes on with the first),
+    ``phrase`` the words of text before its last quantifier, as "for all".
     """
 
     tokens: tuple[Token, ...]
     quantifiers: tuple[tuple[Token, ...], ...] = ()
-    said: str = ""
+    phrase: str = ""
 
     @property
     def at(self) -> tuple[int, int]:
@@ -132,7 +132,7 @@ def _append(
         phrase = " ".join(_SPACE.sub(" ", said[0].text).split()) if _is_text(said) else ""
         pieces[-1] = Piece(last.tokens, (*last.quantifiers, inside), phrase)
     elif last and (words[0].text in RELATIONS or not (ended or _has_relation(words))):
-        pieces[-1] = Piece(last.tokens + words, last.quantifiers, last.said)
+        pieces[-1] = Piece(last.tokens + words, last.quantifiers, last.phrase)
     else:
         pieces.append(Piece(words))
 

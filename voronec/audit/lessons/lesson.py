@@ -414,7 +414,7 @@ class LessonStep:
     """A step: what is asked and done, the formula of the theory, and what comes out.
 
     ``numbers`` are those of the formulas in ``docs/theory.md``; ``formula`` is the one that is
-    used, as text and as LaTeX.  Where nothing comes out, ``nothing`` says so.
+    used, as text and as LaTeX.  Where nothing comes out, ``empty_note`` says so.
     """
 
     title: str
@@ -422,7 +422,7 @@ class LessonStep:
     numbers: str = ""
     formula: tuple[str, str] = ("", "")
     rows: tuple[LessonFormula, ...] = ()
-    nothing: str = ""
+    empty_note: str = ""
 
 
 @dataclass(frozen=True)
@@ -462,7 +462,7 @@ class Lesson:
                 tag = f"\\tag*{{{part.numbers}}}" if part.numbers else ""
                 body.append(f"\\[ {part.formula[1]} {tag}\\]")
             rows = [f"\\[ {_latex(self, row)} \\]" for row in part.rows]
-            body += rows or ([escape_text(part.nothing)] if part.nothing else [])
+            body += rows or ([escape_text(part.empty_note)] if part.empty_note else [])
         body.append(escape_text(_end(self)))
         return "\n".join(
             [
@@ -519,7 +519,7 @@ class Lesson:
 
 
 def _nothing(part: LessonStep) -> list[str]:
-    return [f"  {part.nothing}"] if part.nothing else []
+    return [f"  {part.empty_note}"] if part.empty_note else []
 
 
 def _title(found: Lesson) -> str:
@@ -592,8 +592,8 @@ def _sections(found: Lesson) -> Iterator[str]:
             yield f"<div class='theory'>{mathml(part.formula[1], limit=COLUMN)}{told}</div>"
         for row in part.rows:
             yield f"<div class='row'>{mathml(_latex(found, row), limit=COLUMN)}</div>"
-        if not part.rows and part.nothing:
-            yield f"<p>{escape(part.nothing)}</p>"
+        if not part.rows and part.empty_note:
+            yield f"<p>{escape(part.empty_note)}</p>"
 
 
 STYLE = """

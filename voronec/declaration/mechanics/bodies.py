@@ -274,10 +274,10 @@ def in_one_line(ask: Callable[[], Any], what: str) -> Any:
 
 @dataclass(frozen=True)
 class Components:
-    """Reads vectors; ``spelled`` says what speeds stand for, inside."""
+    """Reads vectors; ``speed_values`` says what speeds stand for, inside."""
 
     door: Door
-    spelled: Mapping[Any, Any] = field(default_factory=dict)
+    speed_values: Mapping[Any, Any] = field(default_factory=dict)
     _turns: dict[Any, Any] = field(default_factory=dict)
 
     def of(self, vector: Any, frame: Any) -> list[Any]:
@@ -302,7 +302,7 @@ class Components:
 
     def read(self, expr: sp.Expr) -> Any:
         """An expression, speeds replaced by what they stand for."""
-        return self.door.inward(expr).xreplace(self.spelled)
+        return self.door.inward(expr).xreplace(self.speed_values)
 
     def _turn(self, frame: Any, own: Any) -> list[list[Any]]:
         """The matrix that takes components along ``own`` to those along ``frame``."""

@@ -22,23 +22,23 @@ class Unit:
     """A system, a relation or a square to be checked.
 
     ``entry`` is where it stands, a relation at ``position``; ``square`` is the square, and
-    ``through`` where its relations stand; ``involved`` are all systems that it is about.
+    ``through`` where its relations stand; ``system_entries`` are all systems that it is about.
     """
 
     kind: str
     name: str
     entry: Entry
     position: int
-    involved: tuple[Entry, ...]
+    system_entries: tuple[Entry, ...]
     square: Face | None = None
     through: tuple[tuple[Entry, int], ...] = ()
 
     def key(self, seen: dict[str, tuple[Path, ...]]) -> str:
         """A digest of everything that the result rests on; ``seen`` spares reading files twice."""
-        names = [e.name for e in self.involved]
+        names = [e.name for e in self.system_entries]
         declared = (self.kind, self.name, self.position, names, self.square)
         files: set[Path] = set()
-        for entry in (self.entry, *self.involved, *(e for e, _ in self.through)):
+        for entry in (self.entry, *self.system_entries, *(e for e, _ in self.through)):
             files |= set(_files(entry, seen))
         return digest(repr(declared), sorted(files), DECIDER)
 
@@ -71,7 +71,7 @@ def units_of(stock: Inventory, names: Sequence[str] = ()) -> list[Unit]:
 
 def _touches(unit: Unit, names: set[str]) -> bool:
     """Whether a unit is about one of the systems, or stands beside it."""
-    about = {e.name for e in unit.involved}
+    about = {e.name for e in unit.system_entries}
     return bool(names & (about if unit.kind == "system" else about | {unit.entry.name}))
 
 

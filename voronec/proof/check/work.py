@@ -42,7 +42,7 @@ def examine(unit: Unit, bench: Derivations) -> Result:
         findings = [_failure_finding(unit.kind, unit.name, error)]
     result = Result(
         unit.kind, unit.name, unit.entry.place, tuple(findings), notes=notes,
-        systems=tuple(e.name for e in unit.involved),
+        systems=tuple(e.name for e in unit.system_entries),
     )  # fmt: skip
     return replace(result, seconds=perf_counter() - start)
 
@@ -77,7 +77,7 @@ def _relation(unit: Unit, bench: Derivations) -> Work:
     from voronec.proof.relations.decision import check_relation
 
     relation = unit.entry.load_relations()[0][unit.position]
-    entries = {e.name: e for e in unit.involved}
+    entries = {e.name: e for e in unit.system_entries}
     found = check_relation(relation, lambda name: bench.motions(entries[name]))
     reasons = _admitted_reasons(unit)
     own = _finding("relation", unit.name, found.verdict, reasons.get(unit.name, ""))
@@ -90,7 +90,7 @@ def _square(unit: Unit, bench: Derivations) -> Work:
 
     assert unit.square is not None
     relations = [entry.load_relations()[0][position] for entry, position in unit.through]
-    entries = {e.name: e for e in unit.involved}
+    entries = {e.name: e for e in unit.system_entries}
     found = check_square(
         unit.square.declaration(),
         {r.label: r for r in relations},
@@ -104,7 +104,7 @@ def _square(unit: Unit, bench: Derivations) -> Work:
 def _admitted_reasons(unit: Unit) -> dict[str, str]:
     """What the systems of a unit, and the one beside it, list as undecided, with the reasons."""
     found: dict[str, str] = {}
-    for entry in (*unit.involved, unit.entry):
+    for entry in (*unit.system_entries, unit.entry):
         try:
             found |= entry.load().undecided
         except DefinitionError:
