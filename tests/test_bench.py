@@ -262,7 +262,7 @@ def test_dop853_on_scalars_takes_the_steps_of_that_on_arrays() -> None:
     found = []
     for text, right in (
         (source, on_arrays),
-        (numba_dop853.unrolled(source, 2), lambda _t, a, b, p: (b, -p[0] * a)),
+        (numba_dop853.unroll(source, 2), lambda _t, a, b, p: (b, -p[0] * a)),
     ):
         namespace: dict[str, Any] = {"np": np, "right": right}
         exec(text, namespace)

@@ -24,7 +24,7 @@ from voronec.accuracy.bench.contender import (
 )
 from voronec.accuracy.bench.level import BenchLevel, level
 from voronec.accuracy.bench.peers.numba_dop853 import TOLERANCES as COMPILED
-from voronec.accuracy.bench.peers.numba_dop853 import stepper_source, unrolled
+from voronec.accuracy.bench.peers.numba_dop853 import stepper_source, unroll
 from voronec.accuracy.bench.question import BenchMotion
 from voronec.errors import VoronecError
 
@@ -267,16 +267,16 @@ def _by_numba(program: HandProgram, start: np.ndarray, grid: np.ndarray, fast: b
     source = "\n    ".join([f"def right(t, {names}, parameters):", *rows])
     compiler = numba.njit(error_model="numpy", fastmath=fast)
     namespace: dict[str, Any] = {"np": np}
-    exec(f"{source}\n{unrolled(stepper_source(len(start)), len(start))}", namespace)
+    exec(f"{source}\n{unroll(stepper_source(len(start)), len(start))}", namespace)
     namespace["right"] = compiler(namespace["right"])
     advance = compiler(namespace["advance"])
 
-    def found(tol: float) -> tuple[int, int, np.ndarray]:
+    def run(tol: float) -> tuple[int, int, np.ndarray]:
         rows = np.empty((len(grid), len(start)))
         return (*advance(grid, start, start[:0], tol, rows), rows)
 
-    found(1e-3)
-    return found
+    run(1e-3)
+    return run
 
 
 def _in_sympy(program: HandProgram) -> tuple[list[Any], list[Any]]:

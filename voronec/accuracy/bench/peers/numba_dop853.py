@@ -23,7 +23,7 @@ from voronec.accuracy.bench.question import BenchMotion
 from voronec.algebra.text import as_expression
 from voronec.equations.program import Program, python_source
 
-__all__ = ["BY_NUMBA", "right_hand_side", "stepper_source", "unrolled"]
+__all__ = ["BY_NUMBA", "right_hand_side", "stepper_source", "unroll"]
 
 STAGES = 12
 LONGEST = 20_000
@@ -150,7 +150,7 @@ def stepper_source(n: int) -> str:
     )
 
 
-def unrolled(source: str, n: int) -> str:
+def unroll(source: str, n: int) -> str:
     """The same source on scalars: loops over components written out, and ``right`` a function
     ``right(t, y_0, ..., parameters)`` that returns the rates."""
 
@@ -164,7 +164,7 @@ def unrolled(source: str, n: int) -> str:
         source,
     )
 
-    def written_out(loop: re.Match[str]) -> str:
+    def unroll_loop(loop: re.Match[str]) -> str:
         rows = []
         for i in range(n):
             row = loop[2].replace("start[i]", f"start[{i}]").replace(", i]", f", {i}]")
@@ -172,7 +172,7 @@ def unrolled(source: str, n: int) -> str:
         return indent(dedent("".join(rows)), loop[1])
 
     loops = r"^( *)for i in range\(\d+\):\n((?:\1 +.*\n)+)"
-    return re.sub(loops, written_out, source, flags=re.MULTILINE)
+    return re.sub(loops, unroll_loop, source, flags=re.MULTILINE)
 
 
 def _weighted_sum(row: Any) -> str:
