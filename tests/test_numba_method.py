@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
 import sys
 import warnings
 
@@ -103,6 +105,35 @@ def test_where_the_motion_ends_it_says_so():
             system, times=[0, 0.5, 2], initial={y: 1, vo.velocity(y): 1}, method="numba", tol=1e-9
         )
     assert 0.99 < caught.value.time < 1.001
+
+
+KEPT = r"""
+import sys
+from voronec.motion.steppers.kept_code import kept_function
+
+MUCH = "".join(f"    y += sin(x + {i}) * cos(y - {i})\n" for i in range(200))
+SOURCE = (
+    "from math import cos, sin\n\n@jit\ndef inner(x):\n    y = 0.0\n" + MUCH
+    + "    return %s + 0.0*y\n\n@jit\ndef drive(x):\n    return inner(x) + 0.0*inner(2*x)\n"
+)
+for text in sys.argv[1:]:
+    print(kept_function("drive", "float64(float64)", text, lambda: SOURCE % text)(2.0))
+"""
+
+
+@pytest.mark.slow
+def test_kept_codes_of_several_processes_are_not_taken_for_one_another(tmp_path):
+    env = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
+
+    def values(*texts):
+        command = [sys.executable, "-c", KEPT, *texts]
+        found = subprocess.run(command, env=env, capture_output=True, text=True, check=True)
+        return [float(x) for x in found.stdout.split()]
+
+    assert values("x + 1") == [3]
+    assert values("x*10") == [20]
+    assert values("x + 1", "x*10") == [3, 20]
+    assert values("x*10", "x + 1") == [20, 3]
 
 
 @pytest.mark.slow

@@ -4,6 +4,9 @@ numba keeps what it compiles beside the file in which a function stands.  So eac
 into a folder of its own among the user's caches, called by a digest of all that the source comes
 from.  A list of digests tells whether the files are those that were written: machine code that was
 damaged would run.
+
+Functions of two sources bear names of their own in machine code: of those whose names and arguments
+are the same a process keeps the one that it read first, and would run it for both.
 """
 
 from __future__ import annotations
@@ -68,7 +71,10 @@ def _load(folder: Path, text: str, name: str, signature: str) -> Callable[..., A
 def _compile(text: str, place: str, name: str, signature: str, keep: bool) -> Any:
     import numba
 
+    mark = sha256(text.encode()).hexdigest()[:24]
+
     def jit(function: Any) -> Any:
+        function.__qualname__ = f"{function.__name__}_{mark}"
         # sums of products may be fused; their order stays, as results must not depend on the caller
         options = {"error_model": "numpy", "fastmath": {"contract"}}
         if function.__name__ != name:
