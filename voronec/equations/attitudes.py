@@ -18,6 +18,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations, product
+from random import Random
 from typing import Any
 
 import numpy as np
@@ -190,10 +191,10 @@ class _Energy:
         with their rates; None where that is not so."""
         if not se.has_symbol(self.d.lagrangian, angle):
             return None
-        rng, found = np.random.default_rng(SEED), []
+        dice, found = Random(SEED), []
         place = self._symbols.index(angle)
         for _ in range(2):
-            point = rng.uniform(0.3, 1.2, len(self._symbols))
+            point = np.array([dice.uniform(0.3, 1.2) for _ in self._symbols])
             generic = self._hessian(point)
             point[place] = value
             matrix = self._hessian(point)

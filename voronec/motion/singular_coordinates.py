@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from random import Random
 from typing import Any
 
 import numpy as np
@@ -163,7 +164,8 @@ def _is_singular(
     """Whether rates of a model are infinite at a pole, for a state that is arbitrary else."""
     if not {*map(str, angles.symbols)} & {*map(str, made.program.state)}:
         return False
-    state = np.random.default_rng(0).uniform(0.5, 1.5, len(start))
+    dice = Random(0)
+    state = np.array([dice.uniform(0.5, 1.5) for _ in start])
     state[equations.definition.coordinates.index(angles.theta)] = -float(angles.shift)
     model, values = made.place(state, constants, time)
     rates = quiet(compile_program(made.program)[0], values)(time, list(model))

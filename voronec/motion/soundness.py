@@ -87,7 +87,7 @@ class Windows:
             return cls(np.empty((0, WIDTH), dtype=int))
         starts = np.arange(whole) * (WIDTH - 1)
         if whole > most:
-            starts = starts[np.unique(np.linspace(0, whole - 1, most).astype(int))]
+            starts = starts[_spread(whole, most)]
         elif starts[-1] + WIDTH < size:
             starts = np.append(starts, size - WIDTH)
         return cls(starts[:, None] + np.arange(WIDTH))
@@ -118,12 +118,22 @@ class Windows:
         return [int(kept[i]) for i in np.argsort(-worst) if worst[i] > 1]
 
 
+def _spread(size: int, most: int) -> np.ndarray:
+    """As many of so many indices as may be, evenly spread, each once."""
+    found = np.linspace(0, size - 1, most).astype(int)
+    # numpy's unique loads its masked arrays
+    return found[np.diff(found, prepend=-1) > 0]
+
+
 def _inverse_bases(nodes: np.ndarray) -> np.ndarray:
     """From values at nodes (windows, WIDTH) to shares of Legendre polynomials: matrices, one for
     all windows where all have the same nodes."""
     if np.abs(nodes - nodes[0]).max() < SAME:
         nodes = nodes[:1]
-    basis = np.polynomial.legendre.legvander(nodes, WIDTH - 1)
+    basis = np.ones((*nodes.shape, WIDTH))
+    basis[..., 1] = nodes
+    for k in range(2, WIDTH):
+        basis[..., k] = (2 - 1 / k) * nodes * basis[..., k - 1] - (1 - 1 / k) * basis[..., k - 2]
     found = np.full_like(basis, np.inf)
     sound = np.linalg.det(basis) != 0
     found[sound] = np.linalg.inv(basis[sound])
@@ -260,7 +270,7 @@ class Judge:
         return min(found, key=lambda b: b.row, default=None)
 
     def _losses(self, t: np.ndarray, states: np.ndarray) -> tuple[list[Breach], tuple[str, ...]]:
-        rows = np.unique(np.linspace(0, len(t) - 1, ROWS).astype(int))
+        rows = _spread(len(t), ROWS)
         relations = {name: (key, "") for name, key in self.relations.items()}
         relations |= {f"{e} = 0": (f"vanishing {e}", "") for e in self.vanishing}
         conserved = ConservedQuantities({**self.integrals, **relations}, self._extras())
