@@ -76,6 +76,12 @@ def _compiled_stepper(problem: Problem) -> Stepper:
     return compiled_dop853(problem)
 
 
+def _interpreted_stepper(problem: Problem) -> Stepper:
+    from voronec.motion.steppers.python_stepper import python_dop853
+
+    return python_dop853(problem)
+
+
 def _lsoda(problem: Problem) -> Stepper:
     from voronec.motion.steppers.scipy_stepper import lsoda
 
@@ -95,6 +101,7 @@ METHODS: dict[str, Method] = {
     "numba": Method(
         _compiled_stepper, FINEST, symbolic=True, many=True, library="numba", other="heyoka"
     ),
+    "python": Method(_interpreted_stepper, FINEST, symbolic=True, other="heyoka"),
     "lsoda": Method(_lsoda, FINEST, best=1e-13),
     "flint": Method(_digits, best=1e-25, symbolic=True, exact=True),
     CLOSED_FORM: Method(None, best=EXACT),

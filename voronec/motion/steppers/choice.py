@@ -4,15 +4,17 @@ A tolerance finer than doubles asks for ``flint``.  Else heyoka is the fastest o
 compiled, which takes some tenths of a second, and milliseconds where heyoka finds the code on disk.
 Heavy programs take it seconds: what scipy integrates sooner than that, it does, and what takes
 very many steps numba does, whose steps cost far less there.  Where heyoka does not install, numba
-does what would take scipy longer than to compile, and scipy all the rest.  The rule counts
-operations; it neither measures times nor looks at what is on disk, so that the same call always
-makes the same choice.  (A motion that is declared in closed form is evaluated, where the span is
-long: ``voronec.motion.integration``.)
+does what would take scipy longer than to compile, and scipy all the rest.  Short motions at the
+beginning of a process are over sooner in Python than heyoka is loaded.  The rule counts
+operations; it neither measures times nor looks at what is on disk: the same calls in the same order
+always make the same choices.  (A motion that is declared in closed form is evaluated, where the
+span is long: ``voronec.motion.integration``.)
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+import sys
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -33,6 +35,10 @@ STAGES = 12
 """Evaluations in a step of DOP853."""
 COMPILATION = 20_000_000
 """So many operations take Python a second or two, and numba some seconds to compile for them."""
+LOADING = 2_500_000
+"""So many operations take Python less time than to load heyoka."""
+COARSE = 1e-13
+"""At finer tolerances than this Taylor's method is more accurate than DOP853."""
 LONG_RUN = 100_000
 """So many steps of a heavy program take heyoka longer than numba takes to compile and to run."""
 
@@ -79,6 +85,8 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
     if not problem.program.state:
         return "scipy", "nothing moves"
     there = METHODS["heyoka"].is_there
+    if there and _FIRST_MOTIONS.may_take(problem, grid):
+        return "python", "a short run is over before heyoka is loaded"
     if there and not (problem.tol >= FINEST and problem.program.weight > HEAVY):
         return "heyoka", "heyoka is installed"
     compiled = METHODS["numba"].is_there and not problem.brief
@@ -96,6 +104,30 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
     if compiled and steps > LONG_RUN:
         return "numba", "many steps of a heavy program"
     return "heyoka", "heyoka is installed"
+
+
+@dataclass
+class _FirstMotions:
+    """The operations that a process may still leave to Python before it loads heyoka."""
+
+    left: float = LOADING
+
+    def may_take(self, problem: Problem, grid: np.ndarray) -> bool:
+        """Whether a smooth run takes fewer than are left: then they are counted off."""
+        plain = problem.changing is None and not (problem.brief or problem.walls)
+        plain = plain and all(e.name in problem.coarse for e in problem.events)
+        if "heyoka" in sys.modules or problem.tol < COARSE or not plain:
+            return False
+        from voronec.motion.steppers.python_stepper import operations_of_run
+
+        needed = operations_of_run(problem, grid, self.left)
+        if needed > self.left:
+            return False
+        self.left -= needed
+        return True
+
+
+_FIRST_MOTIONS = _FirstMotions()
 
 
 def _is_symbolic(method: str) -> bool:

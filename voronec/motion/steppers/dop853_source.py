@@ -11,9 +11,6 @@ from __future__ import annotations
 import inspect
 import re
 from textwrap import indent
-from typing import Any
-
-import numpy as np
 
 from voronec.equations.program import Program, hoist, scalar_source
 
@@ -32,6 +29,84 @@ SHARE = 0.5
 sign for long, and their errors add up."""
 
 
+# fmt: off
+NODES = (
+    0.0, 0.05260015195876773, 0.0789002279381516, 0.1183503419072274, 0.2816496580927726,
+    0.3333333333333333, 0.25, 0.3076923076923077, 0.6512820512820513, 0.6, 0.8571428571428571,
+    1.0, 0.1, 0.2, 0.7777777777777778,
+)
+"""Where stages stand in a step; the last three are those of the dense output alone."""
+WEIGHTS: tuple[dict[int, float], ...] = (
+    {},
+    {0: 0.05260015195876773},
+    {0: 0.0197250569845379, 1: 0.0591751709536137},
+    {0: 0.02958758547680685, 2: 0.08876275643042054},
+    {0: 0.2413651341592667, 2: -0.8845494793282861, 3: 0.924834003261792},
+    {0: 0.037037037037037035, 3: 0.17082860872947386, 4: 0.12546768756682242},
+    {0: 0.037109375, 3: 0.17025221101954405, 4: 0.06021653898045596, 5: -0.017578125},
+    {0: 0.03709200011850479, 3: 0.17038392571223998, 4: 0.10726203044637328,
+     5: -0.015319437748624402, 6: 0.008273789163814023},
+    {0: 0.6241109587160757, 3: -3.3608926294469414, 4: -0.868219346841726,
+     5: 27.59209969944671, 6: 20.154067550477894, 7: -43.48988418106996},
+    {0: 0.47766253643826434, 3: -2.4881146199716677, 4: -0.590290826836843,
+     5: 21.230051448181193, 6: 15.279233632882423, 7: -33.28821096898486,
+     8: -0.020331201708508627},
+    {0: -0.9371424300859873, 3: 5.186372428844064, 4: 1.0914373489967295,
+     5: -8.149787010746927, 6: -18.52006565999696, 7: 22.739487099350505,
+     8: 2.4936055526796523, 9: -3.0467644718982196},
+    {0: 2.273310147516538, 3: -10.53449546673725, 4: -2.0008720582248625,
+     5: -17.9589318631188, 6: 27.94888452941996, 7: -2.8589982771350235, 8: -8.87285693353063,
+     9: 12.360567175794303, 10: 0.6433927460157636},
+    {0: 0.056167502283047954, 6: 0.25350021021662483, 7: -0.2462390374708025,
+     8: -0.12419142326381637, 9: 0.15329179827876568, 10: 0.00820105229563469,
+     11: 0.007567897660545699, 12: -0.008298},
+    {0: 0.03183464816350214, 5: 0.028300909672366776, 6: 0.053541988307438566,
+     7: -0.05492374857139099, 10: -0.00010834732869724932, 11: 0.0003825710908356584,
+     12: -0.00034046500868740456, 13: 0.1413124436746325},
+    {0: -0.42889630158379194, 5: -4.697621415361164, 6: 7.683421196062599,
+     7: 4.06898981839711, 8: 0.3567271874552811, 12: -0.0013990241651590145,
+     13: 2.9475147891527724, 14: -9.15095847217987},
+)
+"""What stages add to the start of the step, slope by slope; slope 12 is that of its end."""
+STEP = {
+    0: 0.054293734116568765, 5: 4.450312892752409, 6: 1.8915178993145003,
+    7: -5.801203960010585, 8: 0.3111643669578199, 9: -0.1521609496625161,
+    10: 0.20136540080403034, 11: 0.04471061572777259,
+}
+"""What the step adds."""
+FIFTH = {
+    0: 0.01312004499419488, 5: -1.2251564463762044, 6: -0.4957589496572502,
+    7: 1.6643771824549864, 8: -0.35032884874997366, 9: 0.3341791187130175,
+    10: 0.08192320648511571, 11: -0.022355307863886294,
+}
+THIRD = {
+    0: -0.18980075407240762, 5: 4.450312892752409, 6: 1.8915178993145003,
+    7: -5.801203960010585, 8: -0.4226823213237919, 9: -0.1521609496625161,
+    10: 0.20136540080403034, 11: 0.02265179219836082,
+}
+"""Its errors against methods of orders five and three."""
+BENDS: tuple[dict[int, float], ...] = (
+    {0: -8.428938276109013, 5: 0.5667149535193777, 6: -3.0689499459498917,
+     7: 2.38466765651207, 8: 2.117034582445028, 9: -0.871391583777973, 10: 2.2404374302607883,
+     11: 0.6315787787694688, 12: -0.08899033645133331, 13: 18.148505520854727,
+     14: -9.194632392478356, 15: -4.436036387594894},
+    {0: 10.427508642579134, 5: 242.28349177525817, 6: 165.20045171727028,
+     7: -374.5467547226902, 8: -22.113666853125306, 9: 7.733432668472264,
+     10: -30.674084731089398, 11: -9.332130526430229, 12: 15.697238121770845,
+     13: -31.139403219565178, 14: -9.35292435884448, 15: 35.81684148639408},
+    {0: 19.985053242002433, 5: -387.0373087493518, 6: -189.17813819516758,
+     7: 527.8081592054236, 8: -11.57390253995963, 9: 6.8812326946963, 10: -1.0006050966910838,
+     11: 0.7777137798053443, 12: -2.778205752353508, 13: -60.19669523126412,
+     14: 84.32040550667716, 15: 11.99229113618279},
+    {0: -25.69393346270375, 5: -154.18974869023643, 6: -231.5293791760455,
+     7: 357.6391179106141, 8: 93.40532418362432, 9: -37.45832313645163, 10: 104.0996495089623,
+     11: 29.8402934266605, 12: -43.53345659001114, 13: 96.32455395918828,
+     14: -39.17726167561544, 15: -149.72683625798564},
+)
+"""The last four coefficients of the dense output."""
+# fmt: on
+
+
 def growth(factor, last, rejected):  # type: ignore[no-untyped-def]
     """By how much longer the next step is to be, from the factor that the error of this one allows,
     0.9 err^(-1/8), and from that of the one before.
@@ -45,19 +120,20 @@ def growth(factor, last, rejected):  # type: ignore[no-untyped-def]
     return min(found, 1.0 if rejected else 10.0)
 
 
-def kernel_source(program: Program, levels: Program | None) -> str:
+def kernel_source(program: Program, levels: Program | None, whole: bool = True) -> str:
     """Source of ``drive``, which goes along a grid until something asks for attention.
 
     ``levels`` has the functions of events as extra quantities.  ``drive`` takes parameters of the
     program with its constants (``hoisted``), and those of ``levels``; its arrays are described in
-    ``numba_stepper``.
+    ``numba_stepper``.  What is not ``whole`` calls ``growth`` and does not define it.
     """
     parts = [scalar_source(hoist(program).program)]
     if levels is not None:
         parts.append(scalar_source(levels, extras=True))
     count = 0 if levels is None else len(levels.names)
     parts.append(_drive(len(program.state), count))
-    body = "\n\n".join([_SIGN, inspect.getsource(growth), *parts])
+    known = [inspect.getsource(growth)] if whole else []  # Python reads this file again for it
+    body = "\n\n".join([_SIGN, *known, *parts])
     return re.sub(r"^def ", "@jit\ndef ", body, flags=re.MULTILINE)
 
 
@@ -70,14 +146,14 @@ def _list_names(pattern: str, count: int) -> str:
     return ", ".join(pattern.replace("@", f"_{i}").replace("#", str(i)) for i in range(count))
 
 
-def _weighted_sum(row: Any, slope: str = "k{}@") -> str:
+def _weighted_sum(row: dict[int, float], slope: str = "k{}@") -> str:
     """The sum of slopes with the weights of a row of the table."""
-    return " + ".join(f"{float(c)!r}*{slope.format(j)}" for j, c in enumerate(row) if c != 0)
+    return " + ".join(f"{c!r}*{slope.format(j)}" for j, c in row.items())
 
 
-def _stage(number: int, node: float, row: Any, n: int) -> str:
-    trial = _each(f"z@ = y@ + h*({_weighted_sum(row)})", n)
-    return f"{trial}\n{_slope(f'k{number}', f't + {float(node)!r}*h', 'z@', n)}"
+def _stage(number: int, n: int) -> str:
+    trial = _each(f"z@ = y@ + h*({_weighted_sum(WEIGHTS[number])})", n)
+    return f"{trial}\n{_slope(f'k{number}', f't + {NODES[number]!r}*h', 'z@', n)}"
 
 
 def _slope(target: str, time: str, place: str, n: int) -> str:
@@ -86,20 +162,18 @@ def _slope(target: str, time: str, place: str, n: int) -> str:
 
 def _drive(n: int, m: int) -> str:
     """Source for a state of n numbers and m functions of events."""
-    from scipy.integrate import DOP853
-
-    stages = [_stage(s, DOP853.C[s], DOP853.A[s, :s], n) for s in range(1, STAGES)]
+    stages = [_stage(s, n) for s in range(1, STAGES)]
     pieces = {
         "begin": _each(_BEGIN, n),
         "rate": _slope("k0", "t", "y@", n),
         "first": _first_step(n),
         "stages": "\n".join(stages),
-        "step": _each(f"s@ = h*({_weighted_sum(DOP853.B)}) + low@\nnew@ = y@ + s@", n),
+        "step": _each(f"s@ = h*({_weighted_sum(STEP)}) + low@\nnew@ = y@ + s@", n),
         "last": _slope(f"k{STAGES}", "ahead", "new@", n),
         "errors": _each(
             "scale = atol@ + rtol@*max(abs(y@), abs(new@))\n"
-            f"five += (({_weighted_sum(DOP853.E5)})/scale)**2\n"
-            f"three += (({_weighted_sum(DOP853.E3)})/scale)**2",
+            f"five += (({_weighted_sum(FIFTH)})/scale)**2\n"
+            f"three += (({_weighted_sum(THIRD)})/scale)**2",
             n,
         ),
         "bends": _bends(n),
@@ -114,17 +188,15 @@ def _drive(n: int, m: int) -> str:
 
 def _bends(n: int) -> str:
     """The dense output of a step: three more stages, in loops since few steps need it."""
-    from scipy.integrate import DOP853
-
-    weights, own = np.vstack([DOP853.A_EXTRA, DOP853.D]), f"for i in range({n}):"
-    used = [s for s in range(STAGES + 1) if weights[:, s].any()]
-    rows = [_each(f"slopes[#, {s}] = k{s}@", n) for s in used]
-    for i, (node, row) in enumerate(zip(DOP853.C_EXTRA, DOP853.A_EXTRA, strict=True)):
-        rows += [own, f"    z[i] = states[0, i] + h*({_weighted_sum(row, 'slopes[i, {}]')})"]
-        rows.append(_slope("g", f"t + {float(node)!r}*h", "z[#]", n))
-        rows.append(_each(f"slopes[#, {STAGES + 1 + i}] = g@", n))
+    own, extra = f"for i in range({n}):", range(STAGES, len(NODES))
+    used = {j for row in (*WEIGHTS[STAGES:], *BENDS) for j in row if j <= STAGES}
+    rows = [_each(f"slopes[#, {j}] = k{j}@", n) for j in sorted(used)]
+    for s in extra:
+        rows += [own, f"    z[i] = states[0, i] + h*({_weighted_sum(WEIGHTS[s], 'slopes[i, {}]')})"]
+        rows.append(_slope("g", f"t + {NODES[s]!r}*h", "z[#]", n))
+        rows.append(_each(f"slopes[#, {s + 1}] = g@", n))
     rows += [_each(_CHANGES, n), own]
-    for i, row in enumerate(DOP853.D):
+    for i, row in enumerate(BENDS):
         rows.append(f"    bend[{3 + i}, i] = h*({_weighted_sum(row, 'slopes[i, {}]')})")
     return "\n".join(rows)
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
-from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +29,7 @@ from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride
 from voronec.motion.steppers.units import natural_units
 from voronec.motion.tolerances import FINEST
 
-__all__ = ["Loop", "compiled_dop853", "compiled_loop", "scales_of"]
+__all__ = ["PARTS", "Loop", "between", "compiled_dop853", "compiled_loop", "scales_of"]
 
 CHUNK = 10_000
 """Steps between two looks at the keyboard."""
@@ -70,12 +69,21 @@ def scales_of(problem: Problem) -> np.ndarray:
     return np.array([finest * natural_units(problem), relative])
 
 
+def between(begin: np.ndarray, bend: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Dense output at the parts x (k, 1) of steps, from their starts (k, n) and what they keep
+    (7, k, n), or at parts of one, (n,) and (7, n)."""
+    found = np.zeros(())
+    for i, part in enumerate(bend[::-1]):
+        found = (found + part) * (x if i % 2 == 0 else 1 - x)
+    return np.asarray(found + begin)
+
+
 @lru_cache(maxsize=32)  # loaded code stays in memory, and to read it takes longer than most runs
 def compiled_loop(program: Program, levels: Program | None = None) -> Callable[..., int]:
     """The function ``drive`` of a program, and of functions of events."""
     parts = [scalar_source(hoist(program).program), Path(dop853_source.__file__).read_text()]
     parts += [scalar_source(levels, extras=True)] if levels is not None else []
-    parts += [str(len(program.state)), version("scipy")]
+    parts.append(str(len(program.state)))
     key = "\n".join(parts)
     return kept_function("drive", SIGNATURE, key, lambda: kernel_source(program, levels))
 
@@ -131,8 +139,8 @@ class Loop:
             (coarse, np.array(known), np.array(given)),
         )  # fmt: skip
 
-    def advance(self) -> Stride | Stretch:
-        """The next step, where an event may happen in it, or many others."""
+    def advance(self, limit: int = CHUNK) -> Stride | Stretch:
+        """The next step, where an event may happen in it, or many others, in so many trials."""
         if self.happening:
             self.happening = False
             return self.stride(self.clock[[2, 0]], self.states[[3, 0]], self.bend.copy())
@@ -146,7 +154,7 @@ class Loop:
         steps = int(self.counts[1])
         outcome = self.drive(
             self.grid, self.rows, self.clock, self.counts, self.states, self.bend, times, ends,
-            bends, self.scales, *self.fixed, problem.dense, keep, CHUNK,
+            bends, self.scales, *self.fixed, problem.dense, keep, limit,
         )  # fmt: skip
         self.happening = outcome == EVENT
         kept, taken = int(self.counts[4]), int(self.counts[1]) - steps - self.happening
@@ -165,11 +173,7 @@ class Loop:
         length = float(times[1]) - start
 
         def at(moments: np.ndarray) -> np.ndarray:
-            x = ((moments - start) / length)[:, None]
-            found = np.zeros((len(x), len(begin)))
-            for i, part in enumerate(bend[::-1]):
-                found = (found + part) * (x if i % 2 == 0 else 1 - x)
-            return np.asarray(found + begin)
+            return between(begin, bend, ((moments - start) / length)[:, None])
 
         return Stride(start, float(times[1]), ends[1], at)
 

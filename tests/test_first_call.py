@@ -1,0 +1,115 @@
+"""The first motions of a process: in Python, where that is over before heyoka is loaded."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from importlib.util import find_spec
+
+import numpy as np
+import pytest
+import sympy as sp
+from scipy.integrate import DOP853
+
+import voronec as vo
+from voronec.errors import IntegrationError
+from voronec.motion.steppers.dop853_source import BENDS, FIFTH, NODES, STEP, THIRD, WEIGHTS
+
+NAMES = ("ball-on-sphere", "demchenko", "rattleback")
+CALLS = """
+import sys
+import voronec as vo
+system = vo.load("{name}")
+for options in ({options}):
+    cost = vo.integrate(system, **({{"times": 10, "tol": 1e-11}} | options)).cost
+    print(cost.method, "heyoka" in sys.modules, "scipy.integrate" in sys.modules)
+"""
+HEYOKA = pytest.mark.skipif(not find_spec("heyoka"), reason="heyoka is not installed")
+
+
+def in_process(name: str, *options: dict[str, object]) -> list[list[str]]:
+    """What a fresh Python says after each of several calls: the method, and what is loaded."""
+    code = CALLS.format(name=name, options="".join(f"{o!r}, " for o in options))
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return [line.split() for line in done.stdout.splitlines()]
+
+
+@HEYOKA
+@pytest.mark.parametrize("name", NAMES)
+def test_a_short_first_motion_loads_neither_heyoka_nor_scipy(name: str) -> None:
+    assert in_process(name, {}, {}) == [["python", "False", "False"]] * 2
+
+
+@HEYOKA
+@pytest.mark.parametrize(
+    "options", [{"times": 3000}, {"tol": 1e-14}, {"method": "heyoka"}, {"events": "u1dot"}]
+)
+def test_else_heyoka_is_loaded_and_stays(options: dict[str, object]) -> None:
+    said = in_process("ball-on-sphere", options, {})
+    assert [line[:2] for line in said] == [["heyoka", "True"]] * 2
+
+
+@HEYOKA
+def test_many_short_motions_load_heyoka_once() -> None:
+    said = [method for method, *_ in in_process("ball-on-sphere", *[{}] * 40)]
+    first = said.count("python")
+    assert 5 < first < 40 and said == ["python"] * first + ["heyoka"] * (40 - first)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_it_takes_the_steps_of_scipy_and_agrees_with_many_digits(name: str) -> None:
+    system = vo.load(name)
+    here, there, fine = (
+        vo.integrate(system, times=10, method=method, tol=tol)
+        for method, tol in (("python", 1e-11), ("scipy", 1e-11), ("flint", 1e-18))
+    )
+    assert here.cost.method == "python" and "asked for" in here.cost.reason
+    assert (here.cost.steps, here.cost.evaluations) == (there.cost.steps, there.cost.evaluations)
+    for output in here.outputs:
+        size = max(1.0, float(np.abs(there[output]).max()))
+        assert np.abs(here[output] - there[output]).max() < 1e-10 * size
+        assert np.abs(here[output] - fine[output].astype(float)).max() < 1e-9 * size
+
+
+X, Y = sp.symbols("x y")
+DX, DY = vo.velocity(X), vo.velocity(Y)
+PENDULUM = vo.System(
+    name="pendulum", fibration=vo.Fibration((X,), ()), lagrangian=DX**2 / 2 + sp.cos(X)
+)
+
+
+def test_dense_output_events_and_time_that_runs_backwards() -> None:
+    here, there = (
+        vo.integrate(
+            PENDULUM, times=np.linspace(5, -20, 41), method=m, tol=1e-11, dense=True,
+            initial={X: 1, DX: "0.3"}, events=(vo.Event(X, "middle"), vo.Event(DX - 1, "fast", 1)),
+        )
+        for m in ("python", "scipy")
+    )  # fmt: skip
+    within = np.random.default_rng(3).uniform(-20, 5, 200)
+    for output in ("x", "xdot"):
+        assert np.abs(here.at(within)[output] - there.at(within)[output]).max() < 1e-11
+    for event in ("middle", "fast"):
+        one, other = here.events[event].t, there.events[event].t
+        assert len(one) == len(other) > 1 and np.abs(one - other).max() < 1e-11
+
+
+@pytest.mark.parametrize("force", [2 * Y**3, sp.sqrt(2 - Y) / 4 + 1], ids=["pole", "root"])
+def test_a_motion_that_ends_is_no_arithmetic_error(force: sp.Expr) -> None:
+    """y = 1/(1 - t), and a root of what becomes negative."""
+    system = vo.System(
+        name="end", fibration=vo.Fibration((Y,), ()), lagrangian=DY**2 / 2, forces={Y: force}
+    )
+    ends = []
+    for method in ("python", "scipy"):
+        with pytest.raises(IntegrationError) as caught:
+            vo.integrate(system, times=[0, 0.5, 2], initial={Y: 1, DY: 1}, method=method, tol=1e-9)
+        ends.append(caught.value.time)
+    assert 0.5 < ends[0] < 1.001 and abs(ends[0] - ends[1]) < 1e-3
+
+
+def test_coefficients_are_those_of_scipy() -> None:
+    rows = [*DOP853.A, *DOP853.A_EXTRA, DOP853.B, DOP853.E5, DOP853.E3, *DOP853.D]
+    for row, known in zip(rows, [*WEIGHTS, STEP, FIFTH, THIRD, *BENDS], strict=True):
+        assert known == {i: float(x) for i, x in enumerate(row) if x}
+    assert list(NODES) == [*DOP853.C, *DOP853.C_EXTRA]
