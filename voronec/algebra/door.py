@@ -30,7 +30,7 @@ from voronec.algebra.terms import factors_of
 from voronec.algebra.text import as_expression, quote
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Door", "written_with_signs"]
+__all__ = ["Door"]
 
 
 _FUNCTIONS = {
@@ -162,7 +162,7 @@ class Door:
             return 1 / _RECIPROCALS[name](self._enter(expr.args[0]))
         if name in _OF_RECIPROCALS:
             return _OF_RECIPROCALS[name](1 / self._enter(expr.args[0]))
-        pieces = written_with_signs(expr)
+        pieces = _written_with_signs(expr)
         if pieces is not None:
             return self._enter(pieces)
         raise DefinitionError(
@@ -364,7 +364,7 @@ def _known_of(thing: sp.Expr, inside: Any) -> Iterator[Any]:
 HALF = sp.Rational(1, 2)
 
 
-def written_with_signs(expr: Any) -> sp.Expr | None:
+def _written_with_signs(expr: Any) -> sp.Expr | None:
     """A function in pieces by ``Abs``, ``sign`` and ``floor``; None for any other expression.
 
     The argument is the node itself: what is inside of its arguments stays as it is.

@@ -22,7 +22,7 @@ from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.field import Fraction
 from voronec.algebra.ring import Monomial, Ring, sparse_terms
 
-__all__ = ["TurnedPolynomial", "expand_element", "expression", "in_differences", "operations"]
+__all__ = ["TurnedPolynomial", "expand_element", "expression", "operations"]
 
 
 MANY = 30_000
@@ -49,7 +49,7 @@ class TurnedPolynomial:
         return found
 
 
-def in_differences(ring: Ring, poly: Any) -> Iterator[TurnedPolynomial]:
+def _in_differences(ring: Ring, poly: Any) -> Iterator[TurnedPolynomial]:
     """A polynomial in differences and sums of its angles, where it depends on nothing else.
 
     One way for each of the angles that may stand still, shortened by going from one difference to
@@ -263,7 +263,7 @@ def _sum(ring: Ring, terms: Terms) -> Any:
 
 def _best(ring: Ring, poly: Any) -> Any:
     """The cheapest form in the angles as they are, or in their differences where these suffice."""
-    turned = list(in_differences(ring, poly))
+    turned = list(_in_differences(ring, poly))
     forms = [_in_angles(ring, t.poly).xreplace(t.meaning(ring)) for t in turned]
     if not any(2 * len(t.poly) < len(poly) for t in turned):
         forms.insert(0, _in_angles(ring, poly))

@@ -28,15 +28,7 @@ from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import PROOF_LIMIT, Verdict, Witness, decide_equal
 from voronec.errors import DefinitionError, EngineLimit, quote
 
-__all__ = [
-    "RELATIONS",
-    "Inequality",
-    "known_sign",
-    "mirror_verdict",
-    "prove_inequality",
-    "real_symbols",
-    "refuse_signs",
-]
+__all__ = ["RELATIONS", "Inequality", "known_sign", "prove_inequality"]
 
 
 _TIES = 60
@@ -147,7 +139,7 @@ RELATIONS = {
 """Relations by their spellings, in LaTeX too."""
 
 
-def real_symbols(*sides: Any) -> list[Any]:
+def _real_symbols(*sides: Any) -> list[Any]:
     """The symbols of both sides, by name; one that takes no real values is an error."""
     symbols = sorted(set().union(*(side.free_symbols for side in sides)), key=str)
     for symbol in symbols:
@@ -156,7 +148,7 @@ def real_symbols(*sides: Any) -> list[Any]:
     return symbols
 
 
-def refuse_signs(below: Iterable[Any], declared: Sequence[Any]) -> None:
+def _refuse_signs(below: Iterable[Any], declared: Sequence[Any]) -> None:
     """A symbol that SymPy knows to be negative must not be declared otherwise."""
     for symbol in below:
         if symbol in declared:
@@ -165,7 +157,7 @@ def refuse_signs(below: Iterable[Any], declared: Sequence[Any]) -> None:
             )
 
 
-def mirror_verdict(verdict: Verdict) -> Verdict:
+def _mirror_verdict(verdict: Verdict) -> Verdict:
     """A verdict on |m| as one on m = -|m|."""
     if verdict.witness is None:
         return verdict
@@ -199,13 +191,13 @@ def prove_inequality(
     if both:
         raise DefinitionError(f"'{both[0]}' is declared positive and real; declare it once")
     a, b = as_expression(a), as_expression(b)
-    symbols = real_symbols(a, b)
+    symbols = _real_symbols(a, b)
     below = {s: sp.Symbol(f"|{s.name}|") for s in symbols if s.is_negative}
     if below:
-        refuse_signs(below, (*positive, *real))
+        _refuse_signs(below, (*positive, *real))
         mirror = {s: -size for s, size in below.items()}
         sizes = (*positive, *below.values())
-        return mirror_verdict(
+        return _mirror_verdict(
             prove_inequality(a.xreplace(mirror), relation, b.xreplace(mirror), sizes, real)
         )
     door = Door()

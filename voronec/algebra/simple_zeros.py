@@ -24,7 +24,7 @@ from voronec.algebra.groebner import groebner_basis
 from voronec.algebra.ring import Ring
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["compose_on_section", "has_simple_zeros", "is_algebraic"]
+__all__ = ["compose_on_section", "has_simple_zeros"]
 
 _TRIES = 2
 """How many sections are tried: all but a set of measure zero serve."""
@@ -51,7 +51,7 @@ def _has_simple_zeros(expr: Any, relations: tuple[Any, ...], moving: frozenset[A
         poly = value.num * ring.field.denominator(value.den)
         if poly.is_constant():
             return bool(poly != 0)
-        if not is_algebraic(ring):
+        if not _is_algebraic(ring):
             return False
         ideal = [ring.fraction(r).num for r in relations]
         still = {i for i, e in enumerate(ring.meaning) if moving and not e.free_symbols & moving}
@@ -62,7 +62,7 @@ def _has_simple_zeros(expr: Any, relations: tuple[Any, ...], moving: frozenset[A
         return False
 
 
-def is_algebraic(ring: Ring) -> bool:
+def _is_algebraic(ring: Ring) -> bool:
     """Whether the generators of a ring are independent but for its rules and relations.
 
     A sine of what occurs outside of it too is not: x^2 - sin(x)^2 has a zero of higher order.

@@ -35,11 +35,9 @@ __all__ = [
     "StagedElimination",
     "Stages",
     "factor_sums",
-    "linear_combination",
     "needed_stages",
     "primitive",
     "shared_sums",
-    "sorted_stages",
 ]
 
 
@@ -97,7 +95,7 @@ def shared_sums(definitions: Mapping[Any, Any], fresh: Callable[[], Any]) -> dic
                     heapq.heappush(heap, _entry(p, where, keys))
         bags[name] = {first: ONE, second: ratio}
     sums = {x: se.Add(*[c * m for m, c in bag.items()]) for x, bag in bags.items()}
-    return sorted_stages({**definitions, **sums})
+    return _sorted_stages({**definitions, **sums})
 
 
 def _pairs(bag: Bag, keys: dict[Any, str]) -> set[Pair]:
@@ -131,7 +129,7 @@ def factor_sums(definitions: Mapping[Any, Any], fresh: Callable[[], Any]) -> dic
         result[x] = expr
         if isinstance(expr, se.Add):
             result[x] = _collect([(c, _powers(m)) for m, c in map(_split, expr.args)], name)
-    return sorted_stages(result)
+    return _sorted_stages(result)
 
 
 def _powers(term: Any) -> dict[Any, int]:
@@ -206,7 +204,7 @@ class StagedElimination:
         values: dict[int, Any] = {}
         for row, column in reversed(self._pivots):
             left = self._left[row]
-            known = linear_combination((e, values[j]) for j, e in left.items() if j != column)
+            known = _linear_combination((e, values[j]) for j, e in left.items() if j != column)
             values[column] = self._stages.name(self._stages.name(rest[row] - known) / left[column])
         return [values[j] for j in sorted(values)]
 
@@ -422,7 +420,7 @@ def _power(base: float, exponent: float) -> float:
 ZERO, ONE = se.Integer(0), se.Integer(1)
 
 
-def linear_combination(pairs: Iterable[tuple[Any, Any]]) -> Any:
+def _linear_combination(pairs: Iterable[tuple[Any, Any]]) -> Any:
     """The sum of the products of pairs."""
     return se.Add(*[a * b for a, b in pairs if a != 0 and b != 0])
 
@@ -459,7 +457,7 @@ def primitive(total: Any) -> tuple[Any, Any]:
     return factor, total if factor == 1 else se.Add(*[t / factor for t in total.args])
 
 
-def sorted_stages(definitions: Mapping[Any, Any]) -> dict[Any, Any]:
+def _sorted_stages(definitions: Mapping[Any, Any]) -> dict[Any, Any]:
     """The same stages, each after those it uses."""
     return {x: definitions[x] for x in needed_stages(definitions, definitions)}
 
@@ -518,11 +516,11 @@ class Stages:
 
     def total(self, pairs: Iterable[tuple[Any, Any]]) -> Any:
         """The name of the sum of the products of pairs."""
-        return self.name(linear_combination(pairs))
+        return self.name(_linear_combination(pairs))
 
     def replace(self, definitions: Mapping[Any, Any]) -> None:
         """Exchange the stages for an equivalent set."""
-        self.definitions = sorted_stages(definitions)
+        self.definitions = _sorted_stages(definitions)
         self._names = {e: x for x, e in self.definitions.items()}
         self._flat = {}
 

@@ -46,7 +46,6 @@ __all__ = [
     "decide_equal",
     "decide_zero",
     "prove_equal",
-    "walls_of",
     "witness_at",
 ]
 
@@ -386,7 +385,7 @@ class WitnessSearch:
     kinds: dict[tuple[int, ...], Point] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.walls, self.edges = walls_of([self.left, self.right])
+        self.walls, self.edges = _walls_of([self.left, self.right])
         self._sides = Tape([self.left, self.right])
         self._signs = Tape([*self.walls, *self.edges])
         parts = [*nodes([self.left, self.right])]
@@ -564,7 +563,7 @@ class WitnessSearch:
                     break
 
 
-def walls_of(exprs: Iterable[Any]) -> tuple[list[Any], list[Any]]:
+def _walls_of(exprs: Iterable[Any]) -> tuple[list[Any], list[Any]]:
     """Where a function turns into another one: zeros of factors of what stands under roots, signs
     and the like; and what is not negative where everything is real."""
     walls: dict[Any, None] = {}

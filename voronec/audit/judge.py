@@ -47,7 +47,7 @@ from voronec.audit.wording import (
 )
 from voronec.errors import DefinitionError, did_you_mean
 
-__all__ = ["SectionContext", "independent_conditions", "judge_formula", "judge_sentence"]
+__all__ = ["SectionContext", "judge_formula", "judge_sentence"]
 
 
 @dataclass(frozen=True)
@@ -349,7 +349,7 @@ def _judge_formula(
         return FormulaRecord(printed, "misprint", fault, derived)
     several = NOTHING_LESS
     if check.constrains:
-        several = independent_conditions(formula, chain, check, study, bench.transcript)
+        several = _independent_conditions(formula, chain, check, study, bench.transcript)
     if not several.proved:
         verdict = "misprint" if several.refuted else "undecided"
         return FormulaRecord(printed, verdict, several.method, derived)
@@ -509,7 +509,7 @@ def _with_correction(record: FormulaRecord, correction: Correction, method: str)
     )
 
 
-def independent_conditions(
+def _independent_conditions(
     formula: Formula, chain: Chain, check: Check, study: Study, transcript: Transcript
 ) -> Verdict:
     """Whether a formula adds as many conditions as it should to those before it in its display."""

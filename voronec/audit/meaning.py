@@ -63,8 +63,6 @@ __all__ = [
     "direction",
     "evaluate",
     "is_named",
-    "kind_or_key",
-    "listed_values",
     "rate",
 ]
 
@@ -87,7 +85,7 @@ def call(node: Call, study: Study, where: Where, evaluate: Evaluate) -> Any:
     """The value of a function of the dictionary, or of an expression that lists what it holds."""
     inner = (part for argument in node.arguments for part in walk(argument))
     if node.function in inner and not _is_quantity_too(node.function, study):
-        raise Misprint(f"'{kind_or_key(node.function)}' stands among its own arguments")
+        raise Misprint(f"'{_kind_or_key(node.function)}' stands among its own arguments")
     function = _function(node.function, study)
     value: Any = evaluate(node.function, study, where) if function is None else None
     if callable(value) and not isinstance(value, sp.Basic):
@@ -103,11 +101,11 @@ def call(node: Call, study: Study, where: Where, evaluate: Evaluate) -> Any:
     missing = (value.free_symbols & variables) - listed
     if missing:
         raise Misprint(
-            f"'{kind_or_key(node.function)}' depends on '{sorted(map(str, missing))[0]}', which "
+            f"'{_kind_or_key(node.function)}' depends on '{sorted(map(str, missing))[0]}', which "
             "its list of arguments leaves out"
         )
     if listed and value.free_symbols and not listed & value.free_symbols:
-        raise Misprint(f"'{kind_or_key(node.function)}' depends on none of its arguments")
+        raise Misprint(f"'{_kind_or_key(node.function)}' depends on none of its arguments")
     return value
 
 
@@ -161,13 +159,13 @@ def _listed_symbols(
         if isinstance(item, Dots):
             continue
         if items.count(item) > 1:
-            raise Misprint(f"a list of arguments has '{kind_or_key(item)}' twice")
+            raise Misprint(f"a list of arguments has '{_kind_or_key(item)}' twice")
         if not is_named(item):
-            what = f"a list of arguments holds a {kind_or_key(item).lower()}, which is no variable"
+            what = f"a list of arguments holds a {_kind_or_key(item).lower()}, which is no variable"
             raise Misprint(what)
         if isinstance(item, Name) and item.head in study.functions:
-            raise Misprint(f"a list of arguments holds '{kind_or_key(item)}', which is a function")
-    values = listed_values(items, study, where, evaluate)
+            raise Misprint(f"a list of arguments holds '{_kind_or_key(item)}', which is a function")
+    values = _listed_values(items, study, where, evaluate)
     variables = _variables(study)
     for value in values:
         if isinstance(value, sp.Expr) and len(value.free_symbols & variables) > 1:
@@ -175,7 +173,7 @@ def _listed_symbols(
     return set[sp.Expr]().union(*(value.free_symbols for value in values))
 
 
-def listed_values(
+def _listed_values(
     items: tuple[Node, ...], study: Study, where: Where, evaluate: Evaluate
 ) -> list[Any]:
     """The values of what is listed, in order; dots and bare families are filled in."""
@@ -190,9 +188,9 @@ def listed_values(
         if letters:
             for value in range(1, study.indices[letters[0]] + 1):
                 found.append(evaluate(item, study, {**where, letters[0]: value}))
-        elif is_named(item) and f"{kind_or_key(item)}_#" in study.table:
+        elif is_named(item) and f"{_kind_or_key(item)}_#" in study.table:
             top = max(study.indices.values())
-            found += [study.table[f"{kind_or_key(item)}_#"](i) for i in range(1, top + 1)]
+            found += [study.table[f"{_kind_or_key(item)}_#"](i) for i in range(1, top + 1)]
         else:
             found.append(evaluate(item, study, where))
     return found
@@ -219,7 +217,7 @@ def is_named(node: Node) -> bool:
     return isinstance(_innermost(node), Name)
 
 
-def kind_or_key(node: Node) -> str:
+def _kind_or_key(node: Node) -> str:
     """The key of a name, or the kind of any other node."""
     return key_of(node) if is_named(node) else type(node).__name__
 
@@ -357,10 +355,10 @@ def rate(node: Node, study: Study, where: Where | None = None) -> Any:
 
 def _differential(node: Differential, study: Study, where: Where) -> Any:
     if node.sign != "d":
-        return sp.Symbol(f"{{\\partial {kind_or_key(node.body)}}}")
+        return sp.Symbol(f"{{\\partial {_kind_or_key(node.body)}}}")
     value = _dot(Dot(node.body), study, where)
     if value == 0:
-        raise UnknownRate(f"'d{kind_or_key(node.body)}' has no value: its rate is not known")
+        raise UnknownRate(f"'d{_kind_or_key(node.body)}' has no value: its rate is not known")
     return value
 
 
@@ -388,7 +386,7 @@ def _partial(node: Partial, study: Study, where: Where) -> Any:
 def _variable(node: Node, study: Study, where: Where) -> sp.Symbol:
     symbol = evaluate(node, study, where)
     if not isinstance(symbol, sp.Symbol):
-        raise Misprint(f"'{kind_or_key(node)}' is not a variable to differentiate by")
+        raise Misprint(f"'{_kind_or_key(node)}' is not a variable to differentiate by")
     return symbol
 
 
@@ -457,7 +455,7 @@ def _add(values: list[Any]) -> Any:
 
 def _listing(node: Listing, study: Study, where: Where) -> Any:
     if node.bracket == POINT:
-        return sp.Matrix(listed_values(node.items, study, where, evaluate))
+        return sp.Matrix(_listed_values(node.items, study, where, evaluate))
     left, right = (evaluate(item, study, where) for item in node.items)
     return left.cross(right) if node.bracket == "[" else left.dot(right)
 

@@ -33,7 +33,6 @@ __all__ = [
     "derived_latex",
     "loose_index",
     "method_of",
-    "print_latex",
     "ranges_of",
     "readable",
     "with_note",
@@ -229,7 +228,7 @@ def _side(side: Any, chain: Chain, study: Study) -> str:
     if isinstance(side, str):
         return side
     value = study.motion.restrict(side).xreplace(dict(study.given))
-    return print_latex(value, chain, study)
+    return _print_latex(value, chain, study)
 
 
 def _equation(chain: Chain, check: Check, study: Study) -> str | None:
@@ -241,7 +240,7 @@ def _equation(chain: Chain, check: Check, study: Study) -> str | None:
     inertia = sum((sp.diff(residual, d) * d for d in dots), sp.Integer(0))
     at_rest = {d: sp.Integer(0) for d in dots}
     rest = -residual.xreplace(at_rest)
-    return f"{print_latex(inertia, chain, study)} = {print_latex(rest, chain, study)}"
+    return f"{_print_latex(inertia, chain, study)} = {_print_latex(rest, chain, study)}"
 
 
 def _value(chain: Chain, source: str, study: Study, constant: bool) -> str | None:
@@ -273,8 +272,8 @@ def _without_arguments(part: Node, study: Study) -> Node:
 
 def _entry_or_column(value: Any, chain: Chain, study: Study) -> str:
     if not isinstance(value, sp.MatrixBase):
-        return print_latex(value, chain, study)
-    rows = " \\\\ ".join(print_latex(entry, chain, study) for entry in value)
+        return _print_latex(value, chain, study)
+    rows = " \\\\ ".join(_print_latex(entry, chain, study) for entry in value)
     if value.cols > 1 or len(rows) > LONGEST // 5:
         raise EngineLimit("a matrix, or a long vector, is not worth printing")
     return f"\\begin{{pmatrix}} {rows} \\end{{pmatrix}}"
@@ -289,7 +288,7 @@ def _first_value(part: Node, chain: Chain, study: Study) -> tuple[dict[str, int]
     return next((pair for pair in values if pair[1] != 0), values[0])
 
 
-def print_latex(value: Any, chain: Chain, study: Study) -> str:
+def _print_latex(value: Any, chain: Chain, study: Study) -> str:
     """A value in its shortest proved form, with the abbreviations that the formula uses."""
     value, symbols = _fold(as_expression(value), chain, study)
     short, names = _plain_symbols(shorten([value])[0], study)

@@ -14,7 +14,7 @@ from voronec.cli.files import create
 from voronec.cli.output import print_json
 from voronec.errors import DefinitionError
 
-__all__ = ["Mechanism", "execute", "mechanism_of"]
+__all__ = ["Mechanism", "execute"]
 
 
 def execute(arguments: Namespace) -> int:
@@ -25,7 +25,7 @@ def execute(arguments: Namespace) -> int:
             f"'{name}' is no name for a system; use lower-case letters, digits and single hyphens, "
             "a letter first, such as 'rolling-coin'"
         )
-    mechanism = mechanism_of(name)
+    mechanism = _mechanism_of(name)
     path = Path(name.replace("-", "_") + (".toml" if arguments.toml else ".py"))
     text = mechanism.toml if arguments.toml else mechanism.python
     create(path, text.replace("@NAME@", name))
@@ -49,7 +49,7 @@ class Mechanism(NamedTuple):
     toml: str
 
 
-def mechanism_of(name: str) -> Mechanism:
+def _mechanism_of(name: str) -> Mechanism:
     """The mechanism that a name such as ``rolling-coin`` means; a skate where it means none."""
     words = {*name.split("-")}
     return next((m for m in MECHANISMS if words & {*m.words}), MECHANISMS[0])

@@ -19,10 +19,10 @@ from voronec.closed.winding import winding_of
 from voronec.elliptic.solution import exact_time
 from voronec.errors import EngineLimit
 
-__all__ = ["enclose_state", "resting_values", "rotation_about"]
+__all__ = ["enclose_state", "resting_values"]
 
 
-def rotation_about(spin: Sequence[Any], t: Any) -> list[Any]:
+def _rotation_about(spin: Sequence[Any], t: Any) -> list[Any]:
     """exp(t Omega^) = I + t sinc(w t) Omega^ + t^2/2 sinc^2(w t/2) Omega^^2, row by row."""
     a, b, c = spin
     angle = (a * a + b * b + c * c).nonnegative_part().sqrt() * t
@@ -153,7 +153,7 @@ def _state_at_rest(form: InvertedMotion, t: Any, bits: int, whole: bool) -> dict
     if form.wheels:
         found |= rolled_in_balls(form, time, bits)
     if turned and form.attitude is not None:
-        motion = rotation_about(form.attitude.spin(bits), time)
+        motion = _rotation_about(form.attitude.spin(bits), time)
         frame = product(form.attitude.start(bits)[0], motion)
         found |= _read(form, frame, None, time, bits, whole)
     return _name_values(form, found, _velocities_at_rest(form, found, given, bits))

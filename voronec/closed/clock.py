@@ -25,7 +25,7 @@ from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.ratio import Bernstein, Polynomial, evaluate_form, inner, ratios
 from voronec.errors import EngineLimit
 
-__all__ = ["Clock", "MotionIntegral", "clock_of", "pieces", "reduce_by_periods", "whole_turns_off"]
+__all__ = ["Clock", "MotionIntegral", "clock_of", "pieces", "whole_turns_off"]
 
 
 STEP = 0.125
@@ -131,7 +131,7 @@ class Clock:
             low, high = self._spread(times)
             return np.zeros(times.shape), self._newton(times, (low + high) / 2, low, high)
         whole, parts = self.period
-        count, rest = reduce_by_periods(times, parts)
+        count, rest = _reduce_by_periods(times, parts)
         if self._steady:
             return count, rest * (whole / sum(parts))
         taus, hours, paces = self._table
@@ -321,7 +321,7 @@ def whole_turns_off(rate: Any, grid: np.ndarray) -> np.ndarray:
     return np.asarray(total - np.rint(total))
 
 
-def reduce_by_periods(times: np.ndarray, parts: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+def _reduce_by_periods(times: np.ndarray, parts: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
     """Times less whole periods, the nearest; and how many these are."""
     count = np.rint(times / sum(parts))
     rest = times.copy()

@@ -29,7 +29,7 @@ from voronec.declaration.reading import doubles
 from voronec.elliptic.panels import Panels
 from voronec.errors import EngineLimit
 
-__all__ = ["BLOCK", "UprightView", "read_circles", "read_frame", "sample_coordinates", "wrap_angle"]
+__all__ = ["BLOCK", "UprightView", "sample_coordinates"]
 
 
 def _where_it_rests(
@@ -54,7 +54,7 @@ def _where_it_rests(
     in_space = {plain_name(q) for q in own.coordinates} if own is not None else set()
     if own is not None and not own.upright and in_space & {*names}:
         start = np.array([float(e) for e in own.start(SHARP)[0]]).reshape(3, 3)
-        found |= read_frame(form, _frames(start, own.spin(SHARP), grid), grid, names, whole)
+        found |= _read_frame(form, _frames(start, own.spin(SHARP), grid), grid, names, whole)
     return found
 
 
@@ -380,7 +380,7 @@ def _state_at_rest(
     plane = form.quadratures.plane
     straight = plane.place if plane is not None else ()
     turning = {plain_name(q) for q in form.system.coordinates if q not in straight}
-    return {n: wrap_angle(x) if n in turning else x for n, x in found.items()}
+    return {n: _wrap_angle(x) if n in turning else x for n, x in found.items()}
 
 
 def _state_in_motion(
@@ -401,7 +401,7 @@ def _state_in_motion(
     found = dict(zip(plain, rows, strict=False))
     if circles:
         moved = dict(zip(winding, rows[len(plain) : len(turning)], strict=True)) if whole else None
-        found |= read_circles(form, rows[len(turning) :], grid, names, moved)
+        found |= _read_circles(form, rows[len(turning) :], grid, names, moved)
     return found
 
 
@@ -459,7 +459,7 @@ class UprightView:
                 if (side, turns) == (1, 0):
                     return np.asarray(plain)
                 moved = side * plain + turns * TURN
-                return np.asarray(moved) if self.whole else wrap_angle(moved)
+                return np.asarray(moved) if self.whole else _wrap_angle(moved)
         return self.place[q]
 
     @cached_property
@@ -511,7 +511,7 @@ class UprightView:
         return found
 
 
-def wrap_angle(angle: np.ndarray) -> np.ndarray:
+def _wrap_angle(angle: np.ndarray) -> np.ndarray:
     """In (-pi, pi]."""
     return np.asarray(angle - TURN * np.ceil(angle / TURN - 0.5))
 
@@ -524,7 +524,7 @@ BLOCK = 8192
 """Instants that are read at once, so few that they stay in the cache."""
 
 
-def read_circles(
+def _read_circles(
     form: InvertedMotion,
     circles: Sequence[np.ndarray],
     grid: np.ndarray,
@@ -544,7 +544,7 @@ def read_circles(
     return _on_branches(form, found, grid, names, moved)
 
 
-def read_frame(
+def _read_frame(
     form: InvertedMotion, entries: Any, grid: np.ndarray, names: Sequence[str], whole: bool
 ) -> dict[str, np.ndarray]:
     """Coordinates in space from the entries of the frame there, which turns evenly."""
@@ -591,7 +591,7 @@ def _on_branches(
         for q, row in asked.items():
             row[place] = float(exact[plain_name(q)])
     if moved is None:
-        return {plain_name(q): wrap_angle(row) for q, row in asked.items()}
+        return {plain_name(q): _wrap_angle(row) for q, row in asked.items()}
     return {plain_name(q): row for q, row in asked.items()}
 
 

@@ -34,7 +34,6 @@ __all__ = [
     "evaluate_form",
     "inner",
     "ratios",
-    "round_numbers",
     "rounded_constants",
 ]
 
@@ -113,7 +112,7 @@ Bernstein = tuple[float, ...]
 """The numbers b_k."""
 
 
-def round_numbers(
+def _round_numbers(
     form: InvertedMotion, at: Callable[[int, Any], Sequence[Any]]
 ) -> tuple[float, ...]:
     """Numbers that a function of bits and of the motion's constants gives, to the last bit."""
@@ -129,7 +128,7 @@ def round_numbers(
 
 def bernstein(form: InvertedMotion, ascending: Callable[[int], Sequence[Any]]) -> Bernstein:
     """The numbers b_k of a polynomial whose coefficients are known to any number of bits."""
-    return round_numbers(form, lambda bits, constants: inner(ascending(bits), constants))
+    return _round_numbers(form, lambda bits, constants: inner(ascending(bits), constants))
 
 
 def inner(ascending: Sequence[Any], constants: Any) -> list[Any]:
@@ -222,7 +221,7 @@ class RoundedConstants:
             offset, slope = self._part(bits, self.form.problem.prepared.cosine_at + 2 * i, 2)
             return [1 + side * (offset + slope * x) for x in (constants.base, constants.other)]
 
-        low, high = round_numbers(self.form, at)
+        low, high = _round_numbers(self.form, at)
         return max(low, 0.0), max(high, 0.0)
 
     @cached_property
@@ -242,7 +241,7 @@ class RoundedConstants:
                 place = self._part(bits, 5 + 2 * i, 1)[0]
                 return [constants.base - place, constants.other - place]
 
-            low, high = round_numbers(self.form, at)
+            low, high = _round_numbers(self.form, at)
             found.append((low, high))
         return found
 

@@ -51,7 +51,6 @@ __all__ = [
     "parts",
     "turns",
     "two_product",
-    "two_sum",
 ]
 
 
@@ -578,9 +577,9 @@ class QuarticReduction:
         high, low = times, np.zeros_like(times)
         terms: list[Any] = [number * half for half in self.half]
         for term in (*terms[:1], *self.turn, *terms[1:]):
-            high, error = two_sum(high, -term)
+            high, error = _two_sum(high, -term)
             low += error
-        return two_sum(high, low)
+        return _two_sum(high, low)
 
 
 def parts(value: arb, bits: int, count: int, top: int | None = None) -> tuple[float, ...]:
@@ -612,7 +611,7 @@ def advance(value: arb, reduction: QuarticReduction) -> tuple[float, float]:
     return first, float((value - arb(first)).mid())
 
 
-def two_sum(one: Any, two: Any) -> tuple[Any, Any]:
+def _two_sum(one: Any, two: Any) -> tuple[Any, Any]:
     """The rounded sum, and what was rounded off, exactly."""
     high = one + two
     back = high - one

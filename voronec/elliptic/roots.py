@@ -22,7 +22,6 @@ __all__ = [
     "interval",
     "isolations",
     "power",
-    "refine_root",
     "resolve",
     "show_ball",
     "value_at",
@@ -337,15 +336,15 @@ def _sharp(
     """One root from the isolating balls of all, real where it is."""
     ball = balls[place]
     if not ball.imag.contains(0):
-        return refine_root(polynomial, ball)
+        return _refine_root(polynomial, ball)
     others = (other for at, other in enumerate(balls) if at != place)
     if any(ball.conjugate().overlaps(other) for other in others):
         raise OpenDecision("two roots of f may be equal or complex")
     # Its conjugate is a root in the mirrored ball, hence itself: it is real.
-    return refine_root(arb_poly(list(factor)), ball.real)
+    return _refine_root(arb_poly(list(factor)), ball.real)
 
 
-def refine_root(polynomial: arb_poly | acb_poly, ball: arb | acb) -> arb | acb:
+def _refine_root(polynomial: arb_poly | acb_poly, ball: arb | acb) -> arb | acb:
     """The root in an isolating ball, by the interval method of Newton."""
     derivative = polynomial.derivative()
     for _ in range(60):

@@ -9,7 +9,7 @@ from flint import acb, arb
 from voronec.elliptic.constants import Constants, Phase, Strain
 from voronec.elliptic.roots import OpenDecision, power
 
-__all__ = ["Moment", "Sums", "moment_of", "nearest", "phase", "reduce_time", "strain_gain"]
+__all__ = ["Moment", "Sums", "moment_of", "nearest", "phase"]
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,7 @@ def moment_of(constants: Constants, t: arb) -> Moment:
         values = tuple(rate * t for rate in constants.rates)
         return Moment(constants.base, arb(0), arb(1), arb(0), values)
     sums = Sums(constants.kind, constants.nome, constants.partner)
-    z, _ = reduce_time(constants, t, 0)
+    z, _ = _reduce_time(constants, t, 0)
     s, c = sums.s(z), sums.c(z)
     near, far = constants.mean * c * c, s * s
     whole = near + far
@@ -164,7 +164,7 @@ def moment_of(constants: Constants, t: arb) -> Moment:
     return Moment(x, rate, near / whole, far / whole, _expressions(constants, sums, t, x, rate))
 
 
-def reduce_time(constants: Constants, t: arb, side: int) -> tuple[arb, int]:
+def _reduce_time(constants: Constants, t: arb, side: int) -> tuple[arb, int]:
     """z counted from the nearest turning point of that side, and the whole periods before."""
     time = t - constants.turn
     if constants.half is None:
@@ -195,13 +195,13 @@ def _expressions(constants: Constants, sums: Sums, t: arb, x: arb, rate: arb) ->
 
 
 def _growth(constants: Constants, sums: Sums, one: Phase, t: arb) -> arb:
-    z, count = reduce_time(constants, t, one.side)
+    z, count = _reduce_time(constants, t, one.side)
     angle = phase(sums, z, one.alpha, one.sign)
     return angle if one.gain is None else angle + count * one.gain
 
 
 def _strain_parts(constants: Constants, sums: Sums, strain: Strain, t: arb) -> list[arb]:
-    z, count = reduce_time(constants, t, strain.side)
+    z, count = _reduce_time(constants, t, strain.side)
     a = strain.place
     images: tuple[acb, ...] = (z - a, z + a)
     if constants.kind == "exponential":
@@ -233,12 +233,12 @@ def _logarithm(constants: Constants, sums: Sums, a: acb, images: tuple[acb, ...]
             period = 2 * constants.half * constants.scale
             count = nearest(whole / period)
             whole -= count * period
-            gain = strain_gain(sums, a.imag, sign)
+            gain = _strain_gain(sums, a.imag, sign)
         angle += phase(sums, whole, a.imag, sign) + count * gain
     return acb(size, angle)
 
 
-def strain_gain(sums: Sums, alpha: arb, sign: int) -> arb:
+def _strain_gain(sums: Sums, alpha: arb, sign: int) -> arb:
     """What the phase of such a pole grows by in one period."""
     if sums.kind == "trigonometric":
         return sign * arb.pi()

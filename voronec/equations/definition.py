@@ -32,13 +32,7 @@ from voronec.equations.group_frame import GroupFrame, read_group
 from voronec.equations.program.walls import plain_roots, radicands
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = [
-    "Definition",
-    "read",
-    "require_no_jump",
-    "require_no_jump_of_lagrangian",
-    "solve_for_fibre",
-]
+__all__ = ["Definition", "read"]
 
 
 Enter = Callable[[sp.Expr, str], Any]
@@ -153,7 +147,7 @@ def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0
     constraints = _constraints(system, enter, dots)
     _count(system, len(constraints.matrix), differentiated)
     point = _start(system) if near is None else dict(near)
-    fibre = solve_for_fibre(system, constraints, differentiated, relations, point, share)
+    fibre = _solve_for_fibre(system, constraints, differentiated, relations, point, share)
     _require_continuity(system, enter, (*coordinates, *dots), dots, _conditions(system, door))
     momenta, determinant = _momentum_names(system, door)
     forces, added = _read_forces(system, door, enter, dots, frame)
@@ -215,14 +209,14 @@ def _require_continuity(
     """Steps are for forces: what velocities depend on may have kinks only."""
     lagrangian = enter(system.lagrangian, "the Lagrangian")
     place = f"system '{system.name}'"
-    require_no_jump_of_lagrangian(place, lagrangian, dots, variables, known)
+    _require_no_jump_of_lagrangian(place, lagrangian, dots, variables, known)
     for i, constraint in enumerate(system.constraints):
         name = partial(_constraint, system, i)  # printed where it is refused: that takes long
-        require_no_jump(name, enter(constraint, f"constraint {i + 1}"), known)
+        _require_no_jump(name, enter(constraint, f"constraint {i + 1}"), known)
     if system.frame is not None and not system.on_group:
         for v, expr in zip(system.frame.velocities, system.frame.expressions, strict=True):
             title = f"{place}: the quasi-velocity '{plain_name(v)}'"
-            require_no_jump(partial(str, title), enter(expr, title), known)
+            _require_no_jump(partial(str, title), enter(expr, title), known)
 
 
 def _read_forces(
@@ -428,7 +422,7 @@ def _count(system: System, constraints: int, differentiated: AffineForms) -> Non
         )
 
 
-def solve_for_fibre(
+def _solve_for_fibre(
     system: System,
     constraints: AffineForms,
     differentiated: AffineForms,
@@ -485,7 +479,7 @@ def _working_split(
     return [names[i] for i in range(total) if i not in chosen], [names[i] for i in chosen]
 
 
-def require_no_jump(place: Callable[[], str], expr: Any, conditions: Sequence[Any] = ()) -> None:
+def _require_no_jump(place: Callable[[], str], expr: Any, conditions: Sequence[Any] = ()) -> None:
     """Raise ``DefinitionError`` where an expression is proved to jump at a state at which
     conditions hold; ``place`` says what it is."""
     for wall, jump in _jumps(expr):
@@ -496,7 +490,7 @@ def require_no_jump(place: Callable[[], str], expr: Any, conditions: Sequence[An
             )
 
 
-def require_no_jump_of_lagrangian(
+def _require_no_jump_of_lagrangian(
     place: str,
     lagrangian: Any,
     velocities: Sequence[Any],

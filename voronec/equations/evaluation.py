@@ -22,7 +22,7 @@ from voronec.equations.definition import read
 from voronec.equations.derivation import Derivation
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["acceleration", "check_added_mass", "check_inertia", "named_point"]
+__all__ = ["acceleration", "check_added_mass", "check_inertia"]
 
 ON_RELATIONS = 1e-9
 """How far a point may lie off the relations between redundant coordinates."""
@@ -32,7 +32,7 @@ ORDERS = 4
 that anybody writes, and the equations differentiate twice."""
 
 
-def named_point(system: System, point: Mapping[Any, Any]) -> dict[str, Any]:
+def _named_point(system: System, point: Mapping[Any, Any]) -> dict[str, Any]:
     """A point by plain names, completed by the parameters' default values.
 
     Keys are symbols or names.  Raises ``DefinitionError`` for a name that the system lacks, for
@@ -113,7 +113,7 @@ def acceleration(
 ) -> dict[sp.Expr, sp.Float]:
     """See ``VoronecEquations.acceleration``."""
     require_digits(f"system '{system.name}'", digits)
-    values = named_point(system, point)
+    values = _named_point(system, point)
     values |= {str(f): values[name] for name, f in jets(system).items() if name in values}
     result = _accelerations(raw, values, digits)
     if result is None:  # a pivot may vanish just here: solve the constraints for this point

@@ -38,18 +38,10 @@ if TYPE_CHECKING:
     from voronec.equations.mechanics_form import MechanicsForm
     from voronec.equations.program import Program
 
-__all__ = [
-    "VoronecEquations",
-    "derive",
-    "equation_rows",
-    "equations_dict",
-    "equations_latex",
-    "equations_lines",
-    "solved_form",
-]
+__all__ = ["VoronecEquations", "derive", "equation_rows", "equations_lines"]
 
 
-def equations_latex(eqs: VoronecEquations) -> str:
+def _equations_latex(eqs: VoronecEquations) -> str:
     """Kinematic equations, then mass * vdot = force row by row, as an ``aligned`` block."""
     lines = []
     for q, rate in zip(eqs.coordinates, eqs.rates, strict=True):
@@ -189,7 +181,7 @@ def _curvature_rows(eqs: VoronecEquations) -> list[str]:
     return equation_rows(found) or ["  vanishes"]
 
 
-def equations_dict(eqs: VoronecEquations) -> dict[str, Any]:
+def _equations_dict(eqs: VoronecEquations) -> dict[str, Any]:
     """What was derived: names, kind, growth, coefficients, curvature, mass, force, rates.
 
     For a system beyond the exact normal form, the Python source of its program instead.
@@ -267,7 +259,7 @@ class VoronecEquations(DerivedEquations):
 
     def latex(self) -> str:
         """The equations as a LaTeX ``aligned`` block."""
-        return equations_latex(self)
+        return _equations_latex(self)
 
     def show(self) -> None:
         """Print the equations, with the kind of the system and the curvature; in a notebook they
@@ -295,7 +287,7 @@ class VoronecEquations(DerivedEquations):
         rates of the velocities, whichever takes fewer operations."""
         from voronec.equations.program import Program, operation_count, shorten_program
 
-        solved = solved_form(self)
+        solved = _solved_form(self)
         found = [shorten_program(Program.of(f)) for f in (self.form, solved) if f is not None]
         return min(found, key=lambda p: operation_count(p.derivative.expressions))
 
@@ -352,7 +344,7 @@ class VoronecEquations(DerivedEquations):
 
     def as_dict(self) -> dict[str, Any]:
         """Everything derived, as strings and numbers that JSON can hold."""
-        return equations_dict(self)
+        return _equations_dict(self)
 
 
 def derive(system: System) -> VoronecEquations:
@@ -380,7 +372,7 @@ SHORT = 300
 """Forms that cost more operations are not solved: what comes out is longer, nearly always."""
 
 
-def solved_form(equations: DerivedEquations) -> FirstOrderForm | None:
+def _solved_form(equations: DerivedEquations) -> FirstOrderForm | None:
     """vdot = mass^-1 force in the shortest form: what mass and force share is gone.
 
     None where it is not tried, or beyond the budget.

@@ -25,17 +25,7 @@ from voronec.motion.steppers.units import natural_units
 if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
 
-__all__ = [
-    "HOME",
-    "LEAVE",
-    "RETURN",
-    "SIDE",
-    "Atlas",
-    "ChartProblem",
-    "KeptChart",
-    "kept_charts",
-    "own_singular",
-]
+__all__ = ["HOME", "LEAVE", "RETURN", "SIDE", "Atlas", "ChartProblem", "KeptChart", "kept_charts"]
 
 
 @dataclass(frozen=True)
@@ -144,7 +134,7 @@ def _equations_in(equations: VoronecEquations, name: str) -> VoronecEquations:
     return equations.memo.once(("chart", name), derive_chart)
 
 
-def own_singular(charts: tuple[KeptChart, ...]) -> Any:
+def _own_singular(charts: tuple[KeptChart, ...]) -> Any:
     """What vanishes where the own chart is singular: all factors that charts name, each once."""
     return se.Mul(*dict.fromkeys(f for chart in charts for f in chart.factors))
 
@@ -259,7 +249,7 @@ class Atlas:
 
     def distances(self, times: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """How far states of the own chart are from its singularity."""
-        program = quantities(self.form, {HOME: own_singular(self.charts)})
+        program = quantities(self.form, {HOME: _own_singular(self.charts)})
         with np.errstate(all="ignore"):
             (found,) = compile_program(program)[1](times, list(rows.T), self._values(program))
         return np.abs(np.broadcast_to(found, times.shape))
@@ -325,7 +315,7 @@ class Atlas:
 
     def _own(self) -> ChartProblem:
         given = self.problem
-        levels = {**self.functions, LEAVE: _beyond(own_singular(self.charts), NEAR)}
+        levels = {**self.functions, LEAVE: _beyond(_own_singular(self.charts), NEAR)}
         regular = self._distance(HOME, self.grid[0], given.start) > float(NEAR)
         problem = replace(
             given,
@@ -345,7 +335,7 @@ class Atlas:
         chart, given = next(c for c in self.charts if c.name == name), self.problem
         levels = {event: chart.pull_back(e) for event, e in self.functions.items()}
         levels[LEAVE] = _beyond(chart.singular, NEAR)
-        levels[RETURN] = _beyond(chart.pull_back(own_singular(self.charts)), CLEAR)
+        levels[RETURN] = _beyond(chart.pull_back(_own_singular(self.charts)), CLEAR)
         sides = {f"{SIDE}{i}": e for i, e in enumerate(chart.sides)}
         program = Program.of(chart.form)
         ends = (self._end(LEAVE, -1), self._end(RETURN, 1))
@@ -394,7 +384,7 @@ class Atlas:
     def _distances(self) -> dict[str, Callable[[Any, np.ndarray], np.ndarray]]:
         """The functions that vanish where a chart is singular, of states there."""
         others = {c.name: self._single([c.singular]) for c in self.charts}
-        return {**others, HOME: self._single([own_singular(self.charts)])}
+        return {**others, HOME: self._single([_own_singular(self.charts)])}
 
     def _single(self, wanted: list[Any]) -> Callable[[Any, np.ndarray], np.ndarray]:
         """Functions of single states; not a number where one is undefined."""

@@ -57,7 +57,6 @@ __all__ = [
     "DrivenPassages",
     "Section",
     "SectionSurface",
-    "driven_passages",
     "section",
     "starts_alike",
     "suggest_surface",
@@ -364,7 +363,7 @@ def section(
     keys = outputs_of(None, outputs) or _whole(equations, expr)
     if driven.changing is not None:
         single, columns = _starts(equations, chosen_scene, starts, initial, parameters)
-        found = driven_passages(
+        found = _driven_passages(
             declared, plane, on_plane, direction, keys, single, columns, crossings, until,
             progress, scene=chosen_scene, inputs=inputs, method=method, tol=tol,
         )  # fmt: skip
@@ -621,7 +620,7 @@ class DrivenPassages:
     interrupted: bool = False
 
 
-def driven_passages(
+def _driven_passages(
     system: System, plane: Any, value: float, direction: int, outputs: Sequence[str],
     starts: Sequence[Values], parameters: Mapping[Any, Any], crossings: int, until: float | None,
     progress: Callable[[float], Any] | None, **options: Any,

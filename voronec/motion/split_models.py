@@ -50,17 +50,7 @@ from voronec.motion.observables import Watch
 from voronec.motion.reactions import Multipliers
 from voronec.motion.state_probe import quantities
 
-__all__ = [
-    "Geometry",
-    "SplitGround",
-    "SplitModel",
-    "candidates",
-    "equations_near",
-    "geometry_entries",
-    "metric_of",
-    "split_system",
-    "wide_form",
-]
+__all__ = ["Geometry", "SplitGround", "SplitModel", "candidates"]
 
 
 SHARE = 0.1
@@ -69,7 +59,7 @@ DEPENDENT = 1e-9
 """Constraints whose least singular value is below this part of the largest are dependent."""
 
 
-def wide_form(d: Definition) -> FirstOrderForm:
+def _wide_form(d: Definition) -> FirstOrderForm:
     """The coordinates and all their velocities (of a group, those of its frame) as a state: what
     the splits of a system share.  It says nothing of how the velocities change."""
     n = len(d.dots)
@@ -86,7 +76,7 @@ def wide_form(d: Definition) -> FirstOrderForm:
     )
 
 
-def geometry_entries(d: Definition) -> dict[str, Any]:
+def _geometry_entries(d: Definition) -> dict[str, Any]:
     """What ``Geometry.of`` takes, by name, as functions of the wide state: rows of the constraints
     and the relations, rows of the frame, each with its offset, and d2L/dw2."""
     forms: list[tuple[Sequence[Any], Any]] = []
@@ -125,9 +115,9 @@ class Geometry:
 
     @classmethod
     def of(cls, values: Mapping[str, Any], conditions: np.ndarray, frame: np.ndarray) -> Geometry:
-        """The geometry from the values of ``geometry_entries`` at one point, and their rows
+        """The geometry from the values of ``_geometry_entries`` at one point, and their rows
         without offsets."""
-        metric = metric_of(values, conditions)
+        metric = _metric_of(values, conditions)
         root = np.linalg.cholesky(metric)
         inverse = np.linalg.inv(root).T  # columns are orthonormal in the metric
         left = conditions @ inverse
@@ -156,7 +146,7 @@ class Geometry:
         return tuple(sorted(int(a) for a in order[: len(self.frame)]))
 
 
-def metric_of(values: Mapping[str, Any], rows: np.ndarray) -> np.ndarray:
+def _metric_of(values: Mapping[str, Any], rows: np.ndarray) -> np.ndarray:
     """g = d2L/dw2 + s A^T A with s such that both parts are of one size, at one point, shape
     (velocities, velocities) [Theory, eq. (22a)]."""
     width = rows.shape[1]
@@ -173,7 +163,7 @@ def metric_of(values: Mapping[str, Any], rows: np.ndarray) -> np.ndarray:
 # -- other systems for the same motion ------------------------------------------------------
 
 
-def split_system(system: System, chosen: Sequence[int]) -> System:
+def _split_system(system: System, chosen: Sequence[int]) -> System:
     """The system with those velocities as its independent ones: positions among the velocities of
     the coordinates, or of a group's frame.  Claims and scenes are left out."""
     frame = system.frame
@@ -239,7 +229,7 @@ def _split_chart(system: System, chart: Chart) -> Chart:
     )
 
 
-def equations_near(system: System, near: Mapping[str, Any]) -> VoronecEquations:
+def _equations_near(system: System, near: Mapping[str, Any]) -> VoronecEquations:
     """The equations with pivots that are well conditioned at a point, numbers by name."""
     definition = read(system, near, SHARE)
     return VoronecEquations(
@@ -280,11 +270,11 @@ class SplitGround:
     @cached_property
     def wide(self) -> FirstOrderForm:
         """The form of the wide state."""
-        return wide_form(self.home.definition)
+        return _wide_form(self.home.definition)
 
     @cached_property
     def _geometry(self) -> Program:
-        return quantities(self.wide, geometry_entries(self.home.definition))
+        return quantities(self.wide, _geometry_entries(self.home.definition))
 
     def _entries(self, time: Any, wide: Any, constants: Any = None) -> dict[str, Any]:
         """The entries of constraints, frame and mass at a wide state, by name."""
@@ -340,7 +330,7 @@ class SplitGround:
             at = {name: row[k] for name, row in rows.items()}
             if np.isfinite([*at.values()]).all():
                 conditions = self._rows_of(at, float)[0][:, :-1]
-                found[k] = np.abs(np.linalg.det(metric_of(at, conditions)))
+                found[k] = np.abs(np.linalg.det(_metric_of(at, conditions)))
         return found
 
     def watch_divisors(
@@ -565,10 +555,10 @@ def candidates(ground: SplitGround, time: float, wide: np.ndarray) -> Any:
     yield home, home.form
     geometry = ground.geometry(time, wide)
     systems = [home.system] if geometry.quality > CLEAR else []
-    systems.append(split_system(home.system, geometry.best))
+    systems.append(_split_system(home.system, geometry.best))
     for system in systems:
         try:
-            equations = equations_near(system, point)
+            equations = _equations_near(system, point)
             yield equations, equations.form
             yield equations, equations.raw.form
         except VoronecError:

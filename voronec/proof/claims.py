@@ -49,16 +49,7 @@ from voronec.proof.measures import binding, chosen_variables, decide_measure, me
 from voronec.proof.multiplier import decide_multiplier
 from voronec.proof.walls import across_walls
 
-__all__ = [
-    "Claim",
-    "case_of",
-    "case_values",
-    "check_claims",
-    "decide_equation",
-    "decide_integrable",
-    "decide_integral",
-    "specialise",
-]
+__all__ = ["Claim", "case_of", "check_claims", "decide_integral", "specialise"]
 
 
 def decide_integral(motions: Motions, function: sp.Expr) -> Decision:
@@ -73,7 +64,7 @@ def decide_integral(motions: Motions, function: sp.Expr) -> Decision:
     return Decision(across_walls(found, field, inside, constant=True), field.level)
 
 
-def decide_equation(motions: Motions, equation: Equation) -> Decision:
+def _decide_equation(motions: Motions, equation: Equation) -> Decision:
     """dF/dt = G along the motion, entry by entry; the first entry that fails is named."""
     field = motions.field_for([*expressions_of(equation)])
     functions = [field.read_with_momenta(f) for f in equation.function]
@@ -100,7 +91,7 @@ def _number_residuals(residuals: list[Any]) -> list[tuple[str, Any]]:
     return [(f"entry {i + 1}", r) for i, r in enumerate(residuals)]
 
 
-def decide_integrable(
+def _decide_integrable(
     motions: Motions, measure: Measure, measured: Verdict, integrals: Sequence[sp.Expr]
 ) -> Decision:
     """Whether proved integrals and a measure, of that verdict, suffice for Euler and Jacobi."""
@@ -294,12 +285,12 @@ def _integrable(motions: Motions, known: _Known) -> Decision:
     """The theorem of Euler and Jacobi."""
     if known.verdict is None:
         return Decision(Verdict("refuted", "no measure is declared"))
-    return decide_integrable(motions, known.measure, known.verdict, known.integrals)
+    return _decide_integrable(motions, known.measure, known.verdict, known.integrals)
 
 
 DECIDERS: dict[str, Decide] = {
     "integral": decide_integral,
-    "equation": decide_equation,
+    "equation": _decide_equation,
     "measure": decide_measure,
     "multiplier": decide_multiplier,
     "poisson": decide_poisson,
@@ -370,7 +361,7 @@ def specialise(
     ``new`` are parameters that these functions may hold besides those that remain.  Of the claims
     the integrals, equations and measure are kept that are defined at these values.
     """
-    at = case_values(system, parameters)
+    at = _case_values(system, parameters)
     kept = tuple(p for p in system.parameters if p.symbol not in at)
     names = {plain_name(s) for s in at}
     return replace(
@@ -407,14 +398,14 @@ def _still_possible(system: System, at: Mapping[Any, Any]) -> dict[str, Any]:
 
 def case_of(system: System, case: Case) -> System:
     """The specialised system with the claims of the case alone."""
-    at = case_values(system, case.parameters)
+    at = _case_values(system, case.parameters)
     bare = replace(system, **without_claims())
     fields = [kind.field for kind in KINDS if hasattr(case, kind.field)]
     own = {field: replace_in_claims(getattr(case, field), at) for field in fields}
     return replace(specialise(bare, case.parameters), **own)
 
 
-def case_values(system: System, parameters: Mapping[Any, Any]) -> dict[sp.Expr, sp.Expr]:
+def _case_values(system: System, parameters: Mapping[Any, Any]) -> dict[sp.Expr, sp.Expr]:
     """Values by symbols of the system; keys may be names."""
     known = {p.name: p.symbol for p in system.parameters}
     values = {}

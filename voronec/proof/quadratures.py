@@ -35,14 +35,7 @@ from voronec.proof.claims import Claim
 from voronec.proof.decision import all_zero
 from voronec.proof.walls import across_walls
 
-__all__ = [
-    "InSpace",
-    "QuadratureGround",
-    "Residuals",
-    "check_motion",
-    "decide_residues",
-    "statements",
-]
+__all__ = ["InSpace", "QuadratureGround", "check_motion", "statements"]
 
 
 LENGTH = se.Symbol("length of the vector")
@@ -128,7 +121,7 @@ SAMPLES = 12
 """At how many states the sign of the clock is looked at."""
 
 
-def decide_residues(ground: QuadratureGround, rate: sp.Expr) -> Verdict:
+def _decide_residues(ground: QuadratureGround, rate: sp.Expr) -> Verdict:
     """A rate has simple poles where they are declared, with residues w, -w or 0, and no others.
 
     The denominator has as many roots as its degree, all of them declared; and the fraction grows
@@ -313,7 +306,7 @@ def statements(ground: QuadratureGround) -> Iterator[tuple[str, Callable[[], Ver
     ways.append(partial(_quartic, ground))
     ways += [partial(_rate, ground, q) for q in motion.integrals]
     ways += [partial(_pole, ground, c) for c in motion.poles]
-    ways += [partial(decide_residues, ground, rate) for rate in motion.rates.values()]
+    ways += [partial(_decide_residues, ground, rate) for rate in motion.rates.values()]
     ways += [partial(_trace, ground, t) for t in motion.traces]
     ways += [partial(_velocity, ground, v) for v in motion.velocities]
     if motion.space is not None:

@@ -26,7 +26,7 @@ from typing import Any
 from voronec.declaration.catalogue import entry_of, names
 from voronec.declaration.whole_files import make_room, user_cache
 
-__all__ = ["Store", "closure", "digest", "engine_digest", "engine_files", "engine_folder"]
+__all__ = ["Store", "closure", "digest", "engine_digest", "engine_folder"]
 
 
 LIBRARIES = ("sympy", "symengine", "python-flint", "mpmath", "numpy")
@@ -57,7 +57,7 @@ def digest(declared: str, files: Iterable[Path], decider: str) -> str:
 def engine_digest(modules: frozenset[str]) -> str:
     """A digest of modules of the engine, of what they import, and of the libraries below."""
     mark = sha256(_platform().encode())
-    for file in engine_files(modules):
+    for file in _engine_files(modules):
         mark.update(_digest_of(file))
     return mark.hexdigest()
 
@@ -74,7 +74,7 @@ def _digest_of(file: Path) -> bytes:
     return sha256(name + b"\0" + file.read_bytes()).digest()
 
 
-def engine_files(modules: Iterable[str]) -> list[Path]:
+def _engine_files(modules: Iterable[str]) -> list[Path]:
     """The files of modules of the engine and of all that they import, inside functions too."""
     waiting, found = set(modules), dict[str, Path]()
     while waiting:

@@ -13,7 +13,7 @@ from voronec.accuracy.hard.case import HardCase
 from voronec.accuracy.hard.trial import CaseResult, Trial
 from voronec.motion.methods import METHODS
 
-__all__ = ["HEADINGS", "TALLY", "cells", "data", "head", "lines", "page", "summary", "tally"]
+__all__ = ["cells", "data", "head", "lines", "page", "summary", "tally"]
 
 
 TOP = """# Hard cases

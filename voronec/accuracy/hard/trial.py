@@ -22,7 +22,7 @@ from voronec.motion import Trajectory, integrate
 from voronec.motion.methods import METHODS
 from voronec.motion.tolerances import EXACT
 
-__all__ = ["FLOOR", "ROUNDINGS", "CaseResult", "Trial", "attempt", "available", "bound", "trials"]
+__all__ = ["FLOOR", "CaseResult", "Trial", "attempt", "available", "bound", "trials"]
 
 
 FLOOR = 1e-10

@@ -53,23 +53,7 @@ from voronec.audit.latex.vocabulary import CALL, LatexVocabulary
 from voronec.audit.study import Study
 from voronec.errors import DefinitionError
 
-__all__ = [
-    "NUMBERS",
-    "close_brackets",
-    "differentials",
-    "keyboard_slips",
-    "letter_exponents",
-    "number_edits",
-    "numbers_for_letters",
-    "omit_parts",
-    "omit_words",
-    "own_factors",
-    "put_in",
-    "relations",
-    "repairs",
-    "script_edits",
-    "single_changes",
-]
+__all__ = ["NUMBERS", "close_brackets", "differentials", "relations", "repairs", "single_changes"]
 
 
 _CLOSING = frozenset(")]}")
@@ -79,7 +63,7 @@ LONGEST = 40
 """How many words may be said twice."""
 
 
-def keyboard_slips(
+def _keyboard_slips(
     words: Sequence[Token], study: Study, spare: Spare, letters: Sequence[str]
 ) -> Iterator[Change]:
     """Every change of this kind; they are not tried in pairs."""
@@ -166,7 +150,7 @@ _DIGITS = "2345678910"
 """All digits, in the order in which they are tried."""
 
 
-def letter_exponents(words: Sequence[Token]) -> Iterator[Change]:
+def _letter_exponents(words: Sequence[Token]) -> Iterator[Change]:
     """A number for a letter in the exponent."""
     for start, end in script_ranges(words):
         inside = words[start:end]
@@ -180,7 +164,7 @@ def letter_exponents(words: Sequence[Token]) -> Iterator[Change]:
 _LETTER = (["letter"], ["sign", "letter", "sign"])
 
 
-def number_edits(words: Sequence[Token], letters: Sequence[str]) -> Iterator[Change]:
+def _number_edits(words: Sequence[Token], letters: Sequence[str]) -> Iterator[Change]:
     """Another digit, none, or a letter of the formula; a factor 2 more."""
     for before, word, after in zip((None, *words), words, (*words[1:], None), strict=False):
         if word.kind == "number":
@@ -191,7 +175,7 @@ def number_edits(words: Sequence[Token], letters: Sequence[str]) -> Iterator[Cha
             yield from _other_digits(word, raised or factor)
         elif is_letter(word):
             yield insert(word, "2")
-    yield from numbers_for_letters(words, letters)
+    yield from _numbers_for_letters(words, letters)
 
 
 def _other_digits(word: Token, strong: bool) -> Iterator[Change]:
@@ -204,7 +188,7 @@ def _other_digits(word: Token, strong: bool) -> Iterator[Change]:
                 yield Change(((place, place + 1, digit),), (word.start, word.end))
 
 
-def numbers_for_letters(words: Sequence[Token], letters: Sequence[str]) -> Iterator[Change]:
+def _numbers_for_letters(words: Sequence[Token], letters: Sequence[str]) -> Iterator[Change]:
     """A letter where a number is printed."""
     for word in words:
         if word.kind == "number":
@@ -212,7 +196,7 @@ def numbers_for_letters(words: Sequence[Token], letters: Sequence[str]) -> Itera
                 yield replace_word(word, space_after(letter))
 
 
-def script_edits(words: Sequence[Token]) -> Iterator[Change]:
+def _script_edits(words: Sequence[Token]) -> Iterator[Change]:
     """An index 1, or a square, more or less; a letter left out."""
     for word in words:
         if is_letter(word):
@@ -239,23 +223,23 @@ def single_changes(printed: str, study: Study, spare: Spare) -> list[Change]:
     own = [w.text for w in words if is_letter(w)]
     chain = _tree(printed, study)
     kinds = (
-        (*differentials(words), *letter_exponents(words), *relations(words)),
+        (*differentials(words), *_letter_exponents(words), *relations(words)),
         _exchanges(words),
         _index_edits(printed, words, study, spare.indices),
         _mark_edits(words, [printed, *spare.formulas]),
         _name_edits(words, study, own),
-        number_edits(words, own),
-        script_edits(words),
-        (*omit_words(words), *omit_parts(printed, chain, words)),
-        put_in(printed, chain, words, (*NUMBERS, *own_factors(printed, chain, study))),
+        _number_edits(words, own),
+        _script_edits(words),
+        (*_omit_words(words), *_omit_parts(printed, chain, words)),
+        _put_in(printed, chain, words, (*NUMBERS, *_own_factors(printed, chain, study))),
         _font_edits(words, study),
         _letter_edits(words, list(letters_of(words))),
         _name_edits(words, study, spare.letters),
         _letter_edits(words, spare.names),
-        numbers_for_letters(words, spare.letters),
-        put_in(printed, chain, words, _other_names(spare, study)),
+        _numbers_for_letters(words, spare.letters),
+        _put_in(printed, chain, words, _other_names(spare, study)),
         _name_edits(words, study, _known_letters(study)),
-        keyboard_slips(words, study, spare, (*own, *spare.letters)),
+        _keyboard_slips(words, study, spare, (*own, *spare.letters)),
     )
     found: dict[tuple[Piece, ...], Change] = {}
     for rank, kind in enumerate(kinds):
@@ -370,7 +354,7 @@ _BRACKETS = {"(": ")", "[": "]"}
 _GROUPS = {**_BRACKETS, "{": "}"}
 
 
-def own_factors(printed: str, chain: Chain, study: Study) -> tuple[str, ...]:
+def _own_factors(printed: str, chain: Chain, study: Study) -> tuple[str, ...]:
     """What a formula is made of: its names, then what else it multiplies, then squares of names."""
     called = {part.function for part in walk(chain) if isinstance(part, Call)}
     found: dict[int, dict[str, None]] = {0: {}, 1: {}, 2: {}}
@@ -389,7 +373,7 @@ def own_factors(printed: str, chain: Chain, study: Study) -> tuple[str, ...]:
     return tuple(text for kind in found.values() for text in kind)
 
 
-def omit_words(words: Sequence[Token]) -> Iterator[Change]:
+def _omit_words(words: Sequence[Token]) -> Iterator[Change]:
     """The formula without one of its words; brackets, marks of scripts and relations stay."""
     kept = {*_GROUPS, *_GROUPS.values(), "^", "_", ",", *RELATIONS}
     for word in words:
@@ -397,7 +381,7 @@ def omit_words(words: Sequence[Token]) -> Iterator[Change]:
             yield replace(without(word, words), paired=False)
 
 
-def omit_parts(printed: str, chain: Chain, words: Sequence[Token]) -> Iterator[Change]:
+def _omit_parts(printed: str, chain: Chain, words: Sequence[Token]) -> Iterator[Change]:
     """The formula without a factor, then without a denominator, then without a term."""
     parts = list(_parts(chain))
     for part in parts:
@@ -438,7 +422,7 @@ def _sign_before(term: Node, words: Sequence[Token]) -> Token | None:
     return before[-1] if before and before[-1].text in ("+", "-", "\\pm", "\\mp") else None
 
 
-def put_in(
+def _put_in(
     printed: str, chain: Chain, words: Sequence[Token], texts: Sequence[str]
 ) -> Iterator[Change]:
     """A factor more in a term: a power behind what it multiplies first, all else before it."""

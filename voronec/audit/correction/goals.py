@@ -23,7 +23,7 @@ from voronec.audit.meaning import SENSELESS
 from voronec.audit.structure import names_constant, new_names, whole_name
 from voronec.audit.study import Study
 
-__all__ = ["MendingPlace", "Where", "along", "holds", "plant", "slots_of"]
+__all__ = ["MendingPlace", "Where", "along", "holds", "slots_of"]
 
 
 Where = dict[str, int]
@@ -42,8 +42,8 @@ def slots_of(
     for left, right in _links(chain, check, study):
         goals = _goals(left, right, check, sampler, where)
         if goals is not None:
-            found = plant(left, [value(right) + goal for goal in goals], value)
-            return found + plant(right, [value(left) - goal for goal in goals], value)
+            found = _plant(left, [value(right) + goal for goal in goals], value)
+            return found + _plant(right, [value(left) - goal for goal in goals], value)
     return None
 
 
@@ -79,7 +79,7 @@ def _against_value(
         value = sampler.value(part, where)
         wanted = goal if np.ndim(goal) else 0.0 * value + goal
         if not close(value, wanted):
-            return plant(part, [wanted], lambda node: sampler.value(node, where))
+            return _plant(part, [wanted], lambda node: sampler.value(node, where))
     return None
 
 
@@ -169,7 +169,7 @@ class _Branch:
     down: Callable[[Any], Sequence[Any]]
 
 
-def plant(
+def _plant(
     node: Node,
     goals: Sequence[Any],
     value: Value,
@@ -187,7 +187,7 @@ def plant(
     for branch in branches:
         try:
             below = [g for goal in goals for g in branch.down(goal)]
-            found += plant(branch.node, below, value, slot, branch.up)
+            found += _plant(branch.node, below, value, slot, branch.up)
         except SENSELESS:
             continue
     return found

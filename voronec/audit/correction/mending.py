@@ -67,7 +67,7 @@ from voronec.audit.transcript import assignments
 from voronec.audit.verify import verify
 from voronec.errors import DefinitionError, VoronecError
 
-__all__ = ["Correction", "CorrectionSearch", "Screen", "Spare", "correct", "unknown_places"]
+__all__ = ["Correction", "CorrectionSearch", "Screen", "Spare", "correct"]
 
 
 SEEDS = 12
@@ -313,7 +313,7 @@ class Screen:
             return False
 
 
-def unknown_places(printed: str, study: Study, new: Collection[str] = ()) -> list[tuple[int, int]]:
+def _unknown_places(printed: str, study: Study, new: Collection[str] = ()) -> list[tuple[int, int]]:
     """Where the first name stands that is unknown and none of the ``new`` ones; else nothing."""
     try:
         chain = read(printed, study.vocabulary)
@@ -630,7 +630,7 @@ def _search_correction(
 
 def _at_unknown(case: _Case, changes: Sequence[Change]) -> list[Change]:
     """The changes that concern the first name that means nothing; all, where each has a meaning."""
-    places = unknown_places(case.printed, case.study, case.new)
+    places = _unknown_places(case.printed, case.study, case.new)
     if not places:
         return list(changes)
     return [

@@ -26,10 +26,10 @@ from voronec.audit.record import Audit, FormulaRecord, Record
 from voronec.declaration.whole_files import replace_file
 from voronec.errors import DefinitionError
 
-__all__ = ["Figure", "audit_json", "audit_summary", "audit_table", "write_audit"]
+__all__ = ["Figure", "audit_summary", "audit_table", "write_audit"]
 
 
-def audit_json(audit: Audit) -> str:
+def _audit_json(audit: Audit) -> str:
     """The records as a JSON list: label, section, ordinal, printed, derived, verdict, correction,
     witness, method, and all formulas."""
     return json.dumps(audit.as_list(), indent=2, ensure_ascii=False) + "\n"
@@ -41,7 +41,7 @@ def write_audit(audit: Audit, folder: str | Path, figures: Sequence[Figure] = ()
     ``DefinitionError`` where the folder cannot be written.
     """
     texts = {
-        "report.json": audit_json(audit),
+        "report.json": _audit_json(audit),
         "report.html": audit_page(audit, figures),
         "report.tex": audit_latex(audit),
     }

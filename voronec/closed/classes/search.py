@@ -37,7 +37,6 @@ from voronec.declaration.system import System, require_possible
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = [
-    "ROOTS_OF_CLASS",
     "Conditions",
     "conditions",
     "elsewhere",

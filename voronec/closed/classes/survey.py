@@ -38,7 +38,6 @@ from voronec.declaration.system import System
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 
 __all__ = [
-    "NO_VERDICT",
     "Discs",
     "Path",
     "Survey",

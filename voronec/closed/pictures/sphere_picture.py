@@ -32,7 +32,7 @@ from voronec.errors import DefinitionError
 if TYPE_CHECKING:
     from voronec.closed import ClosedForm
 
-__all__ = ["SphereTrace", "draw_sphere", "motion_traces", "shown_periods", "traces_figure"]
+__all__ = ["SphereTrace", "motion_traces", "shown_periods", "traces_figure"]
 
 
 DENSE = 600
@@ -170,14 +170,14 @@ def traces_figure(
         for axis in axes:
             axis.set_axis_off()
         for axis, trace in zip(axes, traces, strict=False):
-            draw_sphere(axis, trace, scale=side / 3.1)
+            _draw_sphere(axis, trace, scale=side / 3.1)
         if title:
             figure.suptitle(title, fontsize=11 * (side / 3.1) ** 0.25)
         figure.draw_without_rendering()  # settles fonts while the style is in force
     return figure
 
 
-def draw_sphere(axis: Any, trace: SphereTrace, scale: float = 1.0) -> None:
+def _draw_sphere(axis: Any, trace: SphereTrace, scale: float = 1.0) -> None:
     """One curve on its sphere in matplotlib axes; ``scale`` is of the line widths."""
     view = trace.view or best_view(trace.points)
     _globe(axis, view, trace.axis, scale)

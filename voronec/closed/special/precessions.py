@@ -42,15 +42,12 @@ __all__ = [
     "End",
     "Precessions",
     "at_rest",
-    "branches_of",
     "ends_of",
     "essential_rates",
-    "linear_in",
     "linear_matrix",
     "precessions",
     "scene_of",
     "short",
-    "solve_constants",
     "upright",
 ]
 
@@ -215,7 +212,7 @@ class Precessions:
         for angle, expr in own.integrals.items():
             value = (expr / own.clock).xreplace(dict(self.constants)).xreplace(dict(self.values))
             for symbol, level in self.levels.items():
-                value = linear_in(value, symbol, level**2)
+                value = _linear_in(value, symbol, level**2)
             found[angle] = short(value)
         return MappingProxyType(found)
 
@@ -298,10 +295,10 @@ def precessions(system: System, parameters: Mapping[Any, Any] | None = None) -> 
     for angle, expr in quadratures.integrals.items():
         if not (expr.free_symbols & {*constants}):
             continue
-        steps = solve_constants(inside, expr.xreplace(values) - rate, quadratures.x, constants)
+        steps = _solve_constants(inside, expr.xreplace(values) - rate, quadratures.x, constants)
         if steps is not None:
             found, coefficient, rest, last = steps
-            branches = branches_of(
+            branches = _branches_of(
                 expr.xreplace(values) - rate,
                 inside,
                 quadratures.x,
@@ -426,7 +423,7 @@ class Branch:
     constants: Mapping[sp.Symbol, sp.Expr]
 
 
-def solve_constants(
+def _solve_constants(
     quartic: sp.Expr, rate: sp.Expr, x: sp.Symbol, constants: Sequence[sp.Symbol]
 ) -> tuple[dict[sp.Symbol, sp.Expr], sp.Expr, sp.Expr, sp.Symbol] | None:
     """The constants by three equations; of the last one its coefficient and its rest, too."""
@@ -453,7 +450,7 @@ def solve_constants(
     return order, sp.cancel(slope / common), sp.cancel(rest / common), constant
 
 
-def branches_of(
+def _branches_of(
     rate: sp.Expr,
     quartic: sp.Expr,
     x: sp.Symbol,
@@ -503,7 +500,7 @@ def short(value: sp.Expr) -> sp.Expr:
     return found
 
 
-def linear_in(value: sp.Expr, symbol: sp.Symbol, square: sp.Expr) -> sp.Expr:
+def _linear_in(value: sp.Expr, symbol: sp.Symbol, square: sp.Expr) -> sp.Expr:
     """A rational function of a symbol whose square is known, the denominator without it."""
     parts = []
     for part in sp.fraction(sp.together(short(value))):

@@ -36,7 +36,6 @@ __all__ = [
     "product",
     "pseudo_regular",
     "quotient",
-    "square_root",
 ]
 
 
@@ -65,7 +64,7 @@ def quotient(a: Series, b: Series, terms: int) -> list[sp.Expr]:
     return found
 
 
-def square_root(a: Series, terms: int) -> list[sp.Expr]:
+def _square_root(a: Series, terms: int) -> list[sp.Expr]:
     """The root with a positive first coefficient."""
     found = [sp.sqrt(a[0])]
     for n in range(1, terms):
@@ -341,7 +340,7 @@ class _Limit:
         above, below = sp.fraction(inside)
         power = sp.degree(below, _E) if below.has(_E) else 0
         series = _series(sp.expand(sp.cancel(above * _E**power / below)))
-        root = square_root(series, self.terms + 2)
+        root = _square_root(series, self.terms + 2)
         return sp.Add(*(c * _E**i for i, c in enumerate(root))) / _E ** sp.Rational(power, 2)
 
 

@@ -38,7 +38,7 @@ from voronec.declaration.scene import Parameter
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, EngineLimit, quote
 
-__all__ = ["MechanicsModel", "from_mechanics", "read_model"]
+__all__ = ["MechanicsModel", "from_mechanics"]
 
 
 LONG = 120
@@ -70,7 +70,7 @@ def from_mechanics(
     Raises ``DefinitionError`` for frames that nothing connects, points without velocity, loads on
     what has none, and all that ``System`` refuses.
     """
-    model = read_model(source, arguments, named)
+    model = _read_model(source, arguments, named)
     return _Reading.of(model).system(name, parameters)
 
 
@@ -322,7 +322,9 @@ class MechanicsModel:
         return self.speeds + self.dependent_speeds
 
 
-def read_model(source: Any, arguments: tuple[Any, ...], named: Mapping[str, Any]) -> MechanicsModel:
+def _read_model(
+    source: Any, arguments: tuple[Any, ...], named: Mapping[str, Any]
+) -> MechanicsModel:
     """The record of a method of SymPy's, or of the arguments that it is called with."""
     from sympy.physics import mechanics as me
 

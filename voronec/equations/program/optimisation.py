@@ -38,7 +38,7 @@ from voronec.equations.program.straight import (
 from voronec.equations.program.weight import operation_count
 from voronec.errors import EngineLimit
 
-__all__ = ["HoistedProgram", "bracket_sums", "hoist", "shorten_program", "spread_products"]
+__all__ = ["HoistedProgram", "hoist", "shorten_program"]
 
 
 LONG = 1000
@@ -69,9 +69,9 @@ def _changes(block: Block) -> Iterator[Callable[[Any], Any]]:
     """What is tried with every right side; the shortest program counts."""
     yield se.sympify
     for choice in (min, max) if block.operations <= MANY else ():
-        nest, bracket = (partial(f, choice=choice) for f in (_nest, bracket_sums))
-        yield from (nest, bracket, partial(_in_turn, (spread_products, nest)))
-        yield partial(_in_turn, (spread_products, nest, bracket))
+        nest, bracket = (partial(f, choice=choice) for f in (_nest, _bracket_sums))
+        yield from (nest, bracket, partial(_in_turn, (_spread_products, nest)))
+        yield partial(_in_turn, (_spread_products, nest, bracket))
 
 
 def _nest(expr: Any, choice: Choice) -> Any:
@@ -292,13 +292,13 @@ WIDEST = 60
 Change = Callable[[Any], Any]
 
 
-def bracket_sums(expr: Any, choice: Any = min) -> Any:
+def _bracket_sums(expr: Any, choice: Any = min) -> Any:
     """An expression whose sums, inner ones first, are nested, or products of the factors that they
     have over Q, functions counted as letters, where that takes fewer operations."""
     return _rewrite(se.sympify(expr), se.Add, lambda total: _shortest(total, choice), {})
 
 
-def spread_products(expr: Any) -> Any:
+def _spread_products(expr: Any) -> Any:
     """An expression with sums times single factors as sums, inner ones first.
 
     Products of two sums stay: written out, their terms may cancel, and digits are lost.

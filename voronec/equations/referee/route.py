@@ -36,12 +36,10 @@ __all__ = [
     "Elimination",
     "MultiplierSolution",
     "Reactions",
-    "at_precision",
     "eliminate",
     "multiplier_acceleration",
     "negligible",
     "reaction_forces",
-    "read_point",
     "solve",
 ]
 
@@ -70,7 +68,7 @@ class MultiplierSolution:
 
 def solve(plan: Plan, values: Mapping[str, Exact]) -> MultiplierSolution:
     """Solve at mpmath's working precision; ``DefinitionError`` where there is no solution."""
-    numbers = at_precision(values)
+    numbers = _at_precision(values)
     _settle(plan, numbers)
     _check_affinity(plan, numbers)
     rows = _find_velocities(plan, numbers)
@@ -332,7 +330,7 @@ def _confirm(system: System, point: Mapping[Any, Any], digits: int) -> Multiplie
         plan = _plan(system)
     except DefinitionError as error:
         raise DefinitionError(f"system '{system.name}': {error}") from None
-    values = read_point(system, point, plan.occurring_names)
+    values = _read_point(system, point, plan.occurring_names)
     precision = digits + GUARD
     before = _attempt(plan, values, precision)
     for _ in range(DOUBLINGS):
@@ -397,7 +395,7 @@ LARGEST = 1e6
 """Logarithm of the largest power that a number may hold: towers of exponentials have no end."""
 
 
-def read_point(system: System, point: Mapping[Any, Any], held: Set[str]) -> dict[str, Exact]:
+def _read_point(system: System, point: Mapping[Any, Any], held: Set[str]) -> dict[str, Exact]:
     """The point by plain names, completed by the parameters' default values.
 
     Every coordinate, velocity and parameter must get a value; the time, inputs and their rates only
@@ -439,7 +437,7 @@ def read_point(system: System, point: Mapping[Any, Any], held: Set[str]) -> dict
     return values
 
 
-def at_precision(values: Mapping[str, Exact]) -> dict[str, Any]:
+def _at_precision(values: Mapping[str, Exact]) -> dict[str, Any]:
     """The numbers as ``mpf`` at the working precision of mpmath."""
     return {name: _round(value) for name, value in values.items()}
 

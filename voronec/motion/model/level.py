@@ -49,7 +49,6 @@ __all__ = [
     "invariants_level",
     "is_finite",
     "needed_variables",
-    "recovered_angles",
     "restrict",
     "with_positive_denominators",
 ]
@@ -92,7 +91,7 @@ class AngleOutput:
         return set(self.cosine.free_symbols | self.sine.free_symbols)
 
 
-def recovered_angles(motions: Motions, wanted: Mapping[str, Any]) -> dict[str, AngleOutput]:
+def _recovered_angles(motions: Motions, wanted: Mapping[str, Any]) -> dict[str, AngleOutput]:
     """Those wanted quantities that are coordinates and can be read off the invariants."""
     d, door = motions.equations.definition, motions.equations.door
     names = {e: name for name, e in wanted.items() if e in d.coordinates}
@@ -308,7 +307,7 @@ def invariants_level(
         plain = _readable(flow, wanted)
         spelled = {n: motions.on_coordinates.read(e) for n, e in wanted.items() if n not in plain}
         free = {n: e for n, e in spelled.items() if n not in followed}
-        sides = recovered_angles(motions, free)
+        sides = _recovered_angles(motions, free)
         others, kept, rates = _express_outputs(motions, spelled, sides)
     except EngineLimit:
         return None

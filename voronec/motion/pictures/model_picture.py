@@ -17,7 +17,7 @@ from voronec.motion.model import Model
 from voronec.motion.model.level import Level, dependence
 from voronec.motion.pictures.layered_layout import Layout, layered_layout
 
-__all__ = ["ModelBox", "boxes", "model_figure", "show_name"]
+__all__ = ["ModelBox", "boxes", "model_figure"]
 
 
 @dataclass(frozen=True)
@@ -155,10 +155,10 @@ def _box(key: str, members: list[str], kinds: Mapping[str, str], model: Model) -
 
 
 def _list_names(names: Iterable[str]) -> str:
-    return ", ".join(map(show_name, names))
+    return ", ".join(map(_show_name, names))
 
 
-def show_name(name: str) -> str:
+def _show_name(name: str) -> str:
     """A name as mathematics; what is no bare name stays text."""
     if not name.replace("_", "").isalnum() or not name[0].isalpha():
         return name.replace("$", r"\$")
@@ -283,7 +283,7 @@ def _lines(box: ModelBox) -> list[list[str]]:
 
 def _letters(names: Sequence[str]) -> int:
     """The room that names take, in letters; a Greek letter is one."""
-    return sum(_room(show_name(n)) for n in names) + 2 * len(names) - 2
+    return sum(_room(_show_name(n)) for n in names) + 2 * len(names) - 2
 
 
 def _room(text: str) -> int:
@@ -308,7 +308,7 @@ def _draw(axes: Any, box: ModelBox, place: Place) -> None:
     lines = _lines(box)
     top = place[1] + height / 2 - PAD / 2 - LINE / 2
     for i, names in enumerate(lines):
-        text = ",  ".join(map(show_name, names))
+        text = ",  ".join(map(_show_name, names))
         axes.text(place[0], top - i * LINE, text, ha="center", va="center", fontsize=9.5,
                   color=ink, zorder=4)  # fmt: skip
     axes.text(

@@ -25,15 +25,7 @@ if TYPE_CHECKING:
     from voronec.declaration.system import System
     from voronec.motion.pictures.motion_record import MotionRecord
 
-__all__ = [
-    "Rolling",
-    "check_film",
-    "draw_rolling",
-    "film",
-    "film_strip",
-    "rolling_of",
-    "rolling_view",
-]
+__all__ = ["Rolling", "check_film", "film", "film_strip", "rolling_of"]
 
 
 BALL, GROUND, NET, RIM = "#eaf1f8", "#f7f3ec", "#9fb2c6", "#5d6b7a"
@@ -75,7 +67,7 @@ class Rolling:
         return (self.fixed_radius + self.radius) * self.fixed
 
 
-def rolling_view(rolling: Rolling) -> View:
+def _rolling_view(rolling: Rolling) -> View:
     """The eye: towards the contact where glass shows it, else so that the ball is seen sideways."""
     if rolling.kind == "inner":
         return best_view(-rolling.fixed)
@@ -94,7 +86,7 @@ def _window(rolling: Rolling, view: View) -> tuple[float, float, float]:
     return float(x), float(y), 1.03 * float((high - low).max()) / 2
 
 
-def draw_rolling(panel: Any, rolling: Rolling, view: View, now: int, width: float = 1.0) -> None:
+def _draw_rolling(panel: Any, rolling: Rolling, view: View, now: int, width: float = 1.0) -> None:
     """One instant."""
     panel.clear()
     panel.set_axis_off()
@@ -281,13 +273,13 @@ def film(
     writer = _writer(target, rate)
     with rc_context({**STYLE, "svg.hashsalt": "voronec"}):
         figure, panel = _stage(rolling)
-        view = rolling_view(rolling)
+        view = _rolling_view(rolling)
         chosen = np.unique(np.linspace(0, len(rolling.times) - 1, frames).astype(int))
         written = [target] if writer else []
         if writer:
             writer.setup(figure, str(target), dpi=100)
         for number, place in enumerate(chosen):
-            draw_rolling(panel, rolling, view, int(place))
+            _draw_rolling(panel, rolling, view, int(place))
             if writer:
                 writer.grab_frame()
             else:
@@ -333,9 +325,9 @@ def film_strip(rolling: Rolling, instants: Sequence[int], columns: int = 3) -> A
         panels = figure.subplots(rows, columns, squeeze=False).ravel()
         for panel in panels:
             panel.set_axis_off()
-        view = rolling_view(rolling)
+        view = _rolling_view(rolling)
         for panel, place in zip(panels, instants, strict=False):
-            draw_rolling(panel, rolling, view, place, width=0.7)
+            _draw_rolling(panel, rolling, view, place, width=0.7)
         figure.draw_without_rendering()
     return figure
 

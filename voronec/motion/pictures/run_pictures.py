@@ -26,16 +26,7 @@ if TYPE_CHECKING:
 
     from voronec.motion.pictures.motion_record import MotionRecord
 
-__all__ = [
-    "NotebookFigure",
-    "drawing",
-    "pictures",
-    "plain_ticks",
-    "plot_trajectory",
-    "quantity_label",
-    "save",
-    "settle_layout",
-]
+__all__ = ["NotebookFigure", "drawing", "pictures", "plot_trajectory", "quantity_label", "save"]
 
 
 def pictures(trajectory: MotionRecord) -> dict[str, Any]:
@@ -126,9 +117,9 @@ def _path(trajectory: MotionRecord) -> Any:
         panel.plot(x, y, color=INK, linewidth=0.9)
         panel.plot(x[:1], y[:1], "o", color=MARK, markersize=4)
         panel.set(xlabel="$x$", ylabel="$y$", aspect="equal", adjustable="datalim")
-        plain_ticks(panel.xaxis)
-        plain_ticks(panel.yaxis)
-        settle_layout(figure)
+        _plain_ticks(panel.xaxis)
+        _plain_ticks(panel.yaxis)
+        _settle_layout(figure)
     return figure
 
 
@@ -183,11 +174,11 @@ def plot_trajectory(
         figure.supxlabel("$t$", fontsize=10)
         if title:
             figure.suptitle(title, fontsize=10)
-        settle_layout(figure)
+        _settle_layout(figure)
     return figure
 
 
-def settle_layout(figure: Any) -> None:
+def _settle_layout(figure: Any) -> None:
     """Settle the fonts, while the style is in force, and the layout, which costs a drawing."""
     from matplotlib import rc_context
 
@@ -197,7 +188,7 @@ def settle_layout(figure: Any) -> None:
         figure.set_layout_engine(None)
 
 
-def plain_ticks(axis: Any) -> None:
+def _plain_ticks(axis: Any) -> None:
     """Digits at the ticks of an axis are text: only a power of ten above it is a formula, and to
     typeset each takes longer than the motion."""
     from matplotlib.ticker import ScalarFormatter
@@ -217,8 +208,8 @@ def _curve(panel: Any, trajectory: MotionRecord, name: str) -> None:
     panel.plot(trajectory.t, values, color=INK, linewidth=0.9)
     panel.set_ylabel(quantity_label(trajectory, name))
     panel.margins(x=0)
-    plain_ticks(panel.xaxis)
-    plain_ticks(panel.yaxis)
+    _plain_ticks(panel.xaxis)
+    _plain_ticks(panel.yaxis)
     panel.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10], min_n_ticks=3))
     panel.spines[["top", "right"]].set_visible(False)
     known = np.asarray(values, dtype=float)

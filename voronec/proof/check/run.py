@@ -27,14 +27,7 @@ if TYPE_CHECKING:
     from voronec.equations.motions import Motions
     from voronec.proof.relations.decision import CheckedRelation
 
-__all__ = [
-    "check_catalogue",
-    "check_relation",
-    "known_results",
-    "results_of",
-    "trouble_result",
-    "user_store",
-]
+__all__ = ["check_catalogue", "check_relation", "known_results", "trouble_result", "user_store"]
 
 
 def check_relation(relation: Relation, systems: Iterable[System] = ()) -> CheckedRelation:
@@ -66,7 +59,7 @@ def check_relation(relation: Relation, systems: Iterable[System] = ()) -> Checke
 Progress = Callable[[str], None]
 
 
-def results_of(
+def _results_of(
     units: Sequence[Unit], jobs: int, started: Progress
 ) -> Generator[Result, None, None]:
     """The results of all units, as they come; ``started`` hears what is being worked on.
@@ -220,7 +213,7 @@ def check_catalogue(
     stopped = False
     tell = progress or (lambda _: None)
     by_name = {(unit.kind, unit.name): unit for unit in pending}
-    running = results_of(
+    running = _results_of(
         pending,
         jobs or os.cpu_count() or 1,
         lambda at: tell(f"{len(found)} of {len(units)} done; at {at}"),

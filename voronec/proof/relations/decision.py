@@ -52,13 +52,7 @@ __all__ = [
     "corresponds",
     "decided_at_limit",
     "foreign",
-    "kinds_of",
-    "moving_parameters",
-    "pulled_claims",
     "residuals",
-    "state_rank",
-    "unsound_functions",
-    "volume_factor",
 ]
 
 
@@ -68,7 +62,7 @@ def residuals(statemap: StateMap) -> Iterator[tuple[str, Any]]:
     Each comes with what a message calls it [Theory, eq. (15)].
     """
     target, pull, nu = statemap.target, statemap.pull_back, statemap.clock
-    yield from moving_parameters(statemap)
+    yield from _moving_parameters(statemap)
     for i, relation in enumerate(target.relations):
         yield f"relation {i + 1} of '{target.system.name}'", pull(relation)
     if _is_timed(statemap):
@@ -172,10 +166,10 @@ def check_relation(relation: Relation, motions: Callable[[str], Motions]) -> Che
     start = clock.perf_counter()
     statemap = complete_velocities(StateMap.of(relation, motions))
     stated, verdict = decided_at_limit(statemap)
-    pulled = pulled_claims(stated) if not verdict.refuted else ()
+    pulled = _pulled_claims(stated) if not verdict.refuted else ()
     return CheckedRelation(
         relation=relation,
-        kinds=kinds_of(_stated_map(statemap, stated)),
+        kinds=_kinds_of(_stated_map(statemap, stated)),
         levels=(statemap.source.level, statemap.target.level),
         verdict=verdict,
         pulled=tuple(pulled),
@@ -242,7 +236,7 @@ def at_limit(statemap: StateMap) -> StateMap:
 
 def _decide_map(statemap: StateMap) -> Verdict:
     """Whether DPhi f = nu g(Phi), with nu not zero and a target that is determined there."""
-    for verdict in (*_grounds(statemap), *unsound_functions(statemap)):
+    for verdict in (*_grounds(statemap), *_unsound_functions(statemap)):
         if not verdict.proved:
             return verdict
     for place, residual in residuals(statemap):
@@ -332,12 +326,12 @@ def corresponds(statemap: StateMap) -> bool:
     """Whether states of source and target correspond one to one, near a generic one."""
     source, target = statemap.source, statemap.target
     try:
-        return bool(source.dimension == target.dimension == state_rank(statemap))
+        return bool(source.dimension == target.dimension == _state_rank(statemap))
     except EngineLimit:
         return False
 
 
-def volume_factor(statemap: StateMap) -> Any:
+def _volume_factor(statemap: StateMap) -> Any:
     """det DPhi between the volumes of source and target, up to sign."""
     source, target = statemap.source, statemap.target
     relations = [statemap.scale(r) for r in source.independent_relations]
@@ -383,7 +377,7 @@ def _determinant(rows: Matrix, relations: Sequence[Any]) -> Any:
     return determinant([flat[i * size : (i + 1) * size] for i in range(size)])
 
 
-def pulled_claims(statemap: StateMap) -> Iterator[Claim]:
+def _pulled_claims(statemap: StateMap) -> Iterator[Claim]:
     """Integrals, equations and the measure of the target, as they stand for the source.
 
     F(Phi) is an integral; d/dt F(Phi) = nu rate(Phi); and where states correspond one to one,
@@ -492,7 +486,7 @@ def _has_plain_clock(statemap: StateMap) -> bool:
 
 
 def _densities(statemap: StateMap, claim: Any) -> Iterator[Any]:
-    density = _pull_back(statemap, right_of(claim).density) * volume_factor(statemap)
+    density = _pull_back(statemap, right_of(claim).density) * _volume_factor(statemap)
     if statemap.clock.free_symbols & {*statemap.source.variables}:
         density = density / statemap.clock  # a clock that only the time drives keeps volumes
     yield density
@@ -503,7 +497,7 @@ def _dilation(statemap: StateMap, claim: Any) -> Iterator[Any]:
         yield statemap.scale(defect(statemap.source, density))
 
 
-def kinds_of(statemap: StateMap) -> tuple[str, ...]:
+def _kinds_of(statemap: StateMap) -> tuple[str, ...]:
     """The words that apply, the most telling one first.
 
     limit
@@ -536,7 +530,7 @@ def kinds_of(statemap: StateMap) -> tuple[str, ...]:
 
 
 def _by_rank(statemap: StateMap, is_named: bool) -> Iterator[str]:
-    rank, sizes = state_rank(statemap), (statemap.source.dimension, statemap.target.dimension)
+    rank, sizes = _state_rank(statemap), (statemap.source.dimension, statemap.target.dimension)
     if rank < sizes[0]:
         yield "reduction"
     if rank < sizes[1]:
@@ -548,7 +542,7 @@ def _by_rank(statemap: StateMap, is_named: bool) -> Iterator[str]:
             yield "equality"
 
 
-def state_rank(statemap: StateMap) -> int:
+def _state_rank(statemap: StateMap) -> int:
     """The rank of the state map on states of the source.
 
     Raises ``EngineLimit`` where no point is found.
@@ -580,14 +574,14 @@ def foreign(statemap: StateMap, symbol: Any, value: Any) -> list[Any]:
     return sorted(value.free_symbols - own, key=str)
 
 
-def moving_parameters(statemap: StateMap) -> Iterator[tuple[str, Any]]:
+def _moving_parameters(statemap: StateMap) -> Iterator[tuple[str, Any]]:
     """The rates of parameters that hold state or time: they have to vanish."""
     for symbol, value in statemap.parameters.items():
         if symbol.is_Symbol and foreign(statemap, symbol, value):
             yield f"the parameter '{symbol}'", statemap.derivative(value)
 
 
-def unsound_functions(statemap: StateMap) -> Iterator[Verdict]:
+def _unsound_functions(statemap: StateMap) -> Iterator[Verdict]:
     """Why the value of an unknown function is none, or was not proved to be one."""
     for function, value in statemap.parameters.items():
         if function.is_Symbol:

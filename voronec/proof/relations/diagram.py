@@ -11,7 +11,7 @@ from voronec.declaration.relation import Relation, Square
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.proof.relations.families import Course
 
-__all__ = ["diagram", "missing_squares", "squares_of"]
+__all__ = ["diagram", "squares_of"]
 
 
 Labels = tuple[str, ...]
@@ -56,7 +56,7 @@ class _Parallel:
         return any(one in c and other in c for c in self.classes(members, self.agree))
 
 
-def missing_squares(graph: Any, declared: Sequence[Square]) -> Iterator[Square]:
+def _missing_squares(graph: Any, declared: Sequence[Square]) -> Iterator[Square]:
     """The squares that have to be added to the declared ones; ``graph`` has no circles."""
     import networkx
 
@@ -179,7 +179,7 @@ def squares_of(graph: Any, declared: Sequence[Square] = ()) -> list[Square]:
     edges = graph.edges(keys=True, data=True)
     plain.add_edges_from((a, b, key, data) for a, b, key, data in edges if a != b)
     if networkx.is_directed_acyclic_graph(plain):
-        return [*declared, *missing_squares(plain, declared)]
+        return [*declared, *_missing_squares(plain, declared)]
     known = {_pair(s) for s in declared}
     relations = {key: data["relation"] for _, _, key, data in edges}
     found = {_pair(s): s for s in (*_disjoint_chains(plain), *_circles(plain))}

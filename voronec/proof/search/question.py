@@ -25,7 +25,7 @@ from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 from voronec.proof.search.residues import Array
 
-__all__ = ["Ansatz", "Letter", "Question", "declared_integrals", "on_field"]
+__all__ = ["Ansatz", "Letter", "Question"]
 
 
 @dataclass(frozen=True)
@@ -129,7 +129,7 @@ def _order(row: Array) -> tuple[int, ...]:
 Values = Mapping[Any, sp.Expr]
 
 
-def declared_integrals(
+def _declared_integrals(
     system: System, values: Values, cases: Mapping[str, Values]
 ) -> dict[str, sp.Expr]:
     """The declared integrals: those of the system, and those of the cases, each given with its
@@ -149,7 +149,9 @@ def _is_implied(case: Values, values: Values) -> bool:
     )
 
 
-def on_field(motions: Motions, field: VectorField, claims: Mapping[str, sp.Expr]) -> dict[str, Any]:
+def _on_field(
+    motions: Motions, field: VectorField, claims: Mapping[str, sp.Expr]
+) -> dict[str, Any]:
     """The claims that are functions on the field, inside the door.
 
     One that holds coordinates is rewritten in the invariants, where that is possible; one that
@@ -235,9 +237,9 @@ class Question:
         ]
         ansatz = Ansatz(tuple(letters), degree, positions, power)
         cases = {k: _values(motions.system, c.parameters) for k, c in motions.system.cases.items()}
-        claims = {} if again else declared_integrals(motions.system, values, cases)
+        claims = {} if again else _declared_integrals(motions.system, values, cases)
         inside = {field.door.inward(s): field.door.inward(v) for s, v in values.items()}
-        given_known = on_field(motions, field, claims)
+        given_known = _on_field(motions, field, claims)
         known = {name: f.xreplace(inside) for name, f in given_known.items()}
         return cls(field, ansatz, known, tuple(n for n in claims if n not in known), values)
 

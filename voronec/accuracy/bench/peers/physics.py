@@ -29,7 +29,7 @@ from voronec.accuracy.bench.level import BenchLevel, level
 from voronec.accuracy.bench.question import BenchMotion
 from voronec.errors import VoronecError
 
-__all__ = ["BEST", "DEFAULT", "PHYSICS", "Setting", "model_text"]
+__all__ = ["BEST", "PHYSICS", "Setting", "model_text"]
 
 OUTPUTS = ("gamma1", "gamma2", "gamma3", "omega1", "omega2", "omega3")
 MOMENTS: Mapping[str, tuple[str, str, str]] = {
