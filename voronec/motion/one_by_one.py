@@ -36,7 +36,7 @@ COLLAPSE_RATIO = 1e-3
 """Steps are about as long as the way to the next singularity of a motion in complex time, so that
 this share of the longest one tells how near it passed, and how many digits were lost."""
 
-LOOKED_AT = 1000
+WINDOW = 1000
 """So many steps, or stretches of the compiled loop, are looked at together."""
 
 Look = Callable[[], bool]
@@ -217,7 +217,7 @@ def along_one(
         for times, states in fill(program, state, values, grid, tol, rows, sizes):
             steps += len(times)
             path.append((times, states))
-            if len(path) > LOOKED_AT:
+            if len(path) > WINDOW:
                 doubtful |= look()
             if stopped():
                 raise StopRequest
