@@ -35,7 +35,7 @@ STAGES = 12
 """Evaluations in a step of DOP853."""
 COMPILATION = 20_000_000
 """So many operations take Python a second or two, and numba some seconds to compile for them."""
-LOADING = 2_500_000
+LOAD_OPERATIONS = 2_500_000
 """So many operations take Python less time than to load heyoka."""
 COARSE = 1e-13
 """At finer tolerances than this Taylor's method is more accurate than DOP853."""
@@ -110,7 +110,7 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
 class _FirstMotions:
     """The operations that a process may still leave to Python before it loads heyoka."""
 
-    left: float = LOADING
+    left: float = LOAD_OPERATIONS
 
     def may_take(self, problem: Problem, grid: np.ndarray) -> bool:
         """Whether a smooth run takes fewer than are left: then they are counted off."""

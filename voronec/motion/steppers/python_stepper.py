@@ -64,19 +64,19 @@ def operations_of_run(problem: Problem, grid: np.ndarray, most: float) -> float:
 
 
 def _loop(problem: Problem, grid: np.ndarray) -> Loop:
-    drive = _interpreted(problem.program, problem.levels if problem.events else None)
+    drive = _drive_in_python(problem.program, problem.levels if problem.events else None)
     return Loop.of(drive, problem, grid, scales_of(problem), hoist(problem.program))
 
 
 @lru_cache(maxsize=32)
-def _interpreted(program: Program, levels: Program | None) -> Callable[..., int]:
+def _drive_in_python(program: Program, levels: Program | None) -> Callable[..., int]:
     """The function ``drive`` of a program, and of functions of events, as ``Loop`` calls it."""
     sizes = {"rhs": len(program.state), "extras": len(levels.names) if levels else 0}
     namespace: dict[str, Any] = {"np": _Arrays, "jit": _with_nan(sizes), "growth": growth}
     exec(code(kernel_source(program, levels, whole=False), "<DOP853>"), namespace)
     drive = namespace["drive"]
 
-    def driven(
+    def advance(
         grid: np.ndarray, rows: np.ndarray, clock: np.ndarray, counts: np.ndarray,
         states: np.ndarray, bend: np.ndarray, times: np.ndarray, ends: np.ndarray,
         bends: np.ndarray, scales: np.ndarray, coarse: np.ndarray, parameters: np.ndarray,
@@ -103,7 +103,7 @@ def _interpreted(program: Program, levels: Program | None) -> Callable[..., int]
             target[:room] = part[:room]
         return int(outcome)
 
-    return driven
+    return advance
 
 
 def _read_off(
@@ -162,12 +162,12 @@ def _with_nan(sizes: dict[str, int]) -> Callable[..., Any]:
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
         nothing = [math.nan] * sizes.get(function.__name__, 0)
 
-        def found(*given: Any) -> Any:
+        def guard(*given: Any) -> Any:
             try:
                 return function(*given)
             except (ZeroDivisionError, ValueError, OverflowError):
                 return nothing
 
-        return found if function.__name__ in sizes else function
+        return guard if function.__name__ in sizes else function
 
     return decorate
