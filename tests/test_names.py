@@ -78,11 +78,12 @@ def _constants(module: ast.Module) -> Iterator[str]:
 
 
 def names() -> Iterator[tuple[str, str]]:
-    """(file, name) of every file, function, class and constant of the package."""
+    """(file, name) of every file, function, class and constant of the package, but for names that
+    are Python's own."""
     for place, module in modules().items():
         yield place, Path(place).stem
-        yield from ((place, node.name) for node in definitions(module))
-        yield from ((place, name) for name in _constants(module))
+        own = (*(node.name for node in definitions(module)), *_constants(module))
+        yield from ((place, name) for name in own if not re.fullmatch("__.*__", name))
 
 
 @pytest.mark.parametrize(
