@@ -275,7 +275,7 @@ def test_relations_are_checked_at_the_start_and_watched() -> None:
         ({"times": [0, np.inf]}, "finite"),
         (
             {"method": "euler"},
-            "no method 'euler'; methods are auto, heyoka, scipy, numba, python, lsoda, flint",
+            "no method 'euler'; methods are auto, heyoka, scipy, numba, c, python, lsoda, flint",
         ),
         ({"tol": 0}, "tol = 0.0 must lie between"),
     ],

@@ -307,7 +307,7 @@ def _hard(commands: Any) -> None:
     parser.add_argument("cases", metavar="CASE", nargs="*", help="only these cases (all)")
     parser.add_argument(
         "--method", metavar="M", action="append", default=[],
-        help="auto, heyoka, scipy, numba, python, lsoda, flint or closed-form; may be given "
+        help="auto, heyoka, scipy, numba, c, python, lsoda, flint or closed-form; may be given "
         "several times",
     )  # fmt: skip
     parser.add_argument("--quick", action="store_true", help="a short selection of the cases")

@@ -14,7 +14,7 @@ import numpy as np
 
 from voronec.equations.program import HoistedProgram, Program, hoist, taylor_system
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
-from voronec.motion.methods import METHODS, method_names
+from voronec.motion.methods import METHODS, compiled_method, method_names
 from voronec.motion.one_by_one import (
     Look,
     StepSizes,
@@ -291,7 +291,7 @@ def choose_lanes(
     require_method(method)
     if not 0 < tol < 1:
         raise DefinitionError(f"tol = {tol} must lie between 0 and 1, such as 1e-13")
-    if method in ("scipy", "numba"):
+    if method == "scipy" or (method != "auto" and METHODS[method].loop is not None):
         return None, compile_method(method, program), "asked for"
     try:
         lanes = lanes_of(program, tol, states, values)
@@ -301,8 +301,11 @@ def choose_lanes(
                 "heyoka is not installed; 'pip install heyoka', or use method='scipy'"
             ) from None
         lasting = is_lasting(program, tol, states, values, grid)
-        used = "numba" if METHODS["numba"].is_there and lasting else "scipy"
-        return None, compile_method(used, program), "auto: heyoka is not installed"
+        used = (compiled_method() if lasting else "") or "scipy"
+        try:
+            return None, compile_method(used, program), "auto: heyoka is not installed"
+        except EngineLimit as limit:
+            return None, "scipy", f"auto: {limit}"
     except EngineLimit as limit:
         if method == "heyoka":
             raise

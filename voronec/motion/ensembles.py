@@ -21,6 +21,7 @@ from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.motion.batches import Lanes, along, choose_lanes, require_method
 from voronec.motion.inputs import Drive, drive
+from voronec.motion.methods import METHODS
 from voronec.motion.motion_pool import Many, at_each, drifts, many
 from voronec.motion.one_by_one import StopRequest, along_one
 from voronec.motion.request import (  # fmt: skip
@@ -45,7 +46,7 @@ FEW = 20
 BATCHES = 8
 """How many times a worker loads its lanes between two reports."""
 TOGETHER = 64
-"""So many motions of numba's go between two reports: what is looked at afterwards is so at once."""
+"""So many motions of a compiled loop go between two reports: they are looked at together."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -140,8 +141,8 @@ def ensemble(
         start, is what is integrated.
     method
         ``heyoka`` carries several motions at once in the lanes of one batch integrator, compiled
-        once; ``numba`` and ``scipy`` (DOP853) run them one by one; ``auto`` takes heyoka where it
-        installs, else numba where scipy would take longer than to compile.
+        once; ``numba``, ``c`` and ``scipy`` (DOP853) run them one by one; ``auto`` takes heyoka
+        where it installs, else numba or c where scipy would take longer than to compile.
     jobs
         threads, each with an integrator of its own; scipy gains nothing by them and takes one.
     progress
@@ -412,7 +413,7 @@ def _run(filled: _ResultRows, lanes: Lanes | None, tol: float, jobs: int, progre
     sound = np.array(filled.motions.sound, dtype=int)
     if lanes:  # those that go side by side wait for the slowest
         sound = sound[np.argsort(filled.motions.paces[sound], kind="stable")]
-    size = BATCHES * lanes.width if lanes else TOGETHER if filled.single == "numba" else 1
+    size = BATCHES * lanes.width if lanes else TOGETHER if METHODS[filled.single].loop else 1
     blocks = [sound[i : i + size] for i in range(0, len(sound), size)]
     jobs = max(1, min(jobs, len(blocks))) if lanes else 1
     workers: SimpleQueue[Lanes | None] = SimpleQueue()

@@ -1,15 +1,17 @@
-"""Many motions carried one by one: by scipy, or by the loop that numba compiled."""
+"""Many motions carried one by one: by scipy, or by a compiled loop."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from voronec.equations.program import Program, compile_program, hoist
 from voronec.errors import DefinitionError, IntegrationError
+from voronec.motion.methods import METHODS
 from voronec.motion.steppers.choice import COMPILATION, STAGES
 from voronec.motion.steppers.dop853_source import SHARE
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
@@ -82,12 +84,11 @@ class StepSizes:
 
 
 def compile_method(method: str, program: Program) -> str:
-    """The method, after numba has compiled what it needs; ``DefinitionError`` without it."""
-    if method == "numba":
-        from voronec.motion.steppers.numba_stepper import compiled_loop
-
+    """The method, after what it needs is compiled; ``DefinitionError`` where nothing compiles."""
+    loop = METHODS[method].loop
+    if loop is not None:
         try:
-            compiled_loop(program)
+            loop(program)
         except ImportError:
             raise DefinitionError(
                 "numba is not installed; 'pip install numba', or use method='scipy'"
@@ -138,8 +139,8 @@ def strides(
     tol: float,
 ) -> Iterator[Any]:  # fmt: skip
     """DOP853 after each of its steps; ``IntegrationError`` where it cannot go on."""
-    if method == "numba":
-        yield from _compiled_strides(program, state, values, span, tol)
+    if METHODS[method].loop is not None:
+        yield from _compiled_strides(method, program, state, values, span, tol)
         return
     from scipy.integrate import DOP853
 
@@ -167,23 +168,30 @@ def strides(
 
 
 def _compiled_strides(
-    program: Program, state: np.ndarray, values: np.ndarray, span: tuple[float, float], tol: float
+    method: str,
+    program: Program,
+    state: np.ndarray,
+    values: np.ndarray,
+    span: tuple[float, float],
+    tol: float,
 ) -> Iterator[_Step]:
-    for stretch in _stretches(program, state, values, np.array(span), tol, dense=True):
+    for stretch in _stretches(method, program, state, values, np.array(span), tol, dense=True):
         for stride in stretch.strides:
             yield _Step(stride, "finished" if stride.end == span[1] else "running")
 
 
 def _stretches(
-    program: Program, state: np.ndarray, values: np.ndarray, grid: np.ndarray, tol: float,
-    dense: bool,
+    method: str, program: Program, state: np.ndarray, values: np.ndarray, grid: np.ndarray,
+    tol: float, dense: bool,
 ) -> Iterator[Stretch]:  # fmt: skip
     """Stretches of the compiled loop, up to the end of a grid."""
-    from voronec.motion.steppers.numba_stepper import Loop, compiled_loop, scales_of
+    from voronec.motion.steppers.numba_stepper import Loop, scales_of
 
     problem = Problem(program, state, values.tolist(), tol, dense=dense, marked=True)
     scales, raised = scales_of(problem), hoist(program)
-    loop = Loop.of(compiled_loop(program), problem, grid, scales, raised)
+    compile_loop = METHODS[method].loop
+    assert compile_loop is not None
+    loop = Loop.of(compile_loop(program), problem, grid, scales, raised)
     time, good = float(grid[0]), state
     while time != grid[-1]:
         try:
@@ -205,7 +213,7 @@ def along_one(
     rows[0], steps, sizes, doubtful = state, 0, StepSizes.of(1), False
     if len(grid) == 1:
         return rows, None, 0, False
-    fill = _fill_by_numba if method == "numba" else _fill
+    fill = _fill if METHODS[method].loop is None else partial(_fill_compiled, method)
     path = [(grid[:1], state[None])]
 
     def look() -> bool:
@@ -245,13 +253,13 @@ def _fill(
         yield np.array([solver.t]), solver.y[None].copy()
 
 
-def _fill_by_numba(
-    program: Program, state: np.ndarray, values: np.ndarray, grid: np.ndarray, tol: float,
-    rows: np.ndarray, sizes: StepSizes,
+def _fill_compiled(
+    method: str, program: Program, state: np.ndarray, values: np.ndarray, grid: np.ndarray,
+    tol: float, rows: np.ndarray, sizes: StepSizes,
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:  # fmt: skip
     """The same in the compiled loop."""
     done, steps, begin, crawl = 1, 0, float(grid[0]), Crawl(float(np.ptp(grid)), grid[0])
-    for stretch in _stretches(program, state, values, grid, tol, dense=False):
+    for stretch in _stretches(method, program, state, values, grid, tol, dense=False):
         rows[done : done + len(stretch.rows)] = stretch.rows
         done += len(stretch.rows)
         lengths = np.abs(np.diff([begin, *stretch.times]))

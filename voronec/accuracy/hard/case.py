@@ -41,7 +41,7 @@ class HardCase:
     arithmetic
         of the reference, ``quadruple`` (33 digits) or ``extended`` (19 digits, for long spans).
     methods
-        which of heyoka, scipy, numba, lsoda and flint are worth waiting for; the closed form is
+        which of heyoka, scipy, numba, c, lsoda and flint are worth waiting for; the closed form is
         tried wherever the system declares one.
     chaotic
         whether errors grow exponentially; said in the table.

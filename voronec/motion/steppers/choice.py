@@ -3,12 +3,12 @@
 A tolerance finer than doubles asks for ``flint``.  Else heyoka is the fastest once it is
 compiled, which takes some tenths of a second, and milliseconds where heyoka finds the code on disk.
 Heavy programs take it seconds: what scipy integrates sooner than that, it does, and what takes
-very many steps numba does, whose steps cost far less there.  Where heyoka does not install, numba
-does what would take scipy longer than to compile, and scipy all the rest.  Short motions at the
-beginning of a process are over sooner in Python than heyoka is loaded.  The rule counts
-operations; it neither measures times nor looks at what is on disk: the same calls in the same order
-always make the same choices.  (A motion that is declared in closed form is evaluated, where the
-span is long: ``voronec.motion.integration``.)
+very many steps numba does, or a C compiler: steps cost far less there.  Where heyoka does not
+install, these do what would take scipy longer than to compile, and scipy all the rest.  Short
+motions at the beginning of a process are over sooner in Python than heyoka is loaded.  The rule
+counts operations; it neither measures times nor looks at what is on disk: the same calls in the
+same order always make the same choices.  (A motion that is declared in closed form is evaluated,
+where the span is long: ``voronec.motion.integration``.)
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from voronec.errors import DefinitionError, EngineLimit
-from voronec.motion.methods import CLOSED_FORM, METHODS, method_names
+from voronec.motion.methods import CLOSED_FORM, METHODS, compiled_method, method_names
 from voronec.motion.steppers.run import Problem, Stepper, in_pieces
 from voronec.motion.steppers.scipy_stepper import estimated_steps
 from voronec.motion.tolerances import EXACT, FINEST
@@ -65,7 +65,7 @@ def choose(method: str, problem: Problem, grid: np.ndarray) -> tuple[Stepper, di
             f"the input '{called.name}' is a function of Python's, known in doubles and without a "
             "Taylor series; take method='scipy' and tol >= 1e-16, or give an expression or a table"
         )
-    if method in ("heyoka", "numba") and not problem.program.state:
+    if method in ("heyoka", "numba", "c") and not problem.program.state:
         return _make_stepper("scipy", problem, f"nothing moves, and {method} wants equations")
     if method != "auto":
         return _make_stepper(method, problem, "asked for")
@@ -89,20 +89,20 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
         return "python", "a short run is over before heyoka is loaded"
     if there and not (problem.tol >= FINEST and problem.program.weight > HEAVY):
         return "heyoka", "heyoka is installed"
-    compiled = METHODS["numba"].is_there and not problem.brief
+    compiled = "" if problem.brief else compiled_method()
     if not there and not compiled:
         return "scipy", "heyoka is not installed"
     cost, enough = STAGES * (problem.program.operations + 1), TINY if there else COMPILATION
     steps = estimated_steps(problem, grid)
     if steps is None or steps * cost <= enough:
-        other = "heyoka" if there else "numba"
+        other = "heyoka" if there else compiled
         if steps is not None:
             return "scipy", f"about {steps} steps take less time than compiling for {other}"
         return ("heyoka", "heyoka is installed") if there else ("scipy", "heyoka is not installed")
     if not there:
-        return "numba", "heyoka is not installed, and there are many steps"
+        return compiled, "heyoka is not installed, and there are many steps"
     if compiled and steps > LONG_RUN:
-        return "numba", "many steps of a heavy program"
+        return compiled, "many steps of a heavy program"
     return "heyoka", "heyoka is installed"
 
 

@@ -14,7 +14,10 @@ from textwrap import indent
 
 from voronec.equations.program import Program, hoist, scalar_source
 
-__all__ = ["END", "EVENT", "FIRST_GROWTH", "LIMIT", "NO_STEP", "growth", "kernel_source"]
+__all__ = [
+    "END", "EVENT", "FIRST_GROWTH", "LIMIT", "NO_STEP", "growth", "kernel_source",
+    "stepping_source",
+]  # fmt: skip
 
 END, LIMIT, EVENT, NO_STEP = range(4)
 """Why ``drive`` came back: the grid ended, so many trials were made, something may happen within
@@ -131,10 +134,15 @@ def kernel_source(program: Program, levels: Program | None, whole: bool = True) 
     if levels is not None:
         parts.append(scalar_source(levels, extras=True))
     count = 0 if levels is None else len(levels.names)
-    parts.append(_drive(len(program.state), count))
+    parts.append(stepping_source(len(program.state), count, whole))
+    return re.sub(r"^def ", "@jit\ndef ", "\n\n".join([_SIGN, *parts]), flags=re.MULTILINE)
+
+
+def stepping_source(n: int, m: int, whole: bool = True) -> str:
+    """Source of ``drive`` and of what it calls but ``rhs`` and ``extras``, for a state of n numbers
+    and m functions of events.  ``c_stepper`` translates it too: it keeps to few words."""
     known = [inspect.getsource(growth)] if whole else []  # Python reads this file again for it
-    body = "\n\n".join([_SIGN, *known, *parts])
-    return re.sub(r"^def ", "@jit\ndef ", body, flags=re.MULTILINE)
+    return "\n\n".join([*known, _drive(n, m)])
 
 
 def _each(line: str, count: int) -> str:
@@ -277,6 +285,7 @@ else:
 _LOOKS = """
 shift = 1e-6*h
 <ends>
+searched = False
 for j in range({m}):
     active[j] = coarse[j] == 0
     if not active[j]:
@@ -284,7 +293,8 @@ for j in range({m}):
         fall = max(abs(first), abs(second)) + abs(second - first)
         good = look[0, j] > 0.0 and look[2, j] > 0.0
         active[j] = not good or look[0, j] + look[2, j] <= fall
-if active.any():
+    searched = searched or active[j]
+if searched:
     for i in range(9):
         x = i/8
         between(bend, states, x, z)

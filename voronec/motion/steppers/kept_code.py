@@ -1,4 +1,5 @@
-"""Machine code of generated functions, kept on disk: numba makes it once for each machine.
+"""Machine code of generated functions, kept on disk: numba, or the C compiler, makes it once for
+each machine.
 
 numba keeps what it compiles beside the file in which a function stands.  So each source is written
 into a folder of its own among the user's caches, called by a digest of all that the source comes
@@ -11,9 +12,13 @@ are the same a process keeps the one that it read first, and would run it for bo
 
 from __future__ import annotations
 
+import ctypes
 import json
 import os
+import platform
 import shutil
+import subprocess
+import tempfile
 import warnings
 from collections.abc import Callable
 from contextlib import suppress
@@ -25,12 +30,16 @@ from typing import Any
 import numpy as np
 
 from voronec.declaration.whole_files import make_room, user_cache
+from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["kept_function"]
+__all__ = ["COMPILER", "kept_function", "kept_library"]
 
 SOURCES = 200
 """How many sources keep their code; those that were made longest ago give way."""
-SOURCE, LIST = "source.py", "digests.json"
+SOURCE, LIST, LIBRARY = "source.py", "digests.json", "library.so"
+KEPT = (".py", ".nbi", ".nbc", ".c", ".so")
+COMPILER = "cc"
+"""The name by which systems call their C compiler."""
 
 
 def kept_function(
@@ -58,6 +67,62 @@ def kept_function(
     except OSError:  # a folder that cannot be written costs only the time of the next run
         return _compile(text, SOURCE, name, signature, keep=False)
     return _load(folder, text, name, signature)
+
+
+def kept_library(key: str, sources: Callable[[], dict[str, str]]) -> ctypes.CDLL:
+    """The library that the C compiler makes of generated sources, which are files by name.
+
+    ``key`` is all that ``sources()`` depends on.  Raises ``DefinitionError`` where there is no
+    compiler, and ``EngineLimit`` where it fails.
+    """
+    place = shutil.which(COMPILER)
+    if place is None:
+        raise DefinitionError(
+            f"there is no C compiler '{COMPILER}' here; install one, or use method='scipy'"
+        )
+    seen = os.stat(place)
+    machine = (platform.platform(), platform.machine(), seen.st_size, seen.st_mtime_ns)
+    folder = user_cache("code") / sha256(f"{key}\n{machine}".encode()).hexdigest()[:24]
+    if _is_sound(folder):
+        with suppress(OSError):
+            return ctypes.CDLL(str(folder / LIBRARY))
+        _forget(folder, "cannot be read")
+    try:
+        make_room(folder.parent, SOURCES)
+        folder.mkdir(parents=True, exist_ok=True)
+        draft = tempfile.TemporaryDirectory(dir=folder)
+    except OSError:  # a folder that cannot be written costs only the time of the next run
+        with tempfile.TemporaryDirectory() as other:
+            return _build(place, Path(other), Path(other), sources())
+    with draft as other:
+        library = _build(place, Path(other), folder, sources())
+    _write_list(folder)
+    return library
+
+
+def _build(compiler: str, draft: Path, folder: Path, sources: dict[str, str]) -> ctypes.CDLL:
+    """A library compiled in one folder, and put into another at once and whole."""
+    for name, text in sources.items():
+        (draft / name).write_text(text, encoding="utf-8")
+    # more than -O1 takes longer to compile and gains nothing
+    words = [compiler, "-O1", "-std=c99", "-shared", "-fPIC", "-o", LIBRARY, *sources, "-lm"]
+    try:
+        done = subprocess.run(words, cwd=draft, capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise _failure(done.stderr)
+        (draft / LIBRARY).replace(folder / LIBRARY)
+        return ctypes.CDLL(str(folder / LIBRARY))
+    except OSError as error:
+        raise _failure(str(error)) from None
+
+
+def _failure(said: str) -> EngineLimit:
+    first = next(
+        (line.strip() for line in said.splitlines() if "error" in line), said.strip()[:200]
+    )
+    return EngineLimit(
+        f"the C compiler '{COMPILER}' failed: {first or 'it said nothing'}; use method='scipy'"
+    )
 
 
 def _load(folder: Path, text: str, name: str, signature: str) -> Callable[..., Any]:
@@ -89,16 +154,21 @@ def _compile(text: str, place: str, name: str, signature: str, keep: bool) -> An
 
 def _sound_source(folder: Path) -> str | None:
     """The source in a folder, where all is as it was written; None where there is none."""
+    return (folder / SOURCE).read_text(encoding="utf-8") if _is_sound(folder) else None
+
+
+def _is_sound(folder: Path) -> bool:
+    """Whether there is code in a folder, as it was written; what is damaged is named and taken
+    away."""
     try:
-        known = json.loads((folder / LIST).read_text(encoding="utf-8"))
-        if known == _digests(folder):
-            return (folder / SOURCE).read_text(encoding="utf-8")
+        if json.loads((folder / LIST).read_text(encoding="utf-8")) == _digests(folder):
+            return True
     except (FileNotFoundError, NotADirectoryError):
-        return None
+        return False
     except (OSError, ValueError):
         pass
     _forget(folder, "is damaged")
-    return None
+    return False
 
 
 def _forget(folder: Path, why: str) -> None:
@@ -107,7 +177,7 @@ def _forget(folder: Path, why: str) -> None:
 
 
 def _digests(folder: Path) -> dict[str, str]:
-    files = sorted(p for p in folder.rglob("*") if p.suffix in (".py", ".nbi", ".nbc"))
+    files = sorted(p for p in folder.rglob("*") if p.suffix in KEPT)
     return {p.name: sha256(p.read_bytes()).hexdigest() for p in files}
 
 

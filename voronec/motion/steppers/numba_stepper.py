@@ -44,12 +44,13 @@ SIGNATURE = (
 )
 
 
-def compiled_dop853(problem: Problem) -> Stepper:
-    """The Runge-Kutta method of order eight of Dormand and Prince, compiled with the program.
-
-    ``ImportError`` without numba.
+def compiled_dop853(
+    problem: Problem, loop: Callable[..., Callable[..., int]] | None = None
+) -> Stepper:
+    """The Runge-Kutta method of order eight of Dormand and Prince, compiled with the program: by
+    ``loop``, or by numba, then ``ImportError`` without it.
     """
-    drive = compiled_loop(problem.program, problem.levels if problem.events else None)
+    drive = (loop or compiled_loop)(problem.program, problem.levels if problem.events else None)
     # of a short run these would take most of the time
     scales, raised = scales_of(problem), hoist(problem.program)
 

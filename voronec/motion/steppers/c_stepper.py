@@ -1,0 +1,307 @@
+"""DOP853 and the program compiled by the machine's own C compiler: the loop of numba without it.
+
+The stepping is the source that ``numba`` compiles (``dop853_source``), translated statement by
+statement; the right side is the program as C.  Of what a user writes only printed expressions reach
+the compiler, whose names and remarks are made harmless there.
+"""
+
+from __future__ import annotations
+
+import ast
+import ctypes
+import re
+from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from voronec.equations.program import Program, c_source, hoist
+from voronec.motion.steppers import dop853_source
+from voronec.motion.steppers.dop853_source import stepping_source
+from voronec.motion.steppers.kept_code import kept_library
+
+__all__ = ["c_loop"]
+
+ARRAYS = {
+    "grid": "double *grid", "rows": "double (*rows)[N]", "clock": "double *clock",
+    "counts": "integer *counts", "states": "double (*states)[N]", "bend": "double (*bend)[N]",
+    "times": "double (*times)[2]", "ends": "double (*ends)[2][N]",
+    "bends": "double (*bends)[7][N]", "scales": "double (*scales)[N]", "coarse": "integer *coarse",
+    "parameters": "double *parameters", "given": "double *given",
+}  # fmt: skip
+"""What ``drive`` is given, in order, before three integers; its lengths come after them."""
+COUNTED = ("grid", "times", "coarse")
+PARAMETERS = {
+    **ARRAYS, "row": "double *row", "dense": "integer dense", "keep": "integer keep",
+    "limit": "integer limit",
+}  # fmt: skip
+OPERATORS: dict[type, str] = {
+    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">",
+    ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!=", ast.And: "&&", ast.Or: "||", ast.USub: "-",
+    ast.Not: "!",
+}  # fmt: skip
+CALLS = {"abs": "fabs", "min": "smaller", "max": "larger", "nextafter": "nextafter"}
+HEAD = """#include <math.h>
+#include <string.h>
+#define N {n}
+typedef long long integer;
+static double smaller(double a, double b) {{ return b < a ? b : a; }}
+static double larger(double a, double b) {{ return b > a ? b : a; }}
+void extras(double t, const double *state, const double *parameters, double *result);
+"""
+
+
+@lru_cache(maxsize=32)
+def c_loop(program: Program, levels: Program | None = None) -> Callable[..., int]:
+    """The function ``drive`` of ``dop853_source`` for a program and functions of events.
+
+    Raises ``DefinitionError`` where there is no compiler, and ``EngineLimit`` where it fails.
+    """
+    files = [
+        Path(module).read_text(encoding="utf-8") for module in (dop853_source.__file__, __file__)
+    ]
+    texts = [c_source(hoist(program).program)] + ([c_source(levels)] if levels else [])
+    key = "\n".join([*texts, *files])
+    drive = kept_library(key, lambda: _sources(texts, program, levels)).drive
+    line, table, tables = (
+        np.ctypeslib.ndpointer(dtype=float, ndim=k, flags="C") for k in (1, 2, 3)
+    )
+    whole = np.ctypeslib.ndpointer(dtype=np.int64, ndim=1, flags="C")
+    drive.restype, integer = ctypes.c_longlong, ctypes.c_longlong
+    drive.argtypes = [
+        line, table, line, whole, table, table, table, tables, tables, table, whole, line, line,
+        *([integer] * (3 + len(COUNTED))),
+    ]  # fmt: skip
+
+    def run(*arguments: Any) -> int:
+        lengths = (len(arguments[list(ARRAYS).index(name)]) for name in COUNTED)
+        return int(drive(*arguments, *lengths))
+
+    return run
+
+
+def _sources(texts: Sequence[str], program: Program, levels: Program | None) -> dict[str, str]:
+    """Files of C by name: the loop with the right side, and functions of events apart."""
+    n, m = len(program.state), len(levels.names) if levels is not None else 0
+    right = re.sub(r"^void ", "static void ", texts[0], flags=re.MULTILINE)
+    body = _in_c(stepping_source(n, m), max(n, m))
+    found = {"drive.c": right + HEAD.format(n=n) + body}
+    if levels is not None:  # its own rates are not wanted
+        found["levels.c"] = "#define rhs rates_of_levels\n" + texts[1]
+    return found
+
+
+def _in_c(source: str, room: int) -> str:
+    """Functions of the stepping, in C."""
+    functions = [f for f in ast.parse(source).body if isinstance(f, ast.FunctionDef)]
+    return "\n".join(_Function(f, room).text() for f in functions)
+
+
+class _Function:
+    """One function, translated: its names are doubles, or integers where they only count."""
+
+    def __init__(self, tree: ast.FunctionDef, room: int) -> None:
+        self.tree, self.room = tree, room
+        self.given = [a.arg for a in tree.args.args]
+        self.local: dict[str, str] = {}
+        self.whole = self._integers()
+
+    def text(self) -> str:
+        """The function in C."""
+        body = [row for line in self.tree.body for row in self.statement(line)]
+        names = sorted(self._assigned() - set(self.given) - self.local.keys())
+        declared = [*self.local.values(), f"double answers[{max(self.room, 1)}];"]
+        declared += [f"{'integer' if n in self.whole else 'double'} {n} = 0;" for n in names]
+        arguments = [PARAMETERS.get(n, f"double {n}") for n in self.given]
+        is_loop = self.tree.name == "drive"
+        if is_loop:
+            arguments += [f"integer {n}_count" for n in COUNTED]
+        returns = "integer" if is_loop else "void" if "row" in self.given else "double"
+        opening = (
+            f"{'' if is_loop else 'static '}{returns} {self.tree.name}({', '.join(arguments)})"
+        )
+        return "\n".join([opening + " {", *declared, "(void)answers;", *body, "}\n"])
+
+    def _targets(self) -> Iterator[tuple[str, ast.expr | None]]:
+        """Names that are assigned, with what they get where that is one expression."""
+        for node in ast.walk(self.tree):
+            if isinstance(node, ast.For):
+                yield ast.unparse(node.target), ast.Constant(0)
+            elif isinstance(node, ast.AugAssign) and isinstance(node.target, ast.Name):
+                yield node.target.id, node.value
+            elif isinstance(node, ast.Assign):
+                for target, value in _pairs(node):
+                    if isinstance(target, ast.Name):
+                        yield target.id, value
+
+    def _assigned(self) -> set[str]:
+        return {name for name, _ in self._targets()}
+
+    def _integers(self) -> set[str]:
+        """Names that are only given integers, found by taking away."""
+        pairs = list(self._targets())
+        whole, before = {name for name, _ in pairs}, -1
+        while len(whole) != before:
+            before = len(whole)
+            whole -= {name for name, value in pairs if not _counts(value, whole)}
+        return whole
+
+    def statement(self, node: ast.stmt) -> list[str]:
+        """A statement as lines."""
+        if isinstance(node, ast.Assign):
+            return self.assignment(node)
+        if isinstance(node, ast.AugAssign):
+            sign = OPERATORS[type(node.op)]
+            return [f"{self.value(node.target)} {sign}= {self.value(node.value)};"]
+        if isinstance(node, ast.If):
+            rows = [f"if ({self.value(node.test)}) {{", *self.block(node.body)]
+            return [*rows, *(["} else {", *self.block(node.orelse)] if node.orelse else []), "}"]
+        if isinstance(node, ast.While):
+            return [f"while ({self.value(node.test)}) {{", *self.block(node.body), "}"]
+        if isinstance(node, ast.For) and isinstance(node.iter, ast.Call):
+            name, limits = self.value(node.target), [self.value(a) for a in node.iter.args]
+            first, last = limits if len(limits) == 2 else ("0", limits[0])
+            head = f"for ({name} = {first}; {name} < {last}; {name}++) {{"
+            return [head, *self.block(node.body), "}"]
+        if isinstance(node, ast.Break | ast.Continue):
+            return ["break;" if isinstance(node, ast.Break) else "continue;"]
+        if isinstance(node, ast.Return) and node.value is not None:
+            return [f"return {self.value(node.value)};"]
+        if isinstance(node, ast.Expr):  # a docstring says nothing to the compiler
+            return [] if isinstance(node.value, ast.Constant) else [f"{self.value(node.value)};"]
+        if isinstance(node, ast.Pass):
+            return []
+        raise TypeError(f"no C for '{ast.unparse(node)}'")
+
+    def block(self, body: Sequence[ast.stmt]) -> list[str]:
+        return [row for node in body for row in self.statement(node)]
+
+    def assignment(self, node: ast.Assign) -> list[str]:
+        """What is assigned at once is computed before any of it changes."""
+        pairs = _pairs(node)
+        if pairs[0][1] is None:
+            return self.call(pairs, node.value)
+        made = [p for p in pairs if _array(p[1]) is not None]
+        for target, value in made:
+            kind, sizes = _array(value) or ("", [])
+            bounds = "".join(f"[{size}]" for size in sizes)
+            self.local[ast.unparse(target)] = f"{kind} {ast.unparse(target)}{bounds} = {{0}};"
+        if made:
+            return []
+        if all(self.is_row(value) for _, value in pairs):
+            return [
+                f"memcpy({self.value(a)}, {self.value(b)}, sizeof({self.value(a)}));"
+                for a, b in pairs
+            ]
+        if len(pairs) == 1:
+            return [f"{self.value(pairs[0][0])} = {self.value(pairs[0][1])};"]
+        rows = [f"const double next_{i} = {self.value(b)};" for i, (_, b) in enumerate(pairs)]
+        rows += [f"{self.value(a)} = next_{i};" for i, (a, _) in enumerate(pairs)]
+        return ["{", *rows, "}"]
+
+    def call(self, pairs: Sequence[tuple[Any, Any]], call: Any) -> list[str]:
+        """The program at a state, whose entries are arguments of their own."""
+        time, *place, parameters = (self.value(a) for a in call.args)
+        rows = [f"const double here[] = {{{', '.join(place)}}};"]
+        rows.append(f"{call.func.id}({time}, here, {parameters}, answers);")
+        rows += [f"{self.value(target)} = answers[{i}];" for i, (target, _) in enumerate(pairs)]
+        return ["{", *rows, "}"]
+
+    def is_row(self, node: Any) -> bool:
+        """Whether it is a part of a table, or a whole table."""
+        base = node.value if isinstance(node, ast.Subscript) else node
+        if not isinstance(base, ast.Name) or base.id not in ARRAYS:
+            return False
+        indices = len(_indices(node)) if isinstance(node, ast.Subscript) else 0
+        return indices < 1 + ARRAYS[base.id].count("[")
+
+    def value(self, node: Any) -> str:
+        """An expression."""
+        if isinstance(node, ast.Constant):
+            return repr(int(node.value) if isinstance(node.value, bool) else node.value)
+        if isinstance(node, ast.Name):
+            return node.id
+        if isinstance(node, ast.Attribute) and node.attr == "inf":
+            return "INFINITY"
+        if isinstance(node, ast.UnaryOp):
+            return f"({OPERATORS[type(node.op)]}{self.value(node.operand)})"
+        if isinstance(node, ast.BoolOp):
+            return f"({f' {OPERATORS[type(node.op)]} '.join(map(self.value, node.values))})"
+        if isinstance(node, ast.Compare):
+            sign = OPERATORS[type(node.ops[0])]
+            return f"({self.value(node.left)} {sign} {self.value(node.comparators[0])})"
+        if isinstance(node, ast.IfExp):
+            parts = (self.value(p) for p in (node.test, node.body, node.orelse))
+            return "({} ? {} : {})".format(*parts)
+        if isinstance(node, ast.BinOp):
+            return self.operation(node)
+        if isinstance(node, ast.Subscript):
+            return self.value(node.value) + "".join(
+                f"[{self.index(node, i)}]" for i in _indices(node)
+            )
+        if isinstance(node, ast.Call):
+            return self.function(node)
+        raise TypeError(f"no C for '{ast.unparse(node)}'")
+
+    def operation(self, node: ast.BinOp) -> str:
+        left, right = self.value(node.left), self.value(node.right)
+        if isinstance(node.op, ast.Pow):
+            return f"sqrt({left})" if right == "0.5" else f"pow({left}, {right})"
+        if isinstance(node.op, ast.Div):
+            return f"((double)({left})/({right}))"
+        return f"({left} {OPERATORS[type(node.op)]} {right})"
+
+    def function(self, node: ast.Call) -> str:
+        name = node.func.attr if isinstance(node.func, ast.Attribute) else ast.unparse(node.func)
+        values = [self.value(a) for a in node.args]
+        if name == "len":
+            return f"{values[0]}_count"
+        while name in ("min", "max") and len(values) > 2:
+            values[:2] = [f"{CALLS[name]}({values[0]}, {values[1]})"]
+        return f"{CALLS.get(name, name)}({', '.join(values)})"
+
+    def index(self, node: ast.Subscript, place: ast.expr) -> str:
+        text = self.value(place)
+        return f"{self.value(node.value)}_count - 1" if text == "(-1)" else text
+
+
+def _indices(node: ast.Subscript) -> list[ast.expr]:
+    return node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
+
+
+def _pairs(node: ast.Assign) -> list[tuple[ast.expr, Any]]:
+    """Targets with values, which are none where one call gives all of them."""
+    target, value = node.targets[0], node.value
+    if not isinstance(target, ast.Tuple):
+        return [(target, value)]
+    if isinstance(value, ast.Tuple):
+        return list(zip(target.elts, value.elts, strict=True))
+    return [(each, None) for each in target.elts]
+
+
+def _array(node: Any) -> tuple[str, list[str]] | None:
+    """The kind and sizes of a fresh array; None for anything else."""
+    if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute):
+        return None
+    if node.func.attr not in ("empty", "zeros"):
+        return None
+    shape = node.args[0]
+    sizes = shape.elts if isinstance(shape, ast.Tuple) else [shape]
+    return "integer" if node.func.attr == "zeros" else "double", [ast.unparse(s) for s in sizes]
+
+
+def _counts(node: Any, whole: set[str]) -> bool:
+    """Whether an expression is an integer where the names of ``whole`` are."""
+    if isinstance(node, ast.Constant):
+        return isinstance(node.value, int)
+    if isinstance(node, ast.Name):
+        return node.id in whole
+    if isinstance(node, ast.Compare | ast.BoolOp):
+        return True
+    if isinstance(node, ast.IfExp):
+        return _counts(node.body, whole) and _counts(node.orelse, whole)
+    if isinstance(node, ast.Subscript):
+        return ast.unparse(node.value) in ("counts", "coarse", "active")
+    return False
