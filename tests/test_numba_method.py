@@ -168,6 +168,7 @@ def test_auto_takes_it_for_long_runs_where_heyoka_is_missing(monkeypatch):
     found = moved("auto")
     assert found.cost.method == "numba" and "heyoka is not installed" in found.cost.reason
     monkeypatch.setitem(sys.modules, "numba", None)
+    monkeypatch.setenv("PATH", "")  # and no C compiler
     assert moved("auto").cost.method == "scipy"
     with pytest.raises(DefinitionError, match="pip install numba"):
         moved("numba", events=(vo.Event(x - 1),))
@@ -201,6 +202,7 @@ def test_ensembles_take_it_where_heyoka_is_missing_and_motions_are_many(monkeypa
     monkeypatch.setattr(single, "COMPILATION", 1000)
     assert vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, **given).cost.method == "numba"
     monkeypatch.setitem(sys.modules, "numba", None)
+    monkeypatch.setenv("PATH", "")  # and no C compiler
     assert vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, **given).cost.method == "scipy"
     with pytest.raises(DefinitionError, match="pip install numba"):
         vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, method="numba", **given, outputs=("xdot",))

@@ -20,7 +20,7 @@ CALL = """
 import json, sys
 from time import process_time
 name, method, tried = sys.argv[1:]
-if method == "numba":
+if method in ("numba", "c"):
     sys.modules["heyoka"] = None
 import voronec as vo
 system, again = vo.load(name), []
@@ -83,31 +83,39 @@ def calls(extent: Extent) -> Iterator[Row]:
         )
 
 
-def numba_calls(extent: Extent) -> Iterator[Row]:
-    """The method ``numba`` where heyoka is not installed."""
-    with tempfile.TemporaryDirectory() as cache:
-        ever = in_process(cache, "-c", CALL, "ball-on-sphere", "numba", "2")[0]
-        later, least, most = _spread(
-            in_process(cache, "-c", CALL, "ball-on-sphere", "numba", "2")[0]
-            for _ in range(extent.processes)
-        )
-    yield Row(
-        "method `numba`, heyoka not installed, ball-on-sphere, T = 10: first call ever, imports "
-        "included",
-        "10 s",
-        f"{ever:.1f} s of CPU",
-        bool(ever <= 10),
-        "the integrator and the program are compiled as one function for each model",
-    )
-    yield Row(
-        "method `numba`, heyoka not installed, ball-on-sphere, T = 10: first call in a later "
-        "process, imports included",
-        "0.5 s",
-        f"{later:.2f} s of CPU ({least:.2f} to {most:.2f})",
-        bool(later <= 0.5),
-        "to import SymPy, NumPy and numba takes longer than that; numba loads all that it knows of "
-        "NumPy, and SciPy's linear algebra, before it takes machine code from its disk",
-    )
+COMPILERS = {
+    "numba": "the integrator and the program are compiled as one function for each model",
+    "c": "",
+}
+LATER = {
+    "numba": "to import SymPy, NumPy and numba takes longer than that; numba loads all that it "
+    "knows of NumPy, and SciPy's linear algebra, before it takes machine code from its disk",
+    "c": "to import SymPy and NumPy, and to read the system, takes longer than that",
+}
 
 
-ROWS: dict[str, Callable[[Extent], Iterator[Row]]] = {"calls": calls, "numba-calls": numba_calls}
+def compiled_calls(extent: Extent) -> Iterator[Row]:
+    """The methods ``numba`` and ``c`` where heyoka is not installed."""
+    for method, why in COMPILERS.items():
+        words = ("-c", CALL, "ball-on-sphere", method, "2")
+        with tempfile.TemporaryDirectory() as cache:
+            ever = in_process(cache, *words)[0]
+            later, least, most = _spread(
+                in_process(cache, *words)[0] for _ in range(extent.processes)
+            )
+        what = f"method `{method}`, heyoka not installed, ball-on-sphere, T = 10"
+        yield Row(
+            f"{what}: first call ever, imports included",
+            "10 s", f"{ever:.1f} s of CPU", bool(ever <= 10), why,
+        )  # fmt: skip
+        yield Row(
+            f"{what}: first call in a later process, imports included",
+            "0.5 s", f"{later:.2f} s of CPU ({least:.2f} to {most:.2f})", bool(later <= 0.5),
+            LATER[method],
+        )  # fmt: skip
+
+
+ROWS: dict[str, Callable[[Extent], Iterator[Row]]] = {
+    "calls": calls,
+    "compiled-calls": compiled_calls,
+}

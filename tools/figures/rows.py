@@ -211,19 +211,20 @@ def finest(extent: Extent) -> Iterator[Row]:
 
 
 def without_heyoka(extent: Extent) -> Iterator[Row]:
-    """The method `numba`, at equal error."""
-    found, span = around(["heyoka", "numba"], ERRORS[1:], extent), extent.span
-    ours, other = (found.at(n, 1e-9) for n in ("numba", "heyoka"))
-    ratio = ours.over(other)
-    whole = found.at("numba", 1e-9, "whole").over(found.at("heyoka", 1e-9, "whole"))
-    yield Row(
-        "run of method `numba` against method `heyoka` at error 1e-09",
-        "at most 1.3 times its time",
-        f"{ratio.times()}; {_micro(ours, span)} / {_micro(other, span)} µs per unit of time; "
-        f"whole calls {whole.times()}",
-        ratio.median <= 1.3,
-        "DOP853 takes many more steps at such an error",
-    )
+    """The methods `numba` and `c`, at equal error."""
+    found, span = around(["heyoka", "numba", "c"], ERRORS[1:], extent), extent.span
+    other, other_whole = (found.at("heyoka", 1e-9, what) for what in ("run", "whole"))
+    for name in ("numba", "c"):
+        ours = found.at(name, 1e-9)
+        ratio, whole = ours.over(other), found.at(name, 1e-9, "whole").over(other_whole)
+        yield Row(
+            f"run of method `{name}` against method `heyoka` at error 1e-09",
+            "at most 1.3 times its time",
+            f"{ratio.times()}; {_micro(ours, span)} / {_micro(other, span)} µs per unit of time; "
+            f"whole calls {whole.times()}",
+            ratio.median <= 1.3,
+            "DOP853 takes many more steps at such an error",
+        )
 
 
 def mujoco(extent: Extent) -> Iterator[Row]:
