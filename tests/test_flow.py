@@ -121,6 +121,7 @@ def test_auto_takes_scipy_where_heyoka_is_missing(monkeypatch: pytest.MonkeyPatc
     # None in the table of modules is how Python says that an import fails
     for name in ("heyoka", "numba"):
         monkeypatch.setitem(sys.modules, name, None)
+    monkeypatch.setenv("PATH", "")  # and no C compiler
     traj = vo.integrate(SLEIGH, tol=1e-15)
     assert traj.cost.method == "scipy" and "not installed" in traj.cost.reason
     assert traj.cost.tolerance == stepwise.FINEST
