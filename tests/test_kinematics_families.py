@@ -10,6 +10,7 @@ from voronec import DefinitionError, Limit, Parameter, Relation, Square
 from voronec.kinematics import (
     BalancedBall,
     BallMotion,
+    BallOnMovingSphere,
     BodyInRn,
     BodyOfRevolution,
     RollingContact,
@@ -38,6 +39,29 @@ def test_a_ball_of_ones_own_has_the_claims_of_its_family():
     verdicts = {c.name: c.verdict for c in vo.check_claims(ball())}
     assert {"momentum", "normal", "energy", "momentum squared"} <= {*verdicts}
     assert all(verdict.proved for verdict in verdicts.values())
+
+
+@pytest.mark.parametrize("turning", [{"rate": 1 / C}, {"moment": A}], ids=["kept turning", "free"])
+def test_a_ball_on_a_moving_sphere_has_the_claims_of_its_family(turning):
+    """With its own letters, proved from its Lagrangian; over a sphere at rest G is another."""
+    own = BallOnMovingSphere(r, b, M, moments, (0, 0, k), **turning)
+    rest = own.momentum.xreplace(dict.fromkeys(own.swirl, 0)) + sp.Matrix(own.rotor)
+    claims = {"momentum squared": own.whole.dot(own.whole), "at rest": rest.dot(rest)}
+    values = {**TABLE, **{s: 2 for value in turning.values() for s in value.free_symbols}}
+    values = {s: vo.Parameter(s, v) if s == C else v for s, v in values.items()}
+    system = own.system(name="own-ball", values=values, integrals=claims)
+    verdicts = {c.name: c.verdict for c in vo.check_claims(system)}
+    assert {"momentum", "normal", "momentum squared", "at rest"} <= {*verdicts}
+    assert [name for name, verdict in verdicts.items() if not verdict.proved] == ["at rest"]
+    assert verdicts["at rest"].refuted
+
+
+@pytest.mark.parametrize("turning", [{}, {"rate": 1, "moment": 1}])
+def test_a_moving_sphere_is_kept_turning_or_free(turning):
+    with pytest.raises(DefinitionError, match=r"give rate=\.\.\. or moment="):
+        BallOnMovingSphere(r, b, M, moments, **turning)
+    with pytest.raises(DefinitionError, match="the moment of a sphere"):
+        BallOnMovingSphere(r, b, M, moments, moment=object())
 
 
 def test_a_sleigh_of_ones_own_turns_as_its_integrals_say():

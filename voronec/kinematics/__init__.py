@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         sleigh_meanings,
         vector_meanings,
     )
+    from voronec.kinematics.moving_sphere import BallOnMovingSphere
     from voronec.kinematics.neumann_charts import turned_poles
     from voronec.kinematics.polar_chart import cartesian_chart
     from voronec.kinematics.revolution import BodyOfRevolution, TorusOnEllipsoid
@@ -57,6 +58,7 @@ if TYPE_CHECKING:
 __all__ = [
     "BalancedBall",
     "BallMotion",
+    "BallOnMovingSphere",
     "BodyInRn",
     "BodyOfRevolution",
     "BodyVelocity",
@@ -109,6 +111,7 @@ _HOME = {
     "forms": "SurfaceForms",
     "groups": "BodyVelocity product_form product_moments skew skew_entries wedge_square",
     "meanings": "contact_meanings euler_meanings moving_meanings sleigh_meanings vector_meanings",
+    "moving_sphere": "BallOnMovingSphere",
     "neumann_charts": "turned_poles",
     "polar_chart": "cartesian_chart",
     "revolution": "BodyOfRevolution TorusOnEllipsoid",

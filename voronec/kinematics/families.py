@@ -88,8 +88,8 @@ def join_declarations(own: Mapping[str, Any], more: Mapping[str, Any]) -> System
         both[name] = {**old, **value} if maps and isinstance(old, Mapping) else value
     integrals, meanings = both.get("integrals"), both.get("meanings", {})
     if isinstance(integrals, Mapping) and isinstance(meanings, Mapping):  # else refused below
-        said = {name: INTEGRALS[name] for name in integrals if name in INTEGRALS}
-        both["meanings"] = {**said, **meanings}
+        usual = (name for name in integrals if name in INTEGRALS and name not in meanings)
+        both["meanings"] = {**{name: INTEGRALS[name] for name in usual}, **meanings}
     return System(**both)
 
 
