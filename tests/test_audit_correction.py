@@ -234,6 +234,7 @@ def test_a_quantity_beside_a_multiple_of_itself_says_no_more_than_its_sign():
         return are_multiples(left, right)
 
     assert link("2x>x") and link("x+y<2y+2x") and link("2x(x+y)>x^2+xy")
+    assert link("2x+3y>4x+6y") and not link("2x+3y>3x+2y")
     assert not (link("2x>0") or link("2x>y") or link("x+2y>x+y") or link("x^2>x"))
 
 

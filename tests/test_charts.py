@@ -15,6 +15,7 @@ from voronec.motion.chart_stepper import through_charts
 from voronec.motion.events import Event
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, choose, cut_at_singularity
+from voronec.motion.steppers.run import part_at
 from voronec.proof.relations.charts import check_charts
 
 pytestmark = pytest.mark.slow
@@ -261,3 +262,9 @@ def test_twins_that_are_no_maps_are_refused_in_one_line(twins):
     with pytest.raises(vo.DefinitionError, match="twin") as got:
         vo.Chart(state={x: -x}, singular=x, twins=twins)
     assert str(got.value).isprintable()
+
+
+@pytest.mark.parametrize("order", [1, -1], ids=["future", "past"])
+def test_a_part_of_a_run_holds_the_instant_at_which_it_ends(order):
+    times = order * np.array([0.0, 0.5, 0.6, 2.0, 2.5, 9.0])
+    assert [*part_at([order * 0.5, order * 2.0, order * 4.0], order, times)] == [0, 0, 1, 1, 2, 2]

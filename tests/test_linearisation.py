@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from itertools import pairwise
 from typing import Any
 
 import mpmath as mp
@@ -185,6 +186,19 @@ def pendulum(**more: Any) -> vo.VoronecEquations:
             forces={theta: push}, inputs=(push,), **more,
         )
     )  # fmt: skip
+
+
+def test_what_is_not_damped_has_no_real_part_at_all() -> None:
+    """Three equal springs in a row: the frequencies are those of the chain, 2 sin(k pi/8)."""
+    places = sp.symbols("s1:4")
+    ends = (0, *places, 0)
+    speeds = sum(vo.velocity(s) ** 2 for s in places)
+    springs = sum((a - b) ** 2 for a, b in pairwise(ends))
+    chain = vo.System("chain", vo.Fibration(places), (speeds - springs) / 2)
+    found = vo.linearise(vo.derive(chain), dict.fromkeys(map(str, places), 0)).eigenvalues()
+    assert [e.real for e in found] == [0] * 6
+    frequencies = [2 * mp.sin(k * mp.pi / 8) for k in (-3, -2, -1, 1, 2, 3)]
+    assert all(abs(e.imag - w) < 1e-14 for e, w in zip(found, frequencies, strict=True))
 
 
 def test_what_is_left_open_stays_a_symbol() -> None:

@@ -48,3 +48,11 @@ def test_the_border_is_decided_with_the_doubles_as_they_are():
 def test_a_condition_is_a_relation_of_parameters(condition):
     with pytest.raises(vo.DefinitionError, match="no relation of the system's parameters"):
         sled(possible={"so": condition})
+
+
+def test_the_range_of_a_parameter_is_a_condition() -> None:
+    """What SymPy knows of the symbol itself is none."""
+    assert vo.Parameter(m, 2).conditions == ()
+    assert vo.Parameter(m, 2, positive=True).conditions == (m > 0,)
+    assert vo.Parameter(m, 2, lower=1, upper=3).conditions == (m >= 1, m <= 3)
+    assert vo.Parameter(sp.Symbol("m", positive=True), 2, positive=True).conditions == ()

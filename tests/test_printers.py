@@ -96,6 +96,8 @@ def test_inputs_that_nothing_holds_are_arguments() -> None:
     exec(eqs.python(jacobian=True), space)
     assert space["rhs"](0, [1, 2], [], [5, 3]) == [2, 3]
     assert space["jacobian"](0, [1, 2], [], [5, 3])[1] == [0, 0, 0, 1]
+    for source in (eqs.c, eqs.javascript):
+        assert "jacobian" in source(jacobian=True) and "jacobian" not in source()
     assert "inputs[0]: idle" in eqs.c() and '"inputs": ["idle", "used"]' in eqs.javascript()
     assert sp.Matrix([[0, 0], [0, 1]]) == vo.linearise(eqs).B
 
