@@ -113,3 +113,11 @@ def test_coefficients_are_those_of_scipy() -> None:
     for row, known in zip(rows, [*WEIGHTS, STEP, FIFTH, THIRD, *BENDS], strict=True):
         assert known == {i: float(x) for i, x in enumerate(row) if x}
     assert list(NODES) == [*DOP853.C, *DOP853.C_EXTRA]
+
+
+def test_where_nothing_moves_there_are_no_steps() -> None:
+    free = vo.System(name="free", fibration=vo.Fibration((X,), ()), lagrangian=DX**2 / 2)
+    found = vo.integrate(
+        free, times=np.linspace(0, 1, 200), outputs=(DX,), initial={X: 0, DX: 1}, method="python"
+    )
+    assert "nothing moves" in found.cost.reason and (found["xdot"] == 1).all()

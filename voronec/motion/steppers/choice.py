@@ -65,7 +65,7 @@ def choose(method: str, problem: Problem, grid: np.ndarray) -> tuple[Stepper, di
             f"the input '{called.name}' is a function of Python's, known in doubles and without a "
             "Taylor series; take method='scipy' and tol >= 1e-16, or give an expression or a table"
         )
-    if method in ("heyoka", "numba", "c") and not problem.program.state:
+    if method in ("heyoka", "numba", "c", "python") and not problem.program.state:
         return _make_stepper("scipy", problem, f"nothing moves, and {method} wants equations")
     if method != "auto":
         return _make_stepper(method, problem, "asked for")
