@@ -92,6 +92,16 @@ def test_doubles_agree_with_the_enclosure_near_and_far(ball, case):
             assert apart(name, exact[name], mpmath.mpf(whole[name][i])) < 1e-12 + spacing, name
 
 
+@pytest.mark.parametrize("turns", [-1, 2])
+def test_whole_turns_of_the_start_stay(ball, turns):
+    names, times = ("u", "v", "u1"), [0.0, 1.0, 40.0]
+    start = {"u": 1.1, "u1": 1.0, "s": 0.3, "n": 0.2}
+    away = {**start, "u": 1.1 + 2 * np.pi * turns}
+    near, far = (vo.closed_form(ball, initial=i).at(times, names) for i in (start, away))
+    assert np.abs(far["u"] - near["u"] - 2 * np.pi * turns).max() < 1e-11
+    assert all(np.abs(far[q] - near[q]).max() < 1e-11 for q in ("v", "u1"))
+
+
 def test_angles_of_an_upright_motion_are_continuous(ball):
     form = vo.closed_form(ball, initial={**START, **UPWARD})
     assert form.attitude.upright
