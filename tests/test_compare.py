@@ -13,7 +13,13 @@ from command_line import Call, refused
 
 import voronec as vo
 from voronec.declaration import catalogue
-from voronec.proof.comparison import StoredDerivation, compare, read_derivation, read_expression
+from voronec.proof.comparison import (
+    StoredDerivation,
+    compare,
+    random_point,
+    read_derivation,
+    read_expression,
+)
 
 pytestmark = pytest.mark.slow
 
@@ -228,3 +234,13 @@ def test_signs_that_are_declared_are_stored_with_a_derivation() -> None:
     assert not compare(*unknown).equal
     older = {k: v for k, v in unknown[0].as_dict().items() if k != "positive"}
     assert StoredDerivation.from_dict(older, "here").positive == ()
+
+
+def test_points_have_parameters_near_their_defaults_with_their_signs() -> None:
+    x, m, k, free = sp.symbols("x m k free")
+    energy = (m * vo.velocity(x) ** 2 - k * x**2) / 2 + free * x
+    own = (vo.Parameter(m, 8), vo.Parameter(k, -3), vo.Parameter(free))
+    system = vo.System("spring", vo.Fibration(x), energy, parameters=own)
+    for seed in range(5):
+        point = random_point(system, seed)
+        assert all(1 < point[s] / base < 1.4 for s, base in ((m, 8), (k, -3), (free, 1)))
