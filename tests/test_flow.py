@@ -16,6 +16,7 @@ from scipy.special import ellipj, ellipk
 from sympy.physics.mechanics import dynamicsymbols
 
 import voronec as vo
+from voronec.motion import batches
 from voronec.motion.steppers import heyoka_stepper as taylor
 from voronec.motion.steppers import scipy_stepper as stepwise
 from voronec.motion.steppers import step_loop
@@ -466,17 +467,33 @@ def test_errors_of_steps_by_scipy_add_up_to_less_than_those_of_scipy_alone() -> 
     assert here.cost.evaluations < plain.nfev
 
 
+def siren(rate: sp.Expr) -> vo.System:
+    """x'' = sin(phi) while phi'' is given."""
+    return vo.System(
+        name="siren", fibration=vo.Fibration((phi, x), ()), lagrangian=(Dphi**2 + Dx**2) / 2,
+        forces={phi: rate, x: sp.sin(phi)},
+    )  # fmt: skip
+
+
 @both
 def test_a_run_that_never_ends_is_ended(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """x'' = sin(phi) while phi grows as e^t: steps grow shorter as fast, to t = 100 there are
     10^43 of them.  Up to t = 7 there are few, and they are taken."""
     monkeypatch.setattr(step_loop, "LONG", 2_000)
-    system = vo.System(
-        name="siren", fibration=vo.Fibration((phi, x), ()), lagrangian=(Dphi**2 + Dx**2) / 2,
-        forces={phi: Dphi, x: sp.sin(phi)},
-    )  # fmt: skip
     run = {"initial": {phi: 0, Dphi: 1}, "method": method, "tol": 1e-9, "outputs": ("x",)}
-    assert vo.integrate(system, times=[0, 7], **run).t[-1] == 7
+    assert vo.integrate(siren(Dphi), times=[0, 7], **run).t[-1] == 7
     with pytest.raises(vo.IntegrationError, match="step size collapsed after") as caught:
-        vo.integrate(system, times=[0, 100], **run)
+        vo.integrate(siren(Dphi), times=[0, 100], **run)
     assert 7 < float(caught.value.time) < 20
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "numba"])
+def test_an_ensemble_that_never_ends_is_ended(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One that is evenly accelerated is not, whatever it takes."""
+    monkeypatch.setattr(step_loop, "LONG", 2_000)
+    monkeypatch.setattr(batches, "LONG", 2_000)
+    run = {"starts": [{phi: 0, Dphi: 1}], "method": method, "tol": 1e-9, "outputs": ("x",)}
+    many = vo.ensemble(siren(Dphi), times=[0, 100], **run)
+    assert 7 < many.errors[0].time < 25
+    assert "step size collapsed" in str(many.errors[0])
+    assert not vo.ensemble(siren(sp.Integer(1)), times=[0, 250], **run).errors

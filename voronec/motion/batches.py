@@ -23,9 +23,10 @@ from voronec.motion.one_by_one import (
     compile_method,
     is_lasting,
 )
-from voronec.motion.steppers.heyoka_stepper import heyoka
+from voronec.motion.steppers.heyoka_stepper import LONG, heyoka
 from voronec.motion.steppers.run import COLLAPSE, INFINITE
 from voronec.motion.steppers.series_reach import openings, overlong_lanes
+from voronec.motion.steppers.step_loop import Headway
 from voronec.motion.steppers.units import units_of_many
 
 __all__ = [
@@ -183,12 +184,35 @@ def along(
     return rows, errors, steps, []
 
 
+@dataclass(frozen=True, eq=False)
+class _LanesHeadway:
+    """Whether the steps of each lane lead to the end of a grid, and how many they are."""
+
+    looks: list[Headway]
+    steps: np.ndarray
+
+    @classmethod
+    def of(cls, width: int, grid: np.ndarray) -> _LanesHeadway:
+        """No steps yet."""
+        looks = [Headway(grid[0], float(grid[-1]), LONG) for _ in range(width)]
+        return cls(looks, np.zeros(width, dtype=int))
+
+    def lost(self, lanes: Lanes) -> dict[int, IntegrationError]:
+        """The lanes whose last steps lead nowhere."""
+        ta = lanes.integrator
+        self.steps[:] += [result[3] for result in ta.propagate_res]
+        pairs = zip(self.looks, self.steps.tolist(), ta.time.tolist(), strict=True)
+        lost = [k for k, (look, steps, time) in enumerate(pairs) if look.recedes(steps, time)]
+        return {k: break_error(COLLAPSE, ta.time[k], lanes.states[k]) for k in lost}
+
+
 def _pieces(
     lanes: Lanes, block: np.ndarray, grid: np.ndarray, stopped: Look
 ) -> tuple[dict[int, IntegrationError], int]:
     """Fill ``block`` (width, k, n) piece by piece of the grid; what broke, by lane, and steps."""
     hy = heyoka()
     ta, at, piece, steps = lanes.integrator, 0, PIECE, 0
+    headway = _LanesHeadway.of(lanes.width, grid)
     block[:, 0] = lanes.states
     while at < len(grid) - 1:
         if stopped():
@@ -217,13 +241,16 @@ def _pieces(
             if piece > 1:
                 piece = max(1, piece // 8)
                 continue
-            collapsed, taken = _one_interval(lanes, grid[at : end + 1], longest, stopped)
+            ends = grid[at : end + 1]
+            collapsed, taken = _one_interval(lanes, ends, longest, stopped, headway)
             steps += taken
             if collapsed:
                 return collapsed, steps
             new = np.stack([block[:, at], lanes.states], axis=1)
         else:
             lanes.look_back(begin, state, limits)
+            if collapsed := headway.lost(lanes):
+                return collapsed, steps
         block[:, at : end + 1] = new
         at = end
         piece = max(1, min(4 * piece, int(piece * CHUNK / (4 * max(taken, 1)))))
@@ -243,7 +270,7 @@ def _broken_lanes(ta: Any, block: np.ndarray, grid: np.ndarray) -> dict[int, Int
 
 
 def _one_interval(
-    lanes: Lanes, ends: np.ndarray, longest: list[float], stopped: Look
+    lanes: Lanes, ends: np.ndarray, longest: list[float], stopped: Look, headway: _LanesHeadway
 ) -> tuple[dict[int, IntegrationError], int]:
     """From one point of the grid to the next, where that takes very many steps, none longer than
     the lane's ``longest``."""
@@ -265,6 +292,8 @@ def _one_interval(
         stuck = [i for i in range(lanes.width) if ta.time[i] != ends[-1] and not moved[i]]
         if stuck:
             return {i: break_error(COLLAPSE, ta.time[i], lanes.states[i]) for i in stuck}, steps
+        if lost := headway.lost(lanes):
+            return lost, steps
 
 
 def require_method(method: str) -> None:

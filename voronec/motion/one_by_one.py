@@ -17,7 +17,7 @@ from voronec.motion.steppers.dop853_source import SHARE
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
 from voronec.motion.steppers.scipy_stepper import Pace, estimated_steps
 from voronec.motion.steppers.series_reach import STRIDE
-from voronec.motion.steppers.step_loop import Crawl, IntegratorFailure, Stretch, Stride
+from voronec.motion.steppers.step_loop import Headway, IntegratorFailure, Stretch, Stride
 from voronec.motion.steppers.units import units_of_many
 from voronec.motion.tolerances import FINEST
 
@@ -240,11 +240,11 @@ def _fill(
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:  # fmt: skip
     """Fill in the rows of a motion by scipy; yields times (s,) and states (s, n) at the ends of
     steps."""
-    order, done, crawl = np.sign(grid[-1] - grid[0]), 1, Crawl(float(np.ptp(grid)), grid[0])
+    order, done, headway = np.sign(grid[-1] - grid[0]), 1, Headway(grid[0], float(grid[-1]))
     span = (float(grid[0]), float(grid[-1]))
     for steps, solver in enumerate(strides("scipy", program, state, values, span, tol), 1):
         note_step(sizes, solver)
-        if crawl.leads_nowhere(steps, solver.t):
+        if headway.is_lost(steps, solver.t):
             raise break_error(COLLAPSE, solver.t, solver.y)
         reached = int(np.searchsorted(order * grid, order * solver.t, side="right"))
         if reached > done:
@@ -258,7 +258,7 @@ def _fill_compiled(
     tol: float, rows: np.ndarray, sizes: StepSizes,
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:  # fmt: skip
     """The same in the compiled loop."""
-    done, steps, begin, crawl = 1, 0, float(grid[0]), Crawl(float(np.ptp(grid)), grid[0])
+    done, steps, begin, headway = 1, 0, float(grid[0]), Headway(grid[0], float(grid[-1]))
     for stretch in _stretches(method, program, state, values, grid, tol, dense=False):
         rows[done : done + len(stretch.rows)] = stretch.rows
         done += len(stretch.rows)
@@ -268,7 +268,7 @@ def _fill_compiled(
         if len(whole):
             sizes.note(0, whole.min(), whole.max())
         steps += stretch.steps
-        if crawl.leads_nowhere(steps, stretch.end):
+        if headway.is_lost(steps, stretch.end):
             raise break_error(COLLAPSE, stretch.end, stretch.state)
         yield stretch.times, stretch.states
 

@@ -44,10 +44,11 @@ from voronec.motion.steppers.series_reach import (
     STRIDE,
     reach,
 )
-from voronec.motion.steppers.step_loop import Horizon
+from voronec.motion.steppers.step_loop import Headway
 from voronec.motion.steppers.units import angles_among, natural_units
 
 __all__ = [
+    "LONG",
     "TurnCount",
     "heyoka",
     "taylor",
@@ -321,10 +322,10 @@ class _Drive:
     longest: float = 0.0
     usual: float = np.inf
     standing: tuple[float, np.ndarray] = field(init=False)
-    horizon: Horizon = field(init=False)
+    headway: Headway = field(init=False)
 
     def __post_init__(self) -> None:
-        self.horizon = Horizon(float(self.grid[-1]), float(self.grid[0]), LONG)
+        self.headway = Headway(self.grid[0], float(self.grid[-1]), LONG)
         self.standing = float(self.grid[0]), self.problem.start.copy()
         self.size, self.ahead = CHUNK, AHEAD
         self.opening = self.first_step()
@@ -387,7 +388,7 @@ class _Drive:
         limited = outcome == self.hy.taylor_outcome.step_limit
         if limited and moved <= CRAWL * size / CHUNK * np.ptp(self.grid):
             return self.halt(COLLAPSE)
-        if self.horizon.recedes(self.steps, self.integrator.time):
+        if self.headway.recedes(self.steps, self.integrator.time):
             return self.halt(COLLAPSE)
         if outcome == self.hy.taylor_outcome.err_nf_state:
             return self.last_good(before, state, taken)

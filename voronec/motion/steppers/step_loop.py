@@ -23,7 +23,7 @@ from voronec.motion.steppers.run import (
 )
 
 __all__ = [
-    "Crawl",
+    "Headway",
     "IntegratorFailure",
     "Stretch",
     "Stride",
@@ -147,9 +147,8 @@ TINY = 1e-6
 """The part of a step over which slopes of functions are taken."""
 WINDOW, CRAWL = 1000, 1e-7
 """So many steps that cover less than this part of the span lead nowhere."""
-RETREAT, LONG = 30.0, 10_000
-"""A run is ended where the steps left grow by so many with each that is taken, four times so many
-and more: the steps of a motion that is evenly accelerated would be a thousand times as many."""
+LONG, ENDLESS = 10_000, 1e10
+"""After four times so many steps, and more, a run is ended that would take as many as the other."""
 SUSPECTS = 64
 """States whose mass matrices are looked at together."""
 
@@ -159,49 +158,58 @@ class IntegratorFailure(Exception):
 
 
 @dataclass
-class Crawl:
-    """A look at whether steps lead nowhere: ``mark`` is the time after ``marked`` of them."""
+class Headway:
+    """A look at whether steps lead to the end of a run, from its ``start`` on.
 
-    span: float
-    mark: Any
-    marked: int = 0
-
-    def leads_nowhere(self, steps: int, time: Any) -> bool:
-        """Whether the last of so many steps, which came to a time, covered next to nothing."""
-        windows = (steps - self.marked) // WINDOW
-        if not windows:
-            return False
-        way, self.mark, self.marked = abs(time - self.mark), time, steps
-        return bool(way <= CRAWL * self.span * windows)
-
-
-@dataclass
-class Horizon:
-    """A look at whether a run never ends: at its best pace the way to the ``end`` would take more
-    and more steps.
-
-    The best pace since ``looked`` steps counts, whenever the number of steps has doubled.
+    They lead nowhere where many of them cover next to nothing, and where ever more are left: at the
+    best pace p of the last half of N steps, which fades as N^-a, the way d that is left takes
+    N (1 + (1 - a) d/(p N))^(1/(1 - a)) steps, or N exp(d/(p N)) where a = 1.  That is looked at
+    whenever their number has doubled, beyond ``looked``.
     """
 
+    start: Any
     end: float
-    time: float
-    looked: int
+    looked: int = field(default_factory=lambda: LONG)
+    marks: tuple[Any, int] = field(init=False)
+    time: float = field(init=False)
     steps: int = 0
     best: float = 0.0
-    left: float = np.inf
+    former: float = 0.0
+
+    def __post_init__(self) -> None:
+        self.marks, self.time = (self.start, 0), float(self.start)
+
+    def is_lost(self, steps: int, time: Any) -> bool:
+        """Whether so many steps, which came to a time, lead nowhere."""
+        return self._crawls(steps, time) or self.recedes(steps, time)
+
+    def _crawls(self, steps: int, time: Any) -> bool:
+        mark, marked = self.marks
+        windows = (steps - marked) // WINDOW
+        if not windows:
+            return False
+        self.marks = time, steps
+        span = abs(self.end - float(self.start))
+        return bool(abs(time - mark) <= CRAWL * span * windows)
 
     def recedes(self, steps: int, time: Any) -> bool:
-        """Whether, at a time reached after so many steps, the end is ever farther away."""
+        """Whether the end is ever farther away."""
         if steps - self.steps < WINDOW:
             return False
         pace = abs(float(time) - self.time) / (steps - self.steps)
         self.time, self.steps, self.best = float(time), steps, max(self.best, pace)
-        if steps < 2 * self.looked:
-            return False
-        left = abs(self.end - self.time) / self.best if self.best else np.inf
-        receded = left - self.left > RETREAT * (steps - self.looked)
-        self.looked, self.left, self.best = steps, left, 0.0
-        return receded
+        if steps < 2 * self.looked or not self.best:
+            return not self.best
+        fading = np.log(self.former / self.best) / np.log(steps / self.looked) if self.former else 0
+        left = abs(self.end - self.time) / (self.best * steps)
+        self.looked, self.former, self.best = steps, self.best, 0.0
+        return bool(np.log(steps) + _log_growth(left, min(fading, 1.0)) > np.log(ENDLESS))
+
+
+def _log_growth(left: float, fading: float) -> float:
+    """log (1 + (1 - a) z)^(1/(1 - a)), for ``left`` = z and ``fading`` = a up to 1."""
+    rest = 1 - fading
+    return float(np.log1p(rest * left) / rest if rest > TINY else left)
 
 
 @dataclass(frozen=True)
@@ -285,8 +293,7 @@ class _March:
 
     def run(self) -> Run:
         ticker = Ticker(self.problem.progress, float(self.grid[0]), float(self.grid[-1]))
-        crawl = Crawl(self.log.span, self.grid[0])
-        horizon = Horizon(float(self.grid[-1]), float(self.grid[0]), LONG)
+        headway = Headway(self.grid[0], float(self.grid[-1]))
         try:
             while self.done < len(self.grid) and not self.log.stopped:
                 try:
@@ -302,8 +309,7 @@ class _March:
                 ticker(self.last.time)
                 if self.unseen >= SUSPECTS and (halt := self.singular()):
                     return self.result(halt)
-                reached = self.steps, self.last.time
-                if crawl.leads_nowhere(*reached) or horizon.recedes(*reached):
+                if headway.is_lost(self.steps, self.last.time):
                     return self.result(self.last)
         except KeyboardInterrupt:
             return self.result(interrupted=True)
