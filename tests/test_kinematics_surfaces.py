@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from typing import Any
 
 import mpmath
 import pytest
@@ -195,3 +196,19 @@ def test_bad_surfaces_are_told_in_one_line(build, message):
     with pytest.raises(DefinitionError, match=message) as caught:
         build()
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        lambda u, v: Surface.sphere("2 +", u, v),
+        lambda u, v: Surface.sphere([1], u, v),
+        lambda u, v: Surface.sphere(1, "2 +", v),
+        lambda u, v: Surface.torus(None, 1, u, v),
+        lambda u, v: Surface.ellipsoid((1, 1, 1), u, "2 +"),
+    ],
+)
+def test_what_is_no_expression_is_refused(made: Any) -> None:
+    with pytest.raises(DefinitionError):
+        made(*sp.symbols("u v"))
+    assert Surface.sphere("R", "u", "v") == Surface.sphere(*sp.symbols("R u v"))

@@ -74,6 +74,8 @@ class Surface:
         The frame is the same for every radius: n = (sin u cos v, sin u sin v, cos u), which is
         outward; with -R for the radius it is inward, and r = -R n.
         """
+        radius = expression(radius, "the radius of a sphere")
+        u, v = _angles(u, v)
         reach = radius * sp.sin(u)
         position = (reach * sp.cos(v), reach * sp.sin(v), radius * sp.cos(u))
         return cls((u, v), position, (radius, reach), ranges=(HALF, WHOLE))
@@ -90,6 +92,7 @@ class Surface:
         ``axes`` are the semi-axes (a, b, c).  The coordinates are orthogonal where a = b.
         """
         a, b, c = three(axes, "the semi-axes of an ellipsoid")
+        u, v = _angles(u, v)
         x, y, z = sp.sin(u) * sp.cos(v), sp.sin(u) * sp.sin(v), sp.cos(u)
         slant = sp.sqrt((b * c * x) ** 2 + (a * c * y) ** 2 + (a * b * z) ** 2)
         position = (a * x, b * y, c * z)
@@ -102,6 +105,8 @@ class Surface:
         r = ((radius + tube sin u) cos v, (radius + tube sin u) sin v, tube cos u): u goes around
         the tube from its top, v around the axis.  A sphere is the case of radius 0.
         """
+        radius, tube = (expression(x, "the radius of a torus") for x in (radius, tube))
+        u, v = _angles(u, v)
         reach = radius + tube * sp.sin(u)
         position = (reach * sp.cos(v), reach * sp.sin(v), tube * sp.cos(u))
         return cls((u, v), position, (tube, reach), ranges=(WHOLE, WHOLE))
@@ -306,3 +311,8 @@ def _check(name: str, length: Any, square: Any) -> None:
     raise DefinitionError(
         f"{name} = {length} of the surface is wrong: its square must be {square} ({why})"
     )
+
+
+def _angles(u: Any, v: Any) -> tuple[sp.Expr, sp.Expr]:
+    """Coordinates of a surface, read before functions are taken of them."""
+    return expression(u, "a coordinate of a surface"), expression(v, "a coordinate of a surface")
