@@ -32,7 +32,7 @@ R1, R2, m, J = sp.symbols("R1 R2 m J")
 inertia, kappa = sp.symbols("I1:4"), sp.symbols("kappa1:4")
 
 rolling = kinematics.BallOnMovingSphere(R1, R2, m, inertia, kappa, moment=J)
-spin, whole, driven = rolling.spin, rolling.whole, rolling.driven
+spin, whole, driven = rolling.spin, rolling.whole, rolling.sphere_momentum
 
 SYSTEM = rolling.system(
     name="ball-on-free-sphere",

@@ -145,7 +145,7 @@ class BallOnMovingSphere:
         return self.momentum + sp.Matrix(self.rotor)
 
     @cached_property
-    def driven(self) -> sp.Matrix:
+    def sphere_momentum(self) -> sp.Matrix:
         """N = J W + m R1^2 W_t + m R1 R2 omega_t of a free sphere, which is constant in space."""
         own = self.mass * self.fixed
         turning = self.moment * self.swirl + own * self.fixed * self.across(self.swirl)
@@ -168,7 +168,7 @@ class BallOnMovingSphere:
         spin = self.spin
         found = {"momentum": Equation(tuple(self.momentum), tuple(self.whole.cross(spin)))}
         if self.is_free:
-            driven = Equation(tuple(self.driven), tuple(self.driven.cross(spin)))
+            driven = Equation(tuple(self.sphere_momentum), tuple(self.sphere_momentum.cross(spin)))
             found["momentum of the sphere"] = driven
         found["normal"] = Equation(GAMMA, self._normal_rate(GAMMA, self.swirl))
         if not self.is_free:

@@ -197,7 +197,7 @@ class _LanesHeadway:
         looks = [Headway(grid[0], float(grid[-1]), LONG) for _ in range(width)]
         return cls(looks, np.zeros(width, dtype=int))
 
-    def lost(self, lanes: Lanes) -> dict[int, IntegrationError]:
+    def errors(self, lanes: Lanes) -> dict[int, IntegrationError]:
         """The lanes whose last steps lead nowhere."""
         ta = lanes.integrator
         self.steps[:] += [result[3] for result in ta.propagate_res]
@@ -249,7 +249,7 @@ def _pieces(
             new = np.stack([block[:, at], lanes.states], axis=1)
         else:
             lanes.look_back(begin, state, limits)
-            if collapsed := headway.lost(lanes):
+            if collapsed := headway.errors(lanes):
                 return collapsed, steps
         block[:, at : end + 1] = new
         at = end
@@ -292,7 +292,7 @@ def _one_interval(
         stuck = [i for i in range(lanes.width) if ta.time[i] != ends[-1] and not moved[i]]
         if stuck:
             return {i: break_error(COLLAPSE, ta.time[i], lanes.states[i]) for i in stuck}, steps
-        if lost := headway.lost(lanes):
+        if lost := headway.errors(lanes):
             return lost, steps
 
 

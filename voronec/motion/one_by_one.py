@@ -213,7 +213,7 @@ def along_one(
     rows[0], steps, sizes, doubtful = state, 0, StepSizes.of(1), False
     if len(grid) == 1:
         return rows, None, 0, False
-    fill = _fill if METHODS[method].loop is None else partial(_fill_compiled, method)
+    fill = _fill if METHODS[method].loop is None else partial(_fill_by_loop, method)
     path = [(grid[:1], state[None])]
 
     def look() -> bool:
@@ -253,7 +253,7 @@ def _fill(
         yield np.array([solver.t]), solver.y[None].copy()
 
 
-def _fill_compiled(
+def _fill_by_loop(
     method: str, program: Program, state: np.ndarray, values: np.ndarray, grid: np.ndarray,
     tol: float, rows: np.ndarray, sizes: StepSizes,
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:  # fmt: skip

@@ -32,7 +32,7 @@ ARRAYS = {
     "parameters": "double *parameters", "given": "double *given",
 }  # fmt: skip
 """What ``drive`` is given, in order, before three integers; its lengths come after them."""
-COUNTED = ("grid", "times", "coarse")
+LENGTHS = ("grid", "times", "coarse")
 PARAMETERS = {
     **ARRAYS, "row": "double *row", "dense": "integer dense", "keep": "integer keep",
     "limit": "integer limit",
@@ -72,11 +72,11 @@ def c_loop(program: Program, levels: Program | None = None) -> Callable[..., int
     drive.restype, integer = ctypes.c_longlong, ctypes.c_longlong
     drive.argtypes = [
         line, table, line, whole, table, table, table, tables, tables, table, whole, line, line,
-        *([integer] * (3 + len(COUNTED))),
+        *([integer] * (3 + len(LENGTHS))),
     ]  # fmt: skip
 
     def run(*arguments: Any) -> int:
-        lengths = (len(arguments[list(ARRAYS).index(name)]) for name in COUNTED)
+        lengths = (len(arguments[list(ARRAYS).index(name)]) for name in LENGTHS)
         return int(drive(*arguments, *lengths))
 
     return run
@@ -111,13 +111,13 @@ class _Function:
     def text(self) -> str:
         """The function in C."""
         body = [row for line in self.tree.body for row in self.statement(line)]
-        names = sorted(self._assigned() - set(self.given) - self.local.keys())
+        names = sorted(self._target_names() - set(self.given) - self.local.keys())
         declared = [*self.local.values(), f"double answers[{max(self.room, 1)}];"]
         declared += [f"{'integer' if n in self.whole else 'double'} {n} = 0;" for n in names]
         arguments = [PARAMETERS.get(n, f"double {n}") for n in self.given]
         is_loop = self.tree.name == "drive"
         if is_loop:
-            arguments += [f"integer {n}_count" for n in COUNTED]
+            arguments += [f"integer {n}_count" for n in LENGTHS]
         returns = "integer" if is_loop else "void" if "row" in self.given else "double"
         opening = (
             f"{'' if is_loop else 'static '}{returns} {self.tree.name}({', '.join(arguments)})"
@@ -136,7 +136,7 @@ class _Function:
                     if isinstance(target, ast.Name):
                         yield target.id, value
 
-    def _assigned(self) -> set[str]:
+    def _target_names(self) -> set[str]:
         return {name for name, _ in self._targets()}
 
     def _integers(self) -> set[str]:

@@ -37,7 +37,7 @@ __all__ = ["COMPILER", "kept_function", "kept_library"]
 SOURCES = 200
 """How many sources keep their code; those that were made longest ago give way."""
 SOURCE, LIST, LIBRARY = "source.py", "digests.json", "library.so"
-KEPT = (".py", ".nbi", ".nbc", ".c", ".so")
+SUFFIXES = (".py", ".nbi", ".nbc", ".c", ".so")
 COMPILER = "cc"
 """The name by which systems call their C compiler."""
 
@@ -177,7 +177,7 @@ def _forget(folder: Path, why: str) -> None:
 
 
 def _digests(folder: Path) -> dict[str, str]:
-    files = sorted(p for p in folder.rglob("*") if p.suffix in KEPT)
+    files = sorted(p for p in folder.rglob("*") if p.suffix in SUFFIXES)
     return {p.name: sha256(p.read_bytes()).hexdigest() for p in files}
 
 
