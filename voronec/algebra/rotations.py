@@ -35,12 +35,16 @@ Weight = tuple[int, int]
 @dataclass(frozen=True)
 class Rotations:
     """Rewrites functions of Euler angles in ``entries``, the matrix row by row, where they are
-    regular at the poles; ``EngineLimit`` where they are not, or where that was not found."""
+    regular at the poles; ``EngineLimit`` where they are not, or where that was not found.
+
+    ``roots`` are symbols x with x^2 = f, f a function of the angles.
+    """
 
     phi: Any
     theta: Any
     psi: Any
     entries: Sequence[Sequence[Any]]
+    roots: Mapping[Any, Any] = field(default_factory=dict)
     _known: dict[Any, Any] = field(default_factory=dict)
 
     def rewrite(self, expr: Any) -> Any:
@@ -57,10 +61,13 @@ class Rotations:
     def _rational(self, expr: Any) -> Any:
         """A quotient of polynomials in sines, cosines, and functions that are rewritten apart."""
         inner: dict[Any, Any] = {}
-        outer = self._open(expr, inner)
+        drawn = {x: se.sqrt(f) for x, f in self.roots.items()}
+        outer = self._open(expr, inner).xreplace(drawn)
         names = {name: meaning for meaning, name in inner.items()}
         ring = Ring([outer])
         element = ring.fraction(outer)
+        drawn_back = {root: x for x, root in drawn.items()}
+        ring.meaning = [e.xreplace(drawn_back) for e in ring.meaning]
         poles, below = (0, 0), se.Integer(1)
         for factor, power in ring.field.factors(element.den):
             polar = self._polar(ring, factor)

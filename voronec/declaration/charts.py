@@ -17,7 +17,7 @@ from voronec.errors import DefinitionError
 
 __all__ = ["CHART_PARTS", "Chart"]
 
-CHART_PARTS = ("lagrangian", "constraints", "forces", "frame")
+CHART_PARTS = ("lagrangian", "constraints", "forces", "frame", "relations")
 """What may read differently in another chart."""
 
 
@@ -45,7 +45,7 @@ class Chart:
         whose factors are positive elsewhere, in the range of the coordinates: sin(u) sin(u1).
     changes
         what the system declares differently in the chart, by name: ``lagrangian``,
-        ``constraints``, ``forces``, ``frame``.  Nothing, for a symmetry of the system.
+        ``constraints``, ``forces``, ``frame``, ``relations``.  Nothing, for a symmetry of the system.
     back
         the inverse of ``state``, each variable of the system as a function of those of the chart;
         by default ``state`` itself, a map that is its own inverse.

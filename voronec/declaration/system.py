@@ -449,7 +449,11 @@ def require_system(thing: Any) -> System:
 
 def system_in(system: System, name: str) -> System:
     """A system in one of its charts, without its claims and scenes."""
-    return bare(system, f"{system.name}, {name}", **system.charts[name].changes)
+    changes = dict(system.charts[name].changes)
+    if "relations" in changes:
+        relations = changes.pop("relations")
+        changes["fibration"] = replace(system.fibration, relations=relations)
+    return bare(system, f"{system.name}, {name}", **changes)
 
 
 def bare(system: System, name: str, **changes: Any) -> System:

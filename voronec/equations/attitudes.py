@@ -14,7 +14,7 @@ That the rewriting succeeds is the proof that the system is regular at the poles
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations, product
@@ -41,13 +41,18 @@ SEED = 20
 """Of the points at which the kinetic energy is looked at."""
 DEGENERATE = 1e-9
 """An eigenvalue of the kinetic energy below this part of the largest is zero."""
+ALMOST = DEGENERATE**0.5
+"""Below it a part of a unit vector is zero."""
+BESIDE = 1e-6
+"""So far beside a pole an angle is looked at."""
 QUARTER = se.pi / 2
 
 
 @dataclass(frozen=True)
 class EulerAngles:
     """Three coordinates that are Euler's angles: Rz(phi) Rx(theta + shift) Rz(sense psi), up to
-    constant turns of space and of the body.  Symbols are those inside the door."""
+    constant turns of space and of the body; or, where ``psi`` is None, two that are longitude and
+    colatitude of a direction, the third column.  Symbols are those inside the door."""
 
     phi: Any
     theta: Any
@@ -61,9 +66,42 @@ class EulerAngles:
         return se.sin(self.theta + self.shift)
 
     @property
-    def symbols(self) -> tuple[Any, Any, Any]:
-        """The three."""
-        return self.phi, self.theta, self.psi
+    def symbols(self) -> tuple[Any, ...]:
+        """The three, or two."""
+        return (self.phi, self.theta) if self.psi is None else (self.phi, self.theta, self.psi)
+
+    @property
+    def last(self) -> Any:
+        """psi, or what stands for it beside a direction: nothing depends on that."""
+        return se.Symbol(f"turn beside {self.theta}") if self.psi is None else self.psi
+
+    @property
+    def upright(self) -> tuple[Any, Any, Any]:
+        """The three of Rz Rx Rz."""
+        return self.phi, self.theta + self.shift, self.sense * self.last
+
+    @property
+    def turned(self) -> tuple[Any, Any, Any]:
+        """The three of Rz Rx Rz where the polar axis is laid down."""
+        return self.phi, self.theta, self.last
+
+    @property
+    def blind(self) -> dict[Any, Any]:
+        """The rates of the coordinates that turn nothing at the poles, as functions of theta."""
+        if self.psi is None:
+            return {self.phi: se.Integer(1)}
+        return {self.phi: se.Integer(1), self.psi: -self.sense * se.cos(self.theta + self.shift)}
+
+    def body_rates(self, dots: Mapping[Any, Any]) -> tuple[Any, ...]:
+        """The angular velocity along the axes of the body by the ``dots`` of coordinates; of a
+        direction its two parts across it."""
+        _, theta, psi = self.upright
+        a, b = dots[self.phi], dots[self.theta]
+        s, c = se.sin(psi), se.cos(psi)
+        across = (a * se.sin(theta) * s + b * c, a * se.sin(theta) * c - b * s)
+        if self.psi is None:
+            return across
+        return (*across, a * se.cos(theta) + self.sense * dots[self.psi])
 
 
 def euler_angles(equations: VoronecEquations) -> tuple[EulerAngles, ...]:
@@ -139,93 +177,104 @@ def _both(chart: Chart, declared: Chart) -> Chart:
 
 
 def _recognise(d: Definition) -> Iterator[EulerAngles]:
-    """Every triple whose two outer rates are one where the middle angle is at its pole."""
+    """Every triple whose two outer rates are one where the middle angle is at its pole, and every
+    pair of which one has no effect where the other is at either pole."""
     if d.group is not None or d.inputs:
         return
-    energy = _Energy(d)
-    taken = set().union(*(r.free_symbols for r in d.relations))
+    metric, taken = _Metric(d), set[Any]()
     for theta in d.coordinates:
         for shift in (se.Integer(0), QUARTER):
-            direction = energy.degenerate_at(theta, -float(shift))
-            if direction is None or taken & {theta, *direction}:
+            blind = metric.blind_at(theta, -float(shift))
+            if blind is None or taken & {theta, *blind} or theta in blind:
                 continue
-            (phi, x), (psi, y) = sorted(direction.items(), key=lambda p: d.coordinates.index(p[0]))
-            if theta not in direction and abs(abs(y / x) - 1) < DEGENERATE**0.5:
-                taken |= {phi, theta, psi}
-                yield EulerAngles(phi, theta, psi, shift, -1 if y / x > 0 else 1)
+            phi, *others = sorted(blind, key=d.coordinates.index)
+            if not others:
+                found = metric.blind_at(theta, np.pi - float(shift)) == blind and (None, 1)
+            else:
+                ratio = blind[others[0]] / blind[phi]
+                found = abs(abs(ratio) - 1) < ALMOST and (others[0], -1 if ratio > 0 else 1)
+            if found:
+                taken |= {theta, *blind}
+                yield EulerAngles(phi, theta, found[0], shift, found[1])
 
 
 @dataclass(frozen=True)
-class _Energy:
-    """The kinetic energy of free motion, without the constraints, in numbers."""
+class _Metric:
+    """Squares of velocities in numbers: the kinetic energy without the constraints, and those parts
+    of velocities that constraints and relations know."""
 
     d: Definition
 
     @cached_property
-    def _hessian(self) -> Any:
+    def _entries(self) -> Any:
+        """The entries of the kinetic energy, and of the conditions, as one function."""
         d = self.d
-        L, n = d.lagrangian, len(d.dots)
+        L = d.lagrangian
         entries = [L.diff(a).diff(b) for i, a in enumerate(d.dots) for b in d.dots[: i + 1]]
+        rows = [*d.constraints.matrix, *([r.diff(q) for q in d.coordinates] for r in d.relations)]
+        entries += [x for row in rows for x in row]
         try:
-            function = se.Lambdify(list(self._symbols), entries, cse=True)
+            return se.Lambdify(list(self._symbols), entries, cse=True)
         except RuntimeError:  # an unknown function has no numbers
-            return lambda _: np.full((n, n), np.nan)
+            return lambda _: np.full(len(entries), np.nan)
 
-        def matrix(values: Sequence[float]) -> np.ndarray:
-            flat = iter(np.asarray(function(np.array(values)), dtype=float))
-            result = np.empty((n, n))
-            for i in range(n):
-                for j in range(i + 1):
-                    result[i, j] = result[j, i] = next(flat)
-            return result
-
-        return matrix
+    def _matrix(self, point: np.ndarray) -> np.ndarray:
+        n = len(self.d.dots)
+        flat = np.asarray(self._entries(point), dtype=float)
+        count = n * (n + 1) // 2
+        energy, rows = np.zeros((n, n)), flat[count:].reshape(-1, n)
+        energy[np.tril_indices(n)] = flat[:count]
+        energy += np.tril(energy, -1).T
+        energy /= np.abs(energy).max(initial=0.0) or 1.0
+        if not len(rows) or not np.isfinite(flat).all():
+            return energy + 0 * flat.sum()
+        _, sizes, basis = np.linalg.svd(rows / np.abs(rows).max(axis=1, keepdims=True))
+        known = basis[: (sizes > DEGENERATE * sizes.max()).sum()]
+        return np.asarray(energy + known.T @ known)
 
     @property
     def _symbols(self) -> tuple[Any, ...]:
         d = self.d
         return (*d.coordinates, *d.dots, *d.parameters, d.time)
 
-    def degenerate_at(self, angle: Any, value: float) -> dict[Any, float] | None:
-        """The two coordinates of the single direction without energy where an angle has a value,
-        with their rates; None where that is not so."""
-        if not se.has_symbol(self.d.lagrangian, angle):
-            return None
+    def blind_at(self, angle: Any, value: float) -> dict[Any, float] | None:
+        """The one or two coordinates of the single direction without energy where an angle has a
+        value, with rates; None where that is not so.  Beside it, since rates may be infinite
+        there."""
         dice, found = Random(SEED), []
         place = self._symbols.index(angle)
         for _ in range(2):
             point = np.array([dice.uniform(0.3, 1.2) for _ in self._symbols])
-            generic = self._hessian(point)
-            point[place] = value
-            matrix = self._hessian(point)
-            moving = np.flatnonzero(np.abs(generic).max(axis=0) > 0)
-            pair = _null_pair(generic, matrix, moving)
-            if pair is None:
+            generic = self._matrix(point)
+            point[place] = value + BESIDE
+            blind = _null_direction(generic, self._matrix(point))
+            if blind is None:
                 return None
-            found.append(pair)
-        (i, x), (j, y) = found[0].items()
-        if [*found[1]] != [i, j] or abs(found[1][j] / found[1][i] - y / x) > DEGENERATE**0.5:
+            found.append(blind)
+        one, other = found
+        if [*one] != [*other] or any(abs(one[i] - other[i]) > ALMOST for i in one):
             return None
-        return {self.d.coordinates[i]: x, self.d.coordinates[j]: y}
+        return {self.d.coordinates[i]: x for i, x in one.items()}
 
 
-def _null_pair(
-    generic: np.ndarray, matrix: np.ndarray, moving: np.ndarray
-) -> dict[int, float] | None:
-    """The two entries of the only null vector of a matrix that is regular elsewhere."""
+def _null_direction(generic: np.ndarray, matrix: np.ndarray) -> dict[int, float] | None:
+    """The one or two entries, the first of them 1, of the only null vector of a matrix that is
+    regular elsewhere."""
+    moving = np.flatnonzero(np.abs(generic).max(axis=0) > 0)
     inner = np.ix_(moving, moving)
     if not (np.isfinite(generic).all() and np.isfinite(matrix).all()) or len(moving) < 2:
         return None
-    size = np.abs(generic).max()
-    if np.abs(np.linalg.eigvalsh(generic[inner])).min() < DEGENERATE * size:
+    if np.abs(np.linalg.eigvalsh(generic[inner])).min() < DEGENERATE:
         return None
     values, vectors = np.linalg.eigh(matrix[inner])
     order = np.argsort(np.abs(values))
-    if abs(values[order[0]]) > DEGENERATE * size or abs(values[order[1]]) < DEGENERATE * size:
+    if abs(values[order[0]]) > DEGENERATE or abs(values[order[1]]) < DEGENERATE:
         return None
     vector = vectors[:, order[0]]
-    held = np.flatnonzero(np.abs(vector) > DEGENERATE**0.5)
-    return {int(moving[i]): float(vector[i]) for i in held} if len(held) == 2 else None
+    held = np.flatnonzero(np.abs(vector) > ALMOST)
+    if len(held) > 2:
+        return None
+    return {int(moving[i]): float(vector[i] / vector[held[0]]) for i in held}
 
 
 def _matrix(angles: Sequence[Any]) -> Any:
@@ -277,11 +326,12 @@ class _TurnedSystem:
         kept = [t.singular for t in self.triples if t not in self.chosen]
         other = se.Mul(*kept, *[se.sin(t.theta) for t in self.chosen])
         for t in self.chosen:
-            upright = _matrix((t.phi, t.theta + t.shift, t.sense * t.psi))
-            there |= zip(t.symbols, _angles_of(_lay_down(upright)), strict=True)
-            phi, theta, psi = _angles_of(_stand_up(_matrix(t.symbols)))
-            back |= zip(t.symbols, (phi, theta - t.shift, t.sense * psi), strict=True)
-            other_side = (t.phi + se.pi, -t.theta - 2 * t.shift, t.psi - se.pi)
+            # of a direction there is no third
+            there |= zip(t.symbols, _angles_of(_lay_down(_matrix(t.upright))), strict=False)
+            phi, theta, psi = _angles_of(_stand_up(_matrix(t.turned)))
+            back |= zip(t.symbols, (phi, theta - t.shift, t.sense * psi), strict=False)
+            other_side = [t.phi + se.pi, -t.theta - 2 * t.shift]
+            other_side += [] if t.psi is None else [t.psi - se.pi]
             twins.append(outside(zip(t.symbols, other_side, strict=True)))
 
         return Chart(
@@ -300,7 +350,8 @@ class _TurnedSystem:
         )
         own = {plain_name(q): start.get(plain_name(q), 0) for q in self.d.system.coordinates}
         for t in self.chosen:
-            own |= {str(t.phi): sp.pi, str(t.theta): sp.pi / 2, str(t.psi): sp.Rational(1, 2)}
+            own |= {str(t.phi): sp.pi, str(t.theta): sp.pi / 2}
+            own |= {} if t.psi is None else {str(t.psi): sp.Rational(1, 2)}
         return {q: own[plain_name(q)] for q in map(out, self.d.coordinates)}
 
     def _changes(self) -> dict[str, Any]:
@@ -310,8 +361,9 @@ class _TurnedSystem:
         dots = d.dots
         changes: dict[str, Any] = {"lagrangian": out(self._move(d.lagrangian))}
         if d.constraints.matrix:
-            rows = zip(d.constraints.matrix, d.constraints.offset, strict=True)
-            changes["constraints"] = tuple(out(self._move(_affine(r, c, dots))) for r, c in rows)
+            changes["constraints"] = tuple(map(out, self._constraints()))
+        if self._moved_relations != d.relations:
+            changes["relations"] = tuple(map(out, self._moved_relations))
         if d.frame is not None:
             rows = zip(d.frame.matrix, d.frame.offset, strict=True)
             read = [out(self._move(_affine(r, c, dots))) for r, c in rows]
@@ -322,6 +374,27 @@ class _TurnedSystem:
             changes["forces"] = {q: out(power.diff(dot)) for q, dot in zip(own, dots, strict=True)}
         return changes
 
+    def _constraints(self) -> list[Any]:
+        """The constraints in the other angles; where each for itself is singular at the poles, with
+        those that give rates of the angles as ones that give angular velocities."""
+        d = self.d
+        try:
+            rows = zip(d.constraints.matrix, d.constraints.offset, strict=True)
+            return [self._move(_affine(row, c, d.dots)) for row, c in rows]
+        except EngineLimit:
+            rows = zip(d.constraints.matrix, d.constraints.offset, strict=True)
+            whole = [[*row, c] for row, c in rows]
+            for t in self.chosen:
+                whole = _of_angular_velocities(whole, t, d)
+            return [self._move(_affine(row[:-1], row[-1], d.dots)) for row in whole]
+
+    @cached_property
+    def _moved_relations(self) -> tuple[Any, ...]:
+        found = self.d.relations
+        for t in self.chosen:
+            found = tuple(self._of_one(r, t) for r in found)
+        return found
+
     def _frame(self, expressions: Sequence[sp.Expr]) -> Frame:
         own = self.d.system.frame
         assert own is not None
@@ -330,38 +403,68 @@ class _TurnedSystem:
     def _move(self, expr: Any) -> Any:
         """A function of coordinates and velocities in the other angles."""
         for t in self.chosen:
-            expr = self._of_one(expr, t)
+            try:
+                expr = self._of_one(expr, t)
+            except EngineLimit:
+                expr = self._of_one(expr, t, _roots(self.d, t))
         try:
-            return canonical([expr], self.d.relations)[0]
+            return canonical([expr], self._moved_relations)[0]
         except EngineLimit:
             return expr
 
-    def _of_one(self, expr: Any, t: EulerAngles) -> Any:
+    def _of_one(self, expr: Any, t: EulerAngles, roots: Mapping[Any, Any] | None = None) -> Any:
+        """A function in the other angles of one attitude; what ``roots`` says of coordinates is used
+        for powers of them."""
         d = self.d
-        dots = dict(zip(d.coordinates, d.dots, strict=True))
+        psi = t.last
+        dots = {psi: se.Symbol("its rate"), **dict(zip(d.coordinates, d.dots, strict=True))}
         rates = tuple(se.Symbol(f"rate {i} of an attitude") for i in range(3))
         entries = [[se.Symbol(f"entry {i} {j} of an attitude") for j in range(3)] for i in range(3)]
-        s, c = se.sin(t.psi), se.cos(t.psi)
+        s, c = se.sin(psi), se.cos(psi)
         turn = (s * rates[0] + c * rates[1]) / se.sin(t.theta)
         spin = rates[2] - se.cos(t.theta) * turn
-        own = expr.subs({t.theta: t.theta - t.shift, t.psi: t.sense * t.psi})
+        own = expr.subs({t.theta: t.theta - t.shift, psi: t.sense * psi})
         own = own.xreplace({
             dots[t.phi]: turn,
             dots[t.theta]: c * rates[0] - s * rates[1],
-            dots[t.psi]: t.sense * spin,
+            dots[psi]: t.sense * spin,
         })  # fmt: skip
-        found = Rotations(*t.symbols, entries).rewrite(own)
-        matrix = _stand_up(_matrix(t.symbols))
+        found = Rotations(t.phi, t.theta, psi, entries, roots or {}).rewrite(own)
+        matrix = _stand_up(_matrix(t.turned))
         values = {entries[i][j]: matrix[i][j] for i in range(3) for j in range(3)}
-        a, b, e = (dots[q] for q in t.symbols)
-        sine, cosine = se.sin(t.theta), se.cos(t.theta)
         # the body's rates do not know which way is up
-        values |= {
-            rates[0]: a * sine * s + b * c,
-            rates[1]: a * sine * c - b * s,
-            rates[2]: a * cosine + e,
-        }
-        return found.xreplace(values)
+        upright = EulerAngles(t.phi, t.theta, t.psi, se.Integer(0), 1)
+        values |= zip(rates, upright.body_rates(dots), strict=False)
+        found = found.xreplace(values)
+        return found.subs({psi: 0}) if t.psi is None else found
+
+
+def _roots(d: Definition, t: EulerAngles) -> dict[Any, Any]:
+    """x -> f for every coordinate that a relation x^2 = f binds to the angles."""
+    found: dict[Any, Any] = {}
+    for relation in d.relations:
+        for x in {*d.coordinates} & relation.free_symbols - {*t.symbols}:
+            half = relation.diff(x, x) / 2
+            rest = se.expand(-(relation - half * x**2) / half) if half != 0 else x
+            if x not in rest.free_symbols and rest.free_symbols & {*t.symbols}:
+                found[x] = rest
+    return found
+
+
+def _of_angular_velocities(rows: list[list[Any]], t: EulerAngles, d: Definition) -> list[list[Any]]:
+    """Rows (k, n + 1) in which those that hold rates of the angles are solved for these, and give
+    the angular velocities instead; as they are where they cannot be solved."""
+    columns = [d.coordinates.index(x) for x in t.symbols]
+    held = [i for i, row in enumerate(rows) if any(row[j] != 0 for j in columns)]
+    square = se.DenseMatrix([[rows[i][j] for j in columns] for i in held])
+    if len(held) != len(columns) or se.expand(square.det()) == 0:
+        return rows
+    rates = t.body_rates(dict(zip(d.coordinates, d.dots, strict=True)))
+    turn = se.DenseMatrix([[w.diff(d.dots[j]) for j in columns] for w in rates])
+    solved = turn * square.inv() * se.DenseMatrix([rows[i] for i in held])
+    kept = [row for i, row in enumerate(rows) if i not in held]
+    width = len(rows[0])
+    return kept + [[solved[i, j] for j in range(width)] for i in range(len(held))]
 
 
 def _affine(row: Sequence[Any], offset: Any, dots: Sequence[Any]) -> Any:

@@ -195,11 +195,11 @@ def polar_directions(equations: VoronecEquations, state: np.ndarray) -> np.ndarr
     """
     d, found = equations.definition, []
     for angles in euler_angles(equations):
-        first, middle, last = (d.coordinates.index(x) for x in angles.symbols)
-        polar = float(state[middle]) + float(angles.shift)
+        polar = float(state[d.coordinates.index(angles.theta)]) + float(angles.shift)
         if abs(np.sin(polar)) < POLE:
             direction = np.zeros(len(d.dots))
-            direction[first], direction[last] = 1.0, -angles.sense * np.cos(polar)
+            for x, rate in angles.blind.items():
+                direction[d.coordinates.index(x)] = rate.subs({angles.theta: polar - angles.shift})
             found.append(direction / np.linalg.norm(direction))
     return np.array(found).reshape(-1, len(d.dots)).T
 

@@ -1,0 +1,166 @@
+"""Contacts at the poles of the coordinates of a surface, against vectors, which have none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import voronec as vo
+from voronec.equations.attitudes import euler_angles, with_attitude_charts
+from voronec.equations.motions import Motions
+from voronec.proof.relations.charts import check_charts
+
+pytestmark = pytest.mark.slow
+
+SPIN = np.array([0.3, 0.4, 0.5])
+MASS = 1.0
+Rates = Callable[[Any, Any, Any, Any], tuple[Any, Any, Any]]
+
+
+def about(i: int, angle: float) -> np.ndarray:
+    j, k = (i + 1) % 3, (i + 2) % 3
+    turn = np.eye(3)
+    turn[j, j] = turn[k, k] = np.cos(angle)
+    turn[k, j] = np.sin(angle)
+    turn[j, k] = -turn[k, j]
+    return turn
+
+
+def lines(colatitude: float, longitude: float) -> np.ndarray:
+    """[e_u e_v n] of a unit sphere, column by column."""
+    (s, c), (z, x) = [(np.sin(a), np.cos(a)) for a in (colatitude, longitude)]
+    return np.array([[c * x, -z, s * x], [c * z, x, s * z], [-s, 0, c]])
+
+
+def rolled(rates: Rates, inertia: Any, start: tuple[Any, ...], end: float) -> tuple[Any, ...]:
+    """Attitude, normal, arm and angular velocity after a time; (normal', arm') and the arm itself,
+    seen from the body, are given by ``rates``, and G = I omega + m r x (omega x r)."""
+
+    def right(_: float, y: np.ndarray) -> np.ndarray:
+        R, normal, arm, w = y[:9].reshape(3, 3), y[9:12], y[12:15], y[15:]
+        turned, r, moved = rates(R, normal, arm, w)
+        G = inertia @ w + MASS * np.cross(r, np.cross(w, r))
+        change = np.cross(G, w) + MASS * np.cross(moved, np.cross(w, r))
+        change -= MASS * np.cross(moved, np.cross(w, r)) + MASS * np.cross(r, np.cross(w, moved))
+        J = inertia + MASS * (r @ r * np.eye(3) - np.outer(r, r))
+        # the rows of R are fixed directions as the body sees them
+        return np.concatenate([np.cross(R, w).ravel(), turned, moved, np.linalg.solve(J, change)])
+
+    first = np.concatenate([np.ravel(x) for x in start])
+    y = solve_ivp(right, (0, end), first, method="DOP853", rtol=2.3e-14, atol=1e-15).y[:, -1]
+    return y[:9].reshape(3, 3), y[9:12], y[12:15], y[15:]
+
+
+def ellipsoid_on_sphere(_: Any, gamma: np.ndarray, arm: Any, w: np.ndarray) -> tuple[Any, ...]:
+    """gamma and r from the body, with r = -S gamma/h and dr = -H dgamma."""
+    S, R1 = np.diag([1.0, 1.2, 0.8]) ** 2, 2.0
+    h = np.sqrt(gamma @ S @ gamma)
+    H = S / h - np.outer(S @ gamma, S @ gamma) / h**3
+    turned = R1 * np.linalg.solve(R1 * np.eye(3) + H, np.cross(gamma, w))
+    return turned, -S @ gamma / h, -H @ turned
+
+
+def ellipsoid_end(place: tuple[Any, ...], end: float) -> tuple[Any, ...]:
+    (phi, theta, psi), (u, v) = place
+    R = about(2, phi) @ about(0, theta) @ about(2, psi)
+    gamma = lines(u, v)[:, 2]
+    return rolled(
+        ellipsoid_on_sphere, np.diag([0.4, 0.3, 0.5]), (R, gamma, np.zeros(3), SPIN), end
+    )
+
+
+@pytest.fixture(scope="module")
+def ellipsoid() -> vo.VoronecEquations:
+    return vo.derive(vo.load("ellipsoid-on-sphere"))
+
+
+@pytest.mark.parametrize(
+    ("u", "theta", "end"),
+    [(0.0, 1.0, 1.0), (np.pi, 1.0, -1.0), (np.pi, 0.0, 1.0), (1e-9, 1.0, 1.0), (1e-5, 1.0, -1.0)],
+)
+def test_an_ellipsoid_that_touches_at_the_end_of_its_axis(
+    ellipsoid: vo.VoronecEquations, u: float, theta: float, end: float
+) -> None:
+    angles = {"phi": 0.2, "theta": theta, "psi": 0.1}
+    S = np.diag([1.0, 1.2, 0.8]) ** 2
+    normal = lines(u, 0.3)[:, 2]
+    start = {**angles, "u": u, "v": 0.3, "p": np.sqrt(normal @ S @ normal)}
+    start |= {f"omega{i}": x for i, x in enumerate(SPIN, 1)}
+    motion = vo.integrate(ellipsoid, times=[0, end], outputs=(), initial=start)
+    R, gamma, _, spin = ellipsoid_end((tuple(angles.values()), (u, 0.3)), end)
+    last = {x: motion[x][-1] for x in motion.outputs}
+    found = about(2, last["phi"]) @ about(0, last["theta"]) @ about(2, last["psi"])
+    assert np.abs(found - R).max() < 1e-11
+    assert np.abs(lines(last["u"], last["v"])[:, 2] - gamma).max() < 1e-11
+    assert np.abs([last[f"omega{i}"] - x for i, x in enumerate(spin, 1)]).max() < 1e-11
+    assert last["p"] == pytest.approx(np.sqrt(gamma @ S @ gamma), abs=1e-11)
+
+
+TUBE, BIG, AXES = 0.5, 1.0, np.diag([3.0, 3.0, 2.0]) ** 2
+
+
+def torus_on_ellipsoid(R: Any, normal: np.ndarray, arm: np.ndarray, w: Any) -> tuple[Any, ...]:
+    """The ellipsoid's normal N in space and r from the torus: with outer normals n = -R^T N and
+    shape operators K, (K + R^T K1 R) r' = -omega x n."""
+    n = -R.T @ normal
+    h, flat = np.sqrt(normal @ AXES @ normal), np.eye(3) - np.outer(normal, normal)
+    fixed = h * flat @ np.linalg.inv(AXES) @ flat
+    across = np.hypot(n[0], n[1])
+    around = np.array([-n[1], n[0], 0]) / across
+    up = np.cross(around, n)
+    own = np.outer(up, up) / TUBE + across / (BIG + TUBE * across) * np.outer(around, around)
+    both = own + R.T @ fixed @ R + np.outer(n, n)
+    moved = np.linalg.solve(both, -np.cross(w, n))
+    return fixed @ R @ moved, arm, moved
+
+
+def torus_frames(u: float, v: float, u1: float, v1: float, theta: float) -> tuple[Any, ...]:
+    """B, and the attitude B1 Q B^T."""
+    s, c = np.sin(theta), np.cos(theta)
+    Q = np.array([[-s, c, 0], [c, s, 0], [0, 0, -1]])
+    return lines(u, v), lines(u1, v1) @ Q @ lines(u, v).T
+
+
+@pytest.fixture(scope="module")
+def torus() -> vo.VoronecEquations:
+    return vo.derive(vo.load("torus-on-ellipsoid"))
+
+
+@pytest.mark.parametrize(
+    ("u1", "chi", "end"), [(0.0, 1.0, 1.0), (np.pi, 1.0, -1.0), (np.pi, 0.0, 1.0), (1e-5, 1.0, 1.0)]
+)
+def test_a_torus_on_the_end_of_the_axis_of_an_ellipsoid(
+    torus: vo.VoronecEquations, u1: float, chi: float, end: float
+) -> None:
+    place = {"u": 1.0, "v": 0.2, "u1": u1, "v1": 0.3, "theta": 0.7}
+    normal = lines(u1, 0.3)[:, 2]
+    start = {**place, "chi": chi, "w": np.sqrt(normal @ AXES @ normal) / 3}
+    start |= dict(zip("s tau n".split(), SPIN, strict=True))
+    motion = vo.integrate(torus, times=[0, end], outputs=(), initial=start)
+    B, attitude = torus_frames(*place.values())
+    arm = B @ [TUBE * 0, 0, TUBE] + BIG * np.array([np.cos(0.2), np.sin(0.2), 0])
+    inertia = np.diag([1.0, 1.0, 1.5])
+    R, N, r, spin = rolled(torus_on_ellipsoid, inertia, (attitude, normal, arm, B @ SPIN), end)
+    last = {x: motion[x][-1] for x in motion.outputs}
+    B, attitude = torus_frames(*(last[x] for x in place))
+    assert np.abs(attitude - R).max() < 1e-11
+    assert np.abs(lines(last["u1"], last["v1"])[:, 2] - N).max() < 1e-11
+    assert np.abs(B @ [last[x] for x in ("s", "tau", "n")] - spin).max() < 1e-11
+    around = np.array([np.cos(last["v"]), np.sin(last["v"]), 0])
+    assert np.abs(TUBE * B[:, 2] + BIG * around - r).max() < 1e-11
+    assert last["w"] == pytest.approx(np.sqrt(N @ AXES @ N) / 3, abs=1e-11)
+
+
+@pytest.mark.parametrize("name", ["ellipsoid", "torus"])
+def test_charts_of_contacts_are_proved(name: str, request: pytest.FixtureRequest) -> None:
+    equations = request.getfixturevalue(name)
+    charted = with_attitude_charts(equations)
+    assert charted is not None and len(charted.system.charts) >= 2
+    for claim in check_charts(Motions(charted)):
+        assert claim.verdict.proved, (claim.name, claim.verdict)
+    directions = [a for a in euler_angles(equations) if a.psi is None]
+    assert len(directions) == (name == "ellipsoid")
