@@ -1,6 +1,6 @@
 """Starts at the singular places of the coordinates of every system, against the referee.
 
-    .venv/bin/python tools/fuzz.py starts [--seed N] [SYSTEM ...]
+    .venv/bin/python tools/fuzz.py starts [--seed N] [--seconds S] [SYSTEM ...]
 
 For each system of the catalogue places are looked for at which its equations divide by zero, its
 coordinates or its declared velocities fail, or a chart it declares begins: each coordinate, and
@@ -22,6 +22,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from random import Random
+from time import process_time
 from typing import Any
 
 import mpmath as mp
@@ -39,6 +40,8 @@ __all__ = ["main"]
 RIGHT_ANGLES = (0.0, math.pi / 2, math.pi)
 ZERO = 1e-11
 """Below it, in units of its usual size, a function vanishes."""
+RELATED = 1e-12
+"""Relations that are off by more do not hold."""
 SINGULAR = 1e10
 """Multiplier equations with a larger condition number are singular."""
 INSTANTS = tuple(0.02 * k for k in range(1, 9))
@@ -107,6 +110,11 @@ class Bench:
         """Coordinates moved onto the relations."""
         return [float(x) for x in self.referee.onto_relations(q, self.values)]
 
+    def _on_relations(self, q: list[float]) -> bool:
+        """Whether coordinates are on the relations: from some places no way leads there."""
+        values, _ = self.referee._relations(q, self.values)
+        return max(map(abs, values), default=0.0) < RELATED
+
     # -- places -------------------------------------------------------------------------------
 
     def places(self) -> Iterator[tuple[str, list[float]]]:
@@ -116,6 +124,8 @@ class Bench:
             try:
                 moved = self.related(q)
             except (ZeroDivisionError, ValueError):
+                continue
+            if not self._on_relations(moved):
                 continue
             near = any(max(map(abs, np.subtract(moved, old)), default=1) < 1e-7 for old in seen)
             if near or not (why := self.why_singular(moved)):
@@ -207,6 +217,10 @@ class Bench:
         matrix, offsets = (np.array(x, dtype=float) for x in found)
         rows = len(self.referee._rows)
         guess = np.array([self.dice.uniform(-1, 1) for _ in m.w])
+        # beside a pole rows are large: of each its direction counts
+        sizes = np.abs(matrix[:rows]).max(axis=1, initial=1e-300)
+        matrix[:rows] /= sizes[:, None]
+        offsets[:rows] /= sizes
         inverse = np.linalg.pinv(matrix[:rows], 1e-9)
         w = guess - inverse @ (matrix[:rows] @ guess + offsets[:rows])
         frame = self.system.frame
@@ -346,17 +360,21 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--places", type=int, default=24, help="of one system at most")
+    parser.add_argument("--seconds", type=float, default=math.inf, help="of work for one system")
     parser.add_argument("systems", nargs="*")
     given = parser.parse_intermixed_args()
     total = Counter[str]()
     for name in given.systems or catalogue_names():
-        tally = Counter[str]()
+        tally, until = Counter[str](), process_time() + given.seconds
         try:
             bench = Bench.of(name, given.seed)
         except Unsupported as reason:
             print(f"{name}: not judged: {reason}", flush=True)
             continue
         for where, q in itertools.islice(bench.places(), given.places):
+            if process_time() > until:
+                tally["not looked at, and perhaps more"] += 1
+                break
             outcome = _place(bench, where, q)
             tally[outcome] += 1
         total += tally

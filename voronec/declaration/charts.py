@@ -45,7 +45,8 @@ class Chart:
         whose factors are positive elsewhere, in the range of the coordinates: sin(u) sin(u1).
     changes
         what the system declares differently in the chart, by name: ``lagrangian``,
-        ``constraints``, ``forces``, ``frame``, ``relations``.  Nothing, for a symmetry of the system.
+        ``constraints``, ``forces``, ``frame``, ``relations``.  Nothing, for a symmetry of the
+        system.
     back
         the inverse of ``state``, each variable of the system as a function of those of the chart;
         by default ``state`` itself, a map that is its own inverse.

@@ -10,6 +10,10 @@ and what is regular as a function of the attitude is a polynomial in the entries
 the middle.  So everything that a system declares is rewritten in these, and from these in angles
 phi', c', psi' of the attitude with its polar axis laid down: R = Q R', Q the quarter turn about x.
 That the rewriting succeeds is the proof that the system is regular at the poles.
+
+A contact that is carried along has such angles too, longitude and colatitude of the normal and the
+angle between the lines, in the constraints alone; and two coordinates may tell a direction, the
+third column, where the third angle has no effect.
 """
 
 from __future__ import annotations
@@ -413,8 +417,7 @@ class _TurnedSystem:
             return expr
 
     def _of_one(self, expr: Any, t: EulerAngles, roots: Mapping[Any, Any] | None = None) -> Any:
-        """A function in the other angles of one attitude; what ``roots`` says of coordinates is used
-        for powers of them."""
+        """A function in the angles of one attitude laid down; ``roots`` says what squares are."""
         d = self.d
         psi = t.last
         dots = {psi: se.Symbol("its rate"), **dict(zip(d.coordinates, d.dots, strict=True))}

@@ -352,17 +352,22 @@ class ConservedQuantities:
             allowed = per_unit * (_scale(np.abs(values[size])) if size else 1.0)
             if not (change > allowed).any():
                 continue
-            allowed = np.maximum(allowed, per_unit * _scale(self._slopes(key, t, states)))
+            slopes, rough = self._around(key, t, states)
+            allowed = np.maximum(allowed, per_unit * _scale(slopes))
+            # where a quotient is rounding over rounding, a quantity is not what it is beside it
+            sure = rough <= allowed
+            change = np.where(sure, np.abs(values[key] - values[key][np.argmax(sure)]), 0.0)
             bad = np.flatnonzero(change > allowed)
             if len(bad):
                 found[name] = int(bad[0]), float(change[bad[0]]), float(allowed[bad[0]])
         return found
 
-    def _slopes(self, key: str, t: np.ndarray, states: np.ndarray) -> np.ndarray:
+    def _around(self, key: str, t: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """By how much a quantity changes, to first order, with each variable by its size, at least
-        one unit, or by that of the largest: what tolerances are relative to."""
+        one unit, or by that of the largest: what tolerances are relative to; and by how much it is
+        off the mean of its values on both sides, which says whether it has one."""
         largest = np.maximum(1.0, np.abs(states).max(axis=1, initial=0.0))
-        total = np.zeros(len(t))
+        here, total, rough = self.extras(t, states)[key], np.zeros(len(t)), np.zeros(len(t))
         for j in range(states.shape[1]):
             step = SLOPE * np.maximum(np.abs(states[:, j]), 1e-3)
             ends = []
@@ -372,7 +377,8 @@ class ConservedQuantities:
                 ends.append(self.extras(t, moved)[key])
             with np.errstate(all="ignore"):
                 total += np.abs(ends[0] - ends[1]) / (2 * step)
-        return total * largest
+                rough = np.fmax(rough, np.abs(here - (ends[0] + ends[1]) / 2))
+        return total * largest, rough
 
 
 def _scale(sizes: np.ndarray) -> np.ndarray:
