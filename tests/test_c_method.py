@@ -28,7 +28,7 @@ PENDULUM = vo.System(
     forces={x: tau}, inputs=(tau,),
 )  # fmt: skip
 TIMES = np.linspace(0, 30, 301)
-EVENTS = (vo.Event(x, "middle"), vo.Event(DX - 1, "fast", 1))
+EVENTS = (vo.Event(x, "middle"), vo.Event(DX - 1, "fast", 1), vo.Event(x - 1, "far"))
 
 
 @pytest.fixture(autouse=True)
@@ -45,7 +45,7 @@ def moved(method: str, inputs: Any = 0, **options: Any) -> vo.Trajectory:
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("events", [(), EVENTS], ids=["plain", "events"])
+@pytest.mark.parametrize("events", [(), EVENTS, EVENTS[2:]], ids=["plain", "events", "one"])
 def test_steps_are_those_of_scipy_and_states_too(events: Any) -> None:
     here, there = (moved(m, dense=True, events=events) for m in ("c", "scipy"))
     assert here.cost.method == "c" and here.cost.steps == there.cost.steps > 50

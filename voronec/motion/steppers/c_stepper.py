@@ -49,7 +49,7 @@ HEAD = """#include <math.h>
 typedef long long integer;
 static double smaller(double a, double b) {{ return b < a ? b : a; }}
 static double larger(double a, double b) {{ return b > a ? b : a; }}
-void extras(double t, const double *state, const double *parameters, double *result);
+void levels(double t, const double *state, const double *parameters, double *result);
 """
 
 
@@ -89,7 +89,7 @@ def _sources(texts: Sequence[str], program: Program, levels: Program | None) -> 
     body = _in_c(stepping_source(n, m), max(n, m))
     found = {"drive.c": right + HEAD.format(n=n) + body}
     if levels is not None:  # its own rates are not wanted
-        found["levels.c"] = "#define rhs rates_of_levels\n" + texts[1]
+        found["levels.c"] = "#define rhs rates_of_levels\n#define extras levels\n" + texts[1]
     return found
 
 
@@ -205,7 +205,8 @@ class _Function:
         """The program at a state, whose entries are arguments of their own."""
         time, *place, parameters = (self.value(a) for a in call.args)
         rows = [f"const double here[] = {{{', '.join(place)}}};"]
-        rows.append(f"{call.func.id}({time}, here, {parameters}, answers);")
+        name = "rhs" if call.func.id == "rhs" else "levels"  # the program has extras of its own
+        rows.append(f"{name}({time}, here, {parameters}, answers);")
         rows += [f"{self.value(target)} = answers[{i}];" for i, (target, _) in enumerate(pairs)]
         return ["{", *rows, "}"]
 
