@@ -85,7 +85,7 @@ class EulerAngles:
         return self.phi, self.theta + self.shift, self.sense * self.last
 
     @property
-    def turned(self) -> tuple[Any, Any, Any]:
+    def horizontal(self) -> tuple[Any, Any, Any]:
         """The three of Rz Rx Rz where the polar axis is laid down."""
         return self.phi, self.theta, self.last
 
@@ -332,7 +332,7 @@ class _TurnedSystem:
         for t in self.chosen:
             # of a direction there is no third
             there |= zip(t.symbols, _angles_of(_lay_down(_matrix(t.upright))), strict=False)
-            phi, theta, psi = _angles_of(_stand_up(_matrix(t.turned)))
+            phi, theta, psi = _angles_of(_stand_up(_matrix(t.horizontal)))
             back |= zip(t.symbols, (phi, theta - t.shift, t.sense * psi), strict=False)
             other_side = [t.phi + se.pi, -t.theta - 2 * t.shift]
             other_side += [] if t.psi is None else [t.psi - se.pi]
@@ -433,7 +433,7 @@ class _TurnedSystem:
             dots[psi]: t.sense * spin,
         })  # fmt: skip
         found = Rotations(t.phi, t.theta, psi, entries, roots or {}).rewrite(own)
-        matrix = _stand_up(_matrix(t.turned))
+        matrix = _stand_up(_matrix(t.horizontal))
         values = {entries[i][j]: matrix[i][j] for i in range(3) for j in range(3)}
         # the body's rates do not know which way is up
         upright = EulerAngles(t.phi, t.theta, t.psi, se.Integer(0), 1)
