@@ -123,7 +123,7 @@ def test_auto_takes_scipy_where_heyoka_is_missing(monkeypatch: pytest.MonkeyPatc
     for name in ("heyoka", "numba"):
         monkeypatch.setitem(sys.modules, name, None)
     monkeypatch.setenv("PATH", "")  # and no C compiler
-    traj = vo.integrate(SLEIGH, tol=1e-15)
+    traj = vo.integrate(SLEIGH, tol=1e-15)  # too fine a tolerance for Python alone
     assert traj.cost.method == "scipy" and "not installed" in traj.cost.reason
     assert traj.cost.tolerance == stepwise.FINEST
     with pytest.raises(vo.DefinitionError, match="heyoka is not installed"):

@@ -4,17 +4,16 @@ A tolerance finer than doubles asks for ``flint``.  Else heyoka is the fastest o
 compiled, which takes some tenths of a second, and milliseconds where heyoka finds the code on disk.
 Heavy programs take it seconds: what scipy integrates sooner than that, it does, and what takes
 very many steps numba does, or a C compiler: steps cost far less there.  Where heyoka does not
-install, these do what would take scipy longer than to compile, and scipy all the rest.  Short
-motions at the beginning of a process are over sooner in Python than heyoka is loaded.  The rule
-counts operations; it neither measures times nor looks at what is on disk: the same calls in the
-same order always make the same choices.  (A motion that is declared in closed form is evaluated,
-where the span is long: ``voronec.motion.integration``.)
+install, short motions are over sooner in Python than any of these is loaded, numba or the C
+compiler do what would take scipy longer than to compile, and scipy does the rest.  The rule counts
+operations; it neither measures times nor looks at what is on disk or loaded: the same call always
+makes the same choice.  (A motion that is declared in closed form is evaluated, where the span is
+long: ``voronec.motion.integration``.)
 """
 
 from __future__ import annotations
 
-import sys
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -36,7 +35,7 @@ STAGES = 12
 COMPILATION = 20_000_000
 """So many operations take Python a second or two, and numba some seconds to compile for them."""
 LOAD_OPERATIONS = 2_500_000
-"""So many operations take Python less time than to load heyoka."""
+"""So many operations take Python less time than to load scipy or numba."""
 COARSE = 1e-13
 """At finer tolerances than this Taylor's method is more accurate than DOP853."""
 LONG_RUN = 100_000
@@ -85,8 +84,8 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
     if not problem.program.state:
         return "scipy", "nothing moves"
     there = METHODS["heyoka"].is_there
-    if there and _FIRST_MOTIONS.may_take(problem, grid):
-        return "python", "a short run is over before heyoka is loaded"
+    if not there and _is_short(problem, grid):
+        return "python", "heyoka is not installed, and the run is short"
     if there and not (problem.tol >= FINEST and problem.program.weight > HEAVY):
         return "heyoka", "heyoka is installed"
     compiled = "" if problem.brief else compiled_method()
@@ -106,28 +105,15 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
     return "heyoka", "heyoka is installed"
 
 
-@dataclass
-class _FirstMotions:
-    """The operations that a process may still leave to Python before it loads heyoka."""
+def _is_short(problem: Problem, grid: np.ndarray) -> bool:
+    """Whether a run is smooth, and over in Python before another method is loaded."""
+    plain = problem.changing is None and not (problem.brief or problem.walls)
+    plain = plain and all(e.name in problem.coarse for e in problem.events)
+    if problem.tol < COARSE or not plain:
+        return False
+    from voronec.motion.steppers.python_stepper import operations_of_run
 
-    left: float = LOAD_OPERATIONS
-
-    def may_take(self, problem: Problem, grid: np.ndarray) -> bool:
-        """Whether a smooth run takes fewer than are left: then they are counted off."""
-        plain = problem.changing is None and not (problem.brief or problem.walls)
-        plain = plain and all(e.name in problem.coarse for e in problem.events)
-        if "heyoka" in sys.modules or problem.tol < COARSE or not plain:
-            return False
-        from voronec.motion.steppers.python_stepper import operations_of_run
-
-        needed = operations_of_run(problem, grid, self.left)
-        if needed > self.left:
-            return False
-        self.left -= needed
-        return True
-
-
-_FIRST_MOTIONS = _FirstMotions()
+    return operations_of_run(problem, grid, LOAD_OPERATIONS) <= LOAD_OPERATIONS
 
 
 def _is_symbolic(method: str) -> bool:
