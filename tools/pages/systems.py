@@ -57,12 +57,14 @@ def main() -> int:
     for result, finding in report.failures:
         print(failure_line(result, finding))
     results = [_lasting(r) for r in report.results]
+    texts = pages(stock, results)  # before anything old goes: this takes long
     FOLDER.mkdir(exist_ok=True)
     for old in FOLDER.glob("*.md"):
-        old.unlink()
+        if old.name not in texts:
+            old.unlink()
     entries = [r.as_dict() for r in results]
     (FOLDER / RESULTS).write_text(json.dumps(entries, indent=1) + "\n", "utf-8")
-    for name, text in pages(stock, results).items():
+    for name, text in texts.items():
         (FOLDER / name).write_text(text, "utf-8")
     voronec(["graph", "--out", str(FOLDER / "graph.svg")])
     print(f"{len(results)} results in {FOLDER}")
