@@ -1,6 +1,7 @@
 """Arguments of the wrong kind are refused in one line that names them, by every public function."""
 
 import math
+from contextlib import suppress
 from decimal import Decimal
 from fractions import Fraction
 from functools import cache
@@ -15,7 +16,7 @@ import voronec as vo
 from voronec.algebra.arguments import COUNT, REAL, accepts
 from voronec.algebra.text import in_doubles
 from voronec.equations.program.dialect import Dialect, code, text
-from voronec.errors import DefinitionError, EngineLimit, VoronecError
+from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
 
 pytestmark = pytest.mark.slow
 
@@ -277,6 +278,13 @@ def test_a_scene_whose_span_no_double_holds_is_refused(times):
     scene = vo.Scene({x: 1}, times)
     with pytest.raises(DefinitionError, match="a span that no double holds"):
         vo.integrate(system(), scene=scene)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_start_at_the_edge_of_doubles_is_answered_without_a_warning_of_numpy():
+    for size in (1e308, -1e308):
+        with suppress(IntegrationError):  # the square of x is no double
+            vo.integrate(system(), times=[0, 1], initial={x: size})
 
 
 def test_a_parameter_that_is_positive_in_no_way_is_refused():

@@ -111,7 +111,7 @@ class StateProbe:
         Such rates are far larger than the state, and fall when that is moved a little.
         """
         count = len(self.form.coordinates)
-        turning = rates[:count] > INFINITE * np.abs(start).max(initial=0.0)
+        turning = rates[:count] / INFINITE > np.abs(start).max(initial=0.0)
         if not turning.any():
             return False
         beside = self._rhs(self.time, list(start + ASIDE * np.maximum(1.0, np.abs(start))))
