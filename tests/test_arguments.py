@@ -282,9 +282,10 @@ def test_a_scene_whose_span_no_double_holds_is_refused(times):
 
 @pytest.mark.filterwarnings("error")
 def test_a_start_at_the_edge_of_doubles_is_answered_without_a_warning_of_numpy():
+    pulled = system(lagrangian=m * vo.velocity(x) ** 2 / 2, forces={x: -x})
     for size in (1e308, -1e308):
-        with suppress(IntegrationError):  # the square of x is no double
-            vo.integrate(system(), times=[0, 1], initial={x: size})
+        with suppress(IntegrationError):  # no step goes well there
+            vo.integrate(pulled, times=[0, 1], initial={x: size}, method="python")
 
 
 def test_a_parameter_that_is_positive_in_no_way_is_refused():
