@@ -181,6 +181,23 @@ def test_a_ball_that_starts_at_a_pole(
     assert np.abs(np.diff(both)).max() < 0.01
 
 
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+def test_instants_may_follow_a_start_at_a_pole_at_once(
+    ball: vo.VoronecEquations, method: str
+) -> None:
+    start = {"phi": 0.3, "theta": 0, "psi": 0.2}
+    start |= {f"omega{i}": x for i, x in enumerate(SPIN, 1)}
+    times = np.array([0, 1e-300, 1e-11, 1e-8, 1])
+    truth, _ = turning(chaplygin, euler(0.3, 0, 0.2), SPIN, times)
+    for order in (1, -1):
+        motion = vo.integrate(ball, times=order * times, outputs=(), initial=start, method=method)
+        if order == 1:
+            assert np.abs(matrices(motion) - truth).max() < 1e-11
+        ends = vo.integrate(ball, times=[0, order], outputs=(), initial=start, method=method)
+        for angle in ("phi", "theta", "psi"):
+            assert motion[angle][-1] == pytest.approx(ends[angle][-1], abs=1e-11)
+
+
 @pytest.mark.parametrize("theta", [0.0, np.pi])
 def test_a_start_at_a_pole_is_given_by_velocities_of_angles(
     ball: vo.VoronecEquations, theta: float

@@ -132,7 +132,9 @@ class _Journey:
         place = self.atlas.place(name)
         times = np.concatenate([[time], self.grid[self.done :]])
         if name != HOME and self.atlas.distances(times[:1], self.last[None, :])[0] < APART:
-            times = np.insert(times, 1, time + SOON * (self.grid[-1] - self.grid[0]))
+            soon = time + SOON * (self.grid[-1] - self.grid[0])
+            if self.order * soon < self.order * times[1]:  # else the next instant is soon enough
+                times = np.insert(times, 1, soon)
         if self.atlas.progress is not None:
             whole = self.grid[-1] - self.grid[0]
             self.atlas.progress.done = float((time - self.grid[0]) / whole)
