@@ -499,6 +499,18 @@ def test_a_run_goes_back_before_it_leaves_a_split_that_broke_down() -> None:
         assert np.abs(rough[name] - sharp[name].astype(float)).max() < 1e-9, name
 
 
+def test_velocities_that_are_dependent_but_for_rounding_do_not_begin_a_run() -> None:
+    # at a pole of (u1, v1) and on the equator of u omega1 and omega2 tell nothing but rounding
+    start = {
+        "u": 1.5707963267948966, "v": -0.42446622478013507, "u1": 0.0, "v1": 0.1573307524324422,
+        "theta": -0.2411605689276512, "udot": 0.06786466656996698, "vdot": 0.27593193823758955,
+        "u1dot": -0.5683099418739945, "v1dot": -0.14191765821922753,
+        "thetadot": 0.14191765821922708,
+    }  # fmt: skip
+    with pytest.raises(vo.IntegrationError, match="no velocities determine the motion"):
+        vo.integrate(vo.load("rubber-ball-eps-minus-one"), times=[0, 0.1], initial=start)
+
+
 BLADE_START = {"y": 1.093, "phi": -1.457, "x": 0.519, "ydot": -0.149, "phidot": 1.294}
 
 

@@ -38,7 +38,7 @@ __all__ = ["SplitRun"]
 DEPENDENT = "the constraints become dependent"
 LEAST = 1e-6
 """Constraints that are less independent than this, in units of what they usually are, are taken
-for dependent: they lose more digits than they leave."""
+for dependent, and so are velocities at the start: they lose more digits than they leave."""
 GAIN = 4.0
 """A split is left for another only where that is so many times better."""
 EARLY, BETTER = 0.5, 2.0
@@ -142,7 +142,7 @@ class SplitRun:
             return ready
         sizes |= self.make_splits(time, plain, CLEAR)
         best = max(self.splits, key=lambda p: sizes[p], default=None)
-        if best is None or (last is None and not sizes[best] > 0):
+        if best is None or (last is None and not sizes[best] > LEAST):
             raise IntegrationError(
                 f"system '{self.ground.home.system.name}': no velocities determine the motion at "
                 f"the initial point ({self._show_state(plain)}): the constraints are dependent or "
