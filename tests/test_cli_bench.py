@@ -12,7 +12,7 @@ from command_line import Call, refused
 
 import voronec as vo
 from voronec.accuracy.bench import ask
-from voronec.accuracy.bench.call_stages import OTHER, STAGES
+from voronec.accuracy.bench.call_time import OTHER, STAGES
 from voronec.accuracy.bench.contender import NotHere
 from voronec.accuracy.bench.runs import CONTENDERS
 

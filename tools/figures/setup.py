@@ -18,8 +18,8 @@ SETUP = """
 import json
 from time import process_time
 import voronec as vo
-from voronec.accuracy.bench.setup_time import _import_everything
-_import_everything()
+from voronec.accuracy.bench.call_time import import_everything
+import_everything()
 ball = vo.load("chaplygin-ball")
 times = []
 for _ in range(5):

@@ -5,11 +5,10 @@ a ``Bench`` of all methods.  Peers are optional: what is not installed is named,
 """
 
 from voronec.accuracy.bench.agreement import BenchReference, difference, reference
-from voronec.accuracy.bench.call_stages import CallStages, measure_calls
+from voronec.accuracy.bench.call_time import CallStages, SetupTime, measure_calls, measure_setup
 from voronec.accuracy.bench.question import BenchMotion, ask
 from voronec.accuracy.bench.record import At, Bench, Measured, Point, at_error, observed_order
 from voronec.accuracy.bench.runs import CONTENDERS, measure
-from voronec.accuracy.bench.setup_time import SetupTime, measure_setup
 
 __all__ = [
     "CONTENDERS",

@@ -275,8 +275,6 @@ def _levels(question: BenchMotion) -> list[BenchLevel]:
 
 
 def _heyoka_route(at: BenchLevel, question: BenchMotion, digits: int) -> Route | None:
-    from voronec.accuracy.bench.agreement import precise_outputs, why_not
-
     if why_not(at) is not None:
         return None
     name = f"heyoka's Taylor method with {digits} digits, on the {at.name}"

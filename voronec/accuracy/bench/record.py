@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from voronec.accuracy.bench.agreement import BenchReference
+from voronec.accuracy.bench.call_time import SetupTime
 from voronec.accuracy.bench.question import BenchMotion
-from voronec.accuracy.bench.setup_time import SetupTime
 
 __all__ = ["AT", "At", "Bench", "Measured", "Point", "at_error", "observed_order"]
 

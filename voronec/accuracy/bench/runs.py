@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 
 from voronec.accuracy.bench.agreement import ACCURACY, BenchReference, difference, reference
+from voronec.accuracy.bench.call_time import SetupTime
 from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, time_fastest
 from voronec.accuracy.bench.peers import PEERS
 from voronec.accuracy.bench.question import BenchMotion
 from voronec.accuracy.bench.record import Bench, Measured, Point
-from voronec.accuracy.bench.setup_time import SetupTime
 from voronec.algebra.symbols import plain_name
 from voronec.errors import DefinitionError, EngineLimit, VoronecError, did_you_mean
 from voronec.motion import Trajectory, integrate

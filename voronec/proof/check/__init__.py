@@ -1,7 +1,6 @@
 """Everything that systems declare, checked: claims, relations, squares, and what is broken."""
 
-from voronec.proof.check.contents import Trouble
-from voronec.proof.check.inventory import Inventory, graph
+from voronec.proof.check.inventory import Inventory, Trouble, graph
 from voronec.proof.check.record import Finding, Report, Result, failure_line
 from voronec.proof.check.run import check_catalogue, check_relation, known_results, user_store
 

@@ -15,8 +15,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from voronec.errors import DefinitionError, quote
-from voronec.proof.check.contents import Trouble
-from voronec.proof.check.inventory import Inventory
+from voronec.proof.check.inventory import Inventory, Trouble
 from voronec.proof.check.record import Finding, Report, Result, mark_as_known
 from voronec.proof.check.unit import Unit, units_of
 from voronec.proof.verdict_store import Store

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from voronec.declaration.catalogue import Entry
-from voronec.proof.check.contents import Edge, Face
-from voronec.proof.check.inventory import Inventory
+from voronec.proof.check.inventory import Edge, Face, Inventory
 from voronec.proof.verdict_store import closure, digest
 
 __all__ = ["Unit", "units_of"]

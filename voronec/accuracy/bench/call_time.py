@@ -1,0 +1,259 @@
+"""The time of a call of ``integrate`` beside its steps, measured in fresh processes.
+
+*Set-up*, cold and warm: deriving and compiling, imports excluded.  Cold, heyoka's disk cache is
+pointed to an empty folder by its own ``llvm_state`` functions; warm, a second process finds what
+the first left there.
+
+*Stages* of a whole call: a clock of the processor interrupts it every half a millisecond; what
+went by since the last time belongs to the stage of the innermost function that has one.  Nothing
+is slowed down by it.
+"""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import tempfile
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from time import perf_counter, process_time
+from types import FrameType, MappingProxyType
+from typing import Any
+
+from voronec.errors import DefinitionError
+
+__all__ = [
+    "STAGES",
+    "CallStages",
+    "SetupTime",
+    "import_everything",
+    "measure_calls",
+    "measure_setup",
+]
+
+STAGES = {
+    "import": ("<frozen importlib",),
+    "compilation": ("/heyoka/",),
+    "code": ("/voronec/equations/program/",),
+    "choice of the model": ("/voronec/motion/model/", "/voronec/motion/numeric_model"),
+    "derivation": ("/voronec/equations/",),
+    "checks": (
+        "/voronec/motion/soundness", "/voronec/motion/state_probe",
+        "/voronec/motion/split_models", "/voronec/motion/divisors",
+        "/voronec/motion/singular_coordinates",
+    ),
+    "run": ("/voronec/motion/steppers/", "/voronec/motion/chart_stepper", "/scipy/"),
+    "reading": ("/voronec/declaration/", "/voronec/motion/"),
+}  # fmt: skip
+"""Which files belong to which stage; the first that fits counts."""
+OTHER = "other"
+TICK = 5e-4
+"""Seconds of the processor between two looks."""
+AGAIN = 50
+"""So often a call is made again: one takes a few looks only."""
+PATIENCE = 300
+"""Seconds after which a process is given up."""
+Values = Mapping[str, Mapping[str, str]]
+"""``parameters``, ``initial`` and ``inputs`` of ``integrate``, as text."""
+
+
+@dataclass(frozen=True)
+class SetupTime:
+    """Seconds from a system to an integrator ready to run: of CPU, and by the clock.
+
+    ``load`` is what running the system's own file takes, which is not part of these.
+    """
+
+    cold: float
+    warm: float
+    cold_clock: float
+    warm_clock: float
+    load: float
+    method: str
+
+
+@dataclass(frozen=True)
+class CallStages:
+    """Seconds of the processor by stage: of the first call ever, of the first call in a process
+    where the disk knows the compiled code, imports included in both, and of a second call."""
+
+    unknown: Mapping[str, float]
+    known: Mapping[str, float]
+    second: Mapping[str, float]
+
+    def as_dict(self) -> dict[str, Any]:
+        """What JSON can hold of it."""
+        return {
+            "first ever": dict(self.unknown), "first in a process": dict(self.known),
+            "second": dict(self.second),
+        }  # fmt: skip
+
+
+def measure_calls(
+    subject: str,
+    scene: str | None,
+    time: float | None,
+    tolerance: float,
+    values: Values = MappingProxyType({}),
+) -> CallStages:
+    """The stages of calls for a system by name or file.
+
+    Raises ``DefinitionError`` where the system keeps no such clock, as Windows, or a call fails.
+    """
+    if not hasattr(signal, "setitimer"):
+        raise DefinitionError("stages are told apart by a clock of Linux and macOS; run it there")
+    with tempfile.TemporaryDirectory() as cache:
+        span = "" if time is None else repr(time)
+        words = ["stages", subject, scene or "", cache, json.dumps(dict(values))]
+        unknown, known = (_fresh_process([*words, span, repr(tolerance)]) for _ in range(2))
+    return CallStages(unknown["first"], known["first"], known["second"])
+
+
+def measure_setup(
+    subject: str,
+    scene: str | None,
+    outputs: Sequence[str],
+    method: str = "auto",
+    values: Values = MappingProxyType({}),
+) -> SetupTime | None:
+    """Set-up of a system by name or file, in two fresh processes; None where one fails."""
+    with tempfile.TemporaryDirectory() as cache:
+        words = ["set-up", subject, scene or "", cache, json.dumps(dict(values)), method, *outputs]
+        try:
+            cold, warm = _fresh_process(words), _fresh_process(words)
+        except DefinitionError:
+            return None
+    return SetupTime(
+        cold["cpu"], warm["cpu"], cold["clock"], warm["clock"], warm["load"], warm["method"]
+    )
+
+
+def _fresh_process(words: Sequence[str]) -> dict[str, Any]:
+    # by its path: to import it as a part of the package would load what is to be measured
+    start = f"import runpy; runpy.run_path({__file__!r}, run_name='__main__')"
+    command = [sys.executable, "-c", start, *words]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
+    except subprocess.TimeoutExpired:
+        raise DefinitionError(f"{words[1]}: the call took more than {PATIENCE} s") from None
+    lines = (done.stdout if done.returncode == 0 else done.stderr).splitlines()
+    if done.returncode:
+        # the last line of a traceback: the exception's name, and what it says
+        what = lines[-1].partition(": ")[2] if lines else ""
+        raise DefinitionError(what or f"{words[1]}: the call failed without a word")
+    answer: dict[str, Any] = json.loads(lines[-1])
+    return answer
+
+
+class _Looks:
+    """Seconds by stage, while it is entered."""
+
+    def __init__(self) -> None:
+        self.seconds: defaultdict[str, float] = defaultdict(float)
+        self._last = 0.0
+
+    def __enter__(self) -> _Looks:
+        self._last = process_time()
+        signal.signal(signal.SIGPROF, self._look)
+        signal.setitimer(signal.ITIMER_PROF, TICK, TICK)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        self._look(0, None)
+
+    def _look(self, _signal: int, frame: FrameType | None) -> None:
+        now = process_time()
+        self.seconds[_stage(frame)] += now - self._last
+        self._last = now
+
+
+def _stage(frame: FrameType | None) -> str:
+    while frame is not None:
+        path = frame.f_code.co_filename.replace("\\", "/")
+        for name, places in STAGES.items():
+            if any(place in path for place in places):
+                return name
+        frame = frame.f_back
+    return OTHER
+
+
+def import_everything() -> None:
+    """All that an integration imports on its way: a small motion is computed first."""
+    import sympy as sp
+
+    import voronec as vo
+
+    q = sp.Symbol("q")
+    small = vo.System(
+        name="nothing",
+        fibration=vo.Fibration(base=(q,)),
+        lagrangian=vo.velocity(q) ** 2 / 2,
+        scenes={"default": vo.Scene(initial={q: 1})},
+    )
+    vo.integrate(small, times=[0.0, 0.1], method="scipy")
+
+
+def _keep_code_in(cache: str) -> None:
+    try:
+        import heyoka as hy
+
+        hy.llvm_state.set_diskcache_path(cache)
+    except (ImportError, AttributeError):
+        pass
+
+
+def _scene_of(system: Any, name: str) -> str:
+    return name or ("default" if "default" in system.scenes else next(iter(system.scenes)))
+
+
+def _setup(
+    subject: str, scene: str, cache: str, values: str, method: str, *outputs: str
+) -> dict[str, Any]:
+    _keep_code_in(cache)
+    from voronec.declaration.catalogue import load
+    from voronec.motion import integrate
+
+    import_everything()
+    began = perf_counter()
+    system = load(subject)
+    loaded = perf_counter() - began
+    chosen = _scene_of(system, scene)
+    start, end = (float(x) for x in system.scenes[chosen].times)
+    soon = start + (end - start) / 1000
+    began = process_time()
+    cost = integrate(
+        system, chosen, times=[start, soon], outputs=outputs, method=method, **json.loads(values)
+    ).cost
+    # so short a run costs nothing beside the set-up
+    spent = process_time() - began
+    return {"cpu": spent, "clock": cost.setup, "load": loaded, "method": cost.method}
+
+
+def _stages(
+    subject: str, scene: str, cache: str, values: str, span: str, tolerance: str
+) -> dict[str, Any]:
+    with _Looks() as first:
+        first.seconds["import"] = process_time()  # of Python itself
+        _keep_code_in(cache)
+        from voronec.declaration.catalogue import load
+        from voronec.motion import integrate
+
+        system = load(subject)
+        chosen = _scene_of(system, scene)
+        end = float(span) if span else None
+        given = {"times": end, "tol": float(tolerance), **json.loads(values)}
+        integrate(system, chosen, **given)
+    with _Looks() as second:
+        for _ in range(AGAIN):
+            integrate(system, chosen, **given)
+    each = {name: seconds / AGAIN for name, seconds in second.seconds.items()}
+    return {"first": dict(first.seconds), "second": each}
+
+
+if __name__ == "__main__":
+    work = {"set-up": _setup, "stages": _stages}[sys.argv[1]]
+    print(json.dumps(work(*sys.argv[2:])))
