@@ -136,23 +136,11 @@ def minimal(extent: Extent) -> Iterator[Row]:
     small = [(t, _worst(question, run(t).values, exact)) for t in FINE]
     large = [(t, _worst(question, _whole(question, program, every, t), exact)) for t in FINE]
     span = question.span
-    found = repeated({
-        **{("small", t): _driven(few.integrator(t), few.start, span) for t, _ in small},
-        **{("default", t): _driven(every.integrator(t), every.start, span) for t, _ in large},
-        **{
-            ("compact", t): _driven(every.integrator(t, compact=True), every.start, span)
-            for t, _ in large
-        },
-    }, extent)  # fmt: skip
+    found = repeated(_model_runs(few, every, span), extent)
     error = 1e-9
-
-    def seconds(side: str, pairs: list[tuple[float, float]]) -> Spread:
-        found_at = (at_error([(e, best[side, t]) for t, e in pairs], error) for best in found)
-        return Spread(tuple(at.seconds or np.nan for at in found_at))
-
-    full = {mode: seconds(mode, large) for mode in ("default", "compact")}
+    full = {mode: _seconds(found, mode, large, error) for mode in ("default", "compact")}
     mode = min(full, key=lambda m: full[m].median)
-    slow, fast = full[mode], seconds("small", small)
+    slow, fast = full[mode], _seconds(found, "small", small, error)
     ratio = slow.over(fast)
     yield Row(
         f"minimal scene against the full model: Demchenko's ball, u and v wanted, error {error:g}",
@@ -165,6 +153,26 @@ def minimal(extent: Extent) -> Iterator[Row]:
         "alike; in (G, gamma) the same motion takes a fifth fewer steps",
     )
     yield _closed_form_call(question, exact, slow, extent)
+
+
+def _model_runs(
+    few: CompiledMotion, every: CompiledMotion, span: float
+) -> dict[tuple[str, float], Callable[[], None]]:
+    """Runs of the smallest model, and of the full one in both modes of heyoka, by tolerance."""
+    runs = {("small", t): _driven(few.integrator(t), few.start, span) for t in FINE}
+    for mode in ("default", "compact"):
+        for t in FINE:
+            integrator = every.integrator(t, compact=mode == "compact")
+            runs[mode, t] = _driven(integrator, every.start, span)
+    return runs
+
+
+def _seconds(
+    found: list[dict[Any, float]], side: str, pairs: list[tuple[float, float]], error: float
+) -> Spread:
+    """What a side costs at an error; ``pairs`` are its tolerances and what their errors are."""
+    found_at = (at_error([(e, best[side, t]) for t, e in pairs], error) for best in found)
+    return Spread(tuple(at.seconds or np.nan for at in found_at))
 
 
 def _closed_form_call(

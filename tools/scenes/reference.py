@@ -97,15 +97,7 @@ def mechanics_of(system: Any, inputs: Mapping[Any, sp.Expr] | None = None) -> Me
     names: dict[Any, sp.Expr] = dict(given)
     names |= dict(zip(parameters, p, strict=True))
     names |= dict(zip(coordinates, q, strict=True)) | dict(zip(ambient, w, strict=True))
-    if group:
-        rates = tuple(sp.sympify(frame.rates[x]).xreplace(names) for x in coordinates)
-        names |= {_rate_of(x): r for x, r in zip(coordinates, rates, strict=True)}
-        independent = tuple(names[v] for v in frame.velocities)
-    else:
-        rates = w
-        own = [sp.sympify(e).xreplace(names) for e in (frame.expressions if frame else ())]
-        names |= dict(zip(frame.velocities if frame else (), own, strict=True))
-        independent = tuple(own) if frame else tuple(w[: len(system.velocities)])
+    rates, independent = _named_velocities(system, w, names)
     directions = ambient if group else coordinates
 
     def read(expr: Any) -> sp.Expr:
@@ -127,6 +119,20 @@ def mechanics_of(system: Any, inputs: Mapping[Any, sp.Expr] | None = None) -> Me
         relations=tuple(map(read, system.fibration.relations)),
         independent=independent, names=names,
     )  # fmt: skip
+
+
+def _named_velocities(system: Any, w: Any, names: dict[Any, sp.Expr]) -> tuple[Any, Any]:
+    """The rates of the coordinates and the independent velocities; what names them is added."""
+    frame = system.frame
+    if frame is None:
+        return w, tuple(w[: len(system.velocities)])
+    if frame.is_group:
+        rates = tuple(sp.sympify(frame.rates[x]).xreplace(names) for x in system.coordinates)
+        names |= {_rate_of(x): r for x, r in zip(system.coordinates, rates, strict=True)}
+        return rates, tuple(names[v] for v in frame.velocities)
+    own = tuple(sp.sympify(e).xreplace(names) for e in frame.expressions)
+    names |= dict(zip(frame.velocities, own, strict=True))
+    return w, own
 
 
 def _rate_of(x: sp.Expr) -> sp.Expr:

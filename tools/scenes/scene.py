@@ -381,28 +381,11 @@ def _truth(bench: _Bench, scene: Scene) -> Truth:
         start = referee.start(q, v, p, scene.times[0])
     except (ZeroDivisionError, ValueError, TypeError) as error:
         raise _NoTruth(f"no start: {error}") from None
-    tried = ("quad",) if singular else ("long double", "quad")
     names = list(scene.outputs or _everything(bench))
     if singular:
         names = [n for n in names if n in m.velocities or n in bench.system.invariants]
     reader = referee.reader([referee.mechanics.meaning(bench.system, n) for n in names])
-    for precision in tried:
-        tolerances = (3e-17, 1e-15) if precision == "long double" else (1e-22, 1e-19)
-        budget = 400_000 if precision == "long double" else 60_000
-        fine, coarse = (
-            referee.motion(start, p, scene.times[0], times, tol, precision, budget)
-            for tol in tolerances
-        )
-        if fine.outcome != "done" or coarse.outcome != "done":
-            raise _NoTruth(f"{fine.outcome} at t = {fine.reached:.6g}")
-        values = _values(reader, fine, times, p)
-        unsure = np.abs(_doubles(values) - _doubles(_values(reader, coarse, times, p)))
-        grown = _grown(bench, scene, (q, v, p), times, precision, reader, fine.states, values)
-        bounds = np.maximum(_bounds(scene, values, grown), 1e-7 if singular else 0.0)
-        if (unsure < bounds / 10).all():
-            break
-    else:
-        raise _NoTruth(f"the truth is known to {unsure.max():.1e} only")
+    fine, values, bounds = _two_runs(bench, scene, (q, v, p), start, times, reader, singular)
     conditions = [referee.condition(s, p, t) for s, t in zip(fine.states, times, strict=True)]
     conditions.append(referee.condition(start, p, scene.times[0]))
     return Truth(
@@ -413,6 +396,31 @@ def _truth(bench: _Bench, scene: Scene) -> Truth:
         fine.pivot,
         note,
     )
+
+
+def _two_runs(
+    bench: _Bench, scene: Scene, at: Any, start: Any, times: list[float], reader: Any,
+    singular: bool,
+) -> tuple[Motion, list[list[Any]], np.ndarray]:  # fmt: skip
+    """The finer run of two that agree far within what an answer may be off, its outputs, and how
+    far that is."""
+    p = at[2]
+    for precision in ("quad",) if singular else ("long double", "quad"):
+        tolerances = (3e-17, 1e-15) if precision == "long double" else (1e-22, 1e-19)
+        budget = 400_000 if precision == "long double" else 60_000
+        fine, coarse = (
+            bench.referee.motion(start, p, scene.times[0], times, tol, precision, budget)
+            for tol in tolerances
+        )
+        if fine.outcome != "done" or coarse.outcome != "done":
+            raise _NoTruth(f"{fine.outcome} at t = {fine.reached:.6g}")
+        values = _values(reader, fine, times, p)
+        unsure = np.abs(_doubles(values) - _doubles(_values(reader, coarse, times, p)))
+        grown = _grown(bench, scene, at, times, precision, reader, fine.states, values)
+        bounds = np.maximum(_bounds(scene, values, grown), 1e-7 if singular else 0.0)
+        if (unsure < bounds / 10).all():
+            return fine, values, bounds
+    raise _NoTruth(f"the truth is known to {unsure.max():.1e} only")
 
 
 def _grown(

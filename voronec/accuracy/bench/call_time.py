@@ -255,5 +255,5 @@ def _stages(
 
 
 if __name__ == "__main__":
-    work = {"set-up": _setup, "stages": _stages}[sys.argv[1]]
-    print(json.dumps(work(*sys.argv[2:])))
+    kind, *words = sys.argv[1:]
+    print(json.dumps(_setup(*words) if kind == "set-up" else _stages(*words)))
