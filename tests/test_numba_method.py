@@ -196,12 +196,12 @@ def test_many_motions_and_sections_go_by_it_as_by_scipy():
 
 @pytest.mark.slow
 def test_ensembles_take_it_where_heyoka_is_missing_and_motions_are_many(monkeypatch):
-    import voronec.motion.one_by_one as single
+    from voronec.motion import batches
 
     monkeypatch.setitem(sys.modules, "heyoka", None)
     given = {"times": TIMES, "tol": 1e-11, "inputs": {tau: 0}}
     assert vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, **given).cost.method == "scipy"
-    monkeypatch.setattr(single, "COMPILATION", 1000)
+    monkeypatch.setattr(batches, "COMPILATION", 1000)
     assert vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, **given).cost.method == "numba"
     monkeypatch.setitem(sys.modules, "numba", None)
     monkeypatch.setenv("PATH", "")  # and no C compiler

@@ -7,6 +7,7 @@ lane; it is compiled once, and its lanes are loaded again and again.
 from __future__ import annotations
 
 import copy
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,27 +16,23 @@ import numpy as np
 from voronec.equations.program import HoistedProgram, Program, hoist, taylor_system
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion.methods import METHODS, compiled_method, method_names
-from voronec.motion.one_by_one import (
-    Look,
-    StepSizes,
-    StopRequest,
-    break_error,
-    compile_method,
-    is_lasting,
-)
+from voronec.motion.steppers.choice import COMPILATION, STAGES
 from voronec.motion.steppers.heyoka_stepper import LONG, heyoka
-from voronec.motion.steppers.run import COLLAPSE, INFINITE
-from voronec.motion.steppers.series_reach import openings, overlong_lanes
+from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
+from voronec.motion.steppers.scipy_stepper import estimated_steps
+from voronec.motion.steppers.series_reach import STRIDE, openings, overlong_lanes
 from voronec.motion.steppers.step_loop import Headway
 from voronec.motion.steppers.units import units_of_many
 
 __all__ = [
+    "COLLAPSE_RATIO",
     "SINGULAR",
     "SINGULAR_PLACE",
     "Lanes",
     "StepSizes",
     "StopRequest",
     "along",
+    "break_error",
     "choose_lanes",
     "require_method",
 ]
@@ -49,6 +46,49 @@ SINGULAR = 1e-6
 PIECE = 64
 """Points of the grid in the first piece; later ones follow the steps it took."""
 SINGULAR_PLACE = "the motion passes a place where its equations are singular, or nearly,"
+COLLAPSE_RATIO = 1e-3
+"""Steps are about as long as the way to the next singularity of a motion in complex time, so that
+this share of the longest one tells how near it passed, and how many digits were lost."""
+
+
+Look = Callable[[], bool]
+"""Whether somebody asked to stop."""
+
+
+class StopRequest(Exception):
+    """Somebody asked to stop; what a batch had begun is not finished."""
+
+
+@dataclass(frozen=True, eq=False)
+class StepSizes:
+    """The shortest and the longest step of each of some motions, and which of these took one that
+    was made too long by coefficients that vanish; ``stride`` is how long one is looked at."""
+
+    shortest: np.ndarray
+    longest: np.ndarray
+    overlong: np.ndarray
+    stride: np.ndarray
+
+    @classmethod
+    def of(cls, count: int) -> StepSizes:
+        """No steps yet."""
+        none = np.zeros(count, dtype=bool)
+        return cls(np.full(count, np.inf), np.zeros(count), none, np.full(count, STRIDE))
+
+    def begin(self, which: Any) -> None:
+        """Forget the steps of some motions: others take their places."""
+        self.shortest[which], self.longest[which] = np.inf, 0.0
+        self.overlong[which], self.stride[which] = False, STRIDE
+
+    def note(self, which: int, shortest: float, longest: float) -> None:
+        """Further steps of one motion."""
+        self.shortest[which] = min(self.shortest[which], shortest)
+        self.longest[which] = max(self.longest[which], longest)
+
+    def has_collapsed(self, which: int, share: float = COLLAPSE_RATIO) -> bool:
+        """Whether the steps of a motion became so short that it must have passed a place where its
+        equations are singular, or nearly: a pole of coordinates, a zero of a divisor."""
+        return bool(self.shortest[which] < share * self.longest[which])
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,6 +246,11 @@ class _LanesHeadway:
         return {k: break_error(COLLAPSE, ta.time[k], lanes.states[k]) for k in lost}
 
 
+def break_error(reason: str, time: float, state: np.ndarray) -> IntegrationError:
+    """The error of a motion that cannot go on, with the last that was good."""
+    return IntegrationError(f"{reason} after t = {time:.12g}", float(time), state)
+
+
 def _pieces(
     lanes: Lanes, block: np.ndarray, grid: np.ndarray, stopped: Look
 ) -> tuple[dict[int, IntegrationError], int]:
@@ -305,6 +350,29 @@ def require_method(method: str) -> None:
         )
 
 
+def _compile_method(method: str, program: Program) -> str:
+    """The method, after what it needs is compiled; ``DefinitionError`` where nothing compiles."""
+    loop = METHODS[method].loop
+    if loop is not None:
+        try:
+            loop(program)
+        except ImportError:
+            raise DefinitionError(
+                "numba is not installed; 'pip install numba', or use method='scipy'"
+            ) from None
+    return method
+
+
+def _is_lasting(
+    program: Program, tol: float, states: np.ndarray, values: np.ndarray, grid: np.ndarray | None
+) -> bool:
+    """Whether scipy would take longer than it takes to compile; sections are, of no known span."""
+    if grid is None:
+        return True
+    steps = estimated_steps(Problem(program, states[0], values[0].tolist(), tol), grid)
+    return (steps or 0) * len(states) * STAGES * (program.operations + 1) > COMPILATION
+
+
 def choose_lanes(
     method: str,
     program: Program,
@@ -321,7 +389,7 @@ def choose_lanes(
     if not 0 < tol < 1:
         raise DefinitionError(f"tol = {tol} must lie between 0 and 1, such as 1e-13")
     if method == "scipy" or (method != "auto" and METHODS[method].loop is not None):
-        return None, compile_method(method, program), "asked for"
+        return None, _compile_method(method, program), "asked for"
     try:
         lanes = lanes_of(program, tol, states, values)
     except ImportError:
@@ -329,10 +397,10 @@ def choose_lanes(
             raise DefinitionError(
                 "heyoka is not installed; 'pip install heyoka', or use method='scipy'"
             ) from None
-        lasting = is_lasting(program, tol, states, values, grid)
+        lasting = _is_lasting(program, tol, states, values, grid)
         used = (compiled_method() if lasting else "") or "scipy"
         try:
-            return None, compile_method(used, program), "auto: heyoka is not installed"
+            return None, _compile_method(used, program), "auto: heyoka is not installed"
         except EngineLimit as limit:
             return None, "scipy", f"auto: {limit}"
     except EngineLimit as limit:

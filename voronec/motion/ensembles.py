@@ -19,11 +19,11 @@ from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
-from voronec.motion.batches import Lanes, along, choose_lanes, require_method
+from voronec.motion.batches import Lanes, StopRequest, along, choose_lanes, require_method
 from voronec.motion.inputs import Drive, drive
 from voronec.motion.methods import METHODS
 from voronec.motion.motion_pool import Many, at_each, drifts, many
-from voronec.motion.one_by_one import StopRequest, along_one
+from voronec.motion.one_by_one import SwitchedMotions, along_one
 from voronec.motion.request import (  # fmt: skip
     Values,
     Vocabulary,
@@ -34,7 +34,6 @@ from voronec.motion.request import (  # fmt: skip
     scene_of,
     spread_starts,
 )
-from voronec.motion.separate_motions import Apart
 from voronec.motion.soundness import JudgeOfMany
 from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.trajectory import Cost, Trajectory
@@ -172,12 +171,12 @@ def ensemble(
     wanted = dict(quantity(vocabulary, k) for k in keys or (*own.coordinates, *own.velocities))
     try:
         motions = many(equations, chosen_scene, single, columns, wanted, begin)
-        apart, lanes, carrier, reason = _carriers(driven, motions, method, tol, grid)
+        switched, lanes, carrier, reason = _carriers(driven, motions, method, tol, grid)
     except KeyboardInterrupt:
         return _empty_ensemble(own, tuple(wanted), grid, len(single), tol, perf_counter() - began)
     ready = perf_counter()
     finest = tol if lanes else max(tol, FINEST)
-    filled = _ResultRows.empty(motions, tuple(wanted), grid, apart, finest, carrier)
+    filled = _ResultRows.empty(motions, tuple(wanted), grid, switched, finest, carrier)
     alone = _Alone(driven, inputs, single, chosen_scene, keys, method, tol, progress)
     interrupted = driven.changing is None and _run(filled, lanes, tol, jobs, progress)
     if not interrupted:
@@ -198,14 +197,14 @@ def ensemble(
 
 def _carriers(
     driven: Drive, motions: Many, method: str, tol: float, grid: np.ndarray
-) -> tuple[Apart | None, Lanes | None, str, str]:
+) -> tuple[SwitchedMotions | None, Lanes | None, str, str]:
     """What integrates the motions, the method where nothing does that is made already, and why."""
     if driven.changing is not None:
         require_method(method)
         return None, None, "scipy", "an input changes in time, so one by one"
-    apart = Apart.of(motions, method, tol, grid)
-    if apart is not None:
-        return apart, None, apart.method, apart.reason
+    switched = SwitchedMotions.of(motions, method, tol, grid)
+    if switched is not None:
+        return switched, None, switched.method, switched.reason
     if not motions.sound:
         return None, None, "scipy", "each start alone"
     return None, *choose_lanes(method, motions.program, tol, *motions.moving_lanes, grid)
@@ -270,7 +269,7 @@ class _ResultRows:
     first: dict[str, np.ndarray]
     finished: np.ndarray
     judge: JudgeOfMany
-    apart: Apart | None = None
+    switched: SwitchedMotions | None = None
     single: str = "scipy"
     errors: dict[int, VoronecError] = field(default_factory=dict)
     steps: list[int] = field(default_factory=list)
@@ -283,7 +282,7 @@ class _ResultRows:
         motions: Many,
         outputs: tuple[str, ...],
         grid: np.ndarray,
-        apart: Apart | None,
+        switched: SwitchedMotions | None,
         tol: float,
         single: str,
     ) -> _ResultRows:
@@ -298,7 +297,7 @@ class _ResultRows:
             changes={name: nothing(count) for name in integrals},
             first={name: nothing(count) for name in integrals},
             finished=np.zeros(count, dtype=bool),
-            apart=apart,
+            switched=switched,
             single=single,
             judge=JudgeOfMany(
                 motions.vocabulary.equations,
@@ -469,13 +468,13 @@ def _block(
         for i in range(0, len(block), width):
             where = block[i : i + width]
             states, values = motions.states[where], motions.values[where]
-            if filled.apart is not None:
-                rows, error, steps = filled.apart.along(int(where[0]), filled.grid, halt.is_set)
+            if filled.switched is not None:
+                rows, error, steps = filled.switched.along(int(where[0]), filled.grid)
                 rows, failed = rows[None], {} if error is None else {0: error}
             elif lanes is None:
                 rows, error, steps, short = along_one(
                     filled.single, motions.program, states[0], values[0], filled.grid, tol,
-                    halt.is_set, motions.divisor_watch(values[0]),
+                    motions.divisor_watch(values[0]),
                 )  # fmt: skip
                 filled.collapsed.extend(where[:short].tolist())
                 rows, failed = rows[None], {} if error is None else {0: error}
@@ -506,7 +505,7 @@ def _fill_judgements(
     ):
         failed |= {int(at) + i: error for i, error in errors.items()}
     values, each = filled.motions.values[where], steps / len(where)
-    smooth = filled.apart is None  # else the equations have more than one right side
+    smooth = filled.switched is None  # else the equations have more than one right side
     breaches = filled.judge.breaches(filled.grid, rows, values, each) if smooth else {}
     for i, breach in breaches.items():
         time, state = float(filled.grid[breach.row]), rows[i, breach.row].copy()

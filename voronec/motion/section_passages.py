@@ -13,11 +13,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from voronec.equations.program import Program, hoist
 from voronec.errors import IntegrationError, VoronecError
-from voronec.motion.batches import SINGULAR, SINGULAR_PLACE, Lanes
-from voronec.motion.one_by_one import StepSizes, note_step, strides
+from voronec.motion.batches import SINGULAR, SINGULAR_PLACE, Lanes, StepSizes, break_error
+from voronec.motion.methods import METHODS
 from voronec.motion.request import number
-from voronec.motion.steppers.run import COLLAPSE, INFINITE
+from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
+from voronec.motion.steppers.scipy_stepper import dop853_steps
+from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride
 
 if TYPE_CHECKING:
     from voronec.motion.motion_pool import Many
@@ -609,27 +612,26 @@ def _follow(
     begin = motions.states[i]
     try:
         span = (motions.time, end)
-        run = strides(method, motions.program, motions.states[i], values, span, tol)
-        for step in run:
+        for step in _strides(method, motions.program, begin, values, span, tol):
             passages.steps[0] += 1
-            note_step(sizes, step)
-            ends = np.array([step.t_old, step.t]), np.stack([begin, step.y])
+            length = step.end - step.start
+            if step.end != end:  # the last one is cut
+                sizes.note(0, length, length)
+            ends = np.array([step.start, step.end]), np.stack([begin, step.state])
             if sizes.has_collapsed(0, SINGULAR) or (crosses is not None and crosses(*ends)):
-                raise IntegrationError(
-                    f"{SINGULAR_PLACE} after t = {step.t_old:.12g}", step.t_old, begin
-                )
-            begin = step.y.copy()
-            now = float(plane(np.array([step.t]), step.y[None], lane)[0])
+                raise break_error(SINGULAR_PLACE, step.start, begin)
+            begin = step.state
+            now = float(plane(np.array([step.end]), begin[None], lane)[0])
             if after is None:
-                after = motions.time + START_SHARE * (step.t - motions.time)
+                after = motions.time + START_SHARE * (step.end - motions.time)
             # no look where the quantity could not come to zero at twice its latest rate
-            length, rise = step.t - step.t_old, abs(now - last)
+            rise = abs(now - last)
             near = min(abs(last), abs(now)) <= 2 * max(rise, rate * length)
             rate = rise / length
             if near or last * now <= 0:
                 found = zeros(_as_polynomial(step), plane, everything, passages.direction)
                 _keep(passages, found, 0, i, after)
-            passages.note_range(i, step.t, 1, (min(last, now), max(last, now), rate))
+            passages.note_range(i, step.end, 1, (min(last, now), max(last, now), rate))
             last = now
             if passages.over(i):
                 return
@@ -640,13 +642,36 @@ def _follow(
         )
 
 
-def _as_polynomial(method: Any) -> Paths:
+def _strides(
+    method: str, program: Program, state: np.ndarray, values: np.ndarray, span: tuple[float, float],
+    tol: float,
+) -> Iterator[Stride]:  # fmt: skip
+    """The steps of DOP853; ``IntegrationError`` where it cannot go on."""
+    from voronec.motion.steppers.numba_stepper import Loop, scales_of
+
+    loop, grid = METHODS[method].loop, np.array(span)
+    problem = Problem(program, state, values.tolist(), tol, dense=loop is not None)
+    if loop is None:
+        walker = dop853_steps(problem, grid)
+    else:
+        walker = Loop.of(loop(program), problem, grid, scales_of(problem), hoist(program))
+    time, good = span[0], state
+    while time != span[1]:
+        try:
+            with np.errstate(all="ignore"):
+                found = walker.advance()
+        except IntegratorFailure as halted:
+            raise break_error(str(halted), time, good) from None
+        yield from found.strides if isinstance(found, Stretch) else (found,)
+        time, good = found.end, found.state
+
+
+def _as_polynomial(stride: Stride) -> Paths:
     """The step's own interpolant, a polynomial of degree seven, by its values at eight points."""
-    dense = method.dense_output()
-    h = method.t - method.t_old
+    h = stride.end - stride.start
     nodes = np.linspace(0.0, 1.0, 8)
-    values = dense(method.t_old + h * nodes)
-    coefficients = np.linalg.solve(np.vander(nodes, increasing=True), values.T).T
+    values = stride.at(stride.start + h * nodes)
+    coefficients = np.linalg.solve(np.vander(nodes, increasing=True), values).T
     scaled = coefficients / h ** np.arange(8)
-    times = np.array([[method.t_old], [method.t]])
+    times = np.array([[stride.start], [stride.end]])
     return Paths(times, scaled[None, :, :, None])

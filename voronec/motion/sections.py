@@ -32,6 +32,7 @@ from voronec.motion.events import Event
 from voronec.motion.inputs import drive
 from voronec.motion.integration import integrate
 from voronec.motion.motion_pool import Many, at_each, drifts, many
+from voronec.motion.one_by_one import SwitchedMotions
 from voronec.motion.request import (
     Values,
     Vocabulary,
@@ -48,7 +49,6 @@ from voronec.motion.section_passages import (
     pass_lanes,
     pass_one_by_one,
 )
-from voronec.motion.separate_motions import Apart
 from voronec.motion.soundness import JudgeOfMany
 from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.trajectory import Cost, Trajectory
@@ -389,30 +389,30 @@ def _follow(
     """Follow motions to their crossings, and look at them; ``DefinitionError`` where there are
     none."""
     watch = _watch(motions, f"plane {surface}", value)
-    apart = Apart.of(motions, method, tol, np.array([0.0, 1.0]))
-    follow, used, reason, finest = _followers(motions, apart, watch, method, tol)
+    switched = SwitchedMotions.of(motions, method, tol, np.array([0.0, 1.0]))
+    follow, used, reason, finest = _followers(motions, switched, watch, method, tol)
     ready = perf_counter()
-    if apart is None:
+    if switched is None:
         follow(passages)
     else:
-        apart.passages(watch, passages, f"plane {surface}", value)
+        switched.passages(watch, passages, f"plane {surface}", value)
     cost = Cost(
         method=used, reason=reason, tolerance=finest, setup=ready - began,
         run=perf_counter() - ready, steps=passages.steps[0], evaluations=passages.steps[0],
     )  # fmt: skip
     _refuse_nothing(motions, passages, surface, value)
-    if apart is None:  # else the equations have more than one right side
+    if switched is None:  # else the equations have more than one right side
         _cut_unsound(motions, passages, cost)
     return cost
 
 
 def _followers(
-    motions: Many, apart: Apart | None, watch: SectionWatch, method: str, tol: float
+    motions: Many, switched: SwitchedMotions | None, watch: SectionWatch, method: str, tol: float
 ) -> tuple[Callable[[SectionPassages], None], str, str, float]:
     """What follows motions with one right side to their crossings; the method that it takes, why,
     and its tolerance."""
-    if apart is not None:
-        lanes, used, reason = None, apart.method, apart.reason
+    if switched is not None:
+        lanes, used, reason = None, switched.method, switched.reason
     else:
         lanes, used, reason = choose_lanes(method, motions.program, tol, *motions.moving_lanes)
     if lanes is not None:

@@ -11,11 +11,11 @@ import numpy as np
 from voronec.equations.program import compile_program
 from voronec.motion.steppers.dop853_source import FIRST_GROWTH, SHARE, growth
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
-from voronec.motion.steppers.step_loop import IntegratorFailure, Levels, Stride, march
+from voronec.motion.steppers.step_loop import IntegratorFailure, Levels, Stride, Walker, march
 from voronec.motion.steppers.units import natural_units
 from voronec.motion.tolerances import FINEST
 
-__all__ = ["Pace", "dop853", "estimated_steps", "lsoda"]
+__all__ = ["dop853", "dop853_steps", "estimated_steps", "lsoda"]
 
 PATIENCE = 300
 """So many evaluations in turn without a value lead nowhere; scipy would go on for ever."""
@@ -30,6 +30,14 @@ def dop853(problem: Problem) -> Stepper:
     from scipy.integrate import DOP853
 
     return _stepper(replace(problem, tol=SHARE * problem.tol), DOP853)
+
+
+def dop853_steps(problem: Problem, grid: np.ndarray) -> Walker:
+    """The same, step by step."""
+    from scipy.integrate import DOP853
+
+    fine = replace(problem, tol=SHARE * problem.tol)
+    return _Solver(_solver(fine, DOP853, grid), problem.dense)
 
 
 def lsoda(problem: Problem) -> Stepper:
@@ -114,7 +122,7 @@ def level_function(problem: Problem) -> Levels:
 
 
 @dataclass
-class Pace:
+class _Pace:
     """How long the steps of scipy's Runge-Kutta methods are: smoothed by ``growth``.
 
     ``last`` is by how much longer than the last step the next one could be.
@@ -140,7 +148,7 @@ class _Solver:
 
     solver: Any
     dense: bool
-    pace: Pace = field(default_factory=Pace)
+    pace: _Pace = field(default_factory=_Pace)
 
     def advance(self) -> Stride:
         solver = self.solver
