@@ -163,7 +163,7 @@ def test_a_start_near_a_turning_point_has_an_accurate_turn():
 def test_rest_is_seen_where_the_rate_is_zero_at_a_multiple_root():
     source = problem(-1, "0.9", 0, "-0.2 1.9", double="0.9", polynomials=("1 2 0",))
     solution = invert(source)
-    assert solution.constants(60).kind == "rest" and ends_of(source).rest
+    assert solution.constants(60).kind == "rest" and ends_of(source).at_rest
     assert solution.enclose("2.5", 30).integrals[0].overlaps(ball("7"))
     assert solution.enclose("2.5", 30).affine(arb(3), arb(3)).overlaps(arb(3))
 

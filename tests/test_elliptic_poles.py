@@ -288,7 +288,7 @@ def test_where_f_vanishes_altogether_x_rests_anywhere():
 
 def test_ends_see_a_start_at_a_multiple_root():
     ends = ends_of(problem(-1, "0.9", 0, "-0.2 1.9", double="0.9"))
-    assert ends.rest and ends.lower is ends.upper and ends.start.times == 2
+    assert ends.at_rest and ends.lower is ends.upper and ends.start.times == 2
 
 
 def test_polynomial_parts_and_poles_are_integrated_together():

@@ -10,6 +10,7 @@ from voronec.algebra.columns import columns
 from voronec.algebra.text import formula
 from voronec.cli.output import plain, print_json, progress
 from voronec.cli.subject import resolve
+from voronec.cli.values import name_and_value
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -66,9 +67,7 @@ def _function(text: str) -> tuple[str, Any]:
 
 
 def _value(text: str) -> tuple[str, Any]:
-    name, equals, value = (part.strip() for part in text.partition("="))
-    if not equals or not name:
-        raise DefinitionError(f"--at {text}: give PARAMETER=VALUE, such as R2=-2*R1 or m=1")
+    name, value = name_and_value(text, "--at", "PARAMETER=VALUE, such as R2=-2*R1 or m=1")
     return name, formula(value, f"--at {name}")
 
 

@@ -88,13 +88,19 @@ def first_scene(system: System) -> str | None:
     return "default" if "default" in system.scenes else next(iter(system.scenes), None)
 
 
+def name_and_value(text: str, option: str, form: str) -> tuple[str, str]:
+    """The two sides of NAME=VALUE; ``form`` says in an error what is to be given."""
+    name, equals, value = (part.strip() for part in text.partition("="))
+    if not equals or not name:
+        raise DefinitionError(f"{option} {text}: give {form}")
+    return name, value
+
+
 def pair(text: str) -> tuple[str, Any]:
     """NAME=VALUE, the value a number or a formula of numbers, kept exactly."""
     from voronec.algebra.text import exact_number
 
-    name, equals, value = (part.strip() for part in text.partition("="))
-    if not equals or not name:
-        raise DefinitionError(f"--set {text}: give NAME=VALUE, such as m=2.5 or a=1/3")
+    name, value = name_and_value(text, "--set", "NAME=VALUE, such as m=2.5 or a=1/3")
     return name, exact_number(value, f"--set {name}")
 
 

@@ -44,13 +44,13 @@ def _nothing(_: Any) -> list[Any]:
 
 @dataclass(frozen=True, eq=False)
 class CompiledMotion:
-    """A system's motion ready for numbers; ``gone`` are parameters whose values, exactly these,
+    """A system's motion ready for numbers; ``special`` are parameters whose values, exactly these,
     send poles to infinity.
 
     inputs, level
         the symbols of a start (coordinates, velocities, parameters), and of a level (parameters,
         constants).
-    starting
+    initial_values
         inputs -> the constants, then the variable and its rate.
     parts
         level -> quartic (5), then place and weight of each pole, the quotient (3) of each integral,
@@ -67,10 +67,10 @@ class CompiledMotion:
     """
 
     system: System
-    gone: Mapping[Any, Any]
+    special: Mapping[Any, Any]
     inputs: tuple[Any, ...]
     level: tuple[Any, ...]
-    starting: Function
+    initial_values: Function
     rate: Any
     quartic: tuple[Any, ...]
     poles: tuple[tuple[Any, Any], ...]
@@ -87,7 +87,7 @@ class CompiledMotion:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Compiled functions stay behind: the declaration is compiled again."""
-        return _prepare_with, (self.system, dict(self.gone))
+        return _prepare_with, (self.system, dict(self.special))
 
     @property
     def shares(self) -> tuple[tuple[int, ...], ...]:
@@ -132,15 +132,15 @@ def prepare(system: System, values: Mapping[Any, Any]) -> CompiledMotion:
     """The motion of a system ready for numbers like ``values``, which give the parameters."""
     motion = motion_of(system)
     critical = motion.memo.once("critical", lambda: _critical(system, motion))
-    gone = {s: e for factor, s, e in critical if _is_zero(factor, values)}
-    return _prepare_with(system, gone)
+    special = {s: e for factor, s, e in critical if _is_zero(factor, values)}
+    return _prepare_with(system, special)
 
 
-def _prepare_with(system: System, gone: Mapping[Any, Any]) -> CompiledMotion:
+def _prepare_with(system: System, special: Mapping[Any, Any]) -> CompiledMotion:
     """The same where it is known which parameters send poles to infinity."""
     motion = motion_of(system)
-    what = ("prepared", frozenset(gone.items()))
-    return motion.memo.once(what, lambda: _prepare(system, motion, gone))
+    what = ("prepared", frozenset(special.items()))
+    return motion.memo.once(what, lambda: _prepare(system, motion, special))
 
 
 def _is_zero(factor: Any, values: Mapping[Any, Any]) -> bool:
@@ -179,37 +179,40 @@ def _solution_for(factor: Any, symbols: list[Any]) -> tuple[Any, Any] | None:
     return None
 
 
-def _prepare(system: System, motion: Quadratures, gone: Mapping[Any, Any]) -> CompiledMotion:
+def _prepare(system: System, motion: Quadratures, special: Mapping[Any, Any]) -> CompiledMotion:
     own = tuple(p.symbol for p in system.parameters)
-    rates = [e.xreplace(gone) for e in motion.integrals.values()]
+    rates = [e.xreplace(special) for e in motion.integrals.values()]
     plane = motion.plane
     if plane is not None:
-        rates += [as_expression(e).xreplace(gone) for e in plane.rates]
+        rates += [as_expression(e).xreplace(special) for e in plane.rates]
     if motion.clock != 1:
-        rates.append(motion.clock.xreplace(gone))
+        rates.append(motion.clock.xreplace(special))
     rate = _rate_of_variable(system, motion)
     inputs = (*system.coordinates, *system.velocities, *own)
-    poles = {c: w for c, w in motion.poles.items() if _is_finite(c, gone)}
+    poles = {c: w for c, w in motion.poles.items() if _is_finite(c, special)}
     straight = motion.clock == 1
     raw = CompiledMotion(
         system=system,
-        gone=gone,
+        special=special,
         inputs=inputs,
         level=(*own, *motion.constants),
-        starting=compile_expressions([*motion.constants.values(), motion.meaning, rate], inputs),
+        initial_values=compile_expressions(
+            [*motion.constants.values(), motion.meaning, rate], inputs
+        ),
         rate=rate,
-        quartic=ascending_coefficients(motion.quartic.xreplace(gone), motion.x, DEGREE),
-        poles=tuple((c.xreplace(gone), w.xreplace(gone)) for c, w in poles.items()),
-        others=tuple(c.xreplace(gone) for c in motion.others if _is_finite(c, gone)),
+        quartic=ascending_coefficients(motion.quartic.xreplace(special), motion.x, DEGREE),
+        poles=tuple((c.xreplace(special), w.xreplace(special)) for c, w in poles.items()),
+        others=tuple(c.xreplace(special) for c in motion.others if _is_finite(c, special)),
         rates=tuple(rates),
         cosines=tuple(
             (e[0], e[1])
             for e in (
-                ascending_coefficients(t.cosine.xreplace(gone), motion.x, 1) for t in motion.traces
+                ascending_coefficients(t.cosine.xreplace(special), motion.x, 1)
+                for t in motion.traces
             )
         ) if straight else (),
     )  # fmt: skip
-    slopes = [e.xreplace(gone) for e in plane.slopes] if plane is not None else []
+    slopes = [e.xreplace(special) for e in plane.slopes] if plane is not None else []
     whole = split(rates, slopes, raw.poles, raw.others, motion.x, raw.level, _example(raw))
     flat = [*raw.quartic, *(e for pole in raw.poles for e in pole)]
     flat += [e for q in whole.quotients for e in q] + [e for c in raw.cosines for e in c]
@@ -217,8 +220,8 @@ def _prepare(system: System, motion: Quadratures, gone: Mapping[Any, Any]) -> Co
     return replace(raw, parts=compile_expressions(flat, raw.level), fractions=whole)
 
 
-def _is_finite(place: Any, gone: Mapping[Any, Any]) -> bool:
-    return bool(sp.fraction(sp.together(place))[1].xreplace(gone) != 0)
+def _is_finite(place: Any, special: Mapping[Any, Any]) -> bool:
+    return bool(sp.fraction(sp.together(place))[1].xreplace(special) != 0)
 
 
 def _rate_of_variable(system: System, motion: Quadratures) -> Any:
@@ -266,11 +269,11 @@ def _coordinate_rate(
 def _example(raw: CompiledMotion) -> list[Any]:
     """Values of the symbols of a level, of a motion whose numbers are fractions of primes."""
     plain = {s: sp.Rational(sp.prime(i + 20), sp.prime(i + 41)) for i, s in enumerate(raw.inputs)}
-    known = {s: e.xreplace(plain) for s, e in raw.gone.items()}
+    known = {s: e.xreplace(plain) for s, e in raw.special.items()}
     with precise(SHARP):
         given = [ball({**plain, **known}[s]) for s in raw.inputs]
         count = len(raw.system.parameters)
-        return [*given[len(given) - count :], *raw.starting(given)[:-2]]
+        return [*given[len(given) - count :], *raw.initial_values(given)[:-2]]
 
 
 @dataclass(frozen=True, eq=False)

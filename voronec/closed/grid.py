@@ -224,7 +224,7 @@ class PeriodGrid:
                 sine = form.branch(i)[0] * np.sqrt(south * north) / below
                 fall = -bend / below**2 * self.sample.rate / (sine * pace)
                 values += [sine, above / below, fall]
-            values += [rate / pace for rate in self._rates()[:angles]]
+            values += [rate / pace for rate in _rates(form, self.sample, self._ends)[:angles]]
             # less whole turns: the sines of late angles lose nothing
             values += [self.coordinate(q, False) for q in reading_of(own).coordinates]
             values += [self._evaluate(p) for p in rounded_constants(form).polynomials]
@@ -233,15 +233,18 @@ class PeriodGrid:
         return {n: np.broadcast_to(e, self.grid.shape).astype(float)
                 for n, e in zip(names, found, strict=True)}  # fmt: skip
 
-    def _rates(self) -> list[Any]:
-        apart = [self.sample.affine(*ends) for ends in rounded_constants(self.form).distances]
-        found = []
-        for numerator, used in rounded_constants(self.form).fractions:
-            rate = self._evaluate(numerator)
-            for i in used:
-                rate = rate / apart[i]
-            found.append(rate)
-        return found
+
+def _rates(form: InvertedMotion, sample: Any, ends: tuple[np.ndarray, np.ndarray]) -> list[Any]:
+    """The rates of angles and places by the time of the quartic; ``ends``: their shares in x."""
+    constants = rounded_constants(form)
+    apart = [sample.affine(*distances) for distances in constants.distances]
+    found = []
+    for numerator, used in constants.fractions:
+        rate = evaluate_form(numerator, *ends)
+        for i in used:
+            rate = rate / apart[i]
+        found.append(rate)
+    return found
 
 
 MANY = 10_000
@@ -421,13 +424,13 @@ class UprightView:
         form: the motion.
         at: the elliptic motion, a ``Stretch`` of a sample.
         whole: whether angles are continuous, else in (-pi, pi].
-        shifted: whether continuous angles start in (-pi, pi], whole turns less than they do.
+        in_first_turn: whether continuous angles start in (-pi, pi], whole turns less than they do.
     """
 
     form: InvertedMotion
     at: Any
     whole: bool
-    shifted: bool = False
+    in_first_turn: bool = False
 
     def rows(self, plain: Sequence[str], circles: Sequence[Any]) -> list[np.ndarray]:
         """Coordinates and velocities by name, then cosine and sine of each of ``circles``."""
@@ -437,7 +440,7 @@ class UprightView:
             for n in plain
         ]
         # continuous angles have lost digits late; those that start small are of one period only
-        near = self if self.shifted else UprightView(self.form, self.at, False)
+        near = self if self.in_first_turn else UprightView(self.form, self.at, False)
         for q in circles:
             angle = near.coordinate(q)
             found += [np.cos(angle), np.sin(angle)]
@@ -450,7 +453,7 @@ class UprightView:
             j = angles.index(q)
             whole, part = rounded_constants(form).starts[j]
             if self.whole:
-                return np.asarray(self.at.integral(j, part if self.shifted else whole))
+                return np.asarray(self.at.integral(j, part if self.in_first_turn else whole))
             return np.asarray(self.at.modulo(j, part))
         for i, trace in enumerate(form.quadratures.traces):
             if trace.colatitude == q:
@@ -479,7 +482,6 @@ class UprightView:
     def velocities(self) -> dict[str, np.ndarray]:
         """The velocities of the equations, accurate relative to their size near the poles."""
         form, own, x = self.form, self.form.problem.prepared, self.at.x
-        rates = self._rates()
         values: list[Any] = [*rounded_constants(form).level, x]
         for i in range(len(form.quadratures.traces)):
             south, north = (self.at.affine(*ends) for ends in rounded_constants(form).reach[i])
@@ -487,7 +489,7 @@ class UprightView:
             sine = rounded_constants(form).branches[i][0] * np.sqrt(south * north)
             with np.errstate(all="ignore"):
                 values += [sine, offset + slope * x, -slope * self.at.rate / sine]
-        values += rates[: len(form.quadratures.angles)]
+        values += _rates(form, self.at, self._weights)[: len(form.quadratures.angles)]
         values += [self.coordinate(q) for q in reading_of(own).coordinates]
         values += [evaluate_form(p, *self._weights) for p in rounded_constants(form).polynomials]
         with np.errstate(all="ignore"):
@@ -499,16 +501,6 @@ class UprightView:
     def _weights(self) -> tuple[np.ndarray, np.ndarray]:
         """Of both ends in x."""
         return self.at.affine(1.0, 0.0), self.at.affine(0.0, 1.0)
-
-    def _rates(self) -> list[Any]:
-        apart = [self.at.affine(*ends) for ends in rounded_constants(self.form).distances]
-        found = []
-        for numerator, used in rounded_constants(self.form).fractions:
-            rate = evaluate_form(numerator, *self._weights)
-            for i in used:
-                rate = rate / apart[i]
-            found.append(rate)
-        return found
 
 
 def _wrap_angle(angle: np.ndarray) -> np.ndarray:

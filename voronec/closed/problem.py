@@ -232,7 +232,7 @@ class InversionProblem:
     def _start_values(self, bits: int) -> list[Any]:
         """Constants, the variable and its rate."""
         given = self.start_balls(bits)
-        return self._once(("start", bits), lambda: self.prepared.starting(given), bits)
+        return self._once(("start", bits), lambda: self.prepared.initial_values(given), bits)
 
     def _once(self, key: Any, make: Callable[[], Any], bits: int = 0) -> Any:
         if key not in self._kept:
@@ -270,7 +270,7 @@ class InversionProblem:
         if self.rests:  # nothing is integrated: all rates are constant
             with precise(bits):
                 factors = squarefree(self, self.table(bits)[:5])
-                return Numbers(factors, self.place(bits), ball(0), rest=True)
+                return Numbers(factors, self.place(bits), ball(0), at_rest=True)
         with precise(bits):
             table, others = self.table(bits), self.others(bits)
             count = len(own.poles)

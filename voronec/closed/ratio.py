@@ -99,7 +99,7 @@ def ratios(own: CompiledMotion) -> Sequence[Ratio]:
 
 def _ratios(own: CompiledMotion) -> Sequence[Ratio]:
     given = (*(t.cosine for t in own.motion.traces), own.motion.clock)
-    return [Ratio.of(e.xreplace(dict(own.gone)), own) for e in given]
+    return [Ratio.of(e.xreplace(dict(own.special)), own) for e in given]
 
 
 BITS = 64

@@ -407,7 +407,7 @@ def assemble(numbers: Numbers) -> Constants:
         DefinitionError: there is no such motion.
     """
     ends = interval(numbers)
-    if ends.rest:
+    if ends.at_rest:
         return at_rest(numbers, ends)
     if ends.lower.times > 1 and ends.upper.times > 1:
         shape = between_double_roots(numbers, ends)

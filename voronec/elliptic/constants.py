@@ -88,7 +88,7 @@ class Numbers:
         rate: dx/dt at t = 0; exactly ``arb(0)`` at a turning point.
         poles: the poles of the integrands.
         integrals: the integrands.
-        rest: x stays at a multiple root.
+        at_rest: x stays at a multiple root.
     """
 
     factors: tuple[tuple[tuple[arb, ...], int], ...]
@@ -96,7 +96,7 @@ class Numbers:
     rate: arb
     poles: tuple[Pole, ...] = ()
     integrals: tuple[Integral, ...] = ()
-    rest: bool = False
+    at_rest: bool = False
 
 
 Source = Callable[[int], Numbers]

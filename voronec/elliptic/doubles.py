@@ -95,7 +95,7 @@ class Doubles:
         span: ``other - base``.
         weights: of the ends in x.
         angles: of the phases.
-        drawn: phases of the logarithms of the strains, None where there are no logarithms.
+        log_phases: phases of the logarithms of the strains, None where there are no logarithms.
         ripples: of each integral, over ``X cos^k 2z``.
         shares: of each integral: the places of its phases and their factors, less those
             that are all in the ripple.
@@ -116,7 +116,7 @@ class Doubles:
     span: float
     weights: Weights
     angles: tuple[Angle, ...]
-    drawn: tuple[Angle | None, ...]
+    log_phases: tuple[Angle | None, ...]
     ripples: tuple[np.ndarray, ...]
     shares: tuple[tuple[tuple[int, float], ...], ...]
     strains: tuple[tuple[int, ...], ...]
@@ -170,12 +170,12 @@ def prepare_doubles(constants: Constants) -> Doubles:
     with ctx.workprec(BITS + 64):
         constants, odd = _recount(constants)
         period = period_of(constants)
-        drawn: list[Angle | None] = []
+        log_phases: list[Angle | None] = []
         for strain in constants.strains:
             turning = any(not value.is_zero() for value in strain.logs)
             alpha = strain.place.imag
             sign = 1 if alpha.mid() > 0 or alpha.is_zero() else -1
-            drawn.append(angle_of(constants, strain, alpha, sign) if turning else None)
+            log_phases.append(angle_of(constants, strain, alpha, sign) if turning else None)
         angles = tuple(angle_of(constants, p, p.alpha, p.sign) for p in constants.phases)
         gradient, ratios = _speed(constants)
         easy = smooth(angles) if constants.kind == "trigonometric" else (False,) * len(angles)
@@ -187,7 +187,7 @@ def prepare_doubles(constants: Constants) -> Doubles:
             base=float(constants.base.mid()), other=float(constants.other.mid()),
             span=float((constants.other - constants.base).mid()),
             weights=weights_of(constants),
-            angles=angles, drawn=tuple(drawn), ripples=ripples_of(constants, rippled),
+            angles=angles, log_phases=tuple(log_phases), ripples=ripples_of(constants, rippled),
             shares=tuple(_shares(constants, easy, number) for number in range(count)),
             strains=tuple(_strains(constants, number) for number in range(count)),
             swings=tuple((float(p.mid()), float(q.mid())) for p, q in constants.swings),
@@ -309,8 +309,8 @@ class Arguments:
         doubles: the motion.
         times: in one dimension.
         reduction: how the times become phases.
-        kept: memory of what is computed once.
-        passing: memory of results and of what is needed on the way.
+        memory: arrays of what is computed once.
+        scratch: arrays of results and of what is needed on the way.
         phases: where the phases themselves are given, whole half periods, the rest of time and 1
             where the nearest turning point is at the other end, each of shape (times,).
     """
@@ -318,17 +318,17 @@ class Arguments:
     doubles: Doubles
     times: np.ndarray
     reduction: QuarticReduction
-    kept: Rows
-    passing: Rows
+    memory: Rows
+    scratch: Rows
     phases: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
 
     def new(self) -> np.ndarray:
         """An array to be kept."""
-        return self.kept.new(self.times.size)
+        return self.memory.new(self.times.size)
 
     def spare(self) -> np.ndarray:
         """An array that passes."""
-        return self.passing.new(self.times.size)
+        return self.scratch.new(self.times.size)
 
     @cached_property
     def phase_reduction(self) -> Arrays:
@@ -336,9 +336,9 @@ class Arguments:
         if self.phases is not None:
             return self.phases[:2]
         number, rest = self.new(), self.new()
-        mark = self.passing.mark()
+        mark = self.scratch.mark()
         self.reduction.apply(self.times, number, rest, self.spare())
-        self.passing.free(mark)
+        self.scratch.free(mark)
         return number, rest
 
     @cached_property
@@ -379,15 +379,15 @@ class Arguments:
         """``sin z cos z cos^k 2z`` from the base, a row for each k that the ripples have."""
         product, first, _ = self._squares
         count = max((len(ripple) for ripple in self.doubles.ripples), default=0)
-        rows = self.kept.several(count, self.times.size)
-        mark = self.passing.mark()
+        rows = self.memory.several(count, self.times.size)
+        mark = self.scratch.mark()
         if count:
             double = np.multiply(first, -2.0, out=self.spare())
             double += 1.0
             np.copyto(rows[0], product)
         for k in range(1, count):
             np.multiply(rows[k - 1], double, out=rows[k])
-        self.passing.free(mark)
+        self.scratch.free(mark)
         return rows
 
     @cached_property
@@ -401,11 +401,11 @@ class Arguments:
             "rest": self._units,
         }
         near, far = kinds[self.doubles.constants.kind]()
-        mark = self.passing.mark()
+        mark = self.scratch.mark()
         whole = np.add(near, far, out=self.spare())
         near /= whole
         far /= whole
-        self.passing.free(mark)
+        self.scratch.free(mark)
         return near, far
 
     @cached_property
@@ -413,7 +413,7 @@ class Arguments:
         """sin z cos z from the base, and sin^2 z from either end."""
         odd = self.odd
         sine, first, second = self.new(), self.new(), self.new()
-        mark = self.passing.mark()
+        mark = self.scratch.mark()
         square = self.spare()
         np.multiply(self.phase_reduction[1], self.doubles.scale, out=sine)
         np.sin(sine, out=sine)
@@ -430,7 +430,7 @@ class Arguments:
         np.multiply(odd, -2.0, out=square)
         square += 1.0
         sine *= square
-        self.passing.free(mark)
+        self.scratch.free(mark)
         return sine, first, second
 
     @cached_property
@@ -472,7 +472,7 @@ class Arguments:
         if doubles.constants.partner != "theta2":
             partner *= fading
         odd = self.odd > 0
-        near = np.where(odd, weights.swapped * sine, weights.mean * partner)
+        near = np.where(odd, weights.from_other_end * sine, weights.mean * partner)
         return near, np.where(odd, partner, sine)
 
     def _rational(self) -> Arrays:

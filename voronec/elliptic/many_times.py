@@ -59,7 +59,7 @@ def strain_part(doubles: Doubles, place: int, number: int, z: np.ndarray) -> np.
 def _strain_part(doubles: Doubles, place: int, number: int, z: np.ndarray) -> np.ndarray:
     constants, strain = doubles.constants, doubles.constants.strains[place]
     log, zeta = complex(strain.logs[number]), complex(strain.zetas[number])
-    whole, angle = complex(strain.place), doubles.drawn[place]
+    whole, angle = complex(strain.place), doubles.log_phases[place]
     value = np.zeros_like(z)
     period = 2 * doubles.half
     images = ((1, -whole.real), (-1, whole.real))
@@ -205,19 +205,19 @@ class TimeStretch:
     def affine(self, at_base: float, at_other: float) -> np.ndarray:
         """An affine function of x from its values at the ends."""
         near, far = self.arguments.weights
-        passing = self.arguments.passing
+        scratch = self.arguments.scratch
         value = np.multiply(near, at_base, out=self.arguments.spare())
-        mark = passing.mark()
+        mark = scratch.mark()
         value += np.multiply(far, at_other, out=self.arguments.spare())
-        passing.free(mark)
+        scratch.free(mark)
         return value
 
     def colatitude(self, south: tuple[float, float], north: tuple[float, float]) -> np.ndarray:
         """``2 atan sqrt((1 - l)/(1 + l))``, from ``1 - l`` and ``1 + l`` at both ends."""
         angle = self.affine(*south)
-        mark = self.arguments.passing.mark()
+        mark = self.arguments.scratch.mark()
         angle /= self.affine(*north)
-        self.arguments.passing.free(mark)
+        self.arguments.scratch.free(mark)
         np.sqrt(angle, out=angle)
         np.arctan(angle, out=angle)
         angle *= 2.0
@@ -247,7 +247,7 @@ class TimeStretch:
         count, rest = self.arguments.phase_reduction
         periodic = self._periodic(number)
         value = np.multiply(rest, course.slope, out=self.arguments.spare())
-        mark = self.arguments.passing.mark()
+        mark = self.arguments.scratch.mark()
         spare = self.arguments.spare()
         if course.second:
             value += np.multiply(count, course.second, out=spare)
@@ -256,14 +256,14 @@ class TimeStretch:
         # The only rounding of the size of the value is the last.
         if course.first:
             value += np.multiply(count, course.first, out=spare)
-        self.arguments.passing.free(mark)
+        self.arguments.scratch.free(mark)
         return value
 
     def modulo(self, number: int, start: float = 0.0) -> np.ndarray:
         """The same as an angle in (-pi, pi]."""
         periodic = self._periodic(number)
         value = self.arguments.spare()
-        mark = self.arguments.passing.mark()
+        mark = self.arguments.scratch.mark()
         spare = self.arguments.spare()
         self._turns(self.courses[number], value, spare)
         _add(value, periodic, 1 / TURN, spare)
@@ -271,7 +271,7 @@ class TimeStretch:
         np.subtract(value, 0.5, out=spare)
         value -= np.ceil(spare, out=spare)
         value *= TURN
-        self.arguments.passing.free(mark)
+        self.arguments.scratch.free(mark)
         return value
 
     def _turns(self, course: SecularPart, value: np.ndarray, spare: np.ndarray) -> None:
@@ -319,9 +319,9 @@ class TimeStretch:
         angle = self.doubles.angles[place]
         variable, across, z = self.arguments.own(angle.side)
         value = self.arguments.new()
-        mark = self.arguments.passing.mark()
+        mark = self.arguments.scratch.mark()
         angle_into(angle, variable, across, value, self.arguments.spare())
-        self.arguments.passing.free(mark)
+        self.arguments.scratch.free(mark)
         sign = angle.sign
         if angle.side == 1 and self.doubles.constants.kind == "trigonometric":
             sign = -sign  # X is that of the base
@@ -425,24 +425,24 @@ class Sample:
         ``sample.each(lambda at: (at.x, at.integral(0), at.modulo(1)))``.
         """
         size = min(BLOCK, self.times.size)
-        kept, passing = Rows(ROWS, size), Rows(ROWS, size)
+        memory, scratch = Rows(ROWS, size), Rows(ROWS, size)
         whole: np.ndarray | None = None
         for part, times in self._parts():
-            values = _quietly(work, _at(self.model, times, kept, passing))
+            values = _quietly(work, _at(self.model, times, memory, scratch))
             if whole is None:
                 whole = matrix(len(values), self.times.size)
             for row, value in zip(whole, values, strict=True):
                 row[part] = value
-            kept.free()
-            passing.free()
+            memory.free()
+            scratch.free()
         return () if whole is None else tuple(row.reshape(self.shape) for row in whole)
 
     def _join(self, work: Callable[[TimeStretch], np.ndarray]) -> np.ndarray:
         whole = self._results.new(self.times.size)
-        passing, stretches = self._stretches
+        scratch, stretches = self._stretches
         for part, stretch in stretches:
             whole[part] = _quietly(work, stretch)
-            passing.free()
+            scratch.free()
         return whole.reshape(self.shape)
 
     @cached_property
@@ -455,9 +455,9 @@ class Sample:
     def _stretches(self) -> tuple[Rows, list[tuple[slice, TimeStretch]]]:
         size = min(BLOCK, self.times.size)
         many = max(ROWS, PIECE // BLOCK) if self.times.size > 4 * BLOCK else ROWS
-        kept, passing = Rows(many, size), Rows(ROWS, size)
-        return passing, [
-            (part, _at(self.model, times, kept, passing)) for part, times in self._parts()
+        memory, scratch = Rows(many, size), Rows(ROWS, size)
+        return scratch, [
+            (part, _at(self.model, times, memory, scratch)) for part, times in self._parts()
         ]
 
     def _parts(self) -> Iterator[tuple[slice, np.ndarray]]:
@@ -497,8 +497,8 @@ def _bare(doubles: Doubles, reduction: QuarticReduction, latest: float) -> TimeS
     return TimeStretch(doubles, arguments, courses, ((0.0, 0.0),) * count)
 
 
-def _at(model: TimeStretch, times: np.ndarray, kept: Rows, passing: Rows) -> TimeStretch:
-    arguments = replace(model.arguments, times=times, kept=kept, passing=passing)
+def _at(model: TimeStretch, times: np.ndarray, memory: Rows, scratch: Rows) -> TimeStretch:
+    arguments = replace(model.arguments, times=times, memory=memory, scratch=scratch)
     return replace(model, arguments=arguments)
 
 

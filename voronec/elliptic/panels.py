@@ -207,8 +207,8 @@ def _phases(model: TimeStretch, work: Work, rest: np.ndarray, late: np.ndarray) 
     arguments = replace(
         model.arguments,
         times=rest,
-        kept=Rows(BLOCK // 128, size),
-        passing=Rows(BLOCK // 128, size),
+        memory=Rows(BLOCK // 128, size),
+        scratch=Rows(BLOCK // 128, size),
         phases=(np.zeros(size), rest, odd),
     )
     with np.errstate(all="ignore"):

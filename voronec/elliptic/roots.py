@@ -144,14 +144,14 @@ class Ends:
         upper: the real root above.
         roots: all finite roots of f, real ones first and ascending.
         start: the end at which x starts, exactly; None if it starts between them.
-        rest: x stays at the multiple root ``start`` (both ends are that root).
+        at_rest: x stays at the multiple root ``start`` (both ends are that root).
     """
 
     lower: Root
     upper: Root
     roots: tuple[Root, ...]
     start: Root | None
-    rest: bool
+    at_rest: bool
 
 
 def ends_of(source: Source, bits: int = FIRST_BITS) -> Ends:
@@ -244,11 +244,11 @@ def interval(numbers: Numbers) -> Ends:
         return Ends(anywhere, anywhere, (), anywhere, True)
     roots = all_roots(numbers)
     real = tuple(root for root in roots if root.real)
-    if numbers.rest or numbers.rate.is_zero():
+    if numbers.at_rest or numbers.rate.is_zero():
         start = _start(numbers, real)
         if start.times > 1:
             return Ends(start, start, roots, start, True)
-        if numbers.rest:
+        if numbers.at_rest:
             raise DefinitionError(
                 f"x does not rest at {show_ball(numbers.place)}: that root of f is simple"
             )

@@ -47,13 +47,13 @@ class Weights:
 
     Attributes:
         mean: K.
-        swapped: K where z is counted from the other end, c and s exchanged.
+        from_other_end: K where z is counted from the other end, c and s exchanged.
         sine: coefficients of ``s/sin z``, ascending, in the variable.
         partner: coefficients of ``c/cos z`` (of c itself if the partner is not "theta2").
     """
 
     mean: float
-    swapped: float
+    from_other_end: float
     sine: tuple[float, ...]
     partner: tuple[float, ...]
 

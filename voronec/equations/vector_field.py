@@ -22,7 +22,7 @@ from voronec.algebra.normal import canonical
 from voronec.algebra.rank import generic_rows
 from voronec.declaration.geometry import moving_names
 from voronec.declaration.system import System
-from voronec.equations.derivation import Derivation
+from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.equations.derived_equations import DerivedEquations
 from voronec.errors import EngineLimit
 
@@ -67,6 +67,20 @@ class VectorField:
     def variables(self) -> tuple[Any, ...]:
         """Positions, then velocities."""
         return self.positions + self.velocities
+
+    @property
+    def form(self) -> FirstOrderForm:
+        """What a ``Program`` is made of; the velocities need no further definitions."""
+        return FirstOrderForm(
+            coordinates=self.positions,
+            velocities=self.velocities,
+            parameters=self.parameters,
+            time=self.time,
+            rates=self.rates,
+            mass=self.mass,
+            force=self.force,
+            relations=self.relations,
+        )
 
     @property
     def hypotheses(self) -> tuple[Any, ...]:

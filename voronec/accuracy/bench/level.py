@@ -14,7 +14,6 @@ import sympy as sp
 from voronec.accuracy.bench.question import BenchMotion
 from voronec.algebra.text import as_expression
 from voronec.declaration.claims import right_of
-from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.program import Program, compile_program
 from voronec.equations.vector_field import VectorField
 from voronec.errors import EngineLimit, VoronecError
@@ -85,7 +84,7 @@ def level(question: BenchMotion, name: str) -> BenchLevel:
         except VoronecError:
             continue
         integrals.append(key)
-    program = Program.of(_form(field), wanted)
+    program = Program.of(field.form, wanted)
     return BenchLevel(
         field=field,
         program=program,
@@ -106,20 +105,6 @@ def lowest(question: BenchMotion) -> BenchLevel:
 
 def _read(field: VectorField, expr: Any) -> Any:
     return field.read(as_expression(expr))
-
-
-def _form(field: VectorField) -> FirstOrderForm:
-    """The field as a first-order form; its velocities need no further definitions."""
-    return FirstOrderForm(
-        coordinates=field.positions,
-        velocities=field.velocities,
-        parameters=field.parameters,
-        time=field.time,
-        rates=field.rates,
-        mass=field.mass,
-        force=field.force,
-        relations=field.relations,
-    )
 
 
 def _start(question: BenchMotion, field: VectorField) -> tuple[Any, ...]:

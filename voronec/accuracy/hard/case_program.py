@@ -75,10 +75,6 @@ def _on_invariants(
     """The reduced form, the outputs on it, and the invariants in terms of the coordinates."""
     motions, vocabulary = Motions.of(equations), Vocabulary.of(equations)
     field, system = motions.on_invariants, equations.system
-    form = FirstOrderForm(
-        field.positions, field.velocities, field.parameters, field.time, field.rates, field.mass,
-        field.force, relations=field.relations,
-    )  # fmt: skip
     alike = {str(m): sp.Symbol(g) for g, m in system.invariants.items()}
     alike |= {str(-m): -sp.Symbol(g) for g, m in system.invariants.items()}
     wanted = {}
@@ -87,7 +83,7 @@ def _on_invariants(
         named = vocabulary.symbols.get(name, vocabulary.claims.get(name))
         own = sp.Symbol(name) if name in system.invariants else named
         wanted[name] = field.read(alike.get(str(key), as_expression(key)) if own is None else own)
-    return form, wanted, system.invariants
+    return field.form, wanted, system.invariants
 
 
 def _start(

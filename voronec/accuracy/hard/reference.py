@@ -333,18 +333,21 @@ def _run(case: HardCase, asked: PreciseProblem) -> tuple[np.ndarray, np.ndarray]
     if not case.period:
         passage = machine.follow(case.grid)
         return passage.outputs, condition_numbers(asked, passage)
-    single = reel(asked, case.arithmetic, tol, varied=False)
-    length = period(single, asked.names, case.period, float(case.scene.times[1]) / 100)
-    whole = fold(machine, length, case.grid)
+    whole = fold(machine, _case_period(case, asked, tol)[1], case.grid)
     return whole.outputs, whole.condition_numbers(asked)
+
+
+def _case_period(case: HardCase, asked: PreciseProblem, tol: float) -> tuple[Reel, Any]:
+    """What follows the motion without its variations, and its period."""
+    single = reel(asked, case.arithmetic, tol, varied=False)
+    return single, period(single, asked.names, case.period, float(case.scene.times[1]) / 100)
 
 
 def _again(case: HardCase, own: VoronecEquations, asked: PreciseProblem) -> tuple[np.ndarray, str]:
     """The outputs once more, as independently as may be, and how."""
     if case.period and float(case.scene.times[1]) > LONGEST_CHECK:
         tol = TOLERANCES[case.arithmetic][1]
-        single = reel(asked, case.arithmetic, tol, varied=False)
-        length = period(single, asked.names, case.period, float(case.scene.times[1]) / 100)
+        single, length = _case_period(case, asked, tol)
         return fold(single, length, case.grid).outputs, "one period at two tolerances"
     if case.period:
         whole = reel(asked, "extended", TOLERANCES["extended"][0], varied=False)

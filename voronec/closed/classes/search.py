@@ -268,7 +268,7 @@ class _StartSearch:
     label: str
     fixed: Mapping[Any, Any]
     dice: np.random.Generator
-    seen: Counter[str] = field(default_factory=Counter)
+    tallies: Counter[str] = field(default_factory=Counter)
 
     def parameters(self, turn: int) -> dict[Any, Any] | None:
         """Exact values: the defaults first, later drawn around them; None for no possible body."""
@@ -338,7 +338,7 @@ class _StartSearch:
         except EngineLimit:
             return None
         found = classes[self.curve.title]
-        self.seen[found.label] += 1
+        self.tallies[found.label] += 1
         if found.label != self.label:
             return None
         if conditions(self.known, self.curve, self.label).elsewhere:
@@ -359,10 +359,10 @@ class _StartSearch:
         what = f"class {self.label} {self.curve.title}"
         values = ", ".join(f"{plain_name(s)} = {v}" for s, v in self.fixed.items())
         place = f" with {values}" if values else ""
-        if self.seen and self.seen.keys() <= {"point", "parallel"}:
-            only = " and ".join(sorted(self.seen))
+        if self.tallies and self.tallies.keys() <= {"point", "parallel"}:
+            only = " and ".join(sorted(self.tallies))
             return f"{what} does not exist{place}: what it demands leaves only '{only}'"
-        others = ", ".join(label for label, _ in self.seen.most_common(4))
+        others = ", ".join(label for label, _ in self.tallies.most_common(4))
         near = f"; nearest were {others}" if others else ""
         return f"no motion of {what} was found{place} among {ROUNDS} rounds of draws{near}"
 

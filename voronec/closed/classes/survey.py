@@ -60,13 +60,13 @@ SHARE = 0.75
 class Path:
     """Many motions between two roots of their f.
 
-    ``lower``, ``upper``: the ends; ``leading``: of f; ``roots``: the discs of all roots, of which
+    ``lower``, ``upper``: the ends; ``lead``: of f; ``roots``: the discs of all roots, of which
     ``ends`` (n, 2) are the columns of the two ends; ``phi``, ``cosine``: of the trace.
     """
 
     lower: BoundedNumber
     upper: BoundedNumber
-    leading: BoundedNumber
+    lead: BoundedNumber
     roots: Discs
     ends: np.ndarray
     phi: tuple[BoundedNumber, ...]
@@ -76,7 +76,7 @@ class Path:
         """Some of the motions."""
         roots = Discs(self.roots.centre[chosen], self.roots.radius[chosen], self.roots.kind[chosen])
         return Path(
-            self.lower.take(chosen), self.upper.take(chosen), self.leading.take(chosen), roots,
+            self.lower.take(chosen), self.upper.take(chosen), self.lead.take(chosen), roots,
             self.ends[chosen], tuple(p.take(chosen) for p in self.phi),
             (self.cosine[0].take(chosen), self.cosine[1].take(chosen)),
         )  # fmt: skip
@@ -112,7 +112,7 @@ def _sums(path: Path, n: int) -> tuple[BoundedNumber, BoundedNumber]:
     angles = (np.arange(n) + 0.5) * (np.pi / n)
     waves = BoundedNumber(np.cos(angles)[None, :], np.full((1, n), 2.0**-50))
     x = _column(middle) + _column(half) * waves
-    g = -_column(path.leading)
+    g = -_column(path.lead)
     for k in range(centre.shape[1]):
         g = g * _away(x, centre[:, k], radius[:, k])
     pace = 1 / g.sqrt()
@@ -176,7 +176,7 @@ def _beyond(path: Path, centre: np.ndarray, radius: np.ndarray, n: int) -> tuple
     inside = np.cosh(strip)
     room = [half * (c - inside) * (1 - 1e-9) for c in (*roots, *poles)]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        lead = np.abs(path.leading.mid) - path.leading.err
+        lead = np.abs(path.lead.mid) - path.lead.err
         pace = 1 / np.sqrt(lead * np.prod(room[: len(roots)], axis=0))
         farthest = np.maximum(np.abs(low.mid), np.abs(high.mid)) + wide * inside
         size = sum(p.size * farthest**k for k, p in enumerate(path.phi))
@@ -310,7 +310,7 @@ def arrays(
 
 @dataclass(frozen=True)
 class _TraceFunctions:
-    starting: Callable[..., list[BoundedNumber]]
+    initial_values: Callable[..., list[BoundedNumber]]
     level: Callable[..., list[BoundedNumber]]
 
 
@@ -318,7 +318,8 @@ class _TraceFunctions:
 def _formulas(known: DeclaredTraces, curve: Curve) -> _TraceFunctions:
     values = (*known.quartic, *curve.cosine, *curve.phi)
     return _TraceFunctions(
-        compile_with_bounds(known.inputs, known.starting), compile_with_bounds(known.level, values)
+        compile_with_bounds(known.inputs, known.initial_values),
+        compile_with_bounds(known.level, values),
     )
 
 
@@ -327,7 +328,7 @@ def _survey(
 ) -> Survey:
     formulas = _formulas(known, curve)
     own = values[len(values) - len(known.system.parameters) :]
-    *constants, place, rate = formulas.starting(*values)
+    *constants, place, rate = formulas.initial_values(*values)
     raw = formulas.level(*own, *constants)
     count = len(values[0])
     numbers = [_fill(e, count) for e in (*raw, place, rate)]
@@ -428,7 +429,7 @@ def _end(roots: Discs, column: np.ndarray) -> BoundedNumber:
 
 
 def _ends(
-    roots: Discs, place: BoundedNumber, rate: BoundedNumber, leading: BoundedNumber
+    roots: Discs, place: BoundedNumber, rate: BoundedNumber, lead: BoundedNumber
 ) -> tuple[np.ndarray, np.ndarray]:
     """The columns of the roots between which x runs (n, 2), and where that is certain.
 
@@ -440,7 +441,7 @@ def _ends(
     x, blur = place.mid[:, None], place.err[:, None] + UNIT * np.abs(place.mid[:, None])
     above, below = real & (centre - radius > x + blur), real & (centre + radius < x - blur)
     here = real & ~above & ~below
-    upward = np.sign(leading.mid) * np.where(np.sum(above, axis=1) % 2, -1, 1) > 0
+    upward = np.sign(lead.mid) * np.where(np.sum(above, axis=1) % 2, -1, 1) > 0
     start = np.sum(here, axis=1)
     moving = (rate.sign != 0) & (start == 0)
     turning = rate.zero & (start == 1)

@@ -148,7 +148,7 @@ def _classify(closed: InvertedMotion, curve: Curve, counts: Tally) -> TraceClass
     lower, upper = sorted(float(pole) or offset + slope * e for e, pole in ends)
     turns = sorted(offset + slope * place for place, times in counts.inner if times % 2)
     name = plain_name(curve.trace.longitude)
-    turn = None if counts.rest else turns_of(closed).get(name)
+    turn = None if counts.at_rest else turns_of(closed).get(name)
     return TraceClass(
         label=label_trace(closed, curve, counts),
         reversals=tuple(turns),
@@ -173,7 +173,7 @@ def _note(turn: Any) -> str:
 def label_trace(closed: InvertedMotion, curve: Curve, counts: Tally) -> str:
     """The label of a trace; the drift is looked at where it matters."""
     label = label_of(counts, 0)
-    if "C" in label and not counts.rest:
+    if "C" in label and not counts.at_rest:
         return label_of(counts, _drift_sign(closed, curve))
     return label
 
@@ -195,11 +195,11 @@ def _drift_sign(closed: InvertedMotion, curve: Curve) -> int:
 
 def label_of(counts: Tally, drift: int) -> str:
     """The label of a trace, from what is counted and the sign of the drift."""
-    if counts.rest or counts.flat:
+    if counts.at_rest or counts.flat:
         return "point" if counts.still else "parallel"
     order = (0, 1) if counts.tilt > 0 else (1, 0)
     limits, met, poles = (
-        tuple(pair[i] for i in order) for pair in (counts.limits, counts.met, counts.poles)
+        tuple(pair[i] for i in order) for pair in (counts.limits, counts.contacts, counts.poles)
     )
     usual = _usual(counts, limits, met, poles, drift)
     if not any(limits):
@@ -245,14 +245,14 @@ def _towards(limits: Any, met: Any, poles: Any) -> str:
 class Tally:
     """What is counted of one trace; pairs are (lower end of x, upper end of x).
 
-    rest, flat, still
+    at_rest, flat, still
         x stays where it is; the cosine does not depend on x; phi vanishes, at x where that is at
         rest, identically otherwise.
     inner
         (place, multiplicity) of the roots of phi strictly between the ends.
     ends
         places of the ends.
-    met
+    contacts
         whether phi vanishes at the end.
     poles
         the cosine there, 1 or -1; 0 where it is neither.
@@ -262,12 +262,12 @@ class Tally:
         sign of the cosine's slope.
     """
 
-    rest: bool = False
+    at_rest: bool = False
     flat: bool = False
     still: bool = False
     inner: tuple[tuple[float, int], ...] = ()
     ends: tuple[float, float] = (float("nan"), float("nan"))
-    met: tuple[bool, bool] = (False, False)
+    contacts: tuple[bool, bool] = (False, False)
     poles: tuple[int, int] = (0, 0)
     limits: tuple[bool, bool] = (False, False)
     tilt: int = 1
@@ -310,7 +310,7 @@ class _RootSearch:
         pole = next((s for s in (1, -1) if self.problem.sign(cosine - s) == 0), 0)
         still = pole != 0 or self.problem.sign(self.curve.above_at(x)) == 0
         place = float(self.problem.place(FIRST))
-        return Tally(rest=True, still=still, ends=(place, place), poles=(pole, pole),
+        return Tally(at_rest=True, still=still, ends=(place, place), poles=(pole, pole),
                      tilt=self.problem.sign(slope) or 1)  # fmt: skip
 
     def between(self) -> Tally:
@@ -335,7 +335,7 @@ class _RootSearch:
                     met[int(where)] = True
             return Tally(
                 flat=tilt == 0, still=not self.phi, inner=tuple(inner),
-                ends=(float(pair[0].value), float(pair[1].value)), met=(met[0], met[1]),
+                ends=(float(pair[0].value), float(pair[1].value)), contacts=(met[0], met[1]),
                 poles=(poles[0], poles[1]), limits=(pair[0].times > 1, pair[1].times > 1),
                 tilt=tilt or 1,
             )  # fmt: skip
@@ -490,7 +490,7 @@ class DeclaredTraces:
         symbols of a start: coordinates, velocities, parameters.
     level
         symbols of a level: parameters, constants.
-    starting
+    initial_values
         the constants, then x and dx/dtau, as functions of the inputs.
     quartic
         coefficients of f, ascending.
@@ -499,7 +499,7 @@ class DeclaredTraces:
     system: System
     inputs: tuple[Any, ...]
     level: tuple[Any, ...]
-    starting: tuple[Any, ...]
+    initial_values: tuple[Any, ...]
     quartic: tuple[Any, ...]
     curves: tuple[Curve, ...]
 
@@ -511,12 +511,12 @@ class DeclaredTraces:
     @property
     def place(self) -> Any:
         """The variable as a function of a start."""
-        return self.starting[-2]
+        return self.initial_values[-2]
 
     @property
     def rate(self) -> Any:
         """Its rate as a function of a start."""
-        return self.starting[-1]
+        return self.initial_values[-1]
 
     def curve(self, name: str | None) -> Curve:
         """The trace of a title, or of a coordinate; the first unless told."""
@@ -535,7 +535,7 @@ class DeclaredTraces:
 
     def at_start(self, value: Any) -> Any:
         """A function of a level and of x, as a function of the start."""
-        meaning = dict(zip(self.motion.constants, self.starting[:-2], strict=True))
+        meaning = dict(zip(self.motion.constants, self.initial_values[:-2], strict=True))
         return as_expression(value).xreplace({**meaning, self.motion.x: self.place})
 
 
