@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, reduce
+from operator import mul
 from typing import Any
 
 import numpy as np
@@ -135,13 +136,8 @@ class StateProbe:
         negative = int((np.linalg.eigvalsh(base / scale) < 0).sum())
 
         def first(t: np.ndarray, states: np.ndarray) -> int | None:
-            if not negative:
-                rows = self._lower_rows(t, states)
-                scaled = [
-                    [x / scale[i, j] for j, x in enumerate(row)] for i, row in enumerate(rows)
-                ]
-                if _are_definite(scaled):
-                    return None
+            if not negative and _are_definite(self._lower_rows(t, states), np.diag(scale)):
+                return None
             masses = self.masses(t, states) / scale
             masses[~np.isfinite(masses).all(axis=(1, 2))] = base / scale
             sizes = np.linalg.eigvalsh(masses)
@@ -228,22 +224,22 @@ class StateProbe:
         return ", ".join(f"{name} = {value:.6g}" for name, value in pairs)
 
 
-def _are_definite(rows: Sequence[Sequence[Any]]) -> bool:
+def _are_definite(rows: Sequence[Sequence[Any]], units: np.ndarray) -> bool:
     """Whether matrices, given by arrays (k,) of their entries on and below the diagonal, are
-    positive definite and far from singular, told in a tenth of the time that their eigenvalues
-    take: the least is at least det / trace^n times the largest."""
-    rest = [list(row) for row in rows]
-    trace, determinant = sum(row[-1] for row in rows), 1.0
+    positive definite and far from singular where their diagonal is in some units (n,), told in a
+    tenth of the time that their eigenvalues take: the least is at least det / trace^n times the
+    largest."""
+    rest = [[np.asarray(x) for x in row] for row in rows]
     with np.errstate(all="ignore"):
+        trace = sum(row[-1] / unit for row, unit in zip(rest, units.tolist(), strict=True))
         for j, row in enumerate(rest):
-            if not np.all(row[j] > 0):
-                return False
-            determinant = determinant * row[j]
             for i in range(j + 1, len(rest)):
                 share = rest[i][j] / row[j]
                 for k in range(j + 1, i + 1):
                     rest[i][k] = rest[i][k] - share * rest[k][j]
-        return bool(np.all(determinant > SINGULAR * trace ** len(rest)))
+        pivots = [row[-1] / unit for row, unit in zip(rest, units.tolist(), strict=True)]
+        far = reduce(mul, pivots) > SINGULAR * trace ** len(rest)
+        return bool(np.min(far) and np.min(reduce(np.minimum, pivots)) > 0)
 
 
 def _smallest(scale: np.ndarray, mass: np.ndarray) -> float:

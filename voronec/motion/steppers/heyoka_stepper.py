@@ -178,12 +178,14 @@ parameters, and brings it back, one of a kind.  To make one anew takes longer th
 
 @dataclass(frozen=True)
 class _Machine:
-    """heyoka's integrator, the log in which its events write, and what is taken out of states."""
+    """heyoka's integrator, the log in which its events write, what is taken out of states, and the
+    parameters that it was ``given`` last, at first none at all."""
 
     integrator: Any
     log: Log
     winding: TurnCount
     constants: Any
+    given: list[Any] = field(default_factory=lambda: [None])
 
     @classmethod
     def of(cls, problem: Problem, winding: TurnCount, hy: Any) -> _Machine:
@@ -196,8 +198,10 @@ class _Machine:
         """Go to the start of a problem, whatever went before."""
         ta, log = self.integrator, self.log
         ta.time, ta.state[:] = float(grid[0]), problem.start / self.winding.units
-        values = self.constants.values(list(map(float, problem.parameters)))
-        ta.pars[:] = values[: len(ta.pars)]
+        given = list(map(float, problem.parameters))
+        if given != self.given:
+            self.given[:] = given
+            ta.pars[:] = self.constants.values(given)[: len(ta.pars)]
         if ta.with_events:
             ta.reset_cooldowns()
         self.winding.reset()

@@ -60,14 +60,27 @@ def reach(integrator: Any, taken: float, parts: int = 1) -> float:
 
     Its defect is looked at where so many ``parts`` of it end.
     """
-    length = _coefficients_reach(integrator.tc, taken, integrator.tol)
-    if length < np.inf or not taken:
+    coefficients = integrator.tc.copy()
+    length = _coefficients_reach(coefficients, taken, integrator.tol)
+    if length < np.inf or not taken or (parts == 1 and _leads_on(integrator, coefficients, taken)):
         return length
-    series = _Series(integrator, integrator.tc[:, :, None].copy(), np.array([taken]), parts)
+    series = _Series(integrator, coefficients[:, :, None], np.array([taken]), parts)
     end, state = integrator.dtime, integrator.state.copy()
     length = float(series.reach()[0])
     integrator.dtime, integrator.state[:] = end, state
     return length
+
+
+def _leads_on(integrator: Any, series: np.ndarray, taken: float) -> bool:
+    """Whether the defect is ordinary where the step just ``taken``, with the coefficients of its
+    ``series``, ends, and the integrator of one motion stands: as ``_Series`` finds it, and soon."""
+    numbers = np.arange(series.shape[1])
+    with np.errstate(all="ignore"):
+        slopes = series[:, 1:] @ (numbers[1:] * taken ** numbers[:-1])
+        size = max(1.0, float(np.abs(series[:, 0]).max()))
+        integrator.step(max_delta_t=0.0, write_tc=True)
+        missed = float(np.abs(slopes - integrator.tc[:, 1]).max())
+    return missed * abs(taken) <= integrator.tol**BLIND * size
 
 
 def _coefficients_reach(coefficients: np.ndarray, taken: float, tol: float) -> float:
