@@ -80,7 +80,7 @@ def _count(value: Any) -> Any:
 def imports() -> dict[str, set[str]]:
     """Module -> modules of the package that it imports, wherever the import stands."""
     files = {_name(p): p for p in PACKAGE.rglob("*.py")}
-    return {name: set(_imported(name, path, files)) for name, path in files.items()}
+    return {name: set(_imports_of(name, path, files)) for name, path in files.items()}
 
 
 def _name(path: Path) -> str:
@@ -88,7 +88,7 @@ def _name(path: Path) -> str:
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-def _imported(name: str, path: Path, files: dict[str, Path]) -> Iterator[str]:
+def _imports_of(name: str, path: Path, files: dict[str, Path]) -> Iterator[str]:
     for node in _statements(ast.parse(path.read_text("utf-8"))):
         if isinstance(node, ast.Import):
             yield from (a.name for a in node.names if a.name in files)
@@ -176,7 +176,7 @@ def _integrate() -> None:
     vo.integrate(vo.load("vertical-disc"), times=[0.0, 1.0])
 
 
-def _closed() -> None:
+def _closed_form() -> None:
     import voronec as vo
 
     vo.closed_form(vo.load("demchenko")).at([0.5])
@@ -191,7 +191,7 @@ def _check() -> None:
 JOBS: dict[str, Callable[[], None]] = {
     "derive sleigh": _derive,
     "integrate vertical-disc": _integrate,
-    "closed form to a number": _closed,
+    "closed form to a number": _closed_form,
     "check sleigh": _check,
 }
 

@@ -72,10 +72,10 @@ def command_door(dice: Random, place: Path) -> Door:
     words = [w.replace("\0", "") for w in words]  # no shell hands these on
     (place / "x.py").write_text(SMALL.format(name="small"))
     (place / "x.json").write_text(dice.choice(["", "{}", "[]", "null", '{"a": NaN}', "\ufeff{"]))
-    return " ".join(map(ascii, words)), lambda: _commanded(words)
+    return " ".join(map(ascii, words)), lambda: _run_command(words)
 
 
-def _commanded(words: list[str]) -> None:
+def _run_command(words: list[str]) -> None:
     if words[0] in LONG and _would_work(words):
         return
     try:
@@ -121,7 +121,7 @@ def plugin_door(dice: Random, place: Path) -> Door:
     """A file that defines a system, and is malformed, or of odd kinds, or says hostile things."""
     text = SMALL.format(name=dice.choice(["small", "small", "", "a" * 300, "θ", "x y", "sleigh"]))
     for _ in range(dice.choice((1, 1, 2))):
-        text = dice.choice((_cut, _swapped, _replaced, _added, _noised))(dice, text)
+        text = dice.choice((_cut, _swap, _replace, _add, _add_noise))(dice, text)
     data = text.encode("utf-8", "surrogateescape")
     if dice.random() < 0.05:
         data = bytes(dice.randrange(256) for _ in range(40)) + data
@@ -135,21 +135,21 @@ def plugin_door(dice: Random, place: Path) -> Door:
         words += ["--crossings", "2", "--until", "5"]
     words += [str(file)] if command == "compare" else []
     words += ["--jobs", "1", "--fresh"] if command == "check" else []
-    return f"{command} of {ascii(text)[-300:]}", lambda: _commanded(words)
+    return f"{command} of {ascii(text)[-300:]}", lambda: _run_command(words)
 
 
 def _cut(dice: Random, text: str) -> str:
     return text[: dice.randrange(len(text))]
 
 
-def _swapped(dice: Random, text: str) -> str:
+def _swap(dice: Random, text: str) -> str:
     words = text.split(" ")
     i, j = dice.randrange(len(words)), dice.randrange(len(words))
     words[i], words[j] = words[j], words[i]
     return " ".join(words)
 
 
-def _replaced(dice: Random, text: str) -> str:
+def _replace(dice: Random, text: str) -> str:
     old = dice.choice(["m * vo.velocity(x) ** 2 / 2 - x**2", "(x,)", "vo.Scene({x: 1}, (0, 1))",
     '"x m"',
                        "vo.Parameter(m, 1, positive=True)", "{x: 1}", "(0, 1)", "x**2",
@@ -163,7 +163,7 @@ def _replaced(dice: Random, text: str) -> str:
     return text.replace(old, new)
 
 
-def _added(dice: Random, text: str) -> str:
+def _add(dice: Random, text: str) -> str:
     return text + dice.choice([
         "MEMBERS = {'a': lambda: SYSTEM}\n", "MEMBERS = None\n", "MEMBERS = {1: 2}\n",
         "RELATIONS = 3\n",
@@ -178,7 +178,7 @@ def _added(dice: Random, text: str) -> str:
     ])  # fmt: skip
 
 
-def _noised(dice: Random, text: str) -> str:
+def _add_noise(dice: Random, text: str) -> str:
     at = dice.randrange(len(text))
     return (
         text[:at]

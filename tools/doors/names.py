@@ -30,8 +30,8 @@ def python_door(dice: Random, place: Path) -> tuple[str, Callable[[], Any]]:
     for _ in range(dice.choice((1, 1, 1, 2))):
         key = dice.choice([*right, *optional])
         arguments[key] = _oddly(dice, right.get(key))
-    told = ", ".join(f"{k}={_told(v)}" for k, v in arguments.items() if right.get(k) is not v)
-    return f"{name}({told})", lambda: _used(name, function(**arguments))
+    told = ", ".join(f"{k}={_words_of(v)}" for k, v in arguments.items() if right.get(k) is not v)
+    return f"{name}({told})", lambda: _use(name, function(**arguments))
 
 
 def _oddly(dice: Random, right: Any) -> Any:
@@ -57,7 +57,7 @@ def _hashable(dice: Random) -> Any:
     return value
 
 
-def _told(value: Any) -> str:
+def _words_of(value: Any) -> str:
     try:
         text = repr(value)
     except Exception:
@@ -65,7 +65,7 @@ def _told(value: Any) -> str:
     return ascii(text)[1:-1][:120]
 
 
-def _used(name: str, result: Any) -> None:
+def _use(name: str, result: Any) -> None:
     """What came out is used a little: a system is derived, equations are written."""
     if isinstance(result, vo.System):
         eqs = vo.derive(result)
@@ -111,7 +111,7 @@ def _trajectory() -> Any:
 
 
 @cache
-def _closed() -> Any:
+def _closed_form() -> Any:
     return vo.closed_form(_system("demchenko"))
 
 
@@ -162,8 +162,8 @@ def _table() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "search_integrals": (vo.search_integrals, {"system": x, "degree": 1, "positions": 1}),
         "closed_form": (vo.closed_form, {"system": _system("demchenko"), "initial": {"s": 1}}),
         "precessions": (vo.precessions, {"system": _system("demchenko"), "parameters": {}}),
-        "closed.at": (_closed().at, {"times": SPAN, "names": ("u", "v")}),
-        "closed.enclose": (_closed().enclose, {"t": 1, "digits": 20}),
+        "closed.at": (_closed_form().at, {"times": SPAN, "names": ("u", "v")}),
+        "closed.enclose": (_closed_form().enclose, {"t": 1, "digits": 20}),
         "trajectory.at": (_trajectory().at, {"times": SPAN}),
         "trajectory[]": (_trajectory().__getitem__, {"key": "x"}),
         "trajectory.save": (_trajectory().save, {"path": "x.csv"}),

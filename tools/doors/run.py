@@ -63,7 +63,7 @@ def main() -> int:
     if chosen.only is not None:
         _watch_text()
         with tempfile.TemporaryDirectory(prefix="doors-") as home:
-            kind, what, wrong = opened(chosen.seed, chosen.only, chosen.kind, Path(home))
+            kind, what, wrong = open_door(chosen.seed, chosen.only, chosen.kind, Path(home))
         print(f"{kind}: {what}\n{wrong or 'as it should be'}")
         return 1 if wrong else 0
     begun, failures, done = time.monotonic(), list[str](), collections.Counter[str]()
@@ -86,7 +86,7 @@ def _arguments() -> argparse.Namespace:
     return read_campaign(parser)
 
 
-def opened(seed: int, number: int, kind: str | None, home: Path) -> tuple[str, str, str]:
+def open_door(seed: int, number: int, kind: str | None, home: Path) -> tuple[str, str, str]:
     """The kind of a door, what it is, and what is wrong there."""
     dice = random.Random(f"{seed}:{number}")
     kind = kind or dice.choices([*DOORS], [weight for weight, _ in DOORS.values()])[0]
@@ -96,14 +96,14 @@ def opened(seed: int, number: int, kind: str | None, home: Path) -> tuple[str, s
     what, enter = DOORS[kind][1](dice, place)
     RAN.clear()
     kept = [(module, dict(vars(module))) for module in (sp, vo)]
-    wrong = _entered(enter)
+    wrong = _enter(enter)
     for module, names in kept:  # a plugin may write ``sp.oo = ...``, which others would read
         vars(module).clear()
         vars(module).update(names)
     os.chdir(place)
     if RAN or any(place.rglob(CANARY)):
         wrong = f"text was run: {RAN[:1]}"
-    wrong = wrong or _left(place)
+    wrong = wrong or _remains(place)
     os.chdir(home)
     for path in (place, *place.rglob("*")):
         with contextlib.suppress(OSError):
@@ -112,7 +112,7 @@ def opened(seed: int, number: int, kind: str | None, home: Path) -> tuple[str, s
     return kind, what, wrong
 
 
-def _entered(enter: Callable[[], Any]) -> str:
+def _enter(enter: Callable[[], Any]) -> str:
     """What is wrong with an outcome; empty where nothing is."""
     out, told = io.StringIO(), io.StringIO()
     try:
@@ -155,7 +155,7 @@ def _watch_text() -> None:
 
     run = sympy_parser.eval_expr
 
-    def watched(code: str, *rest: Any) -> Any:
+    def watch(code: str, *rest: Any) -> Any:
         frames = traceback.extract_stack()  # SymPy reads numbers and units of its own so
         own = any(f.name == "nsimplify" or "units" in f.filename for f in frames)
         # ``progress=sympy.sin``: what the caller's own function does with our words is its affair
@@ -165,10 +165,10 @@ def _watch_text() -> None:
             RAN.append(code[:80])
         return run(code, *rest)
 
-    sympy_parser.eval_expr = watched
+    sympy_parser.eval_expr = watch
 
 
-def _left(place: Path) -> str:
+def _remains(place: Path) -> str:
     """What was left half-written: drafts, workshops, files of no bytes."""
     for path in place.rglob("*"):
         if path.name in ("here", "x.json", "x.toml", "plugin.py", "__pycache__") or (
@@ -195,7 +195,7 @@ def _child(seed: int, kind: str | None, way: Any) -> None:
     try:
         while (number := way.recv()) is not None:
             try:
-                way.send((number, *opened(seed, number, kind, home)))
+                way.send((number, *open_door(seed, number, kind, home)))
             except MemoryError:
                 way.send((number, "?", "?", "memory: too much"))
                 os._exit(1)
@@ -245,7 +245,7 @@ def _results(chosen: argparse.Namespace, begun: float) -> Iterator[tuple[int, st
                     except (EOFError, OSError):
                         worker.process.join()
                         lost = f"signal: {worker.process.exitcode}"
-                elif worker.clock.worked() > HANG or worker.clock.waited() > WAIT:
+                elif worker.clock.work_time() > HANG or worker.clock.wait_time() > WAIT:
                     worker.process.kill()
                     lost = f"hang: over {HANG:g} s"
                 else:

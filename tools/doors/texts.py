@@ -99,7 +99,8 @@ def text_door(dice: Random, place: Path) -> Door:
 def _system(dice: Random, place: Path) -> Door:
     text = dice.choice(SYSTEMS)
     for _ in range(dice.choice((1, 1, 2, 4))):
-        text = dice.choice((_cut, _swapped, _signed, _valued, _formulated, _doubled))(dice, text)
+        change = dice.choice((_cut, _swap, _change_sign, _change_value, _change_text, _double))
+        text = change(dice, text)
     data = text.encode("utf-8", "surrogateescape" if dice.random() < 0.9 else "surrogatepass")
     if dice.random() < 0.02:
         data += bytes(dice.randrange(256) for _ in range(40))
@@ -107,10 +108,10 @@ def _system(dice: Random, place: Path) -> Door:
     file.write_bytes(data)
     further = dice.random() < 0.02
     (place / "u.csv").write_text(dice.choice(TABLES))
-    return f"system of {ascii(text)[-300:]}", lambda: _loaded(file, further)
+    return f"system of {ascii(text)[-300:]}", lambda: _load(file, further)
 
 
-def _loaded(file: Path, further: bool) -> None:
+def _load(file: Path, further: bool) -> None:
     """A refusal names a line and a column, unless the file is no text."""
     try:
         system = vo.load(file)
@@ -130,7 +131,7 @@ def _cut(dice: Random, text: str) -> str:
     return text[:at] + text[at + dice.choice((1, 3, 30, len(text))) :]
 
 
-def _swapped(dice: Random, text: str) -> str:
+def _swap(dice: Random, text: str) -> str:
     words = [*WORDS.finditer(text)]
     if not words:
         return text
@@ -138,12 +139,12 @@ def _swapped(dice: Random, text: str) -> str:
     return text[: one.start()] + other[0] + text[one.end() :]
 
 
-def _signed(dice: Random, text: str) -> str:
+def _change_sign(dice: Random, text: str) -> str:
     at = dice.randrange(len(text) + 1)
     return text[:at] + dice.choice(SIGNS) + text[at:]
 
 
-def _valued(dice: Random, text: str) -> str:
+def _change_value(dice: Random, text: str) -> str:
     """Another value in the place of one."""
     lines = text.split("\n")
     at = dice.randrange(len(lines))
@@ -154,7 +155,7 @@ def _valued(dice: Random, text: str) -> str:
     return "\n".join(lines)
 
 
-def _formulated(dice: Random, text: str) -> str:
+def _change_text(dice: Random, text: str) -> str:
     """Another text in the place of one."""
     strings = [*STRING.finditer(text)]
     if not strings:
@@ -163,7 +164,7 @@ def _formulated(dice: Random, text: str) -> str:
     return text[: one.start()] + json.dumps(_formula(dice)) + text[one.end() :]
 
 
-def _doubled(dice: Random, text: str) -> str:
+def _double(dice: Random, text: str) -> str:
     """A line or a piece of the file once more."""
     lines = text.split("\n")
     start = dice.randrange(len(lines))
@@ -180,7 +181,7 @@ def _formula(dice: Random) -> str:
         return odd_text(dice)
     text = dice.choice(FORMULAS)
     for _ in range(dice.choice((1, 2))):
-        text = dice.choice((_cut, _swapped, _signed))(dice, text)
+        text = dice.choice((_cut, _swap, _change_sign))(dice, text)
     return text
 
 

@@ -63,22 +63,22 @@ def main() -> int:
     reader.add_argument("--span", type=float, default=20.0)
     reader.add_argument("--json", action="store_true")
     given = reader.parse_args()
-    record = measured(given.links, given.blades, given.span)
-    print(json.dumps(record) if given.json else shown(record))
+    record = measure(given.links, given.blades, given.span)
+    print(json.dumps(record) if given.json else show(record))
     return 0
 
 
-def measured(links: int = 7, blades: int = 3, span: float = 20.0) -> dict[str, Any]:
+def measure(links: int = 7, blades: int = 3, span: float = 20.0) -> dict[str, Any]:
     """Everything, as a dictionary: ``setup`` in seconds, ``rows`` of method, tol, error, time."""
     setup: dict[str, float] = {}
     system = chain(links, blades)
-    equations = clocked(setup, "derivation", lambda: vo.derive(system))
-    form = clocked(setup, "straight-line form", lambda: lean_form(equations.raw))
-    program = clocked(setup, "program", lambda: Program.of(form))
-    problem = posed(clocked(setup, "constants", lambda: hoist(program)), span)
+    equations = clock(setup, "derivation", lambda: vo.derive(system))
+    form = clock(setup, "straight-line form", lambda: lean_form(equations.raw))
+    program = clock(setup, "program", lambda: Program.of(form))
+    problem = pose(clock(setup, "constants", lambda: hoist(program)), span)
     methods = {
-        "heyoka": clocked(setup, "heyoka, cold", lambda: by_heyoka(problem)),
-        "numba": clocked(setup, "numba, cold", lambda: by_numba(problem)),
+        "heyoka": clock(setup, "heyoka, cold", lambda: by_heyoka(problem)),
+        "numba": clock(setup, "numba, cold", lambda: by_numba(problem)),
         "scipy, numba": by_scipy(problem),
     }
     reference, rows = None, []
@@ -95,7 +95,7 @@ def measured(links: int = 7, blades: int = 3, span: float = 20.0) -> dict[str, A
     }  # fmt: skip
 
 
-def clocked(setup: dict[str, float], name: str, work: Callable[[], Any]) -> Any:
+def clock(setup: dict[str, float], name: str, work: Callable[[], Any]) -> Any:
     """What some work gives; its CPU time is written down."""
     began = process_time()
     found = work()
@@ -113,7 +113,7 @@ def best(work: Callable[[], np.ndarray]) -> tuple[float, np.ndarray]:
     return seconds, found
 
 
-def posed(raised: HoistedProgram, span: float) -> Problem:
+def pose(raised: HoistedProgram, span: float) -> Problem:
     """Numbers for the parameters, all different, and a lively start."""
     dice = np.random.default_rng(0)
     given = raised.original
@@ -134,7 +134,7 @@ class PosedCall:
 def chain_problem() -> PosedCall:
     """The chain that is measured by default."""
     equations = vo.derive(chain())
-    problem = posed(hoist(Program.of(lean_form(equations.raw))), 20.0)
+    problem = pose(hoist(Program.of(lean_form(equations.raw))), 20.0)
     given = problem.raised.original
     values = dict(zip(map(str, given.parameters), problem.constants.tolist(), strict=False))
     start = dict(zip(map(str, given.state), problem.start.tolist(), strict=True))
@@ -257,7 +257,7 @@ def by_scipy(problem: Problem) -> Callable[[float], np.ndarray]:
     return run
 
 
-def shown(record: dict[str, Any]) -> str:
+def show(record: dict[str, Any]) -> str:
     """The record as text."""
     lines = [f"{k}: {v}" for k, v in record.items() if k not in ("setup", "rows")]
     lines += [f"set-up, {k}: {v:.2f} s" for k, v in record["setup"].items()]

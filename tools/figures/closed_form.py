@@ -33,7 +33,7 @@ PACKAGES = ("python-flint", "numpy", "heyoka")
 MARKS = "<!-- {}: written by tools/bench.py closed-form -->", "<!-- end of {} -->"
 
 
-def _missed(rows: list[Row]) -> str:
+def _misses(rows: list[Row]) -> str:
     """Under the table, why figures are missed."""
     missed = [f"- {r.row}: {r.why}." for r in rows if not r.good and r.why]
     return "\n".join(["", "", "What is missed, and why:", "", *missed]) if missed else ""
@@ -60,21 +60,21 @@ def curve(page: Path) -> str:
     return runs(bench)
 
 
-def kept(page: Path) -> dict[str, Any]:
+def earlier_figures(page: Path) -> dict[str, Any]:
     """What earlier runs measured, from the file beside the page."""
     file = page.with_suffix(".json")
     known: dict[str, Any] = json.loads(file.read_text("utf-8")) if file.exists() else {}
     return {"rows": {}, CASES: "", CURVE: "", **known}
 
 
-def written(page: Path, known: dict[str, Any]) -> None:
+def write(page: Path, known: dict[str, Any]) -> None:
     """Store what is known beside the page, and put the tables between their marks in it."""
     known["machine"] = _machine()
     page.with_suffix(".json").write_text(json.dumps(known, indent=1) + "\n", "utf-8")
     shown = [Row(**row) for key in ROWS for row in known["rows"].get(key, [])]
     text = page.read_text("utf-8")
     parts = {
-        "figures": table(shown) + _missed(shown), CASES: known[CASES], CURVE: known[CURVE],
+        "figures": table(shown) + _misses(shown), CASES: known[CASES], CURVE: known[CURVE],
         "machine": f"Measured on {known['machine']}.",
     }  # fmt: skip
     for name, part in parts.items():
@@ -99,7 +99,7 @@ def main() -> int:
     if unknown:
         parser.error(f"there is no row '{unknown[0]}'; rows are {', '.join(names)}")
     rows: list[Row] = []
-    known = kept(options.page) if options.page else {"rows": {}}
+    known = earlier_figures(options.page) if options.page else {"rows": {}}
     for name in options.rows or names:
         if name in ROWS:
             found = rows_of(ROWS[name])
@@ -110,10 +110,10 @@ def main() -> int:
         elif options.page:
             known[name] = cases_table() if name == CASES else curve(options.page)
         if options.page:
-            written(options.page, known)
+            write(options.page, known)
     plain = [asdict(row) | {"verdict": row.verdict} for row in rows]
     told = json.dumps({"machine": _machine(), "rows": plain}, indent=1)
-    print(told if options.json else table(rows) + _missed(rows))
+    print(told if options.json else table(rows) + _misses(rows))
     return 0 if all(row.good for row in rows) else 1
 
 

@@ -27,7 +27,7 @@ REVERSALS = {"A": 0, "B": 1, "C1": 2, "C2": 2, "C": 2}
 Data = dict[str, np.ndarray]
 
 
-def drawn(count: int, seed: int) -> Data:
+def draw(count: int, seed: int) -> Data:
     """Data of outer, inner and shell rolling, a third of each."""
     dice = np.random.default_rng(seed)
     r2 = dice.uniform(0.2, 3, count)
@@ -61,17 +61,17 @@ def polynomials(d: Data) -> tuple[np.ndarray, dict[str, np.ndarray], np.ndarray]
     return f / mu**2, {"on the ball": s, "on the sphere": w - k * s / p}, x
 
 
-def counted(d: Data, trace: str, points: int) -> np.ndarray:
+def count_reversals(d: Data, trace: str, points: int) -> np.ndarray:
     """Reversals between the parallels, by changes of sign on a grid."""
     f, reversing, x = polynomials(d)
     size = max(1, BLOCK // points)
     return np.concatenate([
-        _counted(f[:, i : i + size], reversing[trace][:, i : i + size], x[i : i + size], points)
+        _count(f[:, i : i + size], reversing[trace][:, i : i + size], x[i : i + size], points)
         for i in range(0, len(x), size)
     ])  # fmt: skip
 
 
-def _counted(f: np.ndarray, s: np.ndarray, x: np.ndarray, points: int) -> np.ndarray:
+def _count(f: np.ndarray, s: np.ndarray, x: np.ndarray, points: int) -> np.ndarray:
     low, high = (_end(f, x, side, points) for side in (-1.0, 1.0))
     steps = np.sin(np.linspace(0, np.pi / 2, points + 1)[1:-1]) ** 2
     signs = np.sign(_value(s, low + (high - low) * steps[:, None]))
@@ -104,7 +104,7 @@ def classes() -> Iterator[Row]:
     """Very many random motions classified, against counting."""
     from voronec.closed.classes.survey import classify_many
 
-    data, system = drawn(COUNT, 6), vo.load("demchenko")
+    data, system = draw(COUNT, 6), vo.load("demchenko")
     parameters = {n: data[n] for n in ("R1", "R2", "M", "A", "k")}
     start = {n: x for n, x in data.items() if n not in parameters}
     for trace in ("on the ball", "on the sphere"):
@@ -117,7 +117,7 @@ def classes() -> Iterator[Row]:
             if not len(left):
                 break
             part = {n: x[left] for n, x in data.items()}
-            left = left[counted(part, trace, points) != expected[left]]
+            left = left[count_reversals(part, trace, points) != expected[left]]
         tally = ", ".join(f"{n} {label}" for label, n in Counter(labels.tolist()).most_common())
         yield Row(
             f"{COUNT:g} random motions classified, outer, inner and shell, {trace}",

@@ -42,7 +42,7 @@ class Motion:
         with mpmath.workdps(self.digits + 25):
             names = (*VALUES, *NAMES)
             found = {n: _number(self.given.get(n, VALUES.get(n, 0))) for n in names}
-            return {**found, **_standing(found)} if self.upright else found
+            return {**found, **_upright_start(found)} if self.upright else found
 
     @cached_property
     def taylor(self) -> Taylor:
@@ -76,8 +76,8 @@ class Motion:
             n1, e3, e1 = self.taylor.state(rest)
             k = self.taylor.equations.momentum
             axis = [x / mpmath.norm(k) for x in k]
-            e1 = _turned(e1, e3, -count * own)
-            return self._read([_turned(x, axis, count * about) for x in (n1, e3, e1)])
+            e1 = _turn(e1, e3, -count * own)
+            return self._read([_turn(x, axis, count * about) for x in (n1, e3, e1)])
 
     @cached_property
     def turns(self) -> tuple[Fraction, Any, Any]:
@@ -102,11 +102,11 @@ class Motion:
         while len(found) < count:
             if i == len(taylor.pieces):
                 taylor.forward(taylor.pieces[-1].end)
-            found += self._turning(i)
+            found += self._turns_of(i)
             i += 1
         return found[:count]
 
-    def _turning(self, i: int) -> list[Fraction]:
+    def _turns_of(self, i: int) -> list[Fraction]:
         taylor, piece = self.taylor, self.taylor.pieces[i]
         slope, found = taylor.slope(piece), []
         grid = [(j << taylor.bits) // 16 for j in range(17)]
@@ -143,7 +143,7 @@ def _number(given: Any) -> Any:
     return mpmath.mp.make_mpf(sp.Float(sp.sympify(given).evalf(digits), digits)._mpf_)
 
 
-def _standing(d: Mapping[str, Any]) -> dict[str, Any]:
+def _upright_start(d: Mapping[str, Any]) -> dict[str, Any]:
     """theta and u1 where K is along z [DragovicGajicJovanovic2020, eq. (integrali)]."""
     inertia = d["M"] * d["R2"] ** 2 + d["A"]
     along_u, along_v = inertia * d["s"] - d["k"] * mpmath.sin(d["u"]), inertia * d["tau"]
@@ -169,7 +169,7 @@ def _turned_frame(u1: Any, v1: Any, theta: Any) -> tuple[list[Any], list[Any], l
     return along_u, along_v, [-x for x in n]
 
 
-def _turned(vector: Sequence[Any], axis: Sequence[Any], angle: Any) -> list[Any]:
+def _turn(vector: Sequence[Any], axis: Sequence[Any], angle: Any) -> list[Any]:
     """A vector turned about a unit axis."""
     c, s = mpmath.cos(angle), mpmath.sin(angle)
     rest, swung = dot(axis, vector) * (1 - c), cross(axis, vector)

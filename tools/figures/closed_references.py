@@ -71,20 +71,20 @@ def entry(name: str, told: Mapping[str, Any], follow: bool) -> dict[str, Any]:
     names = NAMES if group == "class" else ANGLES
     if group == "asymptotic":
         rows = [(t, motion.at(Fraction(t))) for t in ENDLESS]
-        return {**told, "period": None, "values": _written(rows, names)}
+        return {**told, "period": None, "values": _texts(rows, names)}
     period = motion.turns[0]
     dice = random.Random(name)
     parts = [dice.uniform(0, 3), dice.uniform(30, 70), dice.uniform(99, 100)]
     early = [float(period) * x for x in parts]
     late = [float(period) * x for x in (LATE * dice.uniform(0.3, 0.9), LATE)]
     rows = [(t, motion.later(Fraction(t))) for t in early + late]
-    found = {**told, "period": _text(_ratio(period)), "values": _written(rows, names)}
+    found = {**told, "period": _text(_ratio(period)), "values": _texts(rows, names)}
     if follow and group == "class":
-        found["followed"] = _text(_followed(motion, early), 2)
+        found["followed"] = _text(_follow(motion, early), 2)
     return found
 
 
-def _followed(motion: Motion, instants: list[float]) -> Any:
+def _follow(motion: Motion, instants: list[float]) -> Any:
     """How far an integration all the way is from what whole periods tell."""
     other = Motion(motion.given, motion.upright, FOLLOWED)
     worst = mpmath.mpf(0)
@@ -94,7 +94,7 @@ def _followed(motion: Motion, instants: list[float]) -> Any:
     return worst
 
 
-def _written(rows: list[tuple[float, dict[str, Any]]], names: tuple[str, ...]) -> list[list[str]]:
+def _texts(rows: list[tuple[float, dict[str, Any]]], names: tuple[str, ...]) -> list[list[str]]:
     return [[t.hex(), *(_text(values[n]) for n in names)] for t, values in rows]
 
 

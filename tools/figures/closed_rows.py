@@ -131,7 +131,7 @@ def rigorous() -> Iterator[Row]:
         seconds.append(time.process_time() - began)
         true = motion.later(t)
         for n in NAMES:
-            wide, inside = _held(n, found[n], true[n])
+            wide, inside = _enclosure(n, found[n], true[n])
             widest = max(widest, wide)
             missed += [] if inside else [f"{n} of {name}"]
     told_missed = f"; not containing {', '.join(missed)}" if missed else ", all containing it"
@@ -143,7 +143,7 @@ def rigorous() -> Iterator[Row]:
     )  # fmt: skip
 
 
-def followed() -> Iterator[Row]:
+def routes() -> Iterator[Row]:
     """The stored references by their two routes."""
     found = {n: float(told["followed"]) for n, told in references().items() if "followed" in told}
     worst, where = max((x, n) for n, x in found.items())
@@ -154,7 +154,7 @@ def followed() -> Iterator[Row]:
     )  # fmt: skip
 
 
-def _held(name: str, ball: Any, true: Any) -> tuple[float, bool]:
+def _enclosure(name: str, ball: Any, true: Any) -> tuple[float, bool]:
     """The width of an enclosure, and whether it holds a number that is right to 1e-60."""
     with mpmath.workdps(WORKING):
         middle, radius = (mpmath.mpf(_digits(part)) for part in (ball.mid(), ball.rad()))
@@ -230,7 +230,7 @@ def dense() -> Iterator[Row]:
     )  # fmt: skip
 
 
-def turned() -> Iterator[Row]:
+def not_upright() -> Iterator[Row]:
     """The same where the momentum is not upright, and by ``integrate``."""
     closed, start = closed_form("outer A"), exact_start(references()["outer A"]["given"])
     times = np.linspace(0.0, PERIODS * closed.period, INSTANTS)
@@ -249,7 +249,7 @@ def turned() -> Iterator[Row]:
         f"{1e3 * best['closed']:.0f} ms)", ratio > 1,
     )  # fmt: skip
     for name, told in (("outer B", "upright"), ("outer A", "not upright")):
-        spent = {m: _spent(name, m) for m in ("closed-form", "heyoka")}
+        spent = {m: _time_of(name, m) for m in ("closed-form", "heyoka")}
         ratio = spent["heyoka"] / spent["closed-form"]
         yield Row(
             f"run of integrate on {INSTANTS:g} instants, the momentum {told}, {PERIODS} periods, "
@@ -259,7 +259,7 @@ def turned() -> Iterator[Row]:
         )  # fmt: skip
 
 
-def _spent(name: str, method: str) -> float:
+def _time_of(name: str, method: str) -> float:
     """The least CPU time of a run on the grid."""
     start = exact_start(references()[name]["given"])
     times = np.linspace(0.0, PERIODS * closed_form(name).period, INSTANTS)
@@ -287,9 +287,9 @@ def _by_steps(start: Mapping[str, Mapping[str, Any]]) -> CompiledMotion:
 ROWS: dict[str, Callable[[], Iterator[Row]]] = {
     "early": early,
     "late": late,
-    "followed": followed,
+    "followed": routes,
     "rigorous": rigorous,
     "hard": hard,
     "dense": dense,
-    "turned": turned,
+    "turned": not_upright,
 }

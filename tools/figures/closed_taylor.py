@@ -105,7 +105,7 @@ class Taylor:
                 if self.pieces:
                     last = self.pieces[-1]
                     begin, pace, state = last.end, last.step, [sum(r) for r in last.rows]
-                rows, step = self._stepped(state or self._begun, pace)
+                rows, step = self._step(state or self._begin, pace)
                 if not keep:
                     self.pieces.clear()
                 self.pieces.append(Piece(begin, step, rows))
@@ -130,7 +130,7 @@ class Taylor:
         return [j * c for j, c in enumerate(x)][1:]
 
     @cached_property
-    def _begun(self) -> list[int]:
+    def _begin(self) -> list[int]:
         return [self._integer(x) for vector in self.start for x in vector]
 
     @cached_property
@@ -143,13 +143,13 @@ class Taylor:
     def _integer(self, x: Any) -> int:
         return int(mpmath.nint(mpmath.ldexp(x, self.bits)))
 
-    def _stepped(self, state: list[int], pace: Fraction) -> tuple[list[list[int]], Fraction]:
+    def _step(self, state: list[int], pace: Fraction) -> tuple[list[list[int]], Fraction]:
         """Series scaled by a step for which their last coefficients are nothing, and the step."""
         rows = self._series(state, 2 * pace)
         tail = max(abs(r[j]) for r in rows for j in (self.order - 1, self.order))
         part = min(32, int(32 * 2.0 ** (-log2(tail) / self.order))) if tail else 32
         if part < 1:
-            return self._stepped(state, pace / 8)
+            return self._step(state, pace / 8)
         scaled = [[c * part**j >> 5 * j for j, c in enumerate(r)] for r in rows]
         return scaled, 2 * pace * Fraction(part, 32)
 

@@ -167,7 +167,7 @@ ROWS: dict[str, Callable[[], Iterator[Row]]] = {
 }
 
 
-def _measured(key: str) -> Iterator[Row]:
+def _measure(key: str) -> Iterator[Row]:
     """The rows of one measurement; what stops it is a missed row, and the others go on."""
     try:
         yield from ROWS[key]()
@@ -199,7 +199,7 @@ def main() -> int:
     options = parser.parse_args()
     rows: list[Row] = []
     for key in options.only or ROWS:
-        for row in _measured(key):
+        for row in _measure(key):
             rows.append(row)
             print(f"{row.row}: {row.reached} ({row.verdict})", file=sys.stderr, flush=True)
     machine = f"{platform.machine()}, Python {platform.python_version()}, SymPy {sp.__version__}"

@@ -12,7 +12,7 @@ import numpy as np
 
 import voronec as vo
 from figures.extent import Extent
-from figures.race import OneRun, Race, clocked, race
+from figures.race import OneRun, Race, clock, race
 from figures.table import Row
 from voronec.accuracy.bench import ask
 from voronec.accuracy.bench.level import level
@@ -136,7 +136,7 @@ def _ensemble_rows(found: Race, extent: Extent, said: str) -> Iterator[Row]:
         theirs = found.at(kind, ERROR)
         for what, name, asked in (("run", "running", 800), ("whole", "whole call", 600)):
             seconds = found.at("ours", ERROR, what)
-            ratio = theirs.over(seconds).scaled(count)
+            ratio = theirs.over(seconds).times_factor(count)
             yield Row(
                 f"ensemble of {count} starts, T = {end:g}, error {ERROR:g} in the middle, one "
                 f"core, {name}, against a loop over scipy's DOP853 (over three starts, the "
@@ -176,7 +176,7 @@ def _ensemble(
     The running is told from set-up by the reports of progress.
     """
     told: list[tuple[float, float]] = []
-    found, whole = clocked(
+    found, whole = clock(
         lambda: vo.ensemble(
             ball, spins, times=grid, outputs=BALL, scene="default", tol=tol, method="heyoka",
             progress=partial(_note, told),
@@ -207,7 +207,7 @@ def _loop(
     from scipy.integrate import solve_ivp
 
     options = {"t_eval": grid, "rtol": tol, "atol": tol}
-    rows, seconds = clocked(
+    rows, seconds = clock(
         lambda: [
             solve_ivp(peer.right, (0, grid[-1]), peer.start(values), "DOP853", **options).y.T
             for values in starts
@@ -271,7 +271,7 @@ def _seconds_a_point(ball: Any, tol: float, starts: int, crossings: int) -> dict
     """CPU time of a point: without set-up, between the first report of progress and the last, and
     in a whole call."""
     told: list[tuple[float, float]] = []
-    _, whole = clocked(
+    _, whole = clock(
         lambda: _crossings(ball, tol, crossings // starts, starts, partial(_note, told))
     )
     return {"run": _pace(told) / crossings, "whole": whole / crossings}
@@ -288,7 +288,7 @@ def _events(peer: Peer, question: BenchMotion, exact: Any, tol: float) -> OneRun
 
     event.direction = 1  # type: ignore[attr-defined]
     span, options = (0.0, float(exact.t[-1]) + 1e-3), {"rtol": tol, "atol": tol}
-    found, seconds = clocked(
+    found, seconds = clock(
         lambda: solve_ivp(peer.right, span, start, "DOP853", events=event, **options)
     )
     rows = found.y_events[0][-len(exact.t) :]

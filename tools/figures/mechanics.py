@@ -29,7 +29,7 @@ ENDLESS = ("whipple_bicycle",)
 """Models whose ``rhs()`` SymPy's ``cse`` is not through with after four minutes: a share of 0."""
 
 
-def timed(work: Any, make: Any) -> tuple[float, Any]:
+def time_of(work: Any, make: Any) -> tuple[float, Any]:
     """CPU time of one run on a model that was made before, the median of three, and what came
     out."""
     times = []
@@ -102,8 +102,8 @@ def main() -> int:
     faster, shorter = [], []
     print(f"{'model':36} {'SymPy s':>8} {'ours s':>8} {'times':>6}   {'cse':>6} {'ours':>6} share")
     for name in chosen:
-        slow, (*_, method) = timed(theirs, MODELS[name])
-        quick, eqs = timed(ours, MODELS[name])
+        slow, (*_, method) = time_of(theirs, MODELS[name])
+        quick, eqs = time_of(ours, MODELS[name])
         count = program(eqs, method)
         there = 0 if name in ENDLESS else cse_operations(method)
         faster.append(slow / quick)

@@ -38,7 +38,7 @@ def turns(runs: Mapping[Any, Callable[[], Any]], rounds: int) -> dict[Any, float
     return best
 
 
-def repeated(
+def repeat(
     runs: Mapping[Any, Callable[[], Any]], extent: Extent, more: int = 1
 ) -> list[dict[Any, float]]:
     """The shortest times of so many turns, in parts: one for each repetition."""
@@ -83,7 +83,7 @@ def smallest(question: BenchMotion) -> CompiledMotion:
     return CompiledMotion.of(made.program, *made.place(start, question.parameters, 0.0))
 
 
-def _driven(integrator: Any, start: np.ndarray, span: float) -> Callable[[], None]:
+def _drive(integrator: Any, start: np.ndarray, span: float) -> Callable[[], None]:
     def run() -> None:
         integrator.time, integrator.state[:] = 0.0, start
         integrator.propagate_until(span)
@@ -103,8 +103,8 @@ def by_hand(extent: Extent) -> Iterator[Row]:
     for tol in (1e-8, 1e-11, 1e-13):
         one = ours.integrator(tol)
         other = hy.taylor_adaptive(hand.equations, start.tolist(), tol=tol)
-        found = repeated({
-            "ours": _driven(one, ours.start, SHORT), "hand": _driven(other, start, SHORT)
+        found = repeat({
+            "ours": _drive(one, ours.start, SHORT), "hand": _drive(other, start, SHORT)
         }, extent, more=3)  # fmt: skip
         ratios.append(Spread(tuple(best["ours"] / best["hand"] for best in found)))
     worst = max(ratios, key=lambda r: r.median)
@@ -136,7 +136,7 @@ def minimal(extent: Extent) -> Iterator[Row]:
     small = [(t, _worst(question, run(t).values, exact)) for t in FINE]
     large = [(t, _worst(question, _whole(question, program, every, t), exact)) for t in FINE]
     span = question.span
-    found = repeated(_model_runs(few, every, span), extent)
+    found = repeat(_model_runs(few, every, span), extent)
     error = 1e-9
     full = {mode: _seconds(found, mode, large, error) for mode in ("default", "compact")}
     mode = min(full, key=lambda m: full[m].median)
@@ -159,11 +159,11 @@ def _model_runs(
     few: CompiledMotion, every: CompiledMotion, span: float
 ) -> dict[tuple[str, float], Callable[[], None]]:
     """Runs of the smallest model, and of the full one in both modes of heyoka, by tolerance."""
-    runs = {("small", t): _driven(few.integrator(t), few.start, span) for t in FINE}
+    runs = {("small", t): _drive(few.integrator(t), few.start, span) for t in FINE}
     for mode in ("default", "compact"):
         for t in FINE:
             integrator = every.integrator(t, compact=mode == "compact")
-            runs[mode, t] = _driven(integrator, every.start, span)
+            runs[mode, t] = _drive(integrator, every.start, span)
     return runs
 
 
@@ -188,7 +188,7 @@ def _closed_form_call(
 
     found = call()
     error = _worst(question, {n: found[n] for n in question.outputs}, exact)
-    whole = Spread(tuple(best["call"] for best in repeated({"call": call}, extent)))
+    whole = Spread(tuple(best["call"] for best in repeat({"call": call}, extent)))
     ratio = full.over(whole)
     return Row(
         f"Demchenko's ball, u and v alone, T = {question.span:g}: whole call for the closed form "

@@ -12,7 +12,7 @@ import numpy as np
 
 from voronec.accuracy.bench import at_error
 
-__all__ = ["OneRun", "Race", "Spread", "clocked", "race"]
+__all__ = ["OneRun", "Race", "Spread", "clock", "race"]
 
 LONG = 2.0
 """CPU seconds above which a run is measured twice only."""
@@ -43,7 +43,7 @@ class Spread:
         """Ratios, repetition by repetition."""
         return Spread(tuple(a / b for a, b in zip(self.values, other.values, strict=False)))
 
-    def scaled(self, factor: float) -> Spread:
+    def times_factor(self, factor: float) -> Spread:
         """All of them times a factor."""
         return Spread(tuple(factor * x for x in self.values))
 
@@ -83,7 +83,7 @@ def race(
     """``first`` says what each method does at its settings; those that lie around the errors are
     run again in turn."""
     errors = tuple(errors)
-    chosen = {name: bracketing(first[name], errors) for name in runs}
+    chosen = {name: brackets(first[name], errors) for name in runs}
     found: dict[str, dict[float, list[OneRun]]] = {n: {s: [] for s in chosen[n]} for n in runs}
     for name, settings in chosen.items():
         for setting, one in settings.items():
@@ -97,7 +97,7 @@ def race(
     return Race(found)
 
 
-def bracketing(runs: Mapping[float, OneRun], errors: Sequence[float]) -> dict[float, OneRun]:
+def brackets(runs: Mapping[float, OneRun], errors: Sequence[float]) -> dict[float, OneRun]:
     """Of runs by their settings, those next to the errors on either side, and the cheapest that is
     good enough."""
     kept = set()
@@ -111,7 +111,7 @@ def bracketing(runs: Mapping[float, OneRun], errors: Sequence[float]) -> dict[fl
     return {s: r for s, r in runs.items() if s in kept}
 
 
-def clocked(work: Callable[[], Any]) -> tuple[Any, float]:
+def clock(work: Callable[[], Any]) -> tuple[Any, float]:
     """What some work gives, and its CPU seconds."""
     began = process_time()
     found = work()

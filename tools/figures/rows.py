@@ -10,7 +10,7 @@ import numpy as np
 
 import voronec as vo
 from figures.extent import Extent
-from figures.race import OneRun, Race, Spread, clocked, race
+from figures.race import OneRun, Race, Spread, clock, race
 from figures.table import Row
 from voronec.accuracy.bench import (
     BenchMotion,
@@ -25,7 +25,7 @@ from voronec.accuracy.bench.peers.hand_programs import BY_HAND, start_values
 from voronec.accuracy.bench.runs import contenders
 from voronec.motion.methods import METHODS
 
-__all__ = ["ROWS", "ball", "measured", "rows_of"]
+__all__ = ["ROWS", "ball", "measure_ball", "rows_of"]
 
 ERRORS = (1e-6, 1e-9)
 DOP853 = (1e-10, 1e-11, 1e-13, 3e-14)
@@ -48,7 +48,7 @@ def ball(extent: Extent) -> tuple[BenchMotion, BenchReference]:
 
 
 @cache
-def measured(name: str, extent: Extent) -> Measured:
+def measure_ball(name: str, extent: Extent) -> Measured:
     """One method on the ball, at its own tolerances, or those that matter of a slow one."""
     question, exact = ball(extent)
     chosen = DOP853 if "lambdify" in name else ()
@@ -58,7 +58,7 @@ def measured(name: str, extent: Extent) -> Measured:
 def around(names: Iterable[str], errors: Iterable[float], extent: Extent) -> Race:
     """Methods on the ball in turn, at the errors; ours in whole calls too."""
     question, _ = ball(extent)
-    known = {name: measured(name, extent) for name in names}
+    known = {name: measure_ball(name, extent) for name in names}
     return race(
         {name: _runs(question, one) for name, one in known.items()},
         {name: _first(question, one) for name, one in known.items()},
@@ -80,7 +80,7 @@ def _runs(question: BenchMotion, one: Measured) -> Callable[[float], OneRun]:
     def once(tol: float) -> OneRun:
         seconds = {"run": run(tol).seconds}
         if one.name in METHODS:
-            seconds["whole"] = clocked(
+            seconds["whole"] = clock(
                 lambda: vo.integrate(
                     question.equations, question.bare, times=question.grid, outputs=outputs,
                     method=one.name, tol=tol,
@@ -179,7 +179,7 @@ def by_hand(extent: Extent) -> Iterator[Row]:
 def finest(extent: Extent) -> Iterator[Row]:
     """How small the error becomes, and what the rounding of the start alone does."""
     question, exact = ball(extent)
-    ours = min(measured("heyoka", extent).good, key=lambda p: p.error)
+    ours = min(measure_ball("heyoka", extent).good, key=lambda p: p.error)
     hand = BY_HAND["ball-on-sphere"](question.parameters)
     start = hand.start(start_values(question))
 

@@ -18,7 +18,7 @@ from typing import Any
 
 from figures import calls, many, prepared, rows, setup
 from figures.extent import FULL, SHORT, Extent
-from figures.rows import ball, measured, rows_of
+from figures.rows import ball, measure_ball, rows_of
 from figures.table import Row, runs, table
 from voronec.accuracy.bench import Bench
 from voronec.accuracy.bench.work_precision_picture import plot_work_precision
@@ -87,7 +87,7 @@ def reasons(rows: list[Row]) -> str:
 def curves(extent: Extent) -> Bench:
     """Error against time of the methods on the ball."""
     question, exact = ball(extent)
-    return Bench(question, exact, tuple(measured(name, extent) for name in CURVES), {})
+    return Bench(question, exact, tuple(measure_ball(name, extent) for name in CURVES), {})
 
 
 def curve_table(bench: Bench) -> str:
@@ -95,7 +95,7 @@ def curve_table(bench: Bench) -> str:
     return "\n".join([runs(bench), "", *(f"- `{m.name}`: {m.about}" for m in bench.methods)])
 
 
-def kept(page: Path) -> dict[str, Any]:
+def earlier_figures(page: Path) -> dict[str, Any]:
     """What earlier runs measured, from the file beside the page."""
     file = page.with_suffix(".json")
     known: dict[str, Any] = json.loads(file.read_text()) if file.exists() else {}
@@ -104,7 +104,7 @@ def kept(page: Path) -> dict[str, Any]:
 
 def write_page(page: Path, name: str, rows: list[Row], extent: Extent) -> None:
     """Put a measurement among those kept, and write the page anew."""
-    known = kept(page)
+    known = earlier_figures(page)
     if name == CURVE:
         bench = curves(extent)
         save(plot_work_precision(bench), page.with_suffix(".svg"))

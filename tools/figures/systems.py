@@ -65,10 +65,10 @@ def chain(links: int = 7, blades: int = 3, symbolic: bool = True) -> vo.System:
     numbers = range(1, links + 1)
     shared = {letter: sp.Symbol(letter) for letter in "mJlK"}
 
-    def named(letter: str) -> list[sp.Symbol]:
+    def letters(letter: str) -> list[sp.Symbol]:
         return [sp.Symbol(f"{letter}{j}") if symbolic else shared[letter] for j in numbers]
 
-    mass, moment, half, stiff = (named(letter) for letter in "mJlK")
+    mass, moment, half, stiff = (letters(letter) for letter in "mJlK")
     front = sp.Matrix([vo.velocity(x), vo.velocity(y)])  # of the centre of the first link
     kinetic, springs, constraints = sp.S.Zero, sp.S.Zero, []
     for j, (angle, length) in enumerate(zip(phi, half, strict=True)):

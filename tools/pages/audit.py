@@ -25,7 +25,7 @@ from voronec.audit.page.report import Figure, write_audit
 from voronec.cli import main as voronec
 from voronec.declaration.catalogue import load, load_paper
 
-__all__ = ["FOLDER", "PAGE", "PAPER", "main", "pasted", "read_audit", "summary", "write_pages"]
+__all__ = ["FOLDER", "PAGE", "PAPER", "main", "paste", "read_audit", "summary", "write_pages"]
 
 PAPER = "demchenko"
 DOCS = Path(__file__).resolve().parents[2] / "docs"
@@ -59,16 +59,16 @@ def summary(audit: Audit, paper: Paper) -> str:
         [
             *lines,
             "",
-            _numbering(paper),
+            _numbers_note(paper),
             "",
             *_errata(audit),
             *_conventions(audit),
-            *_unaudited(audit),
+            *_unaudited_lines(audit),
         ]
     )
 
 
-def _numbering(paper: Paper) -> str:
+def _numbers_note(paper: Paper) -> str:
     """Why there are more records than displays."""
     displays = [display for section in paper.sections for display in section.displays]
     several = sum(len(display.units) > 1 for display in displays)
@@ -112,7 +112,7 @@ def _conventions(audit: Audit) -> Iterator[str]:
         yield f"   {end_sentence(short(said))}"
 
 
-def _unaudited(audit: Audit) -> Iterator[str]:
+def _unaudited_lines(audit: Audit) -> Iterator[str]:
     found = list(with_verdict(audit, "unaudited"))
     if found:
         yield "\n### Not audited"
@@ -121,7 +121,7 @@ def _unaudited(audit: Audit) -> Iterator[str]:
         yield f"   {end_sentence(formula.method)}"
 
 
-def pasted(page: str, text: str) -> str:
+def paste(page: str, text: str) -> str:
     """The page with the text between its two marks."""
     before, rest = page.split(FROM)
     return f"{before}{FROM}\n{text}\n{TO}{rest.split(TO)[1]}"
@@ -143,5 +143,5 @@ def main() -> int:
     if status in (0, 1):
         paper = load_paper(PAPER)
         audit = read_audit(FOLDER, paper)
-        PAGE.write_text(pasted(PAGE.read_text("utf-8"), summary(audit, paper)), "utf-8")
+        PAGE.write_text(paste(PAGE.read_text("utf-8"), summary(audit, paper)), "utf-8")
     return status

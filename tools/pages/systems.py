@@ -45,7 +45,7 @@ def read_results() -> list[Result]:
     return [r for r in map(Result.from_dict, entries) if r is not None]
 
 
-def _lasting(result: Result) -> Result:
+def _without_times(result: Result) -> Result:
     """A result without what differs from run to run."""
     return replace(result, seconds=0.0, reused=False, place=Path(result.place).name)
 
@@ -56,7 +56,7 @@ def main() -> int:
     report = check_catalogue(stock=stock, store=user_store())
     for result, finding in report.failures:
         print(failure_line(result, finding))
-    results = [_lasting(r) for r in report.results]
+    results = [_without_times(r) for r in report.results]
     texts = pages(stock, results)  # before anything old goes: this takes long
     FOLDER.mkdir(exist_ok=True)
     for old in FOLDER.glob("*.md"):

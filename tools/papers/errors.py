@@ -33,7 +33,7 @@ from functools import cache, partial
 from typing import Any, NamedTuple
 
 from papers.latex_errors import Slip
-from papers.proposals import Proposal, judged
+from papers.proposals import Proposal, judge
 from papers.trials import NOTICED, Fault, Page, Trial
 from voronec.audit.transcript import formulas_by_label
 from voronec.declaration.catalogue import load_paper
@@ -72,7 +72,7 @@ def main() -> int:
     tasks, trials, seconds = _tasks(chosen), list[Outcome](), 0.0
     with multiprocessing.get_context("fork").Pool(chosen.jobs) as pool:
         try:
-            for lines, found, spent in pool.imap_unordered(partial(_done, chosen), tasks):
+            for lines, found, spent in pool.imap_unordered(partial(_work, chosen), tasks):
                 print("".join(f"{line}\n" for line in lines), end="", flush=True)
                 trials += found
                 seconds += spent
@@ -84,7 +84,7 @@ def main() -> int:
     return 1 if share < chosen.least else 0
 
 
-def _done(chosen: argparse.Namespace, task: Task) -> tuple[list[str], list[Outcome], float]:
+def _work(chosen: argparse.Namespace, task: Task) -> tuple[list[str], list[Outcome], float]:
     """What is printed of some errors of one section, their outcomes, and the seconds of CPU."""
     section, numbers = task
     begun, lines, found = time.process_time(), list[str](), list[Outcome]()
@@ -101,7 +101,7 @@ def _done(chosen: argparse.Namespace, task: Task) -> tuple[list[str], list[Outco
         found.append(Outcome(slip.kind, trial.outcome, proposal.kind if proposal else ""))
         if trial.outcome != NOTICED or found[-1].proposal in UNLIKE or chosen.only:
             lines.append(_line((section, n), page, place, slip, trial))
-            lines += [f"    correction ({proposal.told}): {proposal.latex}"] if proposal else []
+            lines += [f"    correction ({proposal.words}): {proposal.latex}"] if proposal else []
     return lines, found, time.process_time() - begun
 
 
@@ -125,7 +125,7 @@ def _proposal(fault: Fault | None) -> Proposal | None:
             latex = fault.correction()
     except TimeoutError:
         return Proposal(f"not found within {SEARCH} s")
-    return Proposal("none found") if latex is None else judged(latex, fault)
+    return Proposal("none found") if latex is None else judge(latex, fault)
 
 
 @cache
@@ -202,7 +202,7 @@ class _Cut:
 
 def _line(number: Number, page: Page, place: int, slip: Slip, trial: Trial) -> str:
     cut = _Cut.between(page.latex(place), slip.latex)
-    text = f"--only {number[0]}.{number[1]}  {trial.outcome}: {slip.kind} in {page.called(place)}"
+    text = f"--only {number[0]}.{number[1]}  {trial.outcome}: {slip.kind} in {page.name_of(place)}"
     return f"{text}\n    {cut.old}\n    {cut.new}\n    {trial.said}"
 
 
@@ -213,12 +213,12 @@ def _summary(trials: list[Outcome], seconds: float) -> float:
     for outcome in OUTCOMES:
         found = [trial.kind for trial in trials if trial.outcome == outcome]
         counts = collections.Counter(found)
-        told = ", ".join(f"{counts[kind]} {kind}" for kind in kinds if counts[kind])
-        print(f"{len(found):6} {outcome}: {told}")
+        words = ", ".join(f"{counts[kind]} {kind}" for kind in kinds if counts[kind])
+        print(f"{len(found):6} {outcome}: {words}")
     proposals = collections.Counter(trial.proposal for trial in trials if trial.proposal)
     if proposals:
-        told = ", ".join(f"{count} {kind}" for kind, count in proposals.most_common())
-        print(f"corrections: {told}")
+        words = ", ".join(f"{count} {kind}" for kind, count in proposals.most_common())
+        print(f"corrections: {words}")
     counted = [trial for trial in trials if trial.outcome != "became true"]
     here = sum(trial.outcome == NOTICED for trial in counted)
     open_ = sum(trial.outcome == "undecided" for trial in counted)

@@ -123,7 +123,7 @@ class Formula:
         return tuple(found)
 
     @cached_property
-    def scripted(self) -> frozenset[int]:
+    def in_scripts(self) -> frozenset[int]:
         """Positions of the words that stand in a script."""
         found: set[int] = set()
         for position, word in enumerate(self.words):
@@ -218,10 +218,10 @@ def _signs(formula: Formula) -> Iterator[Slip]:
     words = formula.words
     for i, word in enumerate(words):
         if word.text in ("+", "-"):
-            kind = "index" if i in formula.scripted else "sign"
+            kind = "index" if i in formula.in_scripts else "sign"
             yield formula.cut(word.start, word.end, "-" if word.text == "+" else "+", kind)
         after = words[i + 1].text if i + 1 < len(words) else "0"
-        if word.text == "=" and after not in ("+", "-", "0", "&") and i not in formula.scripted:
+        if word.text == "=" and after not in ("+", "-", "0", "&") and i not in formula.in_scripts:
             yield formula.cut(word.end, word.end, "-", "sign")
 
 
@@ -241,8 +241,8 @@ def _numbers(formula: Formula) -> Iterator[Slip]:
     for i, word in enumerate(formula.words):
         if word.kind != "digit":
             continue
-        power = i in formula.scripted and _script_sign(formula, i) == "^"
-        kind = "exponent" if power else "index" if i in formula.scripted else "number"
+        power = i in formula.in_scripts and _script_sign(formula, i) == "^"
+        kind = "exponent" if power else "index" if i in formula.in_scripts else "number"
         for other in (int(word.text) + 1, int(word.text) - 1):
             if 0 <= other <= 9:
                 yield formula.cut(word.start, word.end, str(other), kind)
@@ -260,7 +260,7 @@ def _names(formula: Formula) -> Iterator[Slip]:
     cores = list(dict.fromkeys(letter.core.text for letter in formula.letters))
     for letter in formula.letters:
         at = formula.words.index(letter.core)
-        kind = "index" if at in formula.scripted else "letter"
+        kind = "index" if at in formula.in_scripts else "letter"
         here = cores.index(letter.core.text)
         others = [cores[(here + step) % len(cores)] for step in range(1, NEIGHBOURS + 1)]
         for other in (_ALIKE.get(letter.core.text), *others):
@@ -316,7 +316,7 @@ def _scripts(formula: Formula) -> Iterator[Slip]:
             if kind == "index":
                 bearing.setdefault(letter.core.text, text)
     for i, letter in enumerate(formula.letters):
-        if formula.words.index(letter.core) in formula.scripted or letter.scripts:
+        if formula.words.index(letter.core) in formula.in_scripts or letter.scripts:
             continue
         if letter.core.text in bearing:
             yield formula.cut(letter.end, letter.end, bearing[letter.core.text], "index")
@@ -331,7 +331,7 @@ def _factors(formula: Formula) -> Iterator[Slip]:
     """A letter left out or doubled where it is a factor, a factor 2 before it."""
     for letter in formula.letters:
         at = formula.words.index(letter.core)
-        if at in formula.scripted:
+        if at in formula.in_scripts:
             continue
         text = formula.latex[letter.start : letter.end]
         before = [w for w in formula.words if w.end <= letter.start][-1:]
@@ -343,7 +343,7 @@ def _factors(formula: Formula) -> Iterator[Slip]:
         if leads or before[0].text in _FUNCTIONS:
             yield formula.cut(letter.start, letter.start, "2", "factor")
     for i, word in enumerate(formula.words):
-        lone = word.kind == "digit" and i not in formula.scripted and word.text != "0"
+        lone = word.kind == "digit" and i not in formula.in_scripts and word.text != "0"
         if lone and formula.words[i - 1].text not in ("\\frac", "{", "=", "("):
             yield formula.cut(word.start, word.end, "", "factor")
         if word.text == "\\sqrt":
@@ -375,7 +375,7 @@ def _stretches(formula: Formula) -> Iterator[tuple[int, int, bool]]:
     stack: list[list[list[list[int]]]] = [[[]]]  # brackets, sums, terms, from and to
     sums: list[list[list[int]]] = []
     for i, word in enumerate(formula.words):
-        if i in formula.scripted:
+        if i in formula.in_scripts:
             continue
         level = stack[-1]
         if word.text in _CLOSING and len(stack) > 1:
@@ -392,13 +392,13 @@ def _stretches(formula: Formula) -> Iterator[tuple[int, int, bool]]:
             stack.append([[]])
     for several in [*(x for level in stack for x in level), *sums]:
         for start, end in several:
-            while end in formula.scripted:
+            while end in formula.in_scripts:
                 end += 1
-            if not _accented(formula, start):
+            if not _is_accented(formula, start):
                 yield start, end, len(several) == 1
 
 
-def _accented(formula: Formula, position: int) -> bool:
+def _is_accented(formula: Formula, position: int) -> bool:
     """Whether a stretch is what an accent takes in braces."""
     before = [w.text for w in formula.words[max(position - 2, 0) : position]]
     return len(before) == 2 and before[1] == "{" and before[0] in _ACCENTS
@@ -442,7 +442,7 @@ def _fractions(formula: Formula) -> Iterator[Slip]:
             yield formula.cut(word.start, word.end, "", "differential")
 
 
-def _repeated(formula: Formula) -> Iterator[Slip]:
+def _repeat_formula(formula: Formula) -> Iterator[Slip]:
     """One formula of a display in the place of its neighbour."""
     words, spans, start = formula.words, list[tuple[int, int]](), 0
     for i in range(len(words) + 1):
@@ -476,5 +476,5 @@ _MAKERS: tuple[Callable[[Formula], Iterator[Slip]], ...] = (
     _terms,
     _brackets,
     _fractions,
-    _repeated,
+    _repeat_formula,
 )

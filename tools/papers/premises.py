@@ -77,20 +77,20 @@ def main() -> int:
     begun, wrong = time.process_time(), 0
     for k in _sections(chosen):
         seen: dict[str, vo.System] = {}
-        before = _audited(chosen.paper, k, partial(_noted, seen))
+        before = _audit(chosen.paper, k, partial(_note, seen))
         print(f"section {k}: {len(before)} records, derived from {', '.join(seen) or 'no system'}")
         for name, system in seen.items():
             rest = {r for r, told in before.items() if told.good and told.names(name)}
             if not rest or chosen.system not in ("", name):
                 continue
-            wrong += _changed(chosen, k, system, before, rest)
+            wrong += _change_premises(chosen, k, system, before, rest)
             if chosen.seconds and time.process_time() - begun > chosen.seconds:
                 print(f"stopped after {chosen.seconds:.0f} s")
                 return int(wrong > 0)
     return int(wrong > 0)
 
 
-def _changed(
+def _change_premises(
     chosen: argparse.Namespace, k: int, system: vo.System, before: Verdicts, names: set[str]
 ) -> int:
     """Change the premises of one system; how many of the records that name it never fail, or are
@@ -175,7 +175,7 @@ def _velocities(system: vo.System) -> Iterator[Change]:
         yield f"{name} doubled in its definition", {"frame": vo.Frame.quasi(pairs)}
 
 
-def _noted(seen: dict[str, vo.System], system: vo.System) -> vo.System:
+def _note(seen: dict[str, vo.System], system: vo.System) -> vo.System:
     """The system as it is; the first one of each name stands for those that share it."""
     seen.setdefault(system.name, system)
     return system
@@ -193,12 +193,12 @@ def _after(paper: str, k: int, premise: Premise, names: set[str]) -> tuple[Verdi
         return found[0] if found else system
 
     try:
-        return _audited(paper, k, change, names), ""
+        return _audit(paper, k, change, names), ""
     except VoronecError as error:
         return {}, str(error)
 
 
-def _audited(
+def _audit(
     paper: str, k: int, change: Callable[[vo.System], Any], names: set[str] | None = None
 ) -> Verdicts:
     """The verdicts of a section whose systems are changed before they are derived."""
@@ -214,12 +214,12 @@ def _audited(
         whole = load_paper(paper)
         work = Work(whole.sections[k - 1], formulas_by_label(whole.sections), corrects=False)
         every = [i for i in items(work.transcript) if names is None or i.designation in names]
-        return {item.designation: _told(work, item) for item in every}
+        return {item.designation: _tell(work, item) for item in every}
     finally:
         vo.derive, vo.descend = derive, descend
 
 
-def _told(work: Work, item: AuditItem) -> Told:
+def _tell(work: Work, item: AuditItem) -> Told:
     found = work.examine(item)
     checks: list[Check | Sentence] = [f.display.check(f.position) for f in item.formulas]
     checks += [item.sentence] if item.sentence is not None else []

@@ -15,7 +15,7 @@ from voronec.audit.structure import are_multiples, holds_always
 from voronec.audit.study import Study
 from voronec.audit.verify import verify
 
-__all__ = ["Proposal", "judged"]
+__all__ = ["Proposal", "judge"]
 
 
 @dataclass(frozen=True)
@@ -27,12 +27,12 @@ class Proposal:
     why: str = ""
 
     @property
-    def told(self) -> str:
+    def words(self) -> str:
         """The kind with the reason."""
         return f"{self.kind}: {self.why}" if self.why else self.kind
 
 
-def judged(latex: str, fault: Fault) -> Proposal:
+def judge(latex: str, fault: Fault) -> Proposal:
     """Whether a proposal restores what stood there, is equivalent to it, another one or senseless.
 
     Senseless is what is not proved, says nothing, is not balanced, has another dimension than the

@@ -101,7 +101,7 @@ def _displays(source: SourceSection, section: Section) -> Iterator[Difference]:
     for tag, a, b, c, d in SequenceMatcher(None, printed, transcribed, False).get_opcodes():
         common = min(b - a, d - c) if tag == "replace" else 0
         for i, j in zip(range(a, a + common), range(c, c + common), strict=True):
-            yield _changed(source.title, i, source.displays[i], transcribed[j])
+            yield _difference(source.title, i, source.displays[i], transcribed[j])
         if tag == "equal":
             continue
         for i in range(a + common, b):
@@ -120,7 +120,7 @@ def _place(position: int, excerpt: Excerpt) -> str:
     return f"display {position + 1}, line {excerpt.line}"
 
 
-def _changed(title: str, position: int, excerpt: Excerpt, transcribed: str) -> Difference:
+def _difference(title: str, position: int, excerpt: Excerpt, transcribed: str) -> Difference:
     """What differs between two displays, first place first."""
     printed = excerpt.latex.strip()
     ranges = [

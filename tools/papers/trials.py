@@ -63,7 +63,7 @@ class _Spy(Transcript):
         self.seen.add("")
         return super().formulas()
 
-    def labelled(self, label: str) -> Formula:
+    def with_label(self, label: str) -> Formula:
         self.seen.add(label)
         return Transcript(self.section).formula_labelled_as(label)
 
@@ -84,35 +84,35 @@ class Page:
         return Work(section, self.labels, studies, corrects, prints=False)
 
     @cached_property
-    def _spied(self) -> tuple[Mapping[str, Study], set[str]]:
+    def _spy(self) -> tuple[Mapping[str, Study], set[str]]:
         spy = _Spy(self.source)
         return self.source.studies(spy), spy.seen
 
     @cached_property
     def section(self) -> Section:
         """The section as its corrections would have it printed."""
-        work = self._work(self.source, self._spied[0])
+        work = self._work(self.source, self._spy[0])
         wrong = [
             item
             for item in items(work.transcript)
             if item.formulas and _worst(work.examine(item)) in ("misprint", "undecided")
         ]
-        seeking = self._work(self.source, self._spied[0], True)
+        seeking = self._work(self.source, self._spy[0], True)
         mends: dict[str, list[tuple[int, int, str]]] = {}
         for item in wrong:
             for formula, examined in zip(item.formulas, seeking.examine(item), strict=True):
                 if examined.record.correction is not None:
                     mend = (*formula.piece.at, examined.record.correction)
                     mends.setdefault(formula.display.latex, []).append(mend)
-        displays = tuple(_mended(d, mends) for d in self.source.displays)
-        inline = tuple(_mended(d, mends) for d in self.source.inline)
+        displays = tuple(_mend(d, mends) for d in self.source.displays)
+        inline = tuple(_mend(d, mends) for d in self.source.inline)
         return replace(self.source, displays=displays, inline=inline)
 
     @cached_property
     def _whole(self) -> Work:
         """The work on the corrected section."""
-        mended = self.section != self.source and bool(self._spied[1])
-        return self._work(self.section, None if mended else self._spied[0])
+        mended = self.section != self.source and bool(self._spy[1])
+        return self._work(self.section, None if mended else self._spy[0])
 
     @cached_property
     def _before(self) -> dict[int, list[Examination]]:
@@ -148,7 +148,7 @@ class Page:
             return displays[place].latex
         return self._sentences[place - len(displays)].printed
 
-    def called(self, place: int) -> str:
+    def name_of(self, place: int) -> str:
         """How the records of a place are called, and in which section."""
         if place >= len(self._displays):
             here = [self._sentences[place - len(self._displays)].designation]
@@ -182,18 +182,18 @@ class Page:
             before, after = self.before(item), self._whole.examine(changed)
         except SENSELESS as error:
             return Trial("undecided", f"refused: {error}")
-        told = _told if _worst(before) == "misprint" else _worst  # wrong already, and how
+        told = _tell if _worst(before) == "misprint" else _worst  # wrong already, and how
         same = told(before) == told(after)
-        return Trial("survived" if same else NOTICED, _told(after))
+        return Trial("survived" if same else NOTICED, _tell(after))
 
     def trial(self, place: int, slip: Slip) -> Trial:
         """Audit again what depends on a place, with an error in it."""
         if place >= len(self._displays):
             return self.sentence_trial(place, slip)
         try:
-            work, display = self._changed(place, slip)
+            work, display = self._change(place, slip)
             pairs = self._pairs(work, place, display)
-            trial = self._judged(work, pairs) or self._elsewhere(work, place, display)
+            trial = self._judge(work, pairs) or self._elsewhere(work, place, display)
             return trial or self._survivor(work, pairs, slip)
         except SENSELESS as error:
             labels = {f"({unit.label})" for unit in self._displays[place].units}
@@ -207,10 +207,10 @@ class Page:
             after, before = work.examine(twin), self.before(item)
             if _worst(after) != _worst(before) and _worst(after) in ("undecided", *FAULTS):
                 outcome = "undecided" if _worst(after) == "undecided" else "noticed elsewhere"
-                return Trial(outcome, f"{item.designation}: {_told(after)}")
+                return Trial(outcome, f"{item.designation}: {_tell(after)}")
         return None
 
-    def _changed(self, place: int, slip: Slip) -> tuple[Work, Display]:
+    def _change(self, place: int, slip: Slip) -> tuple[Work, Display]:
         """The work on the section with the error, and the display that bears it."""
         old = self._displays[place]
         display = replace(old, latex=slip.latex)
@@ -232,7 +232,7 @@ class Page:
     def _is_read(self, display: Display) -> bool:
         """Whether the dictionaries are made from a display."""
         labels = {unit.label for unit in display.units}
-        return "" in self._spied[1] or bool(labels & self._spied[1])
+        return "" in self._spy[1] or bool(labels & self._spy[1])
 
     def _pairs(
         self, work: Work, place: int, display: Display
@@ -244,12 +244,12 @@ class Page:
             return [(None, item) for item in new]
         return [(a, b) for a, b in zip(old, new, strict=True) if a.printed != b.printed]
 
-    def _judged(self, work: Work, pairs: list[tuple[AuditItem | None, AuditItem]]) -> Trial | None:
+    def _judge(self, work: Work, pairs: list[tuple[AuditItem | None, AuditItem]]) -> Trial | None:
         """The trial, where the verdict of a record at the place itself has become worse.
 
         The formulas that bear the error are looked at first, and mostly that is enough.
         """
-        narrow = [_narrowed(old, new) for old, new in pairs]
+        narrow = [_narrow(old, new) for old, new in pairs]
         several = [*narrow, *(pair for pair in pairs if pair not in narrow)]
         for old, item in several:
             if not item.formulas:
@@ -259,9 +259,9 @@ class Page:
             if _worst(found) == "undecided":
                 found = replace(work, corrects=True).examine(item)
             if _worst(found) in FAULTS and _worst(found) != before:
-                return Trial(NOTICED, _told(found), _fault(work, old, item, found))
+                return Trial(NOTICED, _tell(found), _fault(work, old, item, found))
             if _worst(found) == "undecided" != before:
-                return Trial("undecided", _told(found))
+                return Trial("undecided", _tell(found))
         return None
 
     def _dependents(self, place: int, display: Display) -> Iterator[AuditItem]:
@@ -287,7 +287,7 @@ class Page:
         self, work: Work, pairs: list[tuple[AuditItem | None, AuditItem]], slip: Slip
     ) -> Trial:
         """Whether an error that changes no verdict is one at all."""
-        verdicts = "; ".join(_told(work.examine(item)) for _, item in pairs) or "nothing changed"
+        verdicts = "; ".join(_tell(work.examine(item)) for _, item in pairs) or "nothing changed"
         same = [old is not None and _same_record(old, item, work) for old, item in pairs]
         if slip.kind != "repeated" and pairs and all(same):
             return Trial("became true", verdicts)
@@ -302,7 +302,7 @@ def _fault(work: Work, old: AuditItem | None, item: AuditItem, found: list[Exami
     return Fault(work, item.formulas[at], old.formulas[at : at + 1] if alone else old.formulas)
 
 
-def _narrowed(old: AuditItem | None, new: AuditItem) -> tuple[AuditItem | None, AuditItem]:
+def _narrow(old: AuditItem | None, new: AuditItem) -> tuple[AuditItem | None, AuditItem]:
     """Two records with only those formulas that differ."""
     if old is None or len(old.formulas) != len(new.formulas):
         return old, new
@@ -320,7 +320,7 @@ def _quantifiers(formula: Formula) -> list[list[str]]:
     return [[formula.piece.phrase], *ranges]
 
 
-def _mended(display: Display, mends: Mapping[str, list[tuple[int, int, str]]]) -> Display:
+def _mend(display: Display, mends: Mapping[str, list[tuple[int, int, str]]]) -> Display:
     """A display with its formulas as they are corrected."""
     latex = display.latex
     for start, end, correction in sorted(mends.get(display.latex, ()), reverse=True):
@@ -332,7 +332,7 @@ def _worst(found: list[Examination]) -> str:
     return max((e.record.verdict for e in found), key=VERDICTS.index, default="undecided")
 
 
-def _told(found: list[Examination]) -> str:
+def _tell(found: list[Examination]) -> str:
     record = next((e.record for e in found if e.record.verdict == _worst(found)), None)
     return "no formula" if record is None else f"{record.verdict}, {record.method}"
 

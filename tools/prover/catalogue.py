@@ -14,7 +14,7 @@ import mpmath as mp
 import sympy as sp
 
 import voronec as vo
-from prover.identities import Letters, mutated
+from prover.identities import Letters, mutate
 from prover.truth import Outside, Statement, number, slope
 from voronec.declaration.claims import right_of
 from voronec.equations.motions import Motions
@@ -48,7 +48,7 @@ def catalogue(dice: Random, declared: bool, true: bool) -> Statement | None:
     letters = tuple(sorted(function.free_symbols, key=str))
     function = dice.choice((function, 2 * function + 1, function**2, sp.sin(function)))
     if not true:
-        function = mutated(Letters(dice, declared, letters, letters), function)
+        function = mutate(Letters(dice, declared, letters, letters), function)
         odd = (sp.zoo, sp.nan, sp.I, sp.Derivative, sp.Subs)
         if function.has(*odd) or _changes(system, function, dice) is not True:
             return None

@@ -13,7 +13,7 @@ import sympy as sp
 
 import voronec as vo
 from prover.catalogue import catalogue
-from prover.identities import Letters, mutated
+from prover.identities import Letters, mutate
 from prover.relations import catalogue_relation
 from prover.truth import APART, Outside, Statement, number, slope
 from voronec.proof.claims import check_claims
@@ -110,7 +110,7 @@ def claim(dice: Random, family: str, declared: bool, true: bool) -> Statement | 
     return CLAIMS[family](dice, declared, true)
 
 
-def _asked(system: vo.System, kind: str, value: Any) -> Callable[[], Any]:
+def _question(system: vo.System, kind: str, value: Any) -> Callable[[], Any]:
     def ask() -> Any:
         if kind == "measure":
             stated = replace(system, measure=value)
@@ -123,11 +123,11 @@ def _asked(system: vo.System, kind: str, value: Any) -> Callable[[], Any]:
     return ask
 
 
-def _told(system: vo.System, kind: str, value: Any) -> str:
+def _tell(system: vo.System, kind: str, value: Any) -> str:
     return f"{system.name}: {kind} {value}"
 
 
-def _composed(dice: Random, parts: tuple[Any, ...], true: bool) -> Any:
+def _compose(dice: Random, parts: tuple[Any, ...], true: bool) -> Any:
     """A function of integrals; a kink of it harms nobody."""
     a, b = dice.choice(parts), dice.choice(parts)
     return dice.choice(
@@ -142,17 +142,17 @@ def _composed(dice: Random, parts: tuple[Any, ...], true: bool) -> Any:
 def integral(dice: Random, declared: bool, true: bool) -> Statement | None:
     """Functions of integrals, the same with a coefficient or a sign changed."""
     made = dice.choice(made_systems())
-    function = _composed(dice, made.integrals, true)
+    function = _compose(dice, made.integrals, true)
     if true and dice.random() < 0.5:
         function = function + _nothing(dice, made)
     if not true:
         letters = tuple(p.symbol for p in made.system.parameters)
-        function = mutated(Letters(dice, declared, letters, made.functions), function)
+        function = mutate(Letters(dice, declared, letters, made.functions), function)
         if dice.random() < 0.2:  # constant on one level of an integral alone
             function = (dice.choice(made.integrals) - dice.randint(0, 3)) * dice.choice(
                 made.functions
             )
-    return _verified(made, "integral", function, 0, dice, true)
+    return _verify(made, "integral", function, 0, dice, true)
 
 
 def _nothing(dice: Random, made: Made) -> Any:
@@ -186,12 +186,12 @@ def equation(dice: Random, declared: bool, true: bool) -> Statement | None:
     rate = sp.sympify(rate) + (_nothing(dice, made) if true else 0)
     if not true:
         letters = tuple(p.symbol for p in made.system.parameters)
-        rate = mutated(Letters(dice, declared, letters, made.functions), rate)
+        rate = mutate(Letters(dice, declared, letters, made.functions), rate)
         rate = dice.choice((rate, rate, sp.Abs(rate), rate * sp.sign(f)))
-    return _verified(made, "equation", function, rate, dice, true)
+    return _verify(made, "equation", function, rate, dice, true)
 
 
-def _verified(
+def _verify(
     made: Made, kind: str, function: Any, rate: Any, dice: Random, true: bool
 ) -> Statement | None:
     """The statement, where its truth is what the numbers say along motions."""
@@ -202,8 +202,8 @@ def _verified(
     if holds_along(function, rate, made, dice) is not true:
         return None
     value = function if kind == "integral" else vo.Equation((function,), (rate,))
-    text = _told(made.system, kind, value)
-    return Statement(f"{kind}s", text, true, _asked(made.system, kind, value))
+    text = _tell(made.system, kind, value)
+    return Statement(f"{kind}s", text, true, _question(made.system, kind, value))
 
 
 def walls(dice: Random, declared: bool, true: bool) -> Statement | None:
@@ -223,23 +223,23 @@ def walls(dice: Random, declared: bool, true: bool) -> Statement | None:
         sp.sqrt(kept**2) / kept, sp.Abs(kept - n), sp.sign(X) * X if made is free else kept,
     )  # fmt: skip
     function = dice.choice(right if true else wrong)
-    text = _told(made.system, "integral", function)
-    return Statement("walls", text, true, _asked(made.system, "integral", function))
+    text = _tell(made.system, "integral", function)
+    return Statement("walls", text, true, _question(made.system, "integral", function))
 
 
 def measures(dice: Random, declared: bool, true: bool) -> Statement | None:
     """Densities: functions of integrals where a volume is kept, and others."""
     made = dice.choice(made_systems()[:4])
-    density = _composed(dice, made.integrals, True) ** 2 + 1
+    density = _compose(dice, made.integrals, True) ** 2 + 1
     if not true:
         letters = tuple(p.symbol for p in made.system.parameters)
-        density = mutated(Letters(dice, declared, letters, made.functions), density)
+        density = mutate(Letters(dice, declared, letters, made.functions), density)
     if not density.free_symbols & set(made.rates) or density.has(sp.zoo, sp.nan, sp.I):
         return None
     if holds_along(density, 0, made, dice) is not true:
         return None
-    text = _told(made.system, "measure", density)
-    return Statement("measures", text, true, _asked(made.system, "measure", density))
+    text = _tell(made.system, "measure", density)
+    return Statement("measures", text, true, _question(made.system, "measure", density))
 
 
 # -- relations ----------------------------------------------------------------------------
@@ -273,7 +273,7 @@ def relation(dice: Random, family: str, declared: bool, true: bool) -> Statement
     if not true:
         wrong = dice.randrange(6)
         if wrong == 0:
-            parameter = {w: mutated(Letters(dice, declared, (k, m), (k, m)), parameter[w])}
+            parameter = {w: mutate(Letters(dice, declared, (k, m), (k, m)), parameter[w])}
         elif wrong == 1:
             clock = clock + dice.choice((1, -HALF, n))
         elif wrong == 5:  # a parameter that changes

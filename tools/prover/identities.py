@@ -31,7 +31,7 @@ class Letters:
     real: tuple[sp.Symbol, ...]
 
     @classmethod
-    def drawn(cls, dice: Random, declared: bool) -> Letters:
+    def draw(cls, dice: Random, declared: bool) -> Letters:
         """Letters with signs or without."""
         above = tuple(sp.symbols("a b k m", positive=True)) if declared else ()
         real = tuple(sp.symbols("x y z", real=True if dice.random() < 0.5 else None))
@@ -175,7 +175,7 @@ def halves(own: Letters, depth: int) -> Pair:
     )()
 
 
-def nested(own: Letters, depth: int) -> Pair:
+def nested_functions(own: Letters, depth: int) -> Pair:
     """Trigonometric functions of functions, and inverse ones."""
     (u, U), (v, V), (p, _) = real(own, depth), real(own, depth), above(own, depth)
     sin, cos, tan = sp.sin, sp.cos, sp.tan
@@ -266,7 +266,7 @@ RULES: dict[str, Callable[[Letters, int], Pair]] = {
     "roots": roots,
     "sizes": sizes,
     "half angles": halves,
-    "nested trigonometry": nested,
+    "nested trigonometry": nested_functions,
 }
 FAMILIES = {**RULES, "exponentials": exponentials, "logarithms": logarithms}
 
@@ -302,7 +302,7 @@ def branches(own: Letters, depth: int) -> Pair:
     )()
 
 
-def mutated(own: Letters, e: Any) -> Any:
+def mutate(own: Letters, e: Any) -> Any:
     """An expression with one place of it changed: a number, a sign, a function, a letter."""
     places = [n for n in sp.preorder_traversal(e) if not isinstance(n, sp.Tuple)]
     node = own.dice.choice(places)
@@ -322,13 +322,13 @@ def mutated(own: Letters, e: Any) -> Any:
 
 def identity(dice: Random, family: str, declared: bool, true: bool) -> Statement | None:
     """An identity of a family whose truth is known; None where the dice made nothing of use."""
-    own = Letters.drawn(dice, declared)
+    own = Letters.draw(dice, declared)
     depth = dice.choice((0, 0, 1, 1, 2))
     branch = not true and own.coin()
     try:
         left, right = (branches if branch else FAMILIES[family])(own, depth)
         if not true and not branch:
-            right = mutated(own, right)
+            right = mutate(own, right)
     except ValueError:
         return None  # SymPy makes no maximum of what is undefined
     if any(bad in sp.Tuple(left, right).atoms() for bad in (sp.nan, sp.zoo, sp.oo, -sp.oo, sp.I)):

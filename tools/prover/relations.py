@@ -16,7 +16,7 @@ import sympy as sp
 
 import voronec as vo
 from prover.catalogue import accelerations, coordinate_rates, states
-from prover.identities import Letters, mutated
+from prover.identities import Letters, mutate
 from prover.truth import Outside, Statement, number, slope
 from voronec.declaration.catalogue import entries, entry_of
 
@@ -66,23 +66,23 @@ def _is_plain(pair: Pair) -> bool:
 def catalogue_relation(dice: Random, family: str, declared: bool, true: bool) -> Statement | None:
     """A relation of the catalogue, rewritten; or one with a change that the numbers show."""
     pair = dice.choice(declared_pairs())
-    relation = _rewritten(pair, dice) if true else _changed(pair, dice)
+    relation = _rewrite(pair, dice) if true else _change(pair, dice)
     if relation is None or holds(replace(pair, relation=relation), dice) is not true:
         return None
-    text = f"{relation.label}: state {_told(relation.state)}, parameters "
-    text += f"{_told(relation.parameters)}, clock {relation.clock}, limit {relation.limit}"
+    text = f"{relation.label}: state {_tell(relation.state)}, parameters "
+    text += f"{_tell(relation.parameters)}, clock {relation.clock}, limit {relation.limit}"
     ask = lambda: vo.check_relation(relation, systems=(pair.source, pair.target)).verdict  # noqa: E731
     return Statement("catalogue relations", text, true, ask)
 
 
-def _told(values: Mapping[Any, Any] | None) -> str:
+def _tell(values: Mapping[Any, Any] | None) -> str:
     return "as named" if values is None else str({str(k): v for k, v in values.items()})
 
 
 # -- changes ------------------------------------------------------------------------------
 
 
-def _rewritten(pair: Pair, dice: Random) -> vo.Relation:
+def _rewrite(pair: Pair, dice: Random) -> vo.Relation:
     """One value of it in other words."""
     relation = pair.relation
     ones = [sp.Integer(1)]
@@ -93,7 +93,7 @@ def _rewritten(pair: Pair, dice: Random) -> vo.Relation:
     return _with_value(relation, dice, lambda e: e * dice.choice(ones))
 
 
-def _changed(pair: Pair, dice: Random) -> vo.Relation | None:
+def _change(pair: Pair, dice: Random) -> vo.Relation | None:
     relation, kind = pair.relation, dice.randrange(5)
     letters = tuple(p.symbol for p in pair.source.parameters)
     own = Letters(dice, True, letters, letters + tuple(pair.source.coordinates))
@@ -118,7 +118,7 @@ def _changed(pair: Pair, dice: Random) -> vo.Relation | None:
     if kind == 3:
         factor = dice.choice((-1, 2, sp.Rational(1001, 1000)))
         return replace(relation, clock=relation.clock * factor)
-    return _with_value(relation, dice, lambda e: mutated(own, e))
+    return _with_value(relation, dice, lambda e: mutate(own, e))
 
 
 def _with_values(relation: vo.Relation, part: str, values: Mapping[Any, Any]) -> vo.Relation:
@@ -267,29 +267,29 @@ def _image(pair: Pair) -> dict[Any, Any]:
     given = {str(k): v for k, v in (relation.state or {}).items()}
     found: dict[Any, Any] = {}
     for q in target.coordinates:
-        found[q] = _in_dots(source, _given(given, source, str(q)))
+        found[q] = _in_dots(source, _value_of(given, source, str(q)))
     clock = _in_dots(source, relation.clock)
     dots = {vo.velocity(q): _derivative(source, e) / clock for q, e in found.items()}
     frame = _velocities(target)
     parameters = {str(k): v for k, v in relation.parameters.items()}
     for p in target.parameters:
-        found[p.symbol] = _in_dots(source, _given(parameters, source, str(p.symbol)))
+        found[p.symbol] = _in_dots(source, _value_of(parameters, source, str(p.symbol)))
     for v in target.velocities:
         meaning = sp.sympify(frame.get(v, v))
         derived = meaning.xreplace({**found, **dots})
         if str(v) not in given and relation.state is None:
-            derived = _named(source, str(v))
+            derived = _symbol_of(source, str(v))
         found[v] = _in_dots(source, given.get(str(v), derived))
     found[vo.time] = vo.time / clock if clock.is_Number else sp.Integer(0)
     return found
 
 
-def _given(values: Mapping[str, Any], source: vo.System, name: str) -> Any:
+def _value_of(values: Mapping[str, Any], source: vo.System, name: str) -> Any:
     """What a relation says of a name; else what bears it in the source."""
-    return values[name] if name in values else _named(source, name)
+    return values[name] if name in values else _symbol_of(source, name)
 
 
-def _named(system: vo.System, name: str) -> Any:
+def _symbol_of(system: vo.System, name: str) -> Any:
     known = [*system.coordinates, *system.velocities, *(p.symbol for p in system.parameters)]
     found = {str(s): s for s in known}
     return found[name]

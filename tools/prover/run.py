@@ -54,7 +54,7 @@ def main() -> int:
     """Ask, print a line for each failure and the counts."""
     chosen = _arguments()
     if chosen.only is not None:
-        family, outcome, text = asked(chosen.seed, chosen.only, chosen.kind, chosen.limit)
+        family, outcome, text = ask(chosen.seed, chosen.only, chosen.kind, chosen.limit)
         print(f"{family}: {text}\n{outcome}")
         return 1 if outcome.startswith("wrong") else 0
     begun = time.monotonic()
@@ -92,24 +92,24 @@ NO_ANSWER = "no answer"
 OPEN = ("true undecided", "false said to agree")
 
 
-def asked(seed: int, index: int, kind: str | None, limit: float = LIMIT) -> tuple[str, str, str]:
+def ask(seed: int, index: int, kind: str | None, limit: float = LIMIT) -> tuple[str, str, str]:
     """The family of a statement, what became of it, and what it says."""
     try:
-        with _limited(MAKING):
+        with _time_limit(MAKING):
             statement = _statement(seed, index, kind)
     except NoAnswer:
         return "none", f"not made: within {MAKING:g} s", ""
     if statement is None:
         return "none", "not made", ""
     try:
-        with _limited(limit):
+        with _time_limit(limit):
             return outcome_of(statement)
     except NoAnswer:
         return statement.family, f"{NO_ANSWER}: within {limit:g} s", statement.text
 
 
 @contextmanager
-def _limited(seconds: float) -> Iterator[None]:
+def _time_limit(seconds: float) -> Iterator[None]:
     """Raises ``NoAnswer`` after so much processor time, where Python comes to it."""
 
     def stop(*_: Any) -> None:
@@ -136,7 +136,7 @@ def outcome_of(statement: Statement) -> tuple[str, str, str]:
     outcome = f"{truth} {verdict.status}: {verdict.method}"
     if verdict.status == ("refuted" if statement.true else "proved"):
         outcome = f"wrong {truth} {verdict.status}: {verdict.method}; {verdict.witness}"
-    elif verdict.refuted and statement.sides and not _confirmed(statement.sides, verdict.witness):
+    elif verdict.refuted and statement.sides and not _confirm(statement.sides, verdict.witness):
         outcome = f"wrong witness: {verdict.witness}"
     elif verdict.undecided and not statement.true and "agree to" in verdict.method:
         outcome = f"false said to agree: {verdict.method}"
@@ -160,7 +160,7 @@ def _statement(seed: int, index: int, kind: str | None) -> Statement | None:
     return None
 
 
-def _confirmed(sides: tuple[Any, Any], witness: Any) -> bool:
+def _confirm(sides: tuple[Any, Any], witness: Any) -> bool:
     """Whether both sides have the values of the witness at its point, by mpmath."""
     named = {str(s): s for s in sp.Tuple(*sides).free_symbols}
     with mpmath.workdps(80):
@@ -183,7 +183,7 @@ def _confirmed(sides: tuple[Any, Any], witness: Any) -> bool:
 
 
 def _work(task: tuple[int, int, str | None, float]) -> tuple[int, tuple[str, str, str]]:
-    return task[1], asked(*task)
+    return task[1], ask(*task)
 
 
 def _results(

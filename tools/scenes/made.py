@@ -230,7 +230,7 @@ def _rough_sleigh(dice: Random) -> Made:
     return Made(_system("rough-sleigh", (x, phi), (y,), L, (constraint,), forces, (), frame))
 
 
-def driven(dice: Random) -> Made:
+def driven_mechanics(dice: Random) -> Made:
     """Mechanics driven by functions of the time."""
     made = dice.choice((blade, bowl, generic))(dice)
     system = made.system
@@ -280,7 +280,7 @@ MADE: Mapping[str, tuple[Callable[[Random], Made], ...]] = {
     "smooth": (generic, blade, trailers, racer, top, bowl),
     "singular": (blade, trailers, racer, top, bowl),
     "nonsmooth": (rough,),
-    "inputs": (driven,),
+    "inputs": (driven_mechanics,),
     "turns": (blade, bowl, top),
 }
 

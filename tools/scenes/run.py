@@ -66,7 +66,7 @@ def judge_scenes(seed: int, system: str | None, pipe: Connection) -> None:
         if asked is None:
             return
         kind, index = asked
-        pipe.send(Verdict(kind, index, *workshop.judged(kind, index)))
+        pipe.send(Verdict(kind, index, *workshop.judge(kind, index)))
 
 
 class Court:
@@ -90,7 +90,7 @@ class Court:
         self._pipe.send((kind, index))
         outcome = "hang"
         try:
-            if self._answered():
+            if self._answers():
                 found: Verdict = self._pipe.recv()
                 return found
         except (EOFError, ConnectionResetError):
@@ -98,11 +98,11 @@ class Court:
         self.close()
         return Verdict(kind, index, self.system or "", outcome, f"the process: {outcome}")
 
-    def _answered(self) -> bool:
+    def _answers(self) -> bool:
         """Whether an answer came before the process has worked for too long."""
         clock = ChildClock(self._process.pid)
         while not self._pipe.poll(1.0):
-            if clock.worked() > PATIENCE or clock.waited() > WAIT:
+            if clock.work_time() > PATIENCE or clock.wait_time() > WAIT:
                 return False
         return True
 

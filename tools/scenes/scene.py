@@ -89,7 +89,7 @@ class Workshop:
         self.seed, self.only = seed, only
         self._benches: dict[tuple[str, int], tuple[str, _Bench | Exception]] = {}
 
-    def judged(self, kind: str, index: int) -> tuple[str, str, str, str]:
+    def judge(self, kind: str, index: int) -> tuple[str, str, str, str]:
         """System, outcome, detail and snippet of one scene."""
         name, bench = self._bench(kind, index // BLOCK)
         if isinstance(bench, Unsupported):
@@ -101,7 +101,7 @@ class Workshop:
         scene = _draw(dice, bench, kind)
         if scene is None:
             return name, "not judged", "no possible parameters", ""
-        outcome, detail = _judged(bench, scene, kind)
+        outcome, detail = _judge(bench, scene, kind)
         return name, outcome, detail, _snippet(bench, scene)
 
     def _bench(self, kind: str, block: int) -> tuple[str, _Bench | Exception]:
@@ -269,13 +269,13 @@ def _method(dice: Random, bench: _Bench, kind: str, times: list[float]) -> tuple
     return method, tol
 
 
-def _judged(bench: _Bench, scene: Scene, kind: str) -> tuple[str, str]:
+def _judge(bench: _Bench, scene: Scene, kind: str) -> tuple[str, str]:
     """Outcome and detail: the engine first, since what it answers decides what is asked."""
     error, answer = None, {}
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            answer = _asked(bench, scene)
+            answer = _ask(bench, scene)
     except vo.VoronecError as refusal:
         error = refusal
     except Exception as failure:
@@ -292,10 +292,10 @@ def _judged(bench: _Bench, scene: Scene, kind: str) -> tuple[str, str]:
         if truth.condition < WELL and truth.pivot > 1 / WELL:
             return "refused", f"{error} (condition {truth.condition:.1e})"
         return "refused, ill-conditioned", str(error)
-    return _compared(scene, truth, answer)
+    return _compare(scene, truth, answer)
 
 
-def _compared(scene: Scene, truth: Truth, answer: Mapping[str, Any]) -> tuple[str, str]:
+def _compare(scene: Scene, truth: Truth, answer: Mapping[str, Any]) -> tuple[str, str]:
     worst, said = 0.0, ""
     for place, values, bounds in zip(truth.places, truth.values, truth.bounds, strict=True):
         for name, value in values.items():
@@ -313,7 +313,7 @@ def _compared(scene: Scene, truth: Truth, answer: Mapping[str, Any]) -> tuple[st
     return ("wrong", said) if worst > 1 else ("right", said)
 
 
-def _asked(bench: _Bench, scene: Scene) -> dict[str, Any]:
+def _ask(bench: _Bench, scene: Scene) -> dict[str, Any]:
     """What the engine answers: output -> values on the grid."""
     common: dict[str, Any] = {"outputs": scene.outputs, "tol": scene.tol, "method": scene.method}
     names = scene.outputs or _everything(bench)
@@ -416,14 +416,14 @@ def _two_runs(
             raise _NoTruth(f"{fine.outcome} at t = {fine.reached:.6g}")
         values = _values(reader, fine, times, p)
         unsure = np.abs(_doubles(values) - _doubles(_values(reader, coarse, times, p)))
-        grown = _grown(bench, scene, at, times, precision, reader, fine.states, values)
+        grown = _growth(bench, scene, at, times, precision, reader, fine.states, values)
         bounds = np.maximum(_bounds(scene, values, grown), 1e-7 if singular else 0.0)
         if (unsure < bounds / 10).all():
             return fine, values, bounds
     raise _NoTruth(f"the truth is known to {unsure.max():.1e} only")
 
 
-def _grown(
+def _growth(
     bench: _Bench, scene: Scene, at: Any, times: list[float], precision: str, reader: Any,
     states: list[list[Any]], values: list[list[Any]],
 ) -> np.ndarray:  # fmt: skip
@@ -441,15 +441,15 @@ def _grown(
         for k in sorted(dice.sample(range(len(times) - 1), min(SAMPLES, len(times) - 1)))
     ]
 
-    def moved(values: Any, sizes: Any) -> list[Any]:
+    def move(values: Any, sizes: Any) -> list[Any]:
         pairs = zip(values, sizes, strict=True)
         return [mp.mpf(x) + NEARBY * size * dice.choice((-1, 1)) for x, size in pairs]
 
     for begin, first, own, pace in [*begins[:1] * SAMPLES, *begins[1:]]:
         other = [x * (1 + NEARBY * dice.uniform(-1, 1)) for x in p]
         largest = 1 + max(map(abs, pace), default=0)
-        places = moved(own, [1 + abs(x) for x in own])
-        start = referee.start(places, moved(pace, [largest] * len(pace)), other, begin)
+        places = move(own, [1 + abs(x) for x in own])
+        start = referee.start(places, move(pace, [largest] * len(pace)), other, begin)
         near = referee.motion(start, other, begin, times[first:], tolerance, precision, budget)
         if near.outcome != "done":
             raise _NoTruth(f"a motion nearby: {near.outcome} at t = {near.reached:.6g}")

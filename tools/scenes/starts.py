@@ -104,9 +104,9 @@ class Bench:
         for name in self.names:
             value = sp.sympify(own.get(name, 0)).xreplace(exact)
             q.append((float(value) if value.is_number else 0.0) + self.dice.uniform(-0.7, 0.7))
-        return self.related(q)
+        return self.onto_relations(q)
 
-    def related(self, q: list[float]) -> list[float]:
+    def onto_relations(self, q: list[float]) -> list[float]:
         """Coordinates moved onto the relations."""
         return [float(x) for x in self.referee.onto_relations(q, self.values)]
 
@@ -122,7 +122,7 @@ class Bench:
         usual, seen = self.usual(), list[list[float]]()
         for kind, q in itertools.chain(self._angles(usual), self._zeros(usual)):
             try:
-                moved = self.related(q)
+                moved = self.onto_relations(q)
             except (ZeroDivisionError, ValueError):
                 continue
             if not self._on_relations(moved):
@@ -269,15 +269,15 @@ class Bench:
             state = self.referee.start(q, pace, self.values, 0.0)
         else:
             state = self.referee.start_of_rates(q, [*start.pace.values()], self.values, 0.0)
-        return self._seen(state, 0.0, [SPAN], self.names + self._regular_names)[0]
+        return self._observe(state, 0.0, [SPAN], self.names + self._regular_names)[0]
 
-    def _declared(self, q: Any, w: Any) -> list[Any]:
+    def _declared_velocities(self, q: Any, w: Any) -> list[Any]:
         """The declared velocities of those of coordinates."""
         matrix, offsets = self.referee._kinematics(mp.mpf(0), q, self.values)
         rows = range(len(self.referee._rows), len(offsets))
         return [mp.fdot(matrix[i], w) + offsets[i] for i in rows]
 
-    def _seen(self, state: Any, begin: float, times: Any, names: Any) -> np.ndarray:
+    def _observe(self, state: Any, begin: float, times: Any, names: Any) -> np.ndarray:
         found = self.referee.motion(state, self.values, begin, times, 1e-16, "long double", 400_000)
         if found.outcome != "done":
             raise Unsupported(f"{found.outcome} at t = {found.reached:.4g}")
@@ -297,12 +297,12 @@ class Bench:
         if not names:
             raise Unsupported("nothing is known to be regular there")
         q = [start.place[n] for n in self.names]
-        v = [start.pace[x] for x in m.velocities] if start.declared else self._declared(
+        v = [start.pace[x] for x in m.velocities] if start.declared else self._declared_velocities(
             [mp.mpf(x) for x in q], [mp.mpf(x) for x in start.pace.values()]
         )  # fmt: skip
         end = [found[n] for n in self.names], [found[x] for x in m.velocities]
         state = self.referee.start(*end, self.values, SPAN)
-        rows = self._seen(state, SPAN, INSTANTS[::-1], names)[::-1]
+        rows = self._observe(state, SPAN, INSTANTS[::-1], names)[::-1]
         drawn, rougher = (_at_zero(INSTANTS[:k], rows[:k]) for k in (len(rows), len(rows) - 1))
         reader = self.referee.reader([m.own(e) for e in self.system.invariants.values()])
         still = [mp.mpf(0)] * len(m.w)
@@ -313,7 +313,7 @@ class Bench:
         gaps = np.abs(drawn - here)
         return dict(zip(names, zip(gaps, bounds, strict=True), strict=True))
 
-    def judged(self, start: Start) -> tuple[str, str]:
+    def judge(self, start: Start) -> tuple[str, str]:
         """Outcome and detail of one start."""
         try:
             answer = self.answer(start)
@@ -386,7 +386,7 @@ def main() -> int:
 
 def _place(bench: Bench, where: str, q: list[float]) -> str:
     """What came of a place; what is not right is printed."""
-    found = [(*bench.judged(start), start) for start in bench.starts(q)]
+    found = [(*bench.judge(start), start) for start in bench.starts(q)]
     for outcome, detail, start in found:
         if outcome != "right" and (outcome != "refused" or found[0][0] == found[-1][0]):
             print(f"{outcome}: {bench.system.name} at {where}: {detail}")

@@ -49,7 +49,7 @@ class Motion:
     span: float
     kind: str
 
-    def closed(self) -> tuple[np.ndarray, float]:
+    def closed_form(self) -> tuple[np.ndarray, float]:
         """The angles at the end in closed form, and CPU seconds, set-up included."""
         began = process_time()
         form = vo.closed_form(
@@ -132,7 +132,7 @@ def _frame(u: float, v: float) -> np.ndarray:
     return np.array([[a * c, -d, b * c], [a * d, c, b * d], [-b, 0.0, a]])
 
 
-def followed(run: Run, motion: Motion) -> np.ndarray:
+def follow(run: Run, motion: Motion) -> np.ndarray:
     """The angles at the end, by integration."""
     own = {**{q: float(x) for q, x in motion.initial.items()}}
     radius, inertia, k = (float(motion.parameters[p]) for p in ("R1", "A", "k"))
@@ -147,7 +147,7 @@ def followed(run: Run, motion: Motion) -> np.ndarray:
     start = np.concatenate([normal, axes[2], axes[0]])
     inside = run(start, [*momentum, k, whole, 1 / inertia, slide], motion.span)
 
-    def seen(times: np.ndarray) -> np.ndarray:
+    def observe(times: np.ndarray) -> np.ndarray:
         """Time, state, and how long no angle can go round."""
         states = np.array(inside(times))
         pull = momentum - k * states[:, 3:6]
@@ -155,7 +155,7 @@ def followed(run: Run, motion: Motion) -> np.ndarray:
         fast = np.linalg.norm(pull + lean[:, None] * states[:, :3], axis=1) / whole
         return np.column_stack([times, states, _room(states, slide) / fast])
 
-    rows = seen(np.linspace(0.0, motion.span, 200))
+    rows = observe(np.linspace(0.0, motion.span, 200))
     while True:
         times, room = rows[:, 0], rows[:, -1]
         wide = np.abs(np.diff(times)) > SHORT * np.minimum(room[1:], room[:-1])
@@ -163,7 +163,7 @@ def followed(run: Run, motion: Motion) -> np.ndarray:
             break
         if wide.size > MOST:
             raise RuntimeError("the angles cannot be followed: a pole is passed too closely")
-        rows = np.concatenate([rows, seen((times[1:] + times[:-1])[wide] / 2)])
+        rows = np.concatenate([rows, observe((times[1:] + times[:-1])[wide] / 2)])
         rows = rows[np.argsort(np.abs(rows[:, 0]))]
     states = rows[:, 1:-1]
     turned = np.unwrap(_read(states), axis=1)
@@ -203,9 +203,9 @@ def main() -> int:
     run, other, lost, spent = by_heyoka(), 0, 0, []
     for i in range(options.motions):
         motion = random_motion(np.random.default_rng((options.seed, i)), options.longest)
-        found, seconds = motion.closed()
+        found, seconds = motion.closed_form()
         try:
-            true = followed(run, motion)
+            true = follow(run, motion)
         except RuntimeError as error:
             lost += 1
             print(f"seed ({options.seed}, {i}), {motion.kind}: {error}", flush=True)

@@ -16,17 +16,17 @@ class ChildClock:
 
     def __init__(self, pid: int | None) -> None:
         self.pid, self.since = pid, time.monotonic()
-        self.before = self._worked()
+        self.before = self._work_time()
 
-    def worked(self) -> float:
+    def work_time(self) -> float:
         """Seconds of the processor that the child and what it waited for have taken."""
-        return self._worked() - self.before
+        return self._work_time() - self.before
 
-    def waited(self) -> float:
+    def wait_time(self) -> float:
         """Seconds on the wall."""
         return time.monotonic() - self.since
 
-    def _worked(self) -> float:
+    def _work_time(self) -> float:
         try:
             stat = Path(f"/proc/{self.pid}/stat").read_text().rpartition(")")[2].split()
         except OSError:  # not on Linux, or ended
