@@ -23,7 +23,7 @@ def attack():
 
 
 def asked(attack, count, kind="identities", seed=3):
-    return [attack.asked(seed, index, kind)[1].partition(":")[0] for index in range(count)]
+    return [attack.ask(seed, index, kind)[1].partition(":")[0] for index in range(count)]
 
 
 def test_an_honest_prover_is_not_accused(attack, capsys, monkeypatch):
@@ -66,7 +66,7 @@ def test_one_sign_that_is_lost_in_roots_is_noticed(attack, monkeypatch):
 
 def test_a_claim_that_is_false_and_proved_is_noticed(attack, monkeypatch):
     claims = attack.claims
-    monkeypatch.setattr(claims, "_asked", lambda *_: lambda: Verdict("proved", "so it is"))
+    monkeypatch.setattr(claims, "_question", lambda *_: lambda: Verdict("proved", "so it is"))
     assert "wrong false proved" in [
         attack.outcome_of(made)[1].partition(":")[0]
         for made in (claims.walls(Random(n), True, n % 2 == 0) for n in range(6))
@@ -89,7 +89,7 @@ def test_a_statement_without_an_answer_is_told(attack, monkeypatch):
             pass
 
     monkeypatch.setattr(voronec, "prove_equal", never)
-    _, outcome, text = attack.asked(3, 0, "identities", limit=3)
+    _, outcome, text = attack.ask(3, 0, "identities", limit=3)
     assert outcome.startswith("no answer") and text
 
 
@@ -100,7 +100,7 @@ def test_a_statement_that_sympy_never_makes_is_none_of_the_prover(attack, monkey
 
     monkeypatch.setattr(attack, "MAKING", 0.2)
     monkeypatch.setitem(attack.KINDS, "identities", (never, ("roots",)))
-    assert attack.asked(3, 0, "identities") == ("none", "not made: within 0.2 s", "")
+    assert attack.ask(3, 0, "identities") == ("none", "not made: within 0.2 s", "")
 
 
 def test_the_truth_of_relations_is_told_by_the_multipliers():

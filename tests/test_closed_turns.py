@@ -57,8 +57,8 @@ def by_scipy(fuzz):
 def test_two_instants_are_apart_by_the_turns_of_integration(fuzz, number):
     motion = fuzz.random_motion(np.random.default_rng((11, number)), 10.0)
     motion = replace(motion, span=float(np.clip(motion.span, -10, 10)))
-    found, _ = motion.closed()
-    true = fuzz.followed(by_scipy(fuzz), motion)
+    found, _ = motion.closed_form()
+    true = fuzz.follow(by_scipy(fuzz), motion)
     assert np.abs(found - true).max() < 1e-3, motion.kind
 
 

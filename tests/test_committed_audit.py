@@ -91,7 +91,7 @@ def test_the_documentation_lists_these_errata(
     build: ModuleType, audit: Audit, paper: Paper
 ) -> None:
     page = build.PAGE.read_text("utf-8")
-    assert build.pasted(page, build.summary(audit, paper)) == page, STALE
+    assert build.paste(page, build.summary(audit, paper)) == page, STALE
 
 
 def test_a_section_audited_anew_has_the_verdicts_that_are_kept(audit: Audit, paper: Paper) -> None:

@@ -77,13 +77,13 @@ def test_a_driven_particle_forgets_its_start_backwards_too():
 
 def test_an_answer_that_is_off_is_wrong_and_a_right_one_is_right(monkeypatch):
     scene = tool("scenes.scene")
-    judged = scene.Workshop(1, "sleigh").judged("smooth", 1)
+    judged = scene.Workshop(1, "sleigh").judge("smooth", 1)
     assert judged[:2] == ("sleigh", "right")
-    asked = scene._asked
+    asked = scene._ask
     monkeypatch.setattr(
-        scene, "_asked", lambda *a: {n: column + 1e-6 for n, column in asked(*a).items()}
+        scene, "_ask", lambda *a: {n: column + 1e-6 for n, column in asked(*a).items()}
     )
-    assert scene.Workshop(1, "sleigh").judged("smooth", 1)[1] == "wrong"
+    assert scene.Workshop(1, "sleigh").judge("smooth", 1)[1] == "wrong"
 
 
 def test_starts_at_singular_places_are_swept_and_judged(monkeypatch):
@@ -92,10 +92,10 @@ def test_starts_at_singular_places_are_swept_and_judged(monkeypatch):
     place = next(q for where, q in bench.places() if where == "theta = 0: coordinates")
     assert place[1] == 0
     starts = list(bench.starts(place))
-    assert bench.judged(starts[0])[0] == "right"
+    assert bench.judge(starts[0])[0] == "right"
     answer = bench.answer(starts[0])
     monkeypatch.setattr(sweep.Bench, "answer", lambda *_: {**answer, "n": answer["n"] + 1e-3})
-    assert bench.judged(starts[0])[0] == "wrong"
+    assert bench.judge(starts[0])[0] == "wrong"
 
 
 def test_a_method_whose_estimate_is_sharp_errs_by_its_tolerance():

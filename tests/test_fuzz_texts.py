@@ -18,7 +18,7 @@ texts = sys.modules["doors.texts"]
 def opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     monkeypatch.chdir(tmp_path)
     here = os.getcwd()
-    yield lambda number: fuzz.opened(7, number, "texts", tmp_path)
+    yield lambda number: fuzz.open_door(7, number, "texts", tmp_path)
     os.chdir(here)
 
 

@@ -173,7 +173,7 @@ def energy_page():
 )
 def test_what_a_proposed_correction_is_worth(place, wrong, proposed, kind, why):
     fault = energy_page().trial(place, latex_errors.Slip("letter", wrong, 0)).fault
-    found = proposals.judged(proposed, fault)
+    found = proposals.judge(proposed, fault)
     assert (found.kind, found.why) == (kind, why)
 
 
@@ -195,5 +195,5 @@ def test_every_kind_of_premise_of_a_system_is_changed():
 def test_before_any_change_each_system_is_derived_as_it_is():
     seen = {}
     outside, inside = vo.load("demchenko"), replace(vo.load("demchenko"), constraints=())
-    noted = [tool("papers.premises")._noted(seen, system) for system in (outside, inside)]
+    noted = [tool("papers.premises")._note(seen, system) for system in (outside, inside)]
     assert noted == [outside, inside] and outside != inside and seen == {"demchenko": outside}
