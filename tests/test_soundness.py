@@ -157,7 +157,7 @@ def test_a_lost_integral_ends_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
     # what is only claimed, and not so, is a note
     sound = vo.integrate(system, times=GRID, initial={x: 1}, method="scipy")
     assert len(sound.notes) == 1
-    assert "'position' is only claimed, and drifts by" in sound.notes[0]
+    assert "'position' is only claimed, and drifts: at t = " in sound.notes[0]
     corrupted(monkeypatch, 4.0, np.array([1e-6, 0.0]))
     with pytest.raises(vo.IntegrationError, match="the integral 'energy' drifts by") as caught:
         vo.integrate(system, times=GRID, initial={x: 1}, method="scipy")

@@ -163,7 +163,7 @@ def test_forces_inputs_relations_and_accelerations(tmp_path: Path) -> None:
         ("ydot*cos(phi)\"", "ydot**\"", "\"]",
          "constraints, entry 1: not a formula: a number, a name or '(' is expected"),
         ("J*phidot^2/2\"", "open(1)\"", "open",
-         "definitions.kinetic: not a formula at 'open': there are the functions sin"),
+         "definitions.kinetic: not a formula at 'open': there is no such function; there are: "),
         ('phi = "heading', 'pi = "heading', "pi = ", "'pi' cannot be a coordinate; expected a"),
         ("[definitions]\n", "[definitions]\nx = 1\n", "x = 1",
          "the name 'x' is used twice, for a coordinate and for a definition"),
@@ -174,7 +174,7 @@ def test_forces_inputs_relations_and_accelerations(tmp_path: Path) -> None:
          "parameters.m: parameter 'm' = -1 must be positive"),
         ("[0, 20]", "[0, 0]", "[0, 0]", "scenes.default.times: times = ('0', '0'): start and end"),
         ("[integrals]", "[integral]", "integral]", "'integral' means nothing here; did you mean"),
-        ("{ w = 1", "{ u = 1", "u = 1", "'u' is not a coordinate; there are"),
+        ("{ w = 1", "{ u = 1", "u = 1", "'u' is neither a coordinate nor a velocity; there are"),
         ("lagrangian =", "Lagrangian =", "Lagrangian =", "'Lagrangian' means nothing here"),
         ("J = { value = 1", "J = { value = [1]", "[1]", "parameters.J.value: an array; expected a"),
         ('"phidot"\n', '"phidot + v*phi*w/xi"\n', "xi", "integrals.turning: 'xi' is neither"),
@@ -351,7 +351,7 @@ def test_forces_act_along_velocities(
 @pytest.mark.parametrize(
     ("forces", "message"),
     [
-        ('vv = "1"', "line 18, column 1: 'vv' is not a coordinate; did you mean 'v'"),
+        ('vv = "1"', "line 18, column 1: 'vv' is neither a coordinate nor a velocity; did you mean 'v'"),
         ('"v + x" = "1"', "line 18, column 1: 'v + x' is nothing that a force acts along"),
         ('"v^2" = "1"', "line 18, column 1: 'v^2' is nothing that a force acts along"),
         ('"v - v" = "1"', "line 18, column 1: 'v - v' is nothing that a force acts along"),

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple, NoReturn
 
 import sympy as sp
 
-from voronec.errors import DefinitionError, quote
+from voronec.errors import DefinitionError, did_you_mean, quote
 
 __all__ = [
     "FUNCTION_NAMES",
@@ -268,7 +268,8 @@ class _FormulaReader:
         if self.open and name.text not in FUNCTION_NAMES:
             return self._unknown(name, opening)
         if name.text not in FUNCTION_NAMES:
-            self._wrong(f"there are the functions {', '.join(FUNCTION_NAMES)}", name)
+            hint = did_you_mean(name.text, FUNCTION_NAMES).removeprefix("; ")
+            self._wrong(f"there is no such function; {hint}", name)
         self._enter(opening)
         values = [self._sum()]
         while self.token.text == ",":

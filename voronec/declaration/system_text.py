@@ -380,7 +380,8 @@ class _Text:
         name = str(item.keys[-1])
         among = [n for n, role in self.roles.items() if role.startswith(roles)]
         if name not in among:
-            item.wrong_key(f"'{quote(name)}' is not {roles[0]}{did_you_mean(name, among)}")
+            what = f"not {roles[0]}" if len(roles) == 1 else f"neither {roles[0]} nor {roles[1]}"
+            item.wrong_key(f"'{quote(name)}' is {what}{did_you_mean(name, among)}")
         return self.names[name]
 
     def _scene(self, item: Item) -> Scene:

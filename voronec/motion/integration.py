@@ -115,7 +115,7 @@ def integrate(
     tol
         the local error of one step that the integrator aims at, relative to the state (absolute
         where the state is small).  The methods differ in what they make of it, so compare errors,
-        not tolerances.  scipy takes 2.3e-14 for anything finer; heyoka drifts least with 1e-16.
+        not tolerances.  scipy takes 2.3e-14 for anything finer, and a note says so; heyoka drifts least with 1e-16.
         With ``flint`` it may be 1e-40 and finer: values given exactly are then used exactly, those
         given as floats as the doubles they are, and the results are mpmath's numbers.
     events
@@ -173,7 +173,8 @@ def integrate(
     )  # fmt: skip
     ways = (request.in_smallest, request.otherwise, request.on_coordinates)
     tries = (request.in_any_split(way) for way in ways)
-    return replace(first_success(tries, float(grid[0])), system=declared)
+    found = first_success(tries, float(grid[0]))
+    return replace(found, system=declared, notes=(*found.notes, *_coarser(found.cost, tol)))
 
 
 @dataclass(frozen=True)
@@ -601,6 +602,12 @@ def _unknown_functions(system: System) -> set[Any]:
 Way = Callable[[IntegrationError | None], Trajectory | None]
 """From the first error, where there was one, to a trajectory, or to None where the way is of no
 use after that."""
+
+
+def _coarser(cost: Cost, tol: float) -> Iterator[str]:
+    """A note where the tolerance asked for is finer than the method goes."""
+    if cost.tolerance > tol:
+        yield f"{cost.method} goes no finer than tol = {cost.tolerance:.3g}, taken for {tol:.3g}"
 
 
 def _outputs_without_value(trajectory: Trajectory) -> Iterator[str]:

@@ -278,8 +278,8 @@ class WideStart:
             raise DefinitionError(
                 f"system '{system.name}': the initial velocities are off the constraints: "
                 f"'{missed[0]}' = {later[missed[0]]:.12g} (residual "
-                f"{found.residual(missed[0], later[missed[0]], w):.3g}); correct '{missed[0]}', "
-                "leave it out, or give project=True"
+                f"{found.residual(missed[0], later[missed[0]], w):.3g}); correct '{missed[0]}' "
+                "or leave it out, or give project=True"
             )
         spare = tuple(k for k in own if k not in held and found.holds(k, 0.0, w))
         return cls(vocabulary, ground, given, wide, (*held, *spare))

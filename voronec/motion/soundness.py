@@ -286,8 +286,8 @@ class Judge:
                 breaches.append(Breach(f"the integral '{name}' drifts {amount}", int(rows[i - 1])))
             else:
                 notes.append(
-                    f"the integral '{name}' is only claimed, and drifts {amount}, up to "
-                    f"t = {t[rows[i]]:.6g}"
+                    f"the integral '{name}' is only claimed, and drifts: at t = {t[rows[i]]:.6g} "
+                    f"it has changed {amount}"
                 )
         return breaches, tuple(notes)
 
