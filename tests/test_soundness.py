@@ -149,6 +149,15 @@ def corrupted(monkeypatch: pytest.MonkeyPatch, time: float, jump: np.ndarray) ->
 GRID = np.linspace(0, 10, 501)
 
 
+def test_a_tolerance_that_was_not_taken_is_told() -> None:
+    fine, held = (
+        vo.integrate(OSCILLATOR, times=[0, 1], initial={x: 1}, method="scipy", tol=tol)
+        for tol in (1e-15, 1e-13)
+    )
+    assert fine.notes == ("scipy goes no finer than tol = 2.3e-14, taken for 1e-15",)
+    assert held.notes == ()
+
+
 def test_a_lost_integral_ends_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
     dot = vo.velocity(x)
     system = dataclasses.replace(

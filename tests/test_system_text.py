@@ -351,7 +351,10 @@ def test_forces_act_along_velocities(
 @pytest.mark.parametrize(
     ("forces", "message"),
     [
-        ('vv = "1"', "line 18, column 1: 'vv' is neither a coordinate nor a velocity; did you mean 'v'"),
+        (
+            'vv = "1"',
+            "line 18, column 1: 'vv' is neither a coordinate nor a velocity; did you mean 'v'",
+        ),
         ('"v + x" = "1"', "line 18, column 1: 'v + x' is nothing that a force acts along"),
         ('"v^2" = "1"', "line 18, column 1: 'v^2' is nothing that a force acts along"),
         ('"v - v" = "1"', "line 18, column 1: 'v - v' is nothing that a force acts along"),

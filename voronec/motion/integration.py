@@ -115,7 +115,8 @@ def integrate(
     tol
         the local error of one step that the integrator aims at, relative to the state (absolute
         where the state is small).  The methods differ in what they make of it, so compare errors,
-        not tolerances.  scipy takes 2.3e-14 for anything finer, and a note says so; heyoka drifts least with 1e-16.
+        not tolerances.  scipy takes 2.3e-14 for anything finer, and a note says so; heyoka drifts
+        least with 1e-16.
         With ``flint`` it may be 1e-40 and finer: values given exactly are then used exactly, those
         given as floats as the doubles they are, and the results are mpmath's numbers.
     events
