@@ -357,7 +357,8 @@ def _inconsistent(
     return DefinitionError(
         f"system '{vocabulary.equations.system.name}': the initial velocities are off the "
         f"constraints: '{name}' = {value:.12g}, where the others give {value + excess[worst]:.12g} "
-        f"(residual {abs(excess[worst]):.3g}); correct '{name}' or leave it out, or give project=True"
+        f"(residual {abs(excess[worst]):.3g}); correct '{name}' or leave it out, or give "
+        "project=True"
     )
 
 
