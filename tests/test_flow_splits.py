@@ -6,18 +6,19 @@ velocities: M q'' - A^T lambda = Q - h, A q'' = -b.  They know neither frame nor
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 import pytest
 import scipy.integrate
+import symengine as se
 import sympy as sp
 from scipy.integrate import solve_ivp
 
 import voronec as vo
 from voronec import velocity
-from voronec.motion.divisors import divisors
+from voronec.motion.divisors import around, crossing_divisors, divisors
 from voronec.motion.steppers import choice
 
 pytestmark = pytest.mark.slow
@@ -497,6 +498,54 @@ def test_a_run_goes_back_before_it_leaves_a_split_that_broke_down() -> None:
     sharp = vo.integrate(vo.load("bicycle"), initial=start, times=times, tol=1e-18)
     for name in rough.names:
         assert np.abs(rough[name] - sharp[name].astype(float)).max() < 1e-9, name
+
+
+def samples(monkeypatch: pytest.MonkeyPatch, count: int) -> Iterator[int]:
+    """So many other sequences of random numbers, one after the other."""
+    own = np.random.default_rng
+    for seed in range(count):
+        monkeypatch.setattr(np.random, "default_rng", lambda _=None, seed=seed: own(seed))
+        yield seed
+
+
+def test_how_large_a_divisor_is_hangs_on_no_sample(monkeypatch: pytest.MonkeyPatch) -> None:
+    u, v = se.symbols("u v")
+    functions = [se.cos(u), se.RealDouble(0.375) + 0.625 * se.cos(u), u * se.sin(v) + se.cos(u) / 4]
+    value = se.Lambdify([u, v], functions)
+    sizes = []
+    for _ in samples(monkeypatch, 20):
+        found = crossing_divisors(
+            functions, around(np.array([0.25, 1.5])), lambda x: value(x.T).T,
+            lambda x: np.ones(x.shape[1]), lambda x: x,
+        )  # fmt: skip
+        assert [d.function for d in found] == functions
+        sizes.append([d.scale for d in found])
+    assert (np.max(sizes, axis=0) < 1.25 * np.min(sizes, axis=0)).all()
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_whether_a_motion_is_followed_hangs_on_no_sample(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    make, start = MADE[name]
+    times = np.linspace(0.0, 8.0, 2)
+    truth = multiplier_motion(make(), all_velocities(make(), start), times)
+    for seed in samples(monkeypatch, 4):
+        run = vo.integrate(make(), times=times, initial=start, method="scipy")
+        assert worst(run, truth) < 1e-10 and run.cost.switches > 0, seed
+
+
+def test_a_start_where_coordinates_do_not_tell_the_motion_is_refused_in_one_line() -> None:
+    flat = {"phi": 0.3, "theta": np.pi / 2, "psi": 0.2, "phidot": 0.4, "thetadot": 0.3}
+    fallen = {"phi": np.pi / 2, "delta": -0.5, "psi": 0.3, "theta": 0.6, "speed": 1.0}
+    on_edge = {"r": 0, "phi": 0.3, "beta": 0, "alpha": 0.8, "v": 0.3}
+    for name, start, idle in (
+        ("falling-disc", flat, "phidot, psidot, xdot, ydot"),
+        ("bicycle", fallen, "xdot, ydot, psidot, thetadot"),
+        ("ball-on-paraboloid", on_edge, "phidot, psidot, alphadot"),
+    ):
+        with pytest.raises(vo.IntegrationError, match=f"{idle} may differ though nothing moves"):
+            vo.integrate(vo.load(name), initial=start, times=[0, 0.1])
 
 
 def test_velocities_that_are_dependent_but_for_rounding_do_not_begin_a_run() -> None:

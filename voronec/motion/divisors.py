@@ -29,6 +29,7 @@ from voronec.motion.steppers import Run
 
 __all__ = [
     "CLEAR",
+    "FEW",
     "NEAR",
     "Divisor",
     "Field",
@@ -43,8 +44,10 @@ __all__ = [
     "without_guards",
 ]
 
-SAMPLES = 64
-"""So many random places tell whether a function changes its sign, and how large it is."""
+SAMPLES, FEW = 1024, 128
+"""So many random places tell whether a function changes its sign, and how large it is: its usual
+size is then known to a few hundredths, and other places would lead a run the same way.  Of zeros
+and metrics, which cost more, so few are looked at."""
 REACH = np.pi
 """Places are taken so far around the start, in units of one or of the coordinate's size."""
 HALVINGS = 40
@@ -133,14 +136,14 @@ def crossing_divisors(
     found = []
     for i, (function, row) in enumerate(zip(functions, sizes, strict=True)):
         below, above = places[:, row < 0], places[:, row > 0]
-        count = min(below.shape[1], above.shape[1])
+        count = min(below.shape[1], above.shape[1], FEW)
         if count == 0:
             continue
         zeros = onto(_between(values, i, below[:, :count], above[:, :count]))
-        scale = usual_size(np.abs(row))
+        scale = _middle_size(np.abs(row))
         # a change of sign through infinity is no zero, nor is one off the relations
         true = np.abs(values(zeros)[i]) < TRUE * scale
-        usual = usual_size(soundness(places)) if usual < 0 else usual
+        usual = usual_size(soundness(places[:, :FEW])) if usual < 0 else usual
         if (true & (soundness(zeros) > POLE * usual)).any():
             found.append(Divisor(function, scale))
     return found
@@ -154,6 +157,14 @@ def _between(values: Field, i: int, below: np.ndarray, above: np.ndarray) -> np.
         below, above = np.where(under, middle, below), np.where(under, above, middle)
     found: np.ndarray = (below + above) / 2
     return found
+
+
+def _middle_size(sizes: np.ndarray) -> float:
+    """The geometric mean of the middle half of those sizes that are finite and not zero: of many
+    it hangs less than the median on which they are, where few are near that."""
+    finite = np.sort(sizes[np.isfinite(sizes) & (sizes > 0)])
+    n = len(finite)
+    return float(np.exp(np.log(finite[n // 4 : n - n // 4]).mean())) if n else 0.0
 
 
 def usual_size(sizes: np.ndarray, otherwise: float = 0.0) -> float:

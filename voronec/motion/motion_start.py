@@ -48,6 +48,7 @@ from voronec.motion.singular_coordinates import (
     POLE,
     blind_directions,
     charted_directions,
+    idle_directions,
     open_beyond,
     polar_directions,
 )
@@ -263,6 +264,7 @@ class WideStart:
         own = {plain_name(v): 0.0 for v in system.velocities}
         earlier = {**{k: x for k, x in own.items() if k not in later}, **earlier}
         found = _Conditions.at(ground, q)
+        found.require_motion(ground, q)
         w = found.solve(later, earlier)
         wide = np.concatenate([q, w])
         all_given = {**old, **later}
@@ -343,6 +345,21 @@ class _Conditions:
         names = [plain_name(x) for x in dots]
         own = [plain_name(v) for v in system.velocities]
         return cls(system, conditions, frame, names, own, blind_directions(ground, wide))
+
+    def require_motion(self, ground: SplitGround, q: np.ndarray) -> None:
+        """Refuse a start where coordinates may change though nothing moves, and no chart sees it:
+        what happens there they do not tell."""
+        idle = idle_directions(ground, np.concatenate([q, np.zeros(len(self.dots))]))
+        if idle.shape[1] > self.blind.shape[1]:
+            seen = np.abs(idle).max(axis=1) > POLE * np.abs(idle).max()
+            names = (name for name, own in zip(self.dots, seen, strict=True) if own)
+            raise IntegrationError(
+                f"system '{self.system.name}': the coordinates are singular at the initial point, "
+                f"where {', '.join(names)} may differ though nothing moves, and do not tell what "
+                "happens next; start elsewhere",
+                ground.time,
+                q,
+            )
 
     def row(self, name: str) -> np.ndarray:
         """The row of a velocity by name, with its offset."""

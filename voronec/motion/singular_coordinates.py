@@ -35,6 +35,7 @@ __all__ = [
     "PoleGuard",
     "blind_directions",
     "charted_directions",
+    "idle_directions",
     "open_beyond",
     "polar_directions",
 ]
@@ -219,6 +220,30 @@ def charted_directions(ground: SplitGround, wide: np.ndarray) -> np.ndarray:
         return none
     _, sizes, basis = np.linalg.svd(slopes)
     return np.asarray(basis[sizes < POLE * sizes.max()].T)
+
+
+IDLE, BESIDE = 1e-15, 0.1
+"""A metric is singular where an eigenvalue is below the one, which is rounding, in units in which
+its diagonal is one where all coordinates are larger by the other, if it is not singular there."""
+
+
+def idle_directions(ground: SplitGround, wide: np.ndarray) -> np.ndarray:
+    """A basis (N, k) of the directions in which coordinates may change at a wide state though
+    neither inertia nor constraints resist, while they do beside it: the contact of a disc that lies
+    flat may be any point of its rim."""
+    count = len(ground.home.definition.coordinates)
+    rest = np.zeros(len(wide) - count)
+    here, beside = (
+        ground.metric(ground.time, np.concatenate([wide[:count] + step, rest]))
+        for step in (0.0, BESIDE)
+    )
+    units = np.sqrt(np.abs(np.diag(beside)))
+    if not (np.isfinite([here, beside]).all() and units.all()):
+        return np.zeros((len(units), 0))
+    scale = np.outer(units, units)
+    sizes, vectors = np.linalg.eigh(here / scale)
+    regular = np.linalg.eigvalsh(beside / scale) > POLE**2
+    return np.asarray((vectors / units[:, None])[:, (sizes < IDLE) & regular])
 
 
 def _may_be_singular(ground: SplitGround, chart: Chart, wide: np.ndarray) -> bool:

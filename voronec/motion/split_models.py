@@ -38,6 +38,7 @@ from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import VoronecError
 from voronec.motion.divisors import (
     CLEAR,
+    FEW,
     Divisor,
     around,
     bases,
@@ -294,6 +295,11 @@ class SplitGround:
         conditions = len(d.constraints.matrix) + len(d.differentiated.matrix)
         return rows("condition", conditions), rows("frame", len(d.velocities))
 
+    def metric(self, time: float, wide: np.ndarray) -> np.ndarray:
+        """The metric at a wide state, shape (velocities, velocities)."""
+        entries = self._entries(time, wide.astype(float).tolist())
+        return _metric_of(entries, self._rows_of(entries, float)[0][:, :-1])
+
     def geometry(self, time: float, wide: np.ndarray) -> Geometry:
         """Frame and metric at a wide state; ``LinAlgError`` where coordinates fail."""
         entries = self._entries(time, wide.astype(float).tolist())
@@ -309,7 +315,7 @@ class SplitGround:
             return float(np.sqrt(np.abs(np.linalg.det(rows @ rows.T)))) if len(rows) else 1.0
 
         count = len(self.home.definition.coordinates)
-        places = self._on_relations(around(wide[:count]))
+        places = self._on_relations(around(wide[:count])[:, :FEW])
         rest = np.zeros(len(wide) - count)
         usual = np.array([volume(np.concatenate([q, rest])) for q in places.T])
         return volume(wide) / usual_size(usual, volume(wide))
