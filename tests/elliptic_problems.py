@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from itertools import pairwise
 
+import pytest
 from flint import acb, arb, ctx, fmpq
 
 from voronec.elliptic import Integral, Numbers, Pole
@@ -12,6 +13,19 @@ from voronec.elliptic import Integral, Numbers, Pole
 ONE_EACH = ("0.1 0 0", "0 1 0", "0 0 1", "0.2 -0.3 0.4")
 SHARE = "0.7"
 PAIR_SHARE = ("0.7", "0.4")
+
+
+def working_precision(bits):
+    """A fixture: the tests of a module compute with so many bits."""
+
+    @pytest.fixture(autouse=True)
+    def fixture():
+        before = ctx.prec
+        ctx.prec = bits
+        yield
+        ctx.prec = before
+
+    return fixture
 
 
 def ball(value):

@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from elliptic_problems import ball, f_at, problem
+from elliptic_problems import ball, f_at, problem, working_precision
 from flint import arb, ctx
 from test_elliptic_inversion import SHAPES
 from test_elliptic_limits import MULTIPLE
@@ -19,12 +19,7 @@ ALL = SHAPES | {name: source for name, (_, source) in MULTIPLE.items()}
 PERIODIC = [*SHAPES, "a double root above", "a double root below"]
 
 
-@pytest.fixture(autouse=True)
-def _bits():
-    before = ctx.prec
-    ctx.prec = 300
-    yield
-    ctx.prec = before
+_bits = working_precision(300)
 
 
 def angle_error(found, exact):

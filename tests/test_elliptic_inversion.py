@@ -1,7 +1,16 @@
 """Simple roots: both lattices, both representations, against routes that share no code."""
 
 import pytest
-from elliptic_problems import ONE_EACH, ball, evaluated, f_at, integrand, problem, worst_residual
+from elliptic_problems import (
+    ONE_EACH,
+    ball,
+    evaluated,
+    f_at,
+    integrand,
+    problem,
+    working_precision,
+    worst_residual,
+)
 from flint import acb, arb, ctx
 
 from voronec.elliptic import ends_of, invert
@@ -45,12 +54,7 @@ SHAPES = {
 NEAR_SEPARATRICES = ("rectangular, f rises at infinity", "cubic")
 
 
-@pytest.fixture(autouse=True)
-def _bits():
-    before = ctx.prec
-    ctx.prec = 200
-    yield
-    ctx.prec = before
+_bits = working_precision(200)
 
 
 @pytest.mark.parametrize("name", SHAPES)

@@ -3,7 +3,7 @@
 from fractions import Fraction
 
 import pytest
-from elliptic_problems import ONE_EACH, ball, integrand, problem, worst_residual
+from elliptic_problems import ONE_EACH, ball, integrand, problem, working_precision, worst_residual
 from flint import arb, ctx
 
 from voronec.elliptic import ends_of, invert
@@ -46,12 +46,7 @@ MULTIPLE = {
 }  # fmt: skip
 
 
-@pytest.fixture(autouse=True)
-def _bits():
-    before = ctx.prec
-    ctx.prec = 200
-    yield
-    ctx.prec = before
+_bits = working_precision(200)
 
 
 @pytest.mark.parametrize("name", MULTIPLE)

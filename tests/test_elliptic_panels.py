@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from elliptic_problems import problem
-from flint import ctx
+from elliptic_problems import problem, working_precision
 from test_elliptic_doubles import near_pole
 from test_elliptic_inversion import SHAPES
 from test_elliptic_limits import MULTIPLE
@@ -17,12 +16,7 @@ from voronec.elliptic.panels import Panels
 pytestmark = pytest.mark.slow
 
 
-@pytest.fixture(autouse=True)
-def _bits():
-    before = ctx.prec
-    ctx.prec = 300
-    yield
-    ctx.prec = before
+_bits = working_precision(300)
 
 
 def tabulated(source, times, work, sizes):

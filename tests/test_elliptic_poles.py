@@ -4,7 +4,15 @@ from fractions import Fraction
 from itertools import pairwise
 
 import pytest
-from elliptic_problems import ONE_EACH, ball, evaluated, problem, times, worst_residual
+from elliptic_problems import (
+    ONE_EACH,
+    ball,
+    evaluated,
+    problem,
+    times,
+    working_precision,
+    worst_residual,
+)
 from flint import acb, arb, ctx
 
 from voronec.elliptic import Integral, Numbers, Pole, ends_of, invert
@@ -59,12 +67,7 @@ GENERAL = {
 }
 
 
-@pytest.fixture(autouse=True)
-def _bits():
-    before = ctx.prec
-    ctx.prec = 200
-    yield
-    ctx.prec = before
+_bits = working_precision(200)
 
 
 @pytest.mark.parametrize("name", GENERAL)

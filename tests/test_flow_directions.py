@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rotations import euler
 from scipy.integrate import solve_ivp
 
 import voronec as vo
@@ -17,15 +18,6 @@ pytestmark = pytest.mark.slow
 SPIN = np.array([0.3, 0.4, 0.5])
 MASS = 1.0
 Rates = Callable[[Any, Any, Any, Any], tuple[Any, Any, Any]]
-
-
-def about(i: int, angle: float) -> np.ndarray:
-    j, k = (i + 1) % 3, (i + 2) % 3
-    turn = np.eye(3)
-    turn[j, j] = turn[k, k] = np.cos(angle)
-    turn[k, j] = np.sin(angle)
-    turn[j, k] = -turn[k, j]
-    return turn
 
 
 def lines(colatitude: float, longitude: float) -> np.ndarray:
@@ -64,7 +56,7 @@ def ellipsoid_on_sphere(_: Any, gamma: np.ndarray, arm: Any, w: np.ndarray) -> t
 
 def ellipsoid_end(place: tuple[Any, ...], end: float) -> tuple[Any, ...]:
     (phi, theta, psi), (u, v) = place
-    R = about(2, phi) @ about(0, theta) @ about(2, psi)
+    R = euler(phi, theta, psi)
     gamma = lines(u, v)[:, 2]
     return rolled(ellipsoid_on_sphere, np.diag([0.4, 0.3, 0.5]), (R, gamma, np.zeros(3), SPIN), end)
 
@@ -89,7 +81,7 @@ def test_an_ellipsoid_that_touches_at_the_end_of_its_axis(
     motion = vo.integrate(ellipsoid, times=[0, end], outputs=(), initial=start)
     R, gamma, _, spin = ellipsoid_end((tuple(angles.values()), (u, 0.3)), end)
     last = {x: motion[x][-1] for x in motion.outputs}
-    found = about(2, last["phi"]) @ about(0, last["theta"]) @ about(2, last["psi"])
+    found = euler(last["phi"], last["theta"], last["psi"])
     assert np.abs(found - R).max() < 1e-11
     assert np.abs(lines(last["u"], last["v"])[:, 2] - gamma).max() < 1e-11
     assert np.abs([last[f"omega{i}"] - x for i, x in enumerate(spin, 1)]).max() < 1e-11

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import sympy as sp
+from rotations import euler
 from scipy.integrate import solve_ivp
 
 import voronec as vo
@@ -20,20 +21,6 @@ from voronec.proof.relations.charts import check_charts
 pytestmark = pytest.mark.slow
 
 SPIN = (0.5, 1.0, 1.0)
-
-
-def euler(phi: float, theta: float, psi: float) -> np.ndarray:
-    """The rotation Rz(phi) Rx(theta) Rz(psi), body to space."""
-
-    def about(i: int, angle: float) -> np.ndarray:
-        j, k = (i + 1) % 3, (i + 2) % 3
-        turn = np.eye(3)
-        turn[j, j] = turn[k, k] = np.cos(angle)
-        turn[k, j] = np.sin(angle)
-        turn[j, k] = -turn[k, j]
-        return turn
-
-    return about(2, phi) @ about(0, theta) @ about(2, psi)
 
 
 def turning(rates: Callable[[np.ndarray, np.ndarray], np.ndarray], start: np.ndarray, spin: Any,

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import sympy as sp
-from test_flow_poles import euler, turning
+from rotations import euler
+from test_flow_poles import turning
 
 import voronec as vo
 from voronec.equations.attitudes import angles_without_chart, with_attitude_charts
