@@ -14,7 +14,7 @@ import voronec as vo
 from voronec.errors import IntegrationError
 from voronec.motion.steppers.dop853_source import BENDS, FIFTH, NODES, STEP, THIRD, WEIGHTS
 
-NAMES = ("ball-on-sphere", "demchenko", "rattleback")
+SLOW = pytest.mark.slow
 CALLS = """
 import sys
 sys.modules["heyoka"] = None  # as where it is not installed
@@ -33,15 +33,19 @@ def in_process(name: str, *options: dict[str, object]) -> list[list[str]]:
     return [line.split() for line in done.stdout.splitlines()]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name", ["ball-on-sphere", *(pytest.param(n, marks=SLOW) for n in ("demchenko", "rattleback"))]
+)
 def test_without_heyoka_a_short_motion_loads_neither_numba_nor_scipy(name: str) -> None:
     assert in_process(name, {}, {}) == [["python", "False", "False"]] * 2
 
 
-def test_the_choice_is_that_of_the_call_alone() -> None:
-    others = {"times": 1000}, {"tol": 1e-14}, {"events": "u1dot"}
-    said = [method for method, *_ in in_process("ball-on-sphere", *others, {})]
-    assert said[3] == "python" and "python" not in said[:3]
+def test_the_choice_is_that_of_the_call_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "heyoka", None)
+    system, given = vo.load("ball-on-sphere"), {"times": 10, "tol": 1e-11}
+    for others in ({"times": 1000}, {"tol": 1e-14}, {"events": "u1dot"}):
+        assert vo.integrate(system, **given | others).cost.method != "python"
+    assert vo.integrate(system, **given).cost.method == "python"
 
 
 def test_where_heyoka_is_installed_it_integrates() -> None:
@@ -49,7 +53,9 @@ def test_where_heyoka_is_installed_it_integrates() -> None:
     assert vo.integrate(vo.load("ball-on-sphere"), times=10, tol=1e-11).cost.method == "heyoka"
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name", ["ball-on-sphere", "demchenko", pytest.param("rattleback", marks=SLOW)]
+)
 def test_it_takes_the_steps_of_scipy_and_agrees_with_many_digits(name: str) -> None:
     system = vo.load(name)
     here, there, fine = (

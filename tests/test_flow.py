@@ -496,4 +496,5 @@ def test_an_ensemble_that_never_ends_is_ended(method: str, monkeypatch: pytest.M
     many = vo.ensemble(siren(Dphi), times=[0, 100], **run)
     assert 7 < many.errors[0].time < 25
     assert "step size collapsed" in str(many.errors[0])
-    assert not vo.ensemble(siren(sp.Integer(1)), times=[0, 250], **run).errors
+    even = vo.ensemble(siren(sp.Integer(1)), times=[0, 150], **run)
+    assert not even.errors and even.cost.steps > 2_000
