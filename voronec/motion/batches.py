@@ -9,6 +9,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from voronec.motion.steppers.heyoka_stepper import LONG, heyoka
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
 from voronec.motion.steppers.scipy_stepper import estimated_steps
 from voronec.motion.steppers.series_reach import STRIDE, openings, overlong_lanes
-from voronec.motion.steppers.step_loop import Headway
+from voronec.motion.steppers.step_loop import WINDOW, Headway
 from voronec.motion.steppers.units import units_of_many
 
 __all__ = [
@@ -80,10 +81,10 @@ class StepSizes:
         self.shortest[which], self.longest[which] = np.inf, 0.0
         self.overlong[which], self.stride[which] = False, STRIDE
 
-    def note(self, which: int, shortest: float, longest: float) -> None:
-        """Further steps of one motion."""
-        self.shortest[which] = min(self.shortest[which], shortest)
-        self.longest[which] = max(self.longest[which], longest)
+    def note(self, which: Any, shortest: Any, longest: Any) -> None:
+        """Further steps of one motion, or of some."""
+        self.shortest[which] = np.minimum(self.shortest[which], shortest)
+        self.longest[which] = np.maximum(self.longest[which], longest)
 
     def has_collapsed(self, which: int, share: float = COLLAPSE_RATIO) -> bool:
         """Whether the steps of a motion became so short that it must have passed a place where its
@@ -121,8 +122,8 @@ class Lanes:
     def note_steps(self) -> None:
         """Take down the steps since the last call of the integrator; those that were cut to end at
         a given time are not counted by heyoka."""
-        for lane, result in enumerate(self.integrator.propagate_res):
-            self.steps.note(lane, abs(result[1]), abs(result[2]))
+        lengths = np.abs([result[1:3] for result in self.integrator.propagate_res])
+        self.steps.note(slice(None), lengths[:, 0], lengths[:, 1])
 
     def first_steps(self, spans: np.ndarray) -> np.ndarray:
         """How long the next steps of all lanes may be, which go no further than ``spans``."""
@@ -157,7 +158,10 @@ class Lanes:
                 found.T if values.ndim > 1 else found[0]
             )
         self.integrator.state[:, lane] = state.T / self.units[:, lane]
-        rows = [self.raised.values(row.tolist())[: self.constants] for row in np.atleast_2d(values)]
+        each = np.atleast_2d(values)
+        if (each == each[0]).all():
+            each = each[:1]
+        rows = [self.raised.values(row.tolist())[: self.constants] for row in each]
         own = np.array(rows, dtype=float).reshape(len(rows), self.constants)
         self.integrator.pars[: self.constants, lane] = own.T if values.ndim > 1 else own[0]
 
@@ -228,19 +232,20 @@ def along(
 class _LanesHeadway:
     """Whether the steps of each lane lead to the end of a grid, and how many they are."""
 
-    looks: list[Headway]
     steps: np.ndarray
+    grid: np.ndarray
 
-    @classmethod
-    def of(cls, width: int, grid: np.ndarray) -> _LanesHeadway:
-        """No steps yet."""
-        looks = [Headway(grid[0], float(grid[-1]), LONG) for _ in range(width)]
-        return cls(looks, np.zeros(width, dtype=int))
+    @cached_property
+    def looks(self) -> list[Headway]:
+        """One look at each lane."""
+        return [Headway(self.grid[0], float(self.grid[-1]), LONG) for _ in self.steps]
 
     def errors(self, lanes: Lanes) -> dict[int, IntegrationError]:
         """The lanes whose last steps lead nowhere."""
         ta = lanes.integrator
         self.steps[:] += [result[3] for result in ta.propagate_res]
+        if self.steps.max() < WINDOW:
+            return {}
         pairs = zip(self.looks, self.steps.tolist(), ta.time.tolist(), strict=True)
         lost = [k for k, (look, steps, time) in enumerate(pairs) if look.recedes(steps, time)]
         return {k: break_error(COLLAPSE, ta.time[k], lanes.states[k]) for k in lost}
@@ -257,7 +262,7 @@ def _pieces(
     """Fill ``block`` (width, k, n) piece by piece of the grid; what broke, by lane, and steps."""
     hy = heyoka()
     ta, at, piece, steps = lanes.integrator, 0, PIECE, 0
-    headway = _LanesHeadway.of(lanes.width, grid)
+    headway = _LanesHeadway(np.zeros(lanes.width, dtype=int), grid)
     block[:, 0] = lanes.states
     while at < len(grid) - 1:
         if stopped():
@@ -274,9 +279,9 @@ def _pieces(
         found = ta.propagate_grid(times, max_steps=CHUNK, max_delta_t=longest)
         new = np.moveaxis((found[1] if isinstance(found, tuple) else found) * lanes.units, -1, 0)
         lanes.note_steps()
-        taken = max(r[3] for r in ta.propagate_res)
-        steps += sum(r[3] for r in ta.propagate_res)
-        outcomes = {r[0] for r in ta.propagate_res}
+        results = ta.propagate_res
+        taken, outcomes = max(r[3] for r in results), {r[0] for r in results}
+        steps += sum(r[3] for r in results)
         if hy.taylor_outcome.err_nf_state in outcomes or not np.isfinite(ta.state).all():
             block[:, at : end + 1] = new
             return _broken_lanes(ta, block, grid), steps

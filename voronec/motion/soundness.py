@@ -140,6 +140,11 @@ def _inverse_bases(nodes: np.ndarray) -> np.ndarray:
     return found
 
 
+def _is_affordable(steps: Any, tol: float) -> Any:
+    """Whether windows that took so many steps can be integrated ``again`` within the budget."""
+    return TWICE * steps * min(1.0, (tol / FINE) ** (1 / 8)) <= BUDGET
+
+
 def again(
     rates: Rates, t: np.ndarray, states: np.ndarray, tol: float, steps: float = 0.0
 ) -> np.ndarray | None:
@@ -150,7 +155,7 @@ def again(
     that cannot be done within the budget of evaluations.  ``steps`` are those that the motion took
     in the window by a method of order 8 or more: this one takes no fewer, unless it may be coarser.
     """
-    if TWICE * steps * min(1.0, (tol / FINE) ** (1 / 8)) > BUDGET:
+    if not _is_affordable(steps, tol):
         return None
     from scipy.integrate import DOP853
 
@@ -535,10 +540,15 @@ class JudgeOfMany:
     def _disobedient(
         self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float
     ) -> dict[int, Breach]:
-        """Motions whose states do not obey the equations, in a few windows of each; to the windows
-        they are one long motion, and the parameters variables at rest."""
+        """Motions whose states do not obey the equations, in a few windows of each, such as can be
+        integrated again; to the windows they are one long motion, and the parameters variables at
+        rest."""
         count, size, n = states.shape
         single = Windows.spread(size, EACH).rows
+        parts = np.ptp(t[single], axis=1) / (np.ptp(t) or 1.0)
+        single = single[_is_affordable(steps * parts, self.tol)]
+        if not len(single):
+            return {}
         windows = Windows((size * np.arange(count)[:, None, None] + single).reshape(-1, WIDTH))
         each = np.broadcast_to(values[:, None, :], (count, size, values.shape[-1]))
         joined = np.concatenate([states, each], axis=-1).reshape(count * size, -1)

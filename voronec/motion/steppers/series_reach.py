@@ -71,16 +71,23 @@ def reach(integrator: Any, taken: float, parts: int = 1) -> float:
     return length
 
 
-def _leads_on(integrator: Any, series: np.ndarray, taken: float) -> bool:
-    """Whether the defect is ordinary where the step just ``taken``, with the coefficients of its
-    ``series``, ends, and the integrator of one motion stands: as ``_Series`` finds it, and soon."""
-    numbers = np.arange(series.shape[1])
+def _leads_on(integrator: Any, series: np.ndarray, taken: Any) -> Any:
+    """Whether the defect is ordinary where the steps just ``taken`` end, and the integrator stands:
+    as ``_Series`` finds it, and soon.
+
+    Of one motion, with the coefficients (n, order + 1) of its ``series``; or of each motion of a
+    batch, with (n, order + 1, k), and lengths (k,).
+    """
+    lanes = np.shape(taken)
+    numbers = np.arange(series.shape[1]).reshape(-1, *(1 for _ in lanes))
     with np.errstate(all="ignore"):
-        slopes = series[:, 1:] @ (numbers[1:] * taken ** numbers[:-1])
-        size = max(1.0, float(np.abs(series[:, 0]).max()))
-        integrator.step(max_delta_t=0.0, write_tc=True)
-        missed = float(np.abs(slopes - integrator.tc[:, 1]).max())
-    return missed * abs(taken) <= integrator.tol**BLIND * size
+        powers = numbers[1:] * taken ** numbers[:-1]
+        rows = series[:, 1:]
+        slopes = np.einsum("ijk,jk->ik", rows, powers) if lanes else rows @ powers
+        size = np.fmax(1.0, np.abs(series[:, 0]).max(axis=0))
+        integrator.step(max_delta_t=np.zeros(lanes).tolist(), write_tc=True)
+        missed = np.abs(slopes - integrator.tc[:, 1]).max(axis=0) * np.abs(taken)
+        return missed <= integrator.tol**BLIND * size
 
 
 def _coefficients_reach(coefficients: np.ndarray, taken: float, tol: float) -> float:
@@ -185,10 +192,12 @@ def openings(integrator: Any, spans: np.ndarray) -> np.ndarray:
 
 def _steps_reach(integrator: Any, taken: np.ndarray, parts: int) -> np.ndarray:
     """``reach`` of the steps just ``taken`` (k,) by a batch integrator."""
+    coefficients = integrator.tc.copy()
+    found = _lanes_reach(coefficients, taken, integrator.tol)
+    if parts == 1 and _leads_on(integrator, coefficients, taken).all():
+        return found
     times, state = [part.copy() for part in integrator.dtime], integrator.state.copy()
-    series = _Series(integrator, integrator.tc.copy(), taken, parts)
-    found = _lanes_reach(series.coefficients, taken, integrator.tol)
-    found = np.minimum(found, series.reach())
+    found = np.minimum(found, _Series(integrator, coefficients, taken, parts).reach())
     integrator.set_dtime(*times)
     integrator.state[:] = state
     return found
@@ -207,24 +216,22 @@ def overlong_lanes(
 
     Lanes of which one step is more than ``stride`` (width,) times the others are gone over again.
     """
-    ends, there = tuple(part.copy() for part in integrator.dtime), integrator.state.copy()
-    width = len(ends[0])
-    taken, longest = (
-        np.array([abs(result[k]) for result in integrator.propagate_res]) for k in (3, 2)
-    )
-    span = np.abs(ends[0] - begin[0])
+    results = integrator.propagate_res
+    taken, longest = (np.array([abs(result[k]) for result in results]) for k in (3, 2))
+    span = np.abs(integrator.time - begin[0])
     # a last step that was cut is not among the longest; nor is it known where others went on
     cut = np.fmax(np.abs(integrator.last_h), span - (taken - 1) * longest)
     longest = np.where(taken > 1, np.fmax(longest, cut), longest)
     others = (span - longest) / np.maximum(taken - 1, 1)
     usual = others * np.where(taken > BRIEF, stride, np.minimum(stride, BRIEF_STRIDE))
-    found = np.zeros(width, dtype=bool)
+    found = np.zeros(len(span), dtype=bool)
     suspect = (taken > 1) & (longest > usual)
-    if not suspect.any() or not np.isfinite(there).all():
+    if not suspect.any() or not np.isfinite(integrator.state).all():
         return found
+    ends, there = tuple(part.copy() for part in integrator.dtime), integrator.state.copy()
     integrator.set_dtime(*begin)
     integrator.state[:] = state
-    before = np.zeros(width)
+    before = np.zeros(len(span))
     for _ in range(int(taken[suspect].max())):
         left = ends[0] - integrator.time
         # a lane that has arrived, or whose motion ends on the way, stands still

@@ -23,6 +23,7 @@ from voronec.motion.steppers.run import (
 )
 
 __all__ = [
+    "WINDOW",
     "Headway",
     "IntegratorFailure",
     "Stretch",
