@@ -301,8 +301,9 @@ def _with_neighbours(
 
 PATIENCE = 50_000
 """Steps without a crossing after which a motion is given up."""
-FEWEST, MOST = 256, 4096
-"""Steps between two looks for crossings: each look costs as much as some hundred steps."""
+FEWEST, MOST, ALL = 256, 16_384, 32_768
+"""Steps of a motion between two looks for crossings, and the most of all motions: each look costs
+as much as some hundred steps, and so does what outgrows the memory that is near."""
 START_SHARE = 1e-9
 """A crossing sooner than this part of the first step is the start itself."""
 FOREVER = 1e300
@@ -513,7 +514,7 @@ def _steps_ahead(passages: SectionPassages, holds: list[int | None]) -> int:
     left = [passages.wanted - passages.count[i] for i in holds if i is not None]
     done = int(passages.count.sum())
     each = passages.steps[0] / done if done else FEWEST
-    return int(np.clip(1.1 * each * min(left) + 16, FEWEST, MOST))
+    return int(np.clip(1.1 * each * min(left) + 16, FEWEST, min(MOST, ALL // len(holds))))
 
 
 def _collect(
