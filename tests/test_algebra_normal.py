@@ -186,6 +186,8 @@ SHORT = {
     "exponential": (sp.exp(x) * sp.exp(-x) * y, y),
     "hyperbolic": (sp.cosh(x) - sp.sinh(x), sp.exp(-x)),
     "a function": (f(x) * ONE - f(x), 0),
+    "sign": (sp.sign(y * sp.sin(x) ** 2 + y * sp.cos(x) ** 2), sp.sign(y)),
+    "signs in a sign": (sp.sign(y + sp.sign(z * ONE)), sp.sign(y + sp.sign(z))),
     "factors": (x**2 + 2 * x * y + y**2, (x + y) ** 2),
     "numbers": (sp.sqrt(8) / 2, sp.sqrt(2)),
 }  # fmt: skip

@@ -229,6 +229,27 @@ def test_a_sleigh_with_friction_against_its_turning():
         assert found[w][-1] == 0 and abs(found[v][-1] - speed) < 1e-11
 
 
+@pytest.mark.parametrize("method", ["scipy", "heyoka"])
+def test_a_sleigh_held_by_friction_stands_still(method):
+    sleigh = vo.load("sleigh")
+    v = sleigh.velocities[0]
+    braked = vo.derive(
+        vo.System(
+            name="dragged sleigh",
+            fibration=sleigh.fibration,
+            frame=sleigh.frame,
+            lagrangian=sleigh.lagrangian,
+            constraints=sleigh.constraints,
+            parameters=sleigh.parameters,
+            forces={v: -sp.sign(v) / 2},
+        )
+    )
+    assert braked.force[0].atoms(sp.sign) == {sp.sign(v)}
+    start, mass = {"v": 1.0, "phi": 0.7}, {"m": 1.5}
+    run = vo.integrate(braked, initial=start, parameters=mass, times=[0, 5], method=method)
+    assert run["v"][-1] == 0 and run["x"][-1] == pytest.approx(1.5 * np.cos(0.7), abs=1e-12)
+
+
 def test_events_at_a_switch_and_between_are_seen():
     rest, half = vo.Event(Dx, name="rest"), vo.Event(x - sp.Rational(3, 8), name="half")
     for method in ("heyoka", "scipy", "flint"):

@@ -13,8 +13,11 @@ from voronec.algebra.field import WORK_LIMIT
 from voronec.algebra.generators import TRIGONOMETRIC, holds_far_multiples
 from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import expand_element, expression
+from voronec.errors import EngineLimit
 
 __all__ = ["canonical", "canonical_for_numbers", "quotient", "shorten", "shortest"]
+
+JUMPING = (se.sign, se.Abs, se.floor)
 
 
 def shortest(
@@ -28,6 +31,7 @@ def shortest(
     ``relations`` vanish; ``group`` are symbols by which numerators may be collected.  Raises
     ``EngineLimit`` where the normal form is beyond the work limit.
     """
+    exprs = _with_short_arguments(exprs, relations, work_limit)
     ring = ring_over([*exprs, *group], relations, work_limit)
     return [expression(ring, ring.field.absorb(ring.fraction(e)), group) for e in exprs]
 
@@ -36,8 +40,26 @@ def canonical(
     exprs: Sequence[Any], relations: Sequence[Any] = (), work_limit: int = WORK_LIMIT
 ) -> list[Any]:
     """Each symengine expression as an expanded fraction: what ``shortest`` starts from."""
+    exprs = _with_short_arguments(exprs, relations, work_limit)
     ring = ring_over(exprs, relations, work_limit)
     return [expand_element(ring, ring.field.absorb(ring.fraction(e))) for e in exprs]
+
+
+def _with_short_arguments(
+    exprs: Sequence[Any], relations: Sequence[Any], work_limit: int
+) -> Sequence[Any]:
+    """The same with what jumps, or has a corner, of arguments in their shortest form: the ring
+    takes sign(v sin(x)^2 + v cos(x)^2) for a letter of its own, which is sign(v)."""
+    nodes = {n for e in exprs for n in se.sympify(e).atoms(*JUMPING) if n.args[0].args}
+    if not nodes:
+        return exprs
+    before = [node.args[0] for node in nodes]
+    try:
+        after = shortest(before, relations, work_limit=work_limit)
+    except EngineLimit:  # they are right as they stand
+        return exprs
+    short = {n: n.func(a) for n, b, a in zip(nodes, before, after, strict=True) if a != b}
+    return [se.sympify(e).xreplace(short) for e in exprs]
 
 
 def canonical_for_numbers(exprs: Sequence[Any], relations: Sequence[Any] = ()) -> list[Any]:
