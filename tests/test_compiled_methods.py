@@ -24,7 +24,8 @@ from voronec.declaration.whole_files import user_cache
 from voronec.equations.program import Block, Program, compile_program
 from voronec.equations.program.dialect import FUNCTIONS
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
-from voronec.motion.steppers import choice, kept_code, numba_stepper
+from voronec.motion import methods
+from voronec.motion.steppers import kept_code, numba_stepper
 from voronec.motion.steppers.c_stepper import c_loop
 from voronec.motion.steppers.dop853_source import kernel_source
 
@@ -222,8 +223,8 @@ def test_auto_takes_it_where_neither_heyoka_nor_numba_is(
     for name in ("heyoka", "numba"):
         monkeypatch.setitem(sys.modules, name, None)
     assert moved("auto").cost.method == "python", "a short run"
-    monkeypatch.setattr(choice, "LOAD_OPERATIONS", 0)
-    monkeypatch.setattr(choice, "COMPILATION", 1000)
+    monkeypatch.setattr(methods, "LOAD_OPERATIONS", 0)
+    monkeypatch.setattr(methods, "COMPILATION", 1000)
     found = moved("auto")
     assert found.cost.method == "c" and "heyoka is not installed" in found.cost.reason
     # a compiler that fails leaves the run to scipy
@@ -316,9 +317,9 @@ def test_auto_takes_it_for_long_runs_where_heyoka_is_missing(
 ) -> None:
     monkeypatch.setitem(sys.modules, "heyoka", None)
     assert moved("auto").cost.method == "python", "a short run"
-    monkeypatch.setattr(choice, "LOAD_OPERATIONS", 0)
+    monkeypatch.setattr(methods, "LOAD_OPERATIONS", 0)
     assert moved("auto").cost.method == "scipy", "not long enough to compile for"
-    monkeypatch.setattr(choice, "COMPILATION", 1000)
+    monkeypatch.setattr(methods, "COMPILATION", 1000)
     found = moved("auto")
     assert found.cost.method == "numba" and "heyoka is not installed" in found.cost.reason
     monkeypatch.setitem(sys.modules, "numba", None)

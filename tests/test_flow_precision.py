@@ -18,7 +18,7 @@ from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.program import Program
 from voronec.equations.program.recurrences import recurrences
 from voronec.errors import EngineLimit
-from voronec.motion.steppers import choice
+from voronec.motion import methods
 from voronec.motion.steppers import integer_taylor as digits
 from voronec.motion.steppers.run import Problem
 
@@ -169,13 +169,13 @@ def test_auto_says_what_it_chose_and_why(monkeypatch: pytest.MonkeyPatch) -> Non
         return vo.integrate(OSCILLATOR, initial={x: 1}, parameters={k: 1}, **more).cost
 
     assert cost(times=[0.0, 1.0]).method == "heyoka"
-    monkeypatch.setattr(choice, "HEAVY", 0)
+    monkeypatch.setattr(methods, "HEAVY", 0)
     short, long = cost(times=[0.0, 1.0]), cost(times=[0.0, 1e4])
     assert short.method == "scipy" and "less time than compiling" in short.reason
     assert long.method == "heyoka" and long.reason.startswith("auto:")
     # scipy has no such tolerance
     assert cost(times=[0.0, 1.0], tol=1e-15).method == "heyoka"
-    monkeypatch.setattr(choice, "TINY", 1)
+    monkeypatch.setattr(methods, "TINY", 1)
     assert cost(times=[0.0, 1.0]).method == "heyoka"
 
 

@@ -18,8 +18,8 @@ from scipy.integrate import solve_ivp
 
 import voronec as vo
 from voronec import velocity
+from voronec.motion import methods
 from voronec.motion.divisors import around, crossing_divisors, divisors
-from voronec.motion.steppers import choice
 
 pytestmark = pytest.mark.slow
 
@@ -376,7 +376,7 @@ def test_the_cost_names_all_methods_that_worked(monkeypatch: pytest.MonkeyPatch)
     start |= {"thetadot": -0.97, "psidot": -0.37, "phidot": -0.44}
     board, run = vo.load("snakeboard"), {"initial": start, "times": [0, 8]}
     plain = vo.integrate(board, **run)
-    monkeypatch.setattr(choice, "HEAVY", 60.0)
+    monkeypatch.setattr(methods, "HEAVY", 60.0)
     mixed = vo.integrate(board, **run)
     assert plain.cost.switches and mixed.cost.switches
     assert (plain.cost.method, mixed.cost.method) == ("heyoka", "heyoka, scipy")

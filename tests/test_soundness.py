@@ -12,10 +12,9 @@ import sympy as sp
 
 import voronec as vo
 from voronec.equations.program import Block, Program, compile_program, hoist
+from voronec.motion import methods, soundness
 from voronec.motion import motion_pool as many_motions
-from voronec.motion import soundness
 from voronec.motion.integration import first_success
-from voronec.motion.steppers import choice
 from voronec.motion.steppers import heyoka_stepper as taylor
 
 pytestmark = pytest.mark.slow
@@ -103,7 +102,7 @@ def test_auto_goes_on_with_another_method_where_its_choice_fails(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     pytest.importorskip("heyoka")
-    monkeypatch.setattr(choice, "HEAVY", 0)  # so that scipy is chosen over so short a span
+    monkeypatch.setattr(methods, "HEAVY", 0)  # so that scipy is chosen over so short a span
     disc = vo.derive(vo.load("falling-disc"))
     start = {"theta": 1.2, "p": 0.3, "q": 1e-6, "s": 1e-6}
     wanted: dict[str, Any] = {"initial": start, "times": [0, 1, 2, 3], "outputs": ("theta", "p")}

@@ -16,8 +16,7 @@ import numpy as np
 
 from voronec.equations.program import HoistedProgram, Program, hoist, taylor_system
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
-from voronec.motion.methods import METHODS, compiled_method, method_names
-from voronec.motion.steppers.choice import COMPILATION, STAGES
+from voronec.motion.methods import COMPILATION, METHODS, STAGES, compiled_method, method_names
 from voronec.motion.steppers.heyoka_stepper import LONG, heyoka
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
 from voronec.motion.steppers.scipy_stepper import estimated_steps

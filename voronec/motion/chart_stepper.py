@@ -10,8 +10,8 @@ import numpy as np
 
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.motion.atlas import HOME, LEAVE, RETURN, SIDE, Atlas, ChartProblem, Home, kept_charts
-from voronec.motion.steppers import Halt, Problem, Run, Stepper, choose, cut_at_singularity
-from voronec.motion.steppers.choice import is_exact
+from voronec.motion.methods import choose_regular, is_exact
+from voronec.motion.steppers import Halt, Problem, Run, Stepper
 from voronec.motion.steppers.run import DISTANT, part_at
 
 if TYPE_CHECKING:
@@ -47,8 +47,7 @@ def through_charts(
     none = not equations.system.charts or is_exact(method, problem.tol)
     charts = () if none else kept_charts(equations, form)
     if not charts:
-        stepper, chosen = choose(method, problem, grid)
-        return lambda times: cut_at_singularity(stepper(times), problem), chosen
+        return choose_regular(method, problem, grid)
     atlas = Atlas(method, problem, grid, form, charts, functions)
     own = atlas.place(HOME)
     return lambda times: _Journey(atlas, times).run(), dict(own.chosen)

@@ -25,6 +25,7 @@ from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.graphs import is_atom
 from voronec.motion.events import Event
 from voronec.motion.request import Vocabulary
+from voronec.motion.state_probe import usual_size
 from voronec.motion.steppers import Run
 
 __all__ = [
@@ -39,7 +40,6 @@ __all__ = [
     "crossing_divisors",
     "divisors",
     "guard_events",
-    "usual_size",
     "without_factors",
     "without_guards",
 ]
@@ -165,16 +165,6 @@ def _middle_size(sizes: np.ndarray) -> float:
     finite = np.sort(sizes[np.isfinite(sizes) & (sizes > 0)])
     n = len(finite)
     return float(np.exp(np.log(finite[n // 4 : n - n // 4]).mean())) if n else 0.0
-
-
-def usual_size(sizes: np.ndarray, otherwise: float = 0.0) -> float:
-    """The median of those sizes that are finite; where there are none, another number.
-
-    That of numpy imports masked arrays first, which takes longer than all else here.
-    """
-    finite = np.sort(sizes[np.isfinite(sizes)])
-    n = len(finite)
-    return float(finite[(n - 1) // 2] + finite[n // 2]) / 2 if n else otherwise
 
 
 # -- watched along a run --------------------------------------------------------------------

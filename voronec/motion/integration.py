@@ -23,7 +23,7 @@ from voronec.algebra.arguments import CALLABLE, FLAG, REAL, SEVERAL, TEXT, VALUE
 from voronec.algebra.text import as_expression
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
-from voronec.equations.attitudes import with_attitude_charts
+from voronec.equations.attitudes import angles_without_chart, euler_angles, with_attitude_charts
 from voronec.equations.program import Program
 from voronec.equations.program.python import precision
 from voronec.equations.voronec_equations import VoronecEquations
@@ -33,7 +33,7 @@ from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import NEAR, Divisor, NearDivisor, guard_events, without_guards
 from voronec.motion.events import Crossings, Event, name_events
 from voronec.motion.inputs import drive
-from voronec.motion.methods import CLOSED_FORM, METHODS
+from voronec.motion.methods import CLOSED_FORM, METHODS, choose_regular, is_exact
 from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
 from voronec.motion.motion_start import Outset, WideStart
 from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
@@ -45,7 +45,6 @@ from voronec.motion.split_models import SplitGround
 from voronec.motion.split_stepper import SplitRun
 from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
-from voronec.motion.steppers.choice import is_exact
 from voronec.motion.steppers.run import Signals, in_kind
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Trajectory, make_trajectory
@@ -375,7 +374,9 @@ class _Job:
         else:
             stepper, chosen = self._smooth(method, problem, guard, watched)
         ready, busy = perf_counter(), process_time()
-        run = without_guards(stepper(self.grid), watched, self.vocabulary)
+        run = stepper(self.grid)
+        if watched:
+            run = without_guards(run, watched, self.vocabulary)
         run = run if guard is None else guard.without_poles(run)
         self._require_reactions(run)
         cost = Cost(
@@ -421,6 +422,8 @@ class _Job:
         """The integrator of a problem that is not smooth, poles watched; None where it is."""
         made = self.made
         watched = problem if guard is None else guard.watch(problem, self.grid)
+        if not watched.is_rough:
+            return None
         functions = {**made.event_functions, **({} if guard is None else guard.levels)}
         return through_walls(method, watched, self.grid, made.moving_form, functions)
 
@@ -477,16 +480,18 @@ class _Job:
         made, equations = self.made, self.vocabulary.equations
         problem = problem if guard is None else guard.watch(problem, self.grid)
         poles = {} if guard is None else guard.levels
-        events, functions = guard_events(watched)
+        functions = {**made.event_functions, **poles}
         if watched:
-            levels = {**made.event_functions, **poles, **functions}
+            events, levels = guard_events(watched)
+            functions |= levels
             problem = replace(
                 problem,
                 events=(*problem.events, *events),
-                levels=quantities(made.form, levels),
-                coarse=problem.coarse | functions.keys(),
+                levels=quantities(made.form, functions),
+                coarse=problem.coarse | levels.keys(),
             )
-        functions = {**made.event_functions, **poles, **functions}
+        if not equations.system.charts:
+            return choose_regular(method, problem, self.grid)
         return through_charts(method, problem, self.grid, equations, functions, made.form)
 
     def _watch_divisors(self, state: np.ndarray, values: Sequence[Any]) -> tuple[Divisor, ...]:
@@ -504,15 +509,17 @@ class _Job:
     def _guard(self) -> PoleGuard | None:
         """What watches the poles of Euler's angles, where the model is singular there and no chart
         leads on."""
-        outset, rough = self.outset, self.made.is_rough
+        outset, rough, equations = self.outset, self.made.is_rough, self.vocabulary.equations
         if self.near is None:
             return None
         # what is not smooth goes on in one chart alone
-        near = LAST if rough and self.vocabulary.equations.system.charts else self.near
+        near = LAST if rough and equations.system.charts else self.near
+        triples = euler_angles(equations) if rough else angles_without_chart(equations)
+        if not triples:
+            return None
         return PoleGuard.of(
-            self.vocabulary.equations, self.made, outset.state, outset.constants,
-            float(self.grid[0]), near, charts=not rough,
-        )  # fmt: skip
+            equations, self.made, outset.state, outset.constants, float(self.grid[0]), near, triples
+        )
 
     def _bits(self, states: np.ndarray) -> int:
         """The precision of states, at least that of the tolerance: some numbers are short."""

@@ -1,22 +1,49 @@
-"""The methods of integration: one line each; nothing is imported before one is used."""
+"""The methods of integration, one line each, and which of them ``method="auto"`` takes.
+
+Nothing is imported before a method is used.
+
+A tolerance finer than doubles asks for ``flint``.  Else heyoka is the fastest once it is
+compiled, which takes some tenths of a second, and milliseconds where heyoka finds the code on disk.
+Heavy programs take it seconds: what scipy integrates sooner than that, it does, and what takes
+very many steps numba does, or a C compiler: steps cost far less there.  Where heyoka does not
+install, short motions are over sooner in Python than any of these is loaded, numba or the C
+compiler do what would take scipy longer than to compile, and scipy does the rest.  The rule counts
+operations; it neither measures times nor looks at what is on disk or loaded: the same call always
+makes the same choice.  (A motion that is declared in closed form is evaluated, where the span is
+long: ``voronec.motion.integration``.)
+"""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from importlib.util import find_spec
 from shutil import which
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from voronec.errors import DefinitionError, EngineLimit
 from voronec.motion.tolerances import EXACT, FINEST
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from voronec.equations.program import Program
     from voronec.motion.steppers.run import Problem, Stepper
 
-__all__ = ["CLOSED_FORM", "METHODS", "Method", "compiled_method", "method_names"]
+__all__ = [
+    "CLOSED_FORM",
+    "COMPILATION",
+    "METHODS",
+    "STAGES",
+    "Method",
+    "choose",
+    "choose_regular",
+    "compiled_method",
+    "is_exact",
+    "method_names",
+]
 
 Loop = Callable[..., Callable[..., int]]
 CLOSED_FORM = "closed-form"
@@ -151,3 +178,126 @@ def compiled_method() -> str:
 def method_names(many: bool = False) -> tuple[str, ...]:
     """What ``method`` may be: the tool's own choice, and all methods, or those for many motions."""
     return ("auto", *(name for name, method in METHODS.items() if method.many or not many))
+
+
+HEAVY = 200.0
+"""Above this weight heyoka compiles for more than a second where it has not seen a program yet."""
+TINY = 2_000_000
+"""So many operations take Python less time than to compile a heavy program."""
+STAGES = 12
+"""Evaluations in a step of DOP853."""
+COMPILATION = 20_000_000
+"""So many operations take Python a second or two, and numba some seconds to compile for them."""
+LOAD_OPERATIONS = 2_500_000
+"""So many operations take Python less time than to load scipy or numba."""
+COARSE = 1e-13
+"""At finer tolerances than this Taylor's method is more accurate than DOP853."""
+LONG_RUN = 100_000
+"""So many steps of a heavy program take heyoka longer than numba takes to compile and to run."""
+
+
+def is_exact(method: str, tol: float) -> bool:
+    """Whether a run is in high precision."""
+    if method == "auto":
+        return tol < EXACT
+    return method in METHODS and METHODS[method].exact
+
+
+def choose(method: str, problem: Problem, grid: np.ndarray) -> tuple[Stepper, dict[str, Any]]:
+    """The integrator, ready to run, and what ``Cost`` says of the choice."""
+    if method not in method_names():
+        known = ", ".join(method_names())
+        raise DefinitionError(f"there is no method '{method}'; methods are {known}")
+    if method == CLOSED_FORM:
+        raise DefinitionError(f"'{CLOSED_FORM}' takes no steps; it evaluates one motion at a time")
+    if not 0 < problem.tol < 1:
+        raise DefinitionError(f"tol = {problem.tol} must lie between 0 and 1, such as 1e-13")
+    called = problem.changing.python_signal if problem.changing is not None else None
+    if called is not None and (_is_symbolic(method) or problem.tol < EXACT):
+        raise DefinitionError(
+            f"the input '{called.name}' is a function of Python's, known in doubles and without a "
+            "Taylor series; take method='scipy' and tol >= 1e-16, or give an expression or a table"
+        )
+    if method in ("heyoka", "numba", "c", "python") and not problem.program.state:
+        return _make_stepper("scipy", problem, f"nothing moves, and {method} wants equations")
+    if method != "auto":
+        return _make_stepper(method, problem, "asked for")
+    method, reason = _best(problem, grid)
+    if called is not None:
+        method, reason = "scipy", f"the input '{called.name}' is a function of Python's"
+    try:
+        return _make_stepper(method, problem, f"auto: {reason}")
+    except EngineLimit as limit:
+        return _make_stepper("scipy", problem, f"auto: {limit}")
+
+
+def choose_regular(
+    method: str, problem: Problem, grid: np.ndarray
+) -> tuple[Stepper, dict[str, Any]]:
+    """The same, with runs cut before the first point of the grid beyond a singular mass matrix."""
+    from voronec.motion.steppers.run import cut_at_singularity
+
+    stepper, chosen = choose(method, problem, grid)
+    return lambda times: cut_at_singularity(stepper(times), problem), chosen
+
+
+def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
+    """The method to take, and why."""
+    if problem.tol < EXACT:
+        return "flint", "the tolerance is finer than doubles"
+    if not problem.program.state:
+        return "scipy", "nothing moves"
+    there = METHODS["heyoka"].is_there
+    if not there and _is_short(problem, grid):
+        return "python", "heyoka is not installed, and the run is short"
+    if there and not (problem.tol >= FINEST and problem.program.weight > HEAVY):
+        return "heyoka", "heyoka is installed"
+    compiled = "" if problem.brief else compiled_method()
+    if not there and not compiled:
+        return "scipy", "heyoka is not installed"
+    from voronec.motion.steppers.scipy_stepper import estimated_steps
+
+    cost, enough = STAGES * (problem.program.operations + 1), TINY if there else COMPILATION
+    steps = estimated_steps(problem, grid)
+    if steps is None or steps * cost <= enough:
+        other = "heyoka" if there else compiled
+        if steps is not None:
+            return "scipy", f"about {steps} steps take less time than compiling for {other}"
+        return ("heyoka", "heyoka is installed") if there else ("scipy", "heyoka is not installed")
+    if not there:
+        return compiled, "heyoka is not installed, and there are many steps"
+    if compiled and steps > LONG_RUN:
+        return compiled, "many steps of a heavy program"
+    return "heyoka", "heyoka is installed"
+
+
+def _is_short(problem: Problem, grid: np.ndarray) -> bool:
+    """Whether a run is smooth, and over in Python before another method is loaded."""
+    plain = problem.changing is None and not (problem.brief or problem.walls)
+    plain = plain and all(e.name in problem.coarse for e in problem.events)
+    if problem.tol < COARSE or not plain:
+        return False
+    from voronec.motion.steppers.python_stepper import operations_of_run
+
+    return operations_of_run(problem, grid, LOAD_OPERATIONS) <= LOAD_OPERATIONS
+
+
+def _is_symbolic(method: str) -> bool:
+    return method in METHODS and METHODS[method].symbolic
+
+
+def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Stepper, dict[str, Any]]:
+    from voronec.motion.steppers.run import in_pieces
+
+    made = METHODS[method]
+    assert made.make is not None
+    problem = replace(problem, tol=max(problem.tol, made.finest))
+    chosen = {"method": method, "reason": reason, "tolerance": problem.tol}
+    try:
+        if problem.changing is not None:
+            return in_pieces(made.make, problem, anew=made.exact), chosen
+        return made.make(problem), chosen
+    except ImportError:
+        raise DefinitionError(
+            f"{method} is not installed; 'pip install {method}', or use method='scipy'"
+        ) from None

@@ -19,10 +19,10 @@ from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.walls import FLAT, SATURATION
 from voronec.errors import EngineLimit
 from voronec.motion.events import Event
+from voronec.motion.methods import is_exact
 from voronec.motion.mode_transitions import DOUBLE, GUARD, PAST, TOUCH, Crossroads, Mode
 from voronec.motion.modes import Corner, LevelSurface, Modes
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
-from voronec.motion.steppers.choice import is_exact
 from voronec.motion.steppers.run import in_parts, in_pieces, until
 
 __all__ = ["SwitchedIntegrator", "through_walls"]
@@ -112,8 +112,7 @@ def through_walls(
 def _through_walls(
     method: str, problem: Problem, grid: np.ndarray, form: Any, functions: Mapping[str, Any]
 ) -> SwitchedIntegrator | None:
-    program, levels = problem.program, problem.levels
-    if not program.is_rough and (levels is None or not levels.is_rough_beside):
+    if not problem.is_rough:
         return None
     exact = is_exact(method, problem.tol)
     modes = Modes.of(form, functions, _saturation(problem.tol, exact))

@@ -24,9 +24,10 @@ from voronec.equations.program.walls import Wall
 from voronec.errors import DefinitionError
 from voronec.motion.atlas import Progress
 from voronec.motion.events import Event
+from voronec.motion.methods import choose, choose_regular
 from voronec.motion.modes import Corner, LevelSurface, Modes, motion_along_surfaces
 from voronec.motion.state_probe import quantities
-from voronec.motion.steppers import Problem, Run, Stepper, choose, cut_at_singularity
+from voronec.motion.steppers import Problem, Run, Stepper, cut_at_singularity
 
 __all__ = ["DOUBLE", "GUARD", "PAST", "TOUCH", "Crossroads", "Mode"]
 
@@ -83,7 +84,7 @@ class Mode:
             self.problem.parameters[:] = values  # type: ignore[index]
             return cut_at_singularity(self.stepper(times), self.problem)
         problem = replace(self.problem, start=state, parameters=list(values))
-        return cut_at_singularity(choose(self.chosen["method"], problem, times)[0](times), problem)
+        return choose_regular(self.chosen["method"], problem, times)[0](times)
 
 
 @dataclass

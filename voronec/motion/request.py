@@ -454,7 +454,7 @@ class Vocabulary:
         """A user's expression inside the door, its invariants spelled out."""
         system = self.equations.system
         meaning = dict(zip(system.invariant_symbols, system.invariants.values(), strict=True))
-        return self.equations.door.inward(as_expression(expr).xreplace(meaning))
+        return self.equations.definition.door.inward(as_expression(expr).xreplace(meaning))
 
     def _plain(self, key: Any, role: str) -> str:
         try:

@@ -7,7 +7,7 @@ are the null vectors of df/dq.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from random import Random
 from typing import Any
@@ -18,7 +18,7 @@ import sympy as sp
 
 from voronec.algebra.verdicts import all_vanish
 from voronec.declaration.charts import Chart
-from voronec.equations.attitudes import EulerAngles, angles_without_chart, euler_angles
+from voronec.equations.attitudes import EulerAngles, euler_angles
 from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import IntegrationError
@@ -76,15 +76,15 @@ class PoleGuard:
         constants: Mapping[str, float],
         time: float,
         near: Any,
-        charts: bool,
+        triples: Iterable[EulerAngles],
     ) -> PoleGuard | None:
-        """None where no equation of the model is singular at a pole, but where ``charts`` lead on.
+        """None where no equation of the model is singular at a pole of any of the ``triples``.
 
         ``start`` (n,) is on the coordinates.
         """
         levels = [
             _distance(equations, made, angles)
-            for angles in (angles_without_chart if charts else euler_angles)(equations)
+            for angles in triples
             if _is_singular(equations, made, angles, start, constants, time)
         ]
         # not their product, which is positive where two bodies are at poles at once

@@ -31,9 +31,9 @@ from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import VoronecError
-from voronec.motion.divisors import usual_size
 from voronec.motion.model.special import is_many_valued
 from voronec.motion.observables import evaluate_extras
+from voronec.motion.state_probe import usual_size
 from voronec.motion.steppers.run import Run, Signals, values_along
 from voronec.motion.trajectory import Trajectory
 

@@ -44,12 +44,11 @@ from voronec.motion.divisors import (
     bases,
     crossing_divisors,
     divisors,
-    usual_size,
     without_factors,
 )
 from voronec.motion.observables import Watch
 from voronec.motion.reactions import Multipliers
-from voronec.motion.state_probe import quantities
+from voronec.motion.state_probe import quantities, usual_size
 
 __all__ = ["Geometry", "SplitGround", "SplitModel", "candidates"]
 

@@ -21,6 +21,7 @@ from voronec.errors import IntegrationError
 from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import CLEAR, NEAR, guard_events
 from voronec.motion.events import Crossings, Event
+from voronec.motion.methods import is_exact
 from voronec.motion.motion_start import WideStart
 from voronec.motion.observables import Watch, evaluate_watch
 from voronec.motion.request import Vocabulary
@@ -28,7 +29,6 @@ from voronec.motion.soundness import Judge
 from voronec.motion.split_models import SplitGround, SplitModel, candidates
 from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Halt, Problem, Run
-from voronec.motion.steppers.choice import is_exact
 from voronec.motion.steppers.run import part_at
 from voronec.motion.tolerances import FINEST
 from voronec.motion.trajectory import Cost, Trajectory, assemble_trajectory

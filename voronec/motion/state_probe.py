@@ -15,7 +15,15 @@ from voronec.equations.program import Program, compile_program, hoist
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.steppers.run import Halt, Signals, Suspect, values_along
 
-__all__ = ["StateProbe", "mass_program", "quantities", "quiet", "rates_along", "rates_program"]
+__all__ = [
+    "StateProbe",
+    "mass_program",
+    "quantities",
+    "quiet",
+    "rates_along",
+    "rates_program",
+    "usual_size",
+]
 
 SINGULAR = 1e-13
 """A mass matrix with a smaller eigenvalue, in units of its diagonal, counts as singular."""
@@ -49,6 +57,16 @@ def rates_along(right: Right, time: float, q: np.ndarray, v: np.ndarray) -> np.n
     columns = [*np.repeat(q[:, None], width, axis=1), *v]
     rates = right(time, columns)
     return np.array([np.broadcast_to(r, (width,)) for r in rates[: len(q)]], dtype=float)
+
+
+def usual_size(sizes: np.ndarray, otherwise: float = 0.0) -> float:
+    """The median of those sizes that are finite; where there are none, another number.
+
+    That of numpy imports masked arrays first, which takes longer than all else here.
+    """
+    finite = np.sort(sizes[np.isfinite(sizes)])
+    n = len(finite)
+    return float(finite[(n - 1) // 2] + finite[n // 2]) / 2 if n else otherwise
 
 
 def quantities(form: Any, extras: Any) -> Program:

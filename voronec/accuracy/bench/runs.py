@@ -26,10 +26,10 @@ from voronec.errors import DefinitionError, EngineLimit, VoronecError, did_you_m
 from voronec.motion import Trajectory, integrate
 from voronec.motion.chart_stepper import through_charts
 from voronec.motion.closed_form import closed_form
+from voronec.motion.methods import CLOSED_FORM
 from voronec.motion.numeric_model import make_model
 from voronec.motion.request import Vocabulary
 from voronec.motion.steppers import Problem, Stepper
-from voronec.motion.steppers.choice import CLOSED_FORM
 
 __all__ = ["CONTENDERS", "contenders", "measure"]
 

@@ -90,6 +90,11 @@ class Problem:
     units: np.ndarray | None = None
     brief: bool = False
 
+    @property
+    def is_rough(self) -> bool:
+        """Whether the rates or the functions of events may hold what is not smooth."""
+        return self.program.is_rough or (self.levels is not None and self.levels.is_rough_beside)
+
     def parameters_at(self) -> Callable[[float], Sequence[Any]]:
         """The parameters at any time of a piece: those that Python gives are asked for there."""
         changing = self.changing

@@ -19,6 +19,7 @@ from voronec.motion.steppers.run import (
     Problem,
     Run,
     Ticker,
+    in_parts,
     until,
 )
 
@@ -418,12 +419,6 @@ class _March:
 
     def inside(self, times: np.ndarray) -> np.ndarray:
         """States at any times reached."""
-        if not self.strides:
-            return np.repeat(self.states[:1], len(times), axis=0)
-        ends = np.array([float(self.order * s.end) for s in self.strides])
-        which = np.searchsorted(ends, (self.order * times).astype(float), side="left")
-        which = np.minimum(which, len(ends) - 1)
-        rows = np.empty((len(times), self.states.shape[1]), dtype=self.states.dtype)
-        for i in np.unique(which):
-            rows[which == i] = self.strides[i].at(times[which == i])
-        return rows
+        ends = [stride.end for stride in self.strides]
+        parts = [stride.at for stride in self.strides]
+        return in_parts(ends, self.order, parts, times, self.states)
