@@ -9,8 +9,8 @@ import pytest
 
 import voronec as vo
 from voronec.equations.program import compile_program
-from voronec.motion import initial_state, motion_pool
-from voronec.motion.initial_state import parameter_values, start_of
+from voronec.motion import initial_conditions, motion_pool
+from voronec.motion.initial_conditions import parameter_values, start_of
 from voronec.motion.request import Vocabulary, name_values, quantity
 from voronec.motion.state_probe import quiet, rates_along
 
@@ -62,7 +62,7 @@ def test_what_does_not_fit_is_left_over():
     rates = partial(motion_pool._rates_of_many, compile_program(program)[0], values, 0.0)
 
     def read(starts):
-        return initial_state.starts_in_arrays(vocabulary, {}, starts, own, rates)
+        return initial_conditions.starts_in_arrays(vocabulary, {}, starts, own, rates)
 
     fits = {"xdot": 1.0, "ydot": 0.0, "phi": 0.0}
     found = read([fits, {**fits, "ydot": 1.0}, fits])

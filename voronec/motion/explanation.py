@@ -21,7 +21,7 @@ from voronec.declaration.system import System, require_system
 from voronec.equations.motions import Motions
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, VoronecError
-from voronec.motion.initial_state import parameter_values, start_of
+from voronec.motion.initial_conditions import parameter_values, start_of
 from voronec.motion.inputs import drive
 from voronec.motion.model import Model, smallest_model
 from voronec.motion.motion_start import rates_at

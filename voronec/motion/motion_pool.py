@@ -17,7 +17,7 @@ from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.motion.divisors import NEAR, Divisor
-from voronec.motion.initial_state import parameter_values, start_of, starts_in_arrays
+from voronec.motion.initial_conditions import parameter_values, start_of, starts_in_arrays
 from voronec.motion.model import smallest_model
 from voronec.motion.motion_start import require_inertia
 from voronec.motion.request import Vocabulary, name_values

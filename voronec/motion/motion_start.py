@@ -1,4 +1,4 @@
-"""Where one motion sets out: in doubles and in any precision, with all velocities.
+"""The start of one motion from its initial conditions, in doubles and any precision.
 
 Where the declared velocities need not be a frame,
 
@@ -32,7 +32,7 @@ from voronec.equations.program.python import compiled_digits
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion.divisors import NEAR
-from voronec.motion.initial_state import (
+from voronec.motion.initial_conditions import (
     CONSISTENT,
     NoFrame,
     Rates,

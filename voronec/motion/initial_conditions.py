@@ -1,4 +1,4 @@
-"""Where motions start, one or many at once: parameters, and initial states on the constraints.
+"""Initial conditions, read and met, of one motion or many: states that fit the constraints.
 
 Data off the constraints are refused with their residual, or, on request, moved onto them.
 What is said of velocities are conditions that they must meet.
