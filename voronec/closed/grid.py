@@ -393,8 +393,9 @@ def _state_in_motion(
         return _in_own_time(form, grid, names, whole)
     own = form.attitude
     in_space = () if own is None or own.upright else own.coordinates
-    circles = tuple(q for q in in_space if {*names} & {plain_name(q) for q in in_space})
-    plain = [n for n in names if n not in {plain_name(q) for q in circles}]
+    circles = in_space if {*names} & {plain_name(q) for q in in_space} else ()
+    turned = {plain_name(q) for q in circles}
+    plain = [n for n in names if n not in turned]
     winding = _winding_coordinates(form, circles, names) if whole else ()
     turning = [*plain, *map(plain_name, winding)]
     rows = _by_table(form, grid, turning, circles, whole)

@@ -147,7 +147,10 @@ def _along(
         return [np.broadcast_to(np.asarray(r, dtype=object), t.shape).copy() for r in plain]
     with np.errstate(all="ignore"):
         results = compile_program(program)[which](t, list(states.T), list(values))
-    return [np.broadcast_to(np.asarray(r, dtype=float), t.shape).copy() for r in results]
+    return [
+        np.array(r, dtype=float) if np.shape(r) == t.shape else np.full(t.shape, r, dtype=float)
+        for r in results
+    ]
 
 
 def evaluate_watch(

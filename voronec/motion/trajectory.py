@@ -306,7 +306,8 @@ def assemble_trajectory(
     for array in (t, states, *series.values()):
         array.flags.writeable = False
     still = {n: x for n, x in constants.items() if np.ndim(x) == 0}  # others are inputs
-    known = {p.name for p in system.parameters if not mpmath.isnan(still.get(p.name, np.nan))}
+    # what is no number is not equal to itself
+    known = {n for n in (p.name for p in system.parameters) if n in still and still[n] == still[n]}
     return Trajectory(
         system=system,
         t=t,
