@@ -17,7 +17,7 @@ from voronec.errors import EngineLimit
 
 __all__ = ["canonical", "canonical_for_numbers", "quotient", "shorten", "shortest"]
 
-JUMPING = (se.sign, se.Abs, se.floor)
+JUMPS = (se.sign, se.Abs, se.floor)
 
 
 def shortest(
@@ -50,7 +50,7 @@ def _with_short_arguments(
 ) -> Sequence[Any]:
     """The same with what jumps, or has a corner, of arguments in their shortest form: the ring
     takes sign(v sin(x)^2 + v cos(x)^2) for a letter of its own, which is sign(v)."""
-    nodes = {n for e in exprs for n in se.sympify(e).atoms(*JUMPING) if n.args[0].args}
+    nodes = {n for e in exprs for n in se.sympify(e).atoms(*JUMPS) if n.args[0].args}
     if not nodes:
         return exprs
     before = [node.args[0] for node in nodes]

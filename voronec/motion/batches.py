@@ -139,6 +139,15 @@ class Lanes:
         self.steps.overlong[found] = True
         return found
 
+    def states_along(self, times: np.ndarray, longest: np.ndarray) -> np.ndarray:
+        """Go on to times (k,) by steps no longer than the ``longest`` of each lane, as far as a
+        chunk of steps leads: states (width, k, n)."""
+        each = np.repeat(times[:, None], self.width, axis=1)
+        found = self.integrator.propagate_grid(each, max_steps=CHUNK, max_delta_t=longest.tolist())
+        self.note_steps()
+        states = found[1] if isinstance(found, tuple) else found
+        return np.moveaxis(states * self.units, -1, 0)
+
     @property
     def states(self) -> np.ndarray:
         """Where the motions stand (width, n)."""
@@ -269,16 +278,11 @@ def _pieces(
         if (ta.time != grid[at]).any():  # a piece may end an ulp beside the grid
             ta.set_time(float(grid[at]))
         limits = lanes.first_steps(np.full(lanes.width, grid[-1] - grid[at]))
-        longest = limits.tolist()
-        if min(longest) < np.inf:
+        if limits.min() < np.inf:
             piece = 1  # steps of a piece are short where the first one must be
         end = min(at + piece, len(grid) - 1)
-        times = np.repeat(grid[at : end + 1, None], lanes.width, axis=1)
         begin, state = tuple(part.copy() for part in ta.dtime), ta.state.copy()
-        found = ta.propagate_grid(times, max_steps=CHUNK, max_delta_t=longest)
-        new = np.moveaxis((found[1] if isinstance(found, tuple) else found) * lanes.units, -1, 0)
-        lanes.note_steps()
-        results = ta.propagate_res
+        new, results = lanes.states_along(grid[at : end + 1], limits), ta.propagate_res
         taken, outcomes = max(r[3] for r in results), {r[0] for r in results}
         steps += sum(r[3] for r in results)
         if hy.taylor_outcome.err_nf_state in outcomes or not np.isfinite(ta.state).all():
@@ -291,7 +295,7 @@ def _pieces(
                 piece = max(1, piece // 8)
                 continue
             ends = grid[at : end + 1]
-            collapsed, taken = _one_interval(lanes, ends, longest, stopped, headway)
+            collapsed, taken = _one_interval(lanes, ends, limits.tolist(), stopped, headway)
             steps += taken
             if collapsed:
                 return collapsed, steps
