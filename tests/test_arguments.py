@@ -74,9 +74,6 @@ DOORS = {
     "that a double holds": lambda: vo.integrate(system(), initial={"x": 10**400}),
     "a double holds": lambda: vo.integrate(system(), parameters={"m": HUGE}),
     "beyond doubles": lambda: vo.integrate(system(), outputs=(x + HUGE,)),
-    "outputs hold nothing": lambda: vo.ensemble(
-        system(), {"x": [0, 1]}, times=[0, 1], outputs=(1,)
-    ),
     "start 'x'": lambda: vo.ensemble(system(), {"x": [[0], [1, 2]]}, times=[0, 1]),
     "crossings": lambda: vo.section(system(), "x", crossings=2.5),
     "is not a voronec.System": lambda: vo.multiplier_acceleration("sleigh", {}),

@@ -75,6 +75,15 @@ def test_parameters_may_be_arrays(oscillator, method):
     assert found.parameters["w"].tolist() == rates.tolist()
 
 
+@pytest.mark.parametrize("method", ["auto", "scipy", "heyoka"])
+def test_constants_alone_are_answered(method):
+    run = vo.ensemble(
+        vo.load("sleigh"), {"v": [1, 2]}, times=[0, 1, 2], outputs=("m",), method=method,
+        parameters={"m": [1.5, 2.5]},
+    )  # fmt: skip
+    assert np.array_equal(run["m"], [[1.5] * 3, [2.5] * 3])
+
+
 def test_starts_may_be_a_list_of_mappings_over_a_scene(oscillator):
     found = vo.ensemble(oscillator, [{}, {"xdot": 2}, {x: 0}], scene="default", times=GRID)
     assert found["x"][:, 0].tolist() == [1.0, 1.0, 0.0]

@@ -15,7 +15,7 @@ from voronec.equations.attitudes import euler_angles
 from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.errors import DefinitionError, IntegrationError, VoronecError
+from voronec.errors import IntegrationError, VoronecError
 from voronec.motion.divisors import NEAR, Divisor
 from voronec.motion.initial_conditions import parameter_values, start_of, starts_in_arrays
 from voronec.motion.model import smallest_model
@@ -57,7 +57,7 @@ def ground(vocabulary: Vocabulary, wanted: Mapping[str, sp.Expr]) -> Ground:
     integrals = {name: vocabulary.claims[name] for name in equations.system.integrals}
     model = smallest_model(Motions.of(equations), wanted, integrals) if wanted else None
     # an angle that is read off needs its branch followed along the motion
-    if model is not None and wanted.keys() <= model.outputs.keys():
+    if model is not None and model.start and wanted.keys() <= model.outputs.keys():
         return Ground(
             level=model.level,
             form=model.form,
@@ -295,8 +295,6 @@ def _place_on_ground(
     found = at_each(extras, below.names, time, full, values)
     columns = [x for n, x in found.items() if n.startswith("start ")]
     frozen = {n.removeprefix("frozen "): x for n, x in found.items() if n.startswith("frozen ")}
-    if not columns:
-        raise DefinitionError("the outputs hold nothing that moves; ask for one that does")
     return np.stack(columns, axis=-1), frozen
 
 

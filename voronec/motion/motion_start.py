@@ -382,10 +382,12 @@ class _Conditions:
         ways = open_beyond(np.vstack([left, further]), self.blind)
         if np.abs(ways).max(initial=0.0) > POLE:
             free = self.dots[int(np.argmax(np.abs(ways).max(axis=1)))]
+            grouped = self.system.frame is not None and self.system.frame.is_group
+            coordinates = f"give velocities of coordinates, such as '{free}'"
+            mend = "start beside it" if grouped else coordinates
             raise DefinitionError(
                 f"system '{self.system.name}': the velocities {', '.join(self.own)} are no frame "
-                "at the initial point, and do not determine the motion; give velocities of "
-                f"coordinates, such as '{free}'"
+                f"at the initial point, and do not determine the motion; {mend}"
             )
         found = np.linalg.pinv(left, LEAST_SINGULAR_VALUE) @ right
         _, sizes, basis = np.linalg.svd(left)
