@@ -25,6 +25,7 @@ from voronec.accuracy.bench.record import Measured, Point
 from voronec.accuracy.bench.runs import CONTENDERS, contenders
 from voronec.accuracy.bench.work_precision_picture import plot_work_precision
 from voronec.equations.program import Program, compile_program
+from voronec.motion.methods import METHODS
 
 pytestmark = pytest.mark.slow
 
@@ -332,6 +333,7 @@ PEERS = (
     "heyoka-by-hand",
     "dop853-by-hand",
     "scipy",
+    "python",
 )
 
 
@@ -524,6 +526,10 @@ def test_ratios_are_of_times_at_equal_error(spring: bench.BenchMotion) -> None:
 
 def test_names_of_methods_are_not_given_twice() -> None:
     assert len({c.name for c in CONTENDERS}) == len(CONTENDERS)
+
+
+def test_every_method_of_integrate_is_measured() -> None:
+    assert set(METHODS) <= {c.name for c in CONTENDERS}
 
 
 def test_the_plot_holds_every_method_that_ran(spring: bench.BenchMotion) -> None:

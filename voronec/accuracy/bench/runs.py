@@ -136,6 +136,7 @@ OWN = (
     _own("scipy", "ours: scipy's DOP853, smallest model", "scipy", DOUBLE_TOLERANCES, False),
     _own("numba", "ours: DOP853 compiled, smallest model", "numba", DOUBLE_TOLERANCES, False),
     _own("c", "ours: the same by the C compiler", "c", DOUBLE_TOLERANCES, False),
+    _own("python", "ours: the same in Python alone", "python", DOUBLE_TOLERANCES, False),
     _own("lsoda", "ours: scipy's LSODA, smallest model", "lsoda", DOUBLE_TOLERANCES[:-1], False),
     _own(CLOSED_FORM, "ours: the motion in closed form, evaluated", CLOSED_FORM, (1e-16,), False),
     _own("flint", "ours: Taylor method in any precision", "flint", (EXACT,), False),
