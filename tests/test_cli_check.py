@@ -336,7 +336,7 @@ def test_fresh_reuses_nothing(call: Call) -> None:
 
 
 def test_only_so_many_results_are_kept(tmp_path: Path) -> None:
-    store = Store(tmp_path / "few", kept=2)
+    store = Store(tmp_path / "few", capacity=2)
     for number in range(5):
         store.save(f"{number}" * 24, "result", number)
     assert len(list(store.folder.iterdir())) == 2

@@ -140,11 +140,11 @@ def test_a_limit_is_carried_back_through_quotients():
     ratio = edge("damped", "two", name="ratio", a=c, b=a / (a + c))
     back = edge("two", "one", name="back", limit=vo.Limit(h, {b: h * b}), a=a)
     course = Course.of([ratio, back])
-    assert dict(course.moved) == {"a": 0}
+    assert dict(course.limits) == {"a": 0}
     assert dict(course.values) == {"a": c}
     reciprocal = edge("damped", "two", name="reciprocal", a=a, b=1 / c)
     far = Course.of([reciprocal, edge("two", "one", limit=vo.Limit(h, {b: h}), a=a)])
-    assert dict(far.moved) == {"c": sp.zoo}
+    assert dict(far.limits) == {"c": sp.zoo}
 
 
 def test_a_parameter_at_its_limit_need_not_move():
@@ -152,7 +152,7 @@ def test_a_parameter_at_its_limit_need_not_move():
     back = edge("two", "one", name="back", limit=vo.Limit(h, {b: h}), a=a)
     (found,) = decide([chain, back], vo.Square(("none", "back"), ()))
     assert found.verdict.proved
-    assert Course.of([chain, back]).moved == {}
+    assert Course.of([chain, back]).limits == {}
 
 
 def test_a_chain_that_fixes_what_its_limit_moves_has_no_meaning():

@@ -32,7 +32,7 @@ DECIDER = "voronec.audit.run"
 class Basis:
     """The declarations of a section as text, and the files that it rests on."""
 
-    declared: str
+    declaration: str
     files: tuple[Path, ...]
 
     @classmethod
@@ -46,7 +46,7 @@ class Basis:
 
     def digest(self) -> str:
         """A digest of everything, with the files as they are now."""
-        return digest(self.declared, self.files, DECIDER)
+        return digest(self.declaration, self.files, DECIDER)
 
 
 def _declaration_text(section: Section) -> str:

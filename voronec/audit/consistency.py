@@ -18,24 +18,24 @@ __all__ = ["Examination", "defined_name", "families", "with_uses"]
 class Examination:
     """A formula with its verdict, and what others need to know of it: plain data.
 
-    called
+    name
         the label, or the place, of its unit; ``label`` is the label alone.
     defines
         the key of the name that a definition defines, whatever its indices.
     uses
         the keys of the names in the formula.
-    given
+    premises
         labels of the conditions that are in force.
     condition
         whether the formula is such a condition.
     """
 
     record: FormulaRecord
-    called: str
+    name: str
     label: str | None = None
     defines: str = ""
     uses: tuple[str, ...] = ()
-    given: tuple[str, ...] = ()
+    premises: tuple[str, ...] = ()
     condition: bool = False
 
 
@@ -45,8 +45,8 @@ def with_uses(examined: Examination, everything: Sequence[Examination]) -> Formu
     if record.verdict != "definition" or not (examined.defines or examined.condition):
         return record
     users = _users(examined, everything)
-    good = [e.called for e in users if e.record.verdict == "proved"]
-    good += [f"{e.called} as corrected" for e in users if e.record.correction]
+    good = [e.name for e in users if e.record.verdict == "proved"]
+    good += [f"{e.name} as corrected" for e in users if e.record.correction]
     called = ", ".join(dict.fromkeys(good))
     text = f"consistent with its uses in {called}" if good else "no proved formula here needs it"
     return replace(record, method=f"{record.method}; {text}")
@@ -59,7 +59,7 @@ def _users(examined: Examination, everything: Sequence[Examination]) -> list[Exa
     while waiting:
         one = waiting.pop()
         for other in everything:
-            uses = one.label in other.given if one.condition else one.defines in other.uses
+            uses = one.label in other.premises if one.condition else one.defines in other.uses
             if uses and other is not examined and other not in found:
                 found.append(other)
                 if other.record.verdict == "definition" and other.defines:

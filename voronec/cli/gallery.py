@@ -45,16 +45,16 @@ class ClassRequest:
 class GalleryMotion:
     """A motion of a class."""
 
-    asked: ClassRequest
+    request: ClassRequest
     scene: Scene
-    closed: ClosedForm
+    form: ClosedForm
 
 
 @dataclass(frozen=True)
 class GalleryGap:
     """Why there is no motion of a class, or none was found."""
 
-    asked: ClassRequest
+    request: ClassRequest
     reason: str
 
 
@@ -195,11 +195,11 @@ def _write(system: System, found: Sequence[GalleryMotion], target: Path) -> list
     names = []
     with delivery(target) as workshop:
         for f, traces in own:
-            progress(f"{system.name}: drawing {f.asked.label} {f.asked.trace}")
-            names.append(f"{_slug(f.asked.trace)}-{f.asked.label}.svg")
+            progress(f"{system.name}: drawing {f.request.label} {f.request.trace}")
+            names.append(f"{_slug(f.request.trace)}-{f.request.label}.svg")
             save(traces_figure(traces), workshop / names[-1])
-        for title in dict.fromkeys(f.asked.trace for f, _ in own):
-            shown = [_of_class(f, traces) for f, traces in own if f.asked.trace == title]
+        for title in dict.fromkeys(f.request.trace for f, _ in own):
+            shown = [_of_class(f, traces) for f, traces in own if f.request.trace == title]
             names.append(f"{_slug(title)}.svg")
             save(traces_figure(shown, title=title, columns=3), workshop / names[-1])
     progress("")
@@ -212,14 +212,14 @@ def _draw_motion(system: System, found: GalleryMotion) -> tuple[Any, ...]:
     from voronec.closed.pictures.sphere_picture import motion_traces
 
     longitudes = {plain_name(t.longitude): title(t) for t in _traces(system)}
-    titles = {v: f"{name}: {found.closed.classes[name].label}" for v, name in longitudes.items()}
-    periods = found.scene.times[1] / found.closed.period
-    return motion_traces(found.closed, titles, periods=periods)
+    titles = {v: f"{name}: {found.form.classes[name].label}" for v, name in longitudes.items()}
+    periods = found.scene.times[1] / found.form.period
+    return motion_traces(found.form, titles, periods=periods)
 
 
 def _of_class(found: GalleryMotion, traces: Sequence[Any]) -> Any:
     """The sphere whose class was looked for."""
-    return traces[list(found.closed.classes).index(found.asked.trace)]
+    return traces[list(found.form.classes).index(found.request.trace)]
 
 
 def _slug(title: str) -> str:
@@ -252,21 +252,21 @@ def _tell(
 
 
 def _head(first: GalleryMotion) -> list[str]:
-    figure = ["figure"] if first.asked.figure is not None else []
-    spheres = [part for name in first.closed.classes for part in (name, "drift")]
+    figure = ["figure"] if first.request.figure is not None else []
+    spheres = [part for name in first.form.classes for part in (name, "drift")]
     return ["sphere", *figure, "class", *spheres, "period", "parameters", "start"]
 
 
 def _row(found: GalleryMotion) -> list[str]:
-    asked = found.asked
+    asked = found.request
     figure = [str(asked.figure)] if asked.figure is not None else []
     cells = []
-    for each in found.closed.classes.values():
+    for each in found.form.classes.values():
         drift = "" if each.drift is None else f"{each.drift:.4f}"
         closes = f", likely {each.fraction} of 2pi" if each.fraction is not None else ""
         cells += [each.label, drift + closes]
     return [
-        asked.trace, *figure, asked.label, *cells, f"{found.closed.period:.4f}",
+        asked.trace, *figure, asked.label, *cells, f"{found.form.period:.4f}",
         _values(found.scene.parameters) or "the defaults", _values(found.scene.initial),
     ]  # fmt: skip
 
@@ -276,7 +276,7 @@ def _values(given: Any) -> str:
 
 
 def _data(found: GalleryMotion | GalleryGap) -> dict[str, Any]:
-    asked = found.asked
+    asked = found.request
     data: dict[str, Any] = {"trace": asked.trace, "class": asked.label, "figure": asked.figure}
     if isinstance(found, GalleryGap):
         return {**data, "reason": found.reason}
@@ -285,13 +285,13 @@ def _data(found: GalleryMotion | GalleryGap) -> dict[str, Any]:
         "parameters": {plain_name(k): str(v) for k, v in found.scene.parameters.items()},
         "initial": {plain_name(k): str(v) for k, v in found.scene.initial.items()},
         "times": list(found.scene.times),
-        "period": found.closed.period,
+        "period": found.form.period,
         "traces": {
             name: {
                 "class": each.label, "drift": each.drift, "lower": each.lower, "upper": each.upper,
                 "reversals": list(each.reversals),
                 "fraction": None if each.fraction is None else str(each.fraction),
             }
-            for name, each in found.closed.classes.items()
+            for name, each in found.form.classes.items()
         },
     }  # fmt: skip

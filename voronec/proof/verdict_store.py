@@ -249,18 +249,18 @@ def _loaded_files(node: ast.Call) -> Iterator[Path]:
 
 @dataclass(frozen=True)
 class Store:
-    """A folder with one subfolder for each digest; of these the newest ``kept`` stay.
+    """A folder with one subfolder for each digest; of these the newest ``capacity`` stay.
 
     A file that is missing or broken is no result.
     """
 
     folder: Path
-    kept: int = 200
+    capacity: int = 200
 
     @classmethod
-    def of_user(cls, part: str, kept: int = 200) -> Store:
+    def of_user(cls, part: str, capacity: int = 200) -> Store:
         """The folder ``voronec/part`` among the user's caches."""
-        return cls(user_cache(part), kept)
+        return cls(user_cache(part), capacity)
 
     def load(self, key: str, name: str) -> Any:
         """What was kept, or ``None``."""
@@ -276,7 +276,7 @@ class Store:
         draft = file.with_suffix(f".{os.getpid()}")
         try:
             if not file.parent.exists():
-                make_room(self.folder, self.kept)
+                make_room(self.folder, self.capacity)
                 file.parent.mkdir(parents=True, exist_ok=True)
             draft.write_text(json.dumps(value), encoding="utf-8")
             draft.replace(file)

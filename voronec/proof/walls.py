@@ -98,7 +98,7 @@ class _Ground:
     """The field across whose motions walls lie."""
 
     field: VectorField
-    moving: frozenset[Any]
+    variables: frozenset[Any]
     periods: bool
     constant: bool
 
@@ -114,9 +114,9 @@ class _Ground:
 
     def verdict_on(self, function: Any, proof: Verdict) -> Verdict:
         """The verdict on one function with a proof off its walls."""
-        if is_plain(function, self.moving, essential=not self.constant):
+        if is_plain(function, self.variables, essential=not self.constant):
             return self._with_domain(proof, function)
-        branches = Branches(function, self.moving, self.relations, not self.constant)
+        branches = Branches(function, self.variables, self.relations, not self.constant)
         open_walls = [h for h in branches.unclear if not self._has_sign(h, strict=True)]
         open_walls = [h for h in open_walls if not self._is_kept(h)]
         met = [j for wall in branches.walls() if (j := self._jump(wall)) is not None]
@@ -142,7 +142,9 @@ class _Ground:
     def _with_domain(self, proof: Verdict, function: Any) -> Verdict:
         """The proof with the domain on which the function is real, where that is less than all."""
         bounds = [
-            f"{self._write(b)} > 0" for b in bounds_of(function, self.moving) if self._is_crossed(b)
+            f"{self._write(b)} > 0"
+            for b in bounds_of(function, self.variables)
+            if self._is_crossed(b)
         ]
         return replace(proof, domain=", ".join(filter(None, (proof.domain, *bounds))))
 
@@ -195,8 +197,8 @@ class _Ground:
         return [
             wall.function
             for e in field.entries
-            if has_branches([e], self.moving)
-            for wall in Branches(e, self.moving, self.relations, False).walls()
+            if has_branches([e], self.variables)
+            for wall in Branches(e, self.variables, self.relations, False).walls()
             if not self._vanishes(wall.above - wall.below, (*self.hypotheses, wall.function))
         ]
 
@@ -209,7 +211,7 @@ class _Ground:
         return self._is_pole_of(wall.above, there) and self._is_pole_of(wall.below, there)
 
     def _is_pole_of(self, expr: Any, there: tuple[Any, ...]) -> bool:
-        if not expr.free_symbols & self.moving or expr == 0:
+        if not expr.free_symbols & self.variables or expr == 0:
             return False
         return self._vanishes(1 / expr, there)
 
@@ -221,7 +223,7 @@ class _Ground:
             short = canonical([jump], self.hypotheses)[0]
         except EngineLimit:
             return None
-        if short.free_symbols & self.moving:
+        if short.free_symbols & self.variables:
             return None
         return -short if _is_negative(short) else short
 
@@ -243,7 +245,7 @@ class _Ground:
                     yield point, above, below
             if met:
                 return
-            sides = [product_of(e, self.relations, self.moving).expression for e in sides]
+            sides = [product_of(e, self.relations, self.variables).expression for e in sides]
 
     def _states(
         self, exprs: Sequence[Any], hypotheses: Sequence[Any], whole: Any = None
@@ -288,10 +290,10 @@ class _Ground:
         """A state where hypotheses hold, with parameters that are positive unless they may not be;
         a relation that is a variable itself makes it vanish exactly."""
         equations, conditions = split_hypotheses(hypotheses)
-        zero = {e: flint.fmpq(0) for e in equations if e in self.moving}
+        zero = {e: flint.fmpq(0) for e in equations if e in self.variables}
         atoms = dict.fromkeys([*tape.atoms, *Tape(equations).atoms])
-        still = [a for a in atoms if isinstance(a, se.Symbol) and a not in self.moving]
-        on_still = [c for c in conditions if self.moving.isdisjoint(c.free_symbols)]
+        still = [a for a in atoms if isinstance(a, se.Symbol) and a not in self.variables]
+        on_still = [c for c in conditions if self.variables.isdisjoint(c.free_symbols)]
         known = sample_point(still, on_still, seed - 1) | zero
         at = {a: se.Integer(int(v.p)) / se.Integer(int(v.q)) for a, v in known.items()}
         rest = [h for h in moved_hypotheses(hypotheses, at) if h != 0]
@@ -321,7 +323,7 @@ class _Ground:
 
     def _is_constant(self, function: Any) -> bool:
         """Whether a function is constant off its walls."""
-        return all(self._vanishes(function.diff(x), self.hypotheses) for x in self.moving)
+        return all(self._vanishes(function.diff(x), self.hypotheses) for x in self.variables)
 
     def _place(self, wall: BranchWall) -> str:
         """Where a wall is, in words."""

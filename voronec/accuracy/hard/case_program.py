@@ -29,13 +29,13 @@ DIGITS = 45
 class PreciseProblem:
     """An initial-value problem in many digits.
 
-    ``kept`` are the positions, in the state of ``program``, of the states that the outputs need;
+    ``places`` are the positions, in the state of ``program``, of the states that the outputs need;
     ``start`` (all states) and ``values`` (all parameters) are mpmath numbers; ``angles`` are
     the positions of the states that occur under a trigonometric function.
     """
 
     program: Program
-    kept: tuple[int, ...]
+    places: tuple[int, ...]
     angles: frozenset[int]
     start: tuple[Any, ...]
     values: tuple[Any, ...]
@@ -43,7 +43,7 @@ class PreciseProblem:
     @property
     def names(self) -> tuple[str, ...]:
         """The states that are kept."""
-        return tuple(str(self.program.state[i]) for i in self.kept)
+        return tuple(str(self.program.state[i]) for i in self.places)
 
 
 def problem(case: HardCase, equations: VoronecEquations, raw: bool = False) -> PreciseProblem:

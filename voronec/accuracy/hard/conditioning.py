@@ -49,8 +49,8 @@ def sizes(problem: PreciseProblem, states: np.ndarray) -> np.ndarray:
     """X_i of the kept states (k, n): see the module; shape (n,)."""
     largest = np.abs(states.astype(float)).max(axis=0)
     coordinates = len(problem.program.coordinates)
-    angle = np.array([i in problem.angles for i in problem.kept])
-    moving = np.array([i >= coordinates for i in problem.kept])
+    angle = np.array([i in problem.angles for i in problem.places])
+    moving = np.array([i >= coordinates for i in problem.places])
     result = np.maximum(largest, 1.0)
     for group in (moving, ~moving & ~angle):
         if group.any():
@@ -171,11 +171,11 @@ def reel(problem: PreciseProblem, arithmetic: str, tol: float, varied: bool = Tr
 
     kind = hy.real128 if arithmetic == "quadruple" else np.longdouble
     pairs = taylor_system(problem.program)
-    kept = [pairs[i] for i in problem.kept]
+    kept = [pairs[i] for i in problem.places]
     variables = [v for v, _ in kept]
     acting = sorted({i for _, rhs in kept for i in _indices(hy, rhs)})
     by = [*variables, *(hy.par[i] for i in acting)]
-    begin = np.array([_in(kind, problem.start[i]) for i in problem.kept], dtype=object)
+    begin = np.array([_in(kind, problem.start[i]) for i in problem.places], dtype=object)
     values = np.array([_in(kind, x) for x in problem.values], dtype=kind)
     integrator = hy.taylor_adaptive(
         hy.var_ode_sys(kept, by, order=1) if varied else kept,

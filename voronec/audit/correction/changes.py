@@ -39,13 +39,13 @@ Piece = tuple[int, int, str]
 class Change:
     """Replacements; ``about`` is the range of the words they concern, ``rank`` orders changes.
 
-    ``paired`` tells whether it is tried together with a second change.
+    ``in_pairs`` tells whether it is tried together with a second change.
     """
 
     pieces: tuple[Piece, ...]
     about: tuple[int, int]
     rank: int = 0
-    paired: bool = True
+    in_pairs: bool = True
 
 
 @dataclass(frozen=True)

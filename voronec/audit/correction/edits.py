@@ -74,7 +74,7 @@ def _keyboard_slips(
         *_indices(words, study, spare),
         *_arguments(words, letters),
     ):
-        yield replace(change, paired=False)
+        yield replace(change, in_pairs=False)
 
 
 def _transpositions(words: Sequence[Token]) -> Iterator[Change]:
@@ -378,7 +378,7 @@ def _omit_words(words: Sequence[Token]) -> Iterator[Change]:
     kept = {*_GROUPS, *_GROUPS.values(), "^", "_", ",", *RELATIONS}
     for word in words:
         if word.text not in kept:
-            yield replace(without(word, words), paired=False)
+            yield replace(without(word, words), in_pairs=False)
 
 
 def _omit_parts(printed: str, chain: Chain, words: Sequence[Token]) -> Iterator[Change]:
@@ -455,7 +455,7 @@ def _apart(printed: str, place: int, text: str) -> str:
 
 
 def _alone(pieces: tuple[tuple[int, int, str], ...], about: Place) -> Change:
-    return Change(pieces, (about[0], about[1]), paired=False)
+    return Change(pieces, (about[0], about[1]), in_pairs=False)
 
 
 def _parts(node: Node) -> Iterator[Node]:

@@ -90,7 +90,7 @@ class _Effect:
 class CorrectionSearch:
     """A false formula at a point where it fails; ``slots`` are its parts with their goals."""
 
-    printed: str
+    latex: str
     check: Check
     study: Study
     sampler: Sampler
@@ -129,7 +129,7 @@ class CorrectionSearch:
 
         Pairs in different parts come before pairs in one part, which must be tried one by one.
         """
-        effects = [e for e in map(self._effect, (c for c in changes if c.paired)) if e is not None]
+        effects = [e for c in changes if c.in_pairs and (e := self._effect(c)) is not None]
         effects = [e for e in effects if not close(e.value, e.slot.value)]
         reached = (*self._apart(effects), *self._with_sign(effects))
         apart = [change for change in reached if change is not None]
@@ -162,7 +162,7 @@ class CorrectionSearch:
         """A part with replacements in it, and its value; ``None`` for what there is not."""
         start, end = slot.at
         moved = [(a - start, b - start, text) for a, b, text in pieces]
-        latex, _ = apply_pieces(self.printed[start:end], moved)
+        latex, _ = apply_pieces(self.latex[start:end], moved)
         if not latex:
             return None, None
         node: Node | None = slot.node
@@ -371,7 +371,7 @@ class _Case:
     sets something equal to itself, ``legible`` that it can be read.
     """
 
-    printed: str
+    latex: str
     check: Check
     study: Study
     new: frozenset[str] = frozenset()
@@ -390,7 +390,7 @@ class _Case:
 
     def prove(self, change: Change) -> Correction | None:
         """The correction that a change makes, if the changed formula is proved."""
-        latex, marks = apply_pieces(self.printed, change.pieces)
+        latex, marks = apply_pieces(self.latex, change.pieces)
         method = self.proof_of(latex)
         struck = tuple((start, end) for start, end, _ in sorted(change.pieces))
         return None if method is None else Correction(latex, marks, struck, method)
@@ -612,16 +612,16 @@ def _search_correction(
 ) -> Correction | None:
     if search is not None:
         found = case.first(search.singles(changes))
-        if found is not None or len(tokenize(case.printed)) < WORDS_FOR_TWO:
+        if found is not None or len(tokenize(case.latex)) < WORDS_FOR_TWO:
             return found
         return case.first(search.pairs(changes))
-    mending = [*repairs(case.printed), *changes]
+    mending = [*repairs(case.latex), *changes]
     if case.check.stationary:
         mending = mending[:SINGLES]  # it has no numbers to go by
         found = case.first(mending, SINGLES)
     else:
         mending = _at_unknown(case, mending)
-        fitting = Screen(case.check, case.study).filter(case.printed, mending)
+        fitting = Screen(case.check, case.study).filter(case.latex, mending)
         found = case.first(fitting, SINGLES)
     if found is not None or case.legible:
         return found
@@ -630,7 +630,7 @@ def _search_correction(
 
 def _at_unknown(case: _Case, changes: Sequence[Change]) -> list[Change]:
     """The changes that concern the first name that means nothing; all, where each has a meaning."""
-    places = _unknown_places(case.printed, case.study, case.new)
+    places = _unknown_places(case.latex, case.study, case.new)
     if not places:
         return list(changes)
     return [
@@ -644,14 +644,14 @@ def _after_repair(case: _Case, mending: Sequence[Change], spare: Spare) -> Corre
     """Two changes, the first of which gives the formula a meaning."""
     mended = 0
     for repair in mending:
-        latex, _ = apply_pieces(case.printed, repair.pieces)
+        latex, _ = apply_pieces(case.latex, repair.pieces)
         search = CorrectionSearch.of(latex, case.check, case.study)
         if search is None:
             continue
         changes = single_changes(latex, case.study, spare)
-        found = replace(case, printed=latex).first(search.singles(changes))
+        found = replace(case, latex=latex).first(search.singles(changes))
         if found is not None:
-            return _correction_by_words(case.printed, found.latex, found.method)
+            return _correction_by_words(case.latex, found.latex, found.method)
         mended += 1
         if mended == REPAIRS:
             break
@@ -660,7 +660,7 @@ def _after_repair(case: _Case, mending: Sequence[Change], spare: Spare) -> Corre
 
 def _proposed_correction(case: _Case, proposal: str) -> Correction | None:
     method = case.proof_of(proposal)
-    return None if method is None else _correction_by_words(case.printed, proposal, method)
+    return None if method is None else _correction_by_words(case.latex, proposal, method)
 
 
 def _correction_by_words(printed: str, latex: str, method: str) -> Correction:

@@ -109,7 +109,7 @@ def _body(latex: str, box: Box, broken: LineBreaks, colours: list[tuple[int, int
     """The formula with its line breaks and colours."""
     starts = [line[0].start for line in broken.lines[1:]]
     places = [(at, 1, "\\\\\n&\\quad ") for at in starts] + colours
-    edges = [edge for fence in broken.opened for edge in (fence.parts[0], fence.parts[2])]
+    edges = [edge for fence in broken.fences for edge in (fence.parts[0], fence.parts[2])]
     text = _insert(latex, places, edges)
     if starts:
         return f"\\begin{{aligned}}\n&{text}\n\\end{{aligned}}"

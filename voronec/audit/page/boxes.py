@@ -490,7 +490,7 @@ class LineBreaks:
     """The lines of a formula, and the fences that had to be opened for it."""
 
     lines: tuple[tuple[Box, ...], ...]
-    opened: tuple[Box, ...]
+    fences: tuple[Box, ...]
 
     @property
     def width(self) -> float:
@@ -507,24 +507,24 @@ def break_lines(row: Box, limit: float) -> LineBreaks:
     """
     if row.kind != "row" or width(row) <= limit:
         return LineBreaks((row.parts if row.kind == "row" else (row,),), ())
-    opened: list[Box] = []
-    rest = _open(row.parts, limit / 2, 0, opened)
+    fences: list[Box] = []
+    rest = _open(row.parts, limit / 2, 0, fences)
     lines: list[tuple[Box, ...]] = []
     while rest:
         cut = _cut(rest, limit - (INDENT if lines else 0.0))
         lines.append(tuple(item.box for item in rest[:cut]))
         rest = rest[cut:]
-    return LineBreaks(tuple(lines), tuple(opened))
+    return LineBreaks(tuple(lines), tuple(fences))
 
 
-def _open(parts: tuple[Box, ...], limit: float, depth: int, opened: list[Box]) -> list[_Item]:
+def _open(parts: tuple[Box, ...], limit: float, depth: int, fences: list[Box]) -> list[_Item]:
     found: list[_Item] = []
     for box in parts:
         inner = box.parts[1] if box.kind == "fence" else box
         if box.kind == "fence" and inner.kind == "row" and width(box) > limit:
-            opened.append(box)
+            fences.append(box)
             found.append(_Item(box.parts[0], depth + 1))
-            found += _open(inner.parts, limit, depth + 1, opened)
+            found += _open(inner.parts, limit, depth + 1, fences)
             found.append(_Item(box.parts[2], depth + 1))
         else:
             found.append(_Item(box, depth))

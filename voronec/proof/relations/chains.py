@@ -43,7 +43,7 @@ class _Chain:
     """Several maps one after the other: the end's variables and parameters by the start's.
 
     ``hypotheses`` hold on the start's states.  ``small`` is the small parameter of a single
-    limit, not yet taken, and ``scaled`` the parameters that it moves.  ``family`` tells how those
+    limit, not yet taken, and ``scaling`` the parameters that it moves.  ``family`` tells how those
     of the start depend on small ones, in the limits that have been taken, in their order.
     """
 
@@ -56,7 +56,7 @@ class _Chain:
     limits: tuple[str, ...] = ()
     family: tuple[tuple[Any, dict[Any, Any]], ...] = ()
     small: Any = None
-    scaled: dict[Any, Any] = field(default_factory=dict)
+    scaling: dict[Any, Any] = field(default_factory=dict)
 
     def map(self, change: Callable[[Any], Any]) -> _Chain:
         """The same with a change of every expression, as a limit of parameters."""
@@ -191,7 +191,7 @@ def _link(statemap: StateMap) -> _Chain:
         found.map(lambda e: e.xreplace(named)),
         limits=(f"{statemap.relation.label}: {statemap.small} -> 0",),
         small=small,
-        scaled={p: e.xreplace(named) for p, e in statemap.scaled.items()},
+        scaling={p: e.xreplace(named) for p, e in statemap.scaling.items()},
     )
 
 
@@ -229,7 +229,7 @@ def _then(first: _Chain, second: _Chain) -> _Chain:
         limits=first.limits + second.limits,
         family=family if small is None else (*family, (small, moving)),
         small=None,
-        scaled={},
+        scaling={},
     )
     return found if small is None else found.within(small, {})
 
@@ -238,7 +238,7 @@ def _limit_parameters(first: _Chain, second: _Chain) -> dict[Any, Any]:
     """The parameters of the start of ``first`` for which those of its end follow a limit."""
     small = sp.Symbol(str(second.small))
     values = {str(p): as_expression(e) for p, e in first.parameters.items() if p.is_Symbol}
-    scaled = {str(p): as_expression(e) for p, e in second.scaled.items()}
+    scaled = {str(p): as_expression(e) for p, e in second.scaling.items()}
     own = {str(p): p for p in first.start.parameters}
     ranges = (
         c

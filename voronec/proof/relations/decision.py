@@ -230,7 +230,7 @@ def at_limit(statemap: StateMap) -> StateMap:
         parameters=dict(zip(statemap.parameters, there(statemap.parameters.values()), strict=True)),
         clock=there([statemap.clock])[0],
         small=None,
-        scaled={},
+        scaling={},
     )
 
 

@@ -25,11 +25,11 @@ class _Parallel:
 
     courses: dict[Labels, Course] = field(default_factory=dict)
     agree: list[tuple[Labels, Labels]] = field(default_factory=list)
-    tied: list[tuple[Labels, Labels]] = field(default_factory=list)
+    up_to: list[tuple[Labels, Labels]] = field(default_factory=list)
 
     def within(self, moved: dict[str, Any]) -> list[Labels]:
         """The chains whose limits are among given ones."""
-        return [c for c, course in self.courses.items() if course.moved.items() <= moved.items()]
+        return [c for c, course in self.courses.items() if course.limits.items() <= moved.items()]
 
     def classes(self, members: Sequence[Labels], edges: Sequence[Any]) -> list[list[Labels]]:
         """Chains that hang together, the shortest first."""
@@ -50,9 +50,9 @@ class _Parallel:
         first, second = self.courses[one], self.courses[other]
         if not first.is_compatible(second):
             return False
-        if not self.tied:
+        if not self.up_to:
             return True
-        members = self.within({**first.moved, **second.moved})
+        members = self.within({**first.limits, **second.limits})
         return any(one in c and other in c for c in self.classes(members, self.agree))
 
 
@@ -90,7 +90,7 @@ def _between(
         return
     for square in declared:
         if square.first in own.courses and square.second in own.courses:
-            (own.tied if square.up_to else own.agree).append((square.first, square.second))
+            (own.up_to if square.up_to else own.agree).append((square.first, square.second))
     turns = {key: (a, b) for a, b, key in graph.edges(keys=True)}
     for one, other in combinations(own.courses, 2):
         first, last = turns[one[0]][1], turns[one[-1]][0]
@@ -99,7 +99,7 @@ def _between(
         if tails or heads:
             own.agree.append((one, other))
     for moved in _joint_limits([*own.courses.values()]):
-        main, *others = own.classes(own.within(moved), [*own.agree, *own.tied])
+        main, *others = own.classes(own.within(moved), [*own.agree, *own.up_to])
         for chains in others:
             own.agree.append((chains[0], main[0]))
             yield Square(chains[0], main[0])
@@ -115,7 +115,7 @@ def _joint_limits(courses: Sequence[Course]) -> list[dict[str, Any]]:
     for one in courses:
         for other in courses:
             if one.is_compatible(other):
-                joint = {**one.moved, **other.moved}
+                joint = {**one.limits, **other.limits}
                 found[frozenset(joint.items())] = joint
     return sorted(found.values(), key=lambda m: (len(m), sorted(map(str, m.items()))))
 

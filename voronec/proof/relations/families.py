@@ -27,19 +27,19 @@ Values = Mapping[str, sp.Expr]
 class Course:
     """What a chain does to parameters: those of its end, in terms of those of its start.
 
-    ``values`` are missing at the start; ``moved`` are the parameters of the start that the limits
+    ``values`` are missing at the start; ``limits`` are the parameters of the start that the limits
     move, each with where it goes.
     """
 
     values: Values | None = None
-    moved: Mapping[str, sp.Expr] = field(default_factory=dict)
+    limits: Mapping[str, sp.Expr] = field(default_factory=dict)
 
     def through(self, relation: Relation) -> Course | None:
         """With one more relation; ``None`` where its limit moves what the chain has fixed."""
         known = {} if self.values is None else self.values
         given = {n: _plain(v) for n, v in by_name(relation.parameters).items()}
         here = {sp.Symbol(n): v for n, v in known.items()}
-        limit, moved = relation.limit, dict(self.moved)
+        limit, moved = relation.limit, dict(self.limits)
         if limit is None:
             return Course({n: v.xreplace(here) for n, v in given.items()}, moved)
         small = sp.Symbol(f"small {limit.small}")
@@ -57,7 +57,7 @@ class Course:
 
     def is_compatible(self, other: Course) -> bool:
         """Whether the limits of both move no parameter to different values."""
-        return all(other.moved.get(n, v) == v for n, v in self.moved.items())
+        return all(other.limits.get(n, v) == v for n, v in self.limits.items())
 
     @classmethod
     def of(cls, relations: Iterable[Relation]) -> Course | None:

@@ -34,7 +34,7 @@ class StateMap:
     """Phi and what comes with it: target variables and parameters in terms of the source.
 
     ``state`` has an entry for every variable of the target field, ``time`` among them;
-    ``scaled`` takes parameters of the source to functions of the small one.
+    ``scaling`` takes parameters of the source to functions of the small one.
     """
 
     relation: Relation
@@ -44,7 +44,7 @@ class StateMap:
     parameters: dict[Any, Any]
     clock: Any
     small: Any
-    scaled: dict[Any, Any]
+    scaling: dict[Any, Any]
 
     @classmethod
     def of(cls, relation: Relation, motions: Callable[[str], Motions], level: str = "") -> StateMap:
@@ -75,7 +75,7 @@ class StateMap:
             parameters=read_parameters(relation, reader, target),
             clock=reader.read(relation.clock, "the clock"),
             small=reader.small,
-            scaled=reader.scaled_parameters,
+            scaling=reader.scaled_parameters,
         )
 
     @cached_property
@@ -92,7 +92,7 @@ class StateMap:
 
     def scale(self, expr: Any) -> Any:
         """A function of the source's state with its parameters as functions of the small one."""
-        return expr.xreplace(self.scaled) if self.scaled else expr
+        return expr.xreplace(self.scaling) if self.scaling else expr
 
     def derivative(self, function: Any) -> Any:
         """d/dt along the motion of the source."""
@@ -102,7 +102,7 @@ class StateMap:
     def scaled_source(self) -> VectorField:
         """The field of the source, its parameters as functions of the small one."""
         source = self.source
-        if not self.scaled:
+        if not self.scaling:
             return source
         return replace(
             source,
@@ -129,7 +129,7 @@ class StateMap:
     def hypotheses(self) -> tuple[Any, ...]:
         """What vanishes on the states of the source, and what is known of its parameters and of
         the images of the target's."""
-        own = substituted_conditions(self.source.conditions, self.scaled)
+        own = substituted_conditions(self.source.conditions, self.scaling)
         images = {**self.state, **{p: v for p, v in self.parameters.items() if p.is_Symbol}}
         mapped = (c for c in self.target.conditions if c.free_symbols <= images.keys())
         both = (*own, *substituted_conditions(mapped, images))

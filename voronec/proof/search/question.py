@@ -200,7 +200,7 @@ class Question:
     field: VectorField
     ansatz: Ansatz
     known: dict[str, Any]
-    ignored: tuple[str, ...]
+    foreign: tuple[str, ...]
     at: dict[sp.Symbol, sp.Expr]
 
     @classmethod

@@ -124,13 +124,13 @@ class _Run:
     rng: Any
     known: list[KnownFunction]
     names: list[str]
-    ignored: list[str]
-    found: list[FoundIntegral] = field(default_factory=list)
-    missing: int = 0
-    examined: int = 0
+    foreign: list[str]
+    integrals: list[FoundIntegral] = field(default_factory=list)
+    failures: int = 0
+    size: int = 0
     functions: int = 0
     dimension: int = 0
-    explained: int = 0
+    known_dimension: int = 0
 
     @classmethod
     def of(cls, question: Question, limit: int, rng: Any) -> _Run:
@@ -144,7 +144,7 @@ class _Run:
         known = [KnownFunction(v, q, i) for i, ((v, q), ok) in enumerate(places) if ok]
         names = [n for n, ok in zip(question.known, holding, strict=True) if ok]
         ignored = [n for n, ok in zip(question.known, holding, strict=True) if not ok]
-        ignored += question.ignored
+        ignored += question.foreign
         count = sum(map(len, classes))
         scaled = Normalization.of(question.field, letters, probe.constants)
         free = probe.independence(rng)
@@ -161,10 +161,10 @@ class _Run:
                 if bound in each:
                     kernel = self._investigate(rows[each <= bound])
                     if bound == each.max():
-                        self.examined += len(rows)
+                        self.size += len(rows)
                         self.functions += kernel.independent
                         self.dimension += kernel.dimension
-                        self.explained += kernel.known
+                        self.known_dimension += kernel.known
                     yield kernel
 
     def _investigate(self, rows: Array) -> Kernel:
@@ -189,9 +189,9 @@ class _Run:
                 vector=candidate.vector,
             )
             try:
-                self.found.append(self._lift(candidate, self._independent(known)))
+                self.integrals.append(self._lift(candidate, self._independent(known)))
             except EngineLimit:
-                self.missing += 1
+                self.failures += 1
             self.known.append(known)
 
     def _independent(self, new: KnownFunction) -> bool:
@@ -213,7 +213,7 @@ class _Run:
         named = {door_symbol: x.name for door_symbol, x in zip(plain, letters, strict=True)}
         door = mechanics.door
         shown = door.outward(short).xreplace({door.outward(a): n for a, n in named.items()})
-        name = f"F{len(self.found) + 1}"
+        name = f"F{len(self.integrals) + 1}"
         return FoundIntegral(name, door.outward(spelled), shown, verdict, independent)
 
     def outcome(self, finished: bool, seconds: float) -> IntegralSearch:
@@ -229,15 +229,15 @@ class _Run:
             at=question.at,
             parameters=tuple(sorted(map(outward, constants), key=order.index)),
             known=tuple(self.names),
-            ignored=tuple(self.ignored),
+            ignored=tuple(self.foreign),
             monomials=self.monomials,
-            examined=self.examined,
+            examined=self.size,
             classes=len(self.classes),
             functions=self.functions,
             dimension=self.dimension,
-            explained=self.explained,
-            integrals=tuple(self.found),
-            missing=self.missing,
+            explained=self.known_dimension,
+            integrals=tuple(self.integrals),
+            missing=self.failures,
             finished=finished,
             seconds=seconds,
             assumed=tuple(map(outward, self.independence.assumed)),

@@ -48,13 +48,13 @@ Values = Mapping[str, float]
 @dataclass(frozen=True)
 class HandProgram:
     """``equations``: pairs (variable, right side) of heyoka; ``start`` takes the values of our
-    variables by name to the state (n,), ``back`` takes states (k, n) to outputs, among them those
-    that are ``offered`` for comparison."""
+    variables by name to the state (n,), ``back`` takes states (k, n) to outputs, among them
+    ``outputs``, which are compared."""
 
     equations: list[tuple[Any, Any]]
     start: Callable[[Values], np.ndarray]
     back: Callable[[np.ndarray], dict[str, np.ndarray]]
-    offered: tuple[str, ...]
+    outputs: tuple[str, ...]
 
 
 def ball(moments: Sequence[float], D: float, epsilon: float) -> HandProgram:
@@ -190,9 +190,9 @@ def _prepare(
         program = BY_HAND[question.system.name](question.parameters)
     except ImportError:
         raise without("heyoka") from None
-    require_outputs(question.outputs, program.offered)
+    require_outputs(question.outputs, program.outputs)
     start, at, grid = program.start(start_values(question)), _level(question), question.grid
-    whole = {str(s) for s in at.field.variables} <= set(program.offered)
+    whole = {str(s) for s in at.field.variables} <= set(program.outputs)
     rows_at = by(program, start, grid)
 
     def run(tol: float) -> Outcome:
