@@ -96,6 +96,12 @@ def editable_home(sources: Path, tmp_path_factory: pytest.TempPathFactory) -> Pa
     return home
 
 
+def data_files(package: Path) -> set[Path]:
+    """What stands beside the code, and is read by it: pages, styles, examples."""
+    files = (p for p in package.rglob("*") if p.is_file() and p.suffix not in (".py", ".pyc"))
+    return {p.relative_to(package) for p in files}
+
+
 def own(names: Iterable[str]) -> set[str]:
     return {name for name in names if not name.startswith("plugin-")}
 
@@ -112,6 +118,7 @@ def test_the_wheel_brings_systems_bibliography_and_types(wheel_home: Path) -> No
     assert (site / "voronec" / "systems" / "demchenko" / "paper" / "__init__.py").is_file()
     docs = {p.name for p in (site / "voronec" / "docs").iterdir()} - {"__pycache__"}
     assert docs == {"__init__.py", "references.bib"}
+    assert data_files(ROOT / "voronec") <= data_files(site / "voronec")
 
 
 def test_a_plugin_package_is_found_like_our_own(wheel_home: Path) -> None:

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
 from itertools import combinations
+from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
@@ -478,11 +479,12 @@ class Lesson:
     def html(self) -> str:
         """One page; formulas are MathML, and nothing is loaded."""
         title = escape(_title(self))
+        style = Path(__file__).with_name("lesson.css").read_text("utf-8")
         return "\n".join(
             [
                 '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">',
                 '<meta name="viewport" content="width=device-width, initial-scale=1">',
-                f"<title>{title}</title><style>{STYLE}</style></head><body><h1>{title}</h1>",
+                f"<title>{title}</title><style>\n{style}</style></head><body><h1>{title}</h1>",
                 *_sections(self),
                 f"<p class='end'>{escape(_end(self))}</p></body></html>",
                 "",
@@ -594,18 +596,3 @@ def _sections(found: Lesson) -> Iterator[str]:
             yield f"<div class='row'>{mathml(_latex(found, row), limit=COLUMN)}</div>"
         if not part.rows and part.empty_note:
             yield f"<p>{escape(part.empty_note)}</p>"
-
-
-STYLE = """
-:root { color-scheme: light dark; }
-body { font: 17px/1.55 "STIX Two Text", "Latin Modern Roman", Georgia, serif; max-width: 56rem;
-  margin: 0 auto; padding: 1.5rem; }
-h1 { font-size: 1.7rem; } h2 { font-size: 1.2rem; margin: 2rem 0 .3rem; }
-.theory { display: flex; align-items: center; gap: 1rem; background: #8881; padding: .4rem 1rem;
-  border-left: 3px solid #43549a; overflow-x: auto; }
-math { font-family: "Latin Modern Math", "STIX Two Math", "Cambria Math", math; }
-mo.accent { padding-bottom: .12em; }
-.theory math { flex: 1; } .theory span { color: #777; white-space: nowrap; }
-.row { overflow: auto hidden; padding: .4rem 1rem; }
-.end { margin-top: 2rem; border-top: 1px solid #8885; padding-top: .8rem; }
-"""
