@@ -125,5 +125,5 @@ class Cache:
 
 def _read_examination(entry: dict[str, Any]) -> Examination:
     rest = {name: value for name, value in entry.items() if name != "record"}
-    rest["uses"], rest["given"] = tuple(rest["uses"]), tuple(rest["given"])
+    rest["uses"], rest["premises"] = tuple(rest["uses"]), tuple(rest["premises"])
     return Examination(FormulaRecord.from_dict(entry["record"]), **rest)
