@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from papers.trials import Fault, same_claim
-from voronec.audit.correction.balance import Units
+from voronec.audit.correction.units import Units
 from voronec.audit.latex.nodes import Chain
 from voronec.audit.latex.reader import read
 from voronec.audit.latex.tokens import tokenize

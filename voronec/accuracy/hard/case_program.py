@@ -10,6 +10,7 @@ import mpmath
 import sympy as sp
 
 from voronec.accuracy.hard.case import HardCase
+from voronec.algebra.graphs import nodes
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import as_expression
 from voronec.equations.derivation import FirstOrderForm
@@ -139,10 +140,16 @@ def _dependencies(program: Program) -> tuple[int, ...]:
 
 def _dependence(block: Block, place: Mapping[Any, int]) -> list[set[int]]:
     """For every result, the positions of the states that occur in it."""
-    known: dict[Any, set[int]] = {s: {i} for s, i in place.items()}
+    reach = _reach(block, place)
+    return [set().union(*(reach.get(s, set()) for s in r.free_symbols)) for r in block.results]
+
+
+def _reach(block: Block, place: Mapping[Any, int]) -> dict[Any, set[int]]:
+    """For every name in a program, the positions of what it holds, through whatever others."""
+    reach: dict[Any, set[int]] = {s: {i} for s, i in place.items()}
     for name, expr in block.assignments:
-        known[name] = set().union(*(known.get(s, set()) for s in expr.free_symbols))
-    return [set().union(*(known.get(s, set()) for s in r.free_symbols)) for r in block.results]
+        reach[name] = set().union(*(reach.get(s, set()) for s in expr.free_symbols))
+    return reach
 
 
 def _angles(program: Program) -> frozenset[int]:
@@ -150,25 +157,8 @@ def _angles(program: Program) -> frozenset[int]:
     place = {q: i for i, q in enumerate(program.coordinates)}
     found: set[int] = set()
     for block in (program.derivative, program.extras):
-        reach: dict[Any, set[int]] = {q: {i} for q, i in place.items()}
-        for name, expr in block.assignments:
-            reach[name] = set().union(*(reach.get(s, set()) for s in expr.free_symbols))
-        for symbol in _angle_symbols(block.expressions):
-            found |= reach.get(symbol, set())
+        reach = _reach(block, place)
+        for node in nodes(block.expressions):
+            if type(node).__name__ in ("sin", "cos", "tan", "cot"):
+                found = found.union(*(reach.get(s, set()) for s in node.free_symbols))
     return frozenset(found)
-
-
-def _angle_symbols(exprs: Iterable[Any]) -> set[Any]:
-    """The symbols in arguments of trigonometric functions."""
-    found: set[Any] = set()
-    seen: set[Any] = set()
-    stack = list(exprs)
-    while stack:
-        node = stack.pop()
-        if node in seen:
-            continue
-        seen.add(node)
-        if type(node).__name__ in ("sin", "cos", "tan", "cot"):
-            found |= node.free_symbols
-        stack.extend(node.args)
-    return found

@@ -20,11 +20,11 @@ from typing import Any
 
 import numpy as np
 
-from voronec.audit.correction.balance import Units
 from voronec.audit.correction.changes import Change, Piece, Spare, apply_pieces
 from voronec.audit.correction.edits import repairs, single_changes
 from voronec.audit.correction.goals import MendingPlace, Where, along, holds, slots_of
 from voronec.audit.correction.sampling import TOLERANCE, Sampler, close
+from voronec.audit.correction.units import Units
 from voronec.audit.display import Check
 from voronec.audit.formula import Formula
 from voronec.audit.latex.nodes import (

@@ -128,17 +128,17 @@ class Statement:
 
     def rate(self, function: Any) -> Any:
         """d/dt of a function of q, v and t, with vdot."""
-        terms = [function.diff(self.time)]
-        terms += [function.diff(q) * self.rates[d] for q, d in zip(self.q, self.qd, strict=True)]
-        terms += [function.diff(v) * d for v, d in zip(self.v, self.vd, strict=True)]
-        return se.Add(*terms)
+        rates = [self.rates[dot] for dot in self.qd]
+        return self._derivative(function, (*self.q, *self.v), (*rates, *self.vd))
 
     def free_rate(self, function: Any) -> Any:
         """d/dt of a function of q, qdot and t, with qddot."""
-        terms = [function.diff(self.time)]
-        terms += [function.diff(q) * d for q, d in zip(self.q, self.qd, strict=True)]
-        terms += [function.diff(d) * a for d, a in zip(self.qd, self.qdd, strict=True)]
-        return se.Add(*terms)
+        return self._derivative(function, (*self.q, *self.qd), (*self.qd, *self.qdd))
+
+    def _derivative(self, function: Any, variables: Sequence[Any], rates: Sequence[Any]) -> Any:
+        """d/dt of a function of variables that change at these rates, and of t."""
+        terms = [function.diff(x) * rate for x, rate in zip(variables, rates, strict=True)]
+        return se.Add(function.diff(self.time), *terms)
 
     def in_velocities(self, function: Any) -> Any:
         """A function of q, qdot, qddot as one of q, v, vdot."""

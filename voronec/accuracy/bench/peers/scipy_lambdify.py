@@ -71,24 +71,15 @@ def _solve_by_numpy(at: BenchLevel) -> RightSide:
     return right
 
 
-def _write_derivatives(at: BenchLevel) -> RightSide:
-    """All derivatives by one call on floats; by ``_solved`` where they are too long to write."""
+def _write_derivatives(at: BenchLevel, plain: bool) -> RightSide:
+    """All derivatives by one call on floats; ``plain``: as it comes, in numpy's functions, common
+    parts computed again.  By ``_solve_by_numpy`` where they are too long to write."""
     derivatives = at.field.components
     if sum(len(str(e)) for e in derivatives) > LONGEST:
         return _solve_by_numpy(at)
-    function = _lambdify(at.field, derivatives, "math")
+    function = _lambdify(at.field, derivatives, "numpy" if plain else "math", cse=not plain)
     constants = at.constants
-    return lambda t, y: function(t, *y.tolist(), *constants)
-
-
-def _plain(at: BenchLevel) -> RightSide:
-    """As it comes: all derivatives in numpy's functions, common parts computed again."""
-    derivatives = at.field.components
-    if sum(len(str(e)) for e in derivatives) > LONGEST:
-        return _solve_by_numpy(at)
-    function = _lambdify(at.field, derivatives, "numpy", cse=False)
-    constants = at.constants
-    return lambda t, y: function(t, *y, *constants)
+    return lambda t, y: function(t, *(y if plain else y.tolist()), *constants)
 
 
 def _lambdify(field: VectorField, exprs: Any, modules: str, cse: bool = True) -> Callable[..., Any]:
@@ -102,8 +93,8 @@ def _lambdify(field: VectorField, exprs: Any, modules: str, cse: bool = True) ->
 
 RIGHT_SIDES: dict[str, Callable[[BenchLevel], RightSide]] = {
     "solved": _solve_by_numpy,
-    "written out": _write_derivatives,
-    "plain": _plain,
+    "written out": partial(_write_derivatives, plain=False),
+    "plain": partial(_write_derivatives, plain=True),
 }
 
 

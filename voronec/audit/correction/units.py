@@ -1,4 +1,4 @@
-"""Whether a formula is balanced: the units of its letters follow from the Lagrangian of a system.
+"""Units of letters, which follow from the Lagrangian of a system: a formula is balanced or not.
 
 A unit is a scaling: a weight of every symbol, and of the time, such that the Lagrangian, the
 constraints, and the forces are multiplied by powers of one number.  It takes motions of the system
