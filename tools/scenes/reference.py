@@ -336,8 +336,12 @@ class Referee:
         states = [[mp.mpf(hi) + mp.mpf(lo) for hi, lo in row] for row in out]
         return Motion(states, OUTCOMES[code], report[0], report[1], *map(int, report[[2, 4, 5]]))
 
-    def condition(self, state: Sequence[Any], p: Sequence[float], t: float) -> float:
-        """The condition number of the multiplier equations there, rows and columns scaled."""
+    def rate_rows(self, state: Sequence[Any], p: Sequence[float]) -> np.ndarray:
+        """Rows by which the kinetic energy and the conditions see velocities, at time zero."""
+        return self._multipliers(state, p, 0.0)[:, : len(self.mechanics.w)]
+
+    def _multipliers(self, state: Sequence[Any], p: Sequence[float], t: float) -> np.ndarray:
+        """The matrix of the multiplier equations."""
         n = len(self.mechanics.w) + len(self._rows)
         high = np.array([float(x) for x in state])
         low = np.array([float(x - mp.mpf(float(x))) for x in state])
@@ -346,13 +350,18 @@ class Referee:
             _doubles(p), ctypes.c_double(t), _doubles(high), _doubles(low),
             K.ctypes.data_as(ctypes.c_void_p),
         )  # fmt: skip
+        return K
+
+    def condition(self, state: Sequence[Any], p: Sequence[float], t: float) -> float:
+        """The condition number of the multiplier equations there, rows and columns scaled."""
+        K = self._multipliers(state, p, t)
         if not np.isfinite(K).all():
             return np.inf
         for _ in range(3):
             scale = 1 / np.sqrt(np.abs(K).max(axis=1, initial=1e-300))
             K = scale[:, None] * K * scale[None, :]
         values = np.linalg.svd(K, compute_uv=False)
-        rank = n - self._dependent
+        rank = len(K) - self._dependent
         return float(values[0] / values[rank - 1]) if values[rank - 1] > 0 else np.inf
 
     @property

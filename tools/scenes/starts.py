@@ -7,9 +7,9 @@ coordinates or its declared velocities fail, or a chart it declares begins: each
 each two of them, at multiples of a right angle, and the zeros of what the equations divide by.  At
 each a motion begins with velocities at random, given first as the declared ones, then as those of
 the coordinates.  What runs is compared with the multiplier equations of ``reference.py``,
-which go back to the place from where the engine came, where they are singular there, too.  A
-place is *refused* where neither start runs.  The status is 1 where anything is wrong or breaks
-down.
+which go back to the place from where the engine came, where they are singular there, too; then
+what is defined at the place is compared (``pole_values.py``).  A place is *refused* where neither start
+runs.  The status is 1 where anything is wrong or breaks down.
 """
 
 from __future__ import annotations
@@ -31,6 +31,8 @@ import symengine as se
 import sympy as sp
 
 import voronec as vo
+from scenes.open_functions import fill_functions
+from scenes.pole_values import Value, find_values
 from scenes.reference import Referee, Unsupported, mechanics_of
 from scenes.scene import catalogue_names
 from voronec.motion.divisors import divisors
@@ -46,6 +48,10 @@ SINGULAR = 1e10
 """Multiplier equations with a larger condition number are singular."""
 INSTANTS = tuple(0.02 * k for k in range(1, 9))
 """To these the referee goes back where the start is singular; from there a polynomial leads on."""
+NEARER = (1.0, 0.5, 0.25, 0.1)
+"""Nearer ones are tried, by these factors, where the polynomial does not tell."""
+FINE, COARSE = (1e-15, 1e-13), (1e-12, 1e-10)
+"""Tolerances of the referee, ahead and back; the second where it does not get through else."""
 NEARBY = 1e-11
 """So far away is the start that tells the condition of a motion."""
 FLOOR, LOOSE = 1e-9, 1e-6
@@ -78,8 +84,8 @@ class Bench:
 
     @classmethod
     def of(cls, name: str, seed: int) -> Bench:
-        """A system of the catalogue."""
-        system = vo.load(name)
+        """A system of the catalogue, at an example of functions that it leaves open."""
+        system = fill_functions(vo.load(name))
         numbers: dict[Any, Any] = {p.symbol: sp.sympify(p.value) for p in system.parameters}
         values = []
         for parameter in system.parameters:
@@ -250,7 +256,10 @@ class Bench:
         q = [start.place[n] for n in self.names]
         if not start.declared:
             return self.condition(q) < SINGULAR
-        matrix, _ = self.referee._kinematics(mp.mpf(0), q, self.values)
+        try:
+            matrix, _ = self.referee._kinematics(mp.mpf(0), q, self.values)
+        except ZeroDivisionError:
+            return False
         return max(self.condition(q), np.linalg.cond(np.array(matrix, dtype=float))) < SINGULAR
 
     def ahead(self, start: Start, found: Mapping[str, float]) -> dict[str, tuple[float, ...]]:
@@ -269,7 +278,8 @@ class Bench:
             state = self.referee.start(q, pace, self.values, 0.0)
         else:
             state = self.referee.start_of_rates(q, [*start.pace.values()], self.values, 0.0)
-        return self._observe(state, 0.0, [SPAN], self.names + self._regular_names)[0]
+        wanted = [m.meaning(self.system, n) for n in self.names + self._regular_names]
+        return self._observe(state, 0.0, [SPAN], wanted, FINE)[0]
 
     def _declared_velocities(self, q: Any, w: Any) -> list[Any]:
         """The declared velocities of those of coordinates."""
@@ -277,41 +287,60 @@ class Bench:
         rows = range(len(self.referee._rows), len(offsets))
         return [mp.fdot(matrix[i], w) + offsets[i] for i in rows]
 
-    def _observe(self, state: Any, begin: float, times: Any, names: Any) -> np.ndarray:
-        found = self.referee.motion(state, self.values, begin, times, 1e-16, "long double", 400_000)
-        if found.outcome != "done":
+    def _observe(
+        self, state: Any, begin: float, times: Any, wanted: Any, tolerances: tuple[float, ...]
+    ) -> np.ndarray:
+        """Expressions along the referee's motion, as sharp as it can be had."""
+        for tolerance in tolerances:
+            found = self.referee.motion(
+                state, self.values, begin, times, tolerance, "long double", 400_000
+            )
+            if found.outcome == "done":
+                break
+        else:
             raise Unsupported(f"{found.outcome} at t = {found.reached:.4g}")
-        reader = self.referee.reader(
-            [self.referee.mechanics.meaning(self.system, n) for n in names]
-        )
+        reader = self.referee.reader(wanted)
         rows = [reader(t, s, self.values) for t, s in zip(times, found.states, strict=True)]
         return np.array([[float(x) for x in row] for row in rows])
 
     def backward(self, start: Start, found: Mapping[str, float]) -> dict[str, tuple[float, ...]]:
         """Off by how much the start is that the referee comes from, and what is allowed: what is
-        regular at the place is followed back to it, and drawn on to zero by a polynomial."""
-        m, names = self.referee.mechanics, self._regular_names
-        # frames of charts may turn with coordinates that are free at a pole
-        turned = {name for chart in self.system.charts.values() for name in chart.state}
-        names = tuple(name for name in names if name not in turned)
-        if not names:
-            raise Unsupported("nothing is known to be regular there")
-        q = [start.place[n] for n in self.names]
-        v = [start.pace[x] for x in m.velocities] if start.declared else self._declared_velocities(
-            [mp.mpf(x) for x in q], [mp.mpf(x) for x in start.pace.values()]
-        )  # fmt: skip
+        defined at the place is followed back to it, and drawn on to zero by a polynomial."""
+        m, known = self.referee.mechanics, self._find_values(start)
         end = [found[n] for n in self.names], [found[x] for x in m.velocities]
         state = self.referee.start(*end, self.values, SPAN)
-        rows = self._observe(state, SPAN, INSTANTS[::-1], names)[::-1]
-        drawn, rougher = (_at_zero(INSTANTS[:k], rows[:k]) for k in (len(rows), len(rows) - 1))
-        reader = self.referee.reader([m.own(e) for e in self.system.invariants.values()])
-        still = [mp.mpf(0)] * len(m.w)
-        there = reader(0.0, [*map(mp.mpf, q), *still], self.values)
-        known = dict(zip(self._regular_names, (*v, *there), strict=True))
-        here = [float(known[name]) for name in names]
-        bounds = LOOSE * np.maximum(1.0, np.abs(here)) + 10 * np.abs(drawn - rougher)
-        gaps = np.abs(drawn - here)
-        return dict(zip(names, zip(gaps, bounds, strict=True), strict=True))
+        here, turns = (np.array([getattr(k, x) for k in known.values()]) for x in ("here", "turns"))
+        off: dict[str, tuple[float, ...]] = {}
+        for nearer in NEARER:
+            times = [nearer * t for t in INSTANTS]
+            wanted = [k.expression for k in known.values()]
+            rows = self._observe(state, SPAN, times[::-1], wanted, COARSE)[::-1]
+            # angles without the whole turns between one instant and the next
+            rows[:, turns] = np.unwrap(rows[:, turns], axis=0)
+            drawn, rougher = (_at_zero(times[:k], rows[:k]) for k in (len(rows), len(rows) - 1))
+            bounds = LOOSE * np.maximum(1.0, np.abs(here)) + 10 * np.abs(drawn - rougher)
+            gaps = drawn - here
+            gaps -= np.where(turns, 2 * np.pi * np.rint(gaps / (2 * np.pi)), 0)
+            off = dict(zip(known, zip(np.abs(gaps), bounds, strict=True), strict=True))
+            if max(bounds) < TELLING:
+                break
+        return off
+
+    def _find_values(self, start: Start) -> dict[str, Value]:
+        """What is defined at a singular place."""
+        m, q = self.referee.mechanics, [start.place[n] for n in self.names]
+        functions = {name: m.own(e) for name, e in self.system.invariants.items()}
+        known = find_values(self.referee, functions, q, self.values)
+        try:
+            v = [*start.pace.values()] if start.declared else self._declared_velocities(
+                [mp.mpf(x) for x in q], [mp.mpf(x) for x in start.pace.values()]
+            )  # fmt: skip
+        except ZeroDivisionError:
+            return known
+        # frames of charts may turn with coordinates that are free at a pole
+        turned = {name for chart in self.system.charts.values() for name in chart.state}
+        read = zip(m.velocities, m.independent, v, strict=True)
+        return known | {n: Value(e, float(x)) for n, e, x in read if n not in turned}
 
     def judge(self, start: Start) -> tuple[str, str]:
         """Outcome and detail of one start."""
@@ -335,7 +364,7 @@ class Bench:
         return "wrong", f"{bad}{where}, is off by {off[bad][0]:.1e}, allowed {off[bad][1]:.1e}"
 
 
-def _at_zero(times: tuple[float, ...], rows: np.ndarray) -> np.ndarray:
+def _at_zero(times: list[float], rows: np.ndarray) -> np.ndarray:
     """The value at zero of the polynomial through rows (k, n) at times (k,)."""
     weights = [math.prod(u / (u - t) for u in times if u != t) for t in times]
     return np.asarray(np.array(weights) @ rows)
