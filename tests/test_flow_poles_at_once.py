@@ -153,3 +153,14 @@ def test_a_pole_that_doubles_miss_is_one() -> None:
     u, v = run["u"][-1], run["v"][-1]
     went = np.sin(u) * np.array([np.cos(v), np.sin(v)]) / 1e-4
     assert went == pytest.approx(turned, abs=1e-3)
+
+
+def test_steps_are_counted_where_the_coordinates_are_regular():
+    """In those that are singular at the start steps are short beyond all measure, and the method
+    would be one for long runs."""
+    system = vo.derive(vo.load("gyroscopic-spheroid-on-sphere"))
+    start = {"chi": 1, "u": sp.pi, "u1": 1, "omega1": "0.3", "omega2": "-0.4", "omega3": "0.5"}
+    found = vo.integrate(system, initial=start, times=[0, 1], outputs=("u",))
+    assert found.cost.method == "scipy" and "about" in found.cost.reason
+    again = vo.integrate(system, initial=start, times=[0, 1], outputs=("u",), method="heyoka")
+    assert found["u"][-1] == pytest.approx(again["u"][-1], abs=1e-11)

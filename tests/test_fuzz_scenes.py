@@ -98,6 +98,34 @@ def test_starts_at_singular_places_are_swept_and_judged(monkeypatch):
     assert bench.judge(starts[0])[0] == "wrong"
 
 
+def test_at_a_pole_a_sum_of_angles_is_defined_and_is_compared(monkeypatch):
+    """Of phi alone nothing can be said there; where the attitude is another one, that is told."""
+    sweep, defined = tool("scenes.starts"), tool("scenes.defined")
+    bench = sweep.Bench.of("ball-on-turntable", 1)
+    place = next(q for where, q in bench.places() if where == "theta = 0: coordinates")
+    functions = {"sine of phi": sp.sin(bench.referee.mechanics.q[bench.names.index("phi")])}
+    known = defined.defined_values(bench.referee, functions, place, bench.values)
+    assert "+1 phi +1 psi" in {*known} or "+1 psi +1 phi" in {*known}
+    assert not {"+1 phi", "+1 psi", "sine of phi"} & {*known}
+    start = next(bench.starts(place))
+    assert bench.judged(start)[0] == "right"
+    answer = bench.answer(start)
+    turned = {**answer, "phi": answer["phi"] + 1e-3}
+    monkeypatch.setattr(sweep.Bench, "answer", lambda *_: turned)
+    outcome, detail = bench.judged(start)
+    assert outcome == "wrong" and "phi" in detail
+
+
+def test_functions_that_a_system_leaves_open_have_an_example():
+    made = tool("scenes.specimen")
+    P = sp.Function("P")(x)
+    system = vo.System("p", vo.Fibration((x, y)), (xdot**2 + P.diff(x) ** 2) / 2 - P)
+    found = made.specimen(system)
+    assert not found.lagrangian.atoms(sp.core.function.AppliedUndef)
+    assert sp.simplify(found.lagrangian.diff(x).subs(xdot, 0)) != 0
+    assert made.specimen(found) is found
+
+
 def test_a_method_whose_estimate_is_sharp_errs_by_its_tolerance():
     """On x' = x, whose relative condition is 1, a hundred units are less than DOP853 promises."""
     from scipy.integrate import solve_ivp

@@ -300,13 +300,17 @@ class Atlas:
     def _units(self) -> np.ndarray:
         """The units of states, whose variables bear the same names in all charts: those where the
         run begins, in a chart that is regular there."""
+        return natural_units(self._outset)
+
+    @cached_property
+    def _outset(self) -> Problem:
+        """The problem where the run begins, in a chart that is regular there."""
         given = self.problem
         name, state = self.best(self.grid[0], given.start)
         if name == HOME:
-            return natural_units(given)
+            return given
         program = Program.of(next(c for c in self.charts if c.name == name).form)
-        values = self._values(program)
-        return natural_units(replace(given, program=program, start=state, parameters=values))
+        return replace(given, program=program, start=state, parameters=self._values(program))
 
     @cached_property
     def progress(self) -> Progress | None:
@@ -329,7 +333,7 @@ class Atlas:
             coarse=frozenset({LEAVE}),
             units=self._units,
         )
-        made = choose(self.method, problem, self.grid)
+        made = choose(self.method, problem, self.grid, None if regular else self._outset)
         return ChartProblem(HOME, problem, *made, _as_they_are)
 
     def _other(self, name: str) -> ChartProblem:

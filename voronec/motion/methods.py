@@ -203,8 +203,14 @@ def is_exact(method: str, tol: float) -> bool:
     return method in METHODS and METHODS[method].exact
 
 
-def choose(method: str, problem: Problem, grid: np.ndarray) -> tuple[Stepper, dict[str, Any]]:
-    """The integrator, ready to run, and what ``Cost`` says of the choice."""
+def choose(
+    method: str, problem: Problem, grid: np.ndarray, outset: Problem | None = None
+) -> tuple[Stepper, dict[str, Any]]:
+    """The integrator, ready to run, and what ``Cost`` says of the choice.
+
+    Steps are counted from the ``outset``: the problem itself, unless another is given, in variables
+    that are regular where the run begins.
+    """
     if method not in method_names():
         known = ", ".join(method_names())
         raise DefinitionError(f"there is no method '{method}'; methods are {known}")
@@ -222,7 +228,7 @@ def choose(method: str, problem: Problem, grid: np.ndarray) -> tuple[Stepper, di
         return _make_stepper("scipy", problem, f"nothing moves, and {method} wants equations")
     if method != "auto":
         return _make_stepper(method, problem, "asked for")
-    method, reason = _best(problem, grid)
+    method, reason = _best(outset or problem, grid)
     if called is not None:
         method, reason = "scipy", f"the input '{called.name}' is a function of Python's"
     try:
