@@ -100,30 +100,30 @@ def test_starts_at_singular_places_are_swept_and_judged(monkeypatch):
 
 def test_at_a_pole_a_sum_of_angles_is_defined_and_is_compared(monkeypatch):
     """Of phi alone nothing can be said there; where the attitude is another one, that is told."""
-    sweep, defined = tool("scenes.starts"), tool("scenes.defined")
+    sweep, poles = tool("scenes.starts"), tool("scenes.pole_values")
     bench = sweep.Bench.of("ball-on-turntable", 1)
     place = next(q for where, q in bench.places() if where == "theta = 0: coordinates")
     functions = {"sine of phi": sp.sin(bench.referee.mechanics.q[bench.names.index("phi")])}
-    known = defined.defined_values(bench.referee, functions, place, bench.values)
+    known = poles.find_values(bench.referee, functions, place, bench.values)
     assert "+1 phi +1 psi" in {*known} or "+1 psi +1 phi" in {*known}
     assert not {"+1 phi", "+1 psi", "sine of phi"} & {*known}
     start = next(bench.starts(place))
-    assert bench.judged(start)[0] == "right"
+    assert bench.judge(start)[0] == "right"
     answer = bench.answer(start)
     turned = {**answer, "phi": answer["phi"] + 1e-3}
     monkeypatch.setattr(sweep.Bench, "answer", lambda *_: turned)
-    outcome, detail = bench.judged(start)
+    outcome, detail = bench.judge(start)
     assert outcome == "wrong" and "phi" in detail
 
 
 def test_functions_that_a_system_leaves_open_have_an_example():
-    made = tool("scenes.specimen")
+    made = tool("scenes.open_functions")
     P = sp.Function("P")(x)
     system = vo.System("p", vo.Fibration((x, y)), (xdot**2 + P.diff(x) ** 2) / 2 - P)
-    found = made.specimen(system)
+    found = made.fill_functions(system)
     assert not found.lagrangian.atoms(sp.core.function.AppliedUndef)
     assert sp.simplify(found.lagrangian.diff(x).subs(xdot, 0)) != 0
-    assert made.specimen(found) is found
+    assert made.fill_functions(found) is found
 
 
 def test_a_method_whose_estimate_is_sharp_errs_by_its_tolerance():

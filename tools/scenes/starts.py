@@ -8,8 +8,8 @@ each two of them, at multiples of a right angle, and the zeros of what the equat
 each a motion begins with velocities at random, given first as the declared ones, then as those of
 the coordinates.  What runs is compared with the multiplier equations of ``reference.py``,
 which go back to the place from where the engine came, where they are singular there, too; then
-what is defined at the place is compared (``pole_values.py``).  A place is *refused* where neither start
-runs.  The status is 1 where anything is wrong or breaks down.
+what is defined at the place is compared (``pole_values.py``).  A place is *refused* where neither
+start runs.  The status is 1 where anything is wrong or breaks down.
 """
 
 from __future__ import annotations
