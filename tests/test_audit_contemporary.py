@@ -7,6 +7,7 @@ from functools import cache
 
 import pytest
 import sympy as sp
+from demchenko_audit import has_formula, labels, records_of
 from voronec.systems.demchenko.dictionary.chaplygin_balls import (
     CONFIGURATIONS,
     GAMMA,
@@ -28,14 +29,12 @@ from voronec.systems.demchenko.paper.contemporary import CONTEMPORARY, studies
 import voronec as vo
 from voronec.audit import Display, Paper, Section, audit_paper
 from voronec.audit.run import audit_section
-from voronec.audit.transcript import formulas_by_label
-from voronec.declaration.catalogue import load_paper
 
 pytestmark = pytest.mark.slow
 
-# Without the search for a correction, which takes longer than all the proofs.
 EXPECTED = {
     2: "convention",
+    4: "misprint",
     5: "convention",
     6: "definition",
     7: "definition",
@@ -59,10 +58,9 @@ def audit(displays=(), inline=(), sentences=()):
     return audit_section(section, labels=labels())
 
 
-@cache
-def labels():
-    """The formulas of the whole paper, to which sentences refer."""
-    return formulas_by_label(load_paper("demchenko").sections)
+def everything():
+    """The records of the whole section."""
+    return records_of(CONTEMPORARY.title)
 
 
 def found(fragment):
@@ -90,20 +88,22 @@ def changed(fragment, before, after):
 
 
 def test_the_displays_have_these_verdicts():
-    records = audit([d for d in CONTEMPORARY.displays if "v4*" not in d.latex], DEFINED)
-    numbers = [n for n in range(1, 18) if n != 4]
-    for number, record in zip(numbers, records, strict=False):
+    records = [r for r in everything() if r.kind == "display"]
+    for number, record in zip(range(1, 18), records, strict=True):
         assert record.verdict == EXPECTED.get(number, "proved"), (number, record)
 
 
 def test_the_formulas_of_the_text_are_proved_or_definitions():
-    records = audit(inline=[d for d in CONTEMPORARY.inline if "lambda" not in d.latex])
+    of_text = [r for r in everything() if r.kind == "text" and has_formula(r)]
+    records = [r for r in of_text if "lambda" not in r.printed]
+    assert len(records) == len(of_text) - 1
     assert {r.verdict for r in records} == {"proved", "definition"}
     assert sum(r.verdict == "proved" for r in records) == 7
 
 
 def test_every_sentence_but_one_is_proved_in_every_configuration():
-    records = audit(sentences=CONTEMPORARY.sentences)
+    records = [r for r in everything() if not has_formula(r)]
+    assert len(records) == len(CONTEMPORARY.sentences)
     others = [(r.verdict, " ".join(r.printed.split())) for r in records if r.verdict != "proved"]
     assert [verdict for verdict, _ in others] == [
         *("misprint", "cited", *("unaudited",) * 5, "misprint", "unaudited", "unaudited"),
@@ -128,7 +128,7 @@ def test_jk_is_quadratic_in_its_first_argument_and_comes_from_three_slots(turnin
 
 
 def test_the_sentence_on_jk_is_refuted_with_a_witness():
-    (record,) = audit(sentences=[s for s in CONTEMPORARY.sentences if "tensor" in s.quotation])
+    (record,) = (r for r in everything() if not has_formula(r) and "tensor" in r.printed)
     (formula,) = record.formulas
     assert formula.verdict == "misprint"
     assert formula.witness["printed"] != formula.witness["derived"]
@@ -141,7 +141,7 @@ def test_nothing_compared_is_nothing_proved():
 
 
 def test_a_dot_is_missing_in_the_voronec_equations():
-    (record,) = audit([found("v4*")])
+    (record,) = (r for r in everything() if r.label == "v4*")
     (formula,) = record.formulas
     assert formula.verdict == "misprint" and formula.witness
     assert r"\frac{\partial L}{\partial \dot q_{n+\nu}} B_{ij}^{\nu}" in formula.correction
@@ -149,7 +149,7 @@ def test_a_dot_is_missing_in_the_voronec_equations():
 
 def test_the_multiplier_of_the_rubber_ball_is_misprinted():
     """As printed it vanishes; gamma belongs where the first G stands."""
-    (record, *_) = audit([found(r"\lambda=-")], DEFINED)
+    (record,) = (r for r in everything() if has_formula(r) and r.printed.startswith(r"\lambda=-"))
     (formula,) = record.formulas
     assert formula.verdict == "misprint"
     assert formula.correction.startswith(r"\lambda=-(\gamma,\mathbf I^{-1}(\mathbf G\times")

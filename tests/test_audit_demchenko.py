@@ -9,6 +9,8 @@ import re
 from dataclasses import replace
 
 import pytest
+from demchenko_audit import audit_of, has_formula
+from demchenko_audit import paper as whole
 
 from voronec import DefinitionError
 from voronec.audit import Display, Paper, audit_paper
@@ -22,14 +24,14 @@ VORONEC, BALL = 0, 1
 
 @pytest.fixture(scope="module")
 def paper():
-    whole = load_paper("demchenko")
-    kept = [s for s in whole.sections if s.label in ("VorPr", "ballGyr")]
-    return replace(whole, sections=tuple(replace(s, sentences=()) for s in kept))
+    kept = [s for s in whole().sections if s.label in ("VorPr", "ballGyr")]
+    return replace(whole(), sections=tuple(replace(s, sentences=()) for s in kept))
 
 
 @pytest.fixture(scope="module")
 def audit(paper):
-    return audit_paper(paper)
+    found = audit_of(*paper.sections)
+    return replace(found, records=tuple(filter(has_formula, found.records)))
 
 
 @pytest.fixture(scope="module")

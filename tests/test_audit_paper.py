@@ -4,9 +4,9 @@ nothing stays open."""
 from __future__ import annotations
 
 import pytest
+from demchenko_audit import audit_of, labels, paper, records_of
 
-from voronec.audit import audit_paper
-from voronec.declaration.catalogue import load_paper
+from voronec.audit import audit_paper, run
 
 pytestmark = pytest.mark.slow
 
@@ -54,7 +54,16 @@ IN_WORDS = {
 
 @pytest.fixture(scope="module")
 def audit():
-    return audit_paper(load_paper("demchenko"))
+    return audit_of(*paper().sections)
+
+
+def test_the_audit_of_the_paper_is_that_of_its_sections(audit, monkeypatch):
+    def kept(section, progress, shelf, known):
+        assert known.keys() == labels().keys()
+        return records_of(section.title)
+
+    monkeypatch.setattr(run, "audit_section", kept)
+    assert audit_paper(paper()) == audit
 
 
 def place(record):

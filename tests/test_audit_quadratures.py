@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 
 import pytest
 import sympy as sp
+from demchenko_audit import records_of
 from voronec.systems.demchenko.dictionary import kinds_of_motion as kinds
 from voronec.systems.demchenko.dictionary import stability
 from voronec.systems.demchenko.dictionary.quadratures import RANGES, level, x
@@ -14,22 +16,23 @@ from voronec.systems.demchenko.paper.kinds_of_motion import KINDS_OF_MOTION
 from voronec.systems.demchenko.paper.quadratures import QUADRATURES
 from voronec.systems.demchenko.paper.special_solutions import SPECIAL_SOLUTIONS
 
-from voronec.audit import FormulaRecord, Range, Record
+from voronec.audit import FormulaRecord, Range, Record, Study
 from voronec.audit.run import audit_section
-from voronec.audit.transcript import formulas_by_label
-from voronec.declaration.catalogue import load_paper
 
 pytestmark = pytest.mark.slow
 
 OUTER, INNER, SHELL = RANGES
-STUDY = level().study({})
+
+
+@cache
+def study() -> Study:
+    return level().study({})
 
 
 @pytest.fixture(scope="module")
 def records() -> dict[str, tuple[Record, ...]]:
     sections = (QUADRATURES, KINDS_OF_MOTION, SPECIAL_SOLUTIONS)
-    labels = formulas_by_label(load_paper("demchenko").sections)
-    return {section.title: audit_section(section, labels=labels) for section in sections}
+    return {section.title: records_of(section.title) for section in sections}
 
 
 def formulas(records: tuple[Record, ...], kind: str) -> list[FormulaRecord]:
@@ -128,7 +131,7 @@ def test_what_contradicts_the_claims_is_refuted() -> None:
 @pytest.mark.parametrize("where", [INNER, SHELL], ids=["inner", "shell"])
 def test_the_spinning_ball_that_is_not_stable(where: Range) -> None:
     """(k mu - b_1 n)^2 + 4 P n k mu < 0 by hand, at the witness."""
-    witness = stability.stationary(STUDY, where).witness
+    witness = stability.stationary(study(), where).witness
     assert witness is not None
     at = {name: Fraction(value) for name, value in witness.point.items()}
     ratio = at["mu'"]
@@ -161,9 +164,9 @@ def test_the_printed_conditions_of_stability_are_read(position: int, old: str, n
 
 def test_a_root_of_order_four_is_stable_only_outside() -> None:
     """Without motion X vanishes for all x; set in motion, x runs over all of (-1, 1)."""
-    assert stability.fourfold(STUDY, OUTER).proved
+    assert stability.fourfold(study(), OUTER).proved
     for where in (INNER, SHELL):
-        found = stability.fourfold(STUDY, where)
+        found = stability.fourfold(study(), where)
         assert found.refuted and "x drifts away" in found.method
 
 
@@ -184,10 +187,10 @@ def test_a_spin_of_the_size_of_k_makes_the_nutation_large() -> None:
 
 
 def test_motion_between_the_middle_roots() -> None:
-    found = kinds.outer_gaps(STUDY, INNER)
+    found = kinds.outer_gaps(study(), INNER)
     assert found.refuted and found.witness is not None
     assert found.witness.left == "2 roots below x"
-    assert kinds.outer_gaps(STUDY, OUTER).proved
+    assert kinds.outer_gaps(study(), OUTER).proved
 
 
 def test_polynomials_of_the_level() -> None:

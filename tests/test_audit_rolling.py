@@ -5,23 +5,19 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from demchenko_audit import records_of
 from voronec.systems.demchenko.paper.body import BODY
 from voronec.systems.demchenko.paper.gyroscope import GYROSCOPE
 from voronec.systems.demchenko.paper.neumann import NEUMANN
 from voronec.systems.demchenko.paper.voronec_principle import VORONEC_PRINCIPLE
 
 from voronec.audit.run import audit_section
-from voronec.audit.transcript import formulas_by_label
-from voronec.declaration.catalogue import load_paper
 
 pytestmark = pytest.mark.slow
 
-LABELS = formulas_by_label(load_paper("demchenko").sections)
-"""Sentences refer to formulas of other sections."""
-
 
 def test_verdicts_on_neumanns_variables():
-    found = audit_section(NEUMANN, labels=LABELS)
+    found = records_of(NEUMANN.title)
     wrong = {record.label: record.formulas[0] for record in found if record.verdict == "misprint"}
     assert set(wrong) == {"kineticka", "kineticka*", None}
     assert "+Bq^2+" in wrong["kineticka"].correction
@@ -32,13 +28,13 @@ def test_verdicts_on_neumanns_variables():
 
 
 def test_verdicts_on_the_voronec_principle():
-    found = audit_section(VORONEC_PRINCIPLE, labels=LABELS)
+    found = records_of(VORONEC_PRINCIPLE.title)
     assert [r.verdict for r in found[8:10]] == ["definition", "proved"]
     assert [r.verdict for r in found[10:]] == ["proved", "misprint", *["proved"] * 4]
 
 
 def test_verdicts_on_the_rolling_body():
-    found = [record.formulas for record in audit_section(BODY, labels=LABELS)]
+    found = [record.formulas for record in records_of(BODY.title)]
     assert [[f.verdict for f in formulas] for formulas in found[:6]] == [
         ["definition", "definition"],
         ["convention", "misprint"],
@@ -59,7 +55,7 @@ def test_verdicts_on_the_rolling_body():
 
 
 def test_verdicts_on_the_gyroscope():
-    found = [record.formulas for record in audit_section(GYROSCOPE, labels=LABELS)]
+    found = [record.formulas for record in records_of(GYROSCOPE.title)]
     assert [f.verdict for f in found[3]] == ["proved", "misprint", "proved"]
     assert r"+(n-n_1)\frac{\partial\Theta}{\partial s}-" in found[3][1].correction
     others = {f.verdict for formulas in (*found[:3], *found[4:]) for f in formulas}

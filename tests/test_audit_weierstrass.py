@@ -7,11 +7,12 @@ from dataclasses import replace
 import mpmath as mp
 import pytest
 import sympy as sp
+from demchenko_audit import records_of
 
 import voronec as vo
 from voronec.audit import Display
 from voronec.audit.run import audit_section
-from voronec.audit.transcript import Transcript, formulas_by_label
+from voronec.audit.transcript import Transcript
 from voronec.declaration.catalogue import load_paper
 
 pytestmark = pytest.mark.slow
@@ -28,12 +29,12 @@ PERIOD, NOME = mp.mpf("1.3"), mp.mpf("0.21")
 
 @pytest.fixture(scope="module")
 def addition():
-    return audit_section(ADDITION_THEOREMS)
+    return records_of(ADDITION_THEOREMS.title)
 
 
 @pytest.fixture(scope="module")
 def inverted():
-    return audit_section(INVERSION, labels=formulas_by_label(load_paper("demchenko").sections))
+    return records_of(INVERSION.title)
 
 
 def log_theta(z, order):
