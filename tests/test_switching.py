@@ -6,6 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 import sympy as sp
+from scipy.special import ellipk
 
 import voronec as vo
 from voronec.algebra.door import Door
@@ -248,6 +249,24 @@ def test_a_sleigh_held_by_friction_stands_still(method):
     start, mass = {"v": 1.0, "phi": 0.7}, {"m": 1.5}
     run = vo.integrate(braked, initial=start, parameters=mass, times=[0, 5], method=method)
     assert run["v"][-1] == 0 and run["x"][-1] == pytest.approx(1.5 * np.cos(0.7), abs=1e-12)
+
+
+@pytest.mark.parametrize("method", ["scipy", "heyoka", "flint"])
+def test_a_mass_that_jumps_with_the_velocity(method):
+    """A pendulum with the mass 1.3 on its way out and 0.7 back: half a period is that of the
+    pendulum times the root of its mass, by a complete elliptic integral."""
+    theta = sp.Symbol("theta")
+    dot, gain = vo.velocity(theta), sp.Rational(3, 10)
+    pendulum = vo.System(
+        name="jumping mass",
+        fibration=vo.Fibration(base=(theta,)),
+        lagrangian=dot**2 / 2 + sp.cos(theta),
+        forces={theta: gain * sp.sign(dot) * sp.Symbol("thetadotdot")},
+    )
+    half = 2 * ellipk(np.sin(0.5) ** 2)
+    times = np.cumsum([0, np.sqrt(1.3), np.sqrt(0.7), np.sqrt(1.3)]) * half
+    run = vo.integrate(pendulum, initial={"theta": 1}, times=times, method=method)
+    assert run["theta"].astype(float) == pytest.approx([1, -1, 1, -1], abs=1e-10)
 
 
 def test_events_at_a_switch_and_between_are_seen():
