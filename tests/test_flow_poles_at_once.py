@@ -164,3 +164,11 @@ def test_steps_are_counted_where_the_coordinates_are_regular():
     assert found.cost.method == "scipy" and "about" in found.cost.reason
     again = vo.integrate(system, initial=start, times=[0, 1], outputs=("u",), method="heyoka")
     assert found["u"][-1] == pytest.approx(again["u"][-1], abs=1e-11)
+
+
+def test_relations_of_other_coordinates_leave_a_chart_to_be_proved():
+    """A unit vector beside the angles: it binds none of them, and their images jump nowhere."""
+    charted = with_attitude_charts(vo.derive(vo.load("bychkov-ball")))
+    assert charted is not None and charted.definition.relations
+    (found,) = check_charts(Motions(charted))
+    assert found.verdict.proved

@@ -116,7 +116,8 @@ class _Ground:
         """The verdict on one function with a proof off its walls."""
         if is_plain(function, self.variables, essential=not self.constant):
             return self._with_domain(proof, function)
-        branches = Branches(function, self.variables, self.relations, not self.constant)
+        relations = _relations_of(function, self.relations)
+        branches = Branches(function, self.variables, relations, not self.constant)
         open_walls = [h for h in branches.unclear if not self._has_sign(h, strict=True)]
         open_walls = [h for h in open_walls if not self._is_kept(h)]
         met = [j for wall in branches.walls() if (j := self._jump(wall)) is not None]
@@ -357,6 +358,16 @@ def _is_positive(mass: Any) -> bool:
 def _is_negative(expr: Any) -> bool:
     factors = factors_of(expr)
     return any(f.is_Number and f < 0 for f in factors)
+
+
+def _relations_of(function: Any, relations: Sequence[Any]) -> tuple[Any, ...]:
+    """The relations that bind symbols of a function, and those that bind symbols of these: others
+    hold of other factors of a product, on which the function is constant."""
+    held, kept = function.free_symbols, list[Any]()
+    while found := [r for r in relations if r not in kept and r.free_symbols & held]:
+        kept += found
+        held = held.union(*(r.free_symbols for r in found))
+    return tuple(r for r in relations if r in kept)
 
 
 def _smallest(periods: Sequence[Any]) -> list[Any]:
