@@ -98,7 +98,7 @@ def test_a_statement_that_sympy_never_makes_is_none_of_the_prover(attack, monkey
         while True:
             pass
 
-    monkeypatch.setattr(attack, "MAKING", 0.2)
+    monkeypatch.setattr(attack, "MAKE_LIMIT", 0.2)
     monkeypatch.setitem(attack.KINDS, "identities", (never, ("roots",)))
     assert attack.ask(3, 0, "identities") == ("none", "not made: within 0.2 s", "")
 

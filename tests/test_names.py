@@ -1,5 +1,5 @@
-"""Functions, classes, constants and files are named by nouns for values and verbs for work, no
-participles."""
+"""Functions, classes, constants and files, those of the tools too, are named by nouns for values and
+verbs for work, no participles."""
 
 import ast
 import re
@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-PACKAGE = Path(__file__).resolve().parents[1] / "voronec"
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE, TOOLS = ROOT / "voronec", ROOT / "tools"
 TRAILING = set("about at back by down from in of off on out over through to under up with".split())
 IRREGULAR = set(
     "begun bent broken brought built chosen done drawn driven felt found frozen given gone "
@@ -53,10 +54,10 @@ def participle(name: str) -> str | None:
 
 
 @cache
-def modules() -> dict[str, ast.Module]:
-    """Every file of the package, read."""
-    files = sorted(PACKAGE.rglob("*.py"))
-    return {str(f.relative_to(PACKAGE)): ast.parse(f.read_text("utf-8")) for f in files}
+def modules(folder: Path = PACKAGE) -> dict[str, ast.Module]:
+    """Every file of the package, or of another folder, read."""
+    files = sorted(folder.rglob("*.py"))
+    return {str(f.relative_to(folder)): ast.parse(f.read_text("utf-8")) for f in files}
 
 
 def definitions(node: ast.AST) -> Iterator[ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef]:
@@ -77,10 +78,10 @@ def _constants(module: ast.Module) -> Iterator[str]:
             yield from (n.id for n in ast.walk(target) if isinstance(n, ast.Name))
 
 
-def names() -> Iterator[tuple[str, str]]:
-    """(file, name) of every file, function, class and constant of the package, but for names that
+def names(folder: Path = PACKAGE) -> Iterator[tuple[str, str]]:
+    """(file, name) of every file, function, class and constant of a folder, but for names that
     are Python's own."""
-    for place, module in modules().items():
+    for place, module in modules(folder).items():
         yield place, Path(place).stem
         own = (*(node.name for node in definitions(module)), *_constants(module))
         yield from ((place, name) for name in own if not re.fullmatch("__.*__", name))
@@ -100,8 +101,9 @@ def test_nouns_and_verbs_are_none(name):
     assert participle(name) is None
 
 
-def test_nothing_is_named_by_a_participle():
-    found = [(file, name) for file, name in names() if participle(name)]
+@pytest.mark.parametrize("folder", [PACKAGE, TOOLS], ids=lambda folder: folder.name)
+def test_nothing_is_named_by_a_participle(folder):
+    found = [(file, name) for file, name in names(folder) if participle(name)]
     assert [one for one in found if one[1] not in WORDS_OF_THE_PUBLIC] == []
 
 

@@ -28,8 +28,8 @@ __all__ = ["STORE", "apart", "exact_start", "main", "motions"]
 STORE = Path(__file__).resolve().parent / "closed-references.json"
 ANGLES = NAMES[:5]
 DIGITS = 42
-WORKING = 85
-FOLLOWED = 52
+WORK_DIGITS = 85
+ROUTE_DIGITS = 52
 LATE = 1e6
 ENDLESS = (0.5, 2.0, 5.0, 9.0)
 """Instants of the motions that have no period."""
@@ -67,7 +67,7 @@ def apart(name: str, a: Any, b: Any) -> Any:
 def entry(name: str, told: Mapping[str, Any], follow: bool) -> dict[str, Any]:
     """Instants and values of one motion, and how it was made."""
     given, group = told["given"], told["group"]
-    motion = Motion(given, "theta" not in given, WORKING)
+    motion = Motion(given, "theta" not in given, WORK_DIGITS)
     names = NAMES if group == "class" else ANGLES
     if group == "asymptotic":
         rows = [(t, motion.at(Fraction(t))) for t in ENDLESS]
@@ -86,7 +86,7 @@ def entry(name: str, told: Mapping[str, Any], follow: bool) -> dict[str, Any]:
 
 def _follow(motion: Motion, instants: list[float]) -> Any:
     """How far an integration all the way is from what whole periods tell."""
-    other = Motion(motion.given, motion.upright, FOLLOWED)
+    other = Motion(motion.given, motion.upright, ROUTE_DIGITS)
     worst = mpmath.mpf(0)
     for t in instants:
         a, b = other.at(Fraction(t), keep=False), motion.later(Fraction(t))
@@ -103,7 +103,7 @@ def _text(x: Any, digits: int = DIGITS) -> str:
 
 
 def _ratio(x: Fraction) -> Any:
-    with mpmath.workdps(WORKING):
+    with mpmath.workdps(WORK_DIGITS):
         return mpmath.mpf(x.numerator) / x.denominator
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import voronec as vo
 from figures.closed_motion import NAMES, Motion
 from figures.closed_references import STORE, apart, exact_start
-from figures.prepared import CompiledMotion, turns
+from figures.programs import CompiledMotion, turns
 from figures.table import Row
 from voronec.equations.program import Program
 
@@ -28,7 +28,7 @@ INSTANTS = 100_000
 GOOD = 1e-13
 LEAST = 1e-14
 """The unit of angles that have no last place to speak of."""
-WORKING = 90
+WORK_DIGITS = 90
 """Digits of the independent motions that enclosures must contain."""
 
 
@@ -124,7 +124,7 @@ def rigorous() -> Iterator[Row]:
     widest, missed, seconds = 0.0, [], []
     for name in _of("class"):
         told = references()[name]
-        motion = Motion(told["given"], "theta" not in told["given"], WORKING)
+        motion = Motion(told["given"], "theta" not in told["given"], WORK_DIGITS)
         t = Fraction(float.fromhex(told["values"][-1][0]))
         began = time.process_time()
         found = closed_form(name).enclose(t, digits=50)
@@ -137,7 +137,7 @@ def rigorous() -> Iterator[Row]:
     told_missed = f"; not containing {', '.join(missed)}" if missed else ", all containing it"
     yield Row(
         f"rigorous, 50 digits, 1e6 periods, all coordinates and spins: width, and an independent "
-        f"motion in {WORKING} digits, by whole periods",
+        f"motion in {WORK_DIGITS} digits, by whole periods",
         "1e-50", f"{widest:.0e}{told_missed}; {np.median(seconds):.2g} s of CPU each",
         widest < 1e-50 and not missed,
     )  # fmt: skip
@@ -156,13 +156,13 @@ def routes() -> Iterator[Row]:
 
 def _enclosure(name: str, ball: Any, true: Any) -> tuple[float, bool]:
     """The width of an enclosure, and whether it holds a number that is right to 1e-60."""
-    with mpmath.workdps(WORKING):
+    with mpmath.workdps(WORK_DIGITS):
         middle, radius = (mpmath.mpf(_digits(part)) for part in (ball.mid(), ball.rad()))
         return float(2 * radius), bool(apart(name, middle, true) <= radius + mpmath.mpf("1e-60"))
 
 
 def _digits(exact: Any) -> str:
-    return str(exact.str(2 * WORKING, radius=False))
+    return str(exact.str(2 * WORK_DIGITS, radius=False))
 
 
 def hard_table() -> list[tuple[str, float, float, float]]:

@@ -42,7 +42,7 @@ for line in sys.stdin:
         found = {"error": f"{type(error).__name__}: {error}"}
     print("=" + json.dumps(found), flush=True)
 """
-ALLOWED = 1.1
+MARGIN = 1.1
 """The largest ratio of times, new to old."""
 
 
@@ -124,7 +124,7 @@ def main() -> int:
     parser.add_argument("systems", nargs="*", help="by default all")
     parser.add_argument("--method", default="auto")
     parser.add_argument("--times", type=int, default=9)
-    parser.add_argument("--allow", type=float, default=ALLOWED, help="the largest ratio of times")
+    parser.add_argument("--allow", type=float, default=MARGIN, help="the largest ratio of times")
     given = parser.parse_intermixed_args()
     old, new = Worker(given.old), Worker(given.new)
     found = []

@@ -16,7 +16,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from figures import calls, many, prepared, rows, setup
+from figures import calls, many, programs, rows, setup
 from figures.extent import FULL, SHORT, Extent
 from figures.rows import ball, measure_ball, rows_of
 from figures.table import Row, runs, table
@@ -24,7 +24,7 @@ from voronec.accuracy.bench import Bench
 from voronec.accuracy.bench.work_precision_picture import plot_work_precision
 from voronec.motion.pictures.run_pictures import save
 
-ROWS = {**calls.ROWS, **rows.ROWS, **prepared.ROWS, **many.ROWS, **setup.ROWS}
+ROWS = {**calls.ROWS, **rows.ROWS, **programs.ROWS, **many.ROWS, **setup.ROWS}
 CURVE = "curve"
 """The plot and the table of methods."""
 CURVES = (

@@ -31,7 +31,7 @@ PAPER = "demchenko"
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 FOLDER = DOCS / "audit" / PAPER
 PAGE = DOCS / "audit.md"
-KEPT = ("report.json", "trace.svg")
+RESULTS = ("report.json", "trace.svg")
 FROM, TO = "<!-- errata: tools/build.py audit -->", "<!-- end of errata -->"
 
 
@@ -138,7 +138,7 @@ def main() -> int:
     """Audit, write, paste; the exit status is that of the audit."""
     with TemporaryDirectory() as folder:
         status = voronec(["regenerate", PAPER, "--out", folder])
-        for name in KEPT if status in (0, 1) else ():
+        for name in RESULTS if status in (0, 1) else ():
             shutil.copy(Path(folder) / name, FOLDER / name)
     if status in (0, 1):
         paper = load_paper(PAPER)

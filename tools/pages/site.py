@@ -44,7 +44,7 @@ ROOMS = {
 OUTSIDE = re.compile(r"\[([^\]]*)\]\(\.\./[^)]*\)")
 SYSTEMS = "\n```{toctree}\n:hidden:\n:glob:\n\n*\n```\n"
 """All pages beside the list of systems, for the column on the left."""
-CARRIED = "lists them; the site\ncarries them, too.\n"
+SITE_PAGES = "lists them; the site\ncarries them, too.\n"
 """Where the pages of motions are told of."""
 BOTH = "are made with the site, which carries both.\n"
 """Where the page and the article of the audit are told of."""
@@ -143,7 +143,7 @@ def add_motions(page: Path, folder: Path) -> None:
 <iframe src="{place}/{first.name}" style="width: 100%; height: 52rem; border: 0"></iframe>
 ```
 """
-    _add_behind(CARRIED, shown, page)
+    _add_behind(SITE_PAGES, shown, page)
 
 
 def _list_others(index: Path, pages: str, last: str) -> None:

@@ -34,7 +34,7 @@ from typing import Any, NamedTuple
 
 from papers.latex_errors import Slip
 from papers.proposals import Proposal, judge
-from papers.trials import NOTICED, Fault, Page, Trial
+from papers.trials import HIT, Fault, Page, Trial
 from voronec.audit.transcript import formulas_by_label
 from voronec.declaration.catalogue import load_paper
 
@@ -42,7 +42,7 @@ HANG = 60
 """Seconds of CPU after which a trial is given up, and counts as undecided."""
 SEARCH = 30
 """Seconds of CPU after which the search for a correction is given up."""
-OUTCOMES = (NOTICED, "noticed elsewhere", "undecided", "survived", "became true")
+OUTCOMES = (HIT, "noticed elsewhere", "undecided", "survived", "became true")
 AROUND = 30
 """Characters that are shown on each side of a change."""
 
@@ -99,7 +99,7 @@ def _work(chosen: argparse.Namespace, task: Task) -> tuple[list[str], list[Outco
             trial = Trial("undecided", f"given up after {HANG} s")
         proposal = _proposal(trial.fault) if chosen.corrections else None
         found.append(Outcome(slip.kind, trial.outcome, proposal.kind if proposal else ""))
-        if trial.outcome != NOTICED or found[-1].proposal in UNLIKE or chosen.only:
+        if trial.outcome != HIT or found[-1].proposal in UNLIKE or chosen.only:
             lines.append(_line((section, n), page, place, slip, trial))
             lines += [f"    correction ({proposal.words}): {proposal.latex}"] if proposal else []
     return lines, found, time.process_time() - begun
@@ -220,7 +220,7 @@ def _summary(trials: list[Outcome], seconds: float) -> float:
         words = ", ".join(f"{count} {kind}" for kind, count in proposals.most_common())
         print(f"corrections: {words}")
     counted = [trial for trial in trials if trial.outcome != "became true"]
-    here = sum(trial.outcome == NOTICED for trial in counted)
+    here = sum(trial.outcome == HIT for trial in counted)
     open_ = sum(trial.outcome == "undecided" for trial in counted)
     total = max(1, len(counted))
     print(f"{here / total:.2%} at the right record, {(here + open_) / total:.2%} that or undecided")

@@ -47,7 +47,7 @@ class Premise:
 
 
 @dataclass(frozen=True)
-class Told:
+class PremiseVerdict:
     """A record's verdict, what is printed as derived beside each source, and all its sources."""
 
     verdict: str
@@ -68,7 +68,7 @@ class Told:
         return [derived for source, derived in self.derived if f"'{system}'" in source]
 
 
-Verdicts = dict[str, Told]
+Verdicts = dict[str, PremiseVerdict]
 
 
 def main() -> int:
@@ -204,12 +204,12 @@ def _audit(
     """The verdicts of a section whose systems are changed before they are derived."""
     derive, descend = vo.derive, vo.descend
 
-    def changed(make: Any) -> Any:
+    def with_change(make: Any) -> Any:
         return lambda system, *arguments, **options: make(change(system), *arguments, **options)
 
     for name in [n for n in sys.modules if n.startswith(f"voronec.systems.{paper}")]:
         del sys.modules[name]  # what is kept there was derived from other premises
-    vo.derive, vo.descend = changed(derive), changed(descend)
+    vo.derive, vo.descend = with_change(derive), with_change(descend)
     try:
         whole = load_paper(paper)
         work = Work(whole.sections[k - 1], formulas_by_label(whole.sections), corrects=False)
@@ -219,13 +219,13 @@ def _audit(
         vo.derive, vo.descend = derive, descend
 
 
-def _tell(work: Work, item: AuditItem) -> Told:
+def _tell(work: Work, item: AuditItem) -> PremiseVerdict:
     found = work.examine(item)
     checks: list[Check | Sentence] = [f.display.check(f.position) for f in item.formulas]
     checks += [item.sentence] if item.sentence is not None else []
     origins = [_origins(work, check) for check in checks]
     nothing = any(e.record.method.startswith(NOTHING) for e in found)
-    return Told(
+    return PremiseVerdict(
         worst(e.record.verdict for e in found),
         tuple((o, e.record.derived or "") for o, e in zip(origins, found, strict=True)),
         "" if nothing else "; ".join(sorted({*origins} - {""})),

@@ -23,10 +23,10 @@ from voronec.audit.structure import are_multiples, holds_always, integrand, new_
 from voronec.audit.transcript import assignments
 from voronec.errors import VoronecError
 
-__all__ = ["NOTICED", "Fault", "Page", "Trial", "same_claim"]
+__all__ = ["HIT", "Fault", "Page", "Trial", "same_claim"]
 
 FAULTS = ("convention", "misprint")
-NOTICED = "noticed at the right record"
+HIT = "noticed at the right record"
 BRACKETS = frozenset("()[]{}")
 
 
@@ -184,7 +184,7 @@ class Page:
             return Trial("undecided", f"refused: {error}")
         told = _tell if _worst(before) == "misprint" else _worst  # wrong already, and how
         same = told(before) == told(after)
-        return Trial("survived" if same else NOTICED, _tell(after))
+        return Trial("survived" if same else HIT, _tell(after))
 
     def trial(self, place: int, slip: Slip) -> Trial:
         """Audit again what depends on a place, with an error in it."""
@@ -198,7 +198,7 @@ class Page:
         except SENSELESS as error:
             labels = {f"({unit.label})" for unit in self._displays[place].units}
             named = any(str(error).startswith(label) for label in labels)
-            return Trial(NOTICED if named else "undecided", f"refused: {error}")
+            return Trial(HIT if named else "undecided", f"refused: {error}")
 
     def _elsewhere(self, work: Work, place: int, display: Display) -> Trial | None:
         """The trial, where another record that rests on the place has become worse."""
@@ -259,7 +259,7 @@ class Page:
             if _worst(found) == "undecided":
                 found = replace(work, corrects=True).examine(item)
             if _worst(found) in FAULTS and _worst(found) != before:
-                return Trial(NOTICED, _tell(found), _fault(work, old, item, found))
+                return Trial(HIT, _tell(found), _fault(work, old, item, found))
             if _worst(found) == "undecided" != before:
                 return Trial("undecided", _tell(found))
         return None

@@ -30,7 +30,7 @@ HALF_MP = mp.mpf(1) / 2
 
 
 @dataclass(frozen=True)
-class Made:
+class Subject:
     """A system, the rates of its state, integrals and further functions to build claims of."""
 
     system: vo.System
@@ -49,7 +49,7 @@ def _system(name: str, base: Any, lagrangian: Any, letters: Any, **rest: Any) ->
 
 
 @lru_cache
-def made_systems() -> tuple[Made, ...]:
+def made_systems() -> tuple[Subject, ...]:
     """An oscillator, a free particle, two masses on springs, a skate, a knife on a slope."""
     line = m * X**2 / 2 - k * x**2 / 2
     plane = m * (X**2 + Y**2) / 2
@@ -58,18 +58,18 @@ def made_systems() -> tuple[Made, ...]:
     skate = (X**2 + Y**2 + Z**2) / 2
     energy, turn = m * X**2 + k * x**2, x * Y - y * X
     return (
-        Made(_system("spring", (x,), line, (m, k)), {x: X, X: -k * x / m}, (energy,), (x, X)),
-        Made(
+        Subject(_system("spring", (x,), line, (m, k)), {x: X, X: -k * x / m}, (energy,), (x, X)),
+        Subject(
             _system("free", (x, y), plane, (m,)), {x: X, y: Y, X: 0, Y: 0},
             (X, Y, turn), (x, y, X, Y),
         ),
-        Made(
+        Subject(
             _system("isotropic", (x, y), height, (m, k)),
             {x: X, y: Y, X: -k * x / m, Y: -k * y / m},
             (energy, m * Y**2 + k * y**2, turn, m * X * Y + k * x * y), (x, y, X, Y),
         ),
-        Made(_system("quartic", (x,), quartic, ()), {x: X, X: -(x**3)}, (2 * X**2 + x**4,), (x, X)),
-        Made(
+        Subject(_system("quartic", (x,), quartic, ()), {x: X, X: -(x**3)}, (2 * X**2 + x**4,), (x, X)),
+        Subject(
             _system("tilted", (x, y), skate, (), fibre=(z,), constraints=(Z - y * X,)),
             {x: X, y: Y, X: -y * X * Y / (1 + y**2), Y: 0},
             (Y, (1 + y**2) * X**2, X * sp.sqrt(1 + y**2), (1 + y**2) * X**2 + Y**2), (x, y, X, Y),
@@ -85,7 +85,7 @@ def rate_along(function: Any, rates: Mapping[Any, Any], at: Mapping[Any, Any]) -
     return slope(function, at, {s: number(r, at) for s, r in rates.items()})
 
 
-def holds_along(function: Any, rate: Any, made: Made, dice: Random) -> bool | None:
+def holds_along(function: Any, rate: Any, made: Subject, dice: Random) -> bool | None:
     """Whether dF/dt = G at states in all orthants; None where F is nowhere real."""
     symbols = [*made.rates, *(p.symbol for p in made.system.parameters)]
     tried = 0
@@ -155,7 +155,7 @@ def integral(dice: Random, declared: bool, true: bool) -> Statement | None:
     return _verify(made, "integral", function, 0, dice, true)
 
 
-def _nothing(dice: Random, made: Made) -> Any:
+def _nothing(dice: Random, made: Subject) -> Any:
     """An expression that vanishes, not at sight."""
     f = dice.choice(made.functions)
     letters = [p.symbol for p in made.system.parameters]
@@ -192,7 +192,7 @@ def equation(dice: Random, declared: bool, true: bool) -> Statement | None:
 
 
 def _verify(
-    made: Made, kind: str, function: Any, rate: Any, dice: Random, true: bool
+    made: Subject, kind: str, function: Any, rate: Any, dice: Random, true: bool
 ) -> Statement | None:
     """The statement, where its truth is what the numbers say along motions."""
     if not sp.sympify(function).free_symbols & set(made.rates):

@@ -42,7 +42,7 @@ DRAWS = 60
 
 LIMIT = 60.0
 """Seconds of processor time for a statement to be asked."""
-MAKING = 10.0
+MAKE_LIMIT = 10.0
 """The same for it to be made: SymPy may expand what it evaluates."""
 
 
@@ -95,10 +95,10 @@ OPEN = ("true undecided", "false said to agree")
 def ask(seed: int, index: int, kind: str | None, limit: float = LIMIT) -> tuple[str, str, str]:
     """The family of a statement, what became of it, and what it says."""
     try:
-        with _time_limit(MAKING):
+        with _time_limit(MAKE_LIMIT):
             statement = _statement(seed, index, kind)
     except NoAnswer:
-        return "none", f"not made: within {MAKING:g} s", ""
+        return "none", f"not made: within {MAKE_LIMIT:g} s", ""
     if statement is None:
         return "none", "not made", ""
     try:

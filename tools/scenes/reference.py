@@ -26,7 +26,7 @@ import numpy as np
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-__all__ = ["Mechanics", "Motion", "Referee", "Unsupported", "mechanics_of"]
+__all__ = ["Mechanics", "Motion", "NoReferee", "Referee", "mechanics_of"]
 
 HERE = Path(__file__).with_suffix(".c")
 PRECISIONS = {
@@ -44,7 +44,7 @@ NEWTON = 50
 """Steps of Newton's method to a relation at most: what a start is off stays so all along."""
 
 
-class Unsupported(Exception):
+class NoReferee(Exception):
     """The system holds something that the referee cannot judge."""
 
 
@@ -181,17 +181,17 @@ class _Switches:
         if isinstance(expr, sp.Min):
             return reduce(lambda a, b: (a + b - self.sign(a - b) * (a - b)) / 2, args)
         if isinstance(expr, sp.floor | sp.ceiling):
-            raise Unsupported(f"{expr.func}")
+            raise NoReferee(f"{expr.func}")
         return expr.func(*args)
 
     def _piecewise(self, expr: sp.Piecewise) -> sp.Expr:
         *pieces, (rest, otherwise) = expr.args
         if otherwise != sp.true:
-            raise Unsupported("a piecewise function without an end")
+            raise NoReferee("a piecewise function without an end")
         value = self.smooth(rest)
         for piece, condition in reversed(pieces):
             if not isinstance(condition, sp.Gt | sp.Ge | sp.Lt | sp.Le):
-                raise Unsupported(f"the condition {condition}")
+                raise NoReferee(f"the condition {condition}")
             side = self.sign(self.smooth(condition.gts - condition.lts))
             value = (1 + side) / 2 * self.smooth(piece) + (1 - side) / 2 * value
         return value
@@ -221,9 +221,9 @@ class Referee:
         rows = [*m.constraints, *(self._rate(r) for r in m.relations)]
         unknown = {f for e in (L, *forces, *rows) for f in e.atoms(AppliedUndef)}
         if unknown:
-            raise Unsupported(f"the unknown function {min(unknown, key=str)}")
+            raise NoReferee(f"the unknown function {min(unknown, key=str)}")
         if any(r.has(sp.Abs, sp.sign, sp.Max, sp.Min, sp.Heaviside, sp.Piecewise) for r in rows):
-            raise Unsupported("a constraint that is not smooth")
+            raise NoReferee("a constraint that is not smooth")
         momenta = [L.diff(v) for v in m.w]
         turn = [sp.Integer(0)] * len(m.w)
         for (a, b), parts in m.brackets.items():
@@ -276,7 +276,7 @@ class Referee:
             w = mp.lu_solve(A, right) if A.rows == A.cols else _least(A, right)
             off = mp.norm(A * w - right, mp.inf)
             if not off < mp.mpf("1e-25") * (1 + mp.norm(w, mp.inf)) * 1e6:
-                raise Unsupported("the constraints disagree at the start")
+                raise NoReferee("the constraints disagree at the start")
             return [*q, *w]
 
     def start_of_rates(
@@ -463,7 +463,7 @@ class _Writer:
         }  # fmt: skip
         if e.func in known:
             return f"{known[e.func]}{self.tail}({', '.join(map(self.text, e.args))})"
-        raise Unsupported(f"the function {e.func}")
+        raise NoReferee(f"the function {e.func}")
 
     def _symbol(self, name: str) -> str:
         if name == "t" or name.startswith("x_"):

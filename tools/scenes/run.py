@@ -5,7 +5,7 @@
     .venv/bin/python tools/fuzz.py scenes --seed 1 --kind smooth --only 317 --system sleigh
     .venv/bin/python tools/fuzz.py scenes --seed 1 --kind smooth --first 1500 --count 1500
 
-Systems are those of the catalogue and made ones (``made.py``); parameters, starts, grids,
+Systems are those of the catalogue and made ones (``mechanics.py``); parameters, starts, grids,
 outputs, methods and tolerances are drawn, near and at singular places of the coordinates among
 them.  The truth comes from ``reference.py``.  What the truth itself loses is known from a
 second resolution, what the motion makes of small errors from starts nearby: an answer is *wrong*

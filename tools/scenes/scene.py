@@ -14,8 +14,8 @@ import numpy as np
 import sympy as sp
 
 import voronec as vo
-from scenes.made import MADE, Made, source_of
-from scenes.reference import Motion, Referee, Unsupported, mechanics_of
+from scenes.mechanics import KINDS_OF_MECHANICS, Case, source_of
+from scenes.reference import Motion, NoReferee, Referee, mechanics_of
 
 __all__ = ["KINDS", "Workshop", "catalogue_names"]
 
@@ -77,7 +77,7 @@ class _Bench:
     """A system, derived and compiled."""
 
     system: vo.System
-    made: Made | None
+    made: Case | None
     equations: Any
     referee: Referee
 
@@ -92,7 +92,7 @@ class Workshop:
     def judge(self, kind: str, index: int) -> tuple[str, str, str, str]:
         """System, outcome, detail and snippet of one scene."""
         name, bench = self._bench(kind, index // BLOCK)
-        if isinstance(bench, Unsupported):
+        if isinstance(bench, NoReferee):
             return name, "not judged", str(bench), ""
         if isinstance(bench, Exception):
             rough = ", not smooth" if kind == "nonsmooth" else ""
@@ -118,7 +118,7 @@ class Workshop:
         made = None
         own = kind in ("nonsmooth", "inputs") or dice.random() < 0.4
         if self.only == "made" or (self.only is None and own):
-            made = dice.choice(MADE[kind])(dice)
+            made = dice.choice(KINDS_OF_MECHANICS[kind])(dice)
             system = made.system
         else:
             system = vo.load(self.only or dice.choice(names))
@@ -126,7 +126,7 @@ class Workshop:
             named = {sp.Function(u)(vo.time): e for u, e in (made.inputs if made else {}).items()}
             referee = Referee(mechanics_of(system, named))
             return system.name, _Bench(system, made, vo.derive(system), referee)
-        except (Unsupported, vo.VoronecError) as error:
+        except (NoReferee, vo.VoronecError) as error:
             return system.name, error
 
 
@@ -282,7 +282,7 @@ def _judge(bench: _Bench, scene: Scene, kind: str) -> tuple[str, str]:
         return "broken", f"{type(failure).__name__}: {failure}"
     try:
         truth = _truth(bench, scene)
-    except (_NoTruth, Unsupported) as reason:
+    except (_NoTruth, NoReferee) as reason:
         return f"no truth{', refused' if error else ''}", str(reason)
     if error is not None:
         if truth.note:
@@ -351,7 +351,7 @@ def _is_singular(referee: Any, q: Any, v: Any, p: Any, time: float) -> bool:
     """Whether the equations are singular at a start."""
     try:
         return bool(referee.condition(referee.start(q, v, p, time), p, time) > 1e13)
-    except (Unsupported, ZeroDivisionError, ValueError, TypeError):
+    except (NoReferee, ZeroDivisionError, ValueError, TypeError):
         return True
 
 

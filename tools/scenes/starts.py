@@ -33,7 +33,7 @@ import sympy as sp
 import voronec as vo
 from scenes.open_functions import fill_functions
 from scenes.pole_values import Value, find_values
-from scenes.reference import Referee, Unsupported, mechanics_of
+from scenes.reference import NoReferee, Referee, mechanics_of
 from scenes.scene import catalogue_names
 from voronec.motion.divisors import divisors
 
@@ -42,7 +42,7 @@ __all__ = ["main"]
 RIGHT_ANGLES = (0.0, math.pi / 2, math.pi)
 ZERO = 1e-11
 """Below it, in units of its usual size, a function vanishes."""
-RELATED = 1e-12
+RELATION_ERROR = 1e-12
 """Relations that are off by more do not hold."""
 SINGULAR = 1e10
 """Multiplier equations with a larger condition number are singular."""
@@ -56,7 +56,7 @@ NEARBY = 1e-11
 """So far away is the start that tells the condition of a motion."""
 FLOOR, LOOSE = 1e-9, 1e-6
 """How far off an answer may be, in units of its size: at regular places, and at singular ones."""
-TELLING = 1e-4
+TELLS = 1e-4
 """Where more than this would be allowed nothing is told."""
 SPAN = 1.0
 SAMPLES = 12
@@ -119,7 +119,7 @@ class Bench:
     def _on_relations(self, q: list[float]) -> bool:
         """Whether coordinates are on the relations: from some places no way leads there."""
         values, _ = self.referee._relations(q, self.values)
-        return max(map(abs, values), default=0.0) < RELATED
+        return max(map(abs, values), default=0.0) < RELATION_ERROR
 
     # -- places -------------------------------------------------------------------------------
 
@@ -298,7 +298,7 @@ class Bench:
             if found.outcome == "done":
                 break
         else:
-            raise Unsupported(f"{found.outcome} at t = {found.reached:.4g}")
+            raise NoReferee(f"{found.outcome} at t = {found.reached:.4g}")
         reader = self.referee.reader(wanted)
         rows = [reader(t, s, self.values) for t, s in zip(times, found.states, strict=True)]
         return np.array([[float(x) for x in row] for row in rows])
@@ -322,7 +322,7 @@ class Bench:
             gaps = drawn - here
             gaps -= np.where(turns, 2 * np.pi * np.rint(gaps / (2 * np.pi)), 0)
             off = dict(zip(known, zip(np.abs(gaps), bounds, strict=True), strict=True))
-            if max(bounds) < TELLING:
+            if max(bounds) < TELLS:
                 break
         return off
 
@@ -353,9 +353,9 @@ class Bench:
         try:
             regular = self.is_regular(start)
             off = (self.ahead if regular else self.backward)(start, answer)
-        except (Unsupported, ZeroDivisionError, ValueError, np.linalg.LinAlgError) as reason:
+        except (NoReferee, ZeroDivisionError, ValueError, np.linalg.LinAlgError) as reason:
             return "no truth", str(reason)
-        if any(allowed > TELLING for _, allowed in off.values()):
+        if any(allowed > TELLS for _, allowed in off.values()):
             return "no truth", "ill-conditioned"
         bad = max(off, key=lambda n: off[n][0] / off[n][1], default=None)
         if bad is None or off[bad][0] <= off[bad][1]:
@@ -397,7 +397,7 @@ def main() -> int:
         tally, until = Counter[str](), process_time() + given.seconds
         try:
             bench = Bench.of(name, given.seed)
-        except Unsupported as reason:
+        except NoReferee as reason:
             print(f"{name}: not judged: {reason}", flush=True)
             continue
         for where, q in itertools.islice(bench.places(), given.places):

@@ -51,17 +51,32 @@ from voronec.audit.latex.tokens import (
 from voronec.audit.latex.vocabulary import CALL, LatexVocabulary
 from voronec.errors import DefinitionError
 
-__all__ = [
-    "atom",
-    "bound",
-    "fraction",
-    "integral",
-    "read",
-    "read_name",
-    "read_tokens",
-    "root",
-    "scripts",
-]
+__all__ = ["read", "read_name", "read_tokens"]
+
+
+def read(source: str, vocabulary: LatexVocabulary | None = None) -> Chain:
+    """The tree of one formula; ``DefinitionError`` names the place of what is not understood."""
+    return read_tokens(tokenize(source), source, vocabulary or LatexVocabulary())
+
+
+def read_tokens(tokens: Sequence[Token], source: str, vocabulary: LatexVocabulary) -> Chain:
+    """The tree of the formula that the given words of ``source`` make."""
+    return Reader(list(tokens), source, vocabulary).formula()
+
+
+def read_name(source: str, vocabulary: LatexVocabulary | None = None) -> Node:
+    r"""The tree of a single name, as dictionaries spell their keys; any superscript is a label.
+
+    ``\zeta(\cdot)`` is the function ``\zeta`` beside a variable of the same name.
+    """
+    applied = source.endswith(CALL)
+    bare = source.removesuffix(CALL)
+    if bare in _SIGN_NAMES:
+        return Name(bare)
+    reader = Reader(tokenize(bare), bare, vocabulary or LatexVocabulary(), all_labels=True)
+    node = reader.factor()
+    reader.expect_end()
+    return replace(node, head=node.head + CALL) if applied else node
 
 
 def root(reader: Reader, token: Token) -> Node:
@@ -489,31 +504,6 @@ _BETWEEN: dict[str, Callable[[Node, Node, tuple[int, int]], Node]] = {
     "/": Quotient,
     "\\wedge": Wedge,
 }
-
-
-def read(source: str, vocabulary: LatexVocabulary | None = None) -> Chain:
-    """The tree of one formula; ``DefinitionError`` names the place of what is not understood."""
-    return read_tokens(tokenize(source), source, vocabulary or LatexVocabulary())
-
-
-def read_tokens(tokens: Sequence[Token], source: str, vocabulary: LatexVocabulary) -> Chain:
-    """The tree of the formula that the given words of ``source`` make."""
-    return Reader(list(tokens), source, vocabulary).formula()
-
-
-def read_name(source: str, vocabulary: LatexVocabulary | None = None) -> Node:
-    r"""The tree of a single name, as dictionaries spell their keys; any superscript is a label.
-
-    ``\zeta(\cdot)`` is the function ``\zeta`` beside a variable of the same name.
-    """
-    applied = source.endswith(CALL)
-    bare = source.removesuffix(CALL)
-    if bare in _SIGN_NAMES:
-        return Name(bare)
-    reader = Reader(tokenize(bare), bare, vocabulary or LatexVocabulary(), all_labels=True)
-    node = reader.factor()
-    reader.expect_end()
-    return replace(node, head=node.head + CALL) if applied else node
 
 
 class Reader:

@@ -42,6 +42,15 @@ GROUNDS = {
     "integral": "its rate vanishes along every motion",
 }
 """On what an equation rests that is proved."""
+LONGEST = 400
+"""How long an acceleration is that is printed whole."""
+CONSTANT = sp.Symbol("const")
+"""What stands for a constant of the motion."""
+BEYOND = sp.Symbol("{rate beyond those of accelerations}")
+"""What stands for a rate that is not read."""
+_SHAPES = {"\\phi": "\\varphi", "\\theta": "\\vartheta", "\\epsilon": "\\varepsilon"}
+_ALIKE = {"\\omega": "w", "\\nu": "v", "\\rho": "p", "\\chi": "x", "\\upsilon": "v"}
+_NO_VALUE = (sp.nan, sp.zoo, sp.oo, -sp.oo)
 
 
 @dataclass(frozen=True)
@@ -150,10 +159,6 @@ class Judgement:
         return "\n".join(self.lines())
 
 
-LONGEST = 400
-"""How long an acceleration is that is printed whole."""
-
-
 def judge(system: System | VoronecEquations, text: str) -> Judgement:
     r"""Whether an equation holds along every motion of a system: proved, refuted with a state at
     which it fails, or undecided.
@@ -244,15 +249,6 @@ def _accelerations(equations: VoronecEquations, sides: list[Any]) -> dict[Any, A
         if velocity(v) in held or (integral and v in held):
             found[velocity(v)] = as_expression(outward(value))
     return found
-
-
-CONSTANT = sp.Symbol("const")
-"""What stands for a constant of the motion."""
-BEYOND = sp.Symbol("{rate beyond those of accelerations}")
-"""What stands for a rate that is not read."""
-_SHAPES = {"\\phi": "\\varphi", "\\theta": "\\vartheta", "\\epsilon": "\\varepsilon"}
-_ALIKE = {"\\omega": "w", "\\nu": "v", "\\rho": "p", "\\chi": "x", "\\upsilon": "v"}
-_NO_VALUE = (sp.nan, sp.zoo, sp.oo, -sp.oo)
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,7 @@ from voronec.audit.page.phrases import (
     end_sentence,
     group_ranges,
     short,
+    typeset_words,
     values,
     with_verdict,
 )
@@ -69,12 +70,7 @@ def display(
 
 def inline(text: str) -> str:
     """Words with formulas between dollar signs."""
-    pieces = text.split("$")
-    if len(pieces) % 2 == 0 or "" in pieces[1::2]:  # signs that enclose no formula
-        return escape_text(text)
-    return "".join(
-        _small(piece) if number % 2 else escape_text(piece) for number, piece in enumerate(pieces)
-    )
+    return typeset_words(text, escape_text, _small)
 
 
 def _small(latex: str) -> str:

@@ -16,6 +16,7 @@ from voronec.audit.page.boxes import (
     read_boxes,
     width,
 )
+from voronec.audit.page.phrases import typeset_words
 from voronec.errors import DefinitionError
 
 __all__ = ["fits", "mathml", "prose"]
@@ -60,13 +61,7 @@ def fits(latex: str, limit: float) -> bool:
 
 def prose(text: str) -> str:
     """Words with formulas between dollar signs, as HTML."""
-    pieces = text.split("$")
-    if len(pieces) % 2 == 0 or "" in pieces[1::2]:  # signs that enclose no formula
-        return escape(text)
-    return "".join(
-        mathml(piece, inline=True) if number % 2 else escape(piece)
-        for number, piece in enumerate(pieces)
-    )
+    return typeset_words(text, escape, lambda formula: mathml(formula, inline=True))
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ The point of a witness has its names in LaTeX, and its values cut.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from itertools import groupby
 from typing import Any
 
@@ -30,6 +30,7 @@ __all__ = [
     "point",
     "readable",
     "short",
+    "typeset_words",
     "values",
     "with_verdict",
 ]
@@ -231,3 +232,11 @@ def point(witness: Mapping[str, Any]) -> str:
     return ", ".join(
         f"${readable(name)}$ = {short(str(v), 6)}" for name, v in witness["point"].items()
     )
+
+
+def typeset_words(text: str, word: Callable[[str], str], formula: Callable[[str], str]) -> str:
+    """Words with formulas between dollar signs, each set by a function of its own."""
+    pieces = text.split("$")
+    if len(pieces) % 2 == 0 or "" in pieces[1::2]:  # signs that enclose no formula
+        return word(text)
+    return "".join((formula if i % 2 else word)(piece) for i, piece in enumerate(pieces))

@@ -15,7 +15,7 @@ import sympy as sp
 
 import voronec as vo
 
-__all__ = ["MADE", "Made", "source_of"]
+__all__ = ["KINDS_OF_MECHANICS", "Case", "source_of"]
 
 x, y, z, theta, phi, psi = sp.symbols("x y z theta phi psi")
 s1, s2 = sp.symbols("s1 s2")
@@ -24,7 +24,7 @@ t = vo.time
 
 
 @dataclass(frozen=True)
-class Made:
+class Case:
     """A system, values of its parameters, and how large its starts are."""
 
     system: vo.System
@@ -70,7 +70,7 @@ def smooth(dice: Random, names: list[sp.Symbol]) -> sp.Expr:
     )
 
 
-def generic(dice: Random) -> Made:
+def generic(dice: Random) -> Case:
     """Any Lagrangian that is positive in the velocities, any constraints, affine and in time."""
     base = (x, y, z)[: dice.choice((1, 2, 2, 3))]
     fibre = (s1, s2)[: dice.choice((0, 1, 1, 2))]
@@ -99,10 +99,10 @@ def generic(dice: Random) -> Made:
     }
     L = k * kinetic + linear + bent - potential
     system = _system("generic", base, fibre, L, constraints, forces, (k,))
-    return Made(system, {"k": float(above(dice))}, span=5.0)
+    return Case(system, {"k": float(above(dice))}, span=5.0)
 
 
-def blade(dice: Random) -> Made:
+def blade(dice: Random) -> Case:
     """A sleigh in velocities of coordinates: the split fails where the blade lies along y."""
     m, J, a = above(dice), above(dice), dice.choice((0, above(dice) / 3))
     centre = (dot(x) - a * dot(phi) * sp.sin(phi), dot(y) + a * dot(phi) * sp.cos(phi))
@@ -111,10 +111,10 @@ def blade(dice: Random) -> Made:
     c = dot(x) * sp.sin(phi) - dot(y) * sp.cos(phi)
     split = dice.choice((((x, phi), (y,)), ((y, phi), (x,))))
     forces = {phi: some(dice) * sp.sin(t)} if dice.random() < 0.3 else {}
-    return Made(_system("blade", *split, L, (c,), forces), singular=("phi",))
+    return Case(_system("blade", *split, L, (c,), forces), singular=("phi",))
 
 
-def trailers(dice: Random) -> Made:
+def trailers(dice: Random) -> Case:
     """A robot with one or two trailers, in velocities of coordinates."""
     count = dice.choice((1, 2))
     angles = sp.symbols(f"theta0:{count + 1}")
@@ -131,10 +131,10 @@ def trailers(dice: Random) -> Made:
         kinetic += mass * (place[0] ** 2 + place[1] ** 2) / 2 + above(dice) * dot(angle) ** 2 / 2
         constraints.append(place[0] * sp.sin(angle) - place[1] * sp.cos(angle))
     base, fibre = (x, angles[0]), (y, *angles[1:])
-    return Made(_system("trailers", base, fibre, kinetic, constraints, {}), singular=("theta0",))
+    return Case(_system("trailers", base, fibre, kinetic, constraints, {}), singular=("theta0",))
 
 
-def racer(dice: Random) -> Made:
+def racer(dice: Random) -> Case:
     """A roller racer: two bodies, each on an axle that does not slip sideways."""
     d1, d2 = above(dice), above(dice)
     L = above(dice) * (dot(x) ** 2 + dot(y) ** 2) / 2 + above(dice) * dot(theta) ** 2 / 2
@@ -144,10 +144,10 @@ def racer(dice: Random) -> Made:
     turn = dot(theta) + dot(phi)
     second = -sp.sin(theta + phi) * joint[0] + sp.cos(theta + phi) * joint[1] + d2 * turn
     split = dice.choice((((x, phi), (y, theta)), ((theta, phi), (x, y))))
-    return Made(_system("racer", *split, L, (first, second), {}), singular=("phi", "theta"))
+    return Case(_system("racer", *split, L, (first, second), {}), singular=("phi", "theta"))
 
 
-def top(dice: Random) -> Made:
+def top(dice: Random) -> Case:
     """A rigid body about a point, in Euler angles, perhaps with Suslov's constraint."""
     A, B, C = sorted(above(dice, 0.8, 1.5) for _ in range(3))
     w1 = dot(psi) * sp.sin(theta) * sp.sin(phi) + dot(theta) * sp.cos(phi)
@@ -157,29 +157,29 @@ def top(dice: Random) -> Made:
     w = sp.symbols("w1:4")
     if dice.random() < 0.5:
         frame = vo.Frame.quasi(dict(zip(w, (w1, w2, w3), strict=True)))
-        return Made(_system("top", (psi, theta, phi), (), L, (), {}, (), frame),
+        return Case(_system("top", (psi, theta, phi), (), L, (), {}, (), frame),
                     singular=("theta",))  # fmt: skip
     frame = vo.Frame.quasi(dict(zip(w[:2], (w1, w2), strict=True)))
     held = w3 + some(dice) * w1 / 3
-    return Made(_system("held", (theta, phi), (psi,), L, (held,), {}, (), frame),
+    return Case(_system("held", (theta, phi), (psi,), L, (held,), {}, (), frame),
                 singular=("theta",))  # fmt: skip
 
 
-def bowl(dice: Random) -> Made:
+def bowl(dice: Random) -> Case:
     """A particle in a bowl in polar coordinates, or a double pendulum, both plain mechanics."""
     g, m, a = above(dice), above(dice), above(dice)
     if dice.random() < 0.5:
         r = sp.Symbol("r")
         L = m * (dot(r) ** 2 * (1 + a * r**2) + r**2 * dot(phi) ** 2) / 2 - g * r**2 / 2
-        return Made(_system("bowl", (r, phi), (), L, (), {}), singular=("r",))
+        return Case(_system("bowl", (r, phi), (), L, (), {}), singular=("r",))
     first = (dot(theta) * sp.cos(theta), dot(theta) * sp.sin(theta))
     second = (first[0] + a * dot(phi) * sp.cos(phi), first[1] + a * dot(phi) * sp.sin(phi))
     L = (first[0] ** 2 + first[1] ** 2 + m * (second[0] ** 2 + second[1] ** 2)) / 2
     L += g * (sp.cos(theta) + m * (sp.cos(theta) + a * sp.cos(phi)))
-    return Made(_system("pendulum", (theta, phi), (), L, (), {}))
+    return Case(_system("pendulum", (theta, phi), (), L, (), {}))
 
 
-def rough(dice: Random) -> Made:
+def rough(dice: Random) -> Case:
     """One or two oscillators, or a sleigh, with forces that are not smooth."""
     if dice.random() < 0.3:
         return _rough_sleigh(dice)
@@ -190,7 +190,7 @@ def rough(dice: Random) -> Made:
     forces = {q: _not_smooth(dice, q) for q in coordinates}
     if dice.random() < 0.2:
         L -= above(dice) * sp.Abs(coordinates[0] - some(dice) / 4)
-    return Made(_system("rough", coordinates, (), L, (), forces), span=15.0)
+    return Case(_system("rough", coordinates, (), L, (), forces), span=15.0)
 
 
 def _not_smooth(dice: Random, q: sp.Symbol) -> sp.Expr:
@@ -214,7 +214,7 @@ def _not_smooth(dice: Random, q: sp.Symbol) -> sp.Expr:
     )
 
 
-def _rough_sleigh(dice: Random) -> Made:
+def _rough_sleigh(dice: Random) -> Case:
     m, J, a, c = above(dice), above(dice), above(dice) / 3, above(dice, 0.05, 0.4)
     v, w = sp.symbols("v w")
     centre = (dot(x) - a * dot(phi) * sp.sin(phi), dot(y) + a * dot(phi) * sp.cos(phi))
@@ -227,10 +227,10 @@ def _rough_sleigh(dice: Random) -> Made:
         forces[phi] = -c * sp.sign(dot(phi))
     frame = vo.Frame.quasi({v: along, w: dot(phi)})
     constraint = dot(x) * sp.sin(phi) - dot(y) * sp.cos(phi)
-    return Made(_system("rough-sleigh", (x, phi), (y,), L, (constraint,), forces, (), frame))
+    return Case(_system("rough-sleigh", (x, phi), (y,), L, (constraint,), forces, (), frame))
 
 
-def driven_mechanics(dice: Random) -> Made:
+def driven_mechanics(dice: Random) -> Case:
     """Mechanics driven by functions of the time."""
     made = dice.choice((blade, bowl, generic))(dice)
     system = made.system
@@ -246,7 +246,7 @@ def driven_mechanics(dice: Random) -> Made:
     forces = {**system.forces}
     q = dice.choice(system.coordinates)
     forces[q] = forces.get(q, 0) + u
-    return Made(
+    return Case(
         replace(system, name="driven", forces=forces),
         made.parameters,
         made.size,
@@ -276,7 +276,7 @@ def _system(
     )
 
 
-MADE: Mapping[str, tuple[Callable[[Random], Made], ...]] = {
+KINDS_OF_MECHANICS: Mapping[str, tuple[Callable[[Random], Case], ...]] = {
     "smooth": (generic, blade, trailers, racer, top, bowl),
     "singular": (blade, trailers, racer, top, bowl),
     "nonsmooth": (rough,),
