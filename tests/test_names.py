@@ -1,5 +1,5 @@
-"""Functions, classes, constants and files, those of the tools too, are named by nouns for values and
-verbs for work, no participles."""
+"""Functions, classes, constants and files, of the tools too, are named by nouns for values and verbs
+for work, no participles."""
 
 import ast
 import re

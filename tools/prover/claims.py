@@ -68,7 +68,9 @@ def made_systems() -> tuple[Subject, ...]:
             {x: X, y: Y, X: -k * x / m, Y: -k * y / m},
             (energy, m * Y**2 + k * y**2, turn, m * X * Y + k * x * y), (x, y, X, Y),
         ),
-        Subject(_system("quartic", (x,), quartic, ()), {x: X, X: -(x**3)}, (2 * X**2 + x**4,), (x, X)),
+        Subject(
+            _system("quartic", (x,), quartic, ()), {x: X, X: -(x**3)}, (2 * X**2 + x**4,), (x, X)
+        ),
         Subject(
             _system("tilted", (x, y), skate, (), fibre=(z,), constraints=(Z - y * X,)),
             {x: X, y: Y, X: -y * X * Y / (1 + y**2), Y: 0},
