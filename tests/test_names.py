@@ -1,4 +1,4 @@
-"""Functions, classes, constants and files, of the tools too, are named by nouns for values and verbs
+"""Functions, classes, constants and files, tools included, are named by nouns for values and verbs
 for work, no participles."""
 
 import ast
