@@ -345,17 +345,48 @@ def test_a_pole_beyond_which_no_chart_leads(rough: bool, method: str) -> None:
     assert found.value.trajectory is not None and found.value.trajectory.t[-1] >= 5e-4
 
 
-def test_what_switches_is_not_defined_at_a_pole_without_charts() -> None:
+def switched_pendulum(wall: Callable[[sp.Expr], sp.Expr]) -> vo.System:
+    """A spherical pendulum with a force that jumps where theta' is that function of theta."""
     theta, phi = sp.symbols("theta phi")
     td, pd = vo.velocity(theta), vo.velocity(phi)
-    pendulum = vo.System(
+    return vo.System(
         name="spherical-pendulum",
         fibration=vo.Fibration(base=(theta, phi)),
         lagrangian=(td**2 + sp.sin(theta) ** 2 * pd**2) / 2 + sp.cos(theta),
-        forces={theta: -sp.sign(td - sp.cot(theta))},
+        forces={theta: -sp.sign(td - wall(theta))},
     )
-    with pytest.raises(vo.IntegrationError, match="are not defined"):
-        vo.integrate(pendulum, initial={theta: 0, td: 1}, times=[0, 1])
+
+
+def test_what_switches_is_not_defined_at_a_pole_without_charts() -> None:
+    pendulum = switched_pendulum(lambda theta: sp.sin(1 / theta))
+    with pytest.raises(vo.IntegrationError, match="at the initial point; start elsewhere"):
+        vo.integrate(pendulum, initial={"theta": 0, "thetadot": 1}, times=[0, 1])
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_what_switches_on_both_sides_of_a_pole_begins_there(side: int) -> None:
+    """cot(theta) falls from infinity: the force drives on until theta' = cot(theta), then back till
+    that is so again, and there both hold the motion: cos(theta)' = -cos(theta)."""
+    pendulum = switched_pendulum(sp.cot)
+    start = {"theta": 0, "thetadot": side}
+    run = vo.integrate(pendulum, initial=start, times=[0, 1], method="scipy")
+
+    def reached(_: float, z: np.ndarray) -> float:
+        return z[1] * np.sin(z[0]) - np.cos(z[0])
+
+    reached.terminal = True  # type: ignore[attr-defined]
+    time, state = 0.0, np.array([0.0, 1.0])
+    for push in (1, -1):
+        reached.direction = push  # type: ignore[attr-defined]
+        part = solve_ivp(
+            lambda _, z, push=push: [z[1], push - np.sin(z[0])], (time, 1), state, "DOP853",
+            rtol=1e-12, atol=1e-13, events=reached,
+        )  # fmt: skip
+        time, state = part.t[-1], part.y[:, -1]
+    assert 0 < time < 1
+    theta = np.arccos(np.cos(state[0]) * np.exp(time - 1))
+    assert run["theta"][-1] == pytest.approx(side * theta, abs=1e-10)
+    assert run["thetadot"][-1] == pytest.approx(side / np.tan(theta), abs=1e-10)
 
 
 def test_dense_runs_keep_whole_turns_of_the_own_chart() -> None:
