@@ -26,6 +26,12 @@ def no_kept_models(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
+def no_corrections(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An audit gives verdicts alone: to search for a correction takes longer than the proofs."""
+    monkeypatch.setattr("voronec.audit.judge.correct", lambda *_: None)
+
+
+@pytest.fixture
 def call(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> Call:

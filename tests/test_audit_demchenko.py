@@ -164,6 +164,7 @@ def test_an_error_put_into_a_proved_formula_is_found_and_mended(prepared, old, n
     assert found.decisive.correction is not None
 
 
+@pytest.mark.usefixtures("no_corrections")
 @pytest.mark.parametrize(
     ("old", "new"),
     [
@@ -181,6 +182,7 @@ def test_an_error_in_the_voronec_principle_is_found(prepared, old, new):
     assert found.verdict == "misprint"
 
 
+@pytest.mark.usefixtures("no_corrections")
 def test_without_zhukovskys_condition_the_energy_and_the_equations_are_false(prepared):
     section = prepared[BALL]
     changed = tuple(

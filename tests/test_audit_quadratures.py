@@ -108,6 +108,7 @@ BROKEN = [
 ]
 
 
+@pytest.mark.usefixtures("no_corrections")
 @pytest.mark.parametrize(("position", "old", "new"), BROKEN)
 def test_a_change_of_a_correct_formula_is_noticed(position: int, old: str, new: str) -> None:
     displays = list(QUADRATURES.displays)
@@ -142,6 +143,7 @@ def test_the_spinning_ball_that_is_not_stable(where: Range) -> None:
     assert (at["k"] * mu - b1 * at["n"]) ** 2 + 4 * P * at["n"] * at["k"] * mu < 0
 
 
+@pytest.mark.usefixtures("no_corrections")
 @pytest.mark.parametrize(
     ("position", "old", "new"),
     [

@@ -78,6 +78,7 @@ MOVED = (
 )
 
 
+@pytest.mark.usefixtures("no_corrections")
 @pytest.mark.parametrize(("section", "kind", "old", "new"), MOVED)
 def test_what_is_printed_is_what_is_compared(section, kind, old, new):
     (display,) = (d for d in getattr(section, kind) if old in d.latex)

@@ -132,8 +132,11 @@ def test_a_source_is_the_check_s_the_study_s_or_the_derived_system():
     assert "Compared with: a theorem; a source." in audit_page(audit, [])
 
 
-@pytest.mark.parametrize("ball", [Ball.on_sphere(R1), Ball.on_plane(KAPPA), Ball.on_sphere(SIGNED)])
-def test_the_integrals_of_the_ball_are_found_and_constant(ball):
+@pytest.mark.parametrize(
+    ("on", "which"), [(Ball.on_sphere, R1), (Ball.on_plane, KAPPA), (Ball.on_sphere, SIGNED)]
+)
+def test_the_integrals_of_the_ball_are_found_and_constant(on, which):
+    ball = on(which)
     for name, value in ball.found.items():
         assert ball.constant(value).proved
         assert vo.prove_equal(value, ball.integrals[name], ball.relations).proved

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE, TOOLS = ROOT / "voronec", ROOT / "tools"
 TRAILING = set("about at back by down from in of off on out over through to under up with".split())
