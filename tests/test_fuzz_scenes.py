@@ -116,6 +116,17 @@ def test_at_a_pole_a_sum_of_angles_is_defined_and_is_compared(monkeypatch):
     assert outcome == "wrong" and "phi" in detail
 
 
+def test_what_is_followed_back_to_a_pole_is_known_in_many_digits():
+    """Instants farther off gave 1e-5 with an estimate below it, and a right answer was wrong."""
+    sweep = tool("scenes.starts")
+    bench = sweep.Bench.of("ball-on-turntable", 1)
+    place = next(q for where, q in bench.places() if where == "theta = 0: coordinates")
+    start = next(bench.starts(place))
+    off = bench.backward(start, bench.answer(start))
+    assert max(gap for gap, _ in off.values()) < 1e-9
+    assert max(allowed for _, allowed in off.values()) < 1e-5
+
+
 def test_functions_that_a_system_leaves_open_have_an_example():
     made = tool("scenes.open_functions")
     P = sp.Function("P")(x)

@@ -46,10 +46,8 @@ RELATION_ERROR = 1e-12
 """Relations that are off by more do not hold."""
 SINGULAR = 1e10
 """Multiplier equations with a larger condition number are singular."""
-INSTANTS = tuple(0.02 * k for k in range(1, 9))
+INSTANTS = [0.003 * k for k in range(1, 9)]
 """To these the referee goes back where the start is singular; from there a polynomial leads on."""
-NEARER = (1.0, 0.5, 0.25, 0.1)
-"""Nearer ones are tried, by these factors, where the polynomial does not tell."""
 FINE, COARSE = (1e-15, 1e-13), (1e-12, 1e-10)
 """Tolerances of the referee, ahead and back; the second where it does not get through else."""
 NEARBY = 1e-11
@@ -310,21 +308,15 @@ class Bench:
         end = [found[n] for n in self.names], [found[x] for x in m.velocities]
         state = self.referee.start(*end, self.values, SPAN)
         here, turns = (np.array([getattr(k, x) for k in known.values()]) for x in ("here", "turns"))
-        off: dict[str, tuple[float, ...]] = {}
-        for nearer in NEARER:
-            times = [nearer * t for t in INSTANTS]
-            wanted = [k.expression for k in known.values()]
-            rows = self._observe(state, SPAN, times[::-1], wanted, COARSE)[::-1]
-            # angles without the whole turns between one instant and the next
-            rows[:, turns] = np.unwrap(rows[:, turns], axis=0)
-            drawn, rougher = (_at_zero(times[:k], rows[:k]) for k in (len(rows), len(rows) - 1))
-            bounds = LOOSE * np.maximum(1.0, np.abs(here)) + 10 * np.abs(drawn - rougher)
-            gaps = drawn - here
-            gaps -= np.where(turns, 2 * np.pi * np.rint(gaps / (2 * np.pi)), 0)
-            off = dict(zip(known, zip(np.abs(gaps), bounds, strict=True), strict=True))
-            if max(bounds) < TELLS:
-                break
-        return off
+        wanted = [k.expression for k in known.values()]
+        rows = self._observe(state, SPAN, INSTANTS[::-1], wanted, COARSE)[::-1]
+        # angles without the whole turns between one instant and the next
+        rows[:, turns] = np.unwrap(rows[:, turns], axis=0)
+        drawn, rougher = (_at_zero(INSTANTS[:k], rows[:k]) for k in (len(rows), len(rows) - 1))
+        bounds = LOOSE * np.maximum(1.0, np.abs(here)) + 10 * np.abs(drawn - rougher)
+        gaps = drawn - here
+        gaps -= np.where(turns, 2 * np.pi * np.rint(gaps / (2 * np.pi)), 0)
+        return dict(zip(known, zip(np.abs(gaps), bounds, strict=True), strict=True))
 
     def _find_values(self, start: Start) -> dict[str, Value]:
         """What is defined at a singular place."""
