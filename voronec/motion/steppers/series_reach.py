@@ -49,6 +49,11 @@ FAITHFUL = 100.0
 """Such a step is halved until its defect is at most so many times the tolerance."""
 SHRINKS = 0.25
 """Or until half of it has still more than this part of the defect: what is left is rounding."""
+ROUNDING = 100.0
+"""What a right side misses where next to no time has passed, times this, is rounding: it grows with
+the units of a state that is all but zero, and steps of any length have it."""
+MOMENTS = 2.0**-40 * np.arange(1, 5)
+"""Next to no time, as parts of the step: the motion goes on by some units in the last place."""
 HALVINGS = 40
 PARTS = 16
 """At the ends of so many parts a step that may be far too long is looked at."""
@@ -124,9 +129,11 @@ class _Series:
     taken: np.ndarray
     parts: int
     ends: np.ndarray = field(init=False)
+    noise: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "ends", np.array(self.integrator.time, dtype=float))
+        object.__setattr__(self, "noise", np.zeros_like(self.coefficients[:, 0]))
 
     def reach(self) -> np.ndarray:
         """The lengths (k,) up to which the defect is of the size of the tolerance; infinite where
@@ -135,6 +142,9 @@ class _Series:
         allowed, faithful = tol**BLIND, min(FAITHFUL * tol, tol**BLIND)
         lengths = self.taken.copy()
         worst = self._defects(lengths)
+        if (worst > allowed).any():
+            self.noise[:] = ROUNDING * np.max([self._missed(lengths * m) for m in MOMENTS], axis=0)
+            worst = self._defects(lengths)
         blind = worst > allowed
         left = blind.copy()
         for _ in range(HALVINGS):
@@ -154,15 +164,23 @@ class _Series:
         return np.asarray(np.nan_to_num(np.max(ends, axis=0), nan=np.inf))
 
     def _defect(self, lengths: np.ndarray) -> np.ndarray:
-        """|p' - f(p)| h / max(1, |x|), with p the series at the end of a length h."""
+        """|p' - f(p)| h / max(1, |x|), with p the series at the end of a length h, and without
+        what is ``noise``."""
+        with np.errstate(all="ignore"):
+            missed = self._missed(lengths)
+            missed = np.where(missed <= self.noise, 0.0, missed).max(axis=0)
+            sizes = np.fmax(1, np.abs(self.coefficients[:, 0]).max(axis=0))
+            return np.asarray(missed * np.abs(lengths) / sizes)
+
+    def _missed(self, lengths: np.ndarray) -> np.ndarray:
+        """|p' - f(p)| (n, k) where lengths (k,) end."""
         series = self.coefficients
         numbers = np.arange(series.shape[1])[:, None]
         with np.errstate(all="ignore"):
             powers = lengths**numbers
             states = np.einsum("ijk,jk->ik", series, powers)
             slopes = np.einsum("ijk,jk->ik", series[:, 1:], numbers[1:] * powers[:-1])
-            missed = np.abs(slopes - self._right_side(states, lengths)).max(axis=0)
-            return np.asarray(missed * np.abs(lengths) / np.fmax(1, np.abs(series[:, 0]).max(0)))
+            return np.asarray(np.abs(slopes - self._right_side(states, lengths)))
 
     def _right_side(self, states: np.ndarray, lengths: np.ndarray) -> np.ndarray:
         """Its values (n, k): the first coefficients of steps of length zero."""
