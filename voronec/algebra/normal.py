@@ -11,6 +11,7 @@ import sympy as sp
 from voronec.algebra.door import Door
 from voronec.algebra.field import WORK_LIMIT
 from voronec.algebra.generators import TRIGONOMETRIC, holds_far_multiples
+from voronec.algebra.graphs import nodes
 from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import expand_element, expression
 from voronec.errors import EngineLimit
@@ -50,15 +51,15 @@ def _with_short_arguments(
 ) -> Sequence[Any]:
     """The same with what jumps, or has a corner, of arguments in their shortest form: the ring
     takes sign(v sin(x)^2 + v cos(x)^2) for a letter of its own, which is sign(v)."""
-    nodes = {n for e in exprs for n in se.sympify(e).atoms(*JUMPS) if n.args[0].args}
-    if not nodes:
+    jumps = {n for n in nodes(map(se.sympify, exprs)) if isinstance(n, JUMPS) and n.args[0].args}
+    if not jumps:
         return exprs
-    before = [node.args[0] for node in nodes]
+    before = [node.args[0] for node in jumps]
     try:
         after = shortest(before, relations, work_limit=work_limit)
     except EngineLimit:  # they are right as they stand
         return exprs
-    short = {n: n.func(a) for n, b, a in zip(nodes, before, after, strict=True) if a != b}
+    short = {n: n.func(a) for n, b, a in zip(jumps, before, after, strict=True) if a != b}
     return [se.sympify(e).xreplace(short) for e in exprs]
 
 
