@@ -215,3 +215,29 @@ def test_terms_that_cancel_in_every_state_show_as_well() -> None:
     found = vo.integrate(racer, initial=start, times=times, outputs=("x", "phi"), method="lsoda")
     assert np.abs(found["x"] - truth["x"]).max() < 1e-7
     assert found.cost.steps < 3000
+
+
+@pytest.mark.slow
+def test_the_rounding_of_a_rate_that_is_all_but_zero_does_not_shorten_steps() -> None:
+    """A racer settles into a steady turn, from split to split; phidot is rounding there, in units
+    in which it is large."""
+    theta, phi, x, y = sp.symbols("theta phi x y")
+    turn, swing, vx, vy = sp.symbols("thetadot phidot xdot ydot")
+    racer = vo.System(
+        name="racer",
+        fibration=vo.Fibration(base=(x, phi), fibre=(y, theta)),
+        lagrangian=vx**2 / 2 + vy**2 / 2 + 3 * turn**2 / 20 + (swing + turn) ** 2 / 10,
+        constraints=(
+            vy * sp.cos(theta) - vx * sp.sin(theta),
+            sp.Rational(3, 4) * (swing + turn)
+            - (vx - turn * sp.sin(theta) / 2) * sp.sin(phi + theta)
+            + (vy + turn * sp.cos(theta) / 2) * sp.cos(phi + theta),
+        ),
+    )
+    start = {"x": -0.749, "phi": 0.385, "y": 0.437, "theta": 1.125, "xdot": -1.519, "phidot": 1.817}
+    times = np.concatenate([[0.0], np.linspace(120, 132.55, 20)])
+    motion = vo.integrate(racer, initial=start, times=times)
+    assert motion.cost.steps < 5000
+    assert np.ptp(motion["phi"][1:]) < 1e-10
+    rate = np.diff(motion["theta"][1:]) / np.diff(times[1:])
+    assert np.ptp(rate) < 1e-10
