@@ -143,7 +143,7 @@ class _Series:
         lengths = self.taken.copy()
         worst = self._defects(lengths)
         if (worst > allowed).any():
-            self.noise[:] = ROUNDING * np.max([self._missed(lengths * m) for m in MOMENTS], axis=0)
+            self.noise[:] = ROUNDING * np.max([self._miss(lengths * m) for m in MOMENTS], axis=0)
             worst = self._defects(lengths)
         blind = worst > allowed
         left = blind.copy()
@@ -167,12 +167,12 @@ class _Series:
         """|p' - f(p)| h / max(1, |x|), with p the series at the end of a length h, and without
         what is ``noise``."""
         with np.errstate(all="ignore"):
-            missed = self._missed(lengths)
+            missed = self._miss(lengths)
             missed = np.where(missed <= self.noise, 0.0, missed).max(axis=0)
             sizes = np.fmax(1, np.abs(self.coefficients[:, 0]).max(axis=0))
             return np.asarray(missed * np.abs(lengths) / sizes)
 
-    def _missed(self, lengths: np.ndarray) -> np.ndarray:
+    def _miss(self, lengths: np.ndarray) -> np.ndarray:
         """|p' - f(p)| (n, k) where lengths (k,) end."""
         series = self.coefficients
         numbers = np.arange(series.shape[1])[:, None]
