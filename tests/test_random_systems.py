@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 
 import flint
@@ -203,14 +203,7 @@ def test_all_three_routes_agree(seed, framed, bent):
 def test_accelerations_do_not_depend_on_the_frame(seed):
     made = make(seed + 200, 2, 2, framed=True, bent=bool(seed % 2))
     system = made.system
-    plain = System(
-        name="plain",
-        fibration=system.fibration,
-        lagrangian=system.lagrangian,
-        constraints=system.constraints,
-        forces=system.forces,
-        parameters=system.parameters,
-    )
+    plain = replace(system, name="plain", frame=None)
     base = [velocity(c) for c in system.fibration.base]
     found = full_velocities(made)
     point = {c: n for c, n in made.point.items() if c not in quasi}
@@ -223,15 +216,8 @@ def test_the_order_and_scale_of_constraints_play_no_part(seed):
     made = make(seed + 300, 2, 2, framed=bool(seed % 2))
     system = made.system
     first, second = system.constraints
-    other = System(
-        name="other",
-        fibration=system.fibration,
-        lagrangian=system.lagrangian,
-        constraints=(second * (2 + sp.cos(r1)) - first, first * sp.exp(s1)),
-        forces=system.forces,
-        parameters=system.parameters,
-        frame=system.frame,
-    )
+    mixed = (second * (2 + sp.cos(r1)) - first, first * sp.exp(s1))
+    other = replace(system, name="other", constraints=mixed)
     agree(
         vo.derive(system).acceleration(made.point, digits=50),
         vo.derive(other).acceleration(made.point, digits=50),

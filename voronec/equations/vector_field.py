@@ -26,27 +26,15 @@ from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.equations.derived_equations import DerivedEquations
 from voronec.errors import EngineLimit
 
-__all__ = ["VectorField", "for_numbers", "on_coordinates"]
+__all__ = ["EquationsOfMotion", "VectorField", "for_numbers", "on_coordinates"]
 
 NO_POINT = "no point was found on the relations between the variables"
 
 
 @dataclass(frozen=True)
-class VectorField:
-    """A field on ``variables``, positions before velocities, where ``relations`` vanish.
+class EquationsOfMotion:
+    """positions' = rates, mass * velocities' = force, where ``relations`` vanish."""
 
-    ``meaning`` says what other symbols stand for: velocities of coordinates in terms of the state,
-    and, on the coordinates, the invariants.  There ``dots`` are the symbols of the coordinates'
-    velocities, and ``definitions`` give the velocities of the equations in terms of them;
-    ``momenta`` are named in functions, dLc/dv, and ``determinant`` is a name of that of the mass.
-    On a group ``turning[i][k]`` is C_ab^k h_i^a w^b, k over the independent velocities.
-    ``level`` is ``coordinates`` or ``invariants``.  ``conditions`` are what is known besides, as
-    signs of parameters.
-    """
-
-    system: System
-    level: str
-    door: Door
     positions: tuple[Any, ...]
     velocities: tuple[Any, ...]
     time: Any
@@ -55,13 +43,6 @@ class VectorField:
     mass: tuple[tuple[Any, ...], ...]
     force: tuple[Any, ...]
     relations: tuple[Any, ...]
-    meaning: dict[Any, Any]
-    dots: tuple[Any, ...] = ()
-    definitions: dict[Any, Any] = field(default_factory=dict)
-    momenta: dict[Any, Any] = field(default_factory=dict)
-    determinant: Any = None
-    turning: tuple[tuple[Any, ...], ...] = ()
-    conditions: tuple[Any, ...] = ()
 
     @property
     def variables(self) -> tuple[Any, ...]:
@@ -81,6 +62,31 @@ class VectorField:
             force=self.force,
             relations=self.relations,
         )
+
+
+@dataclass(frozen=True)
+class VectorField(EquationsOfMotion):
+    """A field on ``variables``, positions before velocities, where ``relations`` vanish.
+
+    ``meaning`` says what other symbols stand for: velocities of coordinates in terms of the state,
+    and, on the coordinates, the invariants.  There ``dots`` are the symbols of the coordinates'
+    velocities, and ``definitions`` give the velocities of the equations in terms of them;
+    ``momenta`` are named in functions, dLc/dv, and ``determinant`` is a name of that of the mass.
+    On a group ``turning[i][k]`` is C_ab^k h_i^a w^b, k over the independent velocities.
+    ``level`` is ``coordinates`` or ``invariants``.  ``conditions`` are what is known besides, as
+    signs of parameters.
+    """
+
+    system: System
+    level: str
+    door: Door
+    meaning: dict[Any, Any]
+    dots: tuple[Any, ...] = ()
+    definitions: dict[Any, Any] = field(default_factory=dict)
+    momenta: dict[Any, Any] = field(default_factory=dict)
+    determinant: Any = None
+    turning: tuple[tuple[Any, ...], ...] = ()
+    conditions: tuple[Any, ...] = ()
 
     @property
     def hypotheses(self) -> tuple[Any, ...]:

@@ -34,7 +34,7 @@ from voronec.algebra.verdicts import all_vanish
 from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.motions import Motions
 from voronec.equations.reduction import in_invariants
-from voronec.equations.vector_field import VectorField
+from voronec.equations.vector_field import EquationsOfMotion, VectorField
 from voronec.errors import EngineLimit, VoronecError
 
 __all__ = [
@@ -149,7 +149,7 @@ INFINITE = (se.zoo, se.nan, se.oo, -se.oo)
 
 
 @dataclass(frozen=True)
-class Level:
+class Level(EquationsOfMotion):
     """Equations in symengine, with what the wanted quantities are on them.
 
     ``stages`` are pairs (name, expression) that everything else may use.  ``start`` says what each
@@ -162,14 +162,6 @@ class Level:
 
     name: str
     system: Any
-    positions: tuple[Any, ...]
-    velocities: tuple[Any, ...]
-    rates: tuple[Any, ...]
-    mass: tuple[tuple[Any, ...], ...]
-    force: tuple[Any, ...]
-    parameters: tuple[Any, ...]
-    time: Any
-    relations: tuple[Any, ...]
     start: Mapping[Any, Any]
     outputs: Mapping[str, Any]
     integrals: Mapping[str, Any]
@@ -179,30 +171,14 @@ class Level:
     inertia: tuple[tuple[Any, ...], ...] | None = None
 
     @property
-    def variables(self) -> tuple[Any, ...]:
-        """Positions, then velocities."""
-        return self.positions + self.velocities
-
-    @property
     def positive(self) -> tuple[Any, ...]:
         """The parameters that are declared to be positive."""
         return tuple(se.Symbol(p.name) for p in self.system.parameters if p.is_positive)
 
     @property
     def form(self) -> FirstOrderForm:
-        """What a ``Program`` is made of."""
-        return FirstOrderForm(
-            coordinates=self.positions,
-            velocities=self.velocities,
-            parameters=self.parameters,
-            time=self.time,
-            rates=self.rates,
-            mass=self.mass,
-            force=self.force,
-            relations=self.relations,
-            stages=self.stages,
-            positive=self.positive,
-        )
+        """What a ``Program`` is made of, with the stages."""
+        return replace(super().form, stages=self.stages, positive=self.positive)
 
     def substitute(self, values: Mapping[Any, Any]) -> Level:
         """The level with symbols replaced; integrals that then have no meaning are left out."""

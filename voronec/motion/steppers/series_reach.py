@@ -9,7 +9,7 @@ slope of the series misses the right side, there where it leads.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -69,7 +69,8 @@ def reach(integrator: Any, taken: float, parts: int = 1) -> float:
     length = _coefficients_reach(coefficients, taken, integrator.tol)
     if length < np.inf or not taken or (parts == 1 and _leads_on(integrator, coefficients, taken)):
         return length
-    series = _Series(integrator, coefficients[:, :, None], np.array([taken]), parts)
+    ends = np.array(integrator.time, dtype=float)
+    series = _Series(integrator, coefficients[:, :, None], np.array([taken]), parts, ends)
     end, state = integrator.dtime, integrator.state.copy()
     length = float(series.reach()[0])
     integrator.dtime, integrator.state[:] = end, state
@@ -128,52 +129,53 @@ class _Series:
     coefficients: np.ndarray
     taken: np.ndarray
     parts: int
-    ends: np.ndarray = field(init=False)
-    noise: np.ndarray = field(init=False)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "ends", np.array(self.integrator.time, dtype=float))
-        object.__setattr__(self, "noise", np.zeros_like(self.coefficients[:, 0]))
+    ends: np.ndarray
 
     def reach(self) -> np.ndarray:
         """The lengths (k,) up to which the defect is of the size of the tolerance; infinite where
         it is ordinary.  The integrator stands elsewhere afterwards."""
         tol = self.integrator.tol
         allowed, faithful = tol**BLIND, min(FAITHFUL * tol, tol**BLIND)
-        lengths = self.taken.copy()
-        worst = self._defects(lengths)
+        lengths, noise = self.taken.copy(), np.zeros_like(self.coefficients[:, 0])
+        misses = self._misses(lengths)
+        worst = self._defects(lengths, misses, noise)
         if (worst > allowed).any():
-            self.noise[:] = ROUNDING * np.max([self._miss(lengths * m) for m in MOMENTS], axis=0)
-            worst = self._defects(lengths)
+            noise = ROUNDING * np.max([self._miss(lengths * m) for m in MOMENTS], axis=0)
+            worst = self._defects(lengths, misses, noise)
         blind = worst > allowed
         left = blind.copy()
         for _ in range(HALVINGS):
             if not left.any():
                 break
             half = np.where(left, lengths / 2, lengths)
-            less = self._defects(half)
+            less = self._defects(half, self._misses(half), noise)
             left &= (worst > allowed) | (less <= SHRINKS * worst)
             lengths, worst = np.where(left, half, lengths), np.where(left, less, worst)
             left &= worst > faithful
         return np.where(blind & (worst <= allowed), np.abs(lengths), np.inf)
 
-    def _defects(self, lengths: np.ndarray) -> np.ndarray:
-        """The largest defects of steps of some lengths (k,); infinite where the right side has no
-        value."""
-        ends = [self._defect(lengths * (i / self.parts)) for i in range(self.parts, 0, -1)]
-        return np.asarray(np.nan_to_num(np.max(ends, axis=0), nan=np.inf))
+    def _lengths_of_parts(self, lengths: np.ndarray) -> list[np.ndarray]:
+        return [lengths * (i / self.parts) for i in range(self.parts, 0, -1)]
 
-    def _defect(self, lengths: np.ndarray) -> np.ndarray:
-        """|p' - f(p)| h / max(1, |x|), with p the series at the end of a length h, and without
-        what is ``noise``."""
+    def _misses(self, lengths: np.ndarray) -> list[np.ndarray]:
+        """|p' - f(p)| (n, k) where the parts of lengths (k,) end."""
+        return [self._miss(h) for h in self._lengths_of_parts(lengths)]
+
+    def _defects(
+        self, lengths: np.ndarray, misses: list[np.ndarray], noise: np.ndarray
+    ) -> np.ndarray:
+        """The largest |p' - f(p)| h / max(1, |x|) of steps of some lengths (k,), without what is
+        ``noise`` (n, k); infinite where the right side has no value."""
         with np.errstate(all="ignore"):
-            missed = self._miss(lengths)
-            missed = np.where(missed <= self.noise, 0.0, missed).max(axis=0)
             sizes = np.fmax(1, np.abs(self.coefficients[:, 0]).max(axis=0))
-            return np.asarray(missed * np.abs(lengths) / sizes)
+            ends = [
+                np.where(missed <= noise, 0.0, missed).max(axis=0) * np.abs(h) / sizes
+                for h, missed in zip(self._lengths_of_parts(lengths), misses, strict=True)
+            ]
+            return np.asarray(np.nan_to_num(np.max(ends, axis=0), nan=np.inf))
 
     def _miss(self, lengths: np.ndarray) -> np.ndarray:
-        """|p' - f(p)| (n, k) where lengths (k,) end."""
+        """|p' - f(p)| (n, k), with p the series, where lengths (k,) end."""
         series = self.coefficients
         numbers = np.arange(series.shape[1])[:, None]
         with np.errstate(all="ignore"):
@@ -215,7 +217,8 @@ def _steps_reach(integrator: Any, taken: np.ndarray, parts: int) -> np.ndarray:
     if parts == 1 and _leads_on(integrator, coefficients, taken).all():
         return found
     times, state = [part.copy() for part in integrator.dtime], integrator.state.copy()
-    found = np.minimum(found, _Series(integrator, coefficients, taken, parts).reach())
+    series = _Series(integrator, coefficients, taken, parts, np.array(integrator.time))
+    found = np.minimum(found, series.reach())
     integrator.set_dtime(*times)
     integrator.state[:] = state
     return found
