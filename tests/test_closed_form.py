@@ -1,6 +1,8 @@
 """Motions in closed form against integrations in many digits, and what is refused."""
 
+import dataclasses
 import math
+import pickle
 from fractions import Fraction
 
 import mpmath
@@ -187,6 +189,35 @@ def test_the_trajectory_of_the_method_holds_what_others_hold(ball):
     for name in wanted:
         assert np.abs(closed[name] - other[name]).max() < 1e-9, name
     assert closed.at([1.23])["u"][0] == vo.closed_form(ball).at([1.23])["u"][0]
+
+
+def test_what_nobody_asked_for_is_evaluated_when_it_is_read(ball):
+    given = {"times": np.linspace(0, 6, 121), "initial": START, "method": "closed-form"}
+    at_once = vo.integrate(ball, **given, outputs=("u", "v"), dense=True)
+    for read in (lambda run: run, lambda run: pickle.loads(pickle.dumps(run)), dataclasses.replace):
+        late = read(vo.integrate(ball, **given, outputs=("u", "v")))
+        assert late.outputs == ("u", "v")
+        for name in (*NAMES, *at_once.integrals):
+            assert np.array_equal(late[name], at_once[name]), name
+        assert np.array_equal(late.state, at_once.state)
+        for part in ("drift", "residuals", "notes", "names", "parameters", "events", "stopped"):
+            assert getattr(late, part) == getattr(at_once, part), part
+    late = vo.integrate(ball, **given, outputs=("u", "v"))
+    assert not any(late[name].flags.writeable for name in ("u", "s", "energy"))
+    with pytest.raises(vo.DefinitionError, match="the trajectory holds no 'w'"):
+        late["w"]
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        late.notes = ()
+
+
+def test_angles_that_lose_their_turns_are_noted_though_nobody_asked_for_them(ball):
+    """The contact passes through the pole of a motion whose momentum is upright."""
+    s, tau, n = R(191, 112), sp.sqrt(6431) / 112, -R(3, 4)
+    given = {"initial": {"u": sp.acos(R(4, 5)), "s": s, "tau": tau, "n": n}, "times": [0, 30]}
+    asked = vo.integrate(ball, **given, method="closed-form")
+    late = vo.integrate(ball, **given, outputs=("u",), method="closed-form")
+    assert late.notes == asked.notes
+    assert np.array_equal(late.state, asked.state)
 
 
 def test_a_tolerance_finer_than_doubles_gives_so_many_digits(ball):

@@ -147,19 +147,26 @@ def accepts(**kinds: Kind) -> Callable[[Function], Function]:
     """Let a function begin only where these arguments of it are of these kinds."""
 
     def guard(function: Function) -> Function:
-        signature = inspect.signature(function)
+        places = {name: i for i, name in enumerate(inspect.signature(function).parameters)}
 
         @wraps(function)
         def check(*args: Any, **options: Any) -> Any:
-            bound = signature.bind(*args, **options)
-            for name, value in [*bound.arguments.items()]:
-                if name in kinds:
-                    require(function.__name__, name, value, kinds[name])
-                    if kinds[name] is REAL:
-                        bound.arguments[name] = in_float(value)
-                    if kinds[name] is CALLABLE:
-                        bound.arguments[name] = callback(function.__name__, name, value)
-            return function(*bound.args, **bound.kwargs)
+            given = list(args)
+            for name, kind in kinds.items():
+                named = name in options
+                if not named and places[name] >= len(given):
+                    continue
+                value = options[name] if named else given[places[name]]
+                require(function.__name__, name, value, kind)
+                if kind is REAL:
+                    value = in_float(value)
+                if kind is CALLABLE:
+                    value = callback(function.__name__, name, value)
+                if named:
+                    options[name] = value
+                else:
+                    given[places[name]] = value
+            return function(*given, **options)
 
         return cast(Function, check)
 

@@ -105,6 +105,7 @@ class Doubles:
         ratios: c of the other roots of f.
         origins: of each integral: its value at t = 0 before it is taken off, in radians and
             turns; filled in when they are first needed.
+        models: what an evaluation begins with, by the latest time that it reaches; the last one.
     """
 
     constants: Constants
@@ -124,6 +125,7 @@ class Doubles:
     gradient: float
     ratios: tuple[complex, ...]
     origins: list[tuple[float, float]] = field(default_factory=list, repr=False)
+    models: dict[float, Any] = field(default_factory=dict, repr=False)
 
     def reduction(self, latest: float) -> QuarticReduction:
         """Of times up to ``latest`` in absolute value."""

@@ -472,7 +472,16 @@ def sample_at(solution: Any, times: Any) -> Sample:
 
 
 def _model(doubles: Doubles, latest: float) -> TimeStretch:
-    """The motion at no times yet, with the values of the integrals at t = 0."""
+    """The motion at no times yet, with the values of the integrals at t = 0; the last is kept."""
+    if latest not in doubles.models:
+        made = _make_model(doubles, latest)
+        doubles.models.clear()
+        doubles.models[latest] = made
+    found: TimeStretch = doubles.models[latest]
+    return found
+
+
+def _make_model(doubles: Doubles, latest: float) -> TimeStretch:
     here = _bare(doubles, doubles.reduction(latest), latest)
     if len(doubles.origins) < len(here.courses):
         start = _at(

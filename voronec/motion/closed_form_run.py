@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from math import ceil, log2, log10
 from time import perf_counter, process_time
+from types import MappingProxyType
 from typing import Any
 
 import mpmath
@@ -26,7 +29,7 @@ from voronec.motion.observables import Watch, watch_of
 from voronec.motion.request import StartData, Vocabulary
 from voronec.motion.state_probe import quantities
 from voronec.motion.tolerances import EXACT
-from voronec.motion.trajectory import Cost, Trajectory, make_trajectory
+from voronec.motion.trajectory import Cost, LateTrajectory, Trajectory, make_trajectory
 
 __all__ = ["evaluated_motion"]
 
@@ -53,6 +56,9 @@ def evaluated_motion(
 
     A tolerance below 1e-16 gives mpmath's numbers, from enclosures that are narrower than it.
     Where a pole of coordinates in space is passed, its angles come modulo a turn, with a note.
+    Where coordinates and velocities alone are asked for in doubles, the others and the integrals
+    are evaluated when they are first read; not by ``auto``, which goes another way where one of
+    them cannot be.
     """
     if not 0 < tol < 1:
         raise DefinitionError(f"tol = {tol} must lie between 0 and 1, such as 1e-13")
@@ -64,11 +70,18 @@ def evaluated_motion(
     elif not form.rests:
         form.solution.constants(64)
     ready, busy = perf_counter(), process_time()
+
+    def spent() -> Cost:
+        return Cost(
+            "closed-form", REASONS[method], tol, ready - began, perf_counter() - ready, 0, 0,
+            cpu=process_time() - busy,
+        )  # fmt: skip
+
+    if method == "closed-form" and not dense and tol >= EXACT and watch.outputs and sight.is_plain:
+        with suppress(NoWholeTurns):
+            return sight.late(grid.copy(), spent)
     t, states, notes = sight.states(grid, progress)
-    cost = Cost(
-        "closed-form", REASONS[method], tol, ready - began, perf_counter() - ready, 0, 0,
-        cpu=process_time() - busy,
-    )  # fmt: skip
+    cost = spent()
     if not len(t):
         raise KeyboardInterrupt
     trajectory = sight.observe(t, states, cost, len(t) < len(grid))
@@ -109,11 +122,41 @@ class _ClosedSight:
     start: float
     tol: float
 
-    @property
+    @cached_property
     def names(self) -> list[str]:
         """Of the states, in their order."""
         system = self.vocabulary.equations.system
         return [plain_name(q) for q in (*system.coordinates, *system.velocities)]
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether every output is a coordinate or a velocity."""
+        return {*self.watch.outputs} <= {*self.names}
+
+    def late(self, t: np.ndarray, spent: Callable[[], Cost]) -> Trajectory:
+        """The outputs now, all else when it is first read.
+
+        Raises:
+            NoWholeTurns: an angle among the outputs has no number of whole turns.
+        """
+        found = self.form.at(t - self.start, self.watch.outputs)
+        cost, system = spent(), self.vocabulary.equations.system
+        for array in (t, *found.values()):
+            array.flags.writeable = False
+        held = self.outset.constants
+        known = {p.name: held[p.name] for p in system.parameters if p.name in held}
+
+        def everything() -> Trajectory:
+            _, states, notes = self.states(t, None)
+            for name, row in found.items():  # continuous, where others have lost their turns
+                states[:, self.names.index(name)] = row
+            return replace(self.observe(t, states, cost), notes=(*self.outset.notes, *notes))
+
+        return LateTrajectory.of(
+            everything, system=system, t=t, names=tuple(self.names), outputs=self.watch.outputs,
+            series=MappingProxyType(found), events={}, cost=cost,
+            parameters=MappingProxyType(known),
+        )  # fmt: skip
 
     @property
     def bits(self) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -342,7 +343,14 @@ class Vocabulary:
         cls, equations: VoronecEquations, inputs: Mapping[sp.Expr, sp.Expr] | None = None
     ) -> Vocabulary:
         """The vocabulary of a system's equations; ``inputs`` are what stands for those that the
-        system was declared with, and for their rates."""
+        system was declared with, and for their rates.  Without these it is kept with the equations.
+        """
+        if not inputs:
+            return equations.memo.once("vocabulary", lambda: cls._make(equations, {}))
+        return cls._make(equations, inputs)
+
+    @classmethod
+    def _make(cls, equations: VoronecEquations, inputs: Mapping[sp.Expr, sp.Expr]) -> Vocabulary:
         system = equations.system
         dots = [velocity(q) for q in system.coordinates]
         constants = [p.symbol for p in system.parameters]
@@ -353,7 +361,17 @@ class Vocabulary:
         others = (*frame.fibre, *frame.momenta) if frame is not None else ()
         named = {plain_name(x): x for x in others}
         claims = {**system.invariants, **named, **integrals}
-        return cls(equations, symbols, claims, dict(inputs or {}))
+        return cls(equations, symbols, claims, dict(inputs))
+
+    @cached_property
+    def constants(self) -> tuple[str, ...]:
+        """The names of the parameters."""
+        return tuple(p.name for p in self.equations.system.parameters)
+
+    @cached_property
+    def moving(self) -> tuple[str, ...]:
+        """The names of coordinates, of their velocities, and of the velocities of the equations."""
+        return tuple(name for name in self.symbols if name not in {*self.constants, "t"})
 
     @property
     def known(self) -> dict[str, sp.Expr]:
@@ -469,11 +487,7 @@ class Vocabulary:
 def name_values(vocabulary: Vocabulary, given: Mapping[Any, Any], role: str) -> dict[str, Any]:
     """Values by plain name; ``role`` is ``parameter`` or ``initial value``."""
     system = vocabulary.equations.system
-    if role == "parameter":
-        among = [p.name for p in system.parameters]
-    else:
-        constants = {p.name for p in system.parameters}
-        among = [name for name in vocabulary.symbols if name not in constants | {"t"}]
+    among = vocabulary.constants if role == "parameter" else vocabulary.moving
     result: dict[str, Any] = {}
     argument = "parameters" if role == "parameter" else "initial"
     for key, value in texts_read(fixed_mapping(given, argument, "name: value"), role).items():

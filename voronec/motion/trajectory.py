@@ -6,6 +6,7 @@ import csv
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -28,7 +29,7 @@ from voronec.motion.request import Vocabulary, held_name
 if TYPE_CHECKING:
     from voronec.motion.viewer.page import PageView
 
-__all__ = ["Cost", "Trajectory", "assemble_trajectory", "make_trajectory"]
+__all__ = ["Cost", "LateTrajectory", "Trajectory", "assemble_trajectory", "make_trajectory"]
 
 CANCELLATION = 1e-6
 """An integral less than this part of its terms counts as starting at zero."""
@@ -136,6 +137,8 @@ class Trajectory:
         return self.within(wanted)
 
     def __getitem__(self, key: Any) -> np.ndarray:
+        if isinstance(key, str) and key in self.series:
+            return self.series[key]
         held = (*self.series, *self.names, *self.integrals)
         name = held_name(key, held, "the trajectory holds")
         if name in self.series:
@@ -243,6 +246,53 @@ class Trajectory:
         arrays |= {f"parameter {name}": value for name, value in self.parameters.items()}
         arrays = {name: self[name] for name in self.outputs} | arrays
         np.savez(path, **{name: _plain(array) for name, array in arrays.items()})
+
+
+class LateTrajectory(Trajectory):
+    """A trajectory that knows its outputs, and evaluates the rest when that is first read.
+
+    ``everything`` gives the same motion as a ``Trajectory``: from there come ``state``,
+    ``integrals``, ``drift``, ``residuals`` and ``notes``.
+    """
+
+    everything: Callable[[], Trajectory]
+
+    @classmethod
+    def of(cls, everything: Callable[[], Trajectory], **known: Any) -> LateTrajectory:
+        """A trajectory of the fields that are known, beside those that come late."""
+        made = cls.__new__(cls)
+        for name, value in {"everything": everything, **known}.items():
+            object.__setattr__(made, name, value)
+        return made
+
+    @cached_property
+    def _rest(self) -> Trajectory:
+        return self.everything()
+
+    @cached_property
+    def state(self) -> np.ndarray:
+        """See ``Trajectory``."""
+        return self._rest.state
+
+    @cached_property
+    def integrals(self) -> Mapping[str, np.ndarray]:
+        """See ``Trajectory``."""
+        return self._rest.integrals
+
+    @cached_property
+    def drift(self) -> Mapping[str, float]:
+        """See ``Trajectory``."""
+        return self._rest.drift
+
+    @cached_property
+    def residuals(self) -> Mapping[str, float]:
+        """See ``Trajectory``."""
+        return self._rest.residuals
+
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """See ``Trajectory``."""
+        return self._rest.notes
 
 
 def _write_column(column: np.ndarray) -> list[Any]:
