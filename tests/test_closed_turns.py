@@ -151,6 +151,11 @@ def test_through_a_pole_an_angle_has_no_number_of_turns(ball, theta, instant):
         run = vo.integrate(ball, **given, times=[5, 65], method="closed-form", tol=tol)
         assert len(run.notes) == 1 and f"beyond t = {5 + instant:.15g}" in run.notes[0]
         assert float(run["v1"][-1]) == pytest.approx(across)
+    given |= {"times": [5, 65], "method": "closed-form"}
+    for asked in (("u",), ("u", "v"), ("v1",)):
+        late = vo.integrate(ball, **given, outputs=asked)
+        assert len(late.notes) == 1 and f"beyond t = {5 + instant:.15g}" in late.notes[0]
+        assert float(late["v1"][-1]) == pytest.approx(across)
 
 
 def test_beside_a_pole_it_has_one(ball):
@@ -183,10 +188,10 @@ def test_a_pole_of_a_motions_own_coordinates_is_noted_with_its_instant(ball):
     along_u, along_v, along_n = R(7, 5) * s - 3 * sp.sin(u), R(7, 5) * tau, R(2, 5) * n + R(12, 5)
     upright = {"theta": sp.atan2(along_u, -along_v),
                "u1": sp.atan2(sp.sqrt(along_u**2 + along_v**2), -along_n)}  # fmt: skip
-    run = vo.integrate(
-        ball, initial={"u": u, "s": s, "tau": tau, "n": n, **upright}, times=[0, 30],
-        method="closed-form",
-    )  # fmt: skip
+    given = {"initial": {"u": u, "s": s, "tau": tau, "n": n, **upright}, "times": [0, 30]}
+    run = vo.integrate(ball, **given, method="closed-form")
+    late = vo.integrate(ball, **given, outputs=("u",), method="closed-form")
+    assert late.notes == run.notes and np.array_equal(late.state, run.state)
     assert "v1 and theta have no number of whole turns beyond t = 2.96603600555" in run.notes[0]
 
 
