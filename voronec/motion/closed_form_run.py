@@ -71,7 +71,7 @@ def evaluated_motion(
         form.solution.constants(64)
     ready, busy = perf_counter(), process_time()
 
-    def spent() -> Cost:
+    def cost_of_run() -> Cost:
         return Cost(
             "closed-form", REASONS[method], tol, ready - began, perf_counter() - ready, 0, 0,
             cpu=process_time() - busy,
@@ -79,9 +79,9 @@ def evaluated_motion(
 
     if method == "closed-form" and not dense and tol >= EXACT and watch.outputs and sight.is_plain:
         with suppress(NoWholeTurns):
-            return sight.late(grid.copy(), spent)
+            return sight.late(grid.copy(), cost_of_run)
     t, states, notes = sight.states(grid, progress)
-    cost = spent()
+    cost = cost_of_run()
     if not len(t):
         raise KeyboardInterrupt
     trajectory = sight.observe(t, states, cost, len(t) < len(grid))
@@ -133,14 +133,14 @@ class _ClosedSight:
         """Whether every output is a coordinate or a velocity."""
         return {*self.watch.outputs} <= {*self.names}
 
-    def late(self, t: np.ndarray, spent: Callable[[], Cost]) -> Trajectory:
+    def late(self, t: np.ndarray, cost_of_run: Callable[[], Cost]) -> Trajectory:
         """The outputs now, all else when it is first read.
 
         Raises:
             NoWholeTurns: an angle among the outputs has no number of whole turns.
         """
         found = self.form.at(t - self.start, self.watch.outputs)
-        cost, system = spent(), self.vocabulary.equations.system
+        cost, system = cost_of_run(), self.vocabulary.equations.system
         for array in (t, *found.values()):
             array.flags.writeable = False
         held = self.outset.constants

@@ -364,14 +364,14 @@ class Vocabulary:
         return cls(equations, symbols, claims, dict(inputs))
 
     @cached_property
-    def constants(self) -> tuple[str, ...]:
+    def parameter_names(self) -> tuple[str, ...]:
         """The names of the parameters."""
         return tuple(p.name for p in self.equations.system.parameters)
 
     @cached_property
-    def moving(self) -> tuple[str, ...]:
+    def start_names(self) -> tuple[str, ...]:
         """The names of coordinates, of their velocities, and of the velocities of the equations."""
-        return tuple(name for name in self.symbols if name not in {*self.constants, "t"})
+        return tuple(name for name in self.symbols if name not in {*self.parameter_names, "t"})
 
     @property
     def known(self) -> dict[str, sp.Expr]:
@@ -487,7 +487,7 @@ class Vocabulary:
 def name_values(vocabulary: Vocabulary, given: Mapping[Any, Any], role: str) -> dict[str, Any]:
     """Values by plain name; ``role`` is ``parameter`` or ``initial value``."""
     system = vocabulary.equations.system
-    among = vocabulary.constants if role == "parameter" else vocabulary.moving
+    among = vocabulary.parameter_names if role == "parameter" else vocabulary.start_names
     result: dict[str, Any] = {}
     argument = "parameters" if role == "parameter" else "initial"
     for key, value in texts_read(fixed_mapping(given, argument, "name: value"), role).items():

@@ -266,33 +266,33 @@ class LateTrajectory(Trajectory):
         return made
 
     @cached_property
-    def _rest(self) -> Trajectory:
+    def _full(self) -> Trajectory:
         return self.everything()
 
     @cached_property
     def state(self) -> np.ndarray:
         """See ``Trajectory``."""
-        return self._rest.state
+        return self._full.state
 
     @cached_property
     def integrals(self) -> Mapping[str, np.ndarray]:
         """See ``Trajectory``."""
-        return self._rest.integrals
+        return self._full.integrals
 
     @cached_property
     def drift(self) -> Mapping[str, float]:
         """See ``Trajectory``."""
-        return self._rest.drift
+        return self._full.drift
 
     @cached_property
     def residuals(self) -> Mapping[str, float]:
         """See ``Trajectory``."""
-        return self._rest.residuals
+        return self._full.residuals
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """See ``Trajectory``."""
-        return self._rest.notes
+        return self._full.notes
 
 
 def _write_column(column: np.ndarray) -> list[Any]:
