@@ -9,12 +9,15 @@ others.  Which do so best is told by the metric
 
 in which units and coordinates play no part: of the covectors dw, at unit length, those whose
 restrictions to the admissible velocities are farthest from being dependent.  For each choice the
-equations are derived anew, exactly, with pivots that are well conditioned at that point.
+equations are derived anew, exactly, with pivots that are well conditioned at that point.  Where the
+coordinates are singular g is, too; there the choice is made in a chart, among the velocities that
+are the same in both.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -29,12 +32,12 @@ from voronec.algebra.terms import factors_of
 from voronec.algebra.text import as_expression
 from voronec.declaration.charts import Chart
 from voronec.declaration.geometry import Fibration, Frame
-from voronec.declaration.system import System, bare
+from voronec.declaration.system import System, bare, system_in
 from voronec.equations.definition import Definition, read
 from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.equations.program import Program, compile_program
 from voronec.equations.program.python import compiled_digits
-from voronec.equations.voronec_equations import VoronecEquations
+from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import VoronecError
 from voronec.motion.divisors import (
     CLEAR,
@@ -139,11 +142,18 @@ class Geometry:
     @property
     def best(self) -> tuple[int, ...]:
         """Positions of the velocities w that are the best frame."""
+        return self.best_among(range(len(self.lengths)))[0]
+
+    def best_among(self, positions: Sequence[int]) -> tuple[tuple[int, ...], float]:
+        """Those of some positions whose velocities w are the best frame, and how far these are from
+        being dependent."""
         import scipy.linalg
 
-        rows = self.admissible / self.lengths[:, None]
+        rows = (self.admissible / self.lengths[:, None])[list(positions)]
         _, _, order = scipy.linalg.qr(rows.T, mode="economic", pivoting=True)
-        return tuple(sorted(int(a) for a in order[: len(self.frame)]))
+        chosen = order[: len(self.frame)]
+        sizes = np.linalg.svd(rows[chosen], compute_uv=False)
+        return tuple(sorted(int(positions[i]) for i in chosen)), float(sizes.min(initial=1.0))
 
 
 def _metric_of(values: Mapping[str, Any], rows: np.ndarray) -> np.ndarray:
@@ -558,9 +568,13 @@ def candidates(ground: SplitGround, time: float, wide: np.ndarray) -> Any:
     """Equations to try at a wide state, with their forms, one after the other."""
     home, point = ground.home, _point(ground, time, wide)
     yield home, home.form
-    geometry = ground.geometry(time, wide)
-    systems = [home.system] if geometry.quality > CLEAR else []
-    systems.append(_split_system(home.system, geometry.best))
+    charted = _best_in_charts(ground, time, wide)
+    if charted:
+        systems = [_split_system(home.system, charted)]
+    else:
+        geometry = ground.geometry(time, wide)
+        systems = [home.system] if geometry.quality > CLEAR else []
+        systems.append(_split_system(home.system, geometry.best))
     for system in systems:
         try:
             equations = _equations_near(system, point)
@@ -568,6 +582,42 @@ def candidates(ground: SplitGround, time: float, wide: np.ndarray) -> Any:
             yield equations, equations.raw.form
         except VoronecError:
             continue
+
+
+def _best_in_charts(ground: SplitGround, time: float, wide: np.ndarray) -> tuple[int, ...]:
+    """Positions of the velocities that are the best frame where the coordinates are singular, of
+    those that a chart which is regular there leaves as they are; empty where none are."""
+    home, found = ground.home, dict[tuple[int, ...], float]()
+    d, names = home.definition, [plain_name(q) for q in home.system.coordinates]
+    for name, chart in home.system.charts.items() if d.group is None else ():
+        kept = [a for a, q in enumerate(names) if q not in chart.state]
+        image = _image(ground, chart, time, wide)
+        if image is not None and len(kept) >= len(d.velocities):
+            there = replace(ground, home=derive(system_in(home.system, name)))
+            with suppress(np.linalg.LinAlgError):
+                chosen, size = there.geometry(time, image).best_among(kept)
+                found[chosen] = size
+    best = max(found, key=lambda chosen: found[chosen], default=())
+    return best if best and found[best] > CLEAR else ()
+
+
+def _image(ground: SplitGround, chart: Chart, time: float, wide: np.ndarray) -> np.ndarray | None:
+    """The place of a wide state in a chart, at rest; None where the own coordinates are regular or
+    those of the chart singular."""
+    d, values = ground.home.definition, chart.values(ground.home.system)
+    outside = ground.home.system.coordinates
+    images = {q: d.door.inward(values[x]) for q, x in zip(d.coordinates, outside, strict=True)}
+    wanted = [d.door.inward(chart.singular), d.door.inward(chart.singular_there).xreplace(images)]
+    wanted += images.values()
+    program = quantities(ground.wide, {str(i): e for i, e in enumerate(wanted)})
+    values_at = ground.values(program)
+    try:
+        own, there, *place = map(float, numbers(program, time, wide.tolist(), values_at))
+    except ArithmeticError:
+        return None
+    if not (abs(own) < AT_POLE < abs(there) and np.isfinite(place).all()):
+        return None
+    return np.concatenate([place, np.zeros(len(d.dots))])
 
 
 def _point(ground: SplitGround, time: float, wide: np.ndarray) -> dict[str, Any]:
