@@ -23,6 +23,7 @@ from voronec.algebra.bounded_exponentials import bound_exponentials, holds_expon
 from voronec.algebra.conditions import condition
 from voronec.algebra.door import Door
 from voronec.algebra.elimination import independent_columns, solve_linear
+from voronec.algebra.graphs import nodes
 from voronec.algebra.symbols import is_symbolic_name, names_in, plain_name, time, velocity
 from voronec.algebra.verdicts import decide_zero
 from voronec.declaration.reading import quote
@@ -516,13 +517,7 @@ def _jumps(expr: Any) -> Iterator[tuple[Any, Any]]:
     """Walls of an expression with what it differs by on their sides."""
     expr = se.sympify(expr)
     plain = plain_roots(expr) if radicands([expr], frozenset(expr.free_symbols)) else expr
-    seen: set[Any] = set()
-    stack = [plain]
-    while stack:
-        node = stack.pop()
-        if node in seen:
-            continue
-        seen.add(node)
+    for node in nodes([plain]):
         if isinstance(node, se.sign):
             sides = (plain.xreplace({node: se.Integer(s)}) for s in (1, -1))
             yield node.args[0], next(sides) - next(sides)
@@ -530,7 +525,6 @@ def _jumps(expr: Any) -> Iterator[tuple[Any, Any]]:
             above = plain.xreplace({node: node.args[0]})
             wall = se.sin(se.pi * node.args[0])
             yield wall, above - plain.xreplace({node: node.args[0] - 1})
-        stack.extend(node.args)
 
 
 def _differs(jump: Any, wall: Any, conditions: Sequence[Any]) -> bool:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import symengine as se
 
-from voronec.algebra.graphs import is_atom
+from voronec.algebra.graphs import is_atom, nodes
 from voronec.algebra.stable import stable_all
 from voronec.algebra.stages import needed_stages
 from voronec.algebra.terms import factors_of
@@ -396,12 +396,9 @@ def prune(assignments: Sequence[tuple[Any, Any]], results: Sequence[Any]) -> Blo
 def _check(place: str, exprs: Iterable[Any], known: Iterable[Any]) -> None:
     """Raise ``DefinitionError`` for what has no value: unknown functions and symbols."""
     allowed = {k for k in known if isinstance(k, se.Symbol)}
-    seen, stack = set(), [se.sympify(e) for e in exprs]
-    while stack:
-        node = stack.pop()
-        if node in seen or node in allowed:
+    for node in nodes(map(se.sympify, exprs)):
+        if node in allowed:
             continue
-        seen.add(node)
         if isinstance(node, se.Symbol):
             raise DefinitionError(
                 f"{place}: '{node}' is neither a coordinate, a velocity, a parameter nor the time; "
@@ -412,7 +409,6 @@ def _check(place: str, exprs: Iterable[Any], known: Iterable[Any]) -> None:
                 f"{place}: the function '{node}' is unknown; put an expression in its place "
                 "before evaluating numerically"
             )
-        stack.extend(node.args)
 
 
 def without_stages(

@@ -7,7 +7,7 @@ found, and replaced by what it is on one side.  Roots of squares are absolute va
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from math import exp
@@ -16,7 +16,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.factors import irreducible_factors
-from voronec.algebra.graphs import is_flat
+from voronec.algebra.graphs import is_flat, nodes
 from voronec.algebra.numeric_functions import formula
 from voronec.algebra.ring import Ring
 from voronec.algebra.terms import factors_of, summands
@@ -185,16 +185,9 @@ def has_walls(exprs: Iterable[Any], still: Iterable[Any] = ()) -> bool:
 def radicands(exprs: Iterable[Any], among: frozenset[Any]) -> list[Any]:
     """The radicands in expressions that hold one of some symbols."""
     found: dict[Any, None] = {}
-    seen: set[Any] = set()
-    stack = [se.sympify(e) for e in exprs]
-    while stack:
-        node = stack.pop()
-        if node in seen:
-            continue
-        seen.add(node)
+    for node in nodes(map(se.sympify, exprs)):
         if isinstance(node, se.Pow) and _is_root(node) and node.args[0].free_symbols & among:
             found.setdefault(node.args[0])
-        stack.extend(node.args)
     return list(found)
 
 
@@ -248,7 +241,7 @@ def is_rough(
     for name, expr in meaning.items() if moving else ():
         if expr.free_symbols & moving:
             moving.add(name)
-    for node in _nodes([*meaning.values(), *map(se.sympify, results)]):
+    for node in nodes([*meaning.values(), *map(se.sympify, results)]):
         plain = formula(node)
         node = node if plain is None else plain
         if isinstance(node, _ROUGH):
@@ -263,19 +256,6 @@ def is_rough(
             if plain_roots(power, fixed) != power:
                 return True
     return False
-
-
-def _nodes(exprs: Iterable[Any]) -> Iterator[Any]:
-    """What expressions are made of, but for symbols and numbers, each once."""
-    seen: set[Any] = set()
-    stack = [e for e in exprs if e.args]
-    while stack:
-        node = stack.pop()
-        if node in seen:
-            continue
-        seen.add(node)
-        yield node
-        stack.extend(e for e in node.args if not e.is_Symbol and not e.is_Number)
 
 
 def _inside(expr: Any, meaning: Mapping[Any, Any]) -> Any:

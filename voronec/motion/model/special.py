@@ -8,6 +8,7 @@ from typing import Any
 
 import symengine as se
 
+from voronec.algebra.graphs import nodes
 from voronec.algebra.normal import canonical
 from voronec.algebra.verdicts import all_vanish
 from voronec.errors import EngineLimit
@@ -63,17 +64,9 @@ def at_zero(level: Level, zeros: Collection[Any]) -> list[Any]:
 
 def _steps(level: Level, among: list[Any]) -> set[Any]:
     """What signs and floors in the rates depend on."""
-    seen: set[Any] = set()
-    found: set[Any] = set()
-    stack = [e for _, e in level.stages] + [*level.rates, *level.force] if among else []
-    while stack:
-        node = se.sympify(stack.pop())
-        if node not in seen:
-            seen.add(node)
-            if isinstance(node, se.sign | se.floor):
-                found |= node.free_symbols
-            stack.extend(node.args)
-    return found
+    exprs = [e for _, e in level.stages] + [*level.rates, *level.force] if among else []
+    met = (n for n in nodes(map(se.sympify, exprs)) if isinstance(n, se.sign | se.floor))
+    return set().union(*(n.free_symbols for n in met))
 
 
 def _rests(level: Level, x: Any, chosen: list[Any]) -> bool:
@@ -170,16 +163,8 @@ def _short(expr: Any) -> Any:
 def is_many_valued(expr: Any) -> bool:
     """Whether an expression may hold a function with branches or steps, on which a motion may
     change over: its rate vanishes, and yet it is not constant along the motion."""
-    stack, seen = [expr], set()
-    while stack:
-        node = stack.pop()
-        if node in seen or not node.args:
-            continue
-        seen.add(node)
-        if not isinstance(node, se.Add | se.Mul | se.Pow) and type(node).__name__ not in STEADY:
-            return True
-        stack.extend(node.args)
-    return False
+    composed = (n for n in nodes([expr]) if n.args and not isinstance(n, se.Add | se.Mul | se.Pow))
+    return any(type(n).__name__ not in STEADY for n in composed)
 
 
 def _finite(level: Level) -> bool:
