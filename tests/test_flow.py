@@ -498,3 +498,16 @@ def test_an_ensemble_that_never_ends_is_ended(method: str, monkeypatch: pytest.M
     assert "step size collapsed" in str(many.errors[0])
     even = vo.ensemble(siren(sp.Integer(1)), times=[0, 150], **run)
     assert not even.errors and even.cost.steps > 2_000
+
+
+def test_a_mass_that_grows_without_bound_is_not_singular() -> None:
+    y = sp.Symbol("y")
+    speed = vo.velocity(x), vo.velocity(y)
+    system = vo.System(
+        name="escape",
+        fibration=vo.Fibration(base=(x, y)),
+        lagrangian=speed[0] ** 2 / 2 + (1 + x**2) * speed[1] ** 2 / 2 + x**4 / 4,
+    )
+    with pytest.raises(vo.IntegrationError) as e:
+        vo.integrate(system, initial={"x": 1, "y": 0, "xdot": 1, "ydot": 0.1}, times=(0, 10))
+    assert "singular" not in str(e.value) and not e.value.singular

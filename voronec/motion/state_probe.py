@@ -34,7 +34,7 @@ ASIDE, FALLEN = 1e-9, 1e-3
 """They are where a state that is moved by the first part of its size, or of one, has rates below
 the second part of them."""
 NEARLY = 1e-6
-"""The same in units of the start's diagonal, for naming the cause where a run broke down."""
+"""The same, and in units of the start's diagonal, for naming the cause where a run broke down."""
 
 Right = Callable[[float, Any], Any]
 """The right-hand side at a time and a state, whose entries may be arrays."""
@@ -170,7 +170,8 @@ class StateProbe:
         state = np.array(halt.state, dtype=float)
         times = np.array([self.time, float(halt.time)])
         masses = self.masses(times, np.array([np.array(start, dtype=float), state]))
-        singular = halt.singular or _smallest(*masses) < NEARLY
+        least = min(_smallest(mass, masses[1]) for mass in masses)
+        singular = halt.singular or least < NEARLY
         cause = "; the mass matrix is singular there" if singular else ""
         return IntegrationError(
             f"system '{self.name}': {halt.reason} after t = {float(halt.time):.12g} "
@@ -261,7 +262,7 @@ def _are_definite(rows: Sequence[Sequence[Any]], units: np.ndarray) -> bool:
 
 
 def _smallest(scale: np.ndarray, mass: np.ndarray) -> float:
-    """The least eigenvalue of a mass matrix, in units of the diagonal of another, over the largest.
+    """The least eigenvalue of a mass matrix, in units of the diagonal of another.
 
     Zero where the other has a zero on its diagonal; infinite where a matrix is undefined.
     """
@@ -270,5 +271,4 @@ def _smallest(scale: np.ndarray, mass: np.ndarray) -> float:
     units = np.sqrt(np.abs(np.diag(scale)))
     if not units.all():
         return 0.0
-    sizes = np.abs(np.linalg.eigvalsh(mass / np.outer(units, units)))
-    return float(sizes.min() / max(1.0, sizes.max()))
+    return float(np.abs(np.linalg.eigvalsh(mass / np.outer(units, units))).min())
