@@ -78,8 +78,10 @@ def calls(extent: Extent) -> Iterator[Row]:
             f"{first:.2f} s of CPU ({least:.2f} to {most:.2f})",
             bool(first <= 0.4),
             "to start Python and import heyoka alone, which loads SymPy and NumPy itself, takes "
-            "0.4 s on this machine; the rest is shared by the engine's modules, the "
-            "system's own declaration and the run",
+            "0.4 s on this machine; the rest is shared by the engine's modules, the system's own "
+            "declaration, and heyoka, which compiles the program of a model anew in each process, "
+            "and two for Demchenko's ball: one without its angles, whose turns so coarse a grid "
+            "does not tell, and one with them",
         )
 
 
