@@ -11,6 +11,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec import DefinitionError, Equation, Fibration, Frame, Measure, Scene, System, velocity
+from voronec.declaration.system import bare
 from voronec.kinematics import BodyVelocity, Rotation, skew, skew_entries, wedge_square
 
 pytestmark = pytest.mark.slow
@@ -165,18 +166,8 @@ def test_a_fibre_that_is_an_ideal_makes_a_chaplygin_system():
 
 def ball(integrals=None, equations=None, measure=None):
     """Chaplygin's ball, with claims."""
-    given = vo.load("chaplygin-ball-in-rn@3")
-    return System(
-        name="ball",
-        fibration=given.fibration,
-        frame=given.frame,
-        lagrangian=given.lagrangian,
-        constraints=given.constraints,
-        parameters=given.parameters,
-        integrals=integrals or {},
-        equations=equations or {},
-        measure=measure,
-    )
+    claims = {"integrals": integrals or {}, "equations": equations or {}, "measure": measure}
+    return bare(vo.load("chaplygin-ball-in-rn@3"), "ball", **claims)
 
 
 G = sp.symbols("G12 G13 G23")

@@ -10,6 +10,7 @@ from scipy.special import ellipk
 
 import voronec as vo
 from voronec.algebra.door import Door
+from voronec.declaration.system import bare
 from voronec.equations.program import Program
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 
@@ -205,15 +206,7 @@ def test_a_sleigh_with_friction_against_its_turning():
     base = vo.load("sleigh")
     c = sp.Rational(1, 3)
     phi = next(q for q in base.coordinates if str(q) == "phi")
-    system = vo.System(
-        name="braked sleigh",
-        fibration=base.fibration,
-        frame=base.frame,
-        lagrangian=base.lagrangian,
-        constraints=base.constraints,
-        parameters=base.parameters,
-        forces={phi: -c * sp.sign(vo.velocity(phi))},
-    )
+    system = bare(base, "braked sleigh", forces={phi: -c * sp.sign(vo.velocity(phi))})
     equations = vo.derive(system)
     numbers = {p.symbol: sp.nsimplify(p.value) for p in base.parameters}
     rates = list((equations.mass.inv() * equations.force).subs(numbers))
@@ -234,17 +227,7 @@ def test_a_sleigh_with_friction_against_its_turning():
 def test_a_sleigh_held_by_friction_stands_still(method):
     sleigh = vo.load("sleigh")
     v = sleigh.velocities[0]
-    braked = vo.derive(
-        vo.System(
-            name="dragged sleigh",
-            fibration=sleigh.fibration,
-            frame=sleigh.frame,
-            lagrangian=sleigh.lagrangian,
-            constraints=sleigh.constraints,
-            parameters=sleigh.parameters,
-            forces={v: -sp.sign(v) / 2},
-        )
-    )
+    braked = vo.derive(bare(sleigh, "dragged sleigh", forces={v: -sp.sign(v) / 2}))
     assert braked.force[0].atoms(sp.sign) == {sp.sign(v)}
     start, mass = {"v": 1.0, "phi": 0.7}, {"m": 1.5}
     run = vo.integrate(braked, initial=start, parameters=mass, times=[0, 5], method=method)

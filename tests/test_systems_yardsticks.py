@@ -11,7 +11,8 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec import Equation, Measure, Relation, System, prove_equal, velocity
+from voronec import Equation, Measure, Relation, prove_equal, velocity
+from voronec.declaration.system import bare
 from voronec.equations.motions import Motions
 from voronec.proof.claims import check_claims
 from voronec.proof.relations.decision import check_relation
@@ -43,16 +44,9 @@ SQUARES = {s.label: s for name in YARDSTICKS for s in getattr(module(name), "SQU
 LIGHT = [label for label, r in RELATIONS.items() if r.target != "rattleback"]
 
 
-def bare(system):
-    return replace(
-        system, integrals={}, equations={}, measure=None, multiplier=None, poisson=None,
-        essential=(), cases={}, integrable="", invariants={},
-    )  # fmt: skip
-
-
 def verdict_on(system, **claims):
     """The verdict on one claim about a system, without its own claims."""
-    (claim,) = check_claims(replace(bare(system), **claims))
+    (claim,) = check_claims(bare(system, system.name, **claims))
     return claim.verdict
 
 
@@ -128,15 +122,9 @@ def test_two_integrals_of_the_turntable_survive_any_change_of_its_speed():
     """(m R^2 + A) vx + A Omega(t) y is constant, and the energy of none of them."""
     table, speed = module("ball-on-turntable"), sp.Function("Omega")(vo.time)
     at = {Omega: speed}
-    steady = table.SYSTEM
-    turned = System(
-        name="any-table",
-        fibration=steady.fibration,
-        frame=steady.frame,
-        lagrangian=steady.lagrangian,
-        constraints=tuple(c.subs(at) for c in steady.constraints),
-        parameters=(m, R, A, speed),
-    )
+    bonds = tuple(c.subs(at) for c in table.SYSTEM.constraints)
+    given = (m, R, A, speed)
+    turned = bare(table.SYSTEM, "any-table", constraints=bonds, parameters=given)
     both = m * R**2 + A
     for integral in (both * table.vx + A * speed * y, both * table.vy - A * speed * x, table.n):
         assert verdict_on(turned, integrals={"one": integral}).proved
@@ -146,14 +134,8 @@ def test_two_integrals_of_the_turntable_survive_any_change_of_its_speed():
 def test_a_sleigh_that_grows_by_any_law_preserves_momenta_not_velocities():
     growth, one = sp.Function("f")(vo.time), vo.load("sleigh")
     K = J + m * a**2
-    grown = System(
-        name="any-sleigh",
-        fibration=one.fibration,
-        frame=one.frame,
-        lagrangian=growth * one.lagrangian,
-        constraints=one.constraints,
-        parameters=(m, J, a, growth),
-    )
+    given = (m, J, a, growth)
+    grown = bare(one, "any-sleigh", lagrangian=growth * one.lagrangian, parameters=given)
     law = Equation((growth * v, growth * w), (growth * a * w**2, -growth * m * a * v * w / K))
     assert verdict_on(grown, equations={"momenta": law}).proved
     assert verdict_on(grown, integrals={"energy": growth * one.lagrangian}).refuted
@@ -183,7 +165,7 @@ def test_the_free_body_of_suslov_ends_where_it_turns_about_the_axis_without_mome
 def rattling(spin, hand):
     """The spin of a rattleback in the course of time."""
     start = {"theta": 0.01, "omega1": 0.02, "omega3": spin}
-    equations = vo.derive(bare(vo.load("rattleback")))
+    equations = vo.derive(bare(vo.load("rattleback"), "rattleback"))
     times = np.linspace(0, 120, 241)
     motion = vo.integrate(equations, initial=start, parameters={"I12": hand}, times=times)
     return motion["omega3"]
@@ -218,7 +200,8 @@ def test_neither_mirror_nor_reversal_alone_keeps_the_sleigh_on_its_turntable():
 
 
 def test_nearby_sleighs_on_the_turntable_part():
-    table = bare(vo.load("sleigh-on-turntable"))
+    whole = vo.load("sleigh-on-turntable")
+    table = bare(whole, "turntable", scenes=whole.scenes)
     times = np.linspace(0, 200, 201)
 
     def ends(shift):
@@ -254,9 +237,8 @@ def test_factors_that_divide_by_trigonometry_alone_cancel():
 
 def test_the_board_passes_where_a_pivot_would_vanish():
     energy = {"energy": SNAKEBOARD.kinetic}
-    motion = vo.integrate(
-        replace(bare(SNAKEBOARD.SYSTEM), integrals=energy), method="scipy", tol=1e-11
-    )
+    board = bare(SNAKEBOARD.SYSTEM, "board", integrals=energy, scenes=SNAKEBOARD.SYSTEM.scenes)
+    motion = vo.integrate(board, method="scipy", tol=1e-11)
     crossing = motion["theta"] + motion["phi"]
     assert crossing[0] < 1.5 < crossing[-1]  # cos(theta + phi) = 0 on the way
     assert motion.drift["energy"] < 1e-8
