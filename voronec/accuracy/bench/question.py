@@ -95,17 +95,11 @@ def ask(
     own = declared.scenes[chosen]
     driven = drive(system, inputs, own, steady="a comparison of methods")
     equations, parameters = driven.equations, {**(parameters or {}), **driven.constants}
-    start, end = (number(x, "the span's end") for x in own.times)
-    if time is not None:
-        end = start + time
-    if not (np.isfinite(end) and end != start):
-        raise DefinitionError(f"a motion over the time {end - start:g} cannot be measured")
-    if instants < 2:
-        raise DefinitionError(f"{instants} instants: give 2 or more")
+    grid = _grid(own, time, instants)
     wanted = (outputs,) if isinstance(outputs, str | sp.Basic) else tuple(outputs)
     wanted = wanted or _invariant_state(equations) or own.outputs
     look = partial(
-        integrate, equations, replace(own, outputs=(), inputs={}), times=[start],
+        integrate, equations, replace(own, outputs=(), inputs={}), times=grid[:1],
         parameters=parameters, initial=initial, method="scipy",
     )  # fmt: skip
     first, names = look(), look(outputs=wanted).outputs  # names of outputs are read there
@@ -116,11 +110,23 @@ def ask(
         scene=chosen,
         outputs=tuple(names),
         expressions=expressions,
-        grid=np.linspace(start, end, instants),
+        grid=grid,
         parameters=dict(first.parameters),
         initial={plain_name(s): float(first[plain_name(s)][0]) for s in symbols},
         angles=_angles(equations.system, expressions),
     )
+
+
+def _grid(scene: Scene, time: float | None, instants: int) -> np.ndarray:
+    """The instants that are compared: over the span of a scene, or so long a ``time``."""
+    start, end = (number(x, "the span's end") for x in scene.times)
+    if time is not None:
+        end = start + time
+    if not (np.isfinite(end) and end != start):
+        raise DefinitionError(f"a motion over the time {end - start:g} cannot be measured")
+    if instants < 2:
+        raise DefinitionError(f"{instants} instants: give 2 or more")
+    return np.linspace(start, end, instants)
 
 
 def _scene(system: System, scene: str | None) -> str:
