@@ -288,6 +288,26 @@ def test_a_refusal_says_that_the_constraints_are_dependent() -> None:
         vo.integrate(system, times=[0.0, 4.0], initial=start)
 
 
+def test_a_divisor_may_touch_zero_and_keep_its_sign() -> None:
+    """1 + cos(phi), as axles of one length come together: what stands over it loses all digits."""
+    values = {m: 0.9, inertia: 0.6, J: 0.3, a: 1.45, b: 1.45}
+    parameters = tuple(vo.Parameter(p.symbol, n, positive=True) for p, n in values.items())
+    system = replace(roller_racer(), frame=None, parameters=parameters)
+    start = {
+        "x": 0.885,
+        "phi": -0.018,
+        "y": 0.19,
+        "theta": 0.732 + np.pi,
+        "xdot": 1.835,
+        "phidot": 0.847,
+    }
+    times = np.linspace(0.0, 7.322, 2)
+    truth = multiplier_motion(system, all_velocities(system, start), times)
+    assert 0 < np.pi - truth[list(system.coordinates).index(phi), -1] < 1e-4
+    run = vo.integrate(system, times=times, initial=start)
+    assert worst(run, truth) < 1e-11 and run.cost.switches > 0
+
+
 def test_harmless_divisors_are_not_watched() -> None:
     """A pole of coordinates is the business of charts: its runs are as before."""
     disc = vo.derive(vo.load("falling-disc"))

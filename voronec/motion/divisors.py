@@ -55,6 +55,11 @@ POLE = 1e-5
 """Where the metric is nearer to being singular than this part of the usual, coordinates fail."""
 TRUE = 1e-3
 """A function that is found to be larger where its sign changes has a pole there."""
+LOW, TOUCH = 1e-2, 1e-9
+"""A function that keeps its sign may touch zero, as 1 + cos(phi) does, where it is as small at some
+random place as the one; it does where the search from there finds it as small as the other."""
+DESCENTS, DESCENT, SLOPE = 8, 12, 1e-6
+"""From so many places, in so many steps, with slopes taken over such a part of a coordinate."""
 NEAR, CLEAR = 0.05, 0.15
 """Below the one, in units of its usual size, a divisor makes its split be left; above the other a
 split is good enough.  What is lost in digits is the square of such a number at most."""
@@ -126,7 +131,7 @@ def around(start: np.ndarray) -> np.ndarray:
 def crossing_divisors(
     functions: Sequence[Any], places: np.ndarray, values: Field, soundness: Field, onto: Field
 ) -> list[Divisor]:
-    """Those functions that change their sign at a place where the coordinates are good.
+    """Those functions that change their sign, or touch zero, where the coordinates are good.
 
     ``places`` (n, k) are states of the coordinates and the velocities; ``values`` gives all
     functions there, and ``soundness`` how far the metric g is from being singular; ``onto`` moves
@@ -137,12 +142,16 @@ def crossing_divisors(
     for i, (function, row) in enumerate(zip(functions, sizes, strict=True)):
         below, above = places[:, row < 0], places[:, row > 0]
         count = min(below.shape[1], above.shape[1], FEW)
-        if count == 0:
-            continue
-        zeros = onto(_between(values, i, below[:, :count], above[:, :count]))
         scale = _middle_size(np.abs(row))
+        if count:
+            zeros = onto(_between(values, i, below[:, :count], above[:, :count]))
+        else:
+            low = np.argsort(np.abs(row))[:DESCENTS]
+            zeros = _downhill(values, i, places[:, low[np.abs(row[low]) < LOW * scale]], onto)
+        if not zeros.size:
+            continue
         # a change of sign through infinity is no zero, nor is one off the relations
-        true = np.abs(values(zeros)[i]) < TRUE * scale
+        true = np.abs(values(zeros)[i]) < (TRUE if count else TOUCH) * scale
         usual = usual_size(soundness(places[:, :FEW])) if usual < 0 else usual
         if (true & (soundness(zeros) > POLE * usual)).any():
             found.append(Divisor(function, scale))
@@ -157,6 +166,23 @@ def _between(values: Field, i: int, below: np.ndarray, above: np.ndarray) -> np.
         below, above = np.where(under, middle, below), np.where(under, above, middle)
     found: np.ndarray = (below + above) / 2
     return found
+
+
+def _downhill(values: Field, i: int, places: np.ndarray, onto: Field) -> np.ndarray:
+    """Where the i-th of some functions, which keep their sign, is next to zero near some places: by
+    Newton's method for a double zero, x - 2 f grad f / |grad f|^2."""
+    for _ in range(DESCENT if places.size else 0):
+        n, count = places.shape
+        steps = SLOPE * np.maximum(1.0, np.abs(places))
+        beside = places[:, None, :] + np.eye(n)[:, :, None] * steps
+        back = places[:, None, :] - np.eye(n)[:, :, None] * steps
+        there = values(np.concatenate([places, beside.reshape(n, -1), back.reshape(n, -1)], axis=1))
+        size, after, before = np.split(there[i], [count, count * (n + 1)])
+        slope = (after - before).reshape(n, count) / (2 * steps)
+        with np.errstate(all="ignore"):
+            move = 2 * size * slope / (slope**2).sum(axis=0)
+        places = onto(places - np.where(np.isfinite(move), move, 0.0))
+    return places
 
 
 def _middle_size(sizes: np.ndarray) -> float:
