@@ -161,10 +161,12 @@ def _multiples(
 
 def _bare(expr: Any, known: Mapping[Any, Mapping[Any, int]], found: set[Any]) -> set[Any]:
     """Symbols outside of sines and cosines, whose arguments are looked at on the way."""
-    result: set[Any] = set()
-    stack = [expr]
+    result, seen, stack = set[Any](), set[Any](), [expr]
     while stack:
         node = stack.pop()
+        if node in seen:
+            continue
+        seen.add(node)
         if type(node).__name__ in ("sin", "cos"):
             _multiples(node.args[0], known, found)
         elif node.is_Symbol:
