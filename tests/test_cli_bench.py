@@ -149,7 +149,10 @@ def test_stages_of_calls_are_told_apart(call: Call, spring: str) -> None:
     seconds = json.loads(answer.out)["seconds"]
     assert seconds["first ever"].keys() <= {*STAGES, OTHER}
     assert all(seconds[call]["import"] > 0 for call in ("first ever", "first in a process"))
-    assert "import" not in seconds["second"] and sum(seconds["second"].values()) > 0
+    # a name taken from a package asks Python's importer, even where nothing is loaded any more
+    loading = seconds["second"].get("import", 0.0)
+    assert loading < seconds["first in a process"]["import"] / 20
+    assert sum(seconds["second"].values()) > 0
     assert not Path("spring-bench").exists()
 
 
