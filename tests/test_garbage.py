@@ -1,0 +1,61 @@
+"""What is loaded in one go is looked through with all that is old."""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Iterator
+
+import pytest
+
+from voronec.declaration.garbage import no_collection
+
+
+class Loop:
+    """An object that holds itself: only a search finds that nobody else does."""
+
+    def __init__(self) -> None:
+        self.own = self
+
+
+@pytest.fixture
+def collection() -> Iterator[None]:
+    gc.collect()
+    gc.enable()
+    yield
+    gc.unfreeze()
+    gc.enable()
+
+
+def young() -> int:
+    return sum(type(x) is Loop for k in (0, 1) for x in gc.get_objects(generation=k))
+
+
+def test_what_was_made_inside_is_old(collection: None) -> None:
+    with no_collection():
+        assert not gc.isenabled()
+        made = [Loop() for _ in range(10_000)]
+        assert young() == len(made)
+    assert gc.isenabled() and young() == 0
+
+
+def test_what_nobody_holds_is_found_by_a_search_of_all(collection: None) -> None:
+    with no_collection():
+        for _ in range(1_000):
+            Loop()
+    gc.collect()
+    assert not any(type(x) is Loop for x in gc.get_objects())
+
+
+def test_what_somebody_froze_stays_frozen(collection: None) -> None:
+    gc.freeze()
+    frozen = gc.get_freeze_count()
+    with no_collection():
+        pass
+    assert gc.get_freeze_count() == frozen > 0
+
+
+def test_where_searches_are_off_they_stay_off(collection: None) -> None:
+    gc.disable()
+    with no_collection():
+        pass
+    assert not gc.isenabled()
