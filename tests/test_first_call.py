@@ -120,3 +120,16 @@ def test_where_nothing_moves_there_are_no_steps() -> None:
         free, times=np.linspace(0, 1, 200), outputs=(DX,), initial={X: 0, DX: 1}, method="python"
     )
     assert "nothing moves" in found.cost.reason and (found["xdot"] == 1).all()
+
+
+def test_a_system_of_this_project_is_integrated_without_a_search_of_what_is_installed() -> None:
+    code = "; ".join(
+        (
+            "import sys, voronec as vo",
+            "sys.modules['heyoka'] = None",
+            "vo.integrate(vo.load('ball-on-sphere'), times=10)",
+            "print([n in sys.modules for n in ('importlib.metadata', 'numpy.random')])",
+        )
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split("\n")[0] == "[False, False]"

@@ -18,7 +18,7 @@ import pkgutil
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from importlib import import_module, metadata
+from importlib import import_module
 from importlib.machinery import ModuleSpec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,6 +29,8 @@ from voronec.declaration.plugin_files import failure, run_file
 from voronec.errors import DefinitionError, did_you_mean
 
 if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
     from voronec.declaration.relation import Relation, Square
     from voronec.declaration.system import System
 
@@ -50,6 +52,9 @@ __all__ = [
 
 GROUP = "voronec.systems"
 OWN = "voronec"
+OWN_FOLDER = "voronec.systems"
+"""What this project registers under the group, and where its systems are looked for before any
+other distribution is."""
 
 
 @dataclass(frozen=True)
@@ -220,13 +225,14 @@ def load(name: str | os.PathLike[str]) -> System:
 
 def entry_of(name: str) -> Entry:
     """Where the system of that name is defined."""
-    known = {entry.name: entry for entry in entries()[0]}
     family, at, member = name.partition("@")
-    if family not in known:
-        raise DefinitionError(unknown("system", name, known))
-    if not at:
-        return known[name]
-    return known[family].of_member(member)
+    entry = next((e for e in _in_folder(OWN_FOLDER, OWN) if e.name == family), None)
+    if entry is None:
+        known = {e.name: e for e in entries()[0]}
+        if family not in known:
+            raise DefinitionError(unknown("system", name, known))
+        entry = known[family]
+    return entry.of_member(member) if at else entry
 
 
 def members(name: str) -> list[str]:
@@ -294,11 +300,14 @@ def unknown(kind: str, name: str, known: Iterable[str]) -> str:
 def registered_entries() -> Iterator[Entry]:
     """Every registered system, those that are hidden too, this project's first."""
 
-    def rank(point: metadata.EntryPoint) -> tuple[bool, str, str]:
+    def rank(point: EntryPoint) -> tuple[bool, str, str]:
         name = _distribution(point)
         return name != OWN, name, point.name
 
-    for point in sorted(metadata.entry_points(group=GROUP), key=rank):
+    # loads slowly, and a system of this project is found without
+    from importlib.metadata import entry_points
+
+    for point in sorted(entry_points(group=GROUP), key=rank):
         owner = _distribution(point)
         module, _, attribute = (part.strip() for part in point.value.partition(":"))
         spec = _find(module)
@@ -311,13 +320,20 @@ def registered_entries() -> Iterator[Entry]:
                 point.name, module, "SYSTEM", owner, trouble + "modules; use 'module:SYSTEM'"
             )
         else:
-            for found in pkgutil.iter_modules(spec.submodule_search_locations):
-                if not found.name.startswith("_"):
-                    name = found.name.replace("_", "-")
-                    yield Entry(name, f"{module}.{found.name}", distribution=owner)
+            yield from _in_folder(module, owner)
 
 
-def _distribution(point: metadata.EntryPoint) -> str:
+def _in_folder(module: str, owner: str) -> Iterator[Entry]:
+    """The systems in a folder of modules."""
+    spec = _find(module)
+    locations = None if spec is None else spec.submodule_search_locations
+    for found in pkgutil.iter_modules(locations or ()):
+        if not found.name.startswith("_"):
+            name = found.name.replace("_", "-")
+            yield Entry(name, f"{module}.{found.name}", distribution=owner)
+
+
+def _distribution(point: EntryPoint) -> str:
     return str(point.dist.name) if point.dist is not None else ""
 
 

@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import log2
+from random import Random
 from typing import Any
 
 import numpy as np
@@ -123,8 +124,9 @@ def without_factors(function: Any, factors: Iterable[Any]) -> Any:
 
 def around(start: np.ndarray) -> np.ndarray:
     """Places (n, k) at random around a start (n,)."""
-    ways = np.random.default_rng(0).uniform(-REACH, REACH, (len(start), SAMPLES))
-    found: np.ndarray = start[:, None] + ways * np.maximum(1.0, np.abs(start))[:, None]
+    dice = Random(0)  # NumPy's generators load slowly
+    ways = np.array([dice.uniform(-REACH, REACH) for _ in range(start.size * SAMPLES)])
+    found: np.ndarray = start[:, None] + ways.reshape(-1, SAMPLES) * np.maximum(1.0, np.abs(start))[:, None]
     return found
 
 

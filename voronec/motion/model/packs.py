@@ -15,11 +15,13 @@ from contextlib import suppress
 from dataclasses import fields, is_dataclass
 from functools import lru_cache
 from hashlib import sha256
-from importlib.metadata import version
 from io import BytesIO
 from pathlib import Path
 from typing import Any, TypeVar
 
+import flint
+import numpy
+import symengine
 import sympy as sp
 
 from voronec.declaration.system import System
@@ -32,7 +34,7 @@ FILES = 300
 """So many files stay; those that nobody used for longest give way."""
 ROOMS = ("algebra", "declaration", "equations", "motion")
 """The rooms of the engine that models come from."""
-LIBRARIES = ("sympy", "symengine", "python-flint", "numpy")
+LIBRARIES = (sp, symengine, flint, numpy)
 DYNAMIC_FIELDS = (
     "fibration", "lagrangian", "constraints", "parameters", "possible", "forces", "frame",
     "invariants", "integrals", "inputs", "charts",
@@ -147,7 +149,7 @@ class _Unpickler(pickle.Unpickler):
 @lru_cache(maxsize=1)
 def engine_digest() -> str:
     """A digest of the engine as it is, and the versions of what it computes with."""
-    mark = sha256("\0".join([sys.version, *map(version, LIBRARIES)]).encode())
+    mark = sha256("\0".join([sys.version, *(x.__version__ for x in LIBRARIES)]).encode())
     root = str(Path(__file__).parents[2])
     for folder, _, files in sorted(x for room in ROOMS for x in os.walk(os.path.join(root, room))):
         for name in sorted(f for f in files if f.endswith(".py")):

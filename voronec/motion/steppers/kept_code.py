@@ -23,7 +23,6 @@ import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from hashlib import sha256
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +51,7 @@ def kept_function(
     """
     import numba
 
-    digest = sha256(f"{key}\n{numba.__version__}\n{version('numpy')}".encode()).hexdigest()
+    digest = sha256(f"{key}\n{numba.__version__}\n{np.__version__}".encode()).hexdigest()
     folder = user_cache("code") / digest[:24]
     text = _sound_source(folder)
     if text is not None:
