@@ -126,7 +126,9 @@ def around(start: np.ndarray) -> np.ndarray:
     """Places (n, k) at random around a start (n,)."""
     dice = Random(0)  # NumPy's generators load slowly
     ways = np.array([dice.uniform(-REACH, REACH) for _ in range(start.size * SAMPLES)])
-    found: np.ndarray = start[:, None] + ways.reshape(-1, SAMPLES) * np.maximum(1.0, np.abs(start))[:, None]
+    found: np.ndarray = (
+        start[:, None] + ways.reshape(-1, SAMPLES) * np.maximum(1.0, np.abs(start))[:, None]
+    )
     return found
 
 
