@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import symengine as se
+import sympy as sp
 
 import voronec as vo
 from voronec.equations.program import Block
@@ -94,3 +95,20 @@ def test_positions_beside_velocities_cost_them_no_digits() -> None:
         for outputs in (spin, ())
     )
     assert np.log(np.divide(beside, alone)).mean() < 0.5
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_a_grid_cuts_no_step(order: int) -> None:
+    q = sp.Symbol("q")
+    dq = vo.velocity(q)
+    turning = vo.System(
+        name="turning pendulum", fibration=vo.Fibration((q,)), lagrangian=dq**2 / 2 + sp.cos(q)
+    )
+    steps = {
+        vo.integrate(
+            turning, times=order * np.linspace(0, 200, count), initial={q: 1, dq: "2.1"},
+            method="heyoka", tol=1e-9,
+        ).cost.steps
+        for count in (2, 11, 151, 500, 900)
+    }  # fmt: skip
+    assert len(steps) == 1

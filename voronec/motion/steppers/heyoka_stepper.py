@@ -466,16 +466,13 @@ class _Drive:
             )
             return outcome, steps, self.sample(stretch)
         # the integrator wants its grid to begin where it stands
-        first = done - 1 if standing == self.grid[done - 1] else done
-        if standing != self.grid[first]:
-            outcome, _, self.longest, steps, *_ = self.integrator.propagate_until(
-                self.grid[first], **limits
-            )
-            return outcome, steps, np.empty((0, len(self.problem.start)))
-        outcome, _, self.longest, steps, _, rows = self.integrator.propagate_grid(
-            self.grid[first : done + self.ahead], **limits
-        )
-        return outcome, steps, rows[done - first :]
+        if standing == self.grid[done]:
+            points, known = self.grid[done : done + self.ahead], 0
+        else:
+            points, known = self.grid[done - 1 : done + self.ahead].copy(), 1
+            points[0] = standing
+        outcome, _, self.longest, steps, _, rows = self.integrator.propagate_grid(points, **limits)
+        return outcome, steps, rows[known:]
 
     @cached_property
     def callback(self) -> dict[str, Any]:
