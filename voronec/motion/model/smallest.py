@@ -83,10 +83,15 @@ class _Particular:
     values: Mapping[Any, float]
     asked: list[tuple[Any, tuple[Any, ...], bool]] = field(default_factory=list)
 
+    @cached_property
+    def _numbers(self) -> Any:
+        """The values as symengine keeps them: to read them anew takes longer than most answers."""
+        return se.DictBasic(dict(self.values))
+
     def number(self, expr: Any) -> float:
         """The value of an expression of the start; infinite where it has none."""
         try:
-            return float(expr.subs(dict(self.values)).n(53, real=True))
+            return float(expr.subs(self._numbers).n(53, real=True))
         except (RuntimeError, TypeError, ValueError):
             return float("inf")
 
