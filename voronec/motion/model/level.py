@@ -28,7 +28,8 @@ from typing import Any
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.normal import canonical
+from voronec.algebra.graphs import nodes
+from voronec.algebra.normal import canonical, shortest
 from voronec.algebra.terms import factors_of, summands
 from voronec.algebra.verdicts import all_vanish
 from voronec.equations.derivation import FirstOrderForm
@@ -48,6 +49,7 @@ __all__ = [
     "holds",
     "invariants_level",
     "is_finite",
+    "keep_relations",
     "needed_variables",
     "restrict",
     "with_positive_denominators",
@@ -444,6 +446,76 @@ def restrict(level: Level, kept: Iterable[Any]) -> Level:
         integrals={n: e for n, e in level.integrals.items() if e.free_symbols <= usable},
         stages=tuple(stages),
     )
+
+
+def keep_relations(level: Level) -> Level:
+    """The level with rates that keep each relation r of its positions also beside the motion.
+
+    Where r = 0 rates may be written in many ways, and D r = sum of dr/dx x' is a multiple c r.  If
+    it is not zero, what rounding takes r off zero grows as exp(int c dt).  On a sphere, sum of
+    x_i^2 = k, the rates are x_j' = sum_i x_i (x_i x_j' - x_j x_i')/k, which keep it identically;
+    a root h^2 = f(x) has the rate that f gives it.
+    """
+    rates = dict(zip(level.positions, level.rates, strict=True))
+    own = {*level.positions, *level.parameters}
+    relations = [r for r in level.relations if r.free_symbols <= own] if level.exact else []
+    try:
+        for mend in (_on_sphere, _of_root):
+            for relation in relations:
+                lost = se.Add(*[relation.diff(x) * rate for x, rate in rates.items()])
+                if canonical([lost])[0] != 0:
+                    rates |= mend(level, relation, rates)
+    except EngineLimit:
+        return level
+    return replace(level, rates=tuple(rates.values()))
+
+
+def _on_sphere(level: Level, relation: Any, rates: Mapping[Any, Any]) -> dict[Any, Any]:
+    """Rates that keep a sphere, by what turns its points; none for another relation."""
+    held = [x for x in level.positions if x in relation.free_symbols]
+    scale = relation.diff(held[0]).diff(held[0]) / 2
+    size = se.expand(se.Add(*[x**2 for x in held]) - relation / scale) if scale != 0 else None
+    if size is None or size == 0 or not size.free_symbols <= set(level.positive):
+        return {}
+    pairs = list(combinations(held, 2))
+    turning = [x * rates[y] - y * rates[x] for x, y in pairs]
+    turns = shortest(turning, level.relations)
+    found = dict.fromkeys(held, se.Integer(0))
+    for (x, y), turn in zip(pairs, turns, strict=True):
+        found[x] -= y * turn / size
+        found[y] += x * turn / size
+    return {x: with_positive_denominators(e, level.relations) for x, e in found.items()}
+
+
+def _of_root(level: Level, relation: Any, rates: Mapping[Any, Any]) -> dict[Any, Any]:
+    """The rate of a root that f gives, where that divides by nothing that may vanish; else none."""
+    for h in level.positions:
+        slope = relation.diff(h)
+        if slope == 0 or not (slope / h).is_Number:
+            continue
+        others = [relation.diff(x) * rate for x, rate in rates.items() if x != h]
+        (rate,) = shortest([-se.Add(*others) / slope])
+        square = se.expand(h**2 - 2 * h / slope * relation)
+        if _divides(h, rates[h]) or not _divides(h, rate) or _is_definite(level, square):
+            return {h: rate}
+    return {}
+
+
+def _is_definite(level: Level, square: Any) -> bool:
+    """Whether a polynomial is a sum of the squares of all that lies on a sphere."""
+    free = [t for t in summands(square) if not t.free_symbols & set(level.positions)]
+    for relation in map(se.expand, level.relations):
+        if _constant(relation) != 0:
+            found = se.expand(square - se.Add(*free) / _constant(relation) * relation)
+            if relation.free_symbols <= found.free_symbols and _is_positive(found):
+                return True
+    return False
+
+
+def _divides(x: Any, expr: Any) -> bool:
+    """Whether an expression is divided by a symbol."""
+    powers = (n.args for n in nodes([expr]) if isinstance(n, se.Pow))
+    return any(base == x and power.is_Number and power < 0 for base, power in powers)
 
 
 def with_positive_denominators(expr: Any, relations: Sequence[Any]) -> Any:

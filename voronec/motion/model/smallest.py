@@ -30,6 +30,7 @@ from voronec.motion.model.level import (
     cyclic,
     dependence,
     invariants_level,
+    keep_relations,
     needed_variables,
     restrict,
 )
@@ -278,6 +279,7 @@ def _cut_down(motions: Motions, full: Level, known: _Particular | None) -> Model
         if str(x) not in level.angles:
             why = f"by {holders}" if holders else "no output depends on it"
             note(x, "replaced" if holders else "dropped", why)
+    level = keep_relations(level)
     program = Program.of(level.form)
     summary = ModelCandidate(level.name, len(level.variables), program.operations, program.weight)
     order = {x: i for i, x in enumerate([*full.variables, *full.angles])}
