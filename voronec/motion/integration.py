@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from math import ceil, isfinite, log2
 from time import perf_counter, process_time
 from types import MappingProxyType
@@ -172,8 +172,7 @@ def integrate(
         method, began, given, project,
     )  # fmt: skip
     ways = (request.in_smallest, request.otherwise, request.on_coordinates)
-    tries = (request.in_any_split(way) for way in ways)
-    found = first_success(tries, float(grid[0]))
+    found = first_success(request.in_any_split(ways), float(grid[0]))
     return replace(found, system=declared, notes=(*found.notes, *_coarser(found.cost, tol)))
 
 
@@ -199,18 +198,25 @@ class _Request:
     given: StartData
     project: bool
 
-    def in_any_split(self, way: Way) -> Way:
-        """A way that goes on in other splits of the velocities where a divisor is near zero."""
+    def in_any_split(self, ways: Iterable[Way]) -> list[Way]:
+        """Ways that go on in other splits of the velocities where a divisor is near zero.
 
-        def attempt(error: IntegrationError | None) -> Trajectory | None:
+        Where one has gone through the splits of the same equations, the next would fail as it did.
+        """
+        tried: list[Any] = []
+
+        def attempt(way: Way, error: IntegrationError | None) -> Trajectory | None:
             try:
                 if not self.outset.framed:
                     raise NearDivisor(self.vocabulary)
                 return way(error)
             except NearDivisor as near:
+                if any(near.vocabulary.equations is equations for equations in tried):
+                    return None
+                tried.append(near.vocabulary.equations)
                 return replace(self, vocabulary=near.vocabulary).through_splits()
 
-        return attempt
+        return [partial(attempt, way) for way in ways]
 
     def through_splits(self) -> Trajectory:
         """On the coordinates, in one split of the velocities after another."""

@@ -256,14 +256,17 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
     there = METHODS["heyoka"].is_there
     if not there and _is_short(problem, grid):
         return "python", "heyoka is not installed, and the run is short"
-    if there and not (problem.tol >= FINEST and problem.program.weight > HEAVY):
+    brief = problem.brief is not None
+    if there and not ((brief or problem.tol >= FINEST) and problem.program.weight > HEAVY):
         return "heyoka", "heyoka is installed"
-    compiled = "" if problem.brief else compiled_method()
+    compiled = "" if brief else compiled_method()
     if not there and not compiled:
         return "scipy", "heyoka is not installed"
     from voronec.motion.steppers.scipy_stepper import estimated_steps
 
-    cost, enough = STAGES * (problem.program.operations + 1), TINY if there else COMPILATION
+    cost = STAGES * (problem.program.operations + 1)
+    # each part of a run through splits is compiled for, and may end at once
+    enough = TINY if there and not brief else COMPILATION
     steps = estimated_steps(problem, grid)
     if steps is None or steps * cost <= enough:
         other = "heyoka" if there else compiled
@@ -279,7 +282,7 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
 
 def _is_short(problem: Problem, grid: np.ndarray) -> bool:
     """Whether a run is smooth, and over in Python before another method is loaded."""
-    plain = problem.changing is None and not (problem.brief or problem.walls)
+    plain = problem.changing is None and problem.brief is None and not problem.walls
     plain = plain and all(e.name in problem.coarse for e in problem.events)
     if problem.tol < COARSE or not plain:
         return False

@@ -30,7 +30,7 @@ from voronec.motion.split_models import SplitGround, SplitModel, candidates
 from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Halt, Problem, Run
 from voronec.motion.steppers.run import part_at
-from voronec.motion.tolerances import FINEST
+from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Trajectory, assemble_trajectory
 
 __all__ = ["SplitRun"]
@@ -41,6 +41,8 @@ LEAST = 1e-6
 for dependent, and so are velocities at the start: they lose more digits than they leave."""
 GAIN = 4.0
 """A split is left for another only where that is so many times better."""
+LONGER = 4.0
+"""A stretch is not expected to be longer than so many times the longest before it."""
 EARLY, BETTER = 0.5, 2.0
 """Below the one, in units of its usual size, a divisor makes its split be left for one that is
 ready and so many times better: what a split loses grows with powers of its divisors."""
@@ -252,7 +254,7 @@ class SplitRun:
             (*self.events, *guards, *marks),
             quantities(split.form, functions) if functions else None, self.dense,
             probe.suspect(state), None, self._exact(split, time, wide), None, frozenset(levels),
-            brief=True,
+            brief=self._likely_length(ahead, time),
         )  # fmt: skip
         if wide.dtype == object or self.exact:
             times = np.array([mpmath.mpf(time), *map(mpmath.mpf, ahead)], dtype=object)
@@ -266,9 +268,14 @@ class SplitRun:
         self.prepared += perf_counter() - began
         return stepper(times)
 
+    def _likely_length(self, ahead: np.ndarray, time: Any) -> float:
+        """What the next stretch will last at most, as those before it tell."""
+        lengths = [abs(float(s.run.t[-1] - s.run.t[0])) for s in self.stretches]
+        return LONGER * max(lengths) if lengths else abs(float(ahead[-1] - time))
+
     def _tolerance(self, split: SplitModel) -> float:
         """The tolerance in a split, finer by as much as its divisors may magnify errors."""
-        finer = max(NEAR * self.tol, FINEST) if split.guards else self.tol
+        finer = max(NEAR * self.tol, EXACT) if split.guards else self.tol
         return min(self.tol, finer)
 
     def judge(self, split: SplitModel, part: Run) -> Run:

@@ -69,7 +69,8 @@ class Problem:
     integrator may look for them only where the ends of a step do not exclude them.  ``walls`` are
     those at which the right side ceases to hold: they count however near to the start.
     Parameters that are ``changing`` are those of the start.  ``marked`` asks for the ends of steps.
-    What is ``brief`` ends, most likely, long before its grid does: numba compiles for longer.
+    What is ``brief`` ends, most likely, after so much time, long before its grid does: numba and,
+    for heavy programs, heyoka compile for longer.
     ``units`` (n,) are those in which the states are measured, by default their natural ones.
     """
 
@@ -88,7 +89,7 @@ class Problem:
     walls: frozenset[str] = frozenset()
     marked: bool = False
     units: np.ndarray | None = None
-    brief: bool = False
+    brief: float | None = None
 
     @property
     def is_rough(self) -> bool:
