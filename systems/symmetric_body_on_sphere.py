@@ -24,8 +24,8 @@ the centre along the axis, which is ``displaced-ball-on-sphere``, with the solut
 for l = 0 it is ``symmetric-ball-on-sphere``.  An ellipsoid of revolution is another body of this
 kind (``spheroid-on-sphere``), for which none are known here.
 
-P and V being unknown functions, there is no motion to
-show.
+P and V being unknown functions, there is no motion to show; and no chart of the body's own poles,
+where it is smooth only if P is even there.
 """
 
 from __future__ import annotations
@@ -107,6 +107,7 @@ SYSTEM = System(
     },
     integrals={"energy": momentum.dot(sp.Matrix(quasi)) / 2 + V},
     measure=density * sp.sin(u1),
+    charts=kinematics.turned_sphere(contact),
     essential=(u, s, tau, n),
     references=("Voronec1912", "KuleshovKatasonova2018", "DragovicGajicJovanovic2020"),
 )

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
         vector_meanings,
     )
     from voronec.kinematics.moving_sphere import BallOnMovingSphere
-    from voronec.kinematics.neumann_charts import turned_poles
+    from voronec.kinematics.neumann_charts import turned_poles, turned_sphere
     from voronec.kinematics.polar_chart import cartesian_chart
     from voronec.kinematics.revolution import BodyOfRevolution, TorusOnEllipsoid
     from voronec.kinematics.rolling import RollingContact
@@ -95,6 +95,7 @@ __all__ = [
     "sleigh_shapes",
     "sleigh_sketch",
     "turned_poles",
+    "turned_sphere",
     "uniform_field_energy",
     "vector_meanings",
     "wedge_square",
@@ -112,7 +113,7 @@ _HOME = {
     "groups": "BodyVelocity product_form product_moments skew skew_entries wedge_square",
     "meanings": "contact_meanings euler_meanings moving_meanings sleigh_meanings vector_meanings",
     "moving_sphere": "BallOnMovingSphere",
-    "neumann_charts": "turned_poles",
+    "neumann_charts": "turned_poles turned_sphere",
     "polar_chart": "cartesian_chart",
     "revolution": "BodyOfRevolution TorusOnEllipsoid",
     "rolling": "RollingContact",

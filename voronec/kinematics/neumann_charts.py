@@ -1,4 +1,4 @@
-"""Charts of a ball that rolls: the polar axes of Neumann's coordinates, turned.
+"""Charts of a body that rolls: the polar axes of Neumann's coordinates, turned.
 
 Colatitude and longitude are singular at the poles.  A half turn about the axis between x and z,
 
@@ -15,7 +15,7 @@ e_v sin a; theta becomes theta - a - a1, with a1 of the sphere.  Done twice, not
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -23,11 +23,12 @@ import sympy as sp
 
 from voronec.algebra.arguments import POINT, instance, require
 from voronec.declaration.charts import Chart
+from voronec.errors import DefinitionError
 from voronec.kinematics.forms import SurfaceForms
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.surfaces import Surface
 
-__all__ = ["HALF_TURN", "turned_poles"]
+__all__ = ["HALF_TURN", "turned_poles", "turned_sphere"]
 
 HALF_TURN = sp.ImmutableMatrix([[0, 0, 1], [0, -1, 0], [1, 0, 0]])
 """Exchanges the axes x and z."""
@@ -54,12 +55,29 @@ def turned_poles(
     singular = ball.singular * fixed.singular
     both = {**turned, **fixed.state, theta: theta - ball.angle - fixed.angle}
     twins = (flipped, {**fixed.twin, theta: theta + sp.pi})
-    own, other = {**turned, theta: theta - ball.angle}, {**fixed.state, theta: theta - fixed.angle}
+    own = {**turned, theta: theta - ball.angle}
+    alone = {name: replace(c, singular=singular) for name, c in turned_sphere(contact).items()}
     return {
         "pole of the ball turned": Chart(own, singular, changes, twins=twins[:1]),
-        "pole of the sphere turned": Chart(other, singular, twins=twins[1:]),
+        **alone,
         "both poles turned": Chart(both, singular, changes, twins=twins),
     }
+
+
+def turned_sphere(contact: RollingContact) -> dict[str, Chart]:
+    """The chart of any body that rolls on a fixed sphere: the polar axis of the sphere turned.
+
+    Nothing that a system declares reads differently in it: of the body's own coordinates, and of
+    velocities in the lines on it, none changes.  Raises ``DefinitionError`` where the fixed surface
+    is no sphere about the origin in colatitude and longitude.
+    """
+    require("turned_sphere", "contact", contact, instance(RollingContact))
+    if not _is_sphere(contact.fixed):
+        raise DefinitionError("turned_sphere: the fixed surface is no sphere; give another chart")
+    fixed, theta = _PolarPair(*contact.fixed.coordinates), contact.theta
+    state = {**fixed.state, theta: theta - fixed.angle}
+    twin = {**fixed.twin, theta: theta + sp.pi}
+    return {"pole of the sphere turned": Chart(state, fixed.singular, twins=(twin,))}
 
 
 @dataclass(frozen=True)

@@ -353,7 +353,9 @@ class _Drive:
         time, state = ta.time, ta.state.copy()
         span = float(self.grid[-1] - self.grid[0])
         taken = ta.step(max_delta_t=span, write_tc=True)[1] if span else 0.0
-        length = reach(ta, taken, PARTS if abs(taken) >= abs(span) else 1)
+        # where the right side is not defined no step is taken, and the run says so
+        well = np.isfinite(taken)
+        length = reach(ta, taken, PARTS if abs(taken) >= abs(span) else 1) if well else np.inf
         ta.time, ta.state[:], self.log.silent = time, state, False
         if ta.with_events:
             ta.reset_cooldowns()

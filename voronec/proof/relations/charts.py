@@ -13,6 +13,7 @@ from dataclasses import replace
 from typing import Any
 
 import symengine as se
+import sympy as sp
 
 from voronec.algebra.angles import Angles
 from voronec.algebra.symbols import plain_name
@@ -27,6 +28,7 @@ from voronec.errors import DefinitionError, EngineLimit
 from voronec.proof.claims import Claim
 from voronec.proof.decision import all_zero
 from voronec.proof.relations.decision import decided_at_limit
+from voronec.proof.relations.parameters import applications
 from voronec.proof.relations.statemap import StateMap
 
 __all__ = ["check_charts"]
@@ -64,11 +66,12 @@ def _decide(motions: Motions, name: str) -> Verdict:
             return replace(same, method=f"twins: {same.method}")
     home = replace(motions.equations, system=_bare(motions.system))
     known = {home.system.name: Motions(home), there.name: Motions.of(there)}
+    own = {p.symbol: p.symbol for p in motions.system.parameters}
+    for function, applied in applications(known[there.name].on_coordinates).items():
+        slots = sp.symbols(f"s1:{len(applied[0].args) + 1}")
+        own[sp.Function(function)(*slots)] = sp.Function(function)(*slots)
     relation = Relation(
-        home.system.name,
-        there.name,
-        state=chart.values(motions.system),
-        parameters={p.symbol: p.symbol for p in motions.system.parameters},
+        home.system.name, there.name, state=chart.values(motions.system), parameters=own
     )
     return decided_at_limit(StateMap.of(relation, known.__getitem__))[1]
 
