@@ -19,6 +19,7 @@ third column, where the third angle has no effect.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations, product
@@ -387,10 +388,13 @@ class _TurnedSystem:
             return [self._move(_affine(row, c, d.dots)) for row, c in rows]
         except EngineLimit:
             rows = zip(d.constraints.matrix, d.constraints.offset, strict=True)
-            whole = [[*row, c] for row, c in rows]
+            ways = [[[*row, c] for row, c in rows]]
             for t in self.chosen:
-                whole = _of_angular_velocities(whole, t, d)
-            return [self._move(_affine(row[:-1], row[-1], d.dots)) for row in whole]
+                ways = [other for way in ways for other in _of_angular_velocities(way, t, d)]
+            for whole in ways:
+                with suppress(EngineLimit):
+                    return [self._move(_affine(row[:-1], row[-1], d.dots)) for row in whole]
+            raise
 
     @cached_property
     def _moved_relations(self) -> tuple[Any, ...]:
@@ -454,20 +458,26 @@ def _roots(d: Definition, t: EulerAngles) -> dict[Any, Any]:
     return found
 
 
-def _of_angular_velocities(rows: list[list[Any]], t: EulerAngles, d: Definition) -> list[list[Any]]:
-    """Rows (k, n + 1) in which those that hold rates of the angles are solved for these, and give
-    the angular velocities instead; as they are where they cannot be solved."""
+def _of_angular_velocities(
+    rows: list[list[Any]], t: EulerAngles, d: Definition
+) -> Iterator[list[list[Any]]]:
+    """Rows (k, n + 1) in which those that hold rates of the angles are solved for as many of the
+    angular velocities, by each choice of these; as they are where there is none."""
     columns = [d.coordinates.index(x) for x in t.symbols]
     held = [i for i, row in enumerate(rows) if any(row[j] != 0 for j in columns)]
-    square = se.DenseMatrix([[rows[i][j] for j in columns] for i in held])
-    if len(held) != len(columns) or se.expand(square.det()) == 0:
-        return rows
+    kept, width = [row for i, row in enumerate(rows) if i not in held], len(rows[0])
     rates = t.body_rates(dict(zip(d.coordinates, d.dots, strict=True)))
     turn = se.DenseMatrix([[w.diff(d.dots[j]) for j in columns] for w in rates])
-    solved = turn * square.inv() * se.DenseMatrix([rows[i] for i in held])
-    kept = [row for i, row in enumerate(rows) if i not in held]
-    width = len(rows[0])
-    return kept + [[solved[i, j] for j in range(width)] for i in range(len(held))]
+    solvable = False
+    for chosen in combinations(range(len(columns)), len(held)) if held else ():
+        own = se.DenseMatrix([[rows[i][j] for j in columns] for i in held]) * turn.inv()
+        square = se.DenseMatrix([[own[i, j] for j in chosen] for i in range(len(held))])
+        if se.expand(square.det()) != 0:
+            solvable = True
+            solved = square.inv() * se.DenseMatrix([rows[i] for i in held])
+            yield kept + [[solved[i, j] for j in range(width)] for i in range(len(held))]
+    if not solvable:
+        yield rows
 
 
 def _affine(row: Sequence[Any], offset: Any, dots: Sequence[Any]) -> Any:

@@ -572,9 +572,12 @@ def candidates(ground: SplitGround, time: float, wide: np.ndarray) -> Any:
     if charted:
         systems = [_split_system(home.system, charted)]
     else:
-        geometry = ground.geometry(time, wide)
-        systems = [home.system] if geometry.quality > CLEAR else []
-        systems.append(_split_system(home.system, geometry.best))
+        try:
+            geometry = ground.geometry(time, wide)
+            systems = [home.system] if geometry.quality > CLEAR else []
+            systems.append(_split_system(home.system, geometry.best))
+        except np.linalg.LinAlgError:  # at a pole the own velocities may need other pivots alone
+            systems = [home.system]
     for system in systems:
         try:
             equations = _equations_near(system, point)
