@@ -472,12 +472,24 @@ def _of_angular_velocities(
     for chosen in combinations(range(len(columns)), len(held)) if held else ():
         own = se.DenseMatrix([[rows[i][j] for j in columns] for i in held]) * turn.inv()
         square = se.DenseMatrix([[own[i, j] for j in chosen] for i in range(len(held))])
-        if se.expand(square.det()) != 0:
+        if _is_regular(square):
             solvable = True
             solved = square.inv() * se.DenseMatrix([rows[i] for i in held])
             yield kept + [[solved[i, j] for j in range(width)] for i in range(len(held))]
     if not solvable:
         yield rows
+
+
+def _is_regular(square: Any) -> bool:
+    """Whether a matrix is regular at a point at random: the determinant is long."""
+    dice, size = Random(SEED), square.shape[0]
+    names = sorted(set().union(*(x.free_symbols for x in square)), key=str)
+    point = {x: se.RealDouble(dice.uniform(0.3, 1.2)) for x in names}
+    try:
+        entries = [float(x.xreplace(point).n(real=True)) for x in square]
+    except RuntimeError:  # an unknown function has no numbers
+        return False
+    return bool(np.linalg.cond(np.reshape(entries, (size, size))) < 1 / DEGENERATE)
 
 
 def _affine(row: Sequence[Any], offset: Any, dots: Sequence[Any]) -> Any:
