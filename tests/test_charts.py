@@ -8,6 +8,7 @@ import sympy as sp
 from pole_free import VALUES, reference, without_poles
 
 import voronec as vo
+from voronec.declaration.claims import without_claims
 from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
 from voronec.motion.atlas import kept_charts
@@ -269,3 +270,34 @@ def test_twins_that_are_no_maps_are_refused_in_one_line(twins):
 def test_a_part_of_a_run_holds_the_instant_at_which_it_ends(order):
     times = order * np.array([0.0, 0.5, 0.6, 2.0, 2.5, 9.0])
     assert [*part_at([order * 0.5, order * 2.0, order * 4.0], order, times)] == [0, 0, 1, 1, 2, 2]
+
+
+def test_a_body_with_an_open_surface_starts_at_a_pole_of_the_sphere():
+    body, ball = vo.load("symmetric-body-on-sphere"), vo.load("displaced-ball-on-sphere")
+    assert verdicts(body)["pole of the sphere turned"].proved
+    u = body.coordinates[0]
+    shape = {
+        sp.Function("P")(u): 1 - sp.cos(u) / 5,
+        sp.Function("V")(u): -sp.Rational(3, 5) * sp.cos(u),
+    }
+
+    def known(expr):
+        return sp.sympify(expr).subs(shape).doit()
+
+    own = replace(
+        body, **without_claims(), invariants={}, lagrangian=known(body.lagrangian),
+        constraints=tuple(map(known, body.constraints)),
+    )  # fmt: skip
+    sizes, place = {"A": "2/5", "C": "1/2"}, {"u": 1, "v": 0, "theta": 0.3, "u1": 0, "v1": 0.2}
+    s, tau, n = 0.4, -0.7, 0.9
+    down, out = np.array([np.cos(1), 0, -np.sin(1)]), np.array([np.sin(1), 0, np.cos(1)])
+    omega = s * down + tau * np.array([0, 1, 0]) + n * out
+    turning = dict(zip(("omega1", "omega2", "omega3"), omega, strict=True))
+    asked = {"parameters": sizes, "times": [0.0, 2.0], "tol": 1e-13}
+    motion = vo.integrate(own, initial={**place, "s": s, "tau": tau, "n": n}, **asked)
+    other = vo.integrate(ball, initial=place | turning, **asked)
+    for name in ("u", "v", "u1", "v1"):
+        assert motion[name][-1] == pytest.approx(other[name][-1], abs=1e-10), name
+    # at its own pole no chart leads on: said, whatever heyoka makes of it
+    with pytest.raises(vo.IntegrationError, match="not defined at the initial point"):
+        vo.integrate(own, initial={**place, "u": 0, "s": s, "tau": tau, "n": n}, **asked)
