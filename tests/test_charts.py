@@ -300,4 +300,4 @@ def test_a_body_with_an_open_surface_starts_at_a_pole_of_the_sphere():
         assert motion[name][-1] == pytest.approx(other[name][-1], abs=1e-10), name
     # at its own pole no chart leads on: said, whatever heyoka makes of it
     with pytest.raises(vo.IntegrationError, match="not defined at the initial point"):
-        vo.integrate(own, initial={**place, "u": 0, "s": s, "tau": tau, "n": n}, **asked)
+        vo.integrate(own, initial={**place, "u": 0, "u1": 0.8, "s": s, "tau": tau, "n": n}, **asked)

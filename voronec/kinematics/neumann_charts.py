@@ -15,7 +15,7 @@ e_v sin a; theta becomes theta - a - a1, with a1 of the sphere.  Done twice, not
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -56,10 +56,9 @@ def turned_poles(
     both = {**turned, **fixed.state, theta: theta - ball.angle - fixed.angle}
     twins = (flipped, {**fixed.twin, theta: theta + sp.pi})
     own = {**turned, theta: theta - ball.angle}
-    alone = {name: replace(c, singular=singular) for name, c in turned_sphere(contact).items()}
     return {
         "pole of the ball turned": Chart(own, singular, changes, twins=twins[:1]),
-        **alone,
+        **_of_sphere(fixed, theta, singular),
         "both poles turned": Chart(both, singular, changes, twins=twins),
     }
 
@@ -74,10 +73,14 @@ def turned_sphere(contact: RollingContact) -> dict[str, Chart]:
     require("turned_sphere", "contact", contact, instance(RollingContact))
     if not _is_sphere(contact.fixed):
         raise DefinitionError("turned_sphere: the fixed surface is no sphere; give another chart")
-    fixed, theta = _PolarPair(*contact.fixed.coordinates), contact.theta
+    fixed = _PolarPair(*contact.fixed.coordinates)
+    return _of_sphere(fixed, contact.theta, fixed.singular)
+
+
+def _of_sphere(fixed: _PolarPair, theta: sp.Symbol, singular: sp.Expr) -> dict[str, Chart]:
     state = {**fixed.state, theta: theta - fixed.angle}
     twin = {**fixed.twin, theta: theta + sp.pi}
-    return {"pole of the sphere turned": Chart(state, fixed.singular, twins=(twin,))}
+    return {"pole of the sphere turned": Chart(state, singular, twins=(twin,))}
 
 
 @dataclass(frozen=True)
