@@ -22,7 +22,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import combinations, product
+from itertools import combinations, compress, product
 from random import Random
 from typing import Any
 
@@ -383,18 +383,17 @@ class _TurnedSystem:
         """The constraints in the other angles; where each for itself is singular at the poles, with
         those that give rates of the angles as ones that give angular velocities."""
         d = self.d
-        try:
-            rows = zip(d.constraints.matrix, d.constraints.offset, strict=True)
-            return [self._move(_affine(row, c, d.dots)) for row, c in rows]
-        except EngineLimit:
-            rows = zip(d.constraints.matrix, d.constraints.offset, strict=True)
-            ways = [[[*row, c] for row, c in rows]]
-            for t in self.chosen:
+        rows = [
+            [*row, c] for row, c in zip(d.constraints.matrix, d.constraints.offset, strict=True)
+        ]
+        for solve in product((False, True), repeat=len(self.chosen)):
+            ways = [rows]
+            for t in compress(self.chosen, solve):
                 ways = [other for way in ways for other in _of_angular_velocities(way, t, d)]
-            for whole in ways:
+            for way in ways:
                 with suppress(EngineLimit):
-                    return [self._move(_affine(row[:-1], row[-1], d.dots)) for row in whole]
-            raise
+                    return [self._move(_affine(row[:-1], row[-1], d.dots)) for row in way]
+        raise EngineLimit("the constraints are not regular at the poles of the angles")
 
     @cached_property
     def _moved_relations(self) -> tuple[Any, ...]:
@@ -462,22 +461,18 @@ def _of_angular_velocities(
     rows: list[list[Any]], t: EulerAngles, d: Definition
 ) -> Iterator[list[list[Any]]]:
     """Rows (k, n + 1) in which those that hold rates of the angles are solved for as many of the
-    angular velocities, by each choice of these; as they are where there is none."""
+    angular velocities, by each choice of these; none where there is none."""
     columns = [d.coordinates.index(x) for x in t.symbols]
     held = [i for i, row in enumerate(rows) if any(row[j] != 0 for j in columns)]
     kept, width = [row for i, row in enumerate(rows) if i not in held], len(rows[0])
     rates = t.body_rates(dict(zip(d.coordinates, d.dots, strict=True)))
     turn = se.DenseMatrix([[w.diff(d.dots[j]) for j in columns] for w in rates])
-    solvable = False
     for chosen in combinations(range(len(columns)), len(held)) if held else ():
         own = se.DenseMatrix([[rows[i][j] for j in columns] for i in held]) * turn.inv()
         square = se.DenseMatrix([[own[i, j] for j in chosen] for i in range(len(held))])
         if _is_regular(square):
-            solvable = True
             solved = square.inv() * se.DenseMatrix([rows[i] for i in held])
             yield kept + [[solved[i, j] for j in range(width)] for i in range(len(held))]
-    if not solvable:
-        yield rows
 
 
 def _is_regular(square: Any) -> bool:
