@@ -31,6 +31,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.normal import canonical
+from voronec.algebra.rank import generic_rank
 from voronec.algebra.rotations import Rotations
 from voronec.algebra.symbols import plain_name
 from voronec.declaration.charts import Chart
@@ -465,26 +466,17 @@ def _of_angular_velocities(
     columns = [d.coordinates.index(x) for x in t.symbols]
     held = [i for i, row in enumerate(rows) if any(row[j] != 0 for j in columns)]
     kept, width = [row for i, row in enumerate(rows) if i not in held], len(rows[0])
+    if not held:
+        return
     rates = t.body_rates(dict(zip(d.coordinates, d.dots, strict=True)))
     turn = se.DenseMatrix([[w.diff(d.dots[j]) for j in columns] for w in rates])
-    for chosen in combinations(range(len(columns)), len(held)) if held else ():
-        own = se.DenseMatrix([[rows[i][j] for j in columns] for i in held]) * turn.inv()
-        square = se.DenseMatrix([[own[i, j] for j in chosen] for i in range(len(held))])
-        if _is_regular(square):
-            solved = square.inv() * se.DenseMatrix([rows[i] for i in held])
+    whole = se.DenseMatrix([rows[i] for i in held])
+    own = se.DenseMatrix([[rows[i][j] for j in columns] for i in held]) * turn.inv()
+    for chosen in combinations(range(len(columns)), len(held)):
+        square = [[own[i, j] for j in chosen] for i in range(len(held))]
+        if generic_rank(square) == len(held):
+            solved = se.DenseMatrix(square).inv() * whole
             yield kept + [[solved[i, j] for j in range(width)] for i in range(len(held))]
-
-
-def _is_regular(square: Any) -> bool:
-    """Whether a matrix is regular at a point at random: the determinant is long."""
-    dice, size = Random(SEED), square.shape[0]
-    names = sorted(set().union(*(x.free_symbols for x in square)), key=str)
-    point = {x: se.RealDouble(dice.uniform(0.3, 1.2)) for x in names}
-    try:
-        entries = [float(x.xreplace(point).n(real=True)) for x in square]
-    except RuntimeError:  # an unknown function has no numbers
-        return False
-    return bool(np.linalg.cond(np.reshape(entries, (size, size))) < 1 / DEGENERATE)
 
 
 def _affine(row: Sequence[Any], offset: Any, dots: Sequence[Any]) -> Any:

@@ -68,8 +68,8 @@ def _decide(motions: Motions, name: str) -> Verdict:
     known = {home.system.name: Motions(home), there.name: Motions.of(there)}
     own = {p.symbol: p.symbol for p in motions.system.parameters}
     for function, applied in applications(known[there.name].on_coordinates).items():
-        slots = sp.symbols(f"s1:{len(applied[0].args) + 1}")
-        own[sp.Function(function)(*slots)] = sp.Function(function)(*slots)
+        formal = sp.Function(function)(*sp.symbols(f"s1:{len(applied[0].args) + 1}"))
+        own[formal] = formal
     relation = Relation(
         home.system.name, there.name, state=chart.values(motions.system), parameters=own
     )
