@@ -467,6 +467,16 @@ def test_errors_of_steps_by_scipy_add_up_to_less_than_those_of_scipy_alone() -> 
     assert here.cost.evaluations < plain.nfev
 
 
+@both
+def test_an_end_that_is_too_far_away_is_named(method: str) -> None:
+    """An oscillator takes steps of one length for ever: none of them is short."""
+    even = vo.System(
+        name="even", fibration=vo.Fibration((x,), ()), lagrangian=(Dx**2 - x**2) / 2
+    )  # fmt: skip
+    with pytest.raises(vo.IntegrationError, match="the end is more than 1e10 steps away after"):
+        vo.integrate(even, times=[0, 1e13], initial={x: 0, Dx: 1}, method=method)
+
+
 def siren(rate: sp.Expr) -> vo.System:
     """x'' = sin(phi) while phi'' is given."""
     return vo.System(

@@ -192,7 +192,7 @@ def test_what_happened_beyond_a_singular_mass_is_not_told() -> None:
 def test_steps_that_lead_nowhere_end_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(marching, "WINDOW", 3)
     monkeypatch.setattr(marching, "CRAWL", 0.5)
-    with pytest.raises(vo.IntegrationError, match="step size collapsed after t") as caught:
+    with pytest.raises(vo.IntegrationError, match="1e10 steps away after t") as caught:
         cosine("scipy")
     assert caught.value.trajectory.cost.steps == 3 and caught.value.trajectory.halted
 

@@ -255,8 +255,8 @@ class _LanesHeadway:
         if self.steps.max() < WINDOW:
             return {}
         pairs = zip(self.looks, self.steps.tolist(), ta.time.tolist(), strict=True)
-        lost = [k for k, (look, steps, time) in enumerate(pairs) if look.recedes(steps, time)]
-        return {k: break_error(COLLAPSE, ta.time[k], lanes.states[k]) for k in lost}
+        why = {k: look.distance(steps, time) for k, (look, steps, time) in enumerate(pairs)}
+        return {k: break_error(x, ta.time[k], lanes.states[k]) for k, x in why.items() if x}
 
 
 def break_error(reason: str, time: float, state: np.ndarray) -> IntegrationError:

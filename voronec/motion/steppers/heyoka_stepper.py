@@ -404,8 +404,8 @@ class _Drive:
         limited = outcome == self.hy.taylor_outcome.step_limit
         if limited and moved <= CRAWL * size / CHUNK * np.ptp(self.grid):
             return self.halt(COLLAPSE)
-        if self.headway.recedes(self.steps, self.integrator.time):
-            return self.halt(COLLAPSE)
+        if reason := self.headway.distance(self.steps, self.integrator.time):
+            return self.halt(reason)
         if outcome == self.hy.taylor_outcome.err_nf_state:
             return self.last_good(before, state, taken)
         self.standing = float(self.integrator.time), self.winding.whole(self.integrator.state)

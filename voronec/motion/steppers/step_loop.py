@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any, Protocol
 
@@ -60,22 +60,25 @@ def crossings(
     start, end = stride.start, stride.end
     times = np.array([start + (end - start) * i / LOOKS for i in range(LOOKS)] + [end])
     values = levels(times, stride.at(times))
-    found = []
     for column, event in events.items():
         if event.name in walls and values[0, column] <= 0:
             values[0, column] = GRAIN
+    touches, found = _may_touch(values), []
+    for i, column in np.argwhere(touches | _change_sign(values)).tolist():
+        if column not in events:
+            continue
+        event = events[column]
 
         def level(time: Any, column: int = column) -> Any:
             moment = np.array([time], dtype=times.dtype)
             return levels(moment, stride.at(moment))[0, column]
 
-        for i in range(LOOKS):
-            bracket = [(times[i], values[i, column]), (times[i + 1], values[i + 1, column])]
-            if _may_touch(values[:, column], i) and (turn := _turn(level, *bracket)):
-                bracket.insert(1, turn)
-            for (a, before), (b, after) in pairwise(bracket):
-                if _crosses(before, after, event.direction if end > start else -event.direction):
-                    found.append((root(level, a, before, b, after), event))
+        bracket = [(times[i], values[i, column]), (times[i + 1], values[i + 1, column])]
+        if touches[i, column] and (turn := _turn(level, *bracket)):
+            bracket.insert(1, turn)
+        for (a, before), (b, after) in pairwise(bracket):
+            if _crosses(before, after, event.direction if end > start else -event.direction):
+                found.append((root(level, a, before, b, after), event))
     return sorted(found, key=lambda pair: abs(pair[0] - start))
 
 
@@ -86,20 +89,32 @@ def _crosses(before: Any, after: Any, direction: int) -> bool:
     return bool(upwards or downwards)
 
 
-def _may_touch(values: np.ndarray, i: int) -> bool:
-    """Whether a function of one sign may reach zero between looks i and i + 1: the parabola through
-    three looks has its least value there, close to zero or beyond."""
-    left, right = values[i], values[i + 1]
-    if left == 0 or right == 0 or (left > 0) != (right > 0):
-        return False
-    sign = 1 if left > 0 else -1
-    for k in (max(i - 1, 0), min(i, len(values) - 3)):
-        a, b, c = (float(sign * v) for v in values[k : k + 3])
-        bend, slope = (a - 2 * b + c) / 2, (c - a) / 2
-        place = k + 1 - slope / (2 * bend) if bend > 0 else np.inf
-        if i - TOUCH <= place <= i + 1 + TOUCH:
-            return b - slope**2 / (4 * bend) < TOUCH * max(a, b, c)
-    return False
+def _change_sign(values: np.ndarray) -> np.ndarray:
+    """Whether functions (k + 1, m) come to zero, or beyond, between looks (k, m)."""
+    upwards = (values[:-1] < 0) & (values[1:] >= 0)
+    return upwards | ((values[:-1] > 0) & (values[1:] <= 0))
+
+
+def _may_touch(values: np.ndarray) -> np.ndarray:
+    """Whether functions (k + 1, m) of one sign may reach zero between looks (k, m): the parabola
+    through three looks has its least value there, close to zero or beyond."""
+    left, right = values[:-1], values[1:]
+    positive = (left > 0) & (right > 0)
+    sign = np.where(positive, 1.0, -1.0)
+    rest = positive | ((left < 0) & (right < 0))
+    numbers, touches = values.astype(float), np.zeros(left.shape, dtype=bool)
+    a, b, c = numbers[:-2], numbers[1:-1], numbers[2:]
+    bend, slope = (a - 2 * b + c) / 2, (c - a) / 2
+    with np.errstate(all="ignore"):
+        place, least = slope / (2 * bend), b - slope**2 / (4 * bend)
+    looks = np.arange(len(left))
+    for k in (np.maximum(looks - 1, 0), np.minimum(looks, len(a) - 1)):
+        there = k[:, None] + 1 - place[k] - looks[:, None]
+        near = rest & (sign * bend[k] > 0) & (there >= -TOUCH) & (there <= 1 + TOUCH)
+        most = np.maximum.reduce([sign * a[k], sign * b[k], sign * c[k]])
+        touches |= near & (sign * least[k] < TOUCH * most)
+        rest &= ~near
+    return touches
 
 
 def _turn(function: Callable[[Any], Any], start: Any, end: Any) -> Any:
@@ -151,6 +166,9 @@ WINDOW, CRAWL = 1000, 1e-7
 """So many steps that cover less than this part of the span lead nowhere."""
 LONG, ENDLESS = 10_000, 1e10
 """After four times so many steps, and more, a run is ended that would take as many as the other."""
+SHORTER = 0.1
+"""Steps that have become shorter by this are said to collapse, where the end is too far away."""
+FAR = f"the end is more than {ENDLESS:.0e} steps away".replace("+", "")
 SUSPECTS = 64
 """States whose mass matrices are looked at together."""
 
@@ -163,7 +181,7 @@ class IntegratorFailure(Exception):
 class Headway:
     """A look at whether steps lead to the end of a run, from its ``start`` on.
 
-    They lead nowhere where many of them cover next to nothing, and where ever more are left: at the
+    They lead nowhere where many of them cover next to nothing, and where too many are left: at the
     best pace p of the last half of N steps, which fades as N^-a, the way d that is left takes
     N (1 + (1 - a) d/(p N))^(1/(1 - a)) steps, or N exp(d/(p N)) where a = 1.  That is looked at
     whenever their number has doubled, beyond ``looked``.
@@ -172,40 +190,49 @@ class Headway:
     start: Any
     end: float
     looked: int = field(default_factory=lambda: LONG)
-    marks: tuple[Any, int] = field(init=False)
+    marks: tuple[float, int] = field(init=False)
+    last: tuple[float, int] = field(init=False)
     time: float = field(init=False)
     steps: int = 0
     best: float = 0.0
     former: float = 0.0
+    fastest: float = 0.0
 
     def __post_init__(self) -> None:
-        self.marks, self.time = (self.start, 0), float(self.start)
+        self.time = float(self.start)
+        self.marks = self.last = self.time, 0
 
-    def is_lost(self, steps: int, time: Any) -> bool:
-        """Whether so many steps, which came to a time, lead nowhere."""
-        return self._crawls(steps, time) or self.recedes(steps, time)
+    def failure(self, steps: int, time: Any) -> str:
+        """Why so many steps, which came to a time, lead nowhere; empty where they do not."""
+        time, mark, marked = float(time), *self.marks
+        if steps > self.last[1]:
+            self.fastest = max(self.fastest, abs(time - self.last[0]) / (steps - self.last[1]))
+            self.last = time, steps
+        if windows := (steps - marked) // WINDOW:
+            self.marks = time, steps
+            if abs(time - mark) <= CRAWL * abs(self.end - float(self.start)) * windows:
+                return self._reason(abs(time - mark) / (steps - marked))
+        return self.distance(steps, time)
 
-    def _crawls(self, steps: int, time: Any) -> bool:
-        mark, marked = self.marks
-        windows = (steps - marked) // WINDOW
-        if not windows:
-            return False
-        self.marks = time, steps
-        span = abs(self.end - float(self.start))
-        return bool(abs(time - mark) <= CRAWL * span * windows)
-
-    def recedes(self, steps: int, time: Any) -> bool:
-        """Whether the end is ever farther away."""
+    def distance(self, steps: int, time: Any) -> str:
+        """Why the end is too far away, empty where it is not."""
         if steps - self.steps < WINDOW:
-            return False
+            return ""
         pace = abs(float(time) - self.time) / (steps - self.steps)
         self.time, self.steps, self.best = float(time), steps, max(self.best, pace)
+        self.fastest = max(self.fastest, pace)
         if steps < 2 * self.looked or not self.best:
-            return not self.best
+            return "" if self.best else COLLAPSE
         fading = np.log(self.former / self.best) / np.log(steps / self.looked) if self.former else 0
         left = abs(self.end - self.time) / (self.best * steps)
-        self.looked, self.former, self.best = steps, self.best, 0.0
-        return bool(np.log(steps) + _log_growth(left, min(fading, 1.0)) > np.log(ENDLESS))
+        pace, self.looked, self.former, self.best = self.best, steps, self.best, 0.0
+        if np.log(steps) + _log_growth(left, min(fading, 1.0)) <= np.log(ENDLESS):
+            return ""
+        return self._reason(pace)
+
+    def _reason(self, pace: float) -> str:
+        """Whether steps have become short, or the way is long."""
+        return COLLAPSE if pace < SHORTER * self.fastest else FAR
 
 
 def _log_growth(left: float, fading: float) -> float:
@@ -311,8 +338,8 @@ class _March:
                 ticker(self.last.time)
                 if self.unseen >= SUSPECTS and (halt := self.singular()):
                     return self.result(halt)
-                if headway.is_lost(self.steps, self.last.time):
-                    return self.result(self.last)
+                if reason := headway.failure(self.steps, self.last.time):
+                    return self.result(replace(self.last, reason=reason))
         except KeyboardInterrupt:
             return self.result(interrupted=True)
         return self.result(self.singular())
