@@ -134,7 +134,7 @@ def test_those_that_nobody_used_for_longest_give_way(shelf, monkeypatch) -> None
     assert len([*shelf.iterdir()]) == 2
 
 
-@pytest.mark.parametrize("method", ["scipy", "numba"])
+@pytest.mark.parametrize("method", ["scipy", pytest.param("numba", marks=pytest.mark.slow)])
 def test_a_user_without_a_home_has_motions_too(shelf, tmp_path, monkeypatch, method) -> None:
     """A process of a user whom the machine does not know, as containers have them."""
     if method == "numba":

@@ -47,9 +47,8 @@ def main() -> int:
         "circles": [sorted(c) for c in circles(graph)],
         "arrows between rooms": len({(_room(a), _room(b)) for a in graph for b in graph[a]}),
         "lines of voronec/": sum(lines(p) for p in PACKAGE.rglob("*.py")),
-        "lines of systems/ but demchenko": sum(
-            lines(p) for p in (ROOT / "systems").rglob("*.py") if "demchenko" not in p.parts
-        ),
+        "lines of systems/ but demchenko": sum(map(lines, _systems())),
+        "of these in sketches, shapes and words": sum(map(_picture_lines, _systems())),
         "imported by one": _lone(graph),
     }
     if not chosen.quick:
@@ -162,6 +161,20 @@ def lines(path: Path) -> int:
         if token.type not in void | {tokenize.ENDMARKER}:
             kept.update(range(token.start[0], token.end[0] + 1))
     return len(kept - skip)
+
+
+def _systems() -> list[Path]:
+    return [p for p in (ROOT / "systems").rglob("*.py") if "demchenko" not in p.parts]
+
+
+def _picture_lines(path: Path) -> int:
+    """Lines of a file that declare what is drawn of a system, and what its letters are in words."""
+    kept: set[int] = set()
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        named = isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "SKETCH"
+        if named or (isinstance(node, ast.keyword) and node.arg in ("sketch", "shapes", "meanings")):
+            kept.update(range(node.lineno, (node.end_lineno or 0) + 1))  # type: ignore[attr-defined]
+    return len(kept)
 
 
 def _derive() -> None:
