@@ -172,7 +172,9 @@ def _picture_lines(path: Path) -> int:
     kept: set[int] = set()
     for node in ast.walk(ast.parse(path.read_text("utf-8"))):
         named = isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "SKETCH"
-        if named or (isinstance(node, ast.keyword) and node.arg in ("sketch", "shapes", "meanings")):
+        if named or (
+            isinstance(node, ast.keyword) and node.arg in ("sketch", "shapes", "meanings")
+        ):
             kept.update(range(node.lineno, (node.end_lineno or 0) + 1))  # type: ignore[attr-defined]
     return len(kept)
 

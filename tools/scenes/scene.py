@@ -33,7 +33,7 @@ LOOSE = {"lsoda": 1000.0}
 SHARP = {"scipy": 1e-13 / (100 * UNIT)}
 """How many times 100 units a step may err where the estimate of a method is sharp: DOP853 errs by
 its tolerance, 1e-13, and by more than 100 units even on x' = x."""
-LOST = 0.1
+BLUR = 0.1
 """Where so large a part of a value may be wrong, nothing can be said about it."""
 INSTANTS = 8
 """So many instants of a grid are compared."""
@@ -301,7 +301,7 @@ def _compare(scene: Scene, truth: Truth, answer: Mapping[str, Any]) -> tuple[str
     worst, said = -1.0, ""
     for place, values, bounds in zip(truth.places, truth.values, truth.bounds, strict=True):
         for name, value in values.items():
-            if name not in answer or bounds[name] > LOST * max(1.0, abs(value)):
+            if name not in answer or bounds[name] > BLUR * max(1.0, abs(value)):
                 continue
             off = abs(float(answer[name][place]) - value)
             ratio = off / bounds[name] if math.isfinite(off) else math.inf
