@@ -6,6 +6,7 @@ velocities: M q'' - A^T lambda = Q - h, A q'' = -b.  They know neither frame nor
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
@@ -567,10 +568,74 @@ def test_a_start_where_coordinates_do_not_tell_the_motion_is_refused_in_one_line
             vo.integrate(vo.load(name), initial=start, times=[0, 0.1])
 
 
-def test_velocities_of_a_group_that_nobody_can_give_are_not_asked_for() -> None:
+def test_the_refusal_of_a_start_on_a_group_names_a_velocity_that_leads_on() -> None:
     start = {"gamma1": 1, "gamma2": 0, "gamma3": 0, "gamma4": 0, "Omega14": 0.3}
-    with pytest.raises(vo.DefinitionError, match=r"initial point, .*; start beside it"):
+    with pytest.raises(vo.DefinitionError, match=r"of the group, such as 'Omega1[23]'"):
         vo.integrate(vo.load("veselova-in-rn"), initial=start, times=[0, 0.1])
+    run = vo.integrate(vo.load("veselova-in-rn"), initial={**start, "Omega12": 0.5, "Omega13": 0.1},
+        times=[0, 0.1], outputs=("Omega12", "Omega23"))  # fmt: skip
+    assert (run["Omega12"][0], run["Omega23"][0]) == (0.5, 0)
+
+
+AXES = tuple(itertools.combinations(range(4), 2))
+
+
+def hyperplane_start(gamma: np.ndarray, u: np.ndarray) -> dict[str, float]:
+    """gamma and Omega = gamma u^T - u gamma^T by name."""
+    turning = np.outer(gamma, u) - np.outer(u, gamma)
+    own = {f"Omega{i + 1}{j + 1}": turning[i, j] for i, j in AXES}
+    return {**{f"gamma{i + 1}": x for i, x in enumerate(gamma)}, **own}
+
+
+@pytest.mark.parametrize("tol", [1e-13, 1e-20])
+@pytest.mark.parametrize(
+    ("name", "letter"),
+    [("veselova-in-rn", "J"), ("rubber-ball-in-rn", "I"), ("rubber-ball-on-sphere-in-rn", "I")],
+)
+def test_constraints_dependent_at_the_start_are_those_beside(
+    name: str, letter: str, tol: float
+) -> None:
+    # where gamma4 = 0; with axes 1 and 4 in each other's place it is gamma1 = 0, a regular start
+    system, turn = vo.load(name), [3, 1, 2, 0]
+    gamma, u = np.array([0.48, 0.6, 0.64, 0.0]), np.array([0.3, -0.5, 0.2, 0.7])
+    own = {p.name: p.value for p in system.parameters}
+    moments = {
+        f"{letter}{i + 1}{j + 1}": own["{}{}{}".format(letter, *sorted((turn[i] + 1, turn[j] + 1)))]
+        for i, j in AXES
+    }
+    outputs = ("gamma1", "gamma2", "gamma4", "Omega14", "Omega23", "energy")
+    one, other = (
+        vo.integrate(
+            system, initial=hyperplane_start(gamma[axes], u[axes]), times=[0, 0.5, 1], tol=tol,
+            parameters=parameters, outputs=outputs,
+        )
+        for axes, parameters in (([0, 1, 2, 3], {}), (turn, moments))
+    )  # fmt: skip
+    pairs = [("gamma1", "gamma4", 1), ("gamma4", "gamma1", 1), ("Omega14", "Omega14", -1)]
+    pairs += [(x, x, 1) for x in ("gamma2", "Omega23", "energy")]
+    for a, b, sign in pairs:
+        assert np.abs(one[a] - sign * other[b]).max() < max(1e-13, 10 * tol), a
+
+
+def test_a_start_on_a_group_may_be_given_by_any_of_its_velocities() -> None:
+    system, given = vo.load("veselova-in-rn"), {"times": [0, 1], "outputs": ("gamma1", "Omega23")}
+    for last in (0.0, 0.48):
+        gamma = np.array([0.8 if last == 0 else 0.64, 0.6, 0.0, last])
+        whole = hyperplane_start(gamma, np.array([0.3, -0.5, 0.2, 0.7]))
+        point = {x: value for x, value in whole.items() if x.startswith("gamma")}
+        turning = np.zeros((4, 4))
+        for i, j in AXES:
+            turning[i, j], turning[j, i] = (s * whole[f"Omega{i + 1}{j + 1}"] for s in (1, -1))
+        rates = {f"gamma{i + 1}dot": x for i, x in enumerate(-turning @ gamma)}
+        few = {x: whole[x] for x in ("Omega12", "Omega13", "Omega14")}
+        runs = [
+            vo.integrate(system, initial=start, **given)
+            for start in (whole, {**point, **rates}, {**point, **few})
+        ]
+        many = vo.ensemble(system, starts=[whole, {**point, **few}], **given)
+        for x in given["outputs"]:
+            ends = [*(run[x][-1] for run in runs), *many[x][:, -1]]
+            assert ends == pytest.approx([ends[0]] * 5, abs=1e-12), (last, x)
 
 
 @pytest.mark.parametrize("pole", [0.0, np.pi])

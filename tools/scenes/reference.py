@@ -218,7 +218,9 @@ class Referee:
         self.switches = _Switches()
         L = self.switches.smooth(m.lagrangian)
         forces = [self.switches.smooth(f) for f in m.forces]
-        rows = [*m.constraints, *(self._rate(r) for r in m.relations)]
+        # the rates of a group keep its relations
+        kept = (r for r in map(self._rate, m.relations) if r.expand() != 0)
+        rows = [*m.constraints, *kept]
         unknown = {f for e in (L, *forces, *rows) for f in e.atoms(AppliedUndef)}
         if unknown:
             raise NoReferee(f"the unknown function {min(unknown, key=str)}")

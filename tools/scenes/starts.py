@@ -52,6 +52,8 @@ FINE, COARSE = (1e-15, 1e-13), (1e-12, 1e-10)
 """Tolerances of the referee, ahead and back; the second where it does not get through else."""
 NEARBY = 1e-11
 """So far away is the start that tells the condition of a motion."""
+ASIDE = mp.mpf("1e-14")
+"""So far away are constraints looked at that may be dependent; the referee has 40 digits."""
 FLOOR, LOOSE = 1e-9, 1e-6
 """How far off an answer may be, in units of its size: at regular places, and at singular ones."""
 TELLS = 1e-4
@@ -218,19 +220,24 @@ class Bench:
             found = self.referee._kinematics(mp.mpf(0), q, self.values)
         except ZeroDivisionError:  # the constraints have no value there
             return
-        matrix, offsets = (np.array(x, dtype=float) for x in found)
-        rows = len(self.referee._rows)
         guess = np.array([self.dice.uniform(-1, 1) for _ in m.w])
+        if self.system.on_group:
+            # its frame is good: where constraints are dependent, they are what they are beside
+            names = [str(x) for x in self.system.directions]
+            beside = [x + ASIDE * self.dice.uniform(0.5, 1) for x in map(mp.mpf, q)]
+            w = self.referee.start_of_rates(beside, [*guess], self.values, 0.0)[len(q) :]
+        else:
+            names = [f"{n}dot" for n in self.names]
+            w = [*self._admissible(guess, *(np.array(x, dtype=float) for x in found))]
+        yield Start(place, dict(zip(names, map(float, w), strict=True)), False)
+
+    def _admissible(self, guess: np.ndarray, matrix: np.ndarray, offsets: np.ndarray) -> np.ndarray:
+        """The velocities of coordinates that meet the constraints and are nearest to a guess."""
+        rows = len(self.referee._rows)
         # beside a pole rows are large: of each its direction counts
         sizes = np.abs(matrix[:rows]).max(axis=1, initial=1e-300)
-        matrix[:rows] /= sizes[:, None]
-        offsets[:rows] /= sizes
-        inverse = np.linalg.pinv(matrix[:rows], 1e-9)
-        w = guess - inverse @ (matrix[:rows] @ guess + offsets[:rows])
-        frame = self.system.frame
-        ambient = frame.ambient if frame is not None and frame.is_group else None
-        names = [str(x) for x in ambient] if ambient else [f"{n}dot" for n in self.names]
-        yield Start(place, dict(zip(names, map(float, w), strict=True)), False)
+        matrix, offsets = matrix[:rows] / sizes[:, None], offsets[:rows] / sizes
+        return np.asarray(guess - np.linalg.pinv(matrix, 1e-9) @ (matrix @ guess + offsets))
 
     def answer(self, start: Start) -> dict[str, float]:
         """The engine's state at the end."""

@@ -96,6 +96,11 @@ class Definition:
         return names[: self.base], names[self.base :]
 
     @property
+    def fibre_velocities(self) -> tuple[Any, ...]:
+        """The velocities of a group that are not independent; none without a group."""
+        return self.dots[self.base :] if self.group is not None else ()
+
+    @property
     def keeps_vertical(self) -> bool:
         """Whether the fibre directions are those of a fibration that the brackets know."""
         return self.group is None or self.group.keeps_vertical(self.base)

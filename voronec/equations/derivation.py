@@ -171,8 +171,7 @@ class Derivation:
     def dependent(self) -> tuple[tuple[Any, Any], ...]:
         """The velocities of a group that are not independent, with what they are."""
         d = self.definition
-        pairs = tuple(zip(d.dots, self.dot_rates, strict=True))
-        return pairs[d.base :] if d.group is not None else ()
+        return tuple(zip(d.fibre_velocities, self.dot_rates[d.base :], strict=False))
 
     @property
     def group_terms(self) -> tuple[tuple[Any, ...], ...]:

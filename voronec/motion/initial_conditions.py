@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
-from voronec.algebra.symbols import names_in, plain_name, velocity
+from voronec.algebra.symbols import names_in, plain_name
 from voronec.declaration.reading import quote
 from voronec.declaration.system import require_possible
 from voronec.equations.program import Program, compile_program
@@ -174,8 +174,8 @@ def start_of(
     """Coordinates, then velocities v, at the start; what nobody names is zero.
 
     ``given`` overrides ``scene`` entry by entry.  Coordinates must satisfy the relations between
-    redundant ones.  Velocities of coordinates are conditions on v, rates(q, v) = value, that must
-    be consistent and must determine the v they involve.  ``DefinitionError`` with the residual
+    redundant ones.  Other velocities are conditions on v, rates(q, v) = value, that must be
+    consistent and must determine the v they involve.  ``DefinitionError`` with the residual
     where data do not fit; with ``project`` the nearest coordinates on the relations are taken, and
     the v that meet all conditions best (least squares).
     """
@@ -259,7 +259,7 @@ class NoFrame(DefinitionError):
 
 
 Rates = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""Coordinates (n,) and velocities (m, k) to the velocities of all coordinates (n, k)."""
+"""Coordinates (n,) and velocities (m, k) to the velocities of ``Vocabulary.rate_names`` (l, k)."""
 
 
 def meet_conditions(
@@ -312,7 +312,7 @@ def _pose_conditions(
     """The conditions in order: their names, and rows @ v = right."""
     system = vocabulary.equations.system
     own = [plain_name(x) for x in system.velocities]
-    dots = [plain_name(velocity(x)) for x in system.coordinates]
+    dots = vocabulary.rate_names
     n = len(own)
     order = list(dict.fromkeys(name for name in (*own, *dots) if name in conditions))
     if set(order) <= set(own):
@@ -363,7 +363,7 @@ def _inconsistent(
 
 
 RatesOfMany = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""Coordinates (s, n) and velocities (m, k) to the velocities of all coordinates (s, n, k)."""
+"""Coordinates (s, n) and velocities (m, k) to the same velocities (s, l, k)."""
 
 
 def starts_in_arrays(
@@ -473,7 +473,7 @@ def _pose_conditions_of_many(
     """The conditions in order: their names, and rows (s, k, n) @ v = right (s, k)."""
     system = vocabulary.equations.system
     own = [plain_name(x) for x in system.velocities]
-    dots = [plain_name(velocity(x)) for x in system.coordinates]
+    dots = vocabulary.rate_names
     order = list(dict.fromkeys(name for name in (*own, *dots) if name in conditions))
     unit, right = np.eye(len(own)), np.stack([conditions[k] for k in order], axis=-1)
     if set(order) <= set(own):

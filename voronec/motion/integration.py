@@ -101,8 +101,9 @@ def integrate(
         names, symbols or expressions; by default all coordinates and velocities.
     parameters, initial
         values by symbol or name, over those of the scene.  ``initial`` takes coordinates, the
-        velocities v of the equations, and velocities of any coordinates, which must agree with
-        the constraints; what nobody gives starts at zero.  Values may contain parameters.
+        velocities v of the equations, and velocities of any coordinates or of a group's fibre,
+        which must agree with the constraints; what nobody gives starts at zero.  Values may contain
+        parameters.
     method
         ``heyoka`` (Taylor), ``scipy`` (DOP853), ``numba`` (the same, compiled), ``c`` (compiled by
         the machine's C compiler), ``python`` (in Python alone), ``lsoda`` (scipy's, for stiff

@@ -22,7 +22,7 @@ from voronec.motion.model import smallest_model
 from voronec.motion.motion_start import require_inertia
 from voronec.motion.request import Vocabulary, name_values
 from voronec.motion.split_models import SplitGround
-from voronec.motion.state_probe import quantities, quiet, rates_along
+from voronec.motion.state_probe import quantities, quiet, rates_along, rates_program
 
 __all__ = ["Ground", "Many", "at_each", "drifts", "ground", "many"]
 
@@ -183,13 +183,12 @@ def many(
     looked = {**basis.quantities, **{f"integral {n}": e for n, e in basis.integrals.items()}}
     program = Program.of(basis.form, looked)
     below = _below(equations, basis)
-    functions = compile_program(below)
     needed = {str(s) for p in (program, below) for b in (p.derivative, p.extras) for s in b.symbols}
     constants, wrong = _constants(vocabulary, scene, parameters, len(starts), needed)
     initial = name_values(vocabulary, scene.initial if scene else {}, "initial value")
     table = _table(constants, below.parameters, len(starts))
-    full = _states(vocabulary, initial, starts, constants, functions[0], table, time, wrong)
-    states, frozen = _place_on_ground(below, functions[1], full, constants, time)
+    full = _states(vocabulary, initial, starts, constants, table, time, wrong)
+    states, frozen = _place_on_ground(below, compile_program(below)[1], full, constants, time)
     values = _table({**constants, **frozen}, program.parameters, len(starts))
     rhs, extras = compile_program(program)
     if not program.derivative.is_rough(program.parameters):
@@ -200,13 +199,15 @@ def many(
 
 def _states(
     vocabulary: Vocabulary, initial: Mapping[str, Any], starts: Sequence[Mapping[Any, Any]],
-    constants: Mapping[str, np.ndarray], rhs: Any, table: np.ndarray, time: float,
+    constants: Mapping[str, np.ndarray], table: np.ndarray, time: float,
     wrong: dict[int, VoronecError],
 ) -> np.ndarray:  # fmt: skip
     """The states (s, n) of the starts on the coordinates, all at once, and one by one where that
     says too little; those from which no motion goes join the ``wrong`` ones."""
     equations = vocabulary.equations
-    rates_of_many = partial(_rates_of_many, rhs, table, time)
+    program = rates_program(equations.form, equations.definition.fibre_velocities)
+    follow = compile_program(program)[1]
+    rates_of_many = partial(_rates_of_many, follow, table, time)
     full = starts_in_arrays(vocabulary, initial, starts, constants, rates_of_many)
     full[[*wrong]] = np.nan
     zero = np.zeros(len(starts), dtype=bool)
@@ -219,7 +220,7 @@ def _states(
         own = {name: float(x[i]) for name, x in constants.items()}
         try:
             if np.isnan(full[i]).any():
-                rates = partial(rates_along, quiet(rhs, table[i].tolist()), time)
+                rates = partial(rates_along, quiet(follow, table[i].tolist()), time)
                 data = name_values(vocabulary, given, "initial value")
                 full[i] = start_of(vocabulary, initial, data, own, rates, time).state
             require_inertia(equations, own, full[i], time)
@@ -231,14 +232,14 @@ def _states(
 def _rates_of_many(
     function: Any, values: np.ndarray, time: float, q: np.ndarray, v: np.ndarray
 ) -> np.ndarray:
-    """Velocities of all coordinates (s, n, k) at several q (s, n), with parameters (s, p), and, at
+    """The quantities (s, l, k) of a function at several q (s, n), with parameters (s, p), and, at
     each, several v (m, k)."""
     shape = (len(q), v.shape[1])
     columns = [*np.repeat(q.T[:, :, None], shape[1], axis=2)]
     columns += [np.broadcast_to(row, shape) for row in v]
     with np.errstate(all="ignore"):
         rates = function(np.float64(time), columns, [x[:, None] for x in values.T])
-    rows = [np.broadcast_to(r, shape) for r in rates[: q.shape[1]]]
+    rows = [np.broadcast_to(r, shape) for r in rates]
     return np.stack(rows, axis=1).astype(float)
 
 

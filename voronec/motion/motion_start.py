@@ -62,8 +62,8 @@ __all__ = ["Exactly", "Outset", "WideStart", "exact_number", "rates_at", "requir
 def rates_at(
     equations: VoronecEquations, form: Any, constants: Mapping[str, float], time: float
 ) -> Rates:
-    """The velocities of all coordinates by a form of the equations, or, where that has a pole or
-    loses all digits, by their normal form; not a number where that does, too."""
+    """The velocities that follow by a form of the equations, or, where that has a pole or loses all
+    digits, by their normal form; not a number where that does, too."""
     ground = SplitGround(equations, constants, time)
 
     def rates(q: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -86,7 +86,7 @@ def _rates_program(equations: VoronecEquations, form: Any) -> Program:
     def make() -> Program:
         d = equations.definition
         packs = Packs(equations.system, ["rates", kind, d.near, d.share])
-        program = packs.once("program", lambda: rates_program(form))
+        program = packs.once("program", lambda: rates_program(form, d.fibre_velocities))
         packs.keep()
         return program
 
@@ -317,12 +317,14 @@ class WideStart:
 
 @dataclass(frozen=True)
 class _Conditions:
-    """The conditions at one point: rows of constraints and relations, and of the frame, each with
-    its offset; names of velocities w and v.  ``blind`` (N, k) are directions that are no motion."""
+    """The conditions at one point: rows of constraints and relations, of the frame, and on a group
+    of the coordinates' ``rates``, each with its offset; names of velocities w and v.  ``blind``
+    (N, k) are directions that are no motion."""
 
     system: Any
     conditions: np.ndarray
     frame: np.ndarray
+    rates: Mapping[str, np.ndarray]
     dots: list[str]
     own: list[str]
     blind: np.ndarray
@@ -344,7 +346,10 @@ class _Conditions:
         dots = system.directions if d.group is not None else map(velocity, system.coordinates)
         names = [plain_name(x) for x in dots]
         own = [plain_name(v) for v in system.velocities]
-        return cls(system, conditions, frame, names, own, blind_directions(ground, wide))
+        rows = ground.coordinate_rows(ground.time, wide, constants)
+        slopes = [plain_name(velocity(x)) for x in system.coordinates]
+        rates = dict(zip(slopes, rows, strict=False))
+        return cls(system, conditions, frame, rates, names, own, blind_directions(ground, wide))
 
     def require_motion(self, ground: SplitGround, q: np.ndarray) -> None:
         """Refuse a start where coordinates may change though nothing moves, and no chart sees it:
@@ -365,11 +370,8 @@ class _Conditions:
         """The row of a velocity by name, with its offset."""
         if name in self.own:
             return np.asarray(self.frame[self.own.index(name)])
-        if name not in self.dots:
-            raise DefinitionError(
-                f"system '{self.system.name}': '{name}' cannot be given where the frame is "
-                "singular; give velocities of its group"
-            )
+        if name in self.rates:
+            return self.rates[name]
         found = np.zeros(len(self.dots) + 1)
         found[self.dots.index(name)] = 1.0
         return found
@@ -382,12 +384,11 @@ class _Conditions:
         ways = open_beyond(np.vstack([left, further]), self.blind)
         if np.abs(ways).max(initial=0.0) > POLE:
             free = self.dots[int(np.argmax(np.abs(ways).max(axis=1)))]
-            grouped = self.system.frame is not None and self.system.frame.is_group
-            coordinates = f"give velocities of coordinates, such as '{free}'"
-            mend = "start beside it" if grouped else coordinates
+            others = "the group" if self.system.on_group else "coordinates"
             raise DefinitionError(
                 f"system '{self.system.name}': the velocities {', '.join(self.own)} are no frame "
-                f"at the initial point, and do not determine the motion; {mend}"
+                "at the initial point, and do not determine the motion; give velocities of "
+                f"{others}, such as '{free}'"
             )
         found = np.linalg.pinv(left, LEAST_SINGULAR_VALUE) @ right
         _, sizes, basis = np.linalg.svd(left)
@@ -498,19 +499,19 @@ class Exactly:
         """The start with velocities that meet all conditions which it meets in doubles."""
         system = self.vocabulary.equations.system
         own = [plain_name(x) for x in system.velocities]
-        dots = [plain_name(velocity(q)) for q in system.coordinates]
-        rates, _ = compiled_digits(self.program)
+        names = self.vocabulary.rate_names
+        _, rates = compiled_digits(self.program)
         asked = not {*conditions} <= {*own}  # at poles of angles their rates are infinite
 
         def residuals(state: np.ndarray) -> list[Any]:
             try:
-                slopes = rates(self.time, list(state), values)[:n] if asked else ()
+                slopes = rates(self.time, list(state), values) if asked else ()
             except ZeroDivisionError:
                 raise EngineLimit(
                     f"system '{system.name}': velocities of coordinates do not tell the start to "
                     f"many digits at a pole of these; give {', '.join(own)}"
                 ) from None
-            found = dict(zip(dots, slopes, strict=asked))
+            found = dict(zip(names, slopes, strict=asked))
             found |= zip(own, state[n:], strict=True)
             return [found[name] for name in conditions]
 

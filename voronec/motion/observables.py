@@ -15,7 +15,14 @@ from voronec.equations.program.python import compiled_digits, precision
 from voronec.motion.reactions import Multipliers
 from voronec.motion.request import OutputTerms, Vocabulary
 
-__all__ = ["AngleBranch", "Watch", "evaluate_extras", "evaluate_watch", "watch_of"]
+__all__ = [
+    "AngleBranch",
+    "Watch",
+    "evaluate_extras",
+    "evaluate_watch",
+    "size_of_terms",
+    "watch_of",
+]
 
 
 @dataclass(frozen=True)
@@ -78,7 +85,7 @@ class Watch:
         expressions = dict(wanted.expressions)
         for name, inside in integrals.items():
             expressions[f"integral {name}"] = inside
-            expressions[f"size of integral {name}"] = _size(inside)
+            expressions[f"size of integral {name}"] = size_of_terms(inside)
         expressions |= {f"relation {name}": inside for name, inside in relations.items()}
         if multipliers is not None:
             expressions |= multipliers.entries
@@ -112,14 +119,14 @@ def watch_of(
     )
 
 
-def _size(expr: Any, done: dict[Any, Any] | None = None) -> Any:
+def size_of_terms(expr: Any, done: dict[Any, Any] | None = None) -> Any:
     """The expression with every term of its sums taken positive: what it is without cancelling."""
     known: dict[Any, Any] = {} if done is None else done
     if expr not in known:
         if isinstance(expr, se.Add | se.Mul):
-            known[expr] = type(expr)(*[_size(a, known) for a in expr.args])
+            known[expr] = type(expr)(*[size_of_terms(a, known) for a in expr.args])
         elif isinstance(expr, se.Pow) and isinstance(expr.args[1], se.Integer) and expr.args[1] > 0:
-            known[expr] = se.Pow(_size(expr.args[0], known), expr.args[1])
+            known[expr] = se.Pow(size_of_terms(expr.args[0], known), expr.args[1])
         else:
             known[expr] = se.Abs(expr)
     return known[expr]

@@ -369,9 +369,18 @@ class Vocabulary:
         return tuple(p.name for p in self.equations.system.parameters)
 
     @cached_property
+    def rate_names(self) -> tuple[str, ...]:
+        """The names of the velocities that follow from those of the equations: of the coordinates,
+        and of the fibre of a group."""
+        system = self.equations.system
+        fibre = system.frame.fibre if system.frame is not None else ()
+        return tuple(map(plain_name, (*map(velocity, system.coordinates), *fibre)))
+
+    @cached_property
     def start_names(self) -> tuple[str, ...]:
-        """The names of coordinates, of their velocities, and of the velocities of the equations."""
-        return tuple(name for name in self.symbols if name not in {*self.parameter_names, "t"})
+        """The names of coordinates, of the equations' velocities, and of those that follow."""
+        own = (name for name in self.symbols if name not in {*self.parameter_names, "t"})
+        return tuple(dict.fromkeys((*own, *self.rate_names)))
 
     @property
     def known(self) -> dict[str, sp.Expr]:

@@ -27,6 +27,7 @@ import numpy as np
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.normal import canonical
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.terms import factors_of
 from voronec.algebra.text import as_expression
@@ -38,7 +39,13 @@ from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.equations.program import Program, compile_program
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.voronec_equations import VoronecEquations, derive
-from voronec.errors import VoronecError
+from voronec.errors import EngineLimit, VoronecError
+from voronec.motion.dependent_constraints import (
+    are_dependent,
+    has_limit,
+    places_beside,
+    solution_rows,
+)
 from voronec.motion.divisors import (
     CLEAR,
     FEW,
@@ -49,7 +56,7 @@ from voronec.motion.divisors import (
     divisors,
     without_factors,
 )
-from voronec.motion.observables import Watch
+from voronec.motion.observables import Watch, size_of_terms
 from voronec.motion.reactions import Multipliers
 from voronec.motion.state_probe import quantities, usual_size
 
@@ -81,7 +88,8 @@ def _wide_form(d: Definition) -> FirstOrderForm:
 
 def _geometry_entries(d: Definition) -> dict[str, Any]:
     """What ``Geometry.of`` takes, by name, as functions of the wide state: rows of the constraints
-    and the relations, rows of the frame, each with its offset, and d2L/dw2."""
+    and the relations, rows of the frame, each with its offset, and d2L/dw2; of a group also rows of
+    the coordinates' rates."""
     forms: list[tuple[Sequence[Any], Any]] = []
     forms += zip(d.constraints.matrix, d.constraints.offset, strict=True)
     forms += zip(d.differentiated.matrix, d.differentiated.offset, strict=True)
@@ -92,8 +100,9 @@ def _geometry_entries(d: Definition) -> dict[str, Any]:
     else:
         unit = [[se.Integer(int(i == a)) for a in range(len(d.dots))] for i in range(n)]
         own += [(row, se.Integer(0)) for row in unit]
+    rates = [] if d.group is None else [(row, se.Integer(0)) for row in d.group.fields]
     entries: dict[str, Any] = {}
-    for kind, rows in (("condition", forms), ("frame", own)):
+    for kind, rows in (("condition", forms), ("frame", own), ("rate", rates)):
         for i, (row, offset) in enumerate(rows):
             entries |= {f"{kind} {i},{a}": se.sympify(e) for a, e in enumerate((*row, offset))}
     for a, w in enumerate(d.dots):
@@ -288,21 +297,74 @@ class SplitGround:
 
     def _entries(self, time: Any, wide: Any, constants: Any = None) -> dict[str, Any]:
         """The entries of constraints, frame and mass at a wide state, by name."""
-        program = self._geometry
+        return self._by_name(self._geometry, time, wide, constants)
+
+    def _by_name(self, program: Program, time: Any, wide: Any, constants: Any) -> dict[str, Any]:
         flat = numbers(program, time, list(wide), self.values(program, constants))
         return dict(zip(program.names, flat, strict=True))
+
+    def _limit_entries(self, time: Any, wide: np.ndarray, constants: Any = None) -> dict[str, Any]:
+        """The same; where the constraints of a group are dependent, as they are by continuity."""
+        entries = self._entries(time, wide.tolist(), constants)
+        rows = self._rows_of(entries, wide.dtype)[0][:, :-1].astype(float)
+        if self.home.definition.group is None or not np.isfinite(rows).all():
+            return entries
+        if are_dependent(rows):
+            with suppress(VoronecError, np.linalg.LinAlgError):
+                solution = self._limit(float(time), wide.astype(float))
+                if solution is not None:
+                    return entries | self._by_name(solution, time, wide, constants)
+        return entries
+
+    def _limit(self, time: float, wide: np.ndarray) -> Program | None:
+        """The entries of the constraints, solved for velocities that depend on the others beside a
+        wide state; None where they have no limit there."""
+        count = len(self.home.definition.coordinates)
+        places = self._on_relations(places_beside(wide[:count]))
+        beside = []
+        for q in places.T:
+            entries = self._entries(time, [*q, *wide[count:]])
+            conditions, frame = self._rows_of(entries, float)
+            beside.append(Geometry.of(entries, conditions[:, :-1], frame[:, :-1]))
+        if not beside:
+            return None
+        solution = self._solution(beside[0].best)
+        there = self._by_name(solution, time, wide, None)
+        rows = self._table(there, "condition", len(self.home.definition.constraints.matrix), float)[
+            :, :-1
+        ]
+        return solution if has_limit(rows, [g.admissible for g in beside]) else None
+
+    def _solution(self, chosen: tuple[int, ...]) -> Program:
+        """The entries of the constraints of a group, solved for all velocities but some."""
+
+        def make() -> Program:
+            system = self.home.system
+            rows = solution_rows(_split_system(system, chosen), system.directions)
+            entries = {f"condition {i},{a}": e for i, r in enumerate(rows) for a, e in enumerate(r)}
+            return quantities(self.wide, entries)
+
+        return self.home.memo.once(("constraints solved beside", chosen), make)
 
     def _rows_of(self, entries: Mapping[str, Any], kind: Any) -> tuple[np.ndarray, np.ndarray]:
         """Rows of the conditions and of the frame, with their offsets, as numbers of a kind."""
         d = self.home.definition
-        width = len(d.dots) + 1
-
-        def rows(name: str, count: int) -> np.ndarray:
-            flat = [entries[f"{name} {i},{a}"] for i in range(count) for a in range(width)]
-            return np.array(flat, dtype=kind).reshape(count, width)
-
         conditions = len(d.constraints.matrix) + len(d.differentiated.matrix)
-        return rows("condition", conditions), rows("frame", len(d.velocities))
+        return (
+            self._table(entries, "condition", conditions, kind),
+            self._table(entries, "frame", len(d.velocities), kind),
+        )
+
+    def _table(self, entries: Mapping[str, Any], name: str, count: int, kind: Any) -> np.ndarray:
+        width = len(self.home.definition.dots) + 1
+        flat = [entries[f"{name} {i},{a}"] for i in range(count) for a in range(width)]
+        return np.array(flat, dtype=kind).reshape(count, width)
+
+    def coordinate_rows(self, time: Any, wide: np.ndarray, constants: Any = None) -> np.ndarray:
+        """Rows of the coordinates' velocities on a group, with their offsets; none without one."""
+        group = self.home.definition.group
+        entries = self._entries(time, wide.tolist(), constants)
+        return self._table(entries, "rate", len(group.fields) if group else 0, wide.dtype)
 
     def metric(self, time: float, wide: np.ndarray) -> np.ndarray:
         """The metric at a wide state, shape (velocities, velocities)."""
@@ -311,7 +373,7 @@ class SplitGround:
 
     def geometry(self, time: float, wide: np.ndarray) -> Geometry:
         """Frame and metric at a wide state; ``LinAlgError`` where coordinates fail."""
-        entries = self._entries(time, wide.astype(float).tolist())
+        entries = self._limit_entries(time, wide.astype(float))
         conditions, frame = self._rows_of(entries, float)
         return Geometry.of(entries, conditions[:, :-1], frame[:, :-1])
 
@@ -332,7 +394,7 @@ class SplitGround:
     def rows(self, time: Any, wide: np.ndarray, constants: Any = None) -> tuple[np.ndarray, ...]:
         """Rows of the conditions and of the frame, with their offsets, as numbers of the kind that
         the wide state has."""
-        return self._rows_of(self._entries(time, wide.tolist(), constants), wide.dtype)
+        return self._rows_of(self._limit_entries(time, wide, constants), wide.dtype)
 
     def soundness(self, places: np.ndarray) -> np.ndarray:
         """The determinant of the metric (k,) at states (n, k) of the coordinates, at rest."""
@@ -411,9 +473,9 @@ class SplitGround:
         m, n, count = len(form.relations), len(form.coordinates), places.shape[1]
         slopes = [r.diff(q) for r in form.relations for q in form.coordinates]
         program = quantities(form, {str(i): e for i, e in enumerate((*form.relations, *slopes))})
-        moved, values = places.copy(), self.values(program)
+        moved, values, still = places.copy(), self.values(program), [0.0] * len(form.velocities)
         for _ in range(NEWTON):
-            flat = numbers(program, self.time, list(moved), values)
+            flat = numbers(program, self.time, [*moved[:n], *still], values)
             rows = np.array([np.broadcast_to(x, (count,)) for x in flat], dtype=float).T
             off, steep = rows[:, :m, None], rows[:, m:].reshape(count, m, n)
             good = np.isfinite(rows).all(axis=1)
@@ -457,16 +519,19 @@ class SplitModel:
     ) -> SplitModel:
         """A split with what is watched and the functions of events, given for the home split."""
         home = ground.home
-        meaning = dict(home.raw.form.dependent)
+        # those of a group's fibre follow in other ways in other splits
+        momenta = {x: e for x, e in home.raw.form.dependent if x not in home.definition.dots}
         own = tuple(home.definition.velocities)
         quasi = dict(zip(own, home.raw.form.definitions, strict=True))
         if tuple(form.velocities) == own:  # those of coordinates need not exist, at poles
             quasi = {}
 
         def substitute(expr: Any) -> Any:
-            return se.sympify(expr).xreplace(meaning).xreplace(quasi)
+            return se.sympify(expr).xreplace(momenta).xreplace(quasi)
 
         expressions = {name: substitute(e) for name, e in watch.expressions.items()}
+        if quasi and momenta:
+            expressions |= _without_momenta(watch, momenta, form, home.definition.relations)
         multipliers = watch.multipliers
         if multipliers is not None:
             expressions = {n: e for n, e in expressions.items() if n not in multipliers.entries}
@@ -562,6 +627,22 @@ class SplitModel:
         program = quantities(self.form, {str(i): e for i, e in enumerate(singular)})
         there = numbers(program, self.ground.time, state.tolist(), self.ground.values(program))
         return any(abs(x) < AT_POLE for x in there)
+
+
+def _without_momenta(
+    watch: Watch, momenta: Mapping[Any, Any], form: FirstOrderForm, relations: Sequence[Any]
+) -> dict[str, Any]:
+    """What is watched and holds momenta of the home split, in the velocities of another: in normal
+    form, since momenta divide by what may vanish in this one, and the whole need not."""
+    sizes = {watch.sizes[name]: key for name, key in watch.integrals.items()}
+    dependent, found = dict(form.dependent), dict[str, Any]()
+    for name, expr in watch.expressions.items():
+        if name not in sizes and se.sympify(expr).free_symbols & momenta.keys():
+            written = se.sympify(expr).xreplace(momenta).xreplace(dependent)
+            with suppress(EngineLimit):
+                written = canonical([written], relations)[0]
+            found[name] = written
+    return found | {size: size_of_terms(found[key]) for size, key in sizes.items() if key in found}
 
 
 def candidates(ground: SplitGround, time: float, wide: np.ndarray) -> Any:

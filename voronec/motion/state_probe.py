@@ -9,7 +9,6 @@ from operator import mul
 from typing import Any
 
 import numpy as np
-import symengine as se
 
 from voronec.equations.program import Program, compile_program, hoist
 from voronec.errors import DefinitionError, IntegrationError
@@ -52,11 +51,10 @@ def quiet(rhs: Callable[..., Any], values: Sequence[float]) -> Right:
 
 
 def rates_along(right: Right, time: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Velocities of all coordinates (n, k) at one q (n,) and several v (m, k)."""
+    """The quantities (l, k) of a program at one q (n,) and several v (m, k)."""
     width = v.shape[1]
     columns = [*np.repeat(q[:, None], width, axis=1), *v]
-    rates = right(time, columns)
-    return np.array([np.broadcast_to(r, (width,)) for r in rates[: len(q)]], dtype=float)
+    return np.array([np.broadcast_to(r, (width,)) for r in right(time, columns)], dtype=float)
 
 
 def usual_size(sizes: np.ndarray, otherwise: float = 0.0) -> float:
@@ -74,12 +72,11 @@ def quantities(form: Any, extras: Any) -> Program:
     return Program.of_extras(form, extras)
 
 
-def rates_program(form: Any) -> Program:
-    """A program for the velocities of all coordinates; those of a form do not change in it."""
-    zero, one = se.Integer(0), se.Integer(1)
-    n = len(form.velocities)
-    mass = tuple(tuple(one if i == j else zero for j in range(n)) for i in range(n))
-    return Program.of(replace(form, mass=mass, force=(zero,) * n))
+def rates_program(form: Any, fibre: Sequence[Any]) -> Program:
+    """A program for the velocities of all coordinates, and those of the fibre of a group."""
+    rates = {f"rate {i}": e for i, e in enumerate((*form.rates, *fibre))}
+    still = replace(form, mass=(), force=())  # the equations of motion play no part
+    return quantities(still, rates)
 
 
 def mass_program(form: Any) -> Program:
@@ -105,8 +102,8 @@ class StateProbe:
     inertia: Program | None = None
 
     def rates(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Velocities of all coordinates (n, k) at one q (n,) and several v (m, k)."""
-        return rates_along(self._rhs, self.time, q, v)
+        """What a ``rates_program`` gives (l, k) at one q (n,) and several v (m, k)."""
+        return rates_along(quiet(compile_program(self.program)[1], self.values), self.time, q, v)
 
     def check(self, start: np.ndarray) -> None:
         """Raise where no motion starts: the equations are singular or undefined."""
