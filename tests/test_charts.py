@@ -301,3 +301,22 @@ def test_a_body_with_an_open_surface_starts_at_a_pole_of_the_sphere():
     # at its own pole no chart leads on: said, whatever heyoka makes of it
     with pytest.raises(vo.IntegrationError, match="not defined at the initial point"):
         vo.integrate(own, initial={**place, "u": 0, "u1": 0.8, "s": s, "tau": tau, "n": n}, **asked)
+
+
+def test_a_chart_is_proved_for_every_function_of_what_it_turns():
+    u, v = sp.symbols("u v")
+    up, across = sp.cos(u), sp.sin(u) * sp.cos(v)
+    potential = sp.Function("V")
+    kinetic = (vo.velocity(u) ** 2 + (sp.sin(u) * vo.velocity(v)) ** 2) / 2
+    reach = sp.sqrt((sp.sin(u) * sp.sin(v)) ** 2 + up**2)
+    state = {u: sp.atan2(reach, across), v: sp.atan2(-sp.sin(u) * sp.sin(v), up)}
+
+    def turned(height):
+        chart = vo.Chart(state, sp.sin(u), {"lagrangian": kinetic - potential(height)})
+        return vo.System(
+            name="point on a sphere", fibration=vo.Fibration((u, v), ()),
+            lagrangian=kinetic - potential(up), charts={"turned": chart},
+        )  # fmt: skip
+
+    assert verdicts(turned(across))["turned"].proved
+    assert not verdicts(turned(across**3))["turned"].proved

@@ -12,6 +12,7 @@ from typing import Any
 
 import symengine as se
 
+from voronec.algebra.graphs import rebuild
 from voronec.algebra.normal import canonical
 from voronec.algebra.terms import summands
 
@@ -61,7 +62,7 @@ class Angles:
         arguments = [self.resolve(a) for a in expr.args]
         if isinstance(expr, se.Pow) and arguments[1].is_Rational and arguments[1].q == 2:
             return self._root(arguments[0]) ** arguments[1].p
-        return expr if arguments == list(expr.args) else expr.func(*arguments)
+        return expr if arguments == list(expr.args) else rebuild(expr, arguments)
 
     def _pair(self, angle: Any) -> tuple[Any, Any]:
         """Sine and cosine of a sum of angles."""

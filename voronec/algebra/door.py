@@ -24,11 +24,11 @@ from symengine.lib.symengine_wrapper import BooleanAtom
 from sympy.core.function import AppliedUndef
 from sympy.logic.boolalg import BooleanFunction
 
-from voronec.algebra.graphs import nodes
+from voronec.algebra.graphs import derivative_at, nodes
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.algebra.terms import factors_of
 from voronec.algebra.text import as_expression, quote
-from voronec.errors import DefinitionError, EngineLimit
+from voronec.errors import DefinitionError
 
 __all__ = ["Door"]
 
@@ -200,7 +200,7 @@ class Door:
         renamed = expr.xreplace(dict(zip(variables, bound, strict=True)))
         at = {self._inward[b]: self._enter(p) for b, p in zip(bound, points, strict=True)}
         inner = self._enter(renamed)
-        taken = {d: _derivative_at(d, at) for d in inner.atoms(se.Derivative)}
+        taken = {d: derivative_at(d, at) for d in inner.atoms(se.Derivative)}
         return inner.xreplace(taken).xreplace(at)
 
     def lost_conditions(self, expr: sp.Expr) -> list[Any]:
@@ -301,24 +301,6 @@ def _refuse_torn(expr: sp.Subs) -> None:
                 f"'{expr}' replaces a function under its derivative '{inner}'; carry the "
                 "substitution out"
             )
-
-
-def _derivative_at(derivative: Any, at: dict[Any, Any]) -> Any:
-    """f'(b) at b = p, as the derivative of f(p + w) by w at w = 0.
-
-    symengine's own substitution into a derivative loses track of what it depends on.
-    """
-    function, *variables = derivative.args
-    shifts = {b: se.Symbol(f"shift {i + 1}") for i, b in enumerate(at)}
-    arguments = [at[a] + shifts[a] if a in at else a for a in function.args]
-    if any(v not in at or v not in function.args for v in variables):
-        raise EngineLimit(f"the derivative '{derivative}' is not one of a plain function")
-    moved = se.Function(function.get_name())(*arguments)
-    for variable in variables:
-        moved = moved.diff(shifts[variable])
-    if any(p.is_Number for p in at.values()):
-        raise EngineLimit(f"the derivative of '{function}' at a number; use a parameter for it")
-    return moved.xreplace({shift: se.Integer(0) for shift in shifts.values()})
 
 
 def _real_where(node: Any, enter: Callable[[Any], Any]) -> Any:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import symengine as se
 
 from voronec.algebra.numeric_functions import numeric_name
+from voronec.errors import EngineLimit
 
-__all__ = ["is_atom", "is_flat", "nodes"]
+__all__ = ["derivative_at", "is_atom", "is_flat", "nodes", "rebuild"]
 
 
 def is_flat(expr: Any) -> bool:
@@ -34,3 +35,30 @@ def nodes(exprs: Iterable[Any]) -> Iterator[Any]:
             seen.add(node)
             yield node
             waiting += () if is_atom(node) else node.args
+
+
+def rebuild(node: Any, arguments: Sequence[Any]) -> Any:
+    """A node with other arguments; with those of f'(xi) at a place ``func`` makes another node."""
+    if not isinstance(node, se.Subs):
+        return node.func(*arguments)
+    derivative, *rest = arguments
+    count = len(node.variables)
+    return derivative_at(derivative, dict(zip(rest[:count], rest[count:], strict=True)))
+
+
+def derivative_at(derivative: Any, at: Mapping[Any, Any]) -> Any:
+    """f'(b) at b = p, as the derivative of f(p + w) by w at w = 0.
+
+    symengine's own substitution into a derivative loses track of what it depends on.
+    """
+    function, *variables = derivative.args
+    shifts = {b: se.Symbol(f"shift {i + 1}") for i, b in enumerate(at)}
+    arguments = [at[a] + shifts[a] if a in at else a for a in function.args]
+    if any(v not in at or v not in function.args for v in variables):
+        raise EngineLimit(f"the derivative '{derivative}' is not one of a plain function")
+    moved = se.Function(function.get_name())(*arguments)
+    for variable in variables:
+        moved = moved.diff(shifts[variable])
+    if any(p.is_Number for p in at.values()):
+        raise EngineLimit(f"the derivative of '{function}' at a number; use a parameter for it")
+    return moved.xreplace({shift: se.Integer(0) for shift in shifts.values()})

@@ -12,6 +12,7 @@ from typing import Any
 
 import symengine as se
 
+from voronec.algebra.graphs import derivative_at, rebuild
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["Functions", "Infinite", "formal", "substitute", "unknown_functions"]
@@ -19,10 +20,13 @@ __all__ = ["Functions", "Infinite", "formal", "substitute", "unknown_functions"]
 
 def unknown_functions(exprs: Iterable[Any]) -> set[Any]:
     """The unknown functions, such as E(u, v), that expressions hold, also under derivatives."""
-    found: set[Any] = set()
-    for expr in exprs:
-        found |= expr.atoms(se.FunctionSymbol)
-    return found
+    found, waiting = set[Any](), list(exprs)
+    while waiting:  # each node once: written out, graphs that share parts are too large
+        node = waiting.pop()
+        if node not in found:
+            found.add(node)
+            waiting += node.args
+    return {node for node in found if isinstance(node, se.FunctionSymbol)}
 
 
 def formal(name: str, applied: Iterable[Any]) -> Any:
@@ -79,10 +83,19 @@ class Functions:
             mapping = {**mapping, **self._names}
         return substitute(expr, mapping)
 
+    @cached_property
+    def _known(self) -> dict[Any, Any]:
+        return {}
+
     def _fill(self, node: Any) -> Any:
-        """An expression with the values of functions in their places."""
-        if not any(f.get_name() in self._open for f in node.atoms(se.FunctionSymbol)):
+        """An expression with the values of functions in their places, each node once."""
+        if not node.args:
             return node
+        if node not in self._known:
+            self._known[node] = self._rebuilt(node)
+        return self._known[node]
+
+    def _rebuilt(self, node: Any) -> Any:
         if isinstance(node, se.Derivative):
             inner, *variables = node.args
             value = self._fill(inner)
@@ -96,7 +109,7 @@ class Functions:
         if isinstance(node, se.FunctionSymbol) and node.get_name() in self._open:
             slots, value = self._open[node.get_name()]
             return substitute(value, dict(zip(slots, arguments, strict=True)))
-        return node.func(*arguments)
+        return node if arguments == [*node.args] else node.func(*arguments)
 
 
 _STEPS = {"sign", "abs", "floor", "ceiling"}
@@ -132,7 +145,7 @@ def substitute(
         if isinstance(node, se.Derivative) and arguments[1:] != list(node.args[1:]):
             return _derivative(node, put)
         try:
-            value = node.func(*arguments)
+            value = rebuild(node, arguments)
         except RuntimeError as error:  # a function of an infinite argument
             raise Infinite(f"a part of the expression is infinite: {error}") from None
         if value in _INFINITE:
@@ -158,6 +171,11 @@ def _derivative(node: Any, put: Callable[[Any], Any]) -> Any:
     kept = [put(a) for a in function.args]
     still = [a for v, a in zip(function.args, kept, strict=True) if v not in places]
     taken = set().union(*(a.free_symbols for a in still)) & {*moved}
-    if taken or len({*moved}) < len(moved) or not all(isinstance(p, se.Symbol) for p in moved):
-        raise EngineLimit(f"'{node}' was not moved to a place that is no variable")
-    return se.Derivative(function.func(*kept), *[put(v) for v in variables])
+    if taken or len({*moved}) < len(moved):
+        raise EngineLimit(f"'{node}' was not moved to a place where its arguments are no others")
+    if all(isinstance(p, se.Symbol) for p in moved):
+        return se.Derivative(function.func(*kept), *[put(v) for v in variables])
+    slots = {v: se.Symbol(f"slot {i}") for i, v in enumerate(places)}
+    inner = function.func(*(slots.get(v, a) for v, a in zip(function.args, kept, strict=True)))
+    inner = se.Derivative(inner, *[slots[v] for v in variables])
+    return derivative_at(inner, dict(zip(slots.values(), moved, strict=True)))
