@@ -275,6 +275,15 @@ def test_a_start_where_the_velocities_are_no_frame() -> None:
         vo.integrate(ball, times=times, initial={**equator, "omega1": 0.5})
 
 
+def test_one_instant_where_the_velocities_are_no_frame_is_the_start() -> None:
+    start = {"u": sp.pi / 2, "v": 0.5, "udot": 0.5, "vdot": 0.25}
+    for options in ({}, {"method": "scipy"}, {"tol": 1e-25}, {"dense": True}):
+        ball = vo.load("rubber-ball-on-plane")
+        run = vo.integrate(ball, times=[0.5], initial=start, outputs=("v", "udot"), **options)
+        assert (len(run), run["v"][0]) == (1, 0.5)
+        assert abs(run["udot"][0] - 0.5) < 1e-15  # all velocities are made of the independent ones
+
+
 def test_a_refusal_says_that_the_constraints_are_dependent() -> None:
     """x' y - y' x = 0 is no constraint at the origin, which the motion reaches."""
     slip = velocity(x) * y - velocity(y) * x

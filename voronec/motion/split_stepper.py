@@ -271,7 +271,9 @@ class SplitRun:
     def _likely_length(self, ahead: np.ndarray, time: Any) -> float:
         """What the next stretch will last at most, as those before it tell."""
         lengths = [abs(float(s.run.t[-1] - s.run.t[0])) for s in self.stretches]
-        return LONGER * max(lengths) if lengths else abs(float(ahead[-1] - time))
+        if lengths:
+            return LONGER * max(lengths)
+        return abs(float(ahead[-1] - time)) if len(ahead) else 0.0
 
     def _tolerance(self, split: SplitModel) -> float:
         """The tolerance in a split, finer by as much as its divisors may magnify errors."""
