@@ -66,7 +66,8 @@ def judge_scenes(seed: int, system: str | None, pipe: Connection) -> None:
         if asked is None:
             return
         kind, index = asked
-        pipe.send(Verdict(kind, index, *workshop.judge(kind, index)))
+        found = workshop.judge(kind, index, lambda *about: pipe.send(about))
+        pipe.send(Verdict(kind, index, *found))
 
 
 class Court:
@@ -88,15 +89,17 @@ class Court:
             self._process.start()
             theirs.close()
         self._pipe.send((kind, index))
-        outcome = "hang"
+        outcome, (system, snippet) = "hang", (self.system or "", "")
         try:
-            if self._answers():
-                found: Verdict = self._pipe.recv()
-                return found
+            while self._answers():
+                found = self._pipe.recv()
+                if isinstance(found, Verdict):
+                    return found
+                system, snippet = found  # what is being judged
         except (EOFError, ConnectionResetError):
             outcome = "crash"
         self.close()
-        return Verdict(kind, index, self.system or "", outcome, f"the process: {outcome}")
+        return Verdict(kind, index, system, outcome, f"the process: {outcome}", snippet)
 
     def _answers(self) -> bool:
         """Whether an answer came before the process has worked for too long."""

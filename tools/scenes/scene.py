@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from random import Random
 from typing import Any
@@ -91,8 +91,11 @@ class Workshop:
         self.seed, self.only = seed, only
         self._benches: dict[tuple[str, int], tuple[str, _Bench | Exception]] = {}
 
-    def judge(self, kind: str, index: int) -> tuple[str, str, str, str]:
-        """System, outcome, detail and snippet of one scene."""
+    def judge(
+        self, kind: str, index: int, announce: Callable[[str, str], Any]
+    ) -> tuple[str, str, str, str]:
+        """System, outcome, detail and snippet of one scene; system and snippet are announced
+        before it runs, since it may never end."""
         name, bench = self._bench(kind, index // BLOCK)
         if isinstance(bench, NoReferee):
             return name, "not judged", str(bench), ""
@@ -103,8 +106,10 @@ class Workshop:
         scene = _draw(dice, bench, kind)
         if scene is None:
             return name, "not judged", "no possible parameters", ""
+        snippet = _snippet(bench, scene)
+        announce(name, snippet)
         outcome, detail = _judge(bench, scene, kind)
-        return name, outcome, detail, _snippet(bench, scene)
+        return name, outcome, detail, snippet
 
     def _bench(self, kind: str, block: int) -> tuple[str, _Bench | Exception]:
         """The system of a block, and its name; or why there is none."""
