@@ -128,6 +128,7 @@ def test_an_event_ends_a_run_and_a_table_changes_it(method: str) -> None:
         moved(method, lambda t: 0.0)
 
 
+@pytest.mark.slow
 @both
 def test_many_motions_and_sections_go_by_it_as_by_scipy(method: str) -> None:
     starts = {"x": np.linspace(0.2, 1, 5), "xdot": 0.3}
@@ -348,6 +349,7 @@ def test_ensembles_take_it_where_heyoka_is_missing_and_motions_are_many(
         vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, method="numba", **given, outputs=("xdot",))
 
 
+@pytest.mark.slow
 @NO_NUMBA
 def test_every_function_of_programs_is_known_to_numba() -> None:
     import numba

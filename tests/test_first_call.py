@@ -40,6 +40,7 @@ def test_without_heyoka_a_short_motion_loads_neither_numba_nor_scipy(name: str) 
     assert in_process(name, {}, {}) == [["python", "False", "False"]] * 2
 
 
+@pytest.mark.slow
 def test_the_choice_is_that_of_the_call_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "heyoka", None)
     system, given = vo.load("ball-on-sphere"), {"times": 10, "tol": 1e-11}

@@ -497,6 +497,7 @@ def test_a_run_that_never_ends_is_ended(method: str, monkeypatch: pytest.MonkeyP
     assert 7 < float(caught.value.time) < 20
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["heyoka", "scipy", "numba"])
 def test_an_ensemble_that_never_ends_is_ended(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """One that is evenly accelerated is not, whatever it takes."""

@@ -192,6 +192,7 @@ def test_parameters_without_which_the_equations_mean_nothing_are_named() -> None
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.slow
 def test_velocities_of_coordinates_at_a_pole_whose_sine_is_rounding() -> None:
     # sin(pi) is 1e-16 in doubles, so that rates of angles are finite there, and mean nothing
     ball = vo.derive(vo.load("demchenko"))

@@ -52,6 +52,7 @@ def results() -> dict[str, Any]:
     }
 
 
+@pytest.mark.slow
 def test_every_result_is_short(results: dict[str, Any]) -> None:
     for name, result in results.items():
         assert len(repr(result)) < 400 and "\n" not in repr(result), name
@@ -66,6 +67,7 @@ def test_formulas_of_a_notebook_are_those_of_the_system(results: dict[str, Any])
     assert shown.startswith("$") and results["equations"].latex() in shown
 
 
+@pytest.mark.slow
 def test_tables_of_a_notebook_say_what_was_found(results: dict[str, Any]) -> None:
     expected = {
         "verdict": ("refuted", "ball arithmetic"),
