@@ -450,7 +450,8 @@ def test_saving_keeps_every_digit(tmp_path: Any) -> None:
 
 
 def test_errors_of_steps_by_scipy_add_up_to_less_than_those_of_scipy_alone() -> None:
-    """A pendulum over 981 steps, against 22 digits and the same method without our care."""
+    """A pendulum over 1202 steps, against 22 digits and the same method without our care, at the
+    tolerance that a step of ours may use up."""
     theta = sp.Symbol("theta")
     rate = vo.velocity(theta)
     pendulum = vo.System(
@@ -461,9 +462,9 @@ def test_errors_of_steps_by_scipy_add_up_to_less_than_those_of_scipy_alone() -> 
     truth = float(vo.integrate(pendulum, method="flint", tol=1e-22, **run)["theta"][-1])
     here = vo.integrate(pendulum, method="scipy", tol=1e-9, **run)
     plain = solve_ivp(
-        lambda _, y: [y[1], -np.sin(y[0])], (0, 300), [1, 0.3], "DOP853", rtol=1e-9, atol=1e-9
+        lambda _, y: [y[1], -np.sin(y[0])], (0, 300), [1, 0.3], "DOP853", rtol=1e-10, atol=1e-10
     )
-    assert abs(here["theta"][-1] - truth) < abs(plain.y[0, -1] - truth) / 2 < 1e-7
+    assert abs(here["theta"][-1] - truth) < abs(plain.y[0, -1] - truth) < 1e-8
     assert here.cost.evaluations < plain.nfev
 
 
