@@ -9,7 +9,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.equations.program import Block
-from voronec.motion.steppers.heyoka_stepper import TurnCount
+from voronec.motion.steppers.turn_count import TurnCount
 from voronec.motion.steppers.units import _angles
 
 pytestmark = pytest.mark.slow
@@ -18,7 +18,7 @@ a, b, v = se.symbols("a b v")
 
 
 def test_what_is_taken_out_comes_back_to_a_rounding() -> None:
-    winding = TurnCount(np.array([0]), np.array([1]), 3, np.ones(3))
+    winding = TurnCount(np.array([0]), np.array([1]), np.ones(3))
     state = np.array([0.1, 40.0, 5.0])
     for _ in range(1000):
         state[:2] += (0.1, 7.0)
@@ -112,3 +112,34 @@ def test_a_grid_cuts_no_step(order: int) -> None:
         for count in (2, 11, 151, 500, 900)
     }  # fmt: skip
     assert len(steps) == 1
+
+
+def test_many_motions_beside_positions_that_grow_are_as_good_as_one() -> None:
+    """x = 30 t grows to 3000, and pushes z: what is taken out of x costs zdot no digits."""
+    pytest.importorskip("heyoka")
+    x, y, z = sp.symbols("x y z")
+    dx, dy, dz = map(vo.velocity, (x, y, z))
+    made = vo.System(
+        name="carried", fibration=vo.Fibration((x, y, z)),
+        lagrangian=(dx**2 + dy**2 + dz**2) / 2 - y**2 / 2 - y**4 / 4,
+        forces={z: sp.sin(x) * (1 - dz)},
+    )  # fmt: skip
+    initial = {x: 0.25, dx: 30, y: 1, dy: 0, z: 0, dz: 0}
+    starts = [initial] * 3
+    times, upwards = np.linspace(0, 100, 11), vo.Event(y, "upwards", 1)
+    truth = vo.integrate(made, times=times, initial=initial, events=(upwards,), tol=1e-20)
+    for grid in (times, np.linspace(0, 100, 1001)):
+        many = vo.ensemble(made, starts=starts, times=grid, method="heyoka")
+        for name, off in (("y", 3e-13), ("x", 1e-12), ("zdot", 1e-12)):
+            wanted = truth[name].astype(float)
+            found = many[name][:, :: len(grid) // 10]
+            assert found == pytest.approx(np.array([wanted] * 3), abs=off), name
+    passed = truth.events["upwards"]
+    found = vo.section(
+        made, y, outputs=(x, "zdot"), starts=starts, method="heyoka", crossings=len(passed)
+    )
+    for i in range(3):
+        mine = found.start == i
+        assert found.t[mine] == pytest.approx(passed.t.astype(float), abs=2e-13)
+        assert found["x"][mine] == pytest.approx(passed["x"].astype(float), abs=4e-12)
+        assert found["zdot"][mine] == pytest.approx(passed["zdot"].astype(float), abs=2e-12)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -17,11 +17,12 @@ import numpy as np
 from voronec.equations.program import HoistedProgram, Program, hoist, taylor_system
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion.methods import COMPILATION, METHODS, STAGES, compiled_method, method_names
-from voronec.motion.steppers.heyoka_stepper import LONG, heyoka
+from voronec.motion.steppers.heyoka_stepper import COMPACT, LONG, heyoka
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
 from voronec.motion.steppers.scipy_stepper import estimated_steps
 from voronec.motion.steppers.series_reach import STRIDE, openings, overlong_lanes
 from voronec.motion.steppers.step_loop import WINDOW, Headway
+from voronec.motion.steppers.turn_count import CHUNK, SHORT, TurnCount
 from voronec.motion.steppers.units import units_of_many
 
 __all__ = [
@@ -37,14 +38,11 @@ __all__ = [
     "require_method",
 ]
 
-CHUNK = 20_000
-"""Steps of all lanes between two looks at the keyboard."""
-COMPACT = 60.0
-"""Above this weight heyoka compiles in its compact mode: seconds sooner, then half as fast."""
 SINGULAR = 1e-6
 """A motion with so short a step is not to be trusted after it."""
-PIECE = 64
-"""Points of the grid in the first piece; later ones follow the steps it took."""
+PIECE, PART = 64, 4
+"""Points of the grid in the first piece, one where states grow; later ones follow the steps that it
+took, so that they are done in a quarter of those that may be taken."""
 SINGULAR_PLACE = "the motion passes a place where its equations are singular, or nearly,"
 COLLAPSE_RATIO = 1e-3
 """Steps are about as long as the way to the next singularity of a motion in complex time, so that
@@ -91,13 +89,14 @@ class StepSizes:
         return bool(self.shortest[which] < share * self.longest[which])
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Lanes:
     """heyoka's batch integrator; ``width`` motions at once, ``constants`` parameters of each, those
     of the ``raised`` program.
 
-    ``units`` (n, width) are those of the states of each motion; where some start is ``scaled`` they
-    are parameters too, behind the constants.
+    ``winding`` is what was taken out of the states of each motion, and their units (n, width);
+    where some start is ``scaled`` these are parameters too, behind the constants.  ``size`` is how
+    many steps are taken before what has grown is taken out.
     """
 
     integrator: Any
@@ -106,15 +105,24 @@ class Lanes:
     raised: HoistedProgram
     plain: Program
     scaled: tuple[int, ...]
-    units: np.ndarray
+    winding: TurnCount
     steps: StepSizes
+    size: int = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.reset_size()
+
+    def reset_size(self) -> None:
+        """Nothing is known of how fast the states grow, so that a motion takes the same steps
+        whatever the lanes carried before."""
+        self.size = min(SHORT, CHUNK) if self.winding.is_needed else CHUNK
 
     def again(self) -> Lanes:
         """Another integrator of the same compiled code, for another thread."""
         return replace(
             self,
             integrator=copy.deepcopy(self.integrator),
-            units=self.units.copy(),
+            winding=self.winding.now(),
             steps=StepSizes.of(self.width),
         )
 
@@ -123,6 +131,9 @@ class Lanes:
         a given time are not counted by heyoka."""
         lengths = np.abs([result[1:3] for result in self.integrator.propagate_res])
         self.steps.note(slice(None), lengths[:, 0], lengths[:, 1])
+        taken = max(result[3] for result in self.integrator.propagate_res)
+        if self.winding.is_needed and PART * taken >= self.size:
+            self.size = self.winding.pace(self.size, self.integrator.state)
 
     def first_steps(self, spans: np.ndarray) -> np.ndarray:
         """How long the next steps of all lanes may be, which go no further than ``spans``."""
@@ -143,29 +154,32 @@ class Lanes:
         """Go on to times (k,) by steps no longer than the ``longest`` of each lane, as far as a
         chunk of steps leads: states (width, k, n)."""
         each = np.repeat(times[:, None], self.width, axis=1)
-        found = self.integrator.propagate_grid(each, max_steps=CHUNK, max_delta_t=longest.tolist())
+        found = self.integrator.propagate_grid(
+            each, max_steps=self.size, max_delta_t=longest.tolist()
+        )
         self.note_steps()
         states = found[1] if isinstance(found, tuple) else found
-        return np.moveaxis(states * self.units, -1, 0)
+        return np.moveaxis(self.winding.whole(states), -1, 0)
 
     @property
     def states(self) -> np.ndarray:
         """Where the motions stand (width, n)."""
-        return np.asarray((self.integrator.state * self.units).T)
+        return self.winding.whole(self.integrator.state).T
 
     def load(self, lane: Any, state: np.ndarray, values: np.ndarray, time: float) -> None:
         """Put motions (k, n) with parameters (k, p) on some lanes."""
         self.steps.begin(lane)
+        self.winding.reset(lane)
         times = self.integrator.time.copy()
         times[lane] = time
         self.integrator.set_time(times.tolist())
         if self.scaled:
             at = list(self.scaled)
             found = units_of_many(self.plain, np.atleast_2d(state), np.atleast_2d(values))[:, at]
-            self.units[at, lane] = self.integrator.pars[self.constants :, lane] = (
+            self.winding.units[at, lane] = self.integrator.pars[self.constants :, lane] = (
                 found.T if values.ndim > 1 else found[0]
             )
-        self.integrator.state[:, lane] = state.T / self.units[:, lane]
+        self.integrator.state[:, lane] = state.T / self.winding.units[:, lane]
         each = np.atleast_2d(values)
         if (each == each[0]).all():
             each = each[:1]
@@ -194,15 +208,16 @@ def lanes_of(program: Program, tol: float, states: np.ndarray, values: np.ndarra
     units: list[Any] = [1.0] * len(program.state)
     for k, i in enumerate(scaled):
         units[i] = hy.par[constants + k]
+    winding = TurnCount.of(plain, None, np.ones((len(program.state), width)))
     integrator = hy.taylor_adaptive_batch(
         taylor_system(program, units),
         np.zeros((len(program.state), width)),
         pars=np.ones((constants + len(scaled), width)),
-        tol=tol,
+        tol=winding.tolerance(tol),
         compact_mode=program.weight > COMPACT,
     )
-    ones = np.ones((len(program.state), width))
-    return Lanes(integrator, width, constants, raised, plain, scaled, ones, StepSizes.of(width))
+    sizes = StepSizes.of(width)
+    return Lanes(integrator, width, constants, raised, plain, scaled, winding, sizes)
 
 
 def along(
@@ -269,7 +284,8 @@ def _pieces(
 ) -> tuple[dict[int, IntegrationError], int]:
     """Fill ``block`` (width, k, n) piece by piece of the grid; what broke, by lane, and steps."""
     hy = heyoka()
-    ta, at, piece, steps = lanes.integrator, 0, PIECE, 0
+    lanes.reset_size()
+    ta, at, piece, steps = lanes.integrator, 0, 1 if lanes.winding.is_needed else PIECE, 0
     headway = _LanesHeadway(np.zeros(lanes.width, dtype=int), grid)
     block[:, 0] = lanes.states
     while at < len(grid) - 1:
@@ -277,6 +293,7 @@ def _pieces(
             raise StopRequest
         if (ta.time != grid[at]).any():  # a piece may end an ulp beside the grid
             ta.set_time(float(grid[at]))
+        lanes.winding.take(ta.state)
         limits = lanes.first_steps(np.full(lanes.width, grid[-1] - grid[at]))
         if limits.min() < np.inf:
             piece = 1  # steps of a piece are short where the first one must be
@@ -289,14 +306,15 @@ def _pieces(
             block[:, at : end + 1] = new
             return _broken_lanes(ta, block, grid), steps
         if hy.taylor_outcome.step_limit in outcomes:
-            ta.set_time(float(grid[at]))
-            ta.state[:] = block[:, at].T / lanes.units
             if piece > 1:
+                ta.set_dtime(*begin)
+                ta.state[:] = state
                 piece = max(1, piece // 8)
                 continue
             ends = grid[at : end + 1]
-            collapsed, taken = _one_interval(lanes, ends, limits.tolist(), stopped, headway)
-            steps += taken
+            lanes.look_back(begin, state, limits)
+            collapsed, more = _one_interval(lanes, ends, limits, stopped, headway)
+            taken, steps = taken + more, steps + more
             if collapsed:
                 return collapsed, steps
             new = np.stack([block[:, at], lanes.states], axis=1)
@@ -306,7 +324,7 @@ def _pieces(
                 return collapsed, steps
         block[:, at : end + 1] = new
         at = end
-        piece = max(1, min(4 * piece, int(piece * CHUNK / (4 * max(taken, 1)))))
+        piece = max(1, min(4 * piece, int(piece * lanes.size / (PART * max(taken, 1)))))
     return {}, steps
 
 
@@ -323,7 +341,7 @@ def _broken_lanes(ta: Any, block: np.ndarray, grid: np.ndarray) -> dict[int, Int
 
 
 def _one_interval(
-    lanes: Lanes, ends: np.ndarray, longest: list[float], stopped: Look, headway: _LanesHeadway
+    lanes: Lanes, ends: np.ndarray, longest: np.ndarray, stopped: Look, headway: _LanesHeadway
 ) -> tuple[dict[int, IntegrationError], int]:
     """From one point of the grid to the next, where that takes very many steps, none longer than
     the lane's ``longest``."""
@@ -332,13 +350,15 @@ def _one_interval(
     while True:
         if stopped():
             raise StopRequest
-        before = ta.time.copy()
-        ta.propagate_until(float(ends[-1]), max_steps=CHUNK, max_delta_t=longest)
+        lanes.winding.take(ta.state)
+        before, begin, state = ta.time.copy(), tuple(x.copy() for x in ta.dtime), ta.state.copy()
+        ta.propagate_until(float(ends[-1]), max_steps=lanes.size, max_delta_t=longest.tolist())
         lanes.note_steps()
         steps += sum(r[3] for r in ta.propagate_res)
         if not np.isfinite(ta.state).all():
             bad = [i for i in range(lanes.width) if not np.isfinite(ta.state[:, i]).all()]
             return {i: break_error(INFINITE, before[i], lanes.states[i]) for i in bad}, steps
+        lanes.look_back(begin, state, longest)
         if all(r[0] == hy.taylor_outcome.time_limit for r in ta.propagate_res):
             return {}, steps
         moved = np.abs(ta.time - before) > 1e-13 * np.ptp(ends)

@@ -443,8 +443,9 @@ def _stretch(
     """Some hundreds or thousands of steps of all lanes, and the crossings in them; or, where steps
     are made too long by coefficients that vanish, ``careful`` ones, each looked at before."""
     ta = lanes.integrator
+    lanes.winding.take(ta.state)
     begin, state = tuple(part.copy() for part in ta.dtime), ta.state.copy()
-    before, limit = ta.time.copy(), 1 if careful else _steps_ahead(passages, holds)
+    before, limit = ta.time.copy(), 1 if careful else min(lanes.size, _steps_ahead(passages, holds))
     idle = np.array([i is None for i in holds])
     # a lane that idles stays where it is as far as possible
     ends = np.where(idle, before + 1e-300, passages.until)
@@ -491,7 +492,8 @@ def _account(
     stuck = [k for k in busy if taken[k] == limit and _is_stuck(ta.time[k], before[k], origin[k])]
     passed = [k for k in busy if lanes.steps.has_collapsed(k, SINGULAR)]
     if output is not None:
-        series = output.tcs * lanes.units[:, None] if lanes.scaled else output.tcs
+        series = output.tcs * lanes.winding.units[:, None]
+        series[:, :, 0] = lanes.winding.whole(output.tcs[:, :, 0])
         trusted = [
             _trusted_until(output.times[:, k]) if k in passed else np.inf for k in range(len(holds))
         ]

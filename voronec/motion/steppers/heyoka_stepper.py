@@ -1,11 +1,5 @@
 """heyoka's Taylor integrator: long steps whose dense output is as accurate as their ends.
 
-A step of Taylor's method is as long as the largest state allows: one angle of 1e5 radians loosens
-the tolerance of all the others by 1e5.  But where the right-hand side does not hold a state at all
-(a quadrature), or holds it under sines and cosines only (an angle), what has grown can be taken
-out of it between steps and added to the results: the motion of the others is the same.  What they
-grow by until then is made up for by a finer tolerance.
-
 What it compiles is kept in a folder that stays small: on its first use in a process heyoka sums up
 the sizes of all programs that it keeps on disk, which takes 0.4 s where they are 1.2 GB (2500
 programs); by default it lets them grow to 20 GB.
@@ -46,122 +40,17 @@ from voronec.motion.steppers.series_reach import (
     reach,
 )
 from voronec.motion.steppers.step_loop import Headway
-from voronec.motion.steppers.units import angles_among, natural_units
-from voronec.motion.tolerances import EXACT
+from voronec.motion.steppers.turn_count import CHUNK, SHORT, TurnCount
+from voronec.motion.steppers.units import natural_units
 
 __all__ = [
+    "COMPACT",
     "LONG",
-    "TurnCount",
     "heyoka",
     "taylor",
 ]
 
 
-TURN = 2 * np.pi
-COARSE = float(np.ldexp(np.round(np.ldexp(TURN, 30)), -30))
-"""A turn in 33 bits, whose small multiples are exact; FINE is the rest of it."""
-FINE = 2 * (float(np.float64(np.pi) - COARSE / 2)) + 2.4492935982947064e-16
-
-
-@dataclass
-class TurnCount:
-    """What was taken out of the states: turns of ``angles``, all of ``quadratures`` (positions).
-
-    The states that are kept small are in ``units`` of their own; those of angles are 1.
-    A quadrature is kept as the sum of two doubles, so nothing is lost when small steps are added
-    to a large sum.
-    """
-
-    quadratures: np.ndarray
-    angles: np.ndarray
-    width: int
-    units: np.ndarray
-    high: np.ndarray = field(init=False)
-    low: np.ndarray = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.reset()
-
-    @classmethod
-    def of(cls, problem: Problem) -> TurnCount:
-        """The states of a problem that may be kept small."""
-        program, levels = problem.program, problem.levels
-        blocks = (program.derivative, *([levels.extras] if levels is not None else []))
-        held = set().union(*(b.symbols for b in blocks))
-        angles = angles_among(program.state, blocks)
-        return cls(
-            np.array([i for i, s in enumerate(program.state) if s not in held], dtype=int),
-            np.array(angles, dtype=int),
-            len(program.state),
-            natural_units(problem),
-        )
-
-    @property
-    def is_needed(self) -> bool:
-        """Whether there is a state that may be kept small."""
-        return bool(len(self.quadratures) or len(self.angles))
-
-    @cached_property
-    def has_units(self) -> bool:
-        """Whether there is a state that is kept in a unit of its own."""
-        return bool((self.units != 1).any())
-
-    def tolerance(self, tol: float) -> float:
-        """The one for the integrator: finer by what states that are kept small loosen it by, while
-        they grow."""
-        return max(tol * ORDER, min(tol, EXACT)) if self.is_needed else tol
-
-    def reset(self) -> None:
-        """Nothing is taken out."""
-        self.high, self.low = np.zeros(self.width), np.zeros(self.width)
-
-    def take(self, state: np.ndarray) -> None:
-        """Take what has grown out of a state (n,), in place."""
-        if not self.is_needed:
-            return
-        at = self.angles
-        turns = np.rint(state[at] / TURN)
-        state[at] = (state[at] - turns * COARSE) - turns * FINE
-        self.high[at] += turns  # whole numbers: exact
-        at = self.quadratures
-        total, more = self.high[at], state[at] + self.low[at]
-        self.high[at] = total + more
-        back = self.high[at] - total
-        self.low[at] = (total - (self.high[at] - back)) + (more - back)
-        state[at] = 0.0
-
-    def whole(self, states: np.ndarray) -> np.ndarray:
-        """States (..., n) as they are, from those kept small."""
-        result = np.array(states, dtype=float)
-        if self.is_needed:
-            at = self.angles
-            result[..., at] = (result[..., at] + self.high[at] * FINE) + self.high[at] * COARSE
-            at = self.quadratures
-            result[..., at] = (result[..., at] + self.low[at]) + self.high[at]
-        return result * self.units if self.has_units else result
-
-    def now(self) -> TurnCount:
-        """What is taken out at present, for states that are looked at later."""
-        result = TurnCount(self.quadratures, self.angles, self.width, self.units)
-        result.high, result.low = self.high.copy(), self.low.copy()
-        return result
-
-    def growth(self, state: np.ndarray) -> float:
-        """The largest state that may be kept small, in units of the largest other (at least 1)."""
-        mine = np.zeros(self.width, dtype=bool)
-        mine[self.quadratures] = mine[self.angles] = True
-        others = np.abs(state[~mine]).max(initial=1.0)
-        return float(np.abs(state[mine]).max(initial=0.0) / others)
-
-
-CHUNK = 20_000
-"""Steps between two looks at the keyboard."""
-SHORT, LEAST, LARGE = 64, 32, 8.0
-"""So many steps are taken at first where states wind; fewer, down to the least, where in these they
-grow to more than so many times the others, and more, up to CHUNK, where they hardly grow."""
-ORDER = float(np.exp(-2))
-"""Tolerances that are finer by this give series one more term and steps as long as before: errors
-are less by a factor 7.4, and states that grow to LARGE times the others loosen them by 8."""
 AHEAD = 100_000
 """Points of the grid that are handed over at a time, at most."""
 FEW = 1_000
@@ -222,7 +111,7 @@ class _Machine:
 def taylor(problem: Problem) -> Stepper:
     """The integrator, compiled; ``EngineLimit`` for a function that heyoka does not know."""
     hy = heyoka()
-    winding = TurnCount.of(problem)
+    winding = TurnCount.of(problem.program, problem.levels, natural_units(problem))
     events = tuple((e.name, e.direction, e.stop) for e in problem.events)
     watched = events, problem.levels if events else None, problem.walls
     key = problem.program, winding.units.tobytes(), problem.tol, watched
@@ -446,11 +335,7 @@ class _Drive:
         if not self.winding.is_needed or taken < self.size // 2:
             self.ahead = min(4 * self.ahead, AHEAD)
             return
-        grown = self.winding.growth(self.integrator.state)
-        if grown > LARGE:
-            self.size = max(self.size // 2, min(LEAST, CHUNK))
-        elif grown < LARGE / 4:
-            self.size = min(2 * self.size, CHUNK)
+        self.size = self.winding.pace(self.size, self.integrator.state)
         # points cost when they are handed over, and again when they are passed
         self.ahead = min(max(4 * points, FEW), AHEAD)
 

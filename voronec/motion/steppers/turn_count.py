@@ -1,0 +1,123 @@
+"""What is taken out of states that may be kept small.
+
+A step of Taylor's method is as long as the largest state allows: one angle of 1e5 radians loosens
+the tolerance of all the others by 1e5.  But where the right-hand side does not hold a state at all
+(a quadrature), or holds it under sines and cosines only (an angle), what has grown can be taken
+out of it between steps and added to the results: the motion of the others is the same.  What they
+grow by until then is made up for by a finer tolerance.
+"""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from voronec.equations.program import Program
+from voronec.motion.steppers.units import angles_among
+from voronec.motion.tolerances import EXACT
+
+__all__ = ["CHUNK", "SHORT", "TurnCount"]
+
+CHUNK = 20_000
+"""Steps between two looks at the keyboard."""
+SHORT, LEAST, LARGE = 64, 32, 8.0
+"""So many steps are taken at first where states wind; fewer, down to the least, where in these they
+grow to more than so many times the others, and more, up to CHUNK, where they hardly grow."""
+ORDER = float(np.exp(-2))
+"""Tolerances that are finer by this give series one more term and steps as long as before: errors
+are less by a factor 7.4, and states that grow to LARGE times the others loosen them by 8."""
+TURN = 2 * np.pi
+COARSE = float(np.ldexp(np.round(np.ldexp(TURN, 30)), -30))
+"""A turn in 33 bits, whose small multiples are exact; FINE is the rest of it."""
+FINE = 2 * (float(np.float64(np.pi) - COARSE / 2)) + 2.4492935982947064e-16
+
+
+@dataclass
+class TurnCount:
+    """What was taken out of the states: turns of ``angles``, all of ``quadratures`` (positions).
+
+    The states that are kept small are in ``units`` (n,), or (n, lanes), of their own; those of
+    angles are 1.
+    A quadrature is kept as the sum of two doubles, so nothing is lost when small steps are added
+    to a large sum.
+    """
+
+    quadratures: np.ndarray
+    angles: np.ndarray
+    units: np.ndarray
+    high: np.ndarray = field(init=False)
+    low: np.ndarray = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.high, self.low = np.zeros(self.units.shape), np.zeros(self.units.shape)
+
+    @classmethod
+    def of(cls, program: Program, levels: Program | None, units: np.ndarray) -> TurnCount:
+        """The states that may be kept small, though ``levels`` are looked at on the way."""
+        blocks = (program.derivative, *([levels.extras] if levels is not None else []))
+        held = set().union(*(b.symbols for b in blocks))
+        angles = angles_among(program.state, blocks)
+        return cls(
+            np.array([i for i, s in enumerate(program.state) if s not in held], dtype=int),
+            np.array(angles, dtype=int),
+            units,
+        )
+
+    @property
+    def is_needed(self) -> bool:
+        """Whether there is a state that may be kept small."""
+        return bool(len(self.quadratures) or len(self.angles))
+
+    def tolerance(self, tol: float) -> float:
+        """The one for the integrator: finer by what states that are kept small loosen it by, while
+        they grow."""
+        return max(tol * ORDER, min(tol, EXACT)) if self.is_needed else tol
+
+    def reset(self, which: Any = slice(None)) -> None:
+        """Nothing is taken out, or nothing of some lanes."""
+        self.high[..., which] = self.low[..., which] = 0.0
+
+    def take(self, state: np.ndarray) -> None:
+        """Take what has grown out of a state (n,), or of those of lanes (n, lanes), in place."""
+        if not self.is_needed:
+            return
+        at = self.angles
+        turns = np.rint(state[at] / TURN)
+        state[at] = (state[at] - turns * COARSE) - turns * FINE
+        self.high[at] += turns  # whole numbers: exact
+        at = self.quadratures
+        total, more = self.high[at], state[at] + self.low[at]
+        self.high[at] = total + more
+        back = self.high[at] - total
+        self.low[at] = (total - (self.high[at] - back)) + (more - back)
+        state[at] = 0.0
+
+    def whole(self, states: np.ndarray) -> np.ndarray:
+        """States (..., n), or (..., n, lanes), as they are, from those kept small."""
+        if not self.is_needed:
+            return np.asarray(states * self.units)
+        small, large, at = self.low.copy(), self.high.copy(), self.angles
+        small[at], large[at] = self.high[at] * FINE, self.high[at] * COARSE
+        return np.asarray(((states + small) + large) * self.units)
+
+    def now(self) -> TurnCount:
+        """What is taken out at present, for states that are looked at later."""
+        return copy.deepcopy(self)
+
+    def growth(self, state: np.ndarray) -> float:
+        """The largest state that may be kept small, in units of the largest other (at least 1); of
+        lanes, where that is largest."""
+        mine = np.zeros(len(self.units), dtype=bool)
+        mine[self.quadratures] = mine[self.angles] = True
+        others = np.abs(state[~mine]).max(axis=0, initial=1.0)
+        return float(np.max(np.abs(state[mine]).max(axis=0, initial=0.0) / others))
+
+    def pace(self, size: int, state: np.ndarray) -> int:
+        """How many steps go before the next look, where states grew to these in ``size`` steps."""
+        grown = self.growth(state)
+        if grown > LARGE:
+            return max(size // 2, min(LEAST, CHUNK))
+        return min(2 * size, CHUNK) if grown < LARGE / 4 else size
