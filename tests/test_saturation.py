@@ -178,3 +178,61 @@ def test_mild_functions_are_integrated_as_before():
     made = system(-sp.tanh(x), integrals={"energy": v**2 / 2 + sp.log(sp.cosh(x))})
     run = vo.integrate(made, times=np.linspace(0, 20, 41), initial={x: 3}, method="heyoka")
     assert run.drift["energy"] < 1e-12
+
+
+eps, k = sp.symbols("epsilon k")
+CORNERS = {
+    "root": (-sp.sqrt(x**2 + eps**2), {eps: 1e-10}),
+    "quotient": (-x / sp.sqrt(x**2 + eps), {eps: 1e-20}),
+    "sine": (-sp.sin(x) / sp.sqrt(sp.sin(x) ** 2 + eps), {eps: 1e-16}),
+    "cosine": (-sp.sin(x) / sp.sqrt(1 + eps - sp.cos(x)), {eps: 1e-10}),
+    "expanded": (-x / sp.sqrt((x + k) ** 2 - 2 * k * (x + k) + k**2 + eps), {eps: 1e-12, k: 0.5}),
+    "fourth root": (-x / (x**4 + eps) ** sp.Rational(1, 4), {eps: 1e-32}),
+    "cube root": (-x / (x**2 + eps) ** sp.Rational(1, 3), {eps: 1e-20}),
+    "moving": (-x / sp.sqrt(x**2 + eps * (2 + sp.cos(x)) ** 2), {eps: 1e-16}),
+    "large": (-k * x / sp.sqrt(k**2 * x**2 + 1), {k: 1e8}),
+    "beside a sign": (-x / (sp.Abs(x) + eps), {eps: 1e-10}),
+    "tanh": (-sp.tanh(k * x), {k: 1e6}),
+}
+FALL = {x: 1, v: 0.3}
+
+
+def corner(name: str, fixed: bool) -> tuple[System, dict]:
+    """The system with its small number in it, or with a parameter for it; and the parameters."""
+    force, values = CORNERS[name]
+    if fixed:
+        return system(force.subs({p: sp.Rational(str(a)) for p, a in values.items()})), {}
+    return system(force, parameters=tuple(values)), values
+
+
+@METHODS
+@pytest.mark.parametrize("fixed", [True, False], ids=["a number", "a parameter"])
+@pytest.mark.parametrize("name", CORNERS)
+def test_no_step_goes_over_a_corner_that_is_hardly_rounded(name, fixed, method):
+    """Against a run in 22 digits; what is small may stand in the equations or be given to them."""
+    truth = vo.integrate(corner(name, True)[0], times=[0, 3, 7], initial=FALL, tol=1e-22)
+    made, values = corner(name, fixed)
+    run = vo.integrate(made, times=[0, 3, 7], initial=FALL, parameters=values, method=method)
+    wanted = truth["x"].astype(float)
+    assert run["x"].astype(float) == pytest.approx(wanted, abs=1e-10)
+    if method != "flint":
+        many = vo.ensemble(
+            made, starts=[FALL] * 2, times=[0, 3, 7], parameters=values, method=method
+        )
+        assert many["x"][1] == pytest.approx(wanted, abs=1e-10)
+
+
+@pytest.mark.parametrize("method", ["scipy", "heyoka"])
+@pytest.mark.parametrize("name", ["quotient", "fourth root"])
+def test_no_section_goes_over_a_corner(name, method):
+    made, values = corner(name, False)
+    middle = vo.Event(x, "middle", -1)
+    truth = vo.integrate(
+        corner(name, True)[0], times=[0, 20], initial=FALL, events=(middle,), tol=1e-22
+    ).events["middle"]
+    found = vo.section(
+        made, x, outputs=(v,), starts=[FALL] * 2, parameters=values, method=method, direction=-1,
+        crossings=len(truth),
+    )  # fmt: skip
+    assert found.t[found.start == 1] == pytest.approx(truth.t.astype(float), abs=1e-10)
+    assert found["xdot"][found.start == 1] == pytest.approx(truth["xdot"].astype(float), abs=1e-10)

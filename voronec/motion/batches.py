@@ -20,7 +20,13 @@ from voronec.motion.methods import COMPILATION, METHODS, STAGES, compiled_method
 from voronec.motion.steppers.heyoka_stepper import COMPACT, LONG, heyoka
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
 from voronec.motion.steppers.scipy_stepper import estimated_steps
-from voronec.motion.steppers.series_reach import STRIDE, openings, overlong_lanes
+from voronec.motion.steppers.series_reach import (
+    MANY,
+    STRIDE,
+    blind_lanes,
+    openings,
+    overlong_lanes,
+)
 from voronec.motion.steppers.step_loop import WINDOW, Headway
 from voronec.motion.steppers.turn_count import CHUNK, SHORT, TurnCount
 from voronec.motion.steppers.units import units_of_many
@@ -96,7 +102,8 @@ class Lanes:
 
     ``winding`` is what was taken out of the states of each motion, and their units (n, width);
     where some start is ``scaled`` these are parameters too, behind the constants.  ``size`` is how
-    many steps are taken before what has grown is taken out.
+    many steps are taken before what has grown is taken out, and each is looked at if that must be;
+    ``output`` is the continuous output of the latest.
     """
 
     integrator: Any
@@ -108,6 +115,7 @@ class Lanes:
     winding: TurnCount
     steps: StepSizes
     size: int = field(init=False)
+    output: Any = None
 
     def __post_init__(self) -> None:
         self.reset_size()
@@ -115,7 +123,13 @@ class Lanes:
     def reset_size(self) -> None:
         """Nothing is known of how fast the states grow, so that a motion takes the same steps
         whatever the lanes carried before."""
-        self.size = min(SHORT, CHUNK) if self.winding.is_needed else CHUNK
+        brief = self.winding.is_needed or self.has_roots
+        self.size = min(SHORT, CHUNK) if brief else CHUNK
+
+    @property
+    def has_roots(self) -> bool:
+        """Whether roots may have corners that no series sees, so that all steps are looked at."""
+        return self.plain.has_moving_roots
 
     def again(self) -> Lanes:
         """Another integrator of the same compiled code, for another thread."""
@@ -132,8 +146,9 @@ class Lanes:
         lengths = np.abs([result[1:3] for result in self.integrator.propagate_res])
         self.steps.note(slice(None), lengths[:, 0], lengths[:, 1])
         taken = max(result[3] for result in self.integrator.propagate_res)
-        if self.winding.is_needed and PART * taken >= self.size:
-            self.size = self.winding.pace(self.size, self.integrator.state)
+        if (self.winding.is_needed or self.has_roots) and PART * taken >= self.size:
+            most = MANY if self.has_roots else CHUNK
+            self.size = self.winding.pace(self.size, self.integrator.state, most)
 
     def first_steps(self, spans: np.ndarray) -> np.ndarray:
         """How long the next steps of all lanes may be, which go no further than ``spans``."""
@@ -146,20 +161,41 @@ class Lanes:
     ) -> np.ndarray:
         """Which lanes took steps too long since they began there, in the integrator's units, though
         none went beyond ``limits``; it is noted, too."""
-        found = overlong_lanes(self.integrator, begin, state, self.steps.stride, limits)
+        ta = self.integrator
+        if not self.has_roots:
+            found = overlong_lanes(ta, begin, state, self.steps.stride, limits)
+        elif self.output is not None and np.isfinite(ta.state).all():
+            found = blind_lanes(ta, self.output)
+        else:
+            found = np.zeros(self.width, dtype=bool)
         self.steps.overlong[found] = True
         return found
 
     def states_along(self, times: np.ndarray, longest: np.ndarray) -> np.ndarray:
         """Go on to times (k,) by steps no longer than the ``longest`` of each lane, as far as a
         chunk of steps leads: states (width, k, n)."""
-        each = np.repeat(times[:, None], self.width, axis=1)
-        found = self.integrator.propagate_grid(
-            each, max_steps=self.size, max_delta_t=longest.tolist()
-        )
-        self.note_steps()
-        states = found[1] if isinstance(found, tuple) else found
+        ta, each = self.integrator, np.repeat(times[:, None], self.width, axis=1)
+        if self.has_roots:
+            self.go_to(float(times[-1]), longest)
+            states = np.full((len(times), len(ta.state), self.width), np.nan)
+            if self.output is not None:
+                states = np.array(self.output(each))
+                late = np.abs(each - times[0]) > np.abs(self.output.times[-1] - times[0])
+                late &= ~np.isfinite(ta.state).all(axis=0)
+                np.moveaxis(states, 1, 2)[late] = np.nan
+        else:
+            found = ta.propagate_grid(each, max_steps=self.size, max_delta_t=longest.tolist())
+            self.note_steps()
+            states = found[1] if isinstance(found, tuple) else found
         return np.moveaxis(self.winding.whole(states), -1, 0)
+
+    def go_to(self, end: float, longest: np.ndarray) -> None:
+        """A chunk of steps towards a time, none longer than the ``longest`` of each lane."""
+        self.output = self.integrator.propagate_until(
+            [end] * self.width, max_steps=self.size, max_delta_t=longest.tolist(),
+            c_output=self.has_roots,
+        )[0]  # fmt: skip
+        self.note_steps()
 
     @property
     def states(self) -> np.ndarray:
@@ -352,8 +388,7 @@ def _one_interval(
             raise StopRequest
         lanes.winding.take(ta.state)
         before, begin, state = ta.time.copy(), tuple(x.copy() for x in ta.dtime), ta.state.copy()
-        ta.propagate_until(float(ends[-1]), max_steps=lanes.size, max_delta_t=longest.tolist())
-        lanes.note_steps()
+        lanes.go_to(float(ends[-1]), longest)
         steps += sum(r[3] for r in ta.propagate_res)
         if not np.isfinite(ta.state).all():
             bad = [i for i in range(lanes.width) if not np.isfinite(ta.state[:, i]).all()]

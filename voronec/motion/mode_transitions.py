@@ -292,7 +292,9 @@ class Crossroads:
         surfaces: Sequence[LevelSurface],
         sides: Mapping[Wall, int],
     ) -> np.ndarray:
-        """The state moved onto surfaces that it has reached, to rounding: the nearest there."""
+        """The state moved onto surfaces that it has reached, to rounding: the nearest there.  Where
+        that is farther than the tolerance, as it is where a wall's function is hardly more than
+        rounding, the state stays."""
         measured = [self._measure(s.wall, time, state, sides) for s in surfaces]
         pairs = [(g - s.level, row) for s, (g, _, *row) in zip(surfaces, measured, strict=True)]
         pairs = [(g, row) for g, row in pairs if any(row)]
@@ -304,6 +306,8 @@ class Crossroads:
         except ZeroDivisionError:
             return state
         moved = state - np.array(list(found), dtype=object)
+        if any(abs(moved - state) > self.problem.tol * np.maximum(1, abs(state))):
+            return state
         tiny = mpmath.mpf(2) ** (-self.bits - GUARD // 2)
         return np.where(abs(moved) <= tiny * abs(state), mpmath.mpf(0), moved)
 

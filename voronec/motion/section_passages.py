@@ -454,7 +454,7 @@ def _stretch(
     if (fresh := ~idle & (careful | (before == origin))).any():
         longest = np.where(fresh, lanes.first_steps(ends - before), np.inf)
         limit = 1 if np.isfinite(longest).any() else limit
-    output = ta.propagate_until(
+    output = lanes.output = ta.propagate_until(
         ends.tolist(), max_steps=limit, max_delta_t=longest.tolist(), c_output=True
     )[0]
     taken = [r[3] for r in ta.propagate_res]

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import symengine as se
 
 from voronec.algebra.graphs import is_atom, nodes
+from voronec.algebra.numeric_functions import formula
 from voronec.algebra.stable import stable_all
 from voronec.algebra.stages import needed_stages
 from voronec.algebra.terms import factors_of
@@ -138,6 +139,21 @@ class Block:
         are symbols that do not move."""
         return is_rough(self.assignments, self.results, still, velocities)
 
+    def has_roots(self, moving: Iterable[Any]) -> bool:
+        """Whether it holds a root, or another power whose exponent is no whole number, of something
+        that moves with some symbols."""
+        found = set(moving)
+        for name, expr in self.assignments:
+            if expr.free_symbols & found:
+                found.add(name)
+        plain = (formula(node) or node for node in nodes(self.expressions))
+        return any(
+            isinstance(node, se.Pow)
+            and not isinstance(node.args[1], se.Integer)
+            and bool(node.args[0].free_symbols & found)
+            for node in plain
+        )
+
     @cached_property
     def symbols(self) -> frozenset[Any]:
         """All symbols that occur, assigned names included."""
@@ -192,6 +208,11 @@ class Program:
     def operations(self) -> int:
         """How many operations one evaluation of the right-hand side costs."""
         return self.derivative.operations
+
+    @cached_property
+    def has_moving_roots(self) -> bool:
+        """Whether the right side holds roots, or other broken powers, of what moves."""
+        return self.derivative.has_roots((*self.state, self.time))
 
     @cached_property
     def is_rough(self) -> bool:

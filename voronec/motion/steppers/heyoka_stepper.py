@@ -35,12 +35,15 @@ from voronec.motion.steppers.series_reach import (
     BRIEF,
     BRIEF_STRIDE,
     GROWTH,
+    MANY,
     PARTS,
     STRIDE,
+    blind_reach,
+    blind_steps,
     reach,
 )
 from voronec.motion.steppers.step_loop import Headway
-from voronec.motion.steppers.turn_count import CHUNK, SHORT, TurnCount
+from voronec.motion.steppers.turn_count import CHUNK, LEAST, SHORT, TurnCount
 from voronec.motion.steppers.units import natural_units
 
 __all__ = [
@@ -225,6 +228,7 @@ class _Drive:
     longest: float = 0.0
     usual: float = np.inf
     standing: tuple[float, np.ndarray] = field(init=False)
+    output: Any = None
     headway: Headway = field(init=False)
 
     def __post_init__(self) -> None:
@@ -233,7 +237,8 @@ class _Drive:
         self.size, self.ahead = CHUNK, AHEAD
         self.opening = self.first_step()
         self.stride = STRIDE if self.opening == np.inf else 1.0
-        if self.winding.is_needed:
+        self.has_roots = self.problem.program.has_moving_roots
+        if self.winding.is_needed or self.has_roots:
             self.size, self.ahead = min(SHORT, CHUNK), FEW
 
     def first_step(self) -> float:
@@ -306,6 +311,8 @@ class _Drive:
         """Of the chunk from a moment on, how many steps go before one that was made too long, and
         how long that may be; the integrator is taken back to the moment.  None where there is no
         such step."""
+        if self.has_roots:
+            return self.blind(moment, state)
         ta, span = self.integrator, abs(self.integrator.time - sum(moment))
         longest = max(self.longest, abs(ta.last_h))
         if taken > 1:
@@ -330,12 +337,32 @@ class _Drive:
             ta.reset_cooldowns()
         return found
 
+    def blind(self, moment: tuple[float, float], state: np.ndarray) -> tuple[int, float] | None:
+        """The same where roots in the equations may have corners so little rounded that no series
+        sees it: by the defect at the end of each step."""
+        ta, output, found = self.integrator, self.output, None
+        if output is None or not np.isfinite(ta.state).all():
+            return None
+        end, there, self.log.silent = ta.dtime, ta.state.copy(), True
+        for k in np.flatnonzero(blind_steps(ta, output)).tolist():
+            allowed = float(blind_reach(ta, output, k)[0])
+            if allowed < np.inf:
+                found = k, allowed
+                self.size = LEAST
+                break
+        self.log.silent = False
+        ta.dtime, ta.state[:] = (moment, state) if found else (end, there)
+        if found and ta.with_events:
+            ta.reset_cooldowns()
+        return found
+
     def set_pace(self, taken: int, points: int) -> None:
         """How many steps, and points of the grid, the next chunk takes."""
-        if not self.winding.is_needed or taken < self.size // 2:
+        if taken < self.size // 2 or not (self.winding.is_needed or self.has_roots):
             self.ahead = min(4 * self.ahead, AHEAD)
             return
-        self.size = self.winding.pace(self.size, self.integrator.state)
+        most = MANY if self.has_roots else CHUNK
+        self.size = self.winding.pace(self.size, self.integrator.state, most)
         # points cost when they are handed over, and again when they are passed
         self.ahead = min(max(4 * points, FEW), AHEAD)
 
@@ -347,10 +374,11 @@ class _Drive:
         """One chunk of steps towards, or along, the rest of the grid; new rows of it."""
         limits = {"max_steps": size, "max_delta_t": self.opening} | self.callback
         standing, done = self.integrator.time, self.done
-        if self.problem.dense:
+        if self.problem.dense or self.has_roots:
             outcome, _, self.longest, steps, stretch, _ = self.integrator.propagate_until(
                 self.grid[-1], c_output=True, **limits
             )
+            self.output = stretch
             return outcome, steps, self.sample(stretch)
         # the integrator wants its grid to begin where it stands
         if standing == self.grid[done]:
@@ -375,7 +403,8 @@ class _Drive:
         """Rows of the grid that a stretch of dense output covers."""
         if stretch is None:
             return np.empty((0, len(self.problem.start)))
-        self.stretches.append(_Chunk(stretch, self.winding.now()))
+        if self.problem.dense:
+            self.stretches.append(_Chunk(stretch, self.winding.now()))
         order = np.sign(self.grid[-1] - self.grid[0])
         end = np.searchsorted(order * self.grid, order * stretch.bounds[1], side="right")
         rows = np.array(stretch(self.grid[self.done : end])).reshape(-1, len(self.problem.start))

@@ -32,6 +32,9 @@ ORDER = 0.6
 """The order of the method, in units of log(1/tol)."""
 SPARSE = 1.0
 """A step longer than the other coefficients allow, by so many powers of two, is not trusted."""
+SHARES = 200
+"""Bits of the share of a step that there is room for: beside a corner that is hardly rounded it is
+a millionth of the first guess."""
 SMALLEST = 1e-13
 """A step below this part of the span leads nowhere."""
 
@@ -160,9 +163,9 @@ class _Walker:
         rows = self.expand_step(step)
         bits, start, step = self.bits, self.time, step << self.bits - before
         room = self.room(rows)
-        part = min(1 << bits, int(min(room, 1.0) * 2**53) << bits - 53)
+        part = _share(1 << bits, min(room, 1.0))
         polynomial = _Polynomial(rows, start, step, bits, self.kept)
-        self.guess = abs(step) * int(min(room, 2.0) * 2**20) >> 20
+        self.guess = _share(abs(step), min(room, 2.0))
         part = self.faithful(polynomial, part)
         self.time = self.time + (step * part >> bits)
         if abs(self.time - start) < _units(self.least, bits):
@@ -242,6 +245,11 @@ class _Walker:
         others = min(radii.values(), default=inf) + depth / self.order
         found = min(last, default=inf)
         return float(2.0 ** min(found if found <= others + SPARSE else others, 1023.0))
+
+
+def _share(number: int, share: float) -> int:
+    """A share of a number, however small."""
+    return number * int(share * 2**SHARES) >> SHARES
 
 
 def _log(number: int) -> float:

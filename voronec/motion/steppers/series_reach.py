@@ -21,9 +21,13 @@ __all__ = [
     "FAITHFUL",
     "GROWTH",
     "HALVINGS",
+    "MANY",
     "PARTS",
     "SHRINKS",
     "STRIDE",
+    "blind_lanes",
+    "blind_reach",
+    "blind_steps",
     "openings",
     "overlong_lanes",
     "reach",
@@ -55,6 +59,9 @@ the units of a state that is all but zero, and steps of any length have it."""
 MOMENTS = 2.0**-40 * np.arange(1, 5)
 """Next to no time, as parts of the step: the motion goes on by some units in the last place."""
 HALVINGS = 40
+MANY = 1_000
+"""Where the defect of each step is looked at, they are taken so many at a time, at most: all are
+held in memory, and some may have been taken in vain."""
 PARTS = 16
 """At the ends of so many parts a step that may be far too long is looked at."""
 
@@ -197,6 +204,34 @@ class _Series:
         return np.asarray(integrator.tc[:, 1:2])
 
 
+def blind_steps(integrator: Any, output: Any) -> np.ndarray:
+    """Which steps (s,), or (s, k) of a batch, of the continuous ``output`` have a defect at their
+    end that tells of a series which does not know what is to come.
+
+    The slope there is the first coefficient of the next step; the integrator stands at the end of
+    the last one, and afterwards too.
+    """
+    times, series = np.asarray(output.times), np.asarray(output.tcs)
+    lengths, lanes = np.diff(times, axis=0), times.shape[1:]
+    numbers = np.arange(1, series.shape[2]).reshape(-1, *(1 for _ in lanes))
+    integrator.step(max_delta_t=np.zeros(lanes).tolist(), write_tc=True)
+    with np.errstate(all="ignore"):
+        powers = numbers * lengths[:, None] ** (numbers - 1)
+        slopes = np.einsum("sij...,sj...->si...", series[:, :, 1:], powers)
+        right = np.concatenate([series[1:, :, 1], np.asarray(integrator.tc)[None, :, 1]])
+        missed = np.abs(slopes - right).max(axis=1) * np.abs(lengths)
+        sizes = np.fmax(1.0, np.abs(series[:, :, 0]).max(axis=1))
+        return np.asarray(missed > integrator.tol**BLIND * sizes)
+
+
+def blind_reach(integrator: Any, output: Any, step: int) -> np.ndarray:
+    """The lengths (1,), or (k,) of a batch, up to which a step of continuous output may be trusted;
+    infinite where its defect is ordinary after all.  The integrator stands elsewhere afterwards."""
+    lengths, series = np.diff(output.times, axis=0)[step], np.asarray(output.tcs)[step]
+    rows, end = series.reshape(*series.shape[:2], -1), np.asarray(output.times)[step + 1]
+    return _Series(integrator, rows, np.atleast_1d(lengths), 1, np.asarray(end)).reach()
+
+
 def openings(integrator: Any, spans: np.ndarray) -> np.ndarray:
     """Such lengths for all lanes of a batch integrator, no step going beyond ``spans``; it stands
     afterwards where it stood."""
@@ -221,6 +256,20 @@ def _steps_reach(integrator: Any, taken: np.ndarray, parts: int) -> np.ndarray:
     found = np.minimum(found, series.reach())
     integrator.set_dtime(*times)
     integrator.state[:] = state
+    return found
+
+
+def blind_lanes(integrator: Any, output: Any) -> np.ndarray:
+    """Which lanes (width,) of a batch integrator took a step in ``output`` whose series did not
+    know what was to come; it stands afterwards where it stood."""
+    ends, there = tuple(part.copy() for part in integrator.dtime), integrator.state.copy()
+    blind = blind_steps(integrator, output)
+    found = np.zeros(blind.shape[1], dtype=bool)
+    for k in np.flatnonzero(blind.any(axis=1)).tolist():
+        if (blind[k] & ~found).any():
+            found |= blind[k] & (blind_reach(integrator, output, k) < np.inf)
+    integrator.set_dtime(*ends)
+    integrator.state[:] = there
     return found
 
 

@@ -19,7 +19,7 @@ from voronec.equations.program import Program
 from voronec.motion.steppers.units import angles_among
 from voronec.motion.tolerances import EXACT
 
-__all__ = ["CHUNK", "SHORT", "TurnCount"]
+__all__ = ["CHUNK", "LEAST", "SHORT", "TurnCount"]
 
 CHUNK = 20_000
 """Steps between two looks at the keyboard."""
@@ -115,9 +115,10 @@ class TurnCount:
         others = np.abs(state[~mine]).max(axis=0, initial=1.0)
         return float(np.max(np.abs(state[mine]).max(axis=0, initial=0.0) / others))
 
-    def pace(self, size: int, state: np.ndarray) -> int:
-        """How many steps go before the next look, where states grew to these in ``size`` steps."""
+    def pace(self, size: int, state: np.ndarray, most: int) -> int:
+        """How many steps go before the next look, where states grew to these in ``size`` steps; no
+        more than the ``most``."""
         grown = self.growth(state)
         if grown > LARGE:
-            return max(size // 2, min(LEAST, CHUNK))
-        return min(2 * size, CHUNK) if grown < LARGE / 4 else size
+            return max(size // 2, min(LEAST, most))
+        return min(2 * size, most) if grown < LARGE / 4 else size
