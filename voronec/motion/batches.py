@@ -33,7 +33,6 @@ from voronec.motion.steppers.units import units_of_many
 
 __all__ = [
     "COLLAPSE_RATIO",
-    "SINGULAR",
     "SINGULAR_PLACE",
     "Lanes",
     "StepSizes",
@@ -44,8 +43,6 @@ __all__ = [
     "require_method",
 ]
 
-SINGULAR = 1e-6
-"""A motion with so short a step is not to be trusted after it."""
 PIECE, PART = 64, 4
 """Points of the grid in the first piece, one where states grow; later ones follow the steps that it
 took, so that they are done in a quarter of those that may be taken."""
@@ -89,10 +86,10 @@ class StepSizes:
         self.shortest[which] = np.minimum(self.shortest[which], shortest)
         self.longest[which] = np.maximum(self.longest[which], longest)
 
-    def has_collapsed(self, which: int, share: float = COLLAPSE_RATIO) -> bool:
+    def has_collapsed(self, which: int) -> bool:
         """Whether the steps of a motion became so short that it must have passed a place where its
         equations are singular, or nearly: a pole of coordinates, a zero of a divisor."""
-        return bool(self.shortest[which] < share * self.longest[which])
+        return bool(self.shortest[which] < COLLAPSE_RATIO * self.longest[which])
 
 
 @dataclass(eq=False)

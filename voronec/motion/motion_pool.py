@@ -163,6 +163,12 @@ class Many:
         with np.errstate(all="ignore"):
             return np.linalg.norm(np.column_stack([*slopes, speeds]), axis=1)
 
+    def on_ground(self, i: int, times: np.ndarray, full: np.ndarray) -> np.ndarray:
+        """States (k, n) of motion i at times (k,), from all its coordinates and velocities."""
+        below = _below(self.vocabulary.equations, self.ground)
+        constants = {name: np.full(len(full), x[i]) for name, x in self.parameters.items()}
+        return _place_on_ground(below, compile_program(below)[1], full, constants, times)[0]
+
     @property
     def moving_lanes(self) -> tuple[np.ndarray, np.ndarray]:
         """States and parameters of these."""
@@ -289,7 +295,7 @@ def _is_array(x: Any) -> bool:
 
 
 def _place_on_ground(
-    below: Program, extras: Any, full: np.ndarray, constants: Mapping[str, np.ndarray], time: float
+    below: Program, extras: Any, full: np.ndarray, constants: Mapping[str, np.ndarray], time: Any
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """The states and the frozen quantities on the ground."""
     values = _table(constants, below.parameters, len(full))

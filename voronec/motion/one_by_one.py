@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from voronec.motion.motion_pool import Many
     from voronec.motion.section_passages import SectionPassages, SectionWatch
 
-__all__ = ["SwitchedMotions", "along_one"]
+__all__ = ["SwitchedMotions", "along_one", "crossing_speeds", "time_scale"]
 
 Passes = Callable[[np.ndarray, np.ndarray], bool]
 """Whether a motion with states (s, n) at times (s,) passes a place that makes it doubtful."""
@@ -120,7 +120,7 @@ class SwitchedMotions:
     ) -> None:
         motions = self.motions
         time, state, values = motions.time, motions.states[i], motions.values[i]
-        unit = self._unit(time, state, values)
+        unit = time_scale(motions, time, state, values)
         length = STRETCH * unit
         while not passages.over(i):
             grid = np.linspace(time, min(time + length, passages.until), LOOKS)
@@ -129,7 +129,8 @@ class SwitchedMotions:
             if run.interrupted:
                 raise KeyboardInterrupt
             t, states = run.crossings[PLANE]
-            passages.put(i, t, states, self._speeds(watch, t, states, values, unit))
+            speeds = crossing_speeds(motions, watch, t, states, values, unit)
+            passages.put(i, t, states, speeds)
             seen = watch.function(
                 run.t, run.states, np.broadcast_to(values, (len(run.t), len(values)))
             )
@@ -144,12 +145,6 @@ class SwitchedMotions:
                 return
             time, state = float(run.t[-1]), run.states[-1]
             length = min(GROWTH * length, LONGEST * unit)
-
-    def _unit(self, time: float, state: np.ndarray, values: np.ndarray) -> float:
-        """A time in which no variable changes by more than its size, or by one unit."""
-        rates = compile_program(self.motions.program)[0](time, list(state), values.tolist())
-        pace = np.max(np.abs(np.array(rates, float)) / np.maximum(1.0, np.abs(state)), initial=0.0)
-        return float(1.0 / pace) if 0 < pace < np.inf else 1.0
 
     def _to_plane(
         self, i: int, grid: np.ndarray, state: np.ndarray, name: str, value: float, direction: int
@@ -169,22 +164,27 @@ class SwitchedMotions:
         self.plane = self.plane.elsewhere(float(grid[0]), state, values)
         return self.plane
 
-    def _speeds(
-        self,
-        watch: SectionWatch,
-        t: np.ndarray,
-        states: np.ndarray,
-        values: np.ndarray,
-        unit: float,
-    ) -> np.ndarray:
-        """How fast the plane's quantity changes at crossings."""
-        if not len(t):
-            return np.empty(0)
-        rates = compile_program(self.motions.program)[0](t, list(states.T), values.tolist())
-        along = np.stack([np.broadcast_to(r, t.shape) for r in rates], axis=-1)
-        given, h = np.broadcast_to(values, (len(t), len(values))), SLOPE * unit
-        ends = [watch.function(t + s * h, states + s * h * along, given) for s in (1, -1)]
-        return np.asarray((ends[0] - ends[1]) / (2 * h))
+
+def time_scale(motions: Many, time: float, state: np.ndarray, values: np.ndarray) -> float:
+    """A time in which no variable of a motion changes by more than its size, or by one unit."""
+    rates = compile_program(motions.program)[0](time, list(state), values.tolist())
+    pace = np.max(np.abs(np.array(rates, float)) / np.maximum(1.0, np.abs(state)), initial=0.0)
+    return float(1.0 / pace) if 0 < pace < np.inf else 1.0
+
+
+def crossing_speeds(
+    motions: Many, watch: SectionWatch, t: np.ndarray, states: np.ndarray, values: np.ndarray,
+    unit: float,
+) -> np.ndarray:  # fmt: skip
+    """How fast the plane's quantity changes at crossings t (k,), by differences over a small part
+    of the time scale ``unit``."""
+    if not len(t):
+        return np.empty(0)
+    rates = compile_program(motions.program)[0](t, list(states.T), values.tolist())
+    along = np.stack([np.broadcast_to(r, t.shape) for r in rates], axis=-1)
+    given, h = np.broadcast_to(values, (len(t), len(values))), SLOPE * unit
+    ends = [watch.function(t + s * h, states + s * h * along, given) for s in (1, -1)]
+    return np.asarray((ends[0] - ends[1]) / (2 * h))
 
 
 def _switching_stepper(

@@ -15,7 +15,13 @@ import numpy as np
 
 from voronec.equations.program import Program, hoist
 from voronec.errors import IntegrationError, VoronecError
-from voronec.motion.batches import SINGULAR, SINGULAR_PLACE, Lanes, StepSizes, break_error
+from voronec.motion.batches import (
+    COLLAPSE_RATIO,
+    SINGULAR_PLACE,
+    Lanes,
+    StepSizes,
+    break_error,
+)
 from voronec.motion.methods import METHODS
 from voronec.motion.request import number
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
@@ -490,7 +496,7 @@ def _account(
     busy = [k for k, i in enumerate(holds) if i is not None]
     broken = [k for k in busy if not np.isfinite(ta.state[:, k]).all()]
     stuck = [k for k in busy if taken[k] == limit and _is_stuck(ta.time[k], before[k], origin[k])]
-    passed = [k for k in busy if lanes.steps.has_collapsed(k, SINGULAR)]
+    passed = [k for k in busy if lanes.steps.has_collapsed(k)]
     if output is not None:
         series = output.tcs * lanes.winding.units[:, None]
         series[:, :, 0] = lanes.winding.whole(output.tcs[:, :, 0])
@@ -550,7 +556,7 @@ def _width(motions: Many) -> int:
 def _trusted_until(times: np.ndarray) -> float:
     """The time at which a motion, by the ends of its steps, comes to a singular place."""
     lengths = np.abs(np.diff(times))
-    short = lengths < SINGULAR * np.maximum.accumulate(lengths)
+    short = lengths < COLLAPSE_RATIO * np.maximum.accumulate(lengths)
     return float(times[int(np.argmax(short))]) if short.any() else float(times[0])
 
 
@@ -621,7 +627,7 @@ def _follow(
             if step.end != end:  # the last one is cut
                 sizes.note(0, length, length)
             ends = np.array([step.start, step.end]), np.stack([begin, step.state])
-            if sizes.has_collapsed(0, SINGULAR) or (crosses is not None and crosses(*ends)):
+            if sizes.has_collapsed(0) or (crosses is not None and crosses(*ends)):
                 raise break_error(SINGULAR_PLACE, step.start, begin)
             begin = step.state
             now = float(plane(np.array([step.end]), begin[None], lane)[0])

@@ -8,7 +8,7 @@ are events on the way.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter
 from types import MappingProxyType
@@ -19,7 +19,6 @@ import sympy as sp
 
 from voronec.algebra.arguments import CALLABLE, COUNT, REAL, SEVERAL, TEXT, VALUES, accepts
 from voronec.algebra.symbols import plain_name
-from voronec.algebra.text import formula
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
 from voronec.equations.motions import Motions
@@ -28,9 +27,7 @@ from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.motion.batches import choose_lanes
 from voronec.motion.ensembles import ensemble
-from voronec.motion.events import Event
 from voronec.motion.inputs import drive
-from voronec.motion.integration import integrate
 from voronec.motion.motion_pool import Many, at_each, drifts, many
 from voronec.motion.one_by_one import SwitchedMotions
 from voronec.motion.request import (
@@ -49,12 +46,12 @@ from voronec.motion.section_passages import (
     pass_lanes,
     pass_one_by_one,
 )
+from voronec.motion.section_runs import DrivenPassages, driven_passages, go_on_alone
 from voronec.motion.soundness import JudgeOfMany
 from voronec.motion.steppers.scipy_stepper import FINEST
-from voronec.motion.trajectory import Cost, Trajectory
+from voronec.motion.trajectory import Cost
 
 __all__ = [
-    "DrivenPassages",
     "Section",
     "SectionSurface",
     "section",
@@ -346,7 +343,8 @@ def section(
         up to ``until``, which must be given.
 
     Each crossing is found on the Taylor polynomial of its step (with scipy, on the interpolant) and
-    polished to rounding.  Raises ``DefinitionError`` where no motion ever passes through
+    polished to rounding; motions that pass a pole or a singular split are followed once more alone,
+    as by ``integrate``.  Raises ``DefinitionError`` where no motion ever passes through
     the surface; what breaks down later, or loses a proved integral, is in ``errors``.  Ctrl-C keeps
     the points that are there.
     """
@@ -363,7 +361,7 @@ def section(
     keys = outputs_of(None, outputs) or _whole(equations, expr)
     if driven.changing is not None:
         single, columns = _starts(equations, chosen_scene, starts, initial, parameters)
-        found = _driven_passages(
+        found = driven_passages(
             declared, plane, on_plane, direction, keys, single, columns, crossings, until,
             progress, scene=chosen_scene, inputs=inputs, method=method, tol=tol,
         )  # fmt: skip
@@ -378,22 +376,24 @@ def section(
     if len(motions.wrong) == len(motions):
         raise motions.wrong[0]
     passages = SectionPassages.empty(len(motions), crossings, direction, until, progress)
-    cost = _follow(motions, passages, surface, on_plane, method, tol, began)
+    level = expr - sp.Rational(on_plane)
+    cost = _follow(motions, passages, surface, on_plane, level, method, tol, began)
     return _section(motions, passages, tuple(wanted), surface, on_plane, direction, cost)
 
 
 def _follow(
-    motions: Many, passages: SectionPassages, surface: str, value: float, method: str, tol: float,
-    began: float,
+    motions: Many, passages: SectionPassages, surface: str, value: float, level: sp.Expr,
+    method: str, tol: float, began: float,
 ) -> Cost:  # fmt: skip
-    """Follow motions to their crossings, and look at them; ``DefinitionError`` where there are
-    none."""
+    """Follow motions to where the ``level`` is zero, and look at them; ``DefinitionError`` where
+    that is nowhere."""
     watch = _watch(motions, f"plane {surface}", value)
     switched = SwitchedMotions.of(motions, method, tol, np.array([0.0, 1.0]))
     follow, used, reason, finest = _followers(motions, switched, watch, method, tol)
     ready = perf_counter()
     if switched is None:
         follow(passages)
+        go_on_alone(motions, watch, passages, level, method, tol)
     else:
         switched.passages(watch, passages, f"plane {surface}", value)
     cost = Cost(
@@ -596,96 +596,3 @@ def _drift(
         np.maximum.at(largest, start, np.abs(found[key] - first[key][start]))
         result[name] = drifts(largest, first[key])
     return result
-
-
-PLANE = "the plane of the section"
-STEP = 1e-6
-"""The step of difference quotients, in units of the time that a motion is followed."""
-LOOKS = 2001
-"""Instants at which the largest rate of the plane's quantity is seen."""
-
-
-@dataclass
-class DrivenPassages:
-    """What was found of several motions: rows (start, t, outputs, speed), in their order, the
-    largest rate of the plane's quantity, how each ended, and what went wrong."""
-
-    rows: list[tuple[int, float, np.ndarray, float]] = field(default_factory=list)
-    fastest: list[float] = field(default_factory=list)
-    ends: list[str] = field(default_factory=list)
-    errors: dict[int, VoronecError] = field(default_factory=dict)
-    drift: dict[str, list[float]] = field(default_factory=dict)
-    cost: Cost | None = None
-    steps: int = 0
-    interrupted: bool = False
-
-
-def _driven_passages(
-    system: System, plane: Any, value: float, direction: int, outputs: Sequence[str],
-    starts: Sequence[Values], parameters: Mapping[Any, Any], crossings: int, until: float | None,
-    progress: Callable[[float], Any] | None, **options: Any,
-) -> DrivenPassages:  # fmt: skip
-    """The passages of motions from several starts, up to the time ``until``."""
-    if until is None:
-        raise DefinitionError(
-            f"system '{system.name}': inputs that change in time by a table or a function are "
-            "followed up to an instant; give until="
-        )
-    known = {plain_name(s): s for s in system.known_symbols()}
-    quantity = formula(plane, "the plane", known) if isinstance(plane, str) else plane
-    level = quantity - sp.Rational(value)
-    event = Event(level, PLANE, direction)
-    found = DrivenPassages()
-    for i, start in enumerate(starts):
-        own = {k: x[i] if isinstance(x, np.ndarray) else x for k, x in parameters.items()}
-        try:
-            run = integrate(
-                system, times=[_begin(options), until], initial=start, parameters=own,
-                outputs=[*outputs, level], events=(event,), dense=True, **options,
-            )  # fmt: skip
-        except KeyboardInterrupt:
-            found.interrupted = True
-            break
-        except IntegrationError as error:
-            found.errors[i] = error
-            _note(found, i, error.trajectory, crossings, "failed", len(outputs))
-            continue
-        end = f"no more crossings up to t = {until:.6g}"
-        _note(found, i, run, crossings, end, len(outputs))
-        if progress is not None:
-            progress((i + 1) / len(starts))
-    return found
-
-
-def _begin(options: Mapping[str, Any]) -> float:
-    scene = options.get("scene")
-    return 0.0 if scene is None else float(scene.times[0])
-
-
-def _note(
-    found: DrivenPassages, i: int, run: Trajectory | None, crossings: int, end: str, width: int
-) -> None:
-    """Take in what one motion shows."""
-    if run is None or PLANE not in run.events:
-        found.ends.append(end)
-        found.fastest.append(np.inf)
-        return
-    names = run.outputs[:width]
-    level = run.outputs[width]
-    passed = run.events[PLANE]
-    count = min(len(passed), crossings)
-    h = STEP * abs(float(run.t[-1]) - float(run.t[0]))
-    fine = np.linspace(float(run.t[0]), float(run.t[-1]), LOOKS)
-    rates = np.abs(np.diff(run.at(fine)[level])) / np.diff(fine)
-    points = np.stack([passed[name] for name in names], axis=-1)
-    for k in range(count):
-        t = float(passed.t[k])
-        sides = run.at([max(t - h, fine[0]), min(t + h, fine[-1])])
-        speed = float(np.diff(sides[level])[0] / np.diff(sides.t)[0])
-        found.rows.append((i, t, points[k], speed))
-    found.fastest.append(float(rates.max()))
-    found.ends.append("complete" if count == crossings else end)
-    found.cost = run.cost
-    found.steps += run.cost.steps
-    for name, drift in run.drift.items():
-        found.drift.setdefault(name, []).append(float(drift))
