@@ -1,7 +1,5 @@
 """Right sides that are not smooth: friction, steps, switches, motions held on walls."""
 
-from contextlib import suppress
-
 import mpmath as mp
 import numpy as np
 import pytest
@@ -143,22 +141,45 @@ def test_what_is_not_determined_is_said(method):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_wall_that_is_only_touched_decides_nothing_in_silence(method):
-    """x = -sin t touches 1, beyond which a force jumps: the motion turns, or it is not determined;
-    with a little more speed it goes on, and rounding decides nothing."""
+    """x = -sin t touches 1, beyond which a force jumps outwards: that is not determined, whether
+    rounding takes it across or not; with a little more or less speed it is."""
     push = mass_point(-x + 5 * sp.Heaviside(x - 1))
-    found = None
-    with suppress(IntegrationError):
-        found = motion(push, (0, -1), 20, method)["x"][-1]
-    if found is None:
-        with pytest.raises(IntegrationError, match="and may turn there or go on beyond"):
-            motion(push, (0, -1), 20, method)
-    else:
-        assert abs(found + mp.sin(20)) < 1e-9
+    with pytest.raises(IntegrationError, match=r"touches .* and may turn there or go on beyond"):
+        motion(push, (0, -1), 20, method)
+    inwards = mass_point(-x - 5 * sp.Heaviside(x - 1))
+    assert abs(motion(inwards, (0, -1), 6, method)["x"][-1] + mp.sin(6)) < 1e-6
+    slow = motion(push, (0, -1 + 1e-6), 20, method)["x"][-1]
+    assert abs(slow + (1 - 1e-6) * mp.sin(20)) < 1e-9
     free = motion(mass_point(-x + sp.Max(0, x - 1)), (0, -1), 20, method)["x"][-1]
     assert abs(free + mp.sin(20)) < 1e-6  # nothing jumps
     fast = -1 - 1e-6
     truth = motion(push, (0, fast), 5.5, "flint")["x"][-1]
     assert abs(motion(push, (0, fast), 5.5, method)["x"][-1] - truth) < 1e-7
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("place", [0, 0.25])
+def test_a_wall_is_touched_where_its_function_has_no_size(place, method):
+    """x = place + (1 - t)^2 turns at the wall, below which the force points away."""
+    thrown = mass_point(sp.Piecewise((2, x > sp.Rational(str(place))), (-3, True)))
+    start = {x: place + 1, Dx: -2}
+    with pytest.raises(IntegrationError, match="may turn there or go on beyond"):
+        motion(thrown, start.values(), 2, method)
+    if method in ("heyoka", "scipy"):
+        higher = {x: place + 1.01, Dx: -2}
+        many = vo.ensemble(thrown, starts=[start, higher], times=[0, 2], method=method)
+        assert "may turn there" in str(many.errors[0]) and list(many.errors) == [0]
+        assert many["x"][1, -1] == pytest.approx(place + 1.01, abs=1e-11)
+        passed = vo.section(
+            thrown,
+            x - place - 0.5,
+            outputs=(Dx,),
+            starts=[start, higher],
+            crossings=1,
+            method=method,
+        )
+        assert "may turn there" in str(passed.errors[0]) and list(passed.start) == [1]
+        assert passed["xdot"][0] == pytest.approx(1.4, abs=1e-11)
 
 
 def test_switches_that_accumulate_are_named():

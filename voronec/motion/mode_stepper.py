@@ -252,15 +252,19 @@ class _Passage:
         return part
 
     def cut(self, part: Run) -> Run:
-        """A stretch up to where it touches a wall along which it may have come."""
+        """A stretch up to where it touches a wall along which it may have come, or, into the
+        future, beyond which it may go on."""
+        forward = self.roads.order > 0
+        touches = self.roads.grazes if forward else self.roads.touches
+        reason = TOUCH if forward else PAST
         for name, surface in self.mode.turns.items():
             for time, state in zip(*part.crossings[name], strict=True):
-                if self.roads.touches(time, state, surface, self.mode.sides):
+                if touches(time, state, surface, self.mode.sides):
                     kept = [self.order * (t - time) <= 0 for t in part.t]
                     return replace(
                         part, t=part.t[kept], states=part.states[kept], stopped="",
                         crossings=until(part.crossings, self.time, time),
-                        halt=Halt(PAST.format(surface), time, state),
+                        halt=Halt(reason.format(surface), time, state),
                     )  # fmt: skip
         return part
 

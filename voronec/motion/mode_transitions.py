@@ -28,6 +28,7 @@ from voronec.motion.methods import choose, choose_regular
 from voronec.motion.modes import Corner, LevelSurface, Modes, motion_along_surfaces
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run, Stepper, cut_at_singularity
+from voronec.motion.steppers.units import natural_units
 
 __all__ = ["DOUBLE", "GUARD", "PAST", "TOUCH", "Crossroads", "Mode"]
 
@@ -63,7 +64,7 @@ class Mode:
 
     ``sides`` has the sign or floor of every wall; ``along`` are the surfaces on which the motion is
     held.  ``watch`` maps names of events to the surfaces at which the mode ends (none: at a rim),
-    ``turns`` those of runs into the past to the surfaces that they may touch.
+    ``turns`` others to the surfaces that the motion may touch.
     """
 
     corner: Corner
@@ -222,6 +223,15 @@ class Crossroads:
         g, *slopes = self._measure(wall, time, state, values)
         return g, sum(abs(a * b) for a, b in zip(slopes, [time, *state], strict=True))
 
+    def _value_and_reach(
+        self, wall: Wall, time: Any, state: np.ndarray, values: Mapping[Wall, int]
+    ) -> tuple[Any, Any]:
+        """The value of a wall's function, and what it reaches over natural sizes of the states: a
+        state that is zero at the wall has errors of its usual size."""
+        g, slope, *slopes = self._measure(wall, time, state, values)
+        sizes = np.maximum(abs(state), natural_units(self.problem))
+        return g, abs(slope * time) + sum(abs(a) * x for a, x in zip(slopes, sizes, strict=True))
+
     def _measure(
         self, wall: Wall, time: Any, state: np.ndarray, values: Mapping[Wall, int]
     ) -> list[Any]:
@@ -375,7 +385,7 @@ class Crossroads:
     ) -> bool:
         """Whether a wall is touched, not crossed, from a side while the other side leads to it, in
         the sense of time: then the motion may have come along it."""
-        g, size = self._value_and_size(surface.wall, time, state, sides)
+        g, size = self._value_and_reach(surface.wall, time, state, sides)
         side = 1 if sides[surface.wall] == surface.value(1) else -1
         own, scale = self._rate(time, state, surface, sides)
         if abs(g - surface.level) > GRAZE * size or abs(own) > mpmath.sqrt(GRAZE) * scale:
@@ -386,9 +396,11 @@ class Crossroads:
     def grazes(
         self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Wall, int]
     ) -> bool:
-        """Whether a motion that reached a wall would have turned within its error of it, while the
-        other side leads away: then that error decides on which side it goes on."""
-        _, size = self._value_and_size(surface.wall, time, state, sides)
+        """Whether a motion that comes to a wall turns within its error of it, while the other side
+        leads away: then that error decides on which side it goes on."""
+        g, size = self._value_and_reach(surface.wall, time, state, sides)
+        if abs(g - surface.level) > self.problem.tol**UNSURE * size:
+            return False
         side = 1 if sides[surface.wall] == surface.value(1) else -1
         own, bend = self._rate_and_bend(time, state, surface, sides)
         if bend * side <= 0 or own**2 / (2 * bend * side) > self.problem.tol**UNSURE * size:
@@ -562,15 +574,13 @@ class Crossroads:
             kinds = [f"{w} {i}" for w in ("weight", "return") for i in range(len(along))]
             block = Block(weighing.assignments, (*functions.values(), *weighing.results))
             levels = replace(program, names=(*functions, *kinds), extras=block)
-        elif self.order < 0:
+        else:
             turns = {
                 f"turn at {n}": s[0]
                 for n, s in self._watched_surfaces(corner, sides, along).items()
                 if s
             }
             levels = _with_turns(quantities(corner.form, functions), program, turns, functions)
-        else:
-            levels = quantities(corner.form, functions)
         problem = self._problem_of_mode(corner, program, levels, sides, along, turns)
         stepper, chosen = self._choose_stepper(problem)
         lasting = stepper if chosen["method"] == "heyoka" else None
@@ -583,7 +593,7 @@ class Crossroads:
         """What is to be integrated until a surface is met that the mode does not lie along."""
         given, ends = self.problem, [*self._watched_surfaces(corner, sides, along)]
         events = [Event(name, name, -self.order, stop=True) for name in ends]
-        events += [Event(name, name, -self.order) for name in turns]
+        events += [Event(name, name, 1) for name in turns]
         watching = levels if not along else _of_events(levels, [*given.events], ends)
         numbers = [*map(float, self.values(program, sides, self.grid[0]))]
         return replace(
