@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 
 import mpmath as mp
 import numpy as np
@@ -220,6 +221,22 @@ def test_no_step_goes_over_a_corner_that_is_hardly_rounded(name, fixed, method):
             made, starts=[FALL] * 2, times=[0, 3, 7], parameters=values, method=method
         )
         assert many["x"][1] == pytest.approx(wanted, abs=1e-10)
+
+
+@pytest.mark.parametrize("name", CORNERS)
+def test_lsoda_is_right_at_a_corner_or_says_that_it_is_lost(name):
+    """Where the acceleration is constant it takes steps over several corners at once."""
+    made, values = corner(name, False)
+    truth = vo.integrate(corner(name, True)[0], times=[0, 7], initial=FALL, tol=1e-22)
+    found = None
+    with suppress(vo.IntegrationError):
+        run = vo.integrate(made, times=[0, 7], initial=FALL, parameters=values, method="lsoda")
+        found = run["x"][-1]
+    if found is None:
+        with pytest.raises(vo.IntegrationError, match="do not follow the equations"):
+            vo.integrate(made, times=[0, 7], initial=FALL, parameters=values, method="lsoda")
+    else:
+        assert found == pytest.approx(float(truth["x"][-1]), abs=1e-8)
 
 
 @pytest.mark.parametrize("method", ["scipy", "heyoka"])

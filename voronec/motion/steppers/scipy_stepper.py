@@ -21,6 +21,12 @@ PATIENCE = 300
 """So many evaluations in turn without a value lead nowhere; scipy would go on for ever."""
 SHORT = 0.95
 """A step shorter than this part of what was tried first was rejected, or ends the run."""
+LOOKS = 4
+"""Places along a step of LSODA at which it is held against the equations."""
+MISS = 1e-3
+"""A step of LSODA whose slope misses more of the right side than this, in units of the states, has
+lost the motion; stiff equations miss what the tolerance makes of their stiffness."""
+ASTRAY = "the steps of lsoda do not follow the equations"
 TRIAL = 12
 """Steps after which the rest is estimated; the first ones are shorter than those that follow."""
 
@@ -162,6 +168,8 @@ class _Solver:
             raise IntegratorFailure(COLLAPSE)
         if not np.isfinite(solver.y).all():
             raise IntegratorFailure(INFINITE)
+        if slope is None and not self.follows():
+            raise IntegratorFailure(ASTRAY)
         kept = [solver.dense_output()] if self.dense else []
 
         def at(times: np.ndarray) -> np.ndarray:
@@ -172,6 +180,22 @@ class _Solver:
 
         slopes = None if slope is None else ((begin, slope), (solver.y, solver.f))
         return Stride(start, solver.t, solver.y.copy(), at, slopes)
+
+    def follows(self) -> bool:
+        """Whether LSODA's polynomial has about the slope of the right side along its step.
+
+        Where nothing has changed for long its steps grow over all that is to come, and with a
+        derivative that is out of date its corrections are small however wrong they are.
+        """
+        solver, inside = self.solver, self.solver.dense_output()
+        numbers, h = np.arange(1, inside.yh.shape[1]), inside.h
+        for part in np.arange(1, LOOKS + 1) / LOOKS:
+            t = inside.t_old + part * (solver.t - inside.t_old)
+            slopes = inside.yh[:, 1:] @ (numbers * ((t - solver.t) / h) ** (numbers - 1)) / h
+            missed = np.abs(slopes - solver.fun(t, inside(t))) * abs(solver.t - inside.t_old)
+            if (missed > MISS * np.maximum(1.0, np.abs(solver.y))).any():
+                return False
+        return True
 
     @property
     def evaluations(self) -> int:
