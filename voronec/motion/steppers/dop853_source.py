@@ -27,9 +27,6 @@ LOOKS = 8
 """Parts of a step at whose ends functions of events are looked at."""
 FIRST_GROWTH = 2.8
 """What is taken for the factor of the step before the first."""
-SHARE = 0.1
-"""The part of the tolerance that a step may use up, where doubles allow it: steps err with the same
-sign for long, and their errors add up, those of a thousand to some ten times the tolerance."""
 
 
 # fmt: off

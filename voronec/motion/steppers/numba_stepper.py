@@ -19,7 +19,6 @@ from voronec.motion.steppers.dop853_source import (
     EVENT,
     FIRST_GROWTH,
     NO_STEP,
-    SHARE,
     kernel_source,
 )
 from voronec.motion.steppers.kept_code import kept_function
@@ -27,7 +26,7 @@ from voronec.motion.steppers.run import COLLAPSE, Problem, Run, Stepper
 from voronec.motion.steppers.scipy_stepper import level_function
 from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride, march
 from voronec.motion.steppers.units import natural_units
-from voronec.motion.tolerances import FINEST
+from voronec.motion.tolerances import FINEST, SHARE
 
 __all__ = ["PARTS", "Loop", "between", "compiled_dop853", "compiled_loop", "scales_of"]
 

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from voronec.equations.program import compile_program
-from voronec.motion.steppers.dop853_source import FIRST_GROWTH, SHARE, growth
+from voronec.motion.steppers.dop853_source import FIRST_GROWTH, growth
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
 from voronec.motion.steppers.step_loop import IntegratorFailure, Levels, Stride, Walker, march
 from voronec.motion.steppers.units import natural_units
-from voronec.motion.tolerances import FINEST
+from voronec.motion.tolerances import FINEST, SHARE
 
 __all__ = ["dop853", "dop853_steps", "estimated_steps", "lsoda"]
 

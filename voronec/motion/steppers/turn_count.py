@@ -17,7 +17,7 @@ import numpy as np
 
 from voronec.equations.program import Program
 from voronec.motion.steppers.units import angles_among
-from voronec.motion.tolerances import EXACT
+from voronec.motion.tolerances import taylor_tolerance
 
 __all__ = ["CHUNK", "LEAST", "SHORT", "TurnCount"]
 
@@ -26,9 +26,6 @@ CHUNK = 20_000
 SHORT, LEAST, LARGE = 64, 32, 8.0
 """So many steps are taken at first where states wind; fewer, down to the least, where in these they
 grow to more than so many times the others, and more, up to CHUNK, where they hardly grow."""
-ORDER = float(np.exp(-2))
-"""Tolerances that are finer by this give series one more term and steps as long as before: errors
-are less by a factor 7.4, and states that grow to LARGE times the others loosen them by 8."""
 TURN = 2 * np.pi
 COARSE = float(np.ldexp(np.round(np.ldexp(TURN, 30)), -30))
 """A turn in 33 bits, whose small multiples are exact; FINE is the rest of it."""
@@ -72,9 +69,9 @@ class TurnCount:
         return bool(len(self.quadratures) or len(self.angles))
 
     def tolerance(self, tol: float) -> float:
-        """The one for the integrator: finer by what states that are kept small loosen it by, while
-        they grow."""
-        return max(tol * ORDER, min(tol, EXACT)) if self.is_needed else tol
+        """The one of steps, for one of a run: finer by a term, and by another for what states that
+        are kept small loosen it by while they grow, LARGE at most."""
+        return taylor_tolerance(tol, 2 if self.is_needed else 1)
 
     def reset(self, which: Any = slice(None)) -> None:
         """Nothing is taken out, or nothing of some lanes."""
