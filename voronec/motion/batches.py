@@ -393,8 +393,7 @@ def _one_interval(
         lanes.look_back(begin, state, longest)
         if all(r[0] == hy.taylor_outcome.time_limit for r in ta.propagate_res):
             return {}, steps
-        moved = np.abs(ta.time - before) > 1e-13 * np.ptp(ends)
-        stuck = [i for i in range(lanes.width) if ta.time[i] != ends[-1] and not moved[i]]
+        stuck = np.flatnonzero((ta.time != ends[-1]) & (ta.time == before)).tolist()
         if stuck:
             return {i: break_error(COLLAPSE, ta.time[i], lanes.states[i]) for i in stuck}, steps
         if lost := headway.errors(lanes):

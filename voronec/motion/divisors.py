@@ -32,6 +32,7 @@ from voronec.motion.steppers import Run
 __all__ = [
     "CLEAR",
     "FEW",
+    "GAIN",
     "NEAR",
     "Divisor",
     "Field",
@@ -65,16 +66,21 @@ NEAR, CLEAR = 0.05, 0.15
 """Below the one, in units of its usual size, a divisor makes its split be left; above the other a
 split is good enough.  What is lost in digits is the square of such a number at most."""
 
+GAIN = 4.0
+"""A split is left for another only where that is so many times better."""
+
 Field = Callable[[np.ndarray], np.ndarray]
 """States (n, k), a column each, to values (m, k)."""
 
 
 @dataclass(frozen=True)
 class Divisor:
-    """A function that vanishes somewhere, and how large it usually is."""
+    """A function that vanishes somewhere, how large it usually is, and at which part of that a
+    split is left."""
 
     function: Any
     scale: float
+    level: float = NEAR
 
 
 @lru_cache(maxsize=32)  # it is asked before every run
@@ -201,13 +207,13 @@ def _middle_size(sizes: np.ndarray) -> float:
 
 
 def guard_events(
-    guards: Sequence[Divisor], level: float = NEAR, direction: int = 0
+    guards: Sequence[Divisor], level: float | None = None, direction: int = 0
 ) -> tuple[tuple[Event, ...], dict[str, Any]]:
     """Events that end a run where a divisor passes a level, in units of its usual size, and their
-    functions by name; by default where it comes near zero."""
-    names = [f"divisor {i} at {level:g}" for i in range(len(guards))]
+    functions by name; by default its own level, where it comes near zero."""
+    names = [f"divisor {i} at {level or 'its level'}" for i in range(len(guards))]
     functions = {
-        name: g.function**2 - se.Integer(2) ** (2 * round(log2(level * g.scale)))
+        name: g.function**2 - se.Integer(2) ** (2 * round(log2((level or g.level) * g.scale)))
         for name, g in zip(names, guards, strict=True)
     }
     return tuple(Event(name, name, direction, stop=True) for name in names), functions

@@ -41,7 +41,7 @@ from voronec.motion.observables import Watch, evaluate_watch
 from voronec.motion.request import StartData, Vocabulary, grid_of, outputs_of, scene_of
 from voronec.motion.singular_coordinates import LAST, NearPole, PoleGuard, charted_directions
 from voronec.motion.soundness import Breach, Judge, Untold, require_branches
-from voronec.motion.split_models import SplitGround
+from voronec.motion.split_models import SplitGround, divisor_program
 from voronec.motion.split_stepper import SplitRun
 from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
@@ -509,7 +509,8 @@ class _Job:
         form = made.form if made.model is None else made.model.form
         ground = SplitGround(self.vocabulary.equations, outset.constants, float(self.grid[0]))
         found = ground.watch_divisors(form, made.below, outset.state)
-        if ground.smallest(form, found, state, values) < NEAR:
+        sizes = ground.sizes(divisor_program(form, found), found, state, values)
+        if min(sizes, default=NEAR) < NEAR:
             raise NearDivisor(self.vocabulary)
         return tuple(found)
 

@@ -49,6 +49,7 @@ from voronec.motion.dependent_constraints import (
 from voronec.motion.divisors import (
     CLEAR,
     FEW,
+    GAIN,
     Divisor,
     around,
     bases,
@@ -60,7 +61,7 @@ from voronec.motion.observables import Watch, size_of_terms
 from voronec.motion.reactions import Multipliers
 from voronec.motion.state_probe import quantities, usual_size
 
-__all__ = ["Geometry", "SplitGround", "SplitModel", "candidates"]
+__all__ = ["Geometry", "SplitGround", "SplitModel", "candidates", "divisor_program"]
 
 
 SHARE = 0.1
@@ -248,9 +249,15 @@ def _split_chart(system: System, chart: Chart) -> Chart:
     )
 
 
-def _equations_near(system: System, near: Mapping[str, Any]) -> VoronecEquations:
-    """The equations with pivots that are well conditioned at a point, numbers by name."""
+def _equations_near(
+    system: System, near: Mapping[str, Any], known: Sequence[VoronecEquations]
+) -> VoronecEquations:
+    """The equations with pivots that are well conditioned at a point, numbers by name; those that
+    are ``known``, where they have the same pivots."""
     definition = read(system, near, SHARE)
+    for other in known:
+        if (other.system.name, other.definition.fibre) == (system.name, definition.fibre):
+            return other
     return VoronecEquations(
         system, definition, Derivation(definition, False), Derivation(definition, True)
     )
@@ -484,16 +491,18 @@ class SplitGround:
         there = good & (np.abs(rows[:, :m]).max(axis=1) < ON_RELATIONS)
         return moved[:, there]
 
-    def smallest(
-        self, form: FirstOrderForm, guards: Sequence[Divisor], state: Any, values: Sequence[Any]
-    ) -> float:
-        """The least of some divisors at a state of a form, in units of their usual sizes."""
-        if not guards:
-            return np.inf
-        program = quantities(form, {str(i): g.function for i, g in enumerate(guards)})
+    def sizes(
+        self, program: Program, guards: Sequence[Divisor], state: Any, values: Sequence[Any]
+    ) -> list[float]:
+        """Divisors at a state in units of their usual sizes, from their ``divisor_program``."""
         sizes = numbers(program, self.time, list(state), values)
-        parts = [abs(x) / g.scale for x, g in zip(sizes, guards, strict=True)]
-        return float(min(x if np.isfinite(x) else 0.0 for x in parts))
+        parts = [abs(float(x)) / g.scale for x, g in zip(sizes, guards, strict=True)]
+        return [x if np.isfinite(x) else 0.0 for x in parts]
+
+
+def divisor_program(form: FirstOrderForm, guards: Sequence[Divisor]) -> Program:
+    """A program for some divisors of a form."""
+    return quantities(form, {str(i): g.function for i, g in enumerate(guards)})
 
 
 @dataclass(frozen=True, eq=False)
@@ -592,17 +601,22 @@ class SplitModel:
             return np.array([mpmath.mpf(x) for x in found], dtype=object)
         return np.array(found, dtype=float)
 
-    def lower_guards(self, time: float, wide: np.ndarray, factor: float) -> SplitModel:
-        """The same with the guards that are small at a wide state lowered by a factor, or, for
-        zero, left out."""
-        state, values = self.narrow(time, wide.astype(float)), self.ground.values(self.program)
-        guards = []
-        for guard in self.guards:
-            if self.ground.smallest(self.form, [guard], state, values) > CLEAR:
-                guards.append(guard)
-            elif factor:
-                guards.append(replace(guard, scale=factor * guard.scale))
-        return replace(self, guards=tuple(guards))
+    def guards_from(self, time: float, wide: np.ndarray) -> tuple[Divisor, ...]:
+        """The guards for a stretch that begins at a wide state: those that are small there are
+        watched for being so many times smaller."""
+        sizes = self._sizes(self.narrow(time, wide.astype(float)))
+        return tuple(
+            g if size > CLEAR else replace(g, level=size / GAIN)
+            for g, size in zip(self.guards, sizes, strict=True)
+        )
+
+    def _sizes(self, state: np.ndarray) -> list[float]:
+        values = self.ground.values(self._divisors)
+        return self.ground.sizes(self._divisors, self.guards, state, values)
+
+    @cached_property
+    def _divisors(self) -> Program:
+        return divisor_program(self.form, self.guards)
 
     def quality(self, time: Any, wide: np.ndarray) -> float:
         """How far the divisors are from zero at a wide state, in units of their usual sizes; 0
@@ -617,7 +631,7 @@ class SplitModel:
         defined = np.isfinite(np.array(rates, dtype=float)).all()
         if not (defined or (np.isfinite(state).all() and self._at_pole(state))):
             return 0.0
-        return self.ground.smallest(self.form, self.guards, state, values)
+        return min(self._sizes(state), default=np.inf)
 
     def _at_pole(self, state: np.ndarray) -> bool:
         """Whether a state is where the coordinates are singular and charts of the split begin."""
@@ -645,8 +659,11 @@ def _without_momenta(
     return found | {size: size_of_terms(found[key]) for size, key in sizes.items() if key in found}
 
 
-def candidates(ground: SplitGround, time: float, wide: np.ndarray) -> Any:
-    """Equations to try at a wide state, with their forms, one after the other."""
+def candidates(
+    ground: SplitGround, time: float, wide: np.ndarray, known: Sequence[VoronecEquations]
+) -> Any:
+    """Equations to try at a wide state, with their forms, one after the other; those that are
+    ``known`` are not made again."""
     home, point = ground.home, _point(ground, time, wide)
     yield home, home.form
     charted = _best_in_charts(ground, time, wide)
@@ -661,7 +678,7 @@ def candidates(ground: SplitGround, time: float, wide: np.ndarray) -> Any:
             systems = [home.system]
     for system in systems:
         try:
-            equations = _equations_near(system, point)
+            equations = _equations_near(system, point, known)
             yield equations, equations.form
             yield equations, equations.raw.form
         except VoronecError:

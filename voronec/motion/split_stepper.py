@@ -19,7 +19,7 @@ import numpy as np
 from voronec.algebra.symbols import plain_name
 from voronec.errors import IntegrationError
 from voronec.motion.chart_stepper import through_charts
-from voronec.motion.divisors import CLEAR, NEAR, guard_events
+from voronec.motion.divisors import CLEAR, GAIN, NEAR, guard_events
 from voronec.motion.events import Crossings, Event
 from voronec.motion.methods import is_exact
 from voronec.motion.motion_start import WideStart
@@ -36,13 +36,15 @@ from voronec.motion.trajectory import Cost, Trajectory, assemble_trajectory
 __all__ = ["SplitRun"]
 
 DEPENDENT = "the constraints become dependent"
+NOWHERE = "whichever velocities are independent, the equations divide by zero"
 LEAST = 1e-6
 """Constraints that are less independent than this, in units of what they usually are, are taken
 for dependent, and so are velocities at the start: they lose more digits than they leave."""
-GAIN = 4.0
-"""A split is left for another only where that is so many times better."""
-LONGER = 4.0
-"""A stretch is not expected to be longer than so many times the longest before it."""
+FAINT = 1e-4
+"""A run that comes to a place where all splits fail ends where the best, or the constraints, are so
+near to that: errors grow with the square of it, and half of the digits of doubles are left."""
+LONGER, RECENT = 4.0, 2
+"""A stretch is not expected to be longer than the one times the longest of so many before it."""
 EARLY, BETTER = 0.5, 2.0
 """Below the one, in units of its usual size, a divisor makes its split be left for one that is
 ready and so many times better: what a split loses grows with powers of its divisors."""
@@ -123,8 +125,8 @@ class SplitRun:
             best = self.best_split(time, wide, split)
             if part.halt is not None and best is split:
                 raise self.failure(split, part.halt, busy)
-            if best is split:
-                best = self.alone(split, time, state, wide, busy)
+            if reason := self.obstacle(best, time, wide):
+                raise self.failure(split, Halt(reason, time, state), busy)
             split = best
 
     # -- splits -----------------------------------------------------------------------------
@@ -171,7 +173,8 @@ class SplitRun:
         """Splits that are made until one is good enough at a wide state, and how good they are."""
         began, sizes = perf_counter(), {}
         with suppress(np.linalg.LinAlgError):
-            for equations, form in candidates(self.ground, float(time), wide):
+            known = [p.equations for p in self.splits]
+            for equations, form in candidates(self.ground, float(time), wide, known):
                 if any(p.form is form for p in self.splits):
                     continue
                 made = SplitModel.of(
@@ -204,20 +207,12 @@ class SplitRun:
         best = self.best_split(end, wide, split, leaves=True)
         return None if best is split else (again, wide, best)
 
-    def alone(
-        self, split: SplitModel, time: Any, state: np.ndarray, wide: np.ndarray, busy: float
-    ) -> SplitModel:
-        """The same split with other guards, where no other is better.
-
-        What is small then belongs to the motion itself, and is not watched any more; or the
-        constraints come near to being dependent.
-        """
-        strength = self.ground.strength(float(time), wide.astype(float))
-        if not strength > LEAST:
-            raise self.failure(split, Halt(DEPENDENT, time, state), busy)
-        self.splits.remove(split)
-        self.splits.append(split.lower_guards(float(time), wide, NEAR if strength < NEAR else 0.0))
-        return self.splits[-1]
+    def obstacle(self, best: SplitModel, time: Any, wide: np.ndarray) -> str:
+        """Why not even the best split leads on from a wide state; empty where it does."""
+        size, least = best.quality(time, wide), LEAST if self.exact else FAINT
+        if size < CLEAR and not self.ground.strength(float(time), wide.astype(float)) > least:
+            return DEPENDENT
+        return "" if size > least else NOWHERE
 
     def _show_state(self, wide: np.ndarray) -> str:
         pairs = zip(self.ground.home.definition.coordinates, wide, strict=False)
@@ -238,7 +233,7 @@ class SplitRun:
     def stretch(self, split: SplitModel, time: Any, wide: np.ndarray, ahead: np.ndarray) -> Run:
         """Go on in a split until a divisor is small, or the grid ends."""
         began = perf_counter()
-        guards, levels = guard_events(split.guards)
+        guards, levels = guard_events(split.guards_from(float(time), wide))
         marks, early = self._early_events(split)
         levels = {**levels, **early}
         functions = {**split.functions, **levels}
@@ -254,7 +249,7 @@ class SplitRun:
             (*self.events, *guards, *marks),
             quantities(split.form, functions) if functions else None, self.dense,
             probe.suspect(state), None, self._exact(split, time, wide), None, frozenset(levels),
-            brief=self._likely_length(ahead, time),
+            brief=self._likely_length(split, ahead, time),
         )  # fmt: skip
         if wide.dtype == object or self.exact:
             times = np.array([mpmath.mpf(time), *map(mpmath.mpf, ahead)], dtype=object)
@@ -268,9 +263,10 @@ class SplitRun:
         self.prepared += perf_counter() - began
         return stepper(times)
 
-    def _likely_length(self, ahead: np.ndarray, time: Any) -> float:
-        """What the next stretch will last at most, as those before it tell."""
-        lengths = [abs(float(s.run.t[-1] - s.run.t[0])) for s in self.stretches]
+    def _likely_length(self, split: SplitModel, ahead: np.ndarray, time: Any) -> float:
+        """What the next stretch will last at most, as the last ones of its split tell."""
+        own = [s for s in self.stretches if s.split is split] or self.stretches
+        lengths = [abs(float(s.run.t[-1] - s.run.t[0])) for s in own[-RECENT:]]
         if lengths:
             return LONGER * max(lengths)
         return abs(float(ahead[-1] - time)) if len(ahead) else 0.0

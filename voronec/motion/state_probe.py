@@ -12,7 +12,7 @@ import numpy as np
 
 from voronec.equations.program import Program, compile_program, hoist
 from voronec.errors import DefinitionError, IntegrationError
-from voronec.motion.steppers.run import Halt, Signals, Suspect, values_along
+from voronec.motion.steppers.run import FAR, Halt, Signals, Suspect, values_along
 
 __all__ = [
     "StateProbe",
@@ -170,9 +170,12 @@ class StateProbe:
         least = min(_smallest(mass, masses[1]) for mass in masses)
         singular = halt.singular or least < NEARLY
         cause = "; the mass matrix is singular there" if singular else ""
+        mend = "end the run before that, or use another chart"
+        if halt.reason == FAR:
+            cause, mend = "", "ask for a shorter span or a coarser tolerance"
         return IntegrationError(
             f"system '{self.name}': {halt.reason} after t = {float(halt.time):.12g} "
-            f"({self._show_state(state)}){cause}; end the run before that, or use another chart",
+            f"({self._show_state(state)}){cause}; {mend}",
             halt.time,
             halt.state,
             trajectory,

@@ -20,7 +20,6 @@ from voronec.declaration.whole_files import user_cache
 from voronec.equations.program import Program, hoist, taylor_extras, taylor_system
 from voronec.motion.events import Event
 from voronec.motion.steppers.run import (
-    COLLAPSE,
     DISTANT,
     INFINITE,
     Halt,
@@ -296,9 +295,10 @@ class _Drive:
         moved = abs(self.integrator.time - before)
         # heyoka does not count steps of length zero among those that it took
         limited = outcome == self.hy.taylor_outcome.step_limit
-        if limited and moved <= CRAWL * size / CHUNK * np.ptp(self.grid):
-            return self.halt(COLLAPSE)
-        if reason := self.headway.distance(self.steps, self.integrator.time):
+        reason = self.headway.distance(self.steps, self.integrator.time)
+        if not reason and limited and moved <= CRAWL * size / CHUNK * np.ptp(self.grid):
+            reason = self.headway.reason(moved / max(taken, 1))
+        if reason:
             return self.halt(reason)
         if outcome == self.hy.taylor_outcome.err_nf_state:
             return self.last_good(before, state, taken)

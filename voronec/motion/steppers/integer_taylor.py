@@ -35,8 +35,10 @@ SPARSE = 1.0
 SHARES = 200
 """Bits of the share of a step that there is room for: beside a corner that is hardly rounded it is
 a millionth of the first guess."""
-SMALLEST = 1e-13
-"""A step below this part of the span leads nowhere."""
+SMALLEST, SHORTER = 1e-13, 1e-6
+"""A step below the one part of the span, and below the other of the longest, leads nowhere."""
+DOUBLE = 53
+"""Bits of a double."""
 
 
 def digits(problem: Problem) -> Stepper:
@@ -132,6 +134,7 @@ class _Walker:
     bits: int
     evaluations: int = 0
     wider: int = 0
+    longest: float = 0.0
 
     def __post_init__(self) -> None:
         self.kept = self.bits - GUARD // 2
@@ -168,7 +171,9 @@ class _Walker:
         self.guess = _share(abs(step), min(room, 2.0))
         part = self.faithful(polynomial, part)
         self.time = self.time + (step * part >> bits)
-        if abs(self.time - start) < _units(self.least, bits):
+        taken = abs(self.time - start)
+        self.longest = max(self.longest, float(_number(taken, bits, DOUBLE)))
+        if taken < _units(min(self.least, SHORTER * self.longest), bits):
             raise IntegratorFailure(COLLAPSE)
         self.state = polynomial.state(part)
         return Stride(

@@ -26,6 +26,8 @@ from voronec.motion.events import Event
 __all__ = [
     "COLLAPSE",
     "DISTANT",
+    "ENDLESS",
+    "FAR",
     "INFINITE",
     "SINGULAR",
     "Halt",
@@ -44,6 +46,9 @@ __all__ = [
 
 
 COLLAPSE = "the step size collapsed"
+ENDLESS = 1e10
+"""A run that would take so many steps is ended: a day or more by any method."""
+FAR = f"the end is more than {ENDLESS:.0e} steps away".replace("+", "")
 INFINITE = "the state is no longer finite"
 SINGULAR = "the motion cannot be continued"
 AT_START = 1e-12

@@ -13,6 +13,8 @@ from voronec.motion.events import Event
 from voronec.motion.steppers.run import (
     COLLAPSE,
     DISTANT,
+    ENDLESS,
+    FAR,
     SINGULAR,
     Halt,
     Log,
@@ -164,11 +166,10 @@ TINY = 1e-6
 """The part of a step over which slopes of functions are taken."""
 WINDOW, CRAWL = 1000, 1e-7
 """So many steps that cover less than this part of the span lead nowhere."""
-LONG, ENDLESS = 10_000, 1e10
-"""After four times so many steps, and more, a run is ended that would take as many as the other."""
+LONG = 10_000
+"""After four times so many steps, and more, a run is ended that would take ``ENDLESS`` ones."""
 SHORTER = 0.1
 """Steps that have become shorter by this are said to collapse, where the end is too far away."""
-FAR = f"the end is more than {ENDLESS:.0e} steps away".replace("+", "")
 SUSPECTS = 64
 """States whose mass matrices are looked at together."""
 
@@ -191,7 +192,6 @@ class Headway:
     end: float
     looked: int = field(default_factory=lambda: LONG)
     marks: tuple[float, int] = field(init=False)
-    last: tuple[float, int] = field(init=False)
     time: float = field(init=False)
     steps: int = 0
     best: float = 0.0
@@ -200,18 +200,19 @@ class Headway:
 
     def __post_init__(self) -> None:
         self.time = float(self.start)
-        self.marks = self.last = self.time, 0
+        self.marks = self.time, 0
 
     def failure(self, steps: int, time: Any) -> str:
-        """Why so many steps, which came to a time, lead nowhere; empty where they do not."""
+        """Why so many steps, which came to a time, lead nowhere; empty where they do not.
+
+        The first of them are none to compare: what they cover tells nothing without the next.
+        """
         time, mark, marked = float(time), *self.marks
-        if steps > self.last[1]:
-            self.fastest = max(self.fastest, abs(time - self.last[0]) / (steps - self.last[1]))
-            self.last = time, steps
-        if windows := (steps - marked) // WINDOW:
-            self.marks = time, steps
-            if abs(time - mark) <= CRAWL * abs(self.end - float(self.start)) * windows:
-                return self._reason(abs(time - mark) / (steps - marked))
+        if steps - marked >= WINDOW:
+            self.marks, pace = (time, steps), abs(time - mark) / (steps - marked)
+            self.fastest = max(self.fastest, pace)
+            if marked and pace * WINDOW <= CRAWL * abs(self.end - float(self.start)):
+                return self.reason(pace)
         return self.distance(steps, time)
 
     def distance(self, steps: int, time: Any) -> str:
@@ -228,11 +229,11 @@ class Headway:
         pace, self.looked, self.former, self.best = self.best, steps, self.best, 0.0
         if np.log(steps) + _log_growth(left, min(fading, 1.0)) <= np.log(ENDLESS):
             return ""
-        return self._reason(pace)
+        return self.reason(pace)
 
-    def _reason(self, pace: float) -> str:
-        """Whether steps have become short, or the way is long."""
-        return COLLAPSE if pace < SHORTER * self.fastest else FAR
+    def reason(self, pace: float) -> str:
+        """Whether steps have become short, by what many of them cover, or the way is long."""
+        return COLLAPSE if pace <= SHORTER * self.fastest else FAR
 
 
 def _log_growth(left: float, fading: float) -> float:
