@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from random import Random
 from typing import Any
 
 import numpy as np
@@ -747,3 +748,21 @@ def test_a_section_goes_on_in_another_split(method: str) -> None:
     h = 1e-5
     around = [dense.at([t - h, t + h])["y"] for t in section.t.tolist()]
     assert section.speed == pytest.approx([(b - a) / (2 * h) for a, b in around], rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_run_ends_where_no_split_leads_on(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    # both wheels of a bicycle that tumbles come to touch the ground where their conditions are one
+    monkeypatch.setattr("voronec.motion.divisors.Random", lambda _: Random(seed))
+    start = {
+        "phi": -2.035686614234207, "delta": -33.52509248996672, "beta_R": 7.471950048917096,
+        "x": 4.777030990248209, "y": 0.32111862746184155, "z": 0.442, "psi": 2.0567957646061044,
+        "theta": 1.2619491738424964, "beta_F": -15.408981756587421,
+        "roll_rate": -0.010065522403191501, "steer_rate": 2.5258018221942393,
+        "speed": 1.2850606529703317,
+    }  # fmt: skip
+    with pytest.raises(vo.IntegrationError, match="constraints become dependent after") as caught:
+        vo.integrate(replace(vo.load("bicycle")), initial=start, times=[0, -6], project=True)
+    assert float(caught.value.time) == pytest.approx(-0.1561, abs=1e-3)
+    cost = caught.value.trajectory.cost
+    assert cost.switches < 20 and cost.steps < 5_000

@@ -40,9 +40,9 @@ NOWHERE = "whichever velocities are independent, the equations divide by zero"
 LEAST = 1e-6
 """Constraints that are less independent than this, in units of what they usually are, are taken
 for dependent, and so are velocities at the start: they lose more digits than they leave."""
-FAINT = 1e-4
-"""A run that comes to a place where all splits fail ends where the best, or the constraints, are so
-near to that: errors grow with the square of it, and half of the digits of doubles are left."""
+FAINT = 1e-3
+"""In doubles a run ends where the best split is so near to its end: what is lost is the square of
+it, and rounding makes steps short without end."""
 LONGER, RECENT = 4.0, 2
 """A stretch is not expected to be longer than the one times the longest of so many before it."""
 EARLY, BETTER = 0.5, 2.0
@@ -210,9 +210,10 @@ class SplitRun:
     def obstacle(self, best: SplitModel, time: Any, wide: np.ndarray) -> str:
         """Why not even the best split leads on from a wide state; empty where it does."""
         size, least = best.quality(time, wide), LEAST if self.exact else FAINT
-        if size < CLEAR and not self.ground.strength(float(time), wide.astype(float)) > least:
-            return DEPENDENT
-        return "" if size > least else NOWHERE
+        strength = np.inf if size > CLEAR else self.ground.strength(float(time), wide.astype(float))
+        if size > least and strength > LEAST:
+            return ""
+        return DEPENDENT if strength < least else NOWHERE
 
     def _show_state(self, wide: np.ndarray) -> str:
         pairs = zip(self.ground.home.definition.coordinates, wide, strict=False)

@@ -41,7 +41,7 @@ from voronec.motion.steppers.series_reach import (
     blind_steps,
     reach,
 )
-from voronec.motion.steppers.step_loop import Headway
+from voronec.motion.steppers.step_loop import WINDOW, Headway
 from voronec.motion.steppers.turn_count import CHUNK, LEAST, SHORT, TurnCount
 from voronec.motion.steppers.units import natural_units
 
@@ -57,8 +57,9 @@ AHEAD = 100_000
 """Points of the grid that are handed over at a time, at most."""
 FEW = 1_000
 """Points that are handed over where chunks are short."""
-LONG = 250_000
-"""After four times so many steps, seconds of work, a run is asked whether it ends at all."""
+LONG, WEIGHT = 250_000, 20.0
+"""After four times so many steps, seconds of work, a run is asked whether it ends at all; after
+fewer, by as much as its program weighs more than the other."""
 CRAWL = 1e-9
 """A chunk of steps that covers less than this part of the span leads nowhere."""
 SPECK = 1e-300
@@ -221,6 +222,7 @@ class _Drive:
     ends: list[float] = field(default_factory=list)
     done: int = 1
     steps: int = 0
+    efforts: int = 0
     idle: int = 0
     size: int = field(init=False)
     ahead: int = field(init=False)
@@ -231,7 +233,8 @@ class _Drive:
     headway: Headway = field(init=False)
 
     def __post_init__(self) -> None:
-        self.headway = Headway(self.grid[0], float(self.grid[-1]), LONG)
+        share = min(1.0, WEIGHT / (self.problem.program.weight or 1.0))
+        self.headway = Headway(self.grid[0], float(self.grid[-1]), max(int(share * LONG), WINDOW))
         self.standing = float(self.grid[0]), self.problem.start.copy()
         self.size, self.ahead = CHUNK, AHEAD
         self.opening = self.first_step()
@@ -275,6 +278,7 @@ class _Drive:
         kept = {name: len(rows) for name, rows in self.log.rows.items()}
         ends, stretches = len(self.ends), len(self.stretches)
         outcome, taken, new = self.advance(size)
+        self.efforts += taken
         self.opening = np.inf
         overlong = self.overlong(moment, state, taken) if limit == np.inf else None
         self.usual = min(self.usual, limit)
@@ -295,7 +299,7 @@ class _Drive:
         moved = abs(self.integrator.time - before)
         # heyoka does not count steps of length zero among those that it took
         limited = outcome == self.hy.taylor_outcome.step_limit
-        reason = self.headway.distance(self.steps, self.integrator.time)
+        reason = self.headway.distance(self.efforts, self.integrator.time)
         if not reason and limited and moved <= CRAWL * size / CHUNK * np.ptp(self.grid):
             reason = self.headway.reason(moved / max(taken, 1))
         if reason:
