@@ -281,3 +281,15 @@ def test_a_motion_that_passes_a_pole_goes_on_in_another_chart(method):
 def test_a_plane_without_a_real_value_is_refused(oscillator):
     with pytest.raises(vo.DefinitionError, match="has no real value along the motion"):
         vo.section(oscillator, sp.sqrt(-(x**2) - 1), crossings=1)
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+@pytest.mark.filterwarnings("error")
+def test_a_motion_that_grows_without_bound_ends_its_section_in_one_line(method: str) -> None:
+    growing = vo.System(
+        name="growing", fibration=vo.Fibration((x,), ()),
+        lagrangian=(vo.velocity(x) ** 2 + x**2) / 2,
+    )  # fmt: skip
+    start = {x: 1, vo.velocity(x): 1}
+    with pytest.raises(vo.IntegrationError, match=r"start 0: .* after t = 7[01]\d"):
+        vo.section(growing, starts=[start], plane=x + 5, crossings=3, method=method)

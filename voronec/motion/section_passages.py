@@ -262,11 +262,11 @@ def _turns(
     """
     sign, around = np.sign(values), _with_neighbours(close, paths, values)
     a, m, b = (sign * x for x in (around[:-2], values, around[2:]))
-    bend = a - 2 * m + b
-    turning = (sign != 0) & (a >= m) & (b >= m) & (a > 0) & (b > 0) & (bend > 0)
-    with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"):  # a motion that grows without bound overflows here first
+        bend = a - 2 * m + b
+        turning = (sign != 0) & (a >= m) & (b >= m) & (a > 0) & (b > 0) & (bend > 0)
         depth = (a - b) ** 2 / (8 * bend)
-    rows, lanes = np.nonzero(turning & (m - depth < NEAR * np.maximum(a - m, b - m)))
+        rows, lanes = np.nonzero(turning & (m - depth < NEAR * np.maximum(a - m, b - m)))
     brackets: list[Bracket] = []
     touches: dict[tuple[int, int], float] = {}
     nothing = TOUCH * size
