@@ -14,8 +14,8 @@ SHARE = 0.1
 """The part of the tolerance that a step of DOP853 may use up, where doubles allow it: the errors of
 a thousand steps add up to some ten times the tolerance."""
 TERM = 0.1353352832366127
-"""exp(-2): Taylor series for a tolerance that is finer by this have one term more, steps are as long
-as before, and err by a part of it."""
+"""exp(-2): Taylor series for a tolerance finer by this have one term more, and steps as long as
+before err by a part of it."""
 
 
 def taylor_tolerance(tol: float, terms: int = 1) -> float:
