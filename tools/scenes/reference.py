@@ -17,7 +17,7 @@ import subprocess
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import reduce
+from functools import cached_property, reduce
 from pathlib import Path
 from typing import Any
 
@@ -312,6 +312,27 @@ class Referee:
         m = self.mechanics
         read = sp.lambdify((time, m.q, m.w, m.p), list(wanted), "mpmath")
         return lambda t, state, p: read(mp.mpf(t), state[: len(m.q)], state[len(m.q) :], p)
+
+    def equations(self, state: Sequence[Any], p: Sequence[float], t: Any) -> tuple[Any, ...]:
+        """M (N, N), f (N, 1), A (k, N) and b (k, 1) of M wdot = f + A^T lambda, A wdot = b at a
+        state (q, w), in mpmath."""
+        found = self._parts(
+            mp.mpf(t), state[: len(self.mechanics.q)], state[len(self.mechanics.q) :], p
+        )
+        n, k = len(self.mechanics.w), len(self._rows)
+        shapes = ((n, n), (n, 1), (k, n), (k, 1))
+        return tuple(
+            mp.matrix(rows, columns)
+            if not rows
+            else mp.matrix(np.array(part).reshape(rows, columns).tolist())
+            for part, (rows, columns) in zip(found, shapes, strict=True)
+        )
+
+    @cached_property
+    def _parts(self) -> Any:
+        m = self.mechanics
+        parts = [self._mass, self._force, self._matrix, self._right]
+        return sp.lambdify((time, m.q, m.w, m.p), parts, "mpmath", cse=True)
 
     def motion(
         self,

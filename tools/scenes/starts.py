@@ -6,10 +6,13 @@ For each system of the catalogue places are looked for at which its equations di
 coordinates or its declared velocities fail, or a chart it declares begins: each coordinate, and
 each two of them, at multiples of a right angle, and the zeros of what the equations divide by.  At
 each a motion begins with velocities at random, given first as the declared ones, then as those of
-the coordinates.  What runs is compared with the multiplier equations of ``reference.py``,
-which go back to the place from where the engine came, where they are singular there, too; then
-what is defined at the place is compared (``pole_values.py``).  A place is *refused* where neither
-start runs.  The status is 1 where anything is wrong or breaks down.
+the coordinates; each start is judged for itself.  What runs is compared with the multiplier
+equations of ``reference.py``, which go back to the place from where the engine came, where they are
+singular there, too; then what is defined at the place is compared (``pole_values.py``).  What the
+engine refuses is *undetermined* where velocities so given mean no motion, or several,
+*undefined* where the motion is not defined though the velocities are (``determinacy.py`` finds out
+which, by the referee), and else *refused*, which is a fault.  The status is 1 where anything is
+wrong or breaks down.
 """
 
 from __future__ import annotations
@@ -19,7 +22,7 @@ import itertools
 import math
 import warnings
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from random import Random
 from time import process_time
@@ -31,6 +34,7 @@ import symengine as se
 import sympy as sp
 
 import voronec as vo
+from scenes.determinacy import find_defect
 from scenes.open_functions import fill_functions
 from scenes.pole_values import Value, find_values
 from scenes.reference import NoReferee, Referee, mechanics_of
@@ -53,14 +57,14 @@ FINE, COARSE = (1e-15, 1e-13), (1e-12, 1e-10)
 NEARBY = 1e-11
 """So far away is the start that tells the condition of a motion."""
 ASIDE = mp.mpf("1e-14")
-"""So far away are constraints looked at that may be dependent; the referee has 40 digits."""
+"""So far away are constraints looked at that may be dependent, or have no value at the place; the
+referee has 40 digits."""
 FLOOR, LOOSE = 1e-9, 1e-6
 """How far off an answer may be, in units of its size: at regular places, and at singular ones."""
 TELLS = 1e-4
 """Where more than this would be allowed nothing is told."""
 SPAN = 1.0
 SAMPLES = 12
-WORST = ("broken", "wrong", "no truth", "right", "refused")
 
 
 @dataclass(frozen=True)
@@ -216,28 +220,17 @@ class Bench:
         m, place = self.referee.mechanics, dict(zip(self.names, q, strict=True))
         pace = {v: round(self.dice.uniform(-1, 1), 3) for v in m.velocities}
         yield Start(place, pace, True)
-        try:
-            found = self.referee._kinematics(mp.mpf(0), q, self.values)
-        except ZeroDivisionError:  # the constraints have no value there
-            return
-        guess = np.array([self.dice.uniform(-1, 1) for _ in m.w])
+        names = [f"{n}dot" for n in self.names]
         if self.system.on_group:
-            # its frame is good: where constraints are dependent, they are what they are beside
             names = [str(x) for x in self.system.directions]
-            beside = [x + ASIDE * self.dice.uniform(0.5, 1) for x in map(mp.mpf, q)]
-            w = self.referee.start_of_rates(beside, [*guess], self.values, 0.0)[len(q) :]
-        else:
-            names = [f"{n}dot" for n in self.names]
-            w = [*self._admissible(guess, *(np.array(x, dtype=float) for x in found))]
-        yield Start(place, dict(zip(names, map(float, w), strict=True)), False)
-
-    def _admissible(self, guess: np.ndarray, matrix: np.ndarray, offsets: np.ndarray) -> np.ndarray:
-        """The velocities of coordinates that meet the constraints and are nearest to a guess."""
-        rows = len(self.referee._rows)
-        # beside a pole rows are large: of each its direction counts
-        sizes = np.abs(matrix[:rows]).max(axis=1, initial=1e-300)
-        matrix, offsets = matrix[:rows] / sizes[:, None], offsets[:rows] / sizes
-        return np.asarray(guess - np.linalg.pinv(matrix, 1e-9) @ (matrix @ guess + offsets))
+        # where constraints are dependent, or without a value, they are what they are beside
+        beside = [x + ASIDE * self.dice.uniform(0.5, 1) for x in map(mp.mpf, q)]
+        guess = [self.dice.uniform(-1, 1) for _ in m.w]
+        try:
+            state = self.referee.start_of_rates(beside, guess, self.values, 0.0)
+        except ZeroDivisionError:
+            return
+        yield Start(place, dict(zip(names, map(float, state[len(q) :]), strict=True)), False)
 
     def answer(self, start: Start) -> dict[str, float]:
         """The engine's state at the end."""
@@ -275,14 +268,15 @@ class Bench:
         bounds = np.maximum(FLOOR * size, 100 * 1.1e-16 * spread / NEARBY)
         return dict(zip(names, zip(np.abs(wanted - one), bounds, strict=True), strict=True))
 
+    def _begin(self, start: Start, q: Sequence[Any]) -> list[Any]:
+        """The referee's state at coordinates, with the velocities of a start."""
+        begin = self.referee.start if start.declared else self.referee.start_of_rates
+        return begin(q, [*start.pace.values()], self.values, 0.0)
+
     def _end(self, start: Start, off: float) -> np.ndarray:
         m = self.referee.mechanics
         q = [mp.mpf(start.place[n]) + off * self.dice.uniform(0.5, 1) for n in self.names]
-        if start.declared:
-            pace = [start.pace[v] for v in m.velocities]
-            state = self.referee.start(q, pace, self.values, 0.0)
-        else:
-            state = self.referee.start_of_rates(q, [*start.pace.values()], self.values, 0.0)
+        state = self._begin(start, q)
         wanted = [m.meaning(self.system, n) for n in self.names + self._regular_names]
         return self._observe(state, 0.0, [SPAN], wanted, FINE)[0]
 
@@ -341,12 +335,22 @@ class Bench:
         read = zip(m.velocities, m.independent, v, strict=True)
         return known | {n: Value(e, float(x)) for n, e, x in read if n not in turned}
 
+    def _judge_refusal(self, start: Start, message: str) -> tuple[str, str]:
+        """What the referee says of a start that is refused, with why, and what the engine said."""
+        m = self.referee.mechanics
+        free = [m.meaning(self.system, n) for n in self.system.invariants]
+        q = [start.place[n] for n in self.names]
+        outcome, why = find_defect(
+            self.referee, lambda place: self._begin(start, place), q, self.values, free
+        )
+        return outcome or "refused", f"{why}: {message}" if why else message
+
     def judge(self, start: Start) -> tuple[str, str]:
         """Outcome and detail of one start."""
         try:
             answer = self.answer(start)
         except vo.VoronecError as refusal:
-            return "refused", str(refusal)
+            return self._judge_refusal(start, str(refusal))
         except Exception as failure:
             return "broken", f"{type(failure).__name__}: {failure}"
         try:
@@ -403,8 +407,7 @@ def main() -> int:
             if process_time() > until:
                 tally["not looked at, and perhaps more"] += 1
                 break
-            outcome = _place(bench, where, q)
-            tally[outcome] += 1
+            tally.update(_outcomes(bench, where, q))
         total += tally
         told = ", ".join(f"{n} {outcome}" for outcome, n in sorted(tally.items()))
         print(f"{name}: {told or 'no singular place'}", flush=True)
@@ -412,11 +415,11 @@ def main() -> int:
     return int(bool(total["wrong"] or total["broken"]))
 
 
-def _place(bench: Bench, where: str, q: list[float]) -> str:
-    """What came of a place; what is not right is printed."""
-    found = [(*bench.judge(start), start) for start in bench.starts(q)]
-    for outcome, detail, start in found:
-        if outcome != "right" and (outcome != "refused" or found[0][0] == found[-1][0]):
+def _outcomes(bench: Bench, where: str, q: list[float]) -> Iterator[str]:
+    """What came of each start at a place; what is not right is printed."""
+    for start in bench.starts(q):
+        outcome, detail = bench.judge(start)
+        if outcome != "right":
             print(f"{outcome}: {bench.system.name} at {where}: {detail}")
             print(f"    initial={ {**start.place, **start.pace}!r}", flush=True)
-    return min((outcome for outcome, _, _ in found), key=WORST.index)
+        yield outcome
