@@ -114,7 +114,9 @@ class _Looks:
     def _reaction(self, state: Sequence[Any]) -> tuple[Any, list[Any]]:
         """R^2 and wdot of M wdot = f + A^T lambda, A wdot = b."""
         mass, force, rows, right = self._equations(state, self._p, 0.0)
-        n, m = mass.rows, rows.rows
+        kept = _independent(rows)
+        rows, right = (mp.matrix([part[i, :].tolist()[0] for i in kept]) for part in (rows, right))
+        n, m = mass.rows, len(kept)
         K = mp.zeros(n + m)
         K[:n, :n] = mass
         if m:
@@ -127,6 +129,20 @@ class _Looks:
         least = MASSLESS * max(sizes)
         parts = (x**2 / size for x, size in zip(along, sizes, strict=True) if size > least)
         return mp.fsum(parts), found[:n]
+
+
+def _independent(rows: Any) -> list[int]:
+    """Positions of rows that do not follow from those before them, to half of all digits."""
+    kept, basis = list[int](), list[Any]()
+    for i in range(rows.rows):
+        row = rows[i, :].T
+        size = mp.norm(row)
+        for unit in basis:
+            row -= (unit.T * row)[0] * unit
+        if mp.norm(row) > size * mp.sqrt(mp.eps):
+            kept.append(i)
+            basis.append(row / mp.norm(row))
+    return kept
 
 
 def _grows(values: np.ndarray) -> bool:

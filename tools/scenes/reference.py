@@ -270,7 +270,7 @@ class Referee:
     def start(self, q: Sequence[Any], v: Sequence[Any], p: Sequence[Any], t: Any) -> list[Any]:
         """(q, w) on the relations and the constraints, in 40 digits."""
         with mp.workdps(40):
-            q = self.onto_relations(q, p)
+            q, p = self.onto_relations(q, p), _exact(p)
             matrix, offsets = self._kinematics(mp.mpf(t), q, p)
             sought = [mp.mpf(0)] * len(self._rows) + [mp.mpf(x) for x in v]
             right = mp.matrix([s - o for s, o in zip(sought, offsets, strict=True)])
@@ -287,7 +287,7 @@ class Referee:
         """(q, w) of velocities of the coordinates, moved onto the constraints: declared velocities,
         which may be singular there, are not asked."""
         with mp.workdps(40):
-            q, w = self.onto_relations(q, p), mp.matrix([mp.mpf(x) for x in w])
+            q, w, p = self.onto_relations(q, p), mp.matrix([mp.mpf(x) for x in w]), _exact(p)
             matrix, offsets = self._kinematics(mp.mpf(t), q, p)
             count = len(self._rows)
             if count:
@@ -298,7 +298,7 @@ class Referee:
 
     def onto_relations(self, q: Sequence[Any], p: Sequence[Any]) -> list[Any]:
         """Redundant coordinates moved onto their relations."""
-        q = [mp.mpf(x) for x in q]
+        q, p = _exact(q), _exact(p)
         for _ in range(NEWTON if self.mechanics.relations else 0):
             values, slopes = self._relations(q, p)
             if max(map(abs, values)) < 4 * mp.eps:
@@ -311,13 +311,13 @@ class Referee:
         """A function of the time, a state (q, w) and the parameters: what is wanted, in mpmath."""
         m = self.mechanics
         read = sp.lambdify((time, m.q, m.w, m.p), list(wanted), "mpmath")
-        return lambda t, state, p: read(mp.mpf(t), state[: len(m.q)], state[len(m.q) :], p)
+        return lambda t, state, p: read(mp.mpf(t), state[: len(m.q)], state[len(m.q) :], _exact(p))
 
     def equations(self, state: Sequence[Any], p: Sequence[float], t: Any) -> tuple[Any, ...]:
         """M (N, N), f (N, 1), A (k, N) and b (k, 1) of M wdot = f + A^T lambda, A wdot = b at a
         state (q, w), in mpmath."""
         found = self._parts(
-            mp.mpf(t), state[: len(self.mechanics.q)], state[len(self.mechanics.q) :], p
+            mp.mpf(t), state[: len(self.mechanics.q)], state[len(self.mechanics.q) :], _exact(p)
         )
         n, k = len(self.mechanics.w), len(self._rows)
         shapes = ((n, n), (n, 1), (k, n), (k, 1))
@@ -433,6 +433,11 @@ class Referee:
                 HERE.read_text(encoding="utf-8"),
             ]
         )
+
+
+def _exact(values: Sequence[Any]) -> list[Any]:
+    """Numbers for mpmath: what Python made of two doubles alone would be rounded."""
+    return [mp.mpf(x) for x in values]
 
 
 def _doubles(values: Any) -> Any:
