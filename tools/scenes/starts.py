@@ -178,20 +178,19 @@ class Bench:
             found = [*divisors(self.equations.form), *divisors(self.equations.raw.form)]
             found += [d.door.inward(c.singular) for c in self.system.charts.values()]
             known = {*d.coordinates, *(d.door.inward(p.symbol) for p in self.system.parameters)}
-            self._functions = {str(f): f for f in found if f.free_symbols <= known}
+            own = [f for f in found if f.free_symbols <= known]
+            self._functions = {str(f): self._compile(f) for f in own}
         return self._functions
 
-    def _value(self, function: Any, q: list[float]) -> float:
+    def _compile(self, function: Any) -> Any:
+        """A function of coordinates and parameters for numbers; not one where it has no value."""
         d = self.equations.definition
-        given = dict(zip(d.coordinates, q, strict=True))
-        given |= {
-            d.door.inward(p.symbol): x
-            for p, x in zip(self.system.parameters, self.values, strict=True)
-        }
-        try:
-            return float(se.sympify(function).xreplace(given).n(real=True))
-        except (RuntimeError, ValueError):
-            return math.nan
+        symbols = [*d.coordinates, *(d.door.inward(p.symbol) for p in self.system.parameters)]
+        return se.Lambdify(symbols, [function], cse=True)
+
+    def _value(self, function: Any, q: list[float]) -> float:
+        with np.errstate(all="ignore"):
+            return float(function([*q, *self.values])[0])
 
     def why_singular(self, q: list[float]) -> str:
         """What is singular at coordinates; empty where nothing is."""

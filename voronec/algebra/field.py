@@ -53,6 +53,7 @@ class Field:
         self._factor_index: dict[str, int] = {}
         self._local: dict[int, list[Any]] = {}
         self._conjugates: dict[int, tuple[Any, Any]] = {}
+        self._norms: dict[int, tuple[Any, list[tuple[int, int]]]] = {}
         self._rule_factors: dict[int, tuple[list[tuple[str, int]], Any]] = {}
 
     def add_rule(self, generator: int, degree: int, f: Any) -> None:
@@ -194,16 +195,47 @@ class Field:
         """Divide by factors that hold generators g with g**2 = f.
 
         num/d = num*conj/norm, where norm = d*conj is free of every such g; so d divides where the
-        polynomial norm does.
+        polynomial norm does.  Where factors of norm do that leave less than d below, num and d had
+        one in common: with s**2 = 1 - c**2 so have x - s and x*s + c**2 - 1 = s*(x - s).
         """
         for i in list(den):
             conjugate, norm = self._conjugate(i)
             while conjugate is not None and den[i]:
-                quotient, rest = divmod(self.product(num, conjugate), norm)
-                if rest != 0:
+                unit, parts = self._norm_factors(i, norm)
+                top, left = self._cancel(self.product(num, conjugate), dict(parts))
+                if left and not self._is_part(left, i):
                     break
-                num, den[i] = quotient, den[i] - 1
-        return num, den
+                num, den[i] = top / unit, den[i] - 1
+                for k, e in left.items():
+                    den[k] = den.get(k, 0) + e
+        return self._cancel(num, den)
+
+    def _is_part(self, left: Mapping[int, int], i: int) -> bool:
+        """Whether a denominator is less than another, and vanishes nowhere else: then its factors
+        divide the square of that, which holds s**2 for s."""
+        if self._size(left.items()) >= self._size([(i, 1)]):
+            return False
+        square = self.product(self._factors[i], self._factors[i])
+        return all(divmod(square, self._factors[k])[1] == 0 for k in left)
+
+    def _size(self, den: Iterable[tuple[int, int]]) -> tuple[int, int]:
+        """The degree of a denominator, and how many generators it holds."""
+        polys = self.factors(den)
+        held = {k for poly, _ in polys for k, degree in enumerate(poly.degrees()) if degree}
+        return sum(int(poly.total_degree()) * e for poly, e in polys), len(held)
+
+    def _norm_factors(self, i: int, norm: Any) -> tuple[Any, list[tuple[int, int]]]:
+        """A number and the factors of the norm of a denominator."""
+        if i not in self._norms:
+            unit, parts = irreducible_factors(norm)
+            leads = [poly.leading_coefficient() for poly, _ in parts]
+            for lead, (_, e) in zip(leads, parts, strict=True):
+                unit *= lead**e
+            keys = [
+                (self._factor(poly / lead), e) for lead, (poly, e) in zip(leads, parts, strict=True)
+            ]
+            self._norms[i] = unit, keys
+        return self._norms[i]
 
     def _conjugate(self, i: int) -> tuple[Any, Any]:
         """conj and norm = d*conj of a denominator d; no conj where d holds no square root.

@@ -222,13 +222,16 @@ class _Request:
     def through_splits(self) -> Trajectory:
         """On the coordinates, in one split of the velocities after another."""
         own = self.vocabulary.equations
-        charted = None if is_exact(self.method, self.tol) else with_attitude_charts(own)
+        exact = is_exact(self.method, self.tol)
+        charted = None if exact else with_attitude_charts(own)
         vocabulary = self.vocabulary if charted is None else Vocabulary.of(charted)
         made = whole(vocabulary, self.outputs, self.functions)
         ground = SplitGround(vocabulary.equations, self.outset.constants, float(self.grid[0]))
+        framed = self.outset.state if self.outset.framed and not exact else None
+        start = WideStart.of(vocabulary, ground, self.given, self.project, framed)
         return SplitRun(
-            vocabulary, ground, made.watch, made.event_functions,
-            WideStart.of(vocabulary, ground, self.given, self.project), self.grid,
+            vocabulary, replace(ground, framed=start.framed), made.watch, made.event_functions,
+            start, self.grid,
             self.method, self.tol, self.events, self.dense, self.progress, self.outset.notes,
             ceil(-log2(self.tol)) + 2 * MARGIN, self.began,
         ).trajectory()  # fmt: skip

@@ -237,8 +237,8 @@ ROUNDS = 40
 class WideStart:
     """The start of a motion on the coordinates and all their velocities.
 
-    ``rows`` are positions of the linear conditions that hold, ``targets`` the names of the
-    velocities in them whose values are given, after the constraints and relations.
+    ``targets`` are the names of velocities that have the values given.  ``framed`` (n,) is a start
+    on coordinates and velocities v that no finite w have, as at poles; w is not a number then.
     """
 
     vocabulary: Vocabulary
@@ -246,12 +246,19 @@ class WideStart:
     given: StartData
     wide: np.ndarray
     targets: tuple[str, ...]
+    framed: np.ndarray | None = None
 
     @classmethod
     def of(
-        cls, vocabulary: Vocabulary, ground: SplitGround, given: StartData, project: bool
+        cls,
+        vocabulary: Vocabulary,
+        ground: SplitGround,
+        given: StartData,
+        project: bool,
+        framed: np.ndarray | None = None,
     ) -> WideStart:
-        """Solve what is given; ``DefinitionError`` where it determines nothing, or contradicts."""
+        """Solve what is given; ``DefinitionError`` where it determines nothing, or contradicts.
+        Where velocities v that are given belong to no w it is ``framed``, if that is known."""
         old, new = (
             numbers_of(vocabulary, part, ground.constants)
             for part in (given.scene_initial, given.initial)
@@ -271,6 +278,8 @@ class WideStart:
         held = tuple(k for k in all_given if k not in names and found.holds(k, all_given[k], w))
         missed = [k for k in later if k not in held]
         if missed and not project and found.blind.shape[1] and missed[0] in own:
+            if framed is not None:
+                return cls(vocabulary, ground, given, np.append(q, np.nan * w), (), framed)
             raise DefinitionError(
                 f"system '{system.name}': no velocities of the coordinates have '{missed[0]}' = "
                 f"{later[missed[0]]:.12g}, since these are singular at the initial point; start "
@@ -289,6 +298,8 @@ class WideStart:
     @property
     def home(self) -> np.ndarray:
         """Coordinates and the declared velocities v, which are functions of w everywhere."""
+        if self.framed is not None:
+            return self.framed
         count = len(self.ground.home.definition.coordinates)
         q, w = self.wide[:count], self.wide[count:]
         found = _Conditions.at(self.ground, q)

@@ -281,12 +281,15 @@ def numbers(program: Program, time: Any, state: Sequence[Any], values: Sequence[
 class SplitGround:
     """What the splits of one motion share: the system, its parameters by name, and the time.
 
-    ``home`` are the equations as they are declared.
+    ``home`` are the equations as they are declared, ``framed`` (n,) is the start on their
+    coordinates and velocities where no velocities of the coordinates belong to it: those of its
+    wide state are not numbers.
     """
 
     home: VoronecEquations
     constants: Mapping[str, float]
     time: float
+    framed: np.ndarray | None = None
 
     def values(self, program: Program, constants: Mapping[str, Any] | None = None) -> list[Any]:
         """The parameters of a program, those that have no value not a number."""
@@ -592,6 +595,9 @@ class SplitModel:
 
     def narrow(self, time: Any, wide: Any, constants: Any = None) -> np.ndarray:
         """The state of the split at a wide state."""
+        framed = self.ground.framed
+        if framed is not None and self.equations is self.ground.home and np.isnan(wide[-1]):
+            return framed
         return self._map(self._narrow_program, time, wide, constants)
 
     def _map(self, program: Program, time: Any, state: Any, constants: Any) -> np.ndarray:
