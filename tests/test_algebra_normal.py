@@ -301,3 +301,16 @@ def test_dividing_by_a_hidden_zero_is_an_error_of_ours(hidden):
     with pytest.raises(VoronecError) as caught:
         shorten([y / hidden])
     assert "\n" not in str(caught.value)
+
+
+def test_common_factors_are_found_that_sines_and_cosines_hide():
+    wide, narrow_part = x * sp.sin(y) * sp.sin(z) - sp.sin(z) ** 2, x * sp.sin(y) - sp.sin(z)
+    hidden = wide.subs(sp.sin(z) ** 2, 1 - sp.cos(z) ** 2)
+    assert shorten([w * sp.cos(y) * narrow_part / hidden]) == [w * sp.cos(y) / sp.sin(z)]
+    assert shorten([(x - sp.sin(z)) / (x * sp.sin(z) + sp.cos(z) ** 2 - 1)]) == [1 / sp.sin(z)]
+    root = sp.sqrt(1 + x**2)
+    assert shorten([(y - root) / (y * root - 1 - x**2)]) == [1 / root]
+    # where nothing is common nothing is put below that vanishes elsewhere
+    for alone in (sp.cos(z) / (1 + sp.sin(z)), (y + sp.sin(z)) / (y * sp.sin(z) - sp.sin(z) ** 2)):
+        (found,) = shorten([alone])
+        assert agree(alone, found) and sp.fraction(found)[1].subs(z, -sp.asin(y)) != 0

@@ -32,7 +32,7 @@ def multiplier_motion(system: vo.System, start: Mapping[str, float], times: np.n
     q, dots = system.coordinates, [velocity(x) for x in system.coordinates]
     frame = system.frame
     meaning = {} if frame is None else dict(zip(frame.velocities, frame.expressions, strict=True))
-    meaning |= {p.symbol: sp.Float(p.value) for p in system.parameters}
+    meaning |= {p.symbol: sp.N(p.value) for p in system.parameters}
 
     def spelled(expr: Any) -> sp.Expr:
         return sp.sympify(expr).xreplace(meaning).xreplace(meaning)
@@ -73,7 +73,7 @@ def all_velocities(system: vo.System, start: Mapping[str, float]) -> dict[str, f
     """The start with the velocities of all coordinates, by linear algebra on the declarations."""
     dots = [velocity(x) for x in system.coordinates]
     frame = system.frame
-    given = {p.symbol: sp.Float(p.value) for p in system.parameters}
+    given = {p.symbol: sp.N(p.value) for p in system.parameters}
     given |= {x: sp.Float(start.get(str(x), 0)) for x in system.coordinates}
     rows = list(system.constraints)
     rows += [
@@ -681,6 +681,35 @@ def test_a_ball_at_the_vertex_starts_with_its_own_axis_upright(pole: float) -> N
     turned = run["psi"] + np.cos(pole) * run["alpha"]
     assert turned == pytest.approx(turned[0] + np.cos(pole) * run.t, abs=1e-9)
     assert run["r"] == pytest.approx([0, 0, 0], abs=1e-12) and run["s"] == pytest.approx([1, 1, 1])
+
+
+INFINITE_RATES = {
+    # Euler's angles of the ball at their pole: it is to turn about the axis that they lack
+    "ball-on-paraboloid": {
+        "r": 0.8, "phi": -0.3, "psi": 0.1, "alpha": 0.8, "beta": 0.0, "v": 0.8, "w": -0.4, "s": 0.1,
+    },
+    # the contact goes across the pole of the sphere, and later the ball's equator over it
+    "rubber-ball-on-sphere": {
+        "u": 1.4, "v": -0.6, "u1": 0.0, "v1": -0.5, "theta": -0.7, "omega1": -0.1, "omega2": -0.9,
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", INFINITE_RATES)
+def test_a_run_begins_at_a_pole_where_rates_are_infinite_and_changes_its_split(name: str) -> None:
+    system, start = vo.load(name), INFINITE_RATES[name]
+    run = vo.integrate(system, times=[0, 1e-3, 0.5, 1], initial=start, outputs=())
+    # back to where angles are regular, by equations that know neither frame nor chart
+    last = all_velocities(system, {x: run[x][-1] for x in run.names})
+    truth = multiplier_motion(system, last, np.array([1, 0.5, 1e-3]))
+    for row, i in ((1, 2), (2, 1)):
+        assert truth[:, row] == pytest.approx(
+            [run[str(x)][i] for x in system.coordinates], abs=1e-9
+        )
+    # and there it is as it began
+    own = [str(v) for v in system.velocities]
+    assert [run[v][1] for v in own] == pytest.approx([start[v] for v in own], abs=5e-3)
+    assert np.ptp(run.integrals["energy"][1:]) < 1e-12
 
 
 def test_velocities_that_are_dependent_but_for_rounding_do_not_begin_a_run() -> None:

@@ -241,3 +241,20 @@ def test_the_rounding_of_a_rate_that_is_all_but_zero_does_not_shorten_steps() ->
     assert np.ptp(motion["phi"][1:]) < 1e-10
     rate = np.diff(motion["theta"][1:]) / np.diff(times[1:])
     assert np.ptp(rate) < 1e-10
+
+
+@pytest.mark.slow
+def test_a_value_that_is_rounding_tells_no_time() -> None:
+    # at pi, a double, omega1 and the first angle of the chart are 1e-17, and all that moves else
+    # are angles
+    start = {
+        "phi": 0.389, "theta": np.pi, "psi": np.pi / 2, "phidot": -0.168, "thetadot": 0.572,
+        "psidot": 0.866,
+    }  # fmt: skip
+    runs = [
+        vo.integrate(vo.load("ellipsoid-on-plane"), initial=start, times=[0, 1], method=method)
+        for method in ("scipy", "heyoka")
+    ]
+    assert runs[0].cost.steps < 1000
+    for name in ("theta", "omega1", "omega3"):
+        assert runs[0][name][-1] == pytest.approx(runs[1][name][-1], abs=1e-10)

@@ -78,6 +78,7 @@ def _units_beside(
         x = np.where(held, np.abs(states), 0.0)
         own, turning = x.copy(), np.zeros(x.shape, dtype=bool)
         own[:, angles], turning[:, angles] = 1.0, True
+        own = np.where(_are_felt(slopes, states, own, turning), own, 0.0)
         moving = _are_moving(own, slope, ~turning)
         moving |= _are_moving(own, slope, turning) & ~moving.any(axis=1, keepdims=True)
         times = np.sort(np.where(moving, own / slope, np.inf), axis=1)
@@ -105,6 +106,26 @@ def _balance(slopes: Slopes, states: np.ndarray, sizes: np.ndarray) -> np.ndarra
         beside[:, j] += NUDGE * sizes[:, j]
         found = np.fmax(found, np.abs(slopes(beside) - now) / NUDGE)
     return found
+
+
+def _are_felt(
+    slopes: Slopes, states: np.ndarray, own: np.ndarray, turning: np.ndarray
+) -> np.ndarray:
+    """Which states (s, n) are not rounding: without one that is, no rate is another."""
+    small, felt = (own > 0) & (own < SMALL), np.ones(own.shape, dtype=bool)
+    if not small.any():
+        return felt
+    now = slopes(states)
+    size = np.abs(now)
+    sound = np.where(
+        turning, _sound(np.where(turning, size, 0.0)), _sound(np.where(turning, 0.0, size))
+    )
+    for j in np.flatnonzero(small.any(axis=0)):
+        without = states.copy()
+        without[:, j] = 0.0
+        changed = (np.abs(slopes(without) - now) > NUDGE * size) & sound
+        felt[:, j] = ~small[:, j] | changed.any(axis=1)
+    return felt
 
 
 def _are_moving(x: np.ndarray, slope: np.ndarray, among: np.ndarray) -> np.ndarray:
