@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import symengine as se
 import sympy as sp
 
 import voronec as vo
-from voronec.equations.program import Program
+from voronec.equations.program import Block, Program
 from voronec.motion.steppers import Problem
 from voronec.motion.steppers.units import natural_units
 
@@ -243,18 +244,16 @@ def test_the_rounding_of_a_rate_that_is_all_but_zero_does_not_shorten_steps() ->
     assert np.ptp(rate) < 1e-10
 
 
-@pytest.mark.slow
 def test_a_value_that_is_rounding_tells_no_time() -> None:
-    # at pi, a double, omega1 and the first angle of the chart are 1e-17, and all that moves else
-    # are angles
-    start = {
-        "phi": 0.389, "theta": np.pi, "psi": np.pi / 2, "phidot": -0.168, "thetadot": 0.572,
-        "psidot": 0.866,
-    }  # fmt: skip
-    runs = [
-        vo.integrate(vo.load("ellipsoid-on-plane"), initial=start, times=[0, 1], method=method)
-        for method in ("scipy", "heyoka")
-    ]
-    assert runs[0].cost.steps < 1000
-    for name in ("theta", "omega1", "omega3"):
-        assert runs[0][name][-1] == pytest.approx(runs[1][name][-1], abs=1e-10)
+    """Where all that moves is an angle or a quadrature, but for a velocity that passes zero."""
+    turn, spin, phi, _x = state = se.symbols("turn spin phi x")
+    rates = (se.sin(phi) * spin, -turn * spin, spin + turn, 3 * turn + spin)
+    nothing = Block((), ())
+    program = Program(se.Symbol("t"), state, (), (), Block((), rates), (), nothing)
+    for small, unit in ((1.4e-17, 1.0), (0.0, 1.0)):
+        problem = Problem(program, np.array([small, 0.57, 0.6, 0.1]), [], 1e-13)
+        assert (natural_units(problem) == unit).all()
+    # what is as small and moves the others is no rounding
+    spring = Program(se.Symbol("t"), (turn, spin), (), (), Block((), (spin, -turn)), (), nothing)
+    small = natural_units(Problem(spring, np.array([1.4e-17, 0.3e-17]), [], 1e-13))
+    assert (small < 1e-15).all()

@@ -63,7 +63,8 @@ FLOOR, LOOSE = 1e-9, 1e-6
 """How far off an answer may be, in units of its size: at regular places, and at singular ones."""
 TELLS = 1e-4
 """Where more than this would be allowed nothing is told."""
-SPAN = 1.0
+SPAN, EARLY = 1.0, 0.1
+"""So long is a motion; one that breaks down later than that part of it has begun."""
 SAMPLES = 12
 
 
@@ -231,13 +232,13 @@ class Bench:
             return
         yield Start(place, dict(zip(names, map(float, state[len(q) :]), strict=True)), False)
 
-    def answer(self, start: Start) -> dict[str, float]:
-        """The engine's state at the end."""
+    def answer(self, start: Start, span: float) -> dict[str, float]:
+        """The engine's state at the end of a span."""
         names = self.names + self._regular_names
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             motion = vo.integrate(
-                self.equations, times=[0.0, SPAN], initial={**start.place, **start.pace},
+                self.equations, times=[0.0, span], initial={**start.place, **start.pace},
                 parameters=dict(zip(self.referee.mechanics.parameters, self.values, strict=True)),
                 outputs=names,
             )  # fmt: skip
@@ -259,9 +260,11 @@ class Bench:
             return False
         return max(self.condition(q), np.linalg.cond(np.array(matrix, dtype=float))) < SINGULAR
 
-    def ahead(self, start: Start, found: Mapping[str, float]) -> dict[str, tuple[float, ...]]:
+    def ahead(
+        self, start: Start, found: Mapping[str, float], span: float
+    ) -> dict[str, tuple[float, ...]]:
         """Off by how much the end of a motion is, and what is allowed, by name."""
-        names, (one, other) = tuple(found), (self._end(start, x) for x in (0.0, NEARBY))
+        names, (one, other) = tuple(found), (self._end(start, x, span) for x in (0.0, NEARBY))
         wanted = np.array([found[n] for n in names])
         size, spread = np.maximum(1.0, np.abs(one)), np.abs(other - one)
         bounds = np.maximum(FLOOR * size, 100 * 1.1e-16 * spread / NEARBY)
@@ -272,12 +275,12 @@ class Bench:
         begin = self.referee.start if start.declared else self.referee.start_of_rates
         return begin(q, [*start.pace.values()], self.values, 0.0)
 
-    def _end(self, start: Start, off: float) -> np.ndarray:
+    def _end(self, start: Start, off: float, span: float) -> np.ndarray:
         m = self.referee.mechanics
         q = [mp.mpf(start.place[n]) + off * self.dice.uniform(0.5, 1) for n in self.names]
         state = self._begin(start, q)
         wanted = [m.meaning(self.system, n) for n in self.names + self._regular_names]
-        return self._observe(state, 0.0, [SPAN], wanted, FINE)[0]
+        return self._observe(state, 0.0, [span], wanted, FINE)[0]
 
     def _declared_velocities(self, q: Any, w: Any) -> list[Any]:
         """The declared velocities of those of coordinates."""
@@ -301,15 +304,17 @@ class Bench:
         rows = [reader(t, s, self.values) for t, s in zip(times, found.states, strict=True)]
         return np.array([[float(x) for x in row] for row in rows])
 
-    def backward(self, start: Start, found: Mapping[str, float]) -> dict[str, tuple[float, ...]]:
+    def backward(
+        self, start: Start, found: Mapping[str, float], span: float
+    ) -> dict[str, tuple[float, ...]]:
         """Off by how much the start is that the referee comes from, and what is allowed: what is
         defined at the place is followed back to it, and drawn on to zero by a polynomial."""
         m, known = self.referee.mechanics, self._find_values(start)
         end = [found[n] for n in self.names], [found[x] for x in m.velocities]
-        state = self.referee.start(*end, self.values, SPAN)
+        state = self.referee.start(*end, self.values, span)
         here, turns = (np.array([getattr(k, x) for k in known.values()]) for x in ("here", "turns"))
         wanted = [k.expression for k in known.values()]
-        rows = self._observe(state, SPAN, INSTANTS[::-1], wanted, COARSE)[::-1]
+        rows = self._observe(state, span, INSTANTS[::-1], wanted, COARSE)[::-1]
         # angles without the whole turns between one instant and the next
         rows[:, turns] = np.unwrap(rows[:, turns], axis=0)
         drawn, rougher = (_at_zero(INSTANTS[:k], rows[:k]) for k in (len(rows), len(rows) - 1))
@@ -344,17 +349,20 @@ class Bench:
         )
         return outcome or "refused", f"{why}: {message}" if why else message
 
-    def judge(self, start: Start) -> tuple[str, str]:
+    def judge(self, start: Start, span: float = SPAN) -> tuple[str, str]:
         """Outcome and detail of one start."""
         try:
-            answer = self.answer(start)
+            answer = self.answer(start, span)
         except vo.VoronecError as refusal:
+            reached = getattr(refusal, "time", None) or 0.0
+            if reached > EARLY * SPAN:  # what happens there is no matter of the start
+                return self.judge(start, reached / 2)
             return self._judge_refusal(start, str(refusal))
         except Exception as failure:
             return "broken", f"{type(failure).__name__}: {failure}"
         try:
             regular = self.is_regular(start)
-            off = (self.ahead if regular else self.backward)(start, answer)
+            off = (self.ahead if regular else self.backward)(start, answer, span)
         except (NoReferee, ZeroDivisionError, ValueError, np.linalg.LinAlgError) as reason:
             return "no truth", str(reason)
         if any(allowed > TELLS for _, allowed in off.values()):
