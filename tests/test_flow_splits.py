@@ -12,6 +12,7 @@ from dataclasses import replace
 from random import Random
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 import scipy.integrate
@@ -710,6 +711,55 @@ def test_a_run_begins_at_a_pole_where_rates_are_infinite_and_changes_its_split(n
     own = [str(v) for v in system.velocities]
     assert [run[v][1] for v in own] == pytest.approx([start[v] for v in own], abs=5e-3)
     assert np.ptp(run.integrals["energy"][1:]) < 1e-12
+
+
+CARRIED_POLES = {
+    "torus-on-ellipsoid": {"chi": 0.34, "u": 0.72, "theta": 0.85, "w": sp.Rational(2, 3), "u1": 0},
+    "spheroid-on-sphere": {"chi": 0.4, "u1": 0.7, "theta": 0.85, "v": 0.2, "u": 0},
+}
+
+
+def finite_rates(system: vo.System, point: Mapping[Any, Any]) -> dict[str, float]:
+    """Velocities of coordinates that meet the constraints next to a point, in 50 digits."""
+    dots = [velocity(x) for x in system.coordinates]
+    rows = [*system.constraints]
+    for r in system.fibration.relations:
+        rows.append(sp.Add(*(sp.diff(r, x) * velocity(x) for x in system.coordinates)))
+    frame = system.frame
+    meaning = dict(zip(frame.velocities, frame.expressions, strict=True))
+    numbers = {x: value + sp.Rational(1, 10**20) for x, value in point.items()}
+    numbers |= {p.symbol: sp.sympify(p.value) for p in system.parameters}
+    matrix = sp.Matrix(rows).xreplace(meaning).jacobian(dots).xreplace(numbers)
+    with mpmath.workdps(50):
+        A = mpmath.matrix(matrix.evalf(50).tolist())
+        guess = mpmath.matrix([0.5 * mpmath.cos(3 * i) for i in range(len(dots))])
+        found = guess - A.T * mpmath.lu_solve(A * A.T, A * guess)
+    return {str(x): float(v) for x, v in zip(dots, found, strict=True)}
+
+
+@pytest.mark.parametrize(
+    ("name", "pole"), [("torus-on-ellipsoid", sp.Integer(0)), ("spheroid-on-sphere", sp.pi)]
+)
+def test_rates_are_given_where_a_coordinate_that_is_carried_along_has_a_pole(
+    name: str, pole: sp.Expr
+) -> None:
+    system, given = vo.load(name), CARRIED_POLES[name]
+    point = {x: sp.Integer(0) for x in system.coordinates}
+    point |= {sp.Symbol(x): sp.Rational(str(value)) for x, value in given.items()}
+    polar = next(sp.Symbol(x) for x, value in given.items() if value == 0)
+    point[polar] = pole
+    rates = finite_rates(system, point)
+    start = {**{str(x): float(value) for x, value in point.items()}, **rates}
+    run = vo.integrate(system, times=[0, 1e-3, 0.3], initial=start, outputs=())
+    last = all_velocities(system, {x: run[x][-1] for x in run.names})
+    truth = multiplier_motion(system, last, np.array([0.3, 1e-3]))
+    found = np.array([run[str(x)] for x in system.coordinates])
+    assert np.abs(truth - found[:, [2, 1]]).max() < 1e-8
+    began = np.array([start[str(x)] + 1e-3 * rates[f"{x}dot"] for x in system.coordinates])
+    # which way round the pole is passed is free: two angles, and the sign of the third
+    free = {"u1": ("u1", "v1", "theta"), "u": ("u", "v", "theta")}[str(polar)]
+    defined = [str(x) not in free for x in system.coordinates]
+    assert np.abs(found[:, 1] - began)[defined].max() < 1e-4
 
 
 def test_velocities_that_are_dependent_but_for_rounding_do_not_begin_a_run() -> None:

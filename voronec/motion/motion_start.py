@@ -47,6 +47,7 @@ from voronec.motion.request import StartData, Vocabulary
 from voronec.motion.singular_coordinates import (
     POLE,
     blind_directions,
+    carried_directions,
     charted_directions,
     idle_directions,
     open_beyond,
@@ -131,7 +132,9 @@ def _only_angles_fail(ground: SplitGround, wide: np.ndarray) -> bool:
     leave nothing open there but what is no motion."""
     blind = blind_directions(ground, wide)
     if not blind.shape[1] or not (
-        charted_directions(ground, wide).shape[1] or with_attitude_charts(ground.home) is not None
+        charted_directions(ground, wide).shape[1]
+        or carried_directions(ground, wide).shape[1]
+        or with_attitude_charts(ground.home) is not None
     ):
         return False
     rows = np.vstack(ground.rows(ground.time, wide))[:, :-1]

@@ -34,6 +34,7 @@ __all__ = [
     "NearPole",
     "PoleGuard",
     "blind_directions",
+    "carried_directions",
     "charted_directions",
     "idle_directions",
     "open_beyond",
@@ -183,7 +184,11 @@ def blind_directions(ground: SplitGround, wide: np.ndarray) -> np.ndarray:
     though nothing moves; k is zero where coordinates are regular."""
     if ground.home.definition.group is not None:
         return np.zeros((len(ground.home.definition.dots), 0))
-    found = [polar_directions(ground.home, wide), charted_directions(ground, wide)]
+    found = [
+        polar_directions(ground.home, wide),
+        charted_directions(ground, wide),
+        carried_directions(ground, wide),
+    ]
     vectors, sizes, _ = np.linalg.svd(np.hstack(found), full_matrices=False)
     return np.asarray(vectors[:, sizes > POLE])
 
@@ -220,6 +225,22 @@ def charted_directions(ground: SplitGround, wide: np.ndarray) -> np.ndarray:
         return none
     _, sizes, basis = np.linalg.svd(slopes)
     return np.asarray(basis[sizes < POLE * sizes.max()].T)
+
+
+def carried_directions(ground: SplitGround, wide: np.ndarray) -> np.ndarray:
+    """An orthonormal basis (N, k) of the directions in which coordinates without inertia may change
+    at a wide state: carried along by others, they have a pole there."""
+    count = len(ground.home.definition.coordinates)
+    rest = np.zeros(len(wide) - count)
+    q = wide[:count].astype(float)
+    masses = [ground.mass(ground.time, np.concatenate([x, rest])) for x in (q, q + BESIDE)]
+    rows = ground.rows(ground.time, np.concatenate([q, rest]))[0][:, :-1]
+    table = np.vstack([rows, *masses])
+    if not np.isfinite(table).all():
+        return np.zeros((len(rest), 0))
+    sizes = np.linalg.norm(table, axis=1, keepdims=True)
+    _, values, basis = np.linalg.svd(table / np.where(sizes > 0, sizes, 1.0))
+    return np.asarray(basis[values < POLE * values.max(initial=0.0)].T)
 
 
 IDLE, BESIDE = 1e-15, 0.1

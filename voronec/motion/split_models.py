@@ -41,8 +41,12 @@ from voronec.equations.program.python import compiled_digits
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import EngineLimit, VoronecError
 from voronec.motion.dependent_constraints import (
+    DIGITS,
     are_dependent,
+    are_infinite,
     has_limit,
+    next_places,
+    orthonormal_rows,
     places_beside,
     solution_rows,
 )
@@ -169,15 +173,17 @@ class Geometry:
 def _metric_of(values: Mapping[str, Any], rows: np.ndarray) -> np.ndarray:
     """g = d2L/dw2 + s A^T A with s such that both parts are of one size, at one point, shape
     (velocities, velocities) [Theory, eq. (22a)]."""
-    width = rows.shape[1]
-    mass = np.empty((width, width))
-    for a in range(width):
-        for b in range(a + 1):
-            mass[a, b] = mass[b, a] = values[f"mass {a},{b}"]
+    mass = _mass_of(values, rows.shape[1])
     square = rows.T @ rows
     scale = np.trace(mass) / np.trace(square) if square.any() else 0.0
     found: np.ndarray = mass + (scale or 1.0) * square
     return found
+
+
+def _mass_of(values: Mapping[str, Any], width: int) -> np.ndarray:
+    return np.array([
+        [values[f"mass {max(a, b)},{min(a, b)}"] for b in range(width)] for a in range(width)
+    ], dtype=float)  # fmt: skip
 
 
 # -- other systems for the same motion ------------------------------------------------------
@@ -265,6 +271,8 @@ def _equations_near(
 
 AT_POLE = 1e-6
 """Coordinates are singular where a chart's ``singular`` is below it, as in ``blind``."""
+CONTINUOUS = 1e-9
+"""What conditions span on two sides of a place is one space where it is the same but for this."""
 ON_RELATIONS, NEWTON = 1e-9, 12
 """Places are on the relations where these leave less; so many steps lead there, or none do."""
 
@@ -314,10 +322,14 @@ class SplitGround:
         return dict(zip(program.names, flat, strict=True))
 
     def _limit_entries(self, time: Any, wide: np.ndarray, constants: Any = None) -> dict[str, Any]:
-        """The same; where the constraints of a group are dependent, as they are by continuity."""
+        """The same; as they are by continuity where the constraints are infinite, or those of a
+        group dependent."""
         entries = self._entries(time, wide.tolist(), constants)
         rows = self._rows_of(entries, wide.dtype)[0][:, :-1].astype(float)
-        if self.home.definition.group is None or not np.isfinite(rows).all():
+        if self.home.definition.group is None:
+            infinite = wide.dtype != object and are_infinite(rows)
+            return entries | (self._finite_rows(time, wide) if infinite else {})
+        if not np.isfinite(rows).all():
             return entries
         if are_dependent(rows):
             with suppress(VoronecError, np.linalg.LinAlgError):
@@ -325,6 +337,27 @@ class SplitGround:
                 if solution is not None:
                     return entries | self._by_name(solution, time, wide, constants)
         return entries
+
+    def _finite_rows(self, time: float, wide: np.ndarray) -> dict[str, Any]:
+        """Conditions with the limit of the space that infinite ones span; none where there is no
+        limit."""
+        count, found = len(self.home.definition.coordinates), []
+        with mpmath.workdps(DIGITS):
+            constants = {name: mpmath.mpf(x) for name, x in self.constants.items()}
+            for q in next_places(wide[:count]):
+                try:
+                    entries = self._entries(
+                        mpmath.mpf(time), [*q, *map(mpmath.mpf, wide[count:])], constants
+                    )
+                except ArithmeticError:
+                    return {}
+                found.append(orthonormal_rows(self._rows_of(entries, object)[0]).astype(float))
+        here, there = (rows.T @ rows for rows in found)
+        if not (np.abs(here - there) < CONTINUOUS).all():
+            return {}
+        return {
+            f"condition {i},{a}": x for i, row in enumerate(found[0]) for a, x in enumerate(row)
+        }
 
     def _limit(self, time: float, wide: np.ndarray) -> Program | None:
         """The entries of the constraints, solved for velocities that depend on the others beside a
@@ -378,8 +411,14 @@ class SplitGround:
 
     def metric(self, time: float, wide: np.ndarray) -> np.ndarray:
         """The metric at a wide state, shape (velocities, velocities)."""
-        entries = self._entries(time, wide.astype(float).tolist())
+        entries = self._limit_entries(time, wide.astype(float))
         return _metric_of(entries, self._rows_of(entries, float)[0][:, :-1])
+
+    def mass(self, time: float, wide: np.ndarray) -> np.ndarray:
+        """d2L/dw2 at a wide state, shape (velocities, velocities)."""
+        return _mass_of(
+            self._entries(time, wide.astype(float).tolist()), len(self.home.definition.dots)
+        )
 
     def geometry(self, time: float, wide: np.ndarray) -> Geometry:
         """Frame and metric at a wide state; ``LinAlgError`` where coordinates fail."""
