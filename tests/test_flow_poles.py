@@ -393,9 +393,9 @@ def test_dense_runs_keep_whole_turns_of_the_own_chart() -> None:
     """Between two distant instants of the grid an angle turns by more than pi, before and after the
     run passes a pole: in the own chart nothing is to be put on another branch."""
     ball = vo.derive(vo.load("ball-on-paraboloid"))
-    start = {"r": 0.543, "phi": -1.585, "psi": 2.387, "alpha": -1.439, "beta": -0.263,
+    start = {"r": 0.543, "phi": -1.585, "psi": 2.387, "alpha": -1.439, "beta": 0.716,
              "v": -0.829, "w": 0.95, "s": 0.142}  # fmt: skip
-    times = np.linspace(0.5, 5.539, 1001)
+    times = np.linspace(0.5, 5.539, 10001)
     fine = vo.integrate(ball, initial=start, times=times)
     dense = vo.integrate(ball, initial=start, times=times[[0, -1]], dense=True)
     assert fine.cost.switches and np.abs(np.diff(fine["psi"])).max() < 1
