@@ -127,6 +127,22 @@ def test_what_is_followed_back_to_a_pole_is_known_in_many_digits():
     assert max(allowed for _, allowed in off.values()) < 1e-5
 
 
+@pytest.mark.parametrize(
+    ("name", "where", "outcomes"),
+    [
+        ("ball-on-turntable", "theta = 0", ["", ""]),
+        ("symmetric-body-on-sphere", "u = 0", ["", ""]),
+        # of the velocities of a snakeboard none tells how fast it goes where its axles are in line
+        ("snakeboard", "phi = 0", ["undetermined", ""]),
+        ("falling-disc", "theta = 1.57", ["undefined", "undefined"]),
+    ],
+)
+def test_the_referee_tells_whether_a_start_begins_a_motion(name, where, outcomes):
+    bench = tool("scenes.starts").Bench.of(name, 1)
+    place = next(q for why, q in bench.places() if why.startswith(f"{where}:"))
+    assert [bench.defect(start)[0] for start in bench.starts(place)] == outcomes
+
+
 def test_functions_that_a_system_leaves_open_have_an_example():
     made = tool("scenes.open_functions")
     P = sp.Function("P")(x)

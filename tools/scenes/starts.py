@@ -232,7 +232,7 @@ class Bench:
             return
         yield Start(place, dict(zip(names, map(float, state[len(q) :]), strict=True)), False)
 
-    def answer(self, start: Start, span: float) -> dict[str, float]:
+    def answer(self, start: Start, span: float = SPAN) -> dict[str, float]:
         """The engine's state at the end of a span."""
         names = self.names + self._regular_names
         with warnings.catch_warnings():
@@ -305,7 +305,7 @@ class Bench:
         return np.array([[float(x) for x in row] for row in rows])
 
     def backward(
-        self, start: Start, found: Mapping[str, float], span: float
+        self, start: Start, found: Mapping[str, float], span: float = SPAN
     ) -> dict[str, tuple[float, ...]]:
         """Off by how much the start is that the referee comes from, and what is allowed: what is
         defined at the place is followed back to it, and drawn on to zero by a polynomial."""
@@ -339,15 +339,13 @@ class Bench:
         read = zip(m.velocities, m.independent, v, strict=True)
         return known | {n: Value(e, float(x)) for n, e, x in read if n not in turned}
 
-    def _judge_refusal(self, start: Start, message: str) -> tuple[str, str]:
-        """What the referee says of a start that is refused, with why, and what the engine said."""
-        m = self.referee.mechanics
+    def defect(self, start: Start) -> tuple[str, str]:
+        """Why no motion begins so, by the referee: a word and a line, empty where one does."""
+        m, q = self.referee.mechanics, [start.place[n] for n in self.names]
         free = [m.meaning(self.system, n) for n in self.system.invariants]
-        q = [start.place[n] for n in self.names]
-        outcome, why = find_defect(
+        return find_defect(
             self.referee, lambda place: self._begin(start, place), q, self.values, free
         )
-        return outcome or "refused", f"{why}: {message}" if why else message
 
     def judge(self, start: Start, span: float = SPAN) -> tuple[str, str]:
         """Outcome and detail of one start."""
@@ -357,7 +355,8 @@ class Bench:
             reached = getattr(refusal, "time", None) or 0.0
             if reached > EARLY * SPAN:  # what happens there is no matter of the start
                 return self.judge(start, reached / 2)
-            return self._judge_refusal(start, str(refusal))
+            outcome, why = self.defect(start)
+            return outcome or "refused", f"{why}: {refusal}" if why else str(refusal)
         except Exception as failure:
             return "broken", f"{type(failure).__name__}: {failure}"
         try:
