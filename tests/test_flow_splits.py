@@ -484,7 +484,7 @@ def test_what_nobody_gives_at_a_pole_is_zero() -> None:
 
 
 def test_a_velocity_that_no_velocities_of_angles_have_is_named() -> None:
-    # at beta = 0 angles with finite rates turn the ball about the line of nodes and the vertical alone
+    # at beta = 0 finite rates turn the ball about the line of nodes and the vertical alone
     start = {"r": 1, "alpha": 0.5, "beta": 0, "v": 0.2, "w": 0.5, "s": 2, "alphadot": 0.3}
     with pytest.raises(vo.DefinitionError, match=r"have 'v' = 0.2, since these are singular"):
         vo.integrate(vo.load("ball-on-paraboloid"), times=[0, 1], initial=start, outputs=())
