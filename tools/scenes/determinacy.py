@@ -29,7 +29,7 @@ __all__ = ["Beside", "find_defect"]
 
 DISTANCES = (1e-4, 1e-6, 1e-8)
 """So far beside the place, one after the other."""
-DIGITS = 80
+DIGITS = 120
 """Enough for differences over times below, in coordinates that are singular so near."""
 MASSLESS = mp.mpf("1e-30")
 """Part of the largest moment of inertia below which there is none: at the nearest place what
@@ -39,8 +39,8 @@ SIDES = 3
 GROWTH = 30
 """What grows by more for a hundredth of the distance has no bound: an inverse grows by 100."""
 LATER = mp.mpf("1e-8")
-"""A rate is that over so much time, in units of the distance's square: angles about a pole have
-rates as its inverse, and these change as the inverse of the square."""
+"""A rate is that over so much time, in units of the fourth power of the distance: at two poles at
+once angles have rates as the inverse of its square, and these change as the square of that."""
 DIFFERENT = 1e-4
 """Limits are different where they are apart by more than this part of their size."""
 STEADY = 1e-2
@@ -106,7 +106,7 @@ class _Looks:
         state = begin([mp.mpf(x) + distance * s for x, s in zip(q, side, strict=True)])
         strength, slopes = self._reaction(state)
         moved = [*self._rates(0.0, state, self._p), *slopes]
-        step = LATER * distance**2
+        step = LATER * distance**4
         later, _ = self._reaction([x + step * d for x, d in zip(state, moved, strict=True)])
         own = self._own(0.0, state, self._p)
         return [*map(float, own), float(strength), float((later - strength) / step)]

@@ -269,7 +269,7 @@ class Referee:
 
     def start(self, q: Sequence[Any], v: Sequence[Any], p: Sequence[Any], t: Any) -> list[Any]:
         """(q, w) on the relations and the constraints, in 40 digits."""
-        with mp.workdps(40):
+        with mp.workdps(max(40, mp.mp.dps)):
             q, p = self.onto_relations(q, p), _exact(p)
             matrix, offsets = self._kinematics(mp.mpf(t), q, p)
             sought = [mp.mpf(0)] * len(self._rows) + [mp.mpf(x) for x in v]
@@ -286,7 +286,7 @@ class Referee:
     ) -> list[Any]:
         """(q, w) of velocities of the coordinates, moved onto the constraints: declared velocities,
         which may be singular there, are not asked."""
-        with mp.workdps(40):
+        with mp.workdps(max(40, mp.mp.dps)):
             q, w, p = self.onto_relations(q, p), mp.matrix([mp.mpf(x) for x in w]), _exact(p)
             matrix, offsets = self._kinematics(mp.mpf(t), q, p)
             count = len(self._rows)
