@@ -841,7 +841,9 @@ def test_a_run_ends_where_no_split_leads_on(seed: int, monkeypatch: pytest.Monke
         "speed": 1.2850606529703317,
     }  # fmt: skip
     with pytest.raises(vo.IntegrationError, match="constraints become dependent after") as caught:
-        vo.integrate(replace(vo.load("bicycle")), initial=start, times=[0, -6], project=True)
+        vo.integrate(
+            replace(vo.load("bicycle")), initial=start, times=[0, -6], project=True, method="scipy"
+        )
     assert float(caught.value.time) == pytest.approx(-0.1561, abs=1e-3)
     cost = caught.value.trajectory.cost
-    assert cost.switches < 20 and cost.steps < 5_000
+    assert cost.switches < 20 and cost.steps < 20_000
