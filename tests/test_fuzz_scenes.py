@@ -77,13 +77,14 @@ def test_a_driven_particle_forgets_its_start_backwards_too():
 
 def test_an_answer_that_is_off_is_wrong_and_a_right_one_is_right(monkeypatch):
     scene = tool("scenes.scene")
-    judged = scene.Workshop(1, "sleigh").judge("smooth", 1)
-    assert judged[:2] == ("sleigh", "right")
+    announced = []
+    judged = scene.Workshop(1, "sleigh").judge("smooth", 1, lambda *about: announced.append(about))
+    assert judged[:2] == ("sleigh", "right") and announced == [(judged[0], judged[3])]
     asked = scene._ask
     monkeypatch.setattr(
         scene, "_ask", lambda *a: {n: column + 1e-6 for n, column in asked(*a).items()}
     )
-    assert scene.Workshop(1, "sleigh").judge("smooth", 1)[1] == "wrong"
+    assert scene.Workshop(1, "sleigh").judge("smooth", 1, print)[1] == "wrong"
 
 
 def test_starts_at_singular_places_are_swept_and_judged(monkeypatch):

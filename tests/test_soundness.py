@@ -140,6 +140,7 @@ def corrupted(monkeypatch: pytest.MonkeyPatch, time: float, jump: np.ndarray) ->
         if before < time <= self.t and not done:
             done.append(self.t)
             self.y = self.y + jump
+            self.f = self.fun(self.t, self.y)
         return message
 
     monkeypatch.setattr(DOP853, "step", wrong)

@@ -31,6 +31,8 @@ WINDOW, CRAWL = 200, 1e-8
 """So many switches that cover less than this part of the span lead nowhere."""
 ULPS = 16
 """Instants that lie closer together than so many roundings of them are one."""
+LOOKS = 16
+"""At so many instants of a stretch it is looked at whether a wall was missed."""
 COINCIDENT = 1e-9
 """An event that is closer to zero than this at a switch, in units of its terms, may pass there."""
 RIM = "the motion comes to rest where a root of velocities in its equations has no slope"
@@ -230,7 +232,10 @@ class _Passage:
         if not self.exact:
             values = list(map(float, values))
         self.held = self.held or bool(mode.along)
-        part = self.cut(mode.run(self.number(self.state), values, times))
+        part = mode.run(self.number(self.state), values, times)
+        if mode.stepper is not None and self.strays(part):
+            part = mode.run_by("scipy", self.number(self.state), values, times)
+        part = self.cut(part)
         self.steps += part.steps
         self.evaluations += part.evaluations
         count = int(sum(self.order * (t - part.t[-1]) <= 0 for t in self.grid[self.done :]))
@@ -250,6 +255,19 @@ class _Passage:
             np.array(list(map(mpmath.mpf, part.states[-1])), dtype=object),
         )
         return part
+
+    def strays(self, part: Run) -> bool:
+        """Whether a stretch by heyoka is beyond a wall where it was looked at: heyoka gives up
+        where zeros of a polynomial are too close together, and goes on as if there were none."""
+        looks = sorted({(len(part.t) - 1) * k // LOOKS for k in range(1, LOOKS + 1)} - {0})
+        beyond, sides = self.roads.is_beyond, self.mode.sides
+        return any(
+            beyond(wall, part.t[i], part.states[i], sides)
+            for wall in (() if self.mode.along else self.mode.walls)
+            if not beyond(wall, self.time, self.state, sides)
+            for i in looks
+            if np.isfinite(part.states[i]).all()
+        )
 
     def cut(self, part: Run) -> Run:
         """A stretch up to where it touches a wall along which it may have come, or, into the

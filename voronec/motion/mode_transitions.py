@@ -48,6 +48,8 @@ RIM = 1e-11
 """A radicand of velocities that falls below this part of its value at the start has vanished."""
 GRAZE = 1e-9
 """A wall is touched where its function is smaller than this part of its terms, and turns."""
+CLEAR = 1e-4
+"""Beyond a wall is where its function has passed zero by more than this part of its reach."""
 UNSURE = 0.7
 """A run to the tolerance tol may miss a wall by tol to this power."""
 CANCELLATION = 1e-12
@@ -84,8 +86,19 @@ class Mode:
             self.problem.start[:] = state
             self.problem.parameters[:] = values  # type: ignore[index]
             return cut_at_singularity(self.stepper(times), self.problem)
+        return self.run_by(self.chosen["method"], state, values, times)
+
+    def run_by(
+        self, method: str, state: np.ndarray, values: Sequence[Any], times: np.ndarray
+    ) -> Run:
+        """The same by a method of its own."""
         problem = replace(self.problem, start=state, parameters=list(values))
-        return choose_regular(self.chosen["method"], problem, times)[0](times)
+        return choose_regular(method, problem, times)[0](times)
+
+    @property
+    def walls(self) -> frozenset[Wall]:
+        """The walls at which the mode ends."""
+        return frozenset(s.wall for hit in self.watch.values() for s in hit)
 
 
 @dataclass
@@ -408,6 +421,16 @@ class Crossroads:
         beyond = {**sides, surface.wall: surface.value(-side)}
         other, bend = self._rate_and_bend(time, state, surface, beyond)
         return not (other * self.order * side > 2 * abs(own) or bend * side > 0)
+
+    def is_beyond(
+        self, wall: Wall, time: Any, state: np.ndarray, sides: Mapping[Wall, int]
+    ) -> bool:
+        """Whether a state lies clearly on another side of a wall than it should."""
+        g, size = self._value_and_reach(wall, time, state, sides)
+        own, error = sides[wall], CLEAR * size
+        if wall.whole:
+            return bool(not own - error <= g <= own + 1 + error)
+        return bool(g * own < -error)
 
     def _rate_and_bend(
         self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Wall, int]

@@ -4,18 +4,24 @@ Steps err with the same sign for long: what is asked for is that of a run, and a
 part of it alone.
 """
 
-__all__ = ["EXACT", "FINEST", "SHARE", "taylor_tolerance"]
+__all__ = ["EXACT", "FINEST", "dop853_tolerance", "taylor_tolerance"]
 
 EXACT = 1e-16
 """Doubles have nothing to offer below this tolerance."""
 FINEST = 2.3e-14
 """scipy refuses finer relative tolerances."""
-SHARE = 0.1
-"""The part of the tolerance that a step of DOP853 may use up, where doubles allow it: the errors of
-a thousand steps add up to some ten times the tolerance."""
+SHARE, ROUNDING = 0.1, 5e-14
+"""The part of the tolerance that a step of DOP853 may use up: the errors of a thousand steps add up
+to some ten times the tolerance. Below the other, rounding of a right side that cancels may keep any
+step from coming; no less is asked for than half of the tolerance there."""
 TERM = 0.1353352832366127
 """exp(-2): Taylor series for a tolerance finer by this have one term more, and steps as long as
 before err by a part of it."""
+
+
+def dop853_tolerance(tol: float) -> float:
+    """The tolerance of a step of DOP853, for one of a run."""
+    return max(SHARE * tol, min(tol / 2, ROUNDING), FINEST)
 
 
 def taylor_tolerance(tol: float, terms: int = 1) -> float:

@@ -26,7 +26,7 @@ from voronec.motion.steppers.run import COLLAPSE, Problem, Run, Stepper
 from voronec.motion.steppers.scipy_stepper import level_function
 from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride, march
 from voronec.motion.steppers.units import natural_units
-from voronec.motion.tolerances import FINEST, SHARE
+from voronec.motion.tolerances import dop853_tolerance
 
 __all__ = ["PARTS", "Loop", "between", "compiled_dop853", "compiled_loop", "scales_of"]
 
@@ -63,7 +63,7 @@ def compiled_dop853(
 
 def scales_of(problem: Problem) -> np.ndarray:
     """Absolute and relative tolerances of the states (2, n)."""
-    finest, held = max(SHARE * problem.tol, FINEST), problem.program.derivative.symbols
+    finest, held = dop853_tolerance(problem.tol), problem.program.derivative.symbols
     # nothing depends on a quadrature: its size loosens no tolerance
     relative = [finest if s in held else 0.0 for s in problem.program.state]
     return np.array([finest * natural_units(problem), relative])

@@ -13,7 +13,7 @@ from voronec.motion.steppers.dop853_source import FIRST_GROWTH, growth
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
 from voronec.motion.steppers.step_loop import IntegratorFailure, Levels, Stride, Walker, march
 from voronec.motion.steppers.units import natural_units
-from voronec.motion.tolerances import FINEST, SHARE
+from voronec.motion.tolerances import FINEST, dop853_tolerance
 
 __all__ = ["dop853", "dop853_steps", "estimated_steps", "lsoda"]
 
@@ -35,14 +35,14 @@ def dop853(problem: Problem) -> Stepper:
     """The Runge-Kutta method of order eight of Dormand and Prince."""
     from scipy.integrate import DOP853
 
-    return _stepper(replace(problem, tol=SHARE * problem.tol), DOP853)
+    return _stepper(replace(problem, tol=dop853_tolerance(problem.tol)), DOP853)
 
 
 def dop853_steps(problem: Problem, grid: np.ndarray) -> Walker:
     """The same, step by step."""
     from scipy.integrate import DOP853
 
-    fine = replace(problem, tol=SHARE * problem.tol)
+    fine = replace(problem, tol=dop853_tolerance(problem.tol))
     return _Solver(_solver(fine, DOP853, grid), problem.dense)
 
 
@@ -187,7 +187,12 @@ class _Solver:
         Where nothing has changed for long its steps grow over all that is to come, and with a
         derivative that is out of date its corrections are small however wrong they are.
         """
-        solver, inside = self.solver, self.solver.dense_output()
+        solver = self.solver
+        if (
+            solver.t == solver.t_old or not solver.n
+        ):  # nothing has moved, and there is no polynomial
+            return True
+        inside = solver.dense_output()
         numbers, h = np.arange(1, inside.yh.shape[1]), inside.h
         for part in np.arange(1, LOOKS + 1) / LOOKS:
             t = inside.t_old + part * (solver.t - inside.t_old)
