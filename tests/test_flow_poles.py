@@ -13,6 +13,7 @@ from rotations import euler
 from scipy.integrate import solve_ivp
 
 import voronec as vo
+from voronec.declaration.claims import without_claims
 from voronec.equations.attitudes import with_attitude_charts
 from voronec.equations.motions import Motions
 from voronec.motion.model.level import with_positive_denominators
@@ -249,6 +250,10 @@ def test_what_is_not_regular_at_the_poles_has_no_chart() -> None:
     theta = next(q for q in ball.coordinates if str(q) == "theta")
     for torque in (sp.cot(theta), sp.cos(theta / 3)):
         assert with_attitude_charts(vo.derive(replace(ball, forces={theta: torque}))) is None
+    # the angle of the chart is another one: a potential of the old one is not that of the new
+    for potential in (theta**2, sp.exp(theta), sp.cos(theta * sp.cos(theta))):
+        bound = replace(ball, lagrangian=ball.lagrangian - potential, **without_claims())
+        assert with_attitude_charts(vo.derive(bound)) is None
     assert with_attitude_charts(vo.derive(vo.load("falling-disc"))) is None
 
 

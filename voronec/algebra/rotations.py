@@ -21,6 +21,7 @@ from typing import Any
 import flint
 import symengine as se
 
+from voronec.algebra.generators import linear_terms
 from voronec.algebra.ring import Ring, sparse_terms
 from voronec.errors import EngineLimit
 
@@ -83,13 +84,18 @@ class Rotations:
         they are, rewritten, goes to ``inner``."""
         if not self._holds(expr) or not expr.args:
             return expr
-        if isinstance(expr, se.sin | se.cos):
+        if isinstance(expr, se.sin | se.cos) and self._is_angle(expr.args[0]):
             return expr
         whole = isinstance(expr, se.Pow) and isinstance(expr.args[1], se.Integer)
         if isinstance(expr, se.Add | se.Mul) or whole:
             return expr.func(*[self._open(a, inner) for a in expr.args])
         meaning = expr.func(*[self.rewrite(a) for a in expr.args])
         return inner.setdefault(meaning, se.Symbol(f"function {len(inner)} of an attitude"))
+
+    def _is_angle(self, argument: Any) -> bool:
+        """Whether an argument is a sum of multiples of the angles, and of what holds none."""
+        own = {self.phi, self.theta, self.psi}
+        return all(term in own or not self._holds(term) for term in linear_terms(argument))
 
     def _polar(self, ring: Ring, factor: Any) -> tuple[Any, tuple[int, int]] | None:
         """A multiple of (1 - c)^p (1 + c)^q as number, (p, q); None for anything else."""
@@ -106,6 +112,10 @@ class Rotations:
         """poly / ((1 - c)^p (1 + c)^q) in the entries, p and q the ``poles``."""
         terms = []
         for weight, rest, parts in self._weights(ring, poly):
+            if self._holds(rest):
+                raise EngineLimit(
+                    "a function of an attitude holds an angle otherwise than by sine and cosine"
+                )
             factor = self._basis(weight)
             quotients = [_divide(part, weight, poles) for part in parts]
             (a, b), (x, y) = [self._polynomial_in_cosine(q) for q in quotients], factor
