@@ -148,6 +148,15 @@ def test_a_run_may_start_on_both_poles(demchenko):
     assert np.abs(without_poles(found.states[-1]) - reference(ON_BOTH_POLES, 2)).max() < 1e-12
 
 
+def test_a_run_from_a_pole_of_the_ball_stays_on_its_side_of_the_sphere(demchenko):
+    """u1 and v1 are regular there, and go on as they began: not with -u1 and v1 + pi."""
+    start = [0.0, 0.4, 1.0, -0.5, *NEAR_POLE[4:]]
+    found = run(demchenko, start, np.linspace(0, 0.4, 5))
+    assert found.switches == 1 and (found.states[:, 0] >= 0).all()
+    assert np.abs(np.diff(found.states[:, 3:5], axis=0)).max() < 0.2
+    assert np.abs(without_poles(found.states[-1]) - reference(start, 0.4)).max() < 1e-12
+
+
 def test_angles_come_back_on_their_branch(demchenko):
     start = run(demchenko, [1e-3, *NEAR_POLE[1:]], [0, -3]).states[-1]
     grid = np.linspace(-3, 3, 601)

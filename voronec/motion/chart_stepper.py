@@ -178,13 +178,19 @@ class _Journey:
 
     def on_this_side(self, place: ChartProblem, time: Any, state: np.ndarray) -> Home:
         """The way home from a chart; of coordinates that give states twice, on the side on which
-        the run has been."""
-        here, now = np.array([time]), state[None, :]
-        if self.atlas.distances(here, self.last[None, :])[0] < APART:
-            return place.home
+        the run has been.  On a pole that is told by all coordinates but those that are free there.
+        """
+        here, now, without_turns = np.array([time]), state[None, :], self.atlas.without_turns
+        polar = self.atlas.distances(here, self.last[None, :])[0] < APART
+        blind = self.atlas.blind(place.name, time, self.last) if polar else ()
+        seen = len(self.atlas.form.coordinates) if polar else len(state)
 
         def off(way: Home) -> float:
-            return float(np.abs(self.atlas.without_turns(way(here, now)[0] - self.last)).max())
+            gap = without_turns(way(here, now)[0] - self.last)
+            for free in filter(np.any, blind):
+                which = int(np.argmax(np.abs(free)))
+                gap = without_turns(gap - gap[which] / free[which] * free)
+            return round(float(np.abs(gap[:seen]).max()), 6)  # of ways as near, the first
 
         return min(place.ways_home, key=off)
 
