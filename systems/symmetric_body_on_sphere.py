@@ -24,8 +24,8 @@ the centre along the axis, which is ``displaced-ball-on-sphere``, with the solut
 for l = 0 it is ``symmetric-ball-on-sphere``.  An ellipsoid of revolution is another body of this
 kind (``spheroid-on-sphere``), for which none are known here.
 
-P and V being unknown functions, there is no motion to show; and no chart of the body's own poles,
-where it is smooth only if P is even there.
+P and V being unknown functions, there is no motion to show.  Nor is a chart declared at the body's
+own poles, where it is smooth only if P is even there; once P is known the engine makes one.
 """
 
 from __future__ import annotations

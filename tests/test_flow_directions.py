@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+import sympy as sp
 from rotations import euler
 from scipy.integrate import solve_ivp
 
 import voronec as vo
+from voronec.declaration.claims import without_claims
 from voronec.equations.attitudes import euler_angles, with_attitude_charts
+from voronec.equations.motions import Motions
+from voronec.proof.relations.charts import check_charts
 
 pytestmark = pytest.mark.slow
 
@@ -141,6 +146,112 @@ def test_a_torus_on_the_end_of_the_axis_of_an_ellipsoid(
     around = np.array([np.cos(last["v"]), np.sin(last["v"]), 0])
     assert np.abs(TUBE * B[:, 2] + BIG * around - r).max() < 1e-11
     assert last["w"] == pytest.approx(np.sqrt(N @ AXES @ N) / 3, abs=1e-11)
+
+
+u, c = sp.symbols("u c")
+PROFILES = {
+    "polynomial": 1 + c / 4 + c**2 / 9,
+    "transcendental": 2 + sp.sin(c) / 4,
+}
+"""Support functions by the cosine of the colatitude."""
+
+
+def body_of_revolution(support: sp.Expr) -> vo.VoronecEquations:
+    """The body of revolution on a sphere with a support function of u, and without a force."""
+    system = vo.load("symmetric-body-on-sphere")
+    known = {sp.Function("P")(u): support, sp.Function("V")(u): sp.Integer(0)}
+
+    def read(e: Any) -> Any:
+        return e.subs(known).doit()
+
+    filled = {
+        "lagrangian": read(system.lagrangian),
+        "constraints": [*map(read, system.constraints)],
+    }
+    return vo.derive(replace(system, **{**without_claims(), **filled}))
+
+
+@pytest.fixture(scope="module", params=PROFILES)
+def profile(request: Any) -> tuple[vo.VoronecEquations, sp.Expr]:
+    """A body of revolution, and its support function by the cosine."""
+    support = PROFILES[request.param]
+    return body_of_revolution(support.subs(c, sp.cos(u))), support
+
+
+def revolution_on_sphere(support: sp.Expr) -> tuple[Callable[[Any], Any], Rates]:
+    """r = OM of an outer normal n, and the rates of both: with h(x) = |x| p(x_3/|x|) these are
+    r = dh/dn, n' = R1 (R1 + H)^-1 (n x omega) and r' = H n', H the second derivatives of h."""
+    value, slope, bend = (sp.lambdify(c, sp.diff(support, c, k)) for k in range(3))
+
+    def arm(n: np.ndarray) -> np.ndarray:
+        return value(n[2]) * n + slope(n[2]) * (np.array([0, 0, 1]) - n[2] * n)
+
+    def rates(_: Any, n: np.ndarray, __: Any, w: np.ndarray) -> tuple[Any, ...]:
+        aside = np.array([0, 0, 1]) - n[2] * n
+        across = np.eye(3) - np.outer(n, n)
+        H = (value(n[2]) - n[2] * slope(n[2])) * across + bend(n[2]) * np.outer(aside, aside)
+        turned = 2.0 * np.linalg.solve(2.0 * np.eye(3) + H, np.cross(n, w))
+        return turned, arm(n), H @ turned
+
+    return arm, rates
+
+
+@pytest.mark.parametrize(
+    ("colatitude", "u1", "end"),
+    [(0.0, 1.0, 1.0), (np.pi, 1.0, -1.0), (0.0, -0.5, 1.0), (np.pi, 0.0, 1.0), (1e-6, 0.0, 1.0)],
+)
+def test_a_body_of_revolution_touches_at_the_end_of_its_axis(
+    profile: tuple[vo.VoronecEquations, sp.Expr], colatitude: float, u1: float, end: float
+) -> None:
+    equations, support = profile
+    arm, rates = revolution_on_sphere(support)
+    place = {"u": colatitude, "v": 0.2, "u1": u1, "v1": 0.3, "theta": 0.7}
+    start = {**place, **dict(zip("s tau n".split(), SPIN, strict=True))}
+    motion = vo.integrate(equations, times=[0, end], outputs=(), initial=start)
+    B, attitude = torus_frames(*place.values())
+    begin = (attitude, B[:, 2], arm(B[:, 2]), B @ SPIN)
+    R, n, _, spin = rolled(rates, np.diag([1.0, 1.0, 1.5]), begin, end)
+    last = {x: motion[x][-1] for x in motion.outputs}
+    B, attitude = torus_frames(*(last[x] for x in place))
+    assert np.abs(attitude - R).max() < 1e-11
+    assert np.abs(B[:, 2] - n).max() < 1e-11
+    assert np.abs(B @ [last[x] for x in ("s", "tau", "n")] - spin).max() < 1e-11
+
+
+def test_charts_of_a_body_of_revolution_are_proved_where_its_profile_closes() -> None:
+    """Beside the chart at the poles of the sphere, and after it; with a ridge on the axis there is
+    none."""
+    charted = with_attitude_charts(body_of_revolution(1 + sp.cos(u) / 4 + sp.cos(u) ** 2 / 9))
+    assert charted is not None
+    verdicts = {claim.name: claim.verdict for claim in check_charts(Motions(charted))}
+    assert len(verdicts) == 3
+    assert all(verdict.proved for verdict in verdicts.values()), verdicts
+    assert with_attitude_charts(body_of_revolution(1 + sp.sin(u) / 4)) is None
+
+
+@pytest.mark.parametrize("colatitude", [0.0, np.pi])
+def test_velocities_along_meridians_and_parallels_are_turned_at_the_poles(
+    colatitude: float,
+) -> None:
+    """A point on a unit sphere, heavy: x'' = -e3 + (x_3 - |x'|^2) x."""
+    phi, theta, a, b = sp.symbols("phi theta a b")
+    along, across = vo.velocity(theta), sp.sin(theta) * vo.velocity(phi)
+    frame = vo.Frame.quasi({a: along, b: across})
+    energies = (along**2 + across**2) / 2, sp.cos(theta)
+    point = vo.System("point", vo.Fibration((phi, theta)), energies[0] - energies[1], frame=frame)
+    start = {"phi": 0.2, "theta": colatitude, "a": 0.3, "b": 0.4}
+    motion = vo.integrate(point, times=[0, 1], outputs=(), initial=start)
+
+    def right(_: float, y: np.ndarray) -> np.ndarray:
+        return np.concatenate([y[3:], (y[2] - y[3:] @ y[3:]) * y[:3] - [0, 0, 1]])
+
+    def vectors(state: Any) -> np.ndarray:
+        e_u, e_v, normal = lines(state["theta"], state["phi"]).T
+        return np.concatenate([normal, state["a"] * e_u + state["b"] * e_v])
+
+    end = solve_ivp(right, (0, 1), vectors(start), method="DOP853", rtol=2.3e-14, atol=1e-15).y
+    found = vectors({x: motion[x][-1] for x in motion.outputs})
+    assert np.abs(found - end[:, -1]).max() < 1e-12
 
 
 def test_directions_and_contacts_are_recognised(

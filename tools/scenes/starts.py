@@ -39,6 +39,7 @@ from scenes.open_functions import fill_functions
 from scenes.pole_values import Value, find_values
 from scenes.reference import NoReferee, Referee, mechanics_of
 from scenes.scene import catalogue_names
+from voronec.equations.attitudes import with_attitude_charts
 from voronec.motion.divisors import divisors
 
 __all__ = ["main"]
@@ -335,7 +336,8 @@ class Bench:
         except ZeroDivisionError:
             return known
         # frames of charts may turn with coordinates that are free at a pole
-        turned = {name for chart in self.system.charts.values() for name in chart.state}
+        charted = (with_attitude_charts(self.equations) or self.equations).system
+        turned = {name for chart in charted.charts.values() for name in chart.state}
         read = zip(m.velocities, m.independent, v, strict=True)
         return known | {n: Value(e, float(x)) for n, e, x in read if n not in turned}
 

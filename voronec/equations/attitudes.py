@@ -13,7 +13,9 @@ That the rewriting succeeds is the proof that the system is regular at the poles
 
 A contact that is carried along has such angles too, longitude and colatitude of the normal and the
 angle between the lines, in the constraints alone; and two coordinates may tell a direction, the
-third column, where the third angle has no effect.
+third column, where the third angle has no effect.  Velocities of a frame that are components along
+the lines of theta and phi have no value at the poles, where these lines have none; along lines
+that psi does not turn they are regular, and in the chart they are those along its own lines.
 """
 
 from __future__ import annotations
@@ -126,10 +128,9 @@ def with_attitude_charts(equations: VoronecEquations) -> VoronecEquations | None
 
 
 def angles_without_chart(equations: VoronecEquations) -> tuple[EulerAngles, ...]:
-    """Those that no chart of the system moves."""
+    """Those whose polar axis no chart of the system moves."""
     moved = {name for chart in equations.system.charts.values() for name in chart.state}
-    triples = euler_angles(equations)
-    return tuple(t for t in triples if not moved & {str(q) for q in t.symbols})
+    return tuple(t for t in euler_angles(equations) if str(t.theta) not in moved)
 
 
 def _make_chart(equations: VoronecEquations) -> VoronecEquations | None:
@@ -145,7 +146,9 @@ def _make_chart(equations: VoronecEquations) -> VoronecEquations | None:
                 continue
             declared = system.charts.get(own)
             name = f"{own}, {axes}" if own else axes
-            turned[name] = _beside(chart, system) if declared is None else _both(chart, declared)
+            turned[name] = (
+                _beside(chart, system) if declared is None else _both(chart, declared, system)
+            )
     if not turned:
         return None
     poles = sp.Mul(*[equations.door.outward(t.singular) for t in triples])
@@ -168,14 +171,15 @@ def _beside(chart: Chart, system: System) -> Chart:
     )
 
 
-def _both(chart: Chart, declared: Chart) -> Chart:
-    """A chart of attitudes, made of a system in a declared chart, and that chart: they move
-    different coordinates."""
+def _both(chart: Chart, declared: Chart, system: System) -> Chart:
+    """A chart of attitudes, made of a system in a declared chart, after that chart: they move
+    different polar axes."""
+    first, last = declared.values(system), chart.values(system, "back")
     return Chart(
-        state={**declared.state, **chart.state},
+        state={**declared.state, **{x: e.xreplace(first) for x, e in chart.state.items()}},
         singular=chart.singular * declared.singular,
         changes={**declared.changes, **chart.changes},
-        back={**declared.back, **chart.back},
+        back={**chart.back, **{x: e.xreplace(last) for x, e in declared.back.items()}},
         singular_there=chart.singular_there * declared.singular_there,
         twins=(*declared.twins, *chart.twins),
         near={**chart.near, **declared.near},
@@ -310,6 +314,27 @@ def _angles_of(R: Any) -> tuple[Any, Any, Any]:
 
 
 @dataclass(frozen=True)
+class _AlongLines:
+    """Two velocities x, y that are components along the lines of theta and of phi, which turn with
+    psi, or against it where ``sense`` is -1."""
+
+    x: Any
+    y: Any
+    sense: int
+
+    def rotate(self, x: Any, y: Any, angle: Any) -> tuple[Any, Any]:
+        """Components where the lines have turned by an angle."""
+        c, s = se.cos(angle), self.sense * se.sin(angle)
+        return c * x + s * y, c * y - s * x
+
+    def along(self, R: Any) -> dict[Any, Any]:
+        """Those along the lines of the angles of a matrix, in which psi is what they turn by."""
+        across = se.sqrt(R[2][0] ** 2 + R[2][1] ** 2)
+        c, s = R[2][1] / across, self.sense * R[2][0] / across
+        return {self.x: c * self.x + s * self.y, self.y: c * self.y - s * self.x}
+
+
+@dataclass(frozen=True)
 class _TurnedSystem:
     """A system in angles whose polar axes lie elsewhere, for one or several attitudes."""
 
@@ -331,18 +356,27 @@ class _TurnedSystem:
         singular = se.Mul(*[t.singular for t in self.triples])
         kept = [t.singular for t in self.triples if t not in self.chosen]
         other = se.Mul(*kept, *[se.sin(t.theta) for t in self.chosen])
+        _, lines = self._frame_rows
         for t in self.chosen:
             # of a direction there is no third
-            there |= zip(t.symbols, _angles_of(_lay_down(_matrix(t.upright))), strict=False)
-            phi, theta, psi = _angles_of(_stand_up(_matrix(t.horizontal)))
-            back |= zip(t.symbols, (phi, theta - t.shift, t.sense * psi), strict=False)
+            down = _lay_down(_matrix((*t.upright[:2], se.Integer(0))))
+            up = _stand_up(_matrix((*t.horizontal[:2], se.Integer(0))))
+            phi, theta, turn = _angles_of(down)
+            there |= zip(t.symbols, (phi, theta, t.upright[2] + turn), strict=False)
+            phi, theta, turn = _angles_of(up)
+            back |= zip(t.symbols, (phi, theta - t.shift, t.sense * (t.last + turn)), strict=False)
             other_side = [t.phi + se.pi, -t.theta - 2 * t.shift]
             other_side += [] if t.psi is None else [t.psi - se.pi]
-            twins.append(outside(zip(t.symbols, other_side, strict=True)))
+            twins.append(dict(zip(t.symbols, other_side, strict=True)))
+            for pair in lines[t]:
+                there |= pair.along(down)
+                back |= pair.along(up)
+                twins[-1] |= {pair.x: -pair.x, pair.y: -pair.y}
 
         return Chart(
             state=outside(there.items()), singular=out(singular), changes=self._changes(),
-            back=outside(back.items()), singular_there=out(other), twins=twins, near=self._near,
+            back=outside(back.items()), singular_there=out(other),
+            twins=[outside(twin.items()) for twin in twins], near=self._near,
         )  # fmt: skip
 
     @property
@@ -364,20 +398,17 @@ class _TurnedSystem:
         d, out = self.d, self.d.door.outward
         if d.added:
             raise EngineLimit("forces that hold accelerations are not written in other angles")
-        dots = d.dots
         changes: dict[str, Any] = {"lagrangian": out(self._move(d.lagrangian))}
         if d.constraints.matrix:
             changes["constraints"] = tuple(map(out, self._constraints()))
         if self._moved_relations != d.relations:
             changes["relations"] = tuple(map(out, self._moved_relations))
         if d.frame is not None:
-            rows = zip(d.frame.matrix, d.frame.offset, strict=True)
-            read = [out(self._move(_affine(r, c, dots))) for r, c in rows]
-            changes["frame"] = self._frame(read)
+            changes["frame"] = self._frame([out(row) for row in self._frame_rows[0]])
         if any(f != 0 for f in d.forces):
-            power = self._move(_affine(d.forces, se.Integer(0), dots))
-            own = d.system.coordinates
-            changes["forces"] = {q: out(power.diff(dot)) for q, dot in zip(own, dots, strict=True)}
+            power = self._move(_affine(d.forces, se.Integer(0), d.dots))
+            own = zip(d.system.coordinates, d.dots, strict=True)
+            changes["forces"] = {q: out(power.diff(dot)) for q, dot in own}
         return changes
 
     def _constraints(self) -> list[Any]:
@@ -403,6 +434,49 @@ class _TurnedSystem:
             found = tuple(self._of_one(r, t) for r in found)
         return found
 
+    @cached_property
+    def _frame_rows(self) -> tuple[list[Any], dict[EulerAngles, list[_AlongLines]]]:
+        """The velocities of the frame in the other angles, and those pairs of them that are taken
+        along other lines there, by the attitude whose angles turn these."""
+        d, lines = self.d, dict[EulerAngles, list[_AlongLines]]()
+        if d.frame is None:
+            return [], {t: [] for t in self.chosen}
+        affine = zip(d.frame.matrix, d.frame.offset, strict=True)
+        rows = dict(zip(d.velocities, (_affine(r, c, d.dots) for r, c in affine), strict=True))
+        for t in self.chosen:
+            singular = []
+            for name, row in rows.items():
+                try:
+                    rows[name] = self._turn(row, t)
+                except EngineLimit:
+                    singular.append(name)
+            lines[t] = [*self._pairs(singular, rows, t)]
+        taken = [v for pairs in lines.values() for pair in pairs for v in (pair.x, pair.y)]
+        if len({*taken}) < len(taken):
+            raise EngineLimit("a velocity is along lines that turn at the poles of two attitudes")
+        return [*map(self._in_normal_form, rows.values())], lines
+
+    def _pairs(
+        self, names: list[Any], rows: dict[Any, Any], t: EulerAngles
+    ) -> Iterator[_AlongLines]:
+        """Velocities in pairs that are regular along lines that psi does not turn; ``rows`` are
+        then those along the lines of the other angles.  ``EngineLimit`` where one has no partner.
+        """
+        left, turn = [*names], se.Integer(0) if t.psi is None else t.psi
+        while left:
+            x = left.pop(0)
+            for y, sense in product(left, (1, -1)):
+                pair = _AlongLines(x, y, sense)
+                held = pair.rotate(rows[x], rows[y], -t.upright[2])
+                with suppress(EngineLimit):
+                    along, across = (self._turn(row, t) for row in held)
+                    rows[x], rows[y] = pair.rotate(along, across, turn)
+                    left.remove(y)
+                    yield pair
+                    break
+            else:
+                raise EngineLimit(f"the velocity {x} is not regular at the poles of the angles")
+
     def _frame(self, expressions: Sequence[sp.Expr]) -> Frame:
         own = self.d.system.frame
         assert own is not None
@@ -411,10 +485,17 @@ class _TurnedSystem:
     def _move(self, expr: Any) -> Any:
         """A function of coordinates and velocities in the other angles."""
         for t in self.chosen:
-            try:
-                expr = self._of_one(expr, t)
-            except EngineLimit:
-                expr = self._of_one(expr, t, _roots(self.d, t))
+            expr = self._turn(expr, t)
+        return self._in_normal_form(expr)
+
+    def _turn(self, expr: Any, t: EulerAngles) -> Any:
+        """A function in the angles of one attitude laid down; roots may be coordinates."""
+        try:
+            return self._of_one(expr, t)
+        except EngineLimit:
+            return self._of_one(expr, t, _roots(self.d, t))
+
+    def _in_normal_form(self, expr: Any) -> Any:
         try:
             return canonical([expr], self._moved_relations)[0]
         except EngineLimit:
