@@ -215,6 +215,25 @@ def test_roots_to_the_last_digit() -> None:
         assert abs(found - mpmath.pi / 2) < mpmath.mpf(10) ** -48
 
 
+@pytest.mark.parametrize("way", [1, -1])
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "lsoda", "flint"])
+def test_what_comes_back_soon_after_the_start_is_seen(method, way):
+    """A stone thrown upwards at 1 is there again after 2 v."""
+    x = sp.Symbol("x")
+    dot = vo.velocity(x)
+    fall = vo.System("fall", vo.Fibration(base=(x,)), dot**2 / 2 - x)
+    least = 1e-5 if method == "lsoda" else 1e-7  # its polynomials begin beside the start
+    for speed in np.geomspace(least, 1e-2, 40):
+        run = vo.integrate(
+            fall, initial={x: 1, dot: way * speed}, times=[0, 15 * way], method=method, dense=True,
+            events=(vo.Event(x - 1, "again"),),
+        )  # fmt: skip
+        assert run.events["again"].t == pytest.approx([2 * way * speed], rel=1e-2)
+        assert run.at([way * speed / 50])["xdot"] == pytest.approx(
+            [way * speed * 49 / 50], rel=1e-8
+        )
+
+
 @pytest.mark.parametrize("method", ["heyoka", "scipy", "flint"])
 def test_a_zero_at_the_start_hides_no_later_one(method):
     x = sp.Symbol("x")

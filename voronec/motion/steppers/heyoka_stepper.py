@@ -41,7 +41,13 @@ from voronec.motion.steppers.series_reach import (
     blind_steps,
     reach,
 )
-from voronec.motion.steppers.step_loop import WINDOW, Headway
+from voronec.motion.steppers.step_loop import (
+    WINDOW,
+    Headway,
+    early_looks,
+    early_returns,
+    level_function,
+)
 from voronec.motion.steppers.turn_count import CHUNK, LEAST, SHORT, TurnCount
 from voronec.motion.steppers.units import natural_units
 
@@ -220,6 +226,7 @@ class _Drive:
     rows: list[np.ndarray] = field(default_factory=list)
     stretches: list[Any] = field(default_factory=list)
     ends: list[float] = field(default_factory=list)
+    early: float = np.inf
     done: int = 1
     steps: int = 0
     efforts: int = 0
@@ -251,14 +258,42 @@ class _Drive:
         taken = ta.step(max_delta_t=span, write_tc=True)[1] if span else 0.0
         # where the right side is not defined no step is taken, and the run says so
         well = np.isfinite(taken)
+        self.early = self.half_of_return(taken, state) if well and taken else np.inf
         length = reach(ta, taken, PARTS if abs(taken) >= abs(span) else 1) if well else np.inf
         ta.time, ta.state[:], self.log.silent = time, state, False
         if ta.with_events:
             ta.reset_cooldowns()
         return length
 
+    def half_of_return(self, taken: float, start: np.ndarray) -> float:
+        """Less than half of the time after which a function of an event that is zero at the start
+        is zero again, where that is far less than the step just ``taken``; else infinite.
+
+        Between zeros that close together heyoka's search gives up, and sees none of them.
+        """
+        if self.problem.levels is None:
+            return np.inf
+        series, parts = self.integrator.tc, early_looks(0.0, taken)
+        small = (series @ parts ** np.arange(series.shape[1])[:, None]).T
+        states = self.winding.whole(np.vstack([start, small]))
+        with np.errstate(all="ignore"):
+            values = level_function(self.problem)(self.grid[0] + np.append(0.0, parts), states)
+        returns = [i for i, k in early_returns(values, states).values() if k < len(parts) - 1]
+        return min((abs(float(parts[i])) / 2 for i in returns), default=np.inf)
+
+    def leave_start(self) -> None:
+        """A first step that ends before functions of events that are zero at the start are zero
+        again, where that is soon."""
+        if self.early < abs(self.grid[min(1, len(self.grid) - 1)] - self.grid[0]):
+            end = self.grid[0] + np.copysign(self.early, self.grid[-1] - self.grid[0])
+            output = self.integrator.propagate_until(end, c_output=self.problem.dense)[4]
+            if self.problem.dense:
+                self.stretches.append(_Chunk(output, self.winding.now()))
+            self.steps += 1
+
     def run(self) -> Run:
         self.rows.append(self.problem.start[None, :])
+        self.leave_start()
         try:
             while self.done < len(self.grid) and not self.log.stopped:
                 halt = self.chunk()

@@ -23,8 +23,13 @@ from voronec.motion.steppers.dop853_source import (
 )
 from voronec.motion.steppers.kept_code import kept_function
 from voronec.motion.steppers.run import COLLAPSE, Problem, Run, Stepper
-from voronec.motion.steppers.scipy_stepper import level_function
-from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride, march
+from voronec.motion.steppers.step_loop import (
+    IntegratorFailure,
+    Stretch,
+    Stride,
+    level_function,
+    march,
+)
 from voronec.motion.steppers.units import natural_units
 from voronec.motion.tolerances import dop853_tolerance
 

@@ -18,8 +18,7 @@ from voronec.equations.program.dialect import code
 from voronec.motion.steppers.dop853_source import STAGES, growth, kernel_source
 from voronec.motion.steppers.numba_stepper import PARTS, Loop, between, scales_of
 from voronec.motion.steppers.run import INFINITE, Problem, Run, Stepper
-from voronec.motion.steppers.scipy_stepper import level_function
-from voronec.motion.steppers.step_loop import IntegratorFailure, march
+from voronec.motion.steppers.step_loop import IntegratorFailure, level_function, march
 
 __all__ = ["operations_of_run", "python_dop853"]
 

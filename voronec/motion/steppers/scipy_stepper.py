@@ -11,7 +11,13 @@ import numpy as np
 from voronec.equations.program import compile_program
 from voronec.motion.steppers.dop853_source import FIRST_GROWTH, growth
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
-from voronec.motion.steppers.step_loop import IntegratorFailure, Levels, Stride, Walker, march
+from voronec.motion.steppers.step_loop import (
+    IntegratorFailure,
+    Stride,
+    Walker,
+    level_function,
+    march,
+)
 from voronec.motion.steppers.units import natural_units
 from voronec.motion.tolerances import FINEST, dop853_tolerance
 
@@ -113,22 +119,6 @@ def _stepper(problem: Problem, method: Callable[..., Any]) -> Stepper:
             return march(problem, grid, solver, levels)
 
     return run
-
-
-def level_function(problem: Problem) -> Levels:
-    """The events' functions at times (k,) and states (k, n), as an array (k, m)."""
-    if problem.levels is None:
-        return lambda t, _states: np.empty((len(t), 0))
-    _, extras = compile_program(problem.levels)
-    asked = problem.changing is not None and problem.changing.python_signal is not None
-    at = problem.parameters_at()
-
-    def function(t: np.ndarray, states: np.ndarray) -> np.ndarray:
-        given = np.array([at(x) for x in t]).T if asked else problem.parameters
-        results = extras(t, list(states.T), list(given))
-        return np.stack([np.broadcast_to(r, t.shape) for r in results], axis=1)
-
-    return function
 
 
 @dataclass

@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from voronec.equations.program import compile_program
 from voronec.motion.events import Event
 from voronec.motion.steppers.run import (
     COLLAPSE,
@@ -33,6 +34,9 @@ __all__ = [
     "Stride",
     "Walker",
     "crossings",
+    "early_looks",
+    "early_returns",
+    "level_function",
     "march",
     "root",
 ]
@@ -45,19 +49,46 @@ TOUCH = 0.1
 two looks is computed: there may be two zeros there."""
 GRAIN = 1e-26
 """What stands for the function of a wall on it: a motion may leave it and come back at once."""
+RATIO, RATIOS, ROUNDINGS = 4.0, 26, 2e-15
+"""Where a function is zero at the start of a run, it is looked at after so many spans, each so many
+times longer than the one before, too: it may be zero again soon. Less than the last, in units of
+the states, is rounding."""
 TRIES = 200
 NARROWINGS = 40
 GOLDEN = 0.381966
 
 
+def early_looks(start: Any, length: Any) -> np.ndarray:
+    """Times (k,) soon after a start, the last after some length."""
+    return np.array([start + length * RATIO**-k for k in range(RATIOS, -1, -1)])
+
+
+def early_returns(values: np.ndarray, states: np.ndarray) -> dict[int, tuple[int, int]]:
+    """Column -> the two looks between which a function is zero again, of those of functions that
+    are zero at the first: ``values`` (k + 1, m) at ``states`` (k + 1, n), at a start and soon after
+    it."""
+    numbers = values.astype(float)
+    size = np.fmax(1.0, np.abs(states.astype(float)).max(axis=1, keepdims=True))
+    rounding = 0.0 if values.dtype == object else ROUNDINGS * size
+    signs = np.where(np.abs(numbers) > rounding, np.sign(numbers), 0.0)
+    found = {}
+    for column in np.flatnonzero(signs[0] == 0):
+        moved = np.flatnonzero(signs[:, column])
+        back = [k for k in moved if signs[k, column] != signs[moved[0], column]]
+        if back:
+            found[int(column)] = int(moved[list(moved).index(back[0]) - 1]) - 1, int(back[0]) - 1
+    return found
+
+
 def crossings(
     events: Mapping[int, Event], levels: Callable[..., np.ndarray], stride: Stride,
-    walls: frozenset[str] = frozenset(),
+    walls: frozenset[str] = frozenset(), first: bool = False,
 ) -> list[tuple[Any, Event]]:  # fmt: skip
     """Times at which events happen within a step, in the order of the motion.
 
     ``events`` are given by the columns of their ``levels``.  Those named in ``walls`` fall from
-    what is not negative where the step starts, but for rounding: it may start on a wall.
+    what is not negative where the step starts, but for rounding: it may start on a wall.  In the
+    ``first`` step of a run others may be zero at its start, and again soon after it.
     """
     start, end = stride.start, stride.end
     times = np.array([start + (end - start) * i / LOOKS for i in range(LOOKS)] + [end])
@@ -66,6 +97,8 @@ def crossings(
         if event.name in walls and values[0, column] <= 0:
             values[0, column] = GRAIN
     touches, found = _may_touch(values), []
+    if first:
+        found = _early_crossings(events, levels, stride, times[1], walls)
     for i, column in np.argwhere(touches | _change_sign(values)).tolist():
         if column not in events:
             continue
@@ -82,6 +115,31 @@ def crossings(
             if _crosses(before, after, event.direction if end > start else -event.direction):
                 found.append((root(level, a, before, b, after), event))
     return sorted(found, key=lambda pair: abs(pair[0] - start))
+
+
+def _early_crossings(
+    events: Mapping[int, Event], levels: Callable[..., np.ndarray], stride: Stride, until: Any,
+    walls: frozenset[str],
+) -> list[tuple[Any, Event]]:  # fmt: skip
+    """Those of functions that are zero where the step starts, up to its first look."""
+    start = stride.start
+    times = early_looks(start, until - start)
+    moments = np.array([start, *times], dtype=times.dtype)
+    states = stride.at(moments)
+    values, found = levels(moments, states), []
+    for column, (i, k) in early_returns(values, states).items():
+        event = events.get(column)
+        if event is None or event.name in walls:
+            continue
+
+        def level(time: Any, column: int = column) -> Any:
+            moment = np.array([time], dtype=times.dtype)
+            return levels(moment, stride.at(moment))[0, column]
+
+        before, after = values[i + 1, column], values[k + 1, column]
+        if _crosses(before, after, event.direction if until > start else -event.direction):
+            found.append((root(level, times[i], before, times[k], after), event))
+    return found
 
 
 def _crosses(before: Any, after: Any, direction: int) -> bool:
@@ -289,6 +347,22 @@ Levels = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Times (k,) and states (k, n) to the events' functions (k, m)."""
 
 
+def level_function(problem: Problem) -> Levels:
+    """The events' functions at times (k,) and states (k, n), as an array (k, m)."""
+    if problem.levels is None or not problem.levels.names:
+        return lambda t, _states: np.empty((len(t), 0))
+    _, extras = compile_program(problem.levels)
+    asked = problem.changing is not None and problem.changing.python_signal is not None
+    at = problem.parameters_at()
+
+    def function(t: np.ndarray, states: np.ndarray) -> np.ndarray:
+        given = np.array([at(x) for x in t]).T if asked else problem.parameters
+        results = extras(t, list(states.T), list(given))
+        return np.stack([np.broadcast_to(r, t.shape) for r in results], axis=1)
+
+    return function
+
+
 def march(problem: Problem, grid: np.ndarray, walker: Walker, levels: Levels) -> Run:
     """The run over a grid."""
     return _March(problem, grid, walker, levels).run()
@@ -354,8 +428,9 @@ class _March:
             if event.name not in self.problem.coarse or self.near(stride, i)
         }
         if fine:
-            left = self.problem.walls if self.steps <= 1 else frozenset()
-            for time, event in crossings(fine, self.levels, stride, left):
+            first = self.steps <= 1
+            left = self.problem.walls if first else frozenset()
+            for time, event in crossings(fine, self.levels, stride, left, first):
                 state = stride.at(np.array([time], dtype=self.states.dtype))[0]
                 if self.log.enter(event, time, state):
                     end = time
