@@ -68,7 +68,7 @@ def early_returns(values: np.ndarray, states: np.ndarray) -> dict[int, tuple[int
     are zero at the first: ``values`` (k + 1, m) at ``states`` (k + 1, n), at a start and soon after
     it."""
     numbers = values.astype(float)
-    size = np.fmax(1.0, np.abs(states.astype(float)).max(axis=1, keepdims=True))
+    size = np.abs(states.astype(float)).max(axis=1, keepdims=True, initial=1.0)
     rounding = 0.0 if values.dtype == object else ROUNDINGS * size
     signs = np.where(np.abs(numbers) > rounding, np.sign(numbers), 0.0)
     found = {}
