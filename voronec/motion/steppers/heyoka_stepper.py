@@ -258,26 +258,25 @@ class _Drive:
         taken = ta.step(max_delta_t=span, write_tc=True)[1] if span else 0.0
         # where the right side is not defined no step is taken, and the run says so
         well = np.isfinite(taken)
-        self.early = self.half_of_return(taken, state) if well and taken else np.inf
+        self.early = self.half_of_return(taken) if well and taken else np.inf
         length = reach(ta, taken, PARTS if abs(taken) >= abs(span) else 1) if well else np.inf
         ta.time, ta.state[:], self.log.silent = time, state, False
         if ta.with_events:
             ta.reset_cooldowns()
         return length
 
-    def half_of_return(self, taken: float, start: np.ndarray) -> float:
+    def half_of_return(self, taken: float) -> float:
         """Less than half of the time after which a function of an event that is zero at the start
         is zero again, where that is far less than the step just ``taken``; else infinite.
 
         Between zeros that close together heyoka's search gives up, and sees none of them.
         """
-        if self.problem.levels is None:
+        if not self.problem.events:
             return np.inf
         series, parts = self.integrator.tc, early_looks(0.0, taken)
-        small = (series @ parts ** np.arange(series.shape[1])[:, None]).T
-        states = self.winding.whole(np.vstack([start, small]))
+        states = self.winding.whole((series @ parts ** np.arange(series.shape[1])[:, None]).T)
         with np.errstate(all="ignore"):
-            values = level_function(self.problem)(self.grid[0] + np.append(0.0, parts), states)
+            values = level_function(self.problem)(self.grid[0] + parts, states)
         returns = [i for i, k in early_returns(values, states).values() if k < len(parts) - 1]
         return min((abs(float(parts[i])) / 2 for i in returns), default=np.inf)
 

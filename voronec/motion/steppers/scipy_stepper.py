@@ -178,10 +178,8 @@ class _Solver:
         derivative that is out of date its corrections are small however wrong they are.
         """
         solver = self.solver
-        if (
-            solver.t == solver.t_old or not solver.n
-        ):  # nothing has moved, and there is no polynomial
-            return True
+        if solver.t == solver.t_old or not solver.n:
+            return True  # nothing has moved, and there is no polynomial
         inside = solver.dense_output()
         numbers, h = np.arange(1, inside.yh.shape[1]), inside.h
         for part in np.arange(1, LOOKS + 1) / LOOKS:

@@ -59,13 +59,14 @@ GOLDEN = 0.381966
 
 
 def early_looks(start: Any, length: Any) -> np.ndarray:
-    """Times (k,) soon after a start, the last after some length."""
-    return np.array([start + length * RATIO**-k for k in range(RATIOS, -1, -1)])
+    """Times (k,): a start, and others soon after it, the last after some length."""
+    later = [start + length * RATIO**-k for k in range(RATIOS, -1, -1)]
+    return np.array([start, *later])
 
 
 def early_returns(values: np.ndarray, states: np.ndarray) -> dict[int, tuple[int, int]]:
     """Column -> the two looks between which a function is zero again, of those of functions that
-    are zero at the first: ``values`` (k + 1, m) at ``states`` (k + 1, n), at a start and soon after
+    are zero at the first: ``values`` (k, m) at ``states`` (k, n), a start and what comes soon after
     it."""
     numbers = values.astype(float)
     size = np.abs(states.astype(float)).max(axis=1, keepdims=True, initial=1.0)
@@ -74,9 +75,10 @@ def early_returns(values: np.ndarray, states: np.ndarray) -> dict[int, tuple[int
     found = {}
     for column in np.flatnonzero(signs[0] == 0):
         moved = np.flatnonzero(signs[:, column])
-        back = [k for k in moved if signs[k, column] != signs[moved[0], column]]
-        if back:
-            found[int(column)] = int(moved[list(moved).index(back[0]) - 1]) - 1, int(back[0]) - 1
+        turns = np.flatnonzero(np.diff(signs[moved, column]))
+        if len(turns):
+            before, after = moved[turns[0] : turns[0] + 2].tolist()
+            found[int(column)] = before, after
     return found
 
 
@@ -97,9 +99,11 @@ def crossings(
         if event.name in walls and values[0, column] <= 0:
             values[0, column] = GRAIN
     touches, found = _may_touch(values), []
-    if first:
-        found = _early_crossings(events, levels, stride, times[1], walls)
+    brackets = _early_brackets(levels, stride, times[1], walls, events) if first else []
     for i, column in np.argwhere(touches | _change_sign(values)).tolist():
+        pair = [(times[i], values[i, column]), (times[i + 1], values[i + 1, column])]
+        brackets.append((column, pair, bool(touches[i, column])))
+    for column, bracket, is_touch in brackets:
         if column not in events:
             continue
         event = events[column]
@@ -108,8 +112,7 @@ def crossings(
             moment = np.array([time], dtype=times.dtype)
             return levels(moment, stride.at(moment))[0, column]
 
-        bracket = [(times[i], values[i, column]), (times[i + 1], values[i + 1, column])]
-        if touches[i, column] and (turn := _turn(level, *bracket)):
+        if is_touch and (turn := _turn(level, *bracket)):
             bracket.insert(1, turn)
         for (a, before), (b, after) in pairwise(bracket):
             if _crosses(before, after, event.direction if end > start else -event.direction):
@@ -117,29 +120,25 @@ def crossings(
     return sorted(found, key=lambda pair: abs(pair[0] - start))
 
 
-def _early_crossings(
-    events: Mapping[int, Event], levels: Callable[..., np.ndarray], stride: Stride, until: Any,
-    walls: frozenset[str],
-) -> list[tuple[Any, Event]]:  # fmt: skip
-    """Those of functions that are zero where the step starts, up to its first look."""
-    start = stride.start
-    times = early_looks(start, until - start)
-    moments = np.array([start, *times], dtype=times.dtype)
-    states = stride.at(moments)
-    values, found = levels(moments, states), []
-    for column, (i, k) in early_returns(values, states).items():
-        event = events.get(column)
-        if event is None or event.name in walls:
-            continue
+Bracket = tuple[int, list[tuple[Any, Any]], bool]
+"""A column, times with the values of its function there, and whether it may touch zero between."""
 
-        def level(time: Any, column: int = column) -> Any:
-            moment = np.array([time], dtype=times.dtype)
-            return levels(moment, stride.at(moment))[0, column]
 
-        before, after = values[i + 1, column], values[k + 1, column]
-        if _crosses(before, after, event.direction if until > start else -event.direction):
-            found.append((root(level, times[i], before, times[k], after), event))
-    return found
+def _early_brackets(
+    levels: Callable[..., np.ndarray], stride: Stride, until: Any, walls: frozenset[str],
+    events: Mapping[int, Event],
+) -> list[Bracket]:  # fmt: skip
+    """Where functions that are zero where the step starts, walls aside, are zero again before its
+    first look."""
+    times = early_looks(stride.start, until - stride.start)
+    states = stride.at(times)
+    values = levels(times, states)
+    own = {i for i, event in events.items() if event.name not in walls}
+    return [
+        (column, [(times[i], values[i, column]), (times[k], values[k, column])], False)
+        for column, (i, k) in early_returns(values, states).items()
+        if column in own
+    ]
 
 
 def _crosses(before: Any, after: Any, direction: int) -> bool:
