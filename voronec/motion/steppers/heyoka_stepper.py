@@ -281,19 +281,21 @@ class _Drive:
         return min((abs(float(parts[i])) / 2 for i in returns), default=np.inf)
 
     def leave_start(self) -> None:
-        """A first step that ends before functions of events that are zero at the start are zero
-        again, where that is soon."""
+        """First steps, no longer than the first may be, that end before functions of events that
+        are zero at the start are zero again, where that is soon."""
         if self.early < abs(self.grid[min(1, len(self.grid) - 1)] - self.grid[0]):
             end = self.grid[0] + np.copysign(self.early, self.grid[-1] - self.grid[0])
-            output = self.integrator.propagate_until(end, c_output=self.problem.dense)[4]
+            found = self.integrator.propagate_until(
+                end, c_output=self.problem.dense, max_delta_t=self.opening, **self.callback
+            )
+            self.steps += found[3]
             if self.problem.dense:
-                self.stretches.append(_Chunk(output, self.winding.now()))
-            self.steps += 1
+                self.stretches.append(_Chunk(found[4], self.winding.now()))
 
     def run(self) -> Run:
         self.rows.append(self.problem.start[None, :])
-        self.leave_start()
         try:
+            self.leave_start()
             while self.done < len(self.grid) and not self.log.stopped:
                 halt = self.chunk()
                 if halt is not None:
