@@ -535,3 +535,21 @@ def test_a_mass_that_grows_without_bound_is_not_singular() -> None:
     with pytest.raises(vo.IntegrationError) as e:
         vo.integrate(system, initial={"x": 1, "y": 0, "xdot": 1, "ydot": 0.1}, times=(0, 10))
     assert "singular" not in str(e.value) and not e.value.singular
+
+
+@pytest.mark.slow
+def test_short_steps_without_end_say_that_their_errors_add_up() -> None:
+    x = sp.Symbol("x")
+    spring = vo.System(
+        name="spring",
+        fibration=vo.Fibration(base=(x,)),
+        lagrangian=(vo.velocity(x) ** 2 - x**2) / 2,
+    )
+    short, far = (
+        vo.integrate(spring, initial={"x": 1}, times=[0, end], method="lsoda")
+        for end in (10.0, 1500.0)
+    )
+    assert not short.notes
+    (note,) = far.notes
+    assert note.startswith(f"lsoda took {far.cost.steps} steps, whose errors add up, to ")
+    assert abs(far["x"][-1] - np.cos(1500)) > 1e-12

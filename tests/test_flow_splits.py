@@ -225,6 +225,26 @@ def test_many_changes_of_the_split_lose_no_digits() -> None:
         assert max(run.drift.values()) < drift, tol
 
 
+@pytest.mark.parametrize("tol", [1e-30, 1e-50])
+def test_changes_of_the_split_lose_no_digits_in_any_precision(tol: float) -> None:
+    """A skate that turns evenly draws a circle; the instants of its changes are no doubles."""
+    x, y, phi = sp.symbols("x y phi")
+    skate = vo.System(
+        name="skate",
+        fibration=vo.Fibration(base=(x, phi), fibre=(y,)),
+        lagrangian=sum(velocity(q) ** 2 for q in (x, y, phi)) / 2,
+        constraints=(velocity(x) * sp.sin(phi) - velocity(y) * sp.cos(phi),),
+    )
+    start = {velocity(x): sp.Rational(8, 5), velocity(y): sp.Rational(6, 5), velocity(phi): 1}
+    start[phi] = sp.asin(sp.Rational(3, 5))
+    found = vo.integrate(skate, initial=start, times=np.linspace(0, 9, 7), tol=tol)
+    assert found.cost.switches > 4
+    with mpmath.workdps(60):
+        angles = [mpmath.asin(mpmath.mpf(3) / 5) + mpmath.mpf(float(t)) for t in found.t]
+        for place, angle in zip(found["x"], angles, strict=True):
+            assert abs(place - 2 * (mpmath.sin(angle) - mpmath.mpf(3) / 5)) < 1e4 * tol
+
+
 def test_a_split_is_made_where_those_that_are_ready_lose_digits() -> None:
     # two of gamma1, gamma2, gamma3 come to be small together, and large velocities with them
     start = {
@@ -243,6 +263,23 @@ def test_a_split_is_made_where_those_that_are_ready_lose_digits() -> None:
     assert max(run.drift.values()) < 5e-12
     for name in ("gamma1", "gamma2", "gamma3"):
         assert np.abs(run[name] - sharp[name].astype(float)).max() < 1e-11, name
+
+
+@pytest.mark.parametrize("part", [0.9, 0.99, 1.0, 1.01, 1.1])
+@pytest.mark.parametrize("method", ["scipy", "heyoka"])
+def test_a_run_begins_about_the_level_of_its_watch(method: str, part: float) -> None:
+    """The place where a divisor is watched is a power of two: one that starts between it and the
+    level that it stands for must not be taken for one that was never small."""
+    system = vo.load("rubber-ball-in-new-time")
+    up = part / 32
+    start = {"gamma1": 0.5, "gamma2": (0.75 - up**2) ** 0.5, "gamma3": up}
+    start |= {"Omega1": 0.9, "Omega2": 0.5}
+    times = np.linspace(0, 0.4, 9)
+    found = vo.integrate(system, initial=start, times=times, method=method)
+    truth = vo.integrate(system, initial=start, times=times, tol=1e-25)
+    assert found.cost.switches and found["gamma3"].min() < 0
+    for name in start:
+        assert np.abs(found[name] - truth[name].astype(float)).max() < 1e-10
 
 
 def test_everything_wanted_comes_out_on_the_way() -> None:

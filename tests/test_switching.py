@@ -244,6 +244,46 @@ def test_a_sleigh_with_friction_against_its_turning():
         assert found[w][-1] == 0 and abs(found[v][-1] - speed) < 1e-11
 
 
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("base", ["x", "y"])
+def test_friction_goes_on_where_a_split_is_singular(base, method):
+    """A skate that turns evenly while friction brakes it: v = 2 - s/2, to rest at s = 4.  Its x'
+    does not tell its motion where it heads along y, nor y' where it heads along x."""
+    phi = sp.Symbol("phi")
+    Dphi, v = vo.velocity(phi), Dx * sp.cos(phi) + Dy * sp.sin(phi)
+    free, bound = (x, y) if base == "x" else (y, x)
+    skate = vo.System(
+        name="skate",
+        fibration=vo.Fibration(base=(free, phi), fibre=(bound,)),
+        lagrangian=(Dx**2 + Dy**2 + Dphi**2) / 2,
+        constraints=(Dx * sp.sin(phi) - Dy * sp.cos(phi),),
+        forces={x: -sp.sign(v) * sp.cos(phi) / 2, y: -sp.sign(v) * sp.sin(phi) / 2},
+    )
+    # sin(phi) = 3/5 at the start, in digits
+    start = {phi: sp.asin(sp.Rational(3, 5)), Dx: sp.Rational(8, 5), Dy: sp.Rational(6, 5), Dphi: 1}
+    found = vo.integrate(
+        skate, initial=start, times=np.linspace(0, 9, 13), method=method,
+        tol=PRECISION.get(method, 1e-13), events=(vo.Event(y - 2, "above"),),
+    )  # fmt: skip
+    assert found.cost.switches > 2
+
+    def place(s):
+        angle = mp.asin(mp.mpf(3) / 5) + s
+        return (
+            (2 - s / 2) * mp.sin(angle) - mp.cos(angle) / 2,
+            -(2 - s / 2) * mp.cos(angle) - mp.sin(angle) / 2,
+        )
+
+    with mp.workdps(40):
+        begin = place(mp.mpf(0))
+        for name, i in (("x", 0), ("y", 1)):
+            truth = [place(min(mp.mpf(float(s)), mp.mpf(4)))[i] - begin[i] for s in found.t]
+            off = max(abs(a - b) for a, b in zip(found[name], truth, strict=True))
+            assert off < error(method)
+        passed = mp.findroot(lambda s: place(s)[1] - begin[1] - 2, 1.5)
+        assert abs(found.events["above"].t[0] - passed) < error(method)
+
+
 @pytest.mark.parametrize("method", ["scipy", "heyoka"])
 def test_a_sleigh_held_by_friction_stands_still(method):
     sleigh = vo.load("sleigh")

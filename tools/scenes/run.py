@@ -13,6 +13,7 @@ where it is off by more than the larger of 1e-10 and 100 u times the condition o
 no error was raised; it is *refused* where an error was raised though the multiplier equations are
 well conditioned (under 1e8) all along.  Refusals of motions that are not smooth are not counted,
 nor are those of starts at which the coordinates themselves are singular: they are told apart.
+What is wrong and comes with a note that errors have added up is told apart, too.
 The status is 1 where anything was wrong or broke down, or where more than 0.5 % was refused.
 """
 

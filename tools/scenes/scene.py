@@ -278,11 +278,13 @@ def _method(dice: Random, bench: _Bench, kind: str, times: list[float]) -> tuple
 
 def _judge(bench: _Bench, scene: Scene, kind: str) -> tuple[str, str]:
     """Outcome and detail: the engine first, since what it answers decides what is asked."""
-    error, answer = None, {}
+    error: vo.VoronecError | None = None
+    answer: Mapping[str, Any] = {}
+    notes: tuple[str, ...] = ()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            answer = _ask(bench, scene)
+            answer, notes = _ask(bench, scene)
     except vo.VoronecError as refusal:
         error = refusal
     except Exception as failure:
@@ -299,7 +301,10 @@ def _judge(bench: _Bench, scene: Scene, kind: str) -> tuple[str, str]:
         if truth.condition < WELL and truth.pivot > 1 / WELL:
             return "refused", f"{error} (condition {truth.condition:.1e})"
         return "refused, ill-conditioned", str(error)
-    return _compare(scene, truth, answer)
+    outcome, detail = _compare(scene, truth, answer)
+    if outcome == "wrong" and any("errors add up" in note for note in notes):
+        return "wrong, and said so", detail
+    return outcome, detail
 
 
 def _compare(scene: Scene, truth: Truth, answer: Mapping[str, Any]) -> tuple[str, str]:
@@ -322,8 +327,8 @@ def _compare(scene: Scene, truth: Truth, answer: Mapping[str, Any]) -> tuple[str
     return ("wrong", said) if worst > 1 else ("right", said)
 
 
-def _ask(bench: _Bench, scene: Scene) -> dict[str, Any]:
-    """What the engine answers: output -> values on the grid."""
+def _ask(bench: _Bench, scene: Scene) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """What the engine answers: output -> values on the grid, and its notes."""
     common: dict[str, Any] = {"outputs": scene.outputs, "tol": scene.tol, "method": scene.method}
     names = scene.outputs or _everything(bench)
     if scene.door == "ensemble":
@@ -333,7 +338,7 @@ def _ask(bench: _Bench, scene: Scene) -> dict[str, Any]:
                             parameters=dict(scene.parameters), **common)  # fmt: skip
         if 0 in found.errors:
             raise found.errors[0]
-        return {n: found[n][0] for n in names}
+        return {n: found[n][0] for n in names}, ()
     dense = scene.door == "dense"
     grid = [scene.times[0], scene.times[-1]] if dense else scene.times
     if scene.inputs and bench.made:
@@ -346,9 +351,8 @@ def _ask(bench: _Bench, scene: Scene) -> dict[str, Any]:
             common["method"] = "auto"  # functions are for scipy
     motion = vo.integrate(bench.equations, times=grid, initial=dict(scene.initial), dense=dense,
                           parameters=dict(scene.parameters), **common)  # fmt: skip
-    if dense:
-        motion = motion.at(scene.times)
-    return {n: motion[n] for n in names}
+    seen = motion.at(scene.times) if dense else motion
+    return {n: seen[n] for n in names}, motion.notes
 
 
 def _everything(bench: _Bench) -> tuple[str, ...]:

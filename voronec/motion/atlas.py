@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from time import perf_counter
@@ -342,7 +342,8 @@ class Atlas:
         levels[LEAVE] = _beyond(chart.singular, NEAR)
         levels[RETURN] = _beyond(chart.pull_back(_own_singular(self.charts)), CLEAR)
         sides = {f"{SIDE}{i}": e for i, e in enumerate(chart.sides)}
-        program = Program.of(chart.form)
+        form = _with_parameters(chart.form, self.form, levels.values())
+        program = Program.of(form)
         ends = (self._end(LEAVE, -1), self._end(RETURN, 1))
         problem = replace(
             given,
@@ -350,7 +351,7 @@ class Atlas:
             start=given.start.copy(),
             parameters=self._values(program),
             events=(*given.events, *ends, *(Event(name, name) for name in sides)),
-            levels=quantities(chart.form, levels | sides),
+            levels=quantities(form, levels | sides),
             suspect=None,
             progress=self.progress,
             coarse=frozenset({LEAVE, RETURN}),
@@ -409,6 +410,16 @@ class Atlas:
         names = map(str, self.problem.program.parameters)
         given = dict(zip(names, self.problem.parameters, strict=True))
         return [float(given[str(p)]) for p in program.parameters]
+
+
+def _with_parameters(
+    form: FirstOrderForm, own: FirstOrderForm, functions: Iterable[Any]
+) -> FirstOrderForm:
+    """The form of a chart, with those parameters of the own form that functions hold besides."""
+    known = {*form.coordinates, *form.velocities, *form.parameters}
+    held = set().union(*(e.free_symbols for e in functions)) - known
+    besides = (p for p in own.parameters if p in held)
+    return replace(form, parameters=(*form.parameters, *besides))
 
 
 def _as_they_are(_: np.ndarray, rows: np.ndarray) -> np.ndarray:

@@ -66,6 +66,8 @@ NEAR, CLEAR = 0.05, 0.15
 """Below the one, in units of its usual size, a divisor makes its split be left; above the other a
 split is good enough.  What is lost in digits is the square of such a number at most."""
 
+EDGE = 1.01
+"""A divisor so close to its level is at it: a passage at the start is not seen."""
 GAIN = 4.0
 """A split is left for another only where that is so many times better."""
 
@@ -75,12 +77,20 @@ Field = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True)
 class Divisor:
-    """A function that vanishes somewhere, how large it usually is, and at which part of that a
-    split is left."""
+    """A function that vanishes somewhere, and how large it usually is."""
 
     function: Any
     scale: float
-    level: float = NEAR
+
+    def exponent(self, level: float = NEAR) -> int:
+        """The logarithm to base two of the value that is watched for a level, the nearest whole
+        one: so that programs differ little."""
+        return round(log2(level * self.scale))
+
+    def is_near(self, size: float) -> bool:
+        """Whether a value, in units of the usual one, is at the level that is watched or below: a
+        motion that starts there does not pass it."""
+        return size * self.scale <= EDGE * 2.0 ** self.exponent()
 
 
 @lru_cache(maxsize=32)  # it is asked before every run
@@ -207,14 +217,19 @@ def _middle_size(sizes: np.ndarray) -> float:
 
 
 def guard_events(
-    guards: Sequence[Divisor], level: float | None = None, direction: int = 0
+    guards: Sequence[Divisor],
+    level: float = NEAR,
+    direction: int = 0,
+    bounds: Sequence[Any] = (),
 ) -> tuple[tuple[Event, ...], dict[str, Any]]:
     """Events that end a run where a divisor passes a level, in units of its usual size, and their
-    functions by name; by default its own level, where it comes near zero."""
-    names = [f"divisor {i} at {level or 'its level'}" for i in range(len(guards))]
+    functions by name; by default where it comes near zero.  Symbols of ``bounds`` stand for the
+    values that are watched, where programs are made once for all of them."""
+    names = [f"divisor {i} at {level}" for i in range(len(guards))]
+    watched = bounds or [se.Integer(2) ** g.exponent(level) for g in guards]
     functions = {
-        name: g.function**2 - se.Integer(2) ** (2 * round(log2((level or g.level) * g.scale)))
-        for name, g in zip(names, guards, strict=True)
+        name: g.function**2 - bound**2
+        for name, g, bound in zip(names, guards, watched, strict=True)
     }
     return tuple(Event(name, name, direction, stop=True) for name in names), functions
 

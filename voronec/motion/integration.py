@@ -16,7 +16,6 @@ from typing import Any
 
 import mpmath
 import numpy as np
-import symengine as se
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.arguments import CALLABLE, FLAG, REAL, SEVERAL, TEXT, VALUES, accepts
@@ -30,7 +29,7 @@ from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion.atlas import NEAR as CHANGE
 from voronec.motion.chart_stepper import through_charts
-from voronec.motion.divisors import NEAR, Divisor, NearDivisor, guard_events, without_guards
+from voronec.motion.divisors import Divisor, NearDivisor, guard_events, without_guards
 from voronec.motion.events import Crossings, Event, name_events
 from voronec.motion.inputs import drive
 from voronec.motion.methods import CLOSED_FORM, METHODS, choose_regular, is_exact
@@ -174,7 +173,8 @@ def integrate(
     )  # fmt: skip
     ways = (request.in_smallest, request.otherwise, request.on_coordinates)
     found = first_success(request.in_any_split(ways), float(grid[0]))
-    return replace(found, system=declared, notes=(*found.notes, *_coarser(found.cost, tol)))
+    notes = (*found.notes, *_notes_of_cost(found.cost, tol))
+    return replace(found, system=declared, notes=notes)
 
 
 @dataclass(frozen=True)
@@ -368,15 +368,17 @@ class _Job:
         probe = made.probe(equations.system.name, values, time, outset.changing)
         guard = self._guard()
         problem = self._problem(state, values, probe)
-        switched = self._switching_stepper(method, problem, guard)
+        switched = self._switching_stepper(method, problem, guard, ())
         if switched is None and made.is_rough and equations.system.charts:
             guard = None
         if guard is not None:
             guard.check(state, values, time)
+        watched = self._watch_divisors(state, values)
+        if switched is not None and watched:
+            switched = self._switching_stepper(method, problem, guard, watched)
         if switched is not None and switched.corner is not None:
             corner = switched.corner
             probe = replace(probe, form=corner.form, program=corner.program, values=switched.values)
-        watched = self._watch_divisors(state, values) if switched is None else ()
         if switched is not None or not (made.model is None and equations.system.charts):
             probe.check(state)
         if switched is not None:
@@ -388,7 +390,7 @@ class _Job:
         if watched:
             run = without_guards(run, watched, self.vocabulary)
         run = run if guard is None else guard.without_poles(run)
-        self._require_reactions(run)
+        made.watch.require_reactions(run.held, equations.system.name)
         cost = Cost(
             **chosen, setup=ready - began + run.prepared,
             run=perf_counter() - ready - run.prepared, cpu=process_time() - busy,
@@ -427,23 +429,31 @@ class _Job:
         )  # fmt: skip
 
     def _switching_stepper(
-        self, method: str, problem: Problem, guard: PoleGuard | None
+        self, method: str, problem: Problem, guard: PoleGuard | None, watched: Sequence[Divisor]
     ) -> SwitchedIntegrator | None:
-        """The integrator of a problem that is not smooth, poles watched; None where it is."""
-        made = self.made
-        watched = problem if guard is None else guard.watch(problem, self.grid)
-        if not watched.is_rough:
+        """The integrator of a problem that is not smooth, watched; None where it is smooth."""
+        problem, functions = self._under_watch(problem, guard, watched)
+        if not problem.is_rough:
             return None
-        functions = {**made.event_functions, **({} if guard is None else guard.levels)}
-        return through_walls(method, watched, self.grid, made.moving_form, functions)
+        return through_walls(method, problem, self.grid, self.made.moving_form, functions)
 
-    def _require_reactions(self, run: Run) -> None:
-        """Refuse reactions of a motion that was held on a wall."""
-        if run.held and self.made.watch.reactions:
-            raise DefinitionError(
-                f"system '{self.vocabulary.equations.system.name}': reactions are not known while "
-                "friction holds the motion on a wall; leave them out, or end the run before"
+    def _under_watch(
+        self, problem: Problem, guard: PoleGuard | None, watched: Sequence[Divisor]
+    ) -> tuple[Problem, dict[str, Any]]:
+        """The problem, with poles and divisors among its events, and the functions of these."""
+        made = self.made
+        problem = problem if guard is None else guard.watch(problem, self.grid)
+        functions = {**made.event_functions, **({} if guard is None else guard.levels)}
+        if watched:
+            events, levels = guard_events(watched)
+            functions |= levels
+            problem = replace(
+                problem,
+                events=(*problem.events, *events),
+                levels=quantities(made.form, functions),
+                coarse=problem.coarse | levels.keys(),
             )
+        return problem, functions
 
     def _sight(self, run: Run, values: Sequence[float], cost: Cost) -> _Sight:
         """How the states of a run become a trajectory."""
@@ -465,14 +475,10 @@ class _Job:
         """
         made, equations = self.made, self.vocabulary.equations
         watch = made.watch
-        followed = {
-            name: (key, watch.sizes[name])
-            for name, key in watch.integrals.items()
-            if smooth or not watch.expressions[key].atoms(se.sign, se.floor)
-        }
         judge = Judge(
             equations, made.program, [float(x) for x in values], trajectory.cost.tolerance,
-            run.steps, followed, watch.relations, made.relations, self.outset.changing,
+            run.steps, watch.integrals_to_follow(smooth), watch.relations, made.relations,
+            self.outset.changing,
         )  # fmt: skip
         t, states = run.t.astype(float), run.states.astype(float)
         breach, notes = judge.breach(t, states) if smooth else judge.check_integrals(t, states)
@@ -488,18 +494,7 @@ class _Job:
     ) -> tuple[Stepper, dict[str, Any]]:
         """The integrator of a problem that is smooth, and what ``Cost`` says of it."""
         made, equations = self.made, self.vocabulary.equations
-        problem = problem if guard is None else guard.watch(problem, self.grid)
-        poles = {} if guard is None else guard.levels
-        functions = {**made.event_functions, **poles}
-        if watched:
-            events, levels = guard_events(watched)
-            functions |= levels
-            problem = replace(
-                problem,
-                events=(*problem.events, *events),
-                levels=quantities(made.form, functions),
-                coarse=problem.coarse | levels.keys(),
-            )
+        problem, functions = self._under_watch(problem, guard, watched)
         if not equations.system.charts:
             return choose_regular(method, problem, self.grid)
         return through_charts(method, problem, self.grid, equations, functions, made.form)
@@ -511,9 +506,9 @@ class _Job:
             return ()
         form = made.form if made.model is None else made.model.form
         ground = SplitGround(self.vocabulary.equations, outset.constants, float(self.grid[0]))
-        found = ground.watch_divisors(form, made.below, outset.state)
+        found = ground.watch_divisors(form, made.below, outset.state, made.is_rough)
         sizes = ground.sizes(divisor_program(form, found), found, state, values)
-        if min(sizes, default=NEAR) < NEAR:
+        if any(g.is_near(size) for g, size in zip(found, sizes, strict=True)):
             raise NearDivisor(self.vocabulary)
         return tuple(found)
 
@@ -623,10 +618,18 @@ Way = Callable[[IntegrationError | None], Trajectory | None]
 use after that."""
 
 
-def _coarser(cost: Cost, tol: float) -> Iterator[str]:
-    """A note where the tolerance asked for is finer than the method goes."""
+def _notes_of_cost(cost: Cost, tol: float) -> Iterator[str]:
+    """Notes where the tolerance asked for is finer than the method goes, and where it took so many
+    steps that their errors are no longer small."""
     if cost.tolerance > tol:
         yield f"{cost.method} goes no finer than tol = {cost.tolerance:.3g}, taken for {tol:.3g}"
+    method = METHODS.get(cost.method)
+    if method is not None and cost.steps > method.sound_steps:
+        yield (
+            f"{cost.method} took {cost.steps} steps, whose errors add up, to "
+            f"{cost.steps * cost.tolerance:.0e} and by as much more as the motion magnifies them; "
+            "other methods take longer steps"
+        )
 
 
 def _outputs_without_value(trajectory: Trajectory) -> Iterator[str]:

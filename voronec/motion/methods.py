@@ -20,6 +20,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from importlib.util import find_spec
+from math import inf
 from shutil import which
 from typing import TYPE_CHECKING, Any
 
@@ -74,6 +75,8 @@ class Method:
         the method that may go on where this one cannot.
     loop
         what compiles a program, and functions of events, into steps along a grid.
+    sound_steps
+        after more steps a run is said to have added up their errors; none say so by default.
     """
 
     make: Callable[[Problem], Stepper] | None
@@ -86,6 +89,7 @@ class Method:
     compiler: str = ""
     other: str = ""
     loop: Loop | None = None
+    sound_steps: float = inf
 
     @property
     def is_there(self) -> bool:
@@ -160,7 +164,8 @@ METHODS: dict[str, Method] = {
         other="heyoka", loop=_c_loop,
     ),
     "python": Method(_interpreted_stepper, FINEST, symbolic=True, other="heyoka"),
-    "lsoda": Method(_lsoda, FINEST, best=1e-13),
+    # its steps are short, and err by the tolerance with the same sign: of so many by 1e-9 at 1e-13
+    "lsoda": Method(_lsoda, FINEST, best=1e-13, sound_steps=10_000),
     "flint": Method(_digits, best=1e-25, symbolic=True, exact=True),
     CLOSED_FORM: Method(None, best=EXACT),
 }

@@ -12,6 +12,7 @@ import symengine as se
 
 from voronec.equations.program import Program, compile_program
 from voronec.equations.program.python import compiled_digits, precision
+from voronec.errors import DefinitionError
 from voronec.motion.reactions import Multipliers
 from voronec.motion.request import OutputTerms, Vocabulary
 
@@ -98,6 +99,24 @@ class Watch:
             reactions=wanted.reactions,
             multipliers=multipliers,
         )
+
+    def require_reactions(self, held: bool, system: str) -> None:
+        """Refuse reactions of a motion that was ``held`` on a wall."""
+        if held and self.reactions:
+            raise DefinitionError(
+                f"system '{system}': reactions are not known while friction holds the motion on a "
+                "wall; leave them out, or end the run before"
+            )
+
+    def integrals_to_follow(self, smooth: bool) -> dict[str, tuple[str, str]]:
+        """The integrals to follow, each with the size of its terms, by the names under which the
+        program computes them; where the right side is not smooth, those that do not jump with it.
+        """
+        return {
+            name: (key, self.sizes[name])
+            for name, key in self.integrals.items()
+            if smooth or not self.expressions[key].atoms(se.sign, se.floor)
+        }
 
 
 def watch_of(

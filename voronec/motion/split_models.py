@@ -54,6 +54,7 @@ from voronec.motion.divisors import (
     CLEAR,
     FEW,
     GAIN,
+    NEAR,
     Divisor,
     around,
     bases,
@@ -460,18 +461,24 @@ class SplitGround:
         return found
 
     def watch_divisors(
-        self, form: FirstOrderForm, below: Program, start: np.ndarray
+        self, form: FirstOrderForm, below: Program, start: np.ndarray, rough: bool = False
     ) -> list[Divisor]:
         """What a form divides by and what vanishes though the motion goes on.
 
         ``below`` gives the form's states, called ``start x``, and what it takes for constant,
-        called ``frozen p``, on the coordinates and velocities ``start`` (n,).  What was found is
-        kept with the system.
+        called ``frozen p``, on the coordinates and velocities ``start`` (n,).  Where the equations
+        are ``rough`` only those are meant that another split may not have: functions of the place,
+        and not the speeds by which friction divides.  What was found is kept with the system.
         """
+        d = self.home.definition
+        if rough and not (d.constraints.matrix or d.frame or d.relations):
+            return []
         key = (form.coordinates, tuple(sorted(self.constants.items())))
         kept: dict[Any, Any] = self.home.system.memo.once("divisors", dict)
         left = (without_factors(f, self._poles) for f in divisors(form) if f not in self._others)
         found = [f for f in dict.fromkeys(left) if f not in self._others and not f.is_Number]
+        if rough:
+            found = [f for f in found if not f.free_symbols & {*form.velocities}]
         fresh = [f for f in found if (f, key) not in kept]
         risky = self._crossing_divisors(fresh, form, below, start) if fresh else []
         kept |= {(f, key): None for f in fresh} | {(d.function, key): d for d in risky}
@@ -600,13 +607,24 @@ class SplitModel:
             {name: substitute(e) for name, e in functions.items()},
         )
         state = model.narrow(ground.time, wide)
-        found = replace(ground, home=equations).watch_divisors(form, model._own, state)
+        there, rough = replace(ground, home=equations), model.program.is_rough
+        found = there.watch_divisors(form, model._own, state, rough)
         return replace(model, guards=tuple(found))
+
+    @cached_property
+    def bounds(self) -> tuple[Any, ...]:
+        """The symbols of the values at which its divisors are watched."""
+        return tuple(se.Symbol(f"bound of divisor {i}") for i in range(len(self.guards)))
+
+    @cached_property
+    def bounded_form(self) -> FirstOrderForm:
+        """The form, with its bounds among the parameters."""
+        return replace(self.form, parameters=(*self.form.parameters, *self.bounds))
 
     @cached_property
     def program(self) -> Program:
         """The right-hand side, with everything watched."""
-        return Program.of(self.form, self.watch.expressions)
+        return Program.of(self.bounded_form, self.watch.expressions)
 
     @cached_property
     def _own(self) -> Program:
@@ -646,14 +664,16 @@ class SplitModel:
             return np.array([mpmath.mpf(x) for x in found], dtype=object)
         return np.array(found, dtype=float)
 
-    def guards_from(self, time: float, wide: np.ndarray) -> tuple[Divisor, ...]:
-        """The guards for a stretch that begins at a wide state: those that are small there are
-        watched for being so many times smaller."""
+    def bounds_from(self, time: float, wide: np.ndarray) -> dict[str, float]:
+        """The values at which divisors are watched in a stretch that begins at a wide state, by the
+        names of their symbols: those that are small there are watched for being so many times
+        smaller."""
         sizes = self._sizes(self.narrow(time, wide.astype(float)))
-        return tuple(
-            g if size > CLEAR else replace(g, level=size / GAIN)
+        exponents = [
+            g.exponent(NEAR if size > CLEAR else size / GAIN)
             for g, size in zip(self.guards, sizes, strict=True)
-        )
+        ]
+        return {str(b): 2.0**k for b, k in zip(self.bounds, exponents, strict=True)}
 
     def _sizes(self, state: np.ndarray) -> list[float]:
         values = self.ground.values(self._divisors)

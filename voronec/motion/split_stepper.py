@@ -22,6 +22,7 @@ from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import CLEAR, GAIN, NEAR, guard_events
 from voronec.motion.events import Crossings, Event
 from voronec.motion.methods import is_exact
+from voronec.motion.mode_stepper import through_walls
 from voronec.motion.motion_start import WideStart
 from voronec.motion.observables import Watch, evaluate_watch
 from voronec.motion.request import Vocabulary
@@ -30,6 +31,7 @@ from voronec.motion.split_models import SplitGround, SplitModel, candidates
 from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Halt, Problem, Run
 from voronec.motion.steppers.run import part_at
+from voronec.motion.steppers.units import natural_units
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Trajectory, assemble_trajectory
 
@@ -96,6 +98,7 @@ class SplitRun:
     methods: dict[str, None] = field(default_factory=dict)
     prepared: float = 0.0
     told: list[str] = field(default_factory=list)
+    units: dict[SplitModel, np.ndarray] = field(default_factory=dict)
 
     def trajectory(self) -> Trajectory:
         """Integrate, and look at what is wanted; ``IntegrationError`` where it cannot be done."""
@@ -103,7 +106,7 @@ class SplitRun:
         time, wide, done = self.grid[0], self.start.wide, 1
         split = self.best_split(time, wide, None)
         while True:
-            part = self.judge(split, self.stretch(split, time, wide, self.grid[done:]))
+            part = self.stretch(split, time, wide, self.grid[done:])
             back = None if part.halt is None else self.turn_back(split, part, wide, done)
             if back is not None:
                 part, wide, best = back
@@ -195,7 +198,8 @@ class SplitRun:
         split in which to go on; None where there is no other that is good."""
         assert part.halt is not None
         time, way = part.t[0], part.halt.time - part.t[0]
-        if not abs(way) > SHORT * np.ptp(self.grid):
+        # a wall at which a motion ends is one in every split
+        if split.program.is_rough or not abs(way) > SHORT * np.ptp(self.grid):
             return None
         end = time + BEFORE * way
         ahead = self.grid[done:]
@@ -234,35 +238,45 @@ class SplitRun:
     def stretch(self, split: SplitModel, time: Any, wide: np.ndarray, ahead: np.ndarray) -> Run:
         """Go on in a split until a divisor is small, or the grid ends."""
         began = perf_counter()
-        guards, levels = guard_events(split.guards_from(float(time), wide))
+        guards, levels = guard_events(split.guards, bounds=split.bounds)
+        bounds = split.bounds_from(float(time), wide)
         marks, early = self._early_events(split)
         levels = {**levels, **early}
         functions = {**split.functions, **levels}
         state = split.narrow(float(time), wide.astype(float))
-        values = self.ground.values(split.program)
+        values = self.ground.values(split.program, {**self.ground.constants, **bounds})
         probe = StateProbe(
-            self.ground.home.system.name, split.form, split.program, values, float(time)
+            self.ground.home.system.name, split.bounded_form, split.program, values, float(time)
         )
         if not split.equations.system.charts:
             probe.check(state)
         problem = Problem(
             split.program, state, values, self._tolerance(split),
             (*self.events, *guards, *marks),
-            quantities(split.form, functions) if functions else None, self.dense,
-            probe.suspect(state), None, self._exact(split, time, wide), None, frozenset(levels),
+            quantities(split.bounded_form, functions) if functions else None, self.dense,
+            probe.suspect(state), None, self._exact(split, time, wide, bounds), None,
+            frozenset(levels),
             brief=self._likely_length(split, ahead, time),
         )  # fmt: skip
+        # with units of its own every stretch would have a program of its own
+        units = self.units.setdefault(split, natural_units(problem))
+        problem = replace(problem, units=units)
         if wide.dtype == object or self.exact:
-            times = np.array([mpmath.mpf(time), *map(mpmath.mpf, ahead)], dtype=object)
+            with mpmath.workprec(self.bits):
+                times = np.array([mpmath.mpf(time), *map(mpmath.mpf, ahead)], dtype=object)
         else:
             times = np.concatenate([[float(time)], ahead])
-        stepper, chosen = through_charts(
-            self.method, problem, times, split.equations, functions, split.form
-        )
+        switched = through_walls(self.method, problem, times, split.bounded_form, functions)
+        if switched is not None:
+            stepper, chosen = switched.stepper, switched.chosen
+        else:
+            stepper, chosen = through_charts(
+                self.method, problem, times, split.equations, functions, split.bounded_form
+            )
         self.chosen = self.chosen or {**chosen, "tolerance": max(chosen["tolerance"], self.tol)}
         self.methods.setdefault(chosen["method"])
         self.prepared += perf_counter() - began
-        return stepper(times)
+        return self.judge(split, stepper(times), switched is None)
 
     def _likely_length(self, split: SplitModel, ahead: np.ndarray, time: Any) -> float:
         """What the next stretch will last at most, as the last ones of its split tell."""
@@ -277,25 +291,30 @@ class SplitRun:
         finer = max(NEAR * self.tol, EXACT) if split.guards else self.tol
         return min(self.tol, finer)
 
-    def judge(self, split: SplitModel, part: Run) -> Run:
+    def judge(self, split: SplitModel, part: Run, smooth: bool) -> Run:
         """A stretch up to where it went wrong, if it did; what is to be said is noted."""
-        watch = split.watch
-        followed = {name: (key, watch.sizes[name]) for name, key in watch.integrals.items()}
+        watch, home = split.watch, self.ground.home
+        watch.require_reactions(part.held, home.system.name)
+        integrals = watch.integrals_to_follow(smooth)
         judge = Judge(
-            self.ground.home, split.program, [float(x) for x in self.ground.values(split.program)],
-            self.chosen["tolerance"], part.steps, followed, watch.relations,
+            home, split.program, [float(x) for x in self.ground.values(split.program)],
+            self.chosen["tolerance"], part.steps, integrals, watch.relations,
         )  # fmt: skip
-        breach, notes = judge.breach(part.t.astype(float), part.states.astype(float))
+        t, states = part.t.astype(float), part.states.astype(float)
+        breach, notes = judge.breach(t, states) if smooth else judge.check_integrals(t, states)
         self.told += [note for note in notes if note not in self.told]
         return part if breach is None else part.until(breach.row, breach.what)
 
-    def _exact(self, split: SplitModel, time: Any, wide: np.ndarray) -> Callable[[int], Any]:
+    def _exact(
+        self, split: SplitModel, time: Any, wide: np.ndarray, bounds: Mapping[str, float]
+    ) -> Callable[[int], Any]:
         def exact(bits: int) -> tuple[np.ndarray, list[Any]]:
             with mpmath.workprec(bits):
                 first, constants = self.start.exact(bits)
                 given = wide if wide.dtype == object else first
                 state = split.narrow(mpmath.mpf(time), given, constants)
-                return state, self.ground.values(split.program, constants)
+                exactly = {name: mpmath.mpf(x) for name, x in bounds.items()}
+                return state, self.ground.values(split.program, {**constants, **exactly})
 
         return exact
 
@@ -365,7 +384,11 @@ class SplitRun:
         last = replace(self.stretches[-1].run, halt=halt)
         values = self.ground.values(split.program)
         probe = StateProbe(
-            self.ground.home.system.name, split.form, split.program, values, float(self.grid[0])
+            self.ground.home.system.name,
+            split.bounded_form,
+            split.program,
+            values,
+            float(self.grid[0]),
         )
         start = self.stretches[-1].run.states[0]
         return probe.failure(start, halt, self.result(last, busy))

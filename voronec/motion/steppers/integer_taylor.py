@@ -69,7 +69,13 @@ def _levels(levels: Program | None, parameters: Sequence[Any]) -> Levels:
     _, extras = compiled_digits(levels)
 
     def function(t: np.ndarray, states: np.ndarray) -> np.ndarray:
-        results = extras(t, list(states.T), list(parameters))
+        try:
+            results = extras(t, list(states.T), list(parameters))
+        except ZeroDivisionError:  # where a step leads past a pole, or what cancels is divided by
+            if len(t) == 1:
+                return np.full((1, len(levels.names)), mpmath.nan)
+            moments = range(len(t))
+            return np.vstack([function(t[i : i + 1], states[i : i + 1]) for i in moments])
         return np.stack([np.broadcast_to(r, t.shape) for r in results], axis=1)
 
     return function
