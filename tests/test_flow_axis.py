@@ -62,6 +62,7 @@ def test_a_ball_leaves_the_vertex(ball: vo.VoronecEquations, pace: float) -> Non
     assert motion["v"][-1] == pytest.approx(found[1], abs=1e-8)
     assert np.exp(1j * motion["phi"][-1]) == pytest.approx(np.exp(1j * found[2]), abs=1e-8)
     assert motion["w"][1] == pytest.approx(k * k * R * 0.7 * c / 2, rel=1e-4)
+    assert max(motion.drift.values()) < 1e-11
 
 
 def test_a_ball_without_spin_passes_through_the_vertex(ball: vo.VoronecEquations) -> None:

@@ -175,6 +175,20 @@ def test_a_lost_integral_ends_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
     assert np.abs(trajectory["x"] - np.cos(trajectory.t)).max() < 1e-10
 
 
+def test_an_integral_that_begins_without_a_value_is_followed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    dot = vo.velocity(x)
+    ratio = (dot**3 + dot**2 * x + dot * x**2 + x**3) / (dot + x)  # 0/0 at the start
+    system = dataclasses.replace(OSCILLATOR, integrals={"ratio": ratio})
+    start = {x: 1, dot: -1}
+    sound = vo.integrate(system, times=GRID, initial=start, method="scipy")
+    assert np.isnan(sound.integrals["ratio"][0]) and 0 < sound.drift["ratio"] < 1e-11
+    corrupted(monkeypatch, 4.0, np.array([1e-6, 0.0]))
+    with pytest.raises(vo.IntegrationError, match="the integral 'ratio' drifts by"):
+        vo.integrate(system, times=GRID, initial=start, method="scipy")
+
+
 def test_states_that_do_not_obey_the_equations_end_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
     driven = dataclasses.replace(OSCILLATOR, forces={x: sp.cos(sp.sqrt(2) * vo.time)})
     good = vo.integrate(driven, times=GRID, initial={x: 1}, method="scipy")

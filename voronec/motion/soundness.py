@@ -350,21 +350,27 @@ class ConservedQuantities:
         values = self.extras(t, states)
         off = [abs(values[key][0]) for key, size in self.names.values() if not size]
         share = np.abs(t - t[0]) / abs(t[-1] - t[0])
-        per_unit = LOOSE * max(tol, UNIT) * (FREE + steps * share) + LOOSE * max(off, default=0.0)
+        per_unit = LOOSE * max(tol, UNIT) * (FREE + steps * share)
+        per_unit = per_unit + LOOSE * np.nan_to_num(max(off, default=0.0))
         found = {}
         for name, (key, size) in self.names.items():
-            change = np.abs(values[key] - values[key][0])
-            allowed = per_unit * (_scale(np.abs(values[size])) if size else 1.0)
+            # at a pole of coordinates, where a run may begin, a quantity may have no value
+            rows = np.flatnonzero(np.isfinite(values[key]) & np.isfinite(values[size or key]))
+            if len(rows) < 2:
+                continue
+            unit, here = per_unit[rows], values[key][rows]
+            change = np.abs(here - here[0])
+            allowed = unit * (_scale(np.abs(values[size][rows])) if size else 1.0)
             if not (change > allowed).any():
                 continue
-            slopes, rough = self._around(key, t, states)
-            allowed = np.maximum(allowed, per_unit * _scale(slopes))
+            slopes, rough = self._around(key, t[rows], states[rows])
+            allowed = np.maximum(allowed, unit * _scale(slopes))
             # where a quotient is rounding over rounding, a quantity is not what it is beside it
             sure = rough <= allowed
-            change = np.where(sure, np.abs(values[key] - values[key][np.argmax(sure)]), 0.0)
+            change = np.where(sure, np.abs(here - here[np.argmax(sure)]), 0.0)
             bad = np.flatnonzero(change > allowed)
             if len(bad):
-                found[name] = int(bad[0]), float(change[bad[0]]), float(allowed[bad[0]])
+                found[name] = int(rows[bad[0]]), float(change[bad[0]]), float(allowed[bad[0]])
         return found
 
     def _around(self, key: str, t: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -89,7 +89,8 @@ class Trajectory:
     name, symbol or expression; integrals, coordinates and velocities are there as far as the model
     knows them.
 
-    ``drift`` maps each integral I of the system to max |I(t) - I(t0)| / |I(t0)|.  Let S be the
+    ``drift`` maps each integral I of the system to max |I(t) - I(t0)| / |I(t0)|, over the instants
+    at which I has a value, t0 the first of them.  Let S be the
     largest value along the motion of I with all its terms taken positive.  Where I starts at zero
     (below a millionth of S), the change is relative to S instead; where S is rounding, below a
     thousandth of what it is with no state below 1e-12, relative to that.  ``residuals`` maps each
@@ -380,12 +381,17 @@ def _drifts(
     watch: Watch, series: Mapping[str, np.ndarray], usual: Callable[[], Mapping[str, float]]
 ) -> dict[str, float]:
     """See ``Trajectory.drift``; ``usual`` gives integrals' terms where no state is rounding."""
-    sizes = {name: series[watch.sizes[name]].max() for name in watch.integrals}
+    own = {}
+    for name, key in watch.integrals.items():
+        values, terms = series[key], series[watch.sizes[name]]
+        # at a pole of coordinates, where a run may begin, an integral may have no value
+        sound = np.isfinite(values.astype(float)) & np.isfinite(terms.astype(float))
+        own[name] = (values[sound], terms[sound]) if sound.any() else (values, terms)
+    sizes = {name: terms.max() for name, (_, terms) in own.items()}
     least = usual() if any(size <= SMALL for size in sizes.values()) else {}
     found = {}
-    for name, key in watch.integrals.items():
-        values, size = series[key], sizes[name]
-        start = abs(values[0])
+    for name, (values, _) in own.items():
+        size, start = sizes[name], abs(values[0])
         scale = start if start > CANCELLATION * size else size
         if size <= NOTHING * least.get(name, 0.0) or size == 0:
             scale = least.get(name, 1.0)
