@@ -106,8 +106,10 @@ class SplitRun:
         time, wide, done = self.grid[0], self.start.wide, 1
         split = self.best_split(time, wide, None)
         while True:
-            part = self.stretch(split, time, wide, self.grid[done:])
-            back = None if part.halt is None else self.turn_back(split, part, wide, done)
+            part, smooth = self.stretch(split, time, wide, self.grid[done:])
+            # a wall at which a motion ends is one in every split
+            lost = part.halt is not None and smooth
+            back = self.turn_back(split, part, wide, done) if lost else None
             if back is not None:
                 part, wide, best = back
                 done += self.take(split, part, done)
@@ -198,13 +200,12 @@ class SplitRun:
         split in which to go on; None where there is no other that is good."""
         assert part.halt is not None
         time, way = part.t[0], part.halt.time - part.t[0]
-        # a wall at which a motion ends is one in every split
-        if split.program.is_rough or not abs(way) > SHORT * np.ptp(self.grid):
+        if not abs(way) > SHORT * np.ptp(self.grid):
             return None
         end = time + BEFORE * way
         ahead = self.grid[done:]
         ahead = ahead[(ahead - end) * np.sign(way) < 0]
-        again = self.stretch(split, time, wide, np.append(ahead, end))
+        again, _ = self.stretch(split, time, wide, np.append(ahead, end))
         if again.halt is not None or again.stopped or again.interrupted:
             return None
         wide = self.widen(split, end, again.states[-1])
@@ -235,8 +236,11 @@ class SplitRun:
 
     # -- stretches --------------------------------------------------------------------------
 
-    def stretch(self, split: SplitModel, time: Any, wide: np.ndarray, ahead: np.ndarray) -> Run:
-        """Go on in a split until a divisor is small, or the grid ends."""
+    def stretch(
+        self, split: SplitModel, time: Any, wide: np.ndarray, ahead: np.ndarray
+    ) -> tuple[Run, bool]:
+        """Go on in a split until a divisor is small, or the grid ends; and whether the equations
+        are smooth in it."""
         began = perf_counter()
         guards, levels = guard_events(split.guards, bounds=split.bounds)
         bounds = split.bounds_from(float(time), wide)
@@ -276,7 +280,8 @@ class SplitRun:
         self.chosen = self.chosen or {**chosen, "tolerance": max(chosen["tolerance"], self.tol)}
         self.methods.setdefault(chosen["method"])
         self.prepared += perf_counter() - began
-        return self.judge(split, stepper(times), switched is None)
+        smooth = switched is None
+        return self.judge(split, stepper(times), smooth), smooth
 
     def _likely_length(self, split: SplitModel, ahead: np.ndarray, time: Any) -> float:
         """What the next stretch will last at most, as the last ones of its split tell."""
