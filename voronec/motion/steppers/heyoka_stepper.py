@@ -236,13 +236,15 @@ class _Drive:
     longest: float = 0.0
     usual: float = np.inf
     standing: tuple[float, np.ndarray] = field(init=False)
+    span: float = field(init=False)
     output: Any = None
     headway: Headway = field(init=False)
 
     def __post_init__(self) -> None:
         share = min(1.0, WEIGHT / (self.problem.program.weight or 1.0))
         self.headway = Headway(self.grid[0], float(self.grid[-1]), max(int(share * LONG), WINDOW))
-        self.standing = float(self.grid[0]), self.problem.start.copy()
+        self.standing = self.integrator.time, self.integrator.state.copy()
+        self.span = abs(float(self.grid[-1] - self.grid[0]))
         self.size, self.ahead = CHUNK, AHEAD
         self.opening = self.first_step()
         self.stride = STRIDE if self.opening == np.inf else 1.0
@@ -307,7 +309,7 @@ class _Drive:
 
     def chunk(self) -> Halt | None:
         self.winding.take(self.integrator.state)
-        before, state = self.integrator.time, self.integrator.state.copy()
+        before, state = self.standing = self.integrator.time, self.integrator.state.copy()
         moment = self.integrator.dtime
         limit = self.opening
         size = self.size if limit == np.inf else 1
@@ -329,20 +331,21 @@ class _Drive:
             self.opening = length if good else np.inf
         self.steps += taken
         self.idle = 0 if len(new) else self.idle + taken
-        self.rows.append(self.winding.whole(new))
+        if len(new):
+            self.rows.append(self.winding.whole(new))
         self.set_pace(taken, len(new))
         self.done += len(new)
         moved = abs(self.integrator.time - before)
         # heyoka does not count steps of length zero among those that it took
         limited = outcome == self.hy.taylor_outcome.step_limit
         reason = self.headway.distance(self.efforts, self.integrator.time)
-        if not reason and limited and moved <= CRAWL * size / CHUNK * np.ptp(self.grid):
+        if not reason and limited and moved <= CRAWL * size / CHUNK * self.span:
             reason = self.headway.reason(moved / max(taken, 1))
         if reason:
             return self.halt(reason)
         if outcome == self.hy.taylor_outcome.err_nf_state:
             return self.last_good(before, state, taken)
-        self.standing = float(self.integrator.time), self.winding.whole(self.integrator.state)
+        self.standing = self.integrator.time, self.integrator.state.copy()
         return None
 
     def overlong(
@@ -467,6 +470,7 @@ class _Drive:
     def result(self, halt: Halt | None = None, interrupted: bool = False) -> Run:
         t, states = self.grid[: self.done], np.vstack(self.rows)[: self.done]
         time, state = self.log.last if self.log.stopped else self.standing
+        state = state if self.log.stopped else self.winding.whole(state)
         order = 1.0 if self.grid[-1] >= self.grid[0] else -1.0
         kept = self.log.stopped or (interrupted and self.idle >= DISTANT)
         if kept and order * time > order * t[-1]:

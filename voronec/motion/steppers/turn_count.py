@@ -36,8 +36,8 @@ FINE = 2 * (float(np.float64(np.pi) - COARSE / 2)) + 2.4492935982947064e-16
 class TurnCount:
     """What was taken out of the states: turns of ``angles``, all of ``quadratures`` (positions).
 
-    The states that are kept small are in ``units`` (n,), or (n, lanes), of their own; those of
-    angles are 1.
+    The states that are kept ``small``, by their positions, and the ``others`` are in ``units``
+    (n,), or (n, lanes), of their own; those of angles are 1.
     A quadrature is kept as the sum of two doubles, so nothing is lost when small steps are added
     to a large sum.
     """
@@ -47,9 +47,13 @@ class TurnCount:
     units: np.ndarray
     high: np.ndarray = field(init=False)
     low: np.ndarray = field(init=False)
+    small: np.ndarray = field(init=False)
+    others: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
         self.high, self.low = np.zeros(self.units.shape), np.zeros(self.units.shape)
+        self.small = np.union1d(self.quadratures, self.angles)
+        self.others = np.setdiff1d(np.arange(len(self.units)), self.small)
 
     @classmethod
     def of(cls, program: Program, levels: Program | None, units: np.ndarray) -> TurnCount:
@@ -66,7 +70,7 @@ class TurnCount:
     @property
     def is_needed(self) -> bool:
         """Whether there is a state that may be kept small."""
-        return bool(len(self.quadratures) or len(self.angles))
+        return len(self.small) > 0
 
     def tolerance(self, tol: float) -> float:
         """The one of steps, for one of a run: finer by a term, and by another for what states that
@@ -79,18 +83,18 @@ class TurnCount:
 
     def take(self, state: np.ndarray) -> None:
         """Take what has grown out of a state (n,), or of those of lanes (n, lanes), in place."""
-        if not self.is_needed:
-            return
-        at = self.angles
-        turns = np.rint(state[at] / TURN)
-        state[at] = (state[at] - turns * COARSE) - turns * FINE
-        self.high[at] += turns  # whole numbers: exact
-        at = self.quadratures
-        total, more = self.high[at], state[at] + self.low[at]
-        self.high[at] = total + more
-        back = self.high[at] - total
-        self.low[at] = (total - (self.high[at] - back)) + (more - back)
-        state[at] = 0.0
+        if len(self.angles):
+            at = self.angles
+            turns = np.rint(state[at] / TURN)
+            state[at] = (state[at] - turns * COARSE) - turns * FINE
+            self.high[at] += turns  # whole numbers: exact
+        if len(self.quadratures):
+            at = self.quadratures
+            before, more = self.high[at], state[at] + self.low[at]
+            total = before + more
+            back = total - before
+            self.high[at], self.low[at] = total, (before - (total - back)) + (more - back)
+            state[at] = 0.0
 
     def whole(self, states: np.ndarray) -> np.ndarray:
         """States (..., n), or (..., n, lanes), as they are, from those kept small."""
@@ -107,10 +111,8 @@ class TurnCount:
     def growth(self, state: np.ndarray) -> float:
         """The largest state that may be kept small, in units of the largest other (at least 1); of
         lanes, where that is largest."""
-        mine = np.zeros(len(self.units), dtype=bool)
-        mine[self.quadratures] = mine[self.angles] = True
-        others = np.abs(state[~mine]).max(axis=0, initial=1.0)
-        return float(np.max(np.abs(state[mine]).max(axis=0, initial=0.0) / others))
+        others = np.abs(state[self.others]).max(axis=0, initial=1.0)
+        return float(np.max(np.abs(state[self.small]).max(axis=0, initial=0.0) / others))
 
     def pace(self, size: int, state: np.ndarray, most: int) -> int:
         """How many steps go before the next look, where states grew to these in ``size`` steps; no
