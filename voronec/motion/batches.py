@@ -23,7 +23,9 @@ from voronec.motion.steppers.scipy_stepper import estimated_steps
 from voronec.motion.steppers.series_reach import (
     MANY,
     STRIDE,
+    Field,
     blind_lanes,
+    field_of,
     openings,
     overlong_lanes,
 )
@@ -100,7 +102,8 @@ class Lanes:
     ``winding`` is what was taken out of the states of each motion, and their units (n, width);
     where some start is ``scaled`` these are parameters too, behind the constants.  ``size`` is how
     many steps are taken before what has grown is taken out, and each is looked at if that must be;
-    ``output`` is the continuous output of the latest.
+    ``values`` (p, width) are the parameters of the ``plain`` program, ``output`` is the continuous
+    output of the latest steps.
     """
 
     integrator: Any
@@ -112,9 +115,11 @@ class Lanes:
     winding: TurnCount
     steps: StepSizes
     size: int = field(init=False)
+    values: np.ndarray = field(init=False)
     output: Any = None
 
     def __post_init__(self) -> None:
+        self.values = np.ones((len(self.plain.parameters), self.width))
         self.reset_size()
 
     def reset_size(self) -> None:
@@ -127,6 +132,11 @@ class Lanes:
     def has_roots(self) -> bool:
         """Whether roots may have corners that no series sees, so that all steps are looked at."""
         return self.plain.has_moving_roots
+
+    @property
+    def right_side(self) -> Field:
+        """The right side in the integrator's units."""
+        return field_of(self.plain, [*self.values], self.winding.units)
 
     def again(self) -> Lanes:
         """Another integrator of the same compiled code, for another thread."""
@@ -149,7 +159,7 @@ class Lanes:
 
     def first_steps(self, spans: np.ndarray) -> np.ndarray:
         """How long the next steps of all lanes may be, which go no further than ``spans``."""
-        found = openings(self.integrator, spans)
+        found = openings(self.integrator, self.right_side, spans)
         self.steps.stride[found < np.inf] = 1.0
         return found
 
@@ -160,9 +170,9 @@ class Lanes:
         none went beyond ``limits``; it is noted, too."""
         ta = self.integrator
         if not self.has_roots:
-            found = overlong_lanes(ta, begin, state, self.steps.stride, limits)
+            found = overlong_lanes(ta, self.right_side, begin, state, self.steps.stride, limits)
         elif self.output is not None and np.isfinite(ta.state).all():
-            found = blind_lanes(ta, self.output)
+            found = blind_lanes(ta, self.right_side, self.output)
         else:
             found = np.zeros(self.width, dtype=bool)
         self.steps.overlong[found] = True
@@ -203,6 +213,7 @@ class Lanes:
         """Put motions (k, n) with parameters (k, p) on some lanes."""
         self.steps.begin(lane)
         self.winding.reset(lane)
+        self.values[:, lane] = values.T
         times = self.integrator.time.copy()
         times[lane] = time
         self.integrator.set_time(times.tolist())

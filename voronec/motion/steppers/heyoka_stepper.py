@@ -37,8 +37,10 @@ from voronec.motion.steppers.series_reach import (
     MANY,
     PARTS,
     STRIDE,
+    Field,
     blind_reach,
     blind_steps,
+    field_of,
     reach,
 )
 from voronec.motion.steppers.step_loop import (
@@ -261,7 +263,8 @@ class _Drive:
         # where the right side is not defined no step is taken, and the run says so
         well = np.isfinite(taken)
         self.early = self.half_of_return(taken) if well and taken else np.inf
-        length = reach(ta, taken, PARTS if abs(taken) >= abs(span) else 1) if well else np.inf
+        parts = PARTS if abs(taken) >= abs(span) else 1
+        length = reach(ta, self.right_side, taken, parts) if well else np.inf
         ta.time, ta.state[:], self.log.silent = time, state, False
         if ta.with_events:
             ta.reset_cooldowns()
@@ -369,7 +372,7 @@ class _Drive:
         for k in range(taken):
             length = ta.step(max_delta_t=float(self.grid[-1] - ta.time), write_tc=True)[1]
             if abs(length) > min(GROWTH * before, usual):
-                allowed = reach(ta, length, PARTS if abs(length) > usual else 1)
+                allowed = reach(ta, self.right_side, length, PARTS if abs(length) > usual else 1)
                 if allowed < np.inf:
                     found = k, allowed
                     break
@@ -386,17 +389,18 @@ class _Drive:
         ta, output, found = self.integrator, self.output, None
         if output is None or not np.isfinite(ta.state).all():
             return None
-        end, there, self.log.silent = ta.dtime, ta.state.copy(), True
-        for k in np.flatnonzero(blind_steps(ta, output)).tolist():
-            allowed = float(blind_reach(ta, output, k)[0])
+        self.log.silent = True
+        blind = np.flatnonzero(blind_steps(ta, output)).tolist()
+        self.log.silent = False
+        for k in blind:
+            allowed = float(blind_reach(ta, self.right_side, output, k)[0])
             if allowed < np.inf:
                 found = k, allowed
                 self.size = LEAST
+                ta.dtime, ta.state[:] = moment, state
+                if ta.with_events:
+                    ta.reset_cooldowns()
                 break
-        self.log.silent = False
-        ta.dtime, ta.state[:] = (moment, state) if found else (end, there)
-        if found and ta.with_events:
-            ta.reset_cooldowns()
         return found
 
     def set_pace(self, taken: int, points: int) -> None:
@@ -431,6 +435,11 @@ class _Drive:
             points[0] = standing
         outcome, _, self.longest, steps, _, rows = self.integrator.propagate_grid(points, **limits)
         return outcome, steps, rows[known:]
+
+    @cached_property
+    def right_side(self) -> Field:
+        """The right side in the integrator's units."""
+        return field_of(self.problem.program, self.problem.parameters, self.winding.units)
 
     @cached_property
     def callback(self) -> dict[str, Any]:

@@ -9,10 +9,13 @@ slope of the series misses the right side, there where it leads.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+
+from voronec.equations.program import Program, compile_program
 
 __all__ = [
     "BLIND",
@@ -25,9 +28,11 @@ __all__ = [
     "PARTS",
     "SHRINKS",
     "STRIDE",
+    "Field",
     "blind_lanes",
     "blind_reach",
     "blind_steps",
+    "field_of",
     "openings",
     "overlong_lanes",
     "reach",
@@ -66,22 +71,38 @@ PARTS = 16
 """At the ends of so many parts a step that may be far too long is looked at."""
 
 
-def reach(integrator: Any, taken: float, parts: int = 1) -> float:
+Field = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""From times (m, k) and states (m, n, k), in units of their own, to rates (m, n, k)."""
+
+
+def field_of(program: Program, values: Sequence[Any], units: np.ndarray) -> Field:
+    """The right side of a program for some values of its parameters, numbers or arrays (k,), with
+    states in ``units`` (n,) or (n, k)."""
+    right = compile_program(program)[0]
+    sizes = units if units.ndim > 1 else units[:, None]
+
+    def rates(times: np.ndarray, states: np.ndarray) -> np.ndarray:
+        with np.errstate(all="ignore"):
+            found = right(times, [*np.moveaxis(states * sizes, 1, 0)], values)
+            rows = [np.broadcast_to(np.asarray(r, dtype=float), times.shape) for r in found]
+            return np.asarray(np.stack(rows, axis=1) / sizes)
+
+    return rates
+
+
+def reach(integrator: Any, field: Field, taken: float, parts: int = 1) -> float:
     """The length up to which the step just ``taken``, with its Taylor coefficients, may be trusted,
     where it is too long; else infinite.
 
     Its defect is looked at where so many ``parts`` of it end.
     """
-    coefficients = integrator.tc.copy()
-    length = _coefficients_reach(coefficients, taken, integrator.tol)
+    coefficients, tol = integrator.tc.copy(), integrator.tol
+    length = _coefficients_reach(coefficients, taken, tol)
     if length < np.inf or not taken or (parts == 1 and _leads_on(integrator, coefficients, taken)):
         return length
-    ends = np.array(integrator.time, dtype=float)
-    series = _Series(integrator, coefficients[:, :, None], np.array([taken]), parts, ends)
-    end, state = integrator.dtime, integrator.state.copy()
-    length = float(series.reach()[0])
-    integrator.dtime, integrator.state[:] = end, state
-    return length
+    begin = np.array([integrator.time - taken])
+    series = _Series(field, coefficients[:, :, None], np.array([taken]), begin, parts, tol)
+    return float(series.reach()[0])
 
 
 def _leads_on(integrator: Any, series: np.ndarray, taken: Any) -> Any:
@@ -129,25 +150,26 @@ def _lanes_reach(coefficients: np.ndarray, taken: np.ndarray, tol: float) -> np.
 
 @dataclass(frozen=True)
 class _Series:
-    """The Taylor ``coefficients`` (n, order + 1, k) of the steps just ``taken`` (k,) by an
-    integrator of one motion or of a batch, looked at where so many ``parts`` of them end."""
+    """The Taylor ``coefficients`` (n, order + 1, k) of steps ``taken`` (k,) from the times
+    ``begin`` (k,), looked at where so many ``parts`` of them end."""
 
-    integrator: Any
+    field: Field
     coefficients: np.ndarray
     taken: np.ndarray
+    begin: np.ndarray
     parts: int
-    ends: np.ndarray
+    tol: float
 
     def reach(self) -> np.ndarray:
         """The lengths (k,) up to which the defect is of the size of the tolerance; infinite where
-        it is ordinary.  The integrator stands elsewhere afterwards."""
-        tol = self.integrator.tol
+        it is ordinary."""
+        tol = self.tol
         allowed, faithful = tol**BLIND, min(FAITHFUL * tol, tol**BLIND)
         lengths, noise = self.taken.copy(), np.zeros_like(self.coefficients[:, 0])
         misses = self._misses(lengths)
         worst = self._defects(lengths, misses, noise)
         if (worst > allowed).any():
-            noise = ROUNDING * np.max([self._miss(lengths * m) for m in MOMENTS], axis=0)
+            noise = ROUNDING * self._miss(MOMENTS[:, None] * lengths).max(axis=0)
             worst = self._defects(lengths, misses, noise)
         blind = worst > allowed
         left = blind.copy()
@@ -161,47 +183,31 @@ class _Series:
             left &= worst > faithful
         return np.where(blind & (worst <= allowed), np.abs(lengths), np.inf)
 
-    def _lengths_of_parts(self, lengths: np.ndarray) -> list[np.ndarray]:
-        return [lengths * (i / self.parts) for i in range(self.parts, 0, -1)]
+    def _lengths_of_parts(self, lengths: np.ndarray) -> np.ndarray:
+        return np.asarray(np.arange(self.parts, 0, -1)[:, None] / self.parts * lengths)
 
-    def _misses(self, lengths: np.ndarray) -> list[np.ndarray]:
-        """|p' - f(p)| (n, k) where the parts of lengths (k,) end."""
-        return [self._miss(h) for h in self._lengths_of_parts(lengths)]
+    def _misses(self, lengths: np.ndarray) -> np.ndarray:
+        """|p' - f(p)| (parts, n, k) where the parts of lengths (k,) end."""
+        return self._miss(self._lengths_of_parts(lengths))
 
-    def _defects(
-        self, lengths: np.ndarray, misses: list[np.ndarray], noise: np.ndarray
-    ) -> np.ndarray:
+    def _defects(self, lengths: np.ndarray, misses: np.ndarray, noise: np.ndarray) -> np.ndarray:
         """The largest |p' - f(p)| h / max(1, |x|) of steps of some lengths (k,), without what is
         ``noise`` (n, k); infinite where the right side has no value."""
         with np.errstate(all="ignore"):
             sizes = np.fmax(1, np.abs(self.coefficients[:, 0]).max(axis=0))
-            ends = [
-                np.where(missed <= noise, 0.0, missed).max(axis=0) * np.abs(h) / sizes
-                for h, missed in zip(self._lengths_of_parts(lengths), misses, strict=True)
-            ]
-            return np.asarray(np.nan_to_num(np.max(ends, axis=0), nan=np.inf))
+            missed = np.where(misses <= noise, 0.0, misses).max(axis=1)
+            ends = missed * np.abs(self._lengths_of_parts(lengths)) / sizes
+            return np.asarray(np.nan_to_num(ends.max(axis=0), nan=np.inf))
 
     def _miss(self, lengths: np.ndarray) -> np.ndarray:
-        """|p' - f(p)| (n, k), with p the series, where lengths (k,) end."""
+        """|p' - f(p)| (m, n, k), with p the series, where lengths (m, k) end."""
         series = self.coefficients
         numbers = np.arange(series.shape[1])[:, None]
         with np.errstate(all="ignore"):
-            powers = lengths**numbers
-            states = np.einsum("ijk,jk->ik", series, powers)
-            slopes = np.einsum("ijk,jk->ik", series[:, 1:], numbers[1:] * powers[:-1])
-            return np.asarray(np.abs(slopes - self._right_side(states, lengths)))
-
-    def _right_side(self, states: np.ndarray, lengths: np.ndarray) -> np.ndarray:
-        """Its values (n, k): the first coefficients of steps of length zero."""
-        integrator, times = self.integrator, self.ends - self.taken + lengths
-        if self.ends.ndim:
-            integrator.set_time(times.tolist())
-            integrator.state[:] = states
-            integrator.step(max_delta_t=[0.0] * len(lengths), write_tc=True)
-            return np.asarray(integrator.tc[:, 1])
-        integrator.time, integrator.state[:] = float(times[0]), states[:, 0]
-        integrator.step(max_delta_t=0.0, write_tc=True)
-        return np.asarray(integrator.tc[:, 1:2])
+            powers = lengths[:, None, :] ** numbers
+            states = np.einsum("ijk,mjk->mik", series, powers)
+            slopes = np.einsum("ijk,mjk->mik", series[:, 1:], numbers[1:] * powers[:, :-1])
+            return np.asarray(np.abs(slopes - self.field(self.begin + lengths, states)))
 
 
 def blind_steps(integrator: Any, output: Any) -> np.ndarray:
@@ -224,57 +230,51 @@ def blind_steps(integrator: Any, output: Any) -> np.ndarray:
         return np.asarray(missed > integrator.tol**BLIND * sizes)
 
 
-def blind_reach(integrator: Any, output: Any, step: int) -> np.ndarray:
+def blind_reach(integrator: Any, field: Field, output: Any, step: int) -> np.ndarray:
     """The lengths (1,), or (k,) of a batch, up to which a step of continuous output may be trusted;
-    infinite where its defect is ordinary after all.  The integrator stands elsewhere afterwards."""
+    infinite where its defect is ordinary after all."""
     lengths, series = np.diff(output.times, axis=0)[step], np.asarray(output.tcs)[step]
-    rows, end = series.reshape(*series.shape[:2], -1), np.asarray(output.times)[step + 1]
-    return _Series(integrator, rows, np.atleast_1d(lengths), 1, np.asarray(end)).reach()
+    rows, begin = series.reshape(*series.shape[:2], -1), np.atleast_1d(output.times[step])
+    return _Series(field, rows, np.atleast_1d(lengths), begin, 1, integrator.tol).reach()
 
 
-def openings(integrator: Any, spans: np.ndarray) -> np.ndarray:
+def openings(integrator: Any, field: Field, spans: np.ndarray) -> np.ndarray:
     """Such lengths for all lanes of a batch integrator, no step going beyond ``spans``; it stands
     afterwards where it stood."""
     times, state = [part.copy() for part in integrator.dtime], integrator.state.copy()
     integrator.step(max_delta_t=spans.tolist(), write_tc=True)
     taken = np.array([length for _, length in integrator.step_res])
     whole = (np.abs(taken) >= np.abs(spans)).any()
-    found = _steps_reach(integrator, taken, PARTS if whole else 1)
+    found = _steps_reach(integrator, field, taken, PARTS if whole else 1)
     integrator.set_dtime(*times)
     integrator.state[:] = state
     return found
 
 
-def _steps_reach(integrator: Any, taken: np.ndarray, parts: int) -> np.ndarray:
+def _steps_reach(integrator: Any, field: Field, taken: np.ndarray, parts: int) -> np.ndarray:
     """``reach`` of the steps just ``taken`` (k,) by a batch integrator."""
-    coefficients = integrator.tc.copy()
-    found = _lanes_reach(coefficients, taken, integrator.tol)
+    coefficients, tol = integrator.tc.copy(), integrator.tol
+    found = _lanes_reach(coefficients, taken, tol)
     if parts == 1 and _leads_on(integrator, coefficients, taken).all():
         return found
-    times, state = [part.copy() for part in integrator.dtime], integrator.state.copy()
-    series = _Series(integrator, coefficients, taken, parts, np.array(integrator.time))
-    found = np.minimum(found, series.reach())
-    integrator.set_dtime(*times)
-    integrator.state[:] = state
-    return found
+    begin = np.asarray(integrator.time) - taken
+    return np.minimum(found, _Series(field, coefficients, taken, begin, parts, tol).reach())
 
 
-def blind_lanes(integrator: Any, output: Any) -> np.ndarray:
+def blind_lanes(integrator: Any, field: Field, output: Any) -> np.ndarray:
     """Which lanes (width,) of a batch integrator took a step in ``output`` whose series did not
-    know what was to come; it stands afterwards where it stood."""
-    ends, there = tuple(part.copy() for part in integrator.dtime), integrator.state.copy()
+    know what was to come."""
     blind = blind_steps(integrator, output)
     found = np.zeros(blind.shape[1], dtype=bool)
     for k in np.flatnonzero(blind.any(axis=1)).tolist():
         if (blind[k] & ~found).any():
-            found |= blind[k] & (blind_reach(integrator, output, k) < np.inf)
-    integrator.set_dtime(*ends)
-    integrator.state[:] = there
+            found |= blind[k] & (blind_reach(integrator, field, output, k) < np.inf)
     return found
 
 
 def overlong_lanes(
     integrator: Any,
+    field: Field,
     begin: tuple[np.ndarray, ...],
     state: np.ndarray,
     stride: np.ndarray,
@@ -301,18 +301,50 @@ def overlong_lanes(
     ends, there = tuple(part.copy() for part in integrator.dtime), integrator.state.copy()
     integrator.set_dtime(*begin)
     integrator.state[:] = state
-    before = np.zeros(len(span))
-    for _ in range(int(taken[suspect].max())):
-        left = ends[0] - integrator.time
-        # a lane that has arrived, or whose motion ends on the way, stands still
-        left = np.clip(np.where(np.isfinite(left), left, 0.0), -limits, limits)
-        integrator.step(max_delta_t=left.tolist(), write_tc=True)
-        taken = np.array([length for _, length in integrator.step_res])
-        longer = suspect & ~found & (np.abs(taken) > np.minimum(GROWTH * before, usual))
-        if longer.any():
-            parts = PARTS if (longer & (np.abs(taken) > usual)).any() else 1
-            found |= longer & (_steps_reach(integrator, taken, parts) < np.inf)
-        before = np.abs(taken)
+    for step in _long_steps(integrator, ends[0], limits, int(taken.max()), suspect, usual):
+        if (step.lanes & ~found).any():
+            found |= step.lanes & (step.reach(field, integrator.tol, usual) < np.inf)
     integrator.set_dtime(*ends)
     integrator.state[:] = there
+    return found
+
+
+@dataclass(frozen=True)
+class _LongStep:
+    """A step ``taken`` (k,) to the times ``end`` (k,), with its Taylor ``coefficients``, which is
+    long in some ``lanes`` (k,)."""
+
+    taken: np.ndarray
+    end: np.ndarray
+    coefficients: np.ndarray
+    lanes: np.ndarray
+
+    def reach(self, field: Field, tol: float, usual: np.ndarray) -> np.ndarray:
+        """The lengths (k,) up to which it may be trusted, where it is too long; else infinite."""
+        parts = PARTS if (self.lanes & (np.abs(self.taken) > usual)).any() else 1
+        begin = self.end - self.taken
+        series = _Series(field, self.coefficients, self.taken, begin, parts, tol)
+        return np.minimum(_lanes_reach(self.coefficients, self.taken, tol), series.reach())
+
+
+def _long_steps(
+    integrator: Any, ends: np.ndarray, limits: np.ndarray, most: int, suspect: np.ndarray,
+    usual: np.ndarray,
+) -> list[_LongStep]:  # fmt: skip
+    """Of the steps from where a batch integrator stands to the times ``ends``, those of
+    ``suspect`` lanes that are longer than the ``usual``, or much longer than the step before."""
+    found, before = list[_LongStep](), np.zeros(len(ends))
+
+    def look(at: Any) -> bool:
+        nonlocal before
+        length = np.abs(at.last_h)
+        lanes = suspect & (length > np.minimum(GROWTH * before, usual))
+        if lanes.any():
+            found.append(_LongStep(at.last_h.copy(), at.time.copy(), at.tc.copy(), lanes))
+        before = length
+        return True
+
+    integrator.propagate_until(
+        ends.tolist(), max_steps=most, max_delta_t=limits.tolist(), write_tc=True, callback=look
+    )
     return found
