@@ -270,6 +270,23 @@ def test_a_motion_through_its_singular_split_is_as_if_alone():
                 assert turns[name][i] == pytest.approx(alone[name], abs=1e-10)
 
 
+def test_a_look_back_at_long_steps_does_not_end_a_motion():
+    """Steps vary so much in length that they are gone over again, in the middle of an interval."""
+    ball, dice = vo.derive(vo.load("ball-on-sphere")), np.random.default_rng(1)
+    starts = [
+        {"u": 0.7 + 0.6 * dice.random(), "u1": 0.9 + 0.3 * dice.random()}
+        | {f"omega{k}": dice.uniform(-1, 1) for k in (1, 2, 3)}
+        for _ in range(43)
+    ]
+    starts = [starts[i] for i in (3, 6, 9, 11, 19, 29, 42)]  # whose steps end one after another
+    options = {"times": [0, 100], "outputs": ("u", "v"), "tol": 1e-12}
+    many = vo.ensemble(ball, starts, method="heyoka", **options)
+    for i, start in enumerate(starts):
+        alone = vo.integrate(ball, initial=start, method="scipy", **options)
+        for name in ("u", "v"):
+            assert many[name][i][-1] == pytest.approx(alone[name][-1], abs=1e-7)
+
+
 def test_a_motion_whose_steps_lead_nowhere_is_given_up_and_goes_on_alone():
     """Where the new time stands still the steps of DOP853 become ever shorter."""
     ball = vo.derive(vo.load("veselova-in-new-time"))

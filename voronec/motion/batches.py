@@ -102,8 +102,8 @@ class Lanes:
     ``winding`` is what was taken out of the states of each motion, and their units (n, width);
     where some start is ``scaled`` these are parameters too, behind the constants.  ``size`` is how
     many steps are taken before what has grown is taken out, and each is looked at if that must be;
-    ``values`` (p, width) are the parameters of the ``plain`` program, ``output`` is the continuous
-    output of the latest steps.
+    ``values`` (p, width) are the parameters of the ``plain`` program; ``results``, what heyoka says
+    of each lane, and ``output``, continuous, are those of the latest steps.
     """
 
     integrator: Any
@@ -116,6 +116,7 @@ class Lanes:
     steps: StepSizes
     size: int = field(init=False)
     values: np.ndarray = field(init=False)
+    results: list[Any] = field(default_factory=list)
     output: Any = None
 
     def __post_init__(self) -> None:
@@ -147,12 +148,17 @@ class Lanes:
             steps=StepSizes.of(self.width),
         )
 
+    def keep_results(self) -> None:
+        """Keep what heyoka says of the latest steps: a look back goes over them again, and leaves
+        results of its own."""
+        self.results = self.integrator.propagate_res
+
     def note_steps(self) -> None:
-        """Take down the steps since the last call of the integrator; those that were cut to end at
-        a given time are not counted by heyoka."""
-        lengths = np.abs([result[1:3] for result in self.integrator.propagate_res])
+        """Take down the latest steps; those that were cut to end at a given time are not counted by
+        heyoka."""
+        lengths = np.abs([result[1:3] for result in self.results])
         self.steps.note(slice(None), lengths[:, 0], lengths[:, 1])
-        taken = max(result[3] for result in self.integrator.propagate_res)
+        taken = max(result[3] for result in self.results)
         if (self.winding.is_needed or self.has_roots) and PART * taken >= self.size:
             most = MANY if self.has_roots else CHUNK
             self.size = self.winding.pace(self.size, self.integrator.state, most)
@@ -192,6 +198,7 @@ class Lanes:
                 np.moveaxis(states, 1, 2)[late] = np.nan
         else:
             found = ta.propagate_grid(each, max_steps=self.size, max_delta_t=longest.tolist())
+            self.keep_results()
             self.note_steps()
             states = found[1] if isinstance(found, tuple) else found
         return np.moveaxis(self.winding.whole(states), -1, 0)
@@ -202,6 +209,7 @@ class Lanes:
             [end] * self.width, max_steps=self.size, max_delta_t=longest.tolist(),
             c_output=self.has_roots,
         )[0]  # fmt: skip
+        self.keep_results()
         self.note_steps()
 
     @property
@@ -310,7 +318,7 @@ class _LanesHeadway:
     def errors(self, lanes: Lanes) -> dict[int, IntegrationError]:
         """The lanes whose last steps lead nowhere."""
         ta = lanes.integrator
-        self.steps[:] += [result[3] for result in ta.propagate_res]
+        self.steps[:] += [result[3] for result in lanes.results]
         if self.steps.max() < WINDOW:
             return {}
         pairs = zip(self.looks, self.steps.tolist(), ta.time.tolist(), strict=True)
@@ -343,7 +351,7 @@ def _pieces(
             piece = 1  # steps of a piece are short where the first one must be
         end = min(at + piece, len(grid) - 1)
         begin, state = tuple(part.copy() for part in ta.dtime), ta.state.copy()
-        new, results = lanes.states_along(grid[at : end + 1], limits), ta.propagate_res
+        new, results = lanes.states_along(grid[at : end + 1], limits), lanes.results
         taken, outcomes = max(r[3] for r in results), {r[0] for r in results}
         steps += sum(r[3] for r in results)
         if hy.taylor_outcome.err_nf_state in outcomes or not np.isfinite(ta.state).all():
@@ -397,12 +405,12 @@ def _one_interval(
         lanes.winding.take(ta.state)
         before, begin, state = ta.time.copy(), tuple(x.copy() for x in ta.dtime), ta.state.copy()
         lanes.go_to(float(ends[-1]), longest)
-        steps += sum(r[3] for r in ta.propagate_res)
+        steps += sum(r[3] for r in lanes.results)
         if not np.isfinite(ta.state).all():
             bad = [i for i in range(lanes.width) if not np.isfinite(ta.state[:, i]).all()]
             return {i: break_error(INFINITE, before[i], lanes.states[i]) for i in bad}, steps
         lanes.look_back(begin, state, longest)
-        if all(r[0] == hy.taylor_outcome.time_limit for r in ta.propagate_res):
+        if all(r[0] == hy.taylor_outcome.time_limit for r in lanes.results):
             return {}, steps
         stuck = np.flatnonzero((ta.time != ends[-1]) & (ta.time == before)).tolist()
         if stuck:

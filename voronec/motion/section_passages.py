@@ -463,7 +463,8 @@ def _stretch(
     output = lanes.output = ta.propagate_until(
         ends.tolist(), max_steps=limit, max_delta_t=longest.tolist(), c_output=True
     )[0]
-    taken = [r[3] for r in ta.propagate_res]
+    lanes.keep_results()
+    taken = [r[3] for r in lanes.results]
     if not careful and lanes.look_back(begin, state, longest).any():
         ta.set_dtime(*begin)
         ta.state[:] = state
