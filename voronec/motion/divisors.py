@@ -94,9 +94,11 @@ class Divisor:
 
 
 @lru_cache(maxsize=32)  # it is asked before every run
-def divisors(form: Any) -> tuple[Any, ...]:
-    """What rates, mass and force are divided by, as far as it moves; each once."""
+def divisors(form: Any, changing: tuple[Any, ...] = ()) -> tuple[Any, ...]:
+    """What rates, mass and force are divided by, as far as it moves, or is of ``changing``
+    parameters; each once."""
     moving = {*form.coordinates, *form.velocities, form.time, *(name for name, _ in form.stages)}
+    moving |= {*changing}
     found: dict[Any, None] = {}
     for base in bases(cardinal_all([*form.expressions, *(e for _, e in form.stages)])):
         if base.free_symbols & moving:

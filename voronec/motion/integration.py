@@ -226,7 +226,10 @@ class _Request:
         charted = None if exact else with_attitude_charts(own)
         vocabulary = self.vocabulary if charted is None else Vocabulary.of(charted)
         made = whole(vocabulary, self.outputs, self.functions)
-        ground = SplitGround(vocabulary.equations, self.outset.constants, float(self.grid[0]))
+        ground = SplitGround(
+            vocabulary.equations, self.outset.constants, float(self.grid[0]),
+            changing=self.outset.changing,
+        )  # fmt: skip
         framed = self.outset.state if self.outset.framed and not exact else None
         start = WideStart.of(vocabulary, ground, self.given, self.project, framed)
         return SplitRun(
@@ -378,7 +381,10 @@ class _Job:
             switched = self._switching_stepper(method, problem, guard, watched)
         if switched is not None and switched.corner is not None:
             corner = switched.corner
-            probe = replace(probe, form=corner.form, program=corner.program, values=switched.values)
+            probe = replace(
+                probe, form=corner.form, program=corner.program, values=switched.values,
+                inertia=None,
+            )  # fmt: skip
         if switched is not None or not (made.model is None and equations.system.charts):
             probe.check(state)
         if switched is not None:
@@ -502,10 +508,11 @@ class _Job:
     def _watch_divisors(self, state: np.ndarray, values: Sequence[Any]) -> tuple[Divisor, ...]:
         """The divisors to watch; ``NearDivisor`` where one is near zero at the start."""
         made, outset = self.made, self.outset
-        if outset.changing is not None:
-            return ()
         form = made.form if made.model is None else made.model.form
-        ground = SplitGround(self.vocabulary.equations, outset.constants, float(self.grid[0]))
+        ground = SplitGround(
+            self.vocabulary.equations, outset.constants, float(self.grid[0]),
+            changing=outset.changing,
+        )  # fmt: skip
         found = ground.watch_divisors(form, made.below, outset.state, made.is_rough)
         sizes = ground.sizes(divisor_program(form, found), found, state, values)
         if any(g.is_near(size) for g, size in zip(found, sizes, strict=True)):

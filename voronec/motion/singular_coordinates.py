@@ -302,7 +302,9 @@ def _distances(ground: SplitGround, chart: Chart, wide: np.ndarray) -> tuple[flo
     wanted += [d.door.inward(sp.diff(values[q], x)) for q in own for x in own]
     program = quantities(ground.wide, {str(i): se.sympify(e) for i, e in enumerate(wanted)})
     try:
-        flat = numbers(program, ground.time, wide.astype(float).tolist(), ground.values(program))
+        flat = numbers(
+            program, ground.time, wide.astype(float).tolist(), ground.values(program, ground.time)
+        )
     except ArithmeticError:
         return 1.0, 0.0, None
     singular, there, *slopes = map(float, flat)

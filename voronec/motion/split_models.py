@@ -65,6 +65,7 @@ from voronec.motion.divisors import (
 from voronec.motion.observables import Watch, size_of_terms
 from voronec.motion.reactions import Multipliers
 from voronec.motion.state_probe import quantities, usual_size
+from voronec.motion.steppers.run import Signals, in_kind
 
 __all__ = ["Geometry", "SplitGround", "SplitModel", "candidates", "divisor_program"]
 
@@ -292,18 +293,32 @@ class SplitGround:
 
     ``home`` are the equations as they are declared, ``framed`` (n,) is the start on their
     coordinates and velocities where no velocities of the coordinates belong to it: those of its
-    wide state are not numbers.
+    wide state are not numbers.  Constants that are ``changing`` are those of the start.
     """
 
     home: VoronecEquations
     constants: Mapping[str, float]
     time: float
     framed: np.ndarray | None = None
+    changing: Signals | None = None
 
-    def values(self, program: Program, constants: Mapping[str, Any] | None = None) -> list[Any]:
-        """The parameters of a program, those that have no value not a number."""
-        given = self.constants if constants is None else constants
+    def values(
+        self, program: Program, time: Any, constants: Mapping[str, Any] | None = None
+    ) -> list[Any]:
+        """The parameters of a program at a time, or at times (k,), those that have no value not a
+        number."""
+        given = self.at(time, constants)
         return [given.get(str(p), np.nan) for p in program.parameters]
+
+    def at(self, time: Any, constants: Mapping[str, Any] | None = None) -> Mapping[str, Any]:
+        """The parameters by name, those that change as they are at a time, or at times (k,)."""
+        given = self.constants if constants is None else constants
+        if self.changing is None:
+            return given
+        times = np.asarray(time)
+        along = self.changing.along(np.atleast_1d(times))
+        found = {name: in_kind(x, times.dtype) for name, x in along.items()}
+        return {**given, **(found if times.ndim else {name: x[0] for name, x in found.items()})}
 
     @cached_property
     def wide(self) -> FirstOrderForm:
@@ -319,7 +334,7 @@ class SplitGround:
         return self._by_name(self._geometry, time, wide, constants)
 
     def _by_name(self, program: Program, time: Any, wide: Any, constants: Any) -> dict[str, Any]:
-        flat = numbers(program, time, list(wide), self.values(program, constants))
+        flat = numbers(program, time, list(wide), self.values(program, time, constants))
         return dict(zip(program.names, flat, strict=True))
 
     def _limit_entries(self, time: Any, wide: np.ndarray, constants: Any = None) -> dict[str, Any]:
@@ -344,7 +359,7 @@ class SplitGround:
         limit."""
         count, found = len(self.home.definition.coordinates), []
         with mpmath.workdps(DIGITS):
-            constants = {name: mpmath.mpf(x) for name, x in self.constants.items()}
+            constants = {name: mpmath.mpf(x) for name, x in self.at(time).items()}
             for q in next_places(wide[:count]):
                 try:
                     entries = self._entries(
@@ -447,10 +462,12 @@ class SplitGround:
         return self._rows_of(self._limit_entries(time, wide, constants), wide.dtype)
 
     def soundness(self, places: np.ndarray) -> np.ndarray:
-        """The determinant of the metric (k,) at states (n, k) of the coordinates, at rest."""
+        """The determinant of the metric (k,) at states (n, k) of the coordinates, at rest, and what
+        moves besides."""
         d, count = self.home.definition, places.shape[1]
         wide = np.vstack([places[: len(d.coordinates)], np.zeros((len(d.dots), count))])
-        entries = self._entries(self.time, wide)
+        _, time, changed = self._apart(places)
+        entries = replace(self, changing=None)._entries(time, wide, {**self.constants, **changed})
         rows = {name: np.broadcast_to(x, (count,)) for name, x in entries.items()}
         found = np.zeros(count)
         for k in range(count):
@@ -475,7 +492,9 @@ class SplitGround:
             return []
         key = (form.coordinates, tuple(sorted(self.constants.items())))
         kept: dict[Any, Any] = self.home.system.memo.once("divisors", dict)
-        left = (without_factors(f, self._poles) for f in divisors(form) if f not in self._others)
+        moving = tuple(map(se.Symbol, self._changing_names))
+        every = (f for f in divisors(form, moving) if f not in self._others)
+        left = (without_factors(f, self._poles) for f in every)
         found = [f for f in dict.fromkeys(left) if f not in self._others and not f.is_Number]
         if rough:
             found = [f for f in found if not f.free_symbols & {*form.velocities}]
@@ -505,20 +524,34 @@ class SplitGround:
         self, found: list[Any], form: FirstOrderForm, below: Program, start: np.ndarray
     ) -> list[Divisor]:
         program = quantities(form, {str(i): f for i, f in enumerate(found)})
-        names, own = below.names, self.values(below)
+        still = replace(self, changing=None)
 
         def values(places: np.ndarray) -> np.ndarray:
             count = places.shape[1]
-            known = dict(zip(names, numbers(below, self.time, list(places), own), strict=True))
+            states, time, changed = self._apart(places)
+            given = {**self.constants, **changed}
+            flat = numbers(below, time, list(states), still.values(below, time, given))
+            known = dict(zip(below.names, flat, strict=True))
             state = [known[f"start {x}"] for x in program.state]
-            given = {**self.constants} | {n.removeprefix("frozen "): x for n, x in known.items()}
-            flat = numbers(program, self.time, state, self.values(program, given))
+            given |= {n.removeprefix("frozen "): x for n, x in known.items()}
+            flat = numbers(program, time, state, still.values(program, time, given))
             return np.array([np.broadcast_to(x, (count,)) for x in flat], dtype=float)
 
-        places = around(start)
+        besides = [self.time, *(self.constants[name] for name in self._changing_names)]
+        places = around(np.append(start, besides))
         moved = self._on_relations(places)
         places = moved if moved.shape[1] else places
         return crossing_divisors(found, places, values, self.soundness, self._on_relations)
+
+    @property
+    def _changing_names(self) -> list[str]:
+        return sorted(self.changing.names & self.constants.keys()) if self.changing else []
+
+    def _apart(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
+        """Places taken apart: states (n, k), times (k,), and what changes with the time by name."""
+        names = self._changing_names
+        states, (time, *changed) = np.split(places, [len(places) - 1 - len(names)])
+        return states, time, dict(zip(names, changed, strict=True))
 
     def _on_relations(self, places: np.ndarray) -> np.ndarray:
         """States (n, k) moved onto the relations between redundant coordinates, those for which
@@ -529,7 +562,8 @@ class SplitGround:
         m, n, count = len(form.relations), len(form.coordinates), places.shape[1]
         slopes = [r.diff(q) for r in form.relations for q in form.coordinates]
         program = quantities(form, {str(i): e for i, e in enumerate((*form.relations, *slopes))})
-        moved, values, still = places.copy(), self.values(program), [0.0] * len(form.velocities)
+        moved, values = places.copy(), self.values(program, self.time)
+        still = [0.0] * len(form.velocities)
         for _ in range(NEWTON):
             flat = numbers(program, self.time, [*moved[:n], *still], values)
             rows = np.array([np.broadcast_to(x, (count,)) for x in flat], dtype=float).T
@@ -659,7 +693,7 @@ class SplitModel:
 
     def _map(self, program: Program, time: Any, state: Any, constants: Any) -> np.ndarray:
         digits = np.asarray(state).dtype == object
-        found = numbers(program, time, list(state), self.ground.values(program, constants))
+        found = numbers(program, time, list(state), self.ground.values(program, time, constants))
         if digits:
             return np.array([mpmath.mpf(x) for x in found], dtype=object)
         return np.array(found, dtype=float)
@@ -668,16 +702,16 @@ class SplitModel:
         """The values at which divisors are watched in a stretch that begins at a wide state, by the
         names of their symbols: those that are small there are watched for being so many times
         smaller."""
-        sizes = self._sizes(self.narrow(time, wide.astype(float)))
+        sizes = self._sizes(time, self.narrow(time, wide.astype(float)))
         exponents = [
             g.exponent(NEAR if size > CLEAR else size / GAIN)
             for g, size in zip(self.guards, sizes, strict=True)
         ]
         return {str(b): 2.0**k for b, k in zip(self.bounds, exponents, strict=True)}
 
-    def _sizes(self, state: np.ndarray) -> list[float]:
-        values = self.ground.values(self._divisors)
-        return self.ground.sizes(self._divisors, self.guards, state, values)
+    def _sizes(self, time: float, state: np.ndarray) -> list[float]:
+        there, values = replace(self.ground, time=time), self.ground.values(self._divisors, time)
+        return there.sizes(self._divisors, self.guards, state, values)
 
     @cached_property
     def _divisors(self) -> Program:
@@ -686,25 +720,25 @@ class SplitModel:
     def quality(self, time: Any, wide: np.ndarray) -> float:
         """How far the divisors are from zero at a wide state, in units of their usual sizes; 0
         where the equations have no value there, and no chart leads on."""
-        wide = wide.astype(float)
-        state, program = self.narrow(float(time), wide), self.program
-        values = self.ground.values(program)
+        time, wide = float(time), wide.astype(float)
+        state, program = self.narrow(time, wide), self.program
+        values = self.ground.values(program, time)
         with np.errstate(all="ignore"):
             rates = compile_program(program)[0](
                 np.float64(time), [np.float64(x) for x in state], values
             )
         defined = np.isfinite(np.array(rates, dtype=float)).all()
-        if not (defined or (np.isfinite(state).all() and self._at_pole(state))):
+        if not (defined or (np.isfinite(state).all() and self._at_pole(time, state))):
             return 0.0
-        return min(self._sizes(state), default=np.inf)
+        return min(self._sizes(time, state), default=np.inf)
 
-    def _at_pole(self, state: np.ndarray) -> bool:
+    def _at_pole(self, time: float, state: np.ndarray) -> bool:
         """Whether a state is where the coordinates are singular and charts of the split begin."""
         d = self.equations.definition
         charts = self.equations.system.charts.values()
         singular = [d.door.inward(chart.singular) for chart in charts]
         program = quantities(self.form, {str(i): e for i, e in enumerate(singular)})
-        there = numbers(program, self.ground.time, state.tolist(), self.ground.values(program))
+        there = numbers(program, time, state.tolist(), self.ground.values(program, time))
         return any(abs(x) < AT_POLE for x in there)
 
 
@@ -776,7 +810,7 @@ def _image(ground: SplitGround, chart: Chart, time: float, wide: np.ndarray) -> 
     wanted = [d.door.inward(chart.singular), d.door.inward(chart.singular_there).xreplace(images)]
     wanted += images.values()
     program = quantities(ground.wide, {str(i): e for i, e in enumerate(wanted)})
-    values_at = ground.values(program)
+    values_at = ground.values(program, time)
     try:
         own, there, *place = map(float, numbers(program, time, wide.tolist(), values_at))
     except ArithmeticError:
@@ -790,4 +824,4 @@ def _point(ground: SplitGround, time: float, wide: np.ndarray) -> dict[str, Any]
     """Numbers of coordinates, parameters and the time by name, exact as doubles."""
     d = ground.home.definition
     named = dict(zip(map(str, d.coordinates), wide.tolist(), strict=False))
-    return {**ground.constants, **named, str(d.time): time}
+    return {**ground.at(time), **named, str(d.time): time}

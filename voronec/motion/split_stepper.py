@@ -30,7 +30,7 @@ from voronec.motion.soundness import Judge
 from voronec.motion.split_models import SplitGround, SplitModel, candidates
 from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Halt, Problem, Run
-from voronec.motion.steppers.run import part_at
+from voronec.motion.steppers.run import in_kind, part_at
 from voronec.motion.steppers.units import natural_units
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Trajectory, assemble_trajectory
@@ -248,17 +248,19 @@ class SplitRun:
         levels = {**levels, **early}
         functions = {**split.functions, **levels}
         state = split.narrow(float(time), wide.astype(float))
-        values = self.ground.values(split.program, {**self.ground.constants, **bounds})
+        values = self.ground.values(split.program, float(time), {**self.ground.constants, **bounds})
         probe = StateProbe(
-            self.ground.home.system.name, split.bounded_form, split.program, values, float(time)
-        )
+            self.ground.home.system.name, split.bounded_form, split.program, values, float(time),
+            self.ground.changing,
+        )  # fmt: skip
         if not split.equations.system.charts:
             probe.check(state)
         problem = Problem(
             split.program, state, values, self._tolerance(split),
             (*self.events, *guards, *marks),
             quantities(split.bounded_form, functions) if functions else None, self.dense,
-            probe.suspect(state), None, self._exact(split, time, wide, bounds), None,
+            probe.suspect(state), None, self._exact(split, time, wide, bounds),
+            self.ground.changing,
             frozenset(levels),
             brief=self._likely_length(split, ahead, time),
         )  # fmt: skip
@@ -302,8 +304,10 @@ class SplitRun:
         watch.require_reactions(part.held, home.system.name)
         integrals = watch.integrals_to_follow(smooth)
         judge = Judge(
-            home, split.program, [float(x) for x in self.ground.values(split.program)],
+            home, split.program,
+            [float(x) for x in self.ground.values(split.program, float(part.t[0]))],
             self.chosen["tolerance"], part.steps, integrals, watch.relations,
+            changing=self.ground.changing,
         )  # fmt: skip
         t, states = part.t.astype(float), part.states.astype(float)
         breach, notes = judge.breach(t, states) if smooth else judge.check_integrals(t, states)
@@ -318,8 +322,8 @@ class SplitRun:
                 first, constants = self.start.exact(bits)
                 given = wide if wide.dtype == object else first
                 state = split.narrow(mpmath.mpf(time), given, constants)
-                exactly = {name: mpmath.mpf(x) for name, x in bounds.items()}
-                return state, self.ground.values(split.program, {**constants, **exactly})
+                exactly = {**constants, **{name: mpmath.mpf(x) for name, x in bounds.items()}}
+                return state, self.ground.values(split.program, mpmath.mpf(time), exactly)
 
         return exact
 
@@ -387,13 +391,14 @@ class SplitRun:
     def failure(self, split: SplitModel, halt: Halt, busy: float) -> IntegrationError:
         """The error for a run that cannot go on in any split."""
         last = replace(self.stretches[-1].run, halt=halt)
-        values = self.ground.values(split.program)
+        values = self.ground.values(split.program, float(self.grid[0]))
         probe = StateProbe(
             self.ground.home.system.name,
             split.bounded_form,
             split.program,
             values,
             float(self.grid[0]),
+            self.ground.changing,
         )
         start = self.stretches[-1].run.states[0]
         return probe.failure(start, halt, self.result(last, busy))
@@ -405,8 +410,9 @@ class SplitRun:
         found = []
         for split, times, rows in parts:
             if len(times):
-                values = self.ground.values(split.program, self._constants(rows))
                 with mpmath.workprec(self.bits):
+                    times = in_kind(times, rows.dtype)
+                    values = self.ground.values(split.program, times, self._constants(rows))
                     found.append(evaluate_watch(split.watch, split.program, times, rows, values))
         names = found[0] if found else {}
         return {
@@ -420,6 +426,8 @@ class SplitRun:
         order: np.ndarray | None = None,
     ) -> Trajectory:  # fmt: skip
         times, series = np.concatenate([t for _, t, _ in parts]), self._series(parts)
+        with mpmath.workprec(self.bits):
+            times = in_kind(times, parts[0][2].dtype)
         if order is not None:
             times, series = times[order], {n: x[order] for n, x in series.items()}
         names, constants = self._names, self._constants(parts[0][2])
