@@ -113,7 +113,8 @@ class Many:
         constants = {name: float(x[i]) for name, x in self.parameters.items()}
         places = SplitGround(equations, constants, self.time)
         program = quantities(equations.raw.form, below)
-        return tuple(places.watch_divisors(ground.form, program, self.full[i]))
+        rough = self.program.is_rough
+        return tuple(places.watch_divisors(ground.form, program, self.full[i], rough))
 
     def divisor_watch(
         self, values: np.ndarray, level: float = NEAR

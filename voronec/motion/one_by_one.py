@@ -14,7 +14,13 @@ import symengine as se
 
 from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError, IntegrationError
-from voronec.motion.batches import COLLAPSE_RATIO, break_error, require_method
+from voronec.motion.batches import (
+    COLLAPSE_RATIO,
+    SINGULAR_PLACE,
+    break_error,
+    require_method,
+)
+from voronec.motion.divisors import CLEAR, guard_events
 from voronec.motion.events import Event
 from voronec.motion.methods import METHODS
 from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
@@ -65,11 +71,14 @@ def _states_along(run: Run, grid: np.ndarray) -> tuple[np.ndarray, IntegrationEr
     if run.interrupted:
         raise KeyboardInterrupt
     rows = np.full((len(grid), run.states.shape[1]), np.nan)
-    rows[: len(run.t)] = run.states
+    if not run.stopped:  # else its last instant is none of the grid
+        rows[: len(run.t)] = run.states
     return rows, _error_of(run)
 
 
 def _error_of(run: Run) -> IntegrationError | None:
+    if run.stopped:
+        return break_error(SINGULAR_PLACE, run.t[-1], run.states[-1])
     halt = run.halt
     return None if halt is None else break_error(halt.reason, halt.time, halt.state)
 
@@ -100,9 +109,17 @@ class SwitchedMotions:
     def along(self, i: int, grid: np.ndarray) -> tuple[np.ndarray, IntegrationError | None, int]:
         """Motion i along a grid: states (k, n), the error that ended it, steps."""
         state, values = self.motions.states[i], self.motions.values[i]
+        if self._is_near(i, float(grid[0]), state):
+            error = break_error(SINGULAR_PLACE, float(grid[0]), state)
+            return np.full((len(grid), len(state)), np.nan), error, 0
         self.switched = self.switched.elsewhere(float(grid[0]), state, values.tolist())
         run = self.switched.stepper(grid)
         return *_states_along(run, grid), run.steps
+
+    def _is_near(self, i: int, time: float, state: np.ndarray) -> bool:
+        """Whether motion i is so near to a singular place that it does not pass what is watched."""
+        near = self.motions.divisor_watch(self.motions.values[i], CLEAR)
+        return near is not None and near(np.array([time]), state[None])
 
     def passages(
         self, watch: SectionWatch, passages: SectionPassages, name: str, value: float
@@ -122,7 +139,9 @@ class SwitchedMotions:
         time, state, values = motions.time, motions.states[i], motions.values[i]
         unit = time_scale(motions, time, state, values)
         length = STRETCH * unit
-        while not passages.over(i):
+        if self._is_near(i, time, state):
+            passages.errors[i] = break_error(SINGULAR_PLACE, time, state)
+        while not passages.over(i) and i not in passages.errors:
             grid = np.linspace(time, min(time + length, passages.until), LOOKS)
             way = self._to_plane(i, grid, state, name, value, passages.direction)
             run = way.stepper(grid)
@@ -192,7 +211,8 @@ def _switching_stepper(
     events: tuple[Event, ...] = (), functions: dict[str, Any] | None = None,
     state: np.ndarray | None = None,
 ) -> SwitchedIntegrator | None:  # fmt: skip
-    form, given = motions.ground.form, functions or {}
+    guards, watched = guard_events(motions.divisors)
+    form, given = motions.ground.form, {**(functions or {}), **watched}
     levels = quantities(form, given) if given else None
     start = motions.states[i] if state is None else state
     bare = replace(
@@ -200,5 +220,8 @@ def _switching_stepper(
         names=(),
         extras=replace(motions.program.extras, assignments=(), results=()),
     )
-    problem = Problem(bare, start.copy(), motions.values[i].tolist(), tol, events, levels)
+    problem = Problem(
+        bare, start.copy(), motions.values[i].tolist(), tol, (*events, *guards),
+        levels, coarse=frozenset(watched),
+    )  # fmt: skip
     return through_walls(method, problem, grid, form, given)

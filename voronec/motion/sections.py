@@ -393,9 +393,9 @@ def _follow(
     ready = perf_counter()
     if switched is None:
         follow(passages)
-        go_on_alone(motions, watch, passages, level, method, tol)
     else:
         switched.passages(watch, passages, f"plane {surface}", value)
+    go_on_alone(motions, watch, passages, level, method, tol)
     cost = Cost(
         method=used, reason=reason, tolerance=finest, setup=ready - began,
         run=perf_counter() - ready, steps=passages.steps[0], evaluations=passages.steps[0],
