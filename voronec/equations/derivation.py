@@ -64,6 +64,12 @@ class FirstOrderForm:
         """Rates, force, and mass row by row; stages are left out."""
         return (*self.rates, *self.force, *(e for row in self.mass for e in row))
 
+    @property
+    def rates_by_velocity(self) -> dict[Any, Any]:
+        """What qdot, where it has symbols, and dependent velocities are, by their symbols."""
+        dots = self.velocity_symbols
+        return dict(zip(dots, self.rates, strict=bool(dots))) | dict(self.dependent)
+
 
 @dataclass(frozen=True)
 class Derivation:

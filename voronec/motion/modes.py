@@ -96,7 +96,10 @@ class Modes:
         force where |w| is greater than ``saturated``."""
         form, functions = without_stages(with_plain_roots(form), functions)
         still = frozenset(form.parameters)
-        functions = {name: plain_roots(e, still) for name, e in functions.items()}
+        known = form.rates_by_velocity
+        functions = {
+            name: plain_roots(se.sympify(e).xreplace(known), still) for name, e in functions.items()
+        }
         exprs = form.expressions
         if not has_walls([*exprs, *functions.values()], still) and not rims(form, exprs):
             return None

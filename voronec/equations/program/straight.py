@@ -241,8 +241,7 @@ def _program(
 ) -> Program:
     form, wanted, inputs = _replace_functions(form, dict(extras))
     known = [form.time, *form.coordinates, *form.velocities, *form.parameters, *inputs]
-    dots = form.velocity_symbols
-    rates = dict(zip(dots, form.rates, strict=bool(dots))) | dict(form.dependent)
+    rates = form.rates_by_velocity
     observed = [e.xreplace(rates) for e in wanted.values()]
     matrix = [e for row in form.mass for e in row]
     names = [name for name, _ in form.stages]
