@@ -288,18 +288,19 @@ class Atlas:
         turns = 2 * np.pi * np.rint(steps / (2 * np.pi))
         return np.where(self.angles, steps - turns, steps)
 
-    def place(self, name: str) -> ChartProblem:
-        """A chart, ready to be integrated in."""
+    def place(self, name: str, state: np.ndarray | None = None) -> ChartProblem:
+        """A chart, ready to be integrated in; the ``state`` there is needed where a run first comes
+        to another one."""
         if name not in self._places:
             began = perf_counter()
-            self._places[name] = self._own() if name == HOME else self._other(name)
+            self._places[name] = self._own() if state is None else self._other(name, state)
             self.seconds.append(perf_counter() - began)
         return self._places[name]
 
     @cached_property
     def _units(self) -> np.ndarray:
-        """The units of states, whose variables bear the same names in all charts: those where the
-        run begins, in a chart that is regular there."""
+        """The units of states of the own chart: those where the run begins, in a chart that is
+        regular there, whose variables bear the same names."""
         return natural_units(self._outset)
 
     @cached_property
@@ -336,7 +337,7 @@ class Atlas:
         made = choose(self.method, problem, self.grid, None if regular else self._outset)
         return ChartProblem(HOME, problem, *made, _as_they_are)
 
-    def _other(self, name: str) -> ChartProblem:
+    def _other(self, name: str, state: np.ndarray) -> ChartProblem:
         chart, given = next(c for c in self.charts if c.name == name), self.problem
         levels = {event: chart.pull_back(e) for event, e in self.functions.items()}
         levels[LEAVE] = _beyond(chart.singular, NEAR)
@@ -348,15 +349,17 @@ class Atlas:
         problem = replace(
             given,
             program=program,
-            start=given.start.copy(),
+            start=state.copy(),
             parameters=self._values(program),
             events=(*given.events, *ends, *(Event(name, name) for name in sides)),
             levels=quantities(form, levels | sides),
             suspect=None,
             progress=self.progress,
             coarse=frozenset({LEAVE, RETURN}),
-            units=self._units,
+            units=None,
         )
+        # a rate that is next to nothing in one chart is that of a whole turn in another
+        problem = replace(problem, units=natural_units(problem))
         made = choose(self.place(HOME).chosen["method"], problem, self.grid)
         twins = tuple(self._rows(self.form, twin) for twin in chart.twins)
         return ChartProblem(name, problem, *made, self._rows(chart.form, chart.back), twins)

@@ -128,7 +128,7 @@ class _Journey:
 
     def stretch(self, name: str, time: Any, state: np.ndarray) -> Run:
         """Go on in a chart until it ends, or the grid does."""
-        place = self.atlas.place(name)
+        place = self.atlas.place(name, None if name == HOME else state)
         times = np.concatenate([[time], self.grid[self.done :]])
         if name != HOME and self.atlas.distances(times[:1], self.last[None, :])[0] < APART:
             soon = time + SOON * (self.grid[-1] - self.grid[0])
