@@ -257,3 +257,20 @@ def test_a_value_that_is_rounding_tells_no_time() -> None:
     spring = Program(se.Symbol("t"), (turn, spin), (), (), Block((), (spin, -turn)), (), nothing)
     small = natural_units(Problem(spring, np.array([1.4e-17, 0.3e-17]), [], 1e-13))
     assert (small < 1e-15).all()
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "lsoda", "c", "python"])
+@pytest.mark.parametrize("a", [1e-8, 1e-9, 1e-11])
+def test_slow_velocities_tell_no_length_where_the_body_turns(method: str, a: float) -> None:
+    """The sleigh goes round within a unit of time: its way is as long as it is in that, and not in
+    the time in which its velocities change.  The truth is that of the first order in a."""
+    v, w, first, J, end = 0.75, 2.0, 0.25, 0.5, 4.0
+    run = vo.integrate(
+        vo.load("sleigh"), initial={"v": v, "w": w, "phi": first}, times=[0, end], method=method,
+        parameters={"a": a, "m": 1, "J": J},
+    )  # fmt: skip
+    t, weights = np.polynomial.legendre.leggauss(40)
+    t = (t + 1) * end / 2
+    speeds = v + a * w**2 * t - 1j * v * (a * v * w / J) * t**2 / 2
+    place = (weights * speeds * np.exp(1j * (first + w * t))).sum() * end / 2
+    assert abs(complex(run["x"][-1], run["y"][-1]) - place) < 5e-13

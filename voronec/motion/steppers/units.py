@@ -86,7 +86,13 @@ def _units_beside(
         # of two in the middle the shorter: a size that is too small costs steps, a large one digits
         middle = times[rows, (count - 1) // 2]
         span = np.where(count > 0, middle, 0.0)[:, None]
-        size = np.maximum(x, np.where(_sound(slope), slope, 0.0) * span)
+        expected = np.where(_sound(slope), slope, 0.0)
+        # what only slow states let grow large does not where others, angles too, are quick
+        quick = _are_moving(own, slope, np.ones(x.shape, dtype=bool))
+        briefest = np.where(quick, own / slope, np.inf).min(axis=1, keepdims=True)
+        soon = np.maximum(expected * np.minimum(span, briefest), 1.0)
+        expected = expected * span
+        size = np.maximum(x, np.where(expected > LARGE, soon, expected))
         small = (size > 0) & (size < SMALL)
         if small.any():
             balance = span * _balance(slopes, states, own)
