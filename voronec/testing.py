@@ -134,12 +134,13 @@ def routes_agree_at_random_points(name: str) -> None:
 
 
 def routes_agree_where_scenes_start(name: str) -> None:
-    """The same at the initial data of every scene, where these are given in numbers."""
+    """The same at the initial data of every scene, where these are given in numbers; with inputs of
+    any value, as at random points."""
     eqs = _equations_of(name)
     for scene in eqs.system.scenes.values():
         point = _start(eqs.system, scene)
         if point is not None:
-            _routes_agree(eqs, point)
+            _routes_agree(eqs, {**random_point(eqs.system), **point})
 
 
 def scenes_run(name: str) -> None:

@@ -52,6 +52,8 @@ class AffineForms:
         rows, offsets = [], []
         at_rest = {v: se.Integer(0) for v in velocities}
         for index, expr in enumerate(exprs):
+            if any(n.free_symbols & at_rest.keys() for n in expr.atoms(se.sign, se.floor)):
+                return index  # it jumps, and has no slope there
             row = tuple(expr.diff(v) for v in velocities)
             used = [v for v in velocities if v in expr.free_symbols]
             if any(se.has_symbol(d, v) for d in row for v in used):
@@ -75,7 +77,8 @@ def _plain(coefficient: Any, velocities: Sequence[Any]) -> Any:
     for v in velocities:
         if se.has_symbol(coefficient, v) and not decide_zero(coefficient.diff(v)).proved:
             return None
-    return coefficient.xreplace({v: se.Integer(0) for v in velocities})
+    found = coefficient.xreplace({v: se.Integer(0) for v in velocities})
+    return None if found.has(se.nan) else found  # of |v| the slope is v/|v|
 
 
 @dataclass(frozen=True)

@@ -283,8 +283,10 @@ def numbers(program: Program, time: Any, state: Sequence[Any], values: Sequence[
     """The extra quantities of a program at a state of doubles, arrays or mpmath's numbers."""
     digits = any(isinstance(x, mpmath.mpf) for x in state)
     _, extras = (compiled_digits if digits else compile_program)(program)
+    # a Python float that is divided by zero is an exception, one of NumPy's is infinite
+    plain = list(state) if digits else [np.float64(x) if isinstance(x, float) else x for x in state]
     with np.errstate(all="ignore"):
-        return list(extras(time, list(state), list(values)))
+        return list(extras(time, plain, list(values)))
 
 
 @dataclass(frozen=True)

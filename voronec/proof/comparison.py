@@ -52,13 +52,16 @@ def is_general(system: System) -> bool:
 
 
 def random_point(system: System, seed: int = 0) -> dict[Any, Any]:
-    """Coordinates, velocities and the time; parameters near their defaults, with their signs.
+    """Coordinates, velocities, the time, inputs and their rates; parameters near their defaults,
+    with their signs.
 
     Everything is rational but for redundant coordinates, which Newton's steps bring onto their
     relations.
     """
     source = random.Random(f"{system.name} {seed}")
-    state = {s: _number(source) for s in (*system.coordinates, *system.velocities, time)}
+    signals = [s for u in system.inputs for s in (u, sp.diff(u, time))]
+    free = (*system.coordinates, *system.velocities, time, *signals)
+    state = {s: _number(source) for s in free}
     scaled = {}
     for parameter in system.parameters:
         value = 1 if parameter.value is None else parameter.value

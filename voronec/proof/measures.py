@@ -29,7 +29,7 @@ from voronec.equations.vector_field import NO_POINT, VectorField
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.proof.closure import foreign_rate
 from voronec.proof.decision import Decision, all_zero, zero_everywhere
-from voronec.proof.walls import across_walls
+from voronec.proof.walls import across_walls, flow_across_walls
 
 __all__ = ["decide_measure", "defect", "divergence", "measured_field"]
 
@@ -65,6 +65,7 @@ def decide_measure(motions: Motions, measure: Measure) -> Decision:
         found = all_zero([("", residual)], field.hypotheses)
         inside = [("the density", field.read_branches(measure.density))]
         found = across_walls(found, field, inside, periods=False)
+        found = flow_across_walls(found, field, field.read(measure.density))
     return Decision(found, field.level)
 
 

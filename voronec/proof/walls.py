@@ -40,7 +40,7 @@ from voronec.algebra.verdicts import Verdict, witness_at
 from voronec.equations.vector_field import VectorField
 from voronec.errors import DefinitionError, EngineLimit, quote
 
-__all__ = ["across_walls"]
+__all__ = ["across_walls", "flow_across_walls"]
 
 _SEEDS = 24
 """How many states are looked for on a wall."""
@@ -83,6 +83,21 @@ def across_walls(
             if one.status == status:
                 return one
     return _join_proofs(verdict, found)
+
+
+def flow_across_walls(verdict: Verdict, field: VectorField, density: Any) -> Verdict:
+    """A proof that div(density f) = 0 off the walls of the field, as what it is with them.
+
+    Volume passes a wall h = 0 unchanged where density f(h) is the same on both sides, as it is
+    where a force jumps with a place; friction, which jumps with a velocity, presses it together.
+    """
+    moving = frozenset({*field.variables, field.time})
+    if not verdict.proved or not has_branches([*field.entries], moving):
+        return verdict
+    try:
+        return _Ground(field, moving, False, False).verdict_on_flow(density, verdict)
+    except EngineLimit as limit:
+        return Verdict("undecided", f"the walls of the field: {limit}")
 
 
 def _join_proofs(verdict: Verdict, found: Sequence[Verdict]) -> Verdict:
@@ -140,6 +155,24 @@ class _Ground:
             proof = replace(proof, modulo=" and ".join(map(self._write, found)))
         return self._with_domain(proof, function)
 
+    def verdict_on_flow(self, density: Any, proof: Verdict) -> Verdict:
+        """The verdict on an invariant measure with a proof off the walls of the field."""
+        for h in self._field_jumps:
+            there, flow = (*self.hypotheses, h), density * self.field.derivative(h)
+            for wall in Branches(flow, self.variables, self.relations, False).walls():
+                if not self._is_same_wall(wall.function, h):
+                    continue
+                if self._vanishes(wall.above - wall.below, there):
+                    continue
+                place = self._place(wall)
+                sides = [wall.above, wall.below, *wall.positive]
+                for point, (above, below, *rest), _ in self._states(sides, there, wall.whole):
+                    if not above.overlaps(below) and all(e > 0 for e in rest):
+                        words = f"volume is lost or won where {place}: the flow through it jumps"
+                        return Verdict("refuted", words, witness_at(point, above, below))
+                return Verdict("undecided", f"whether the flow jumps where {place} is open")
+        return proof
+
     def _with_domain(self, proof: Verdict, function: Any) -> Verdict:
         """The proof with the domain on which the function is real, where that is less than all."""
         bounds = [
@@ -189,8 +222,10 @@ class _Ground:
 
     def _is_jump_of_field(self, h: Any) -> bool:
         """Whether the field itself jumps where h = 0, as with friction."""
-        own = self._field_jumps
-        return any((h - k).expand() == 0 or (h + k).expand() == 0 for k in own)
+        return any(self._is_same_wall(h, k) for k in self._field_jumps)
+
+    def _is_same_wall(self, h: Any, k: Any) -> bool:
+        return bool((h - k).expand() == 0 or (h + k).expand() == 0)
 
     @cached_property
     def _field_jumps(self) -> list[Any]:

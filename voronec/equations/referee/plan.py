@@ -414,6 +414,9 @@ def _followers(inside: _SymbolTable) -> ExpressionSequence | None:
 def _form(inside: _SymbolTable, label: str, expr: Any) -> Form:
     """Read an expression that is affine in the velocities, or seems not to be."""
     at_rest = {v: se.Integer(0) for v in inside.v}
+    if any(n.free_symbols & at_rest.keys() for n in expr.atoms(se.sign, se.floor)):
+        nothing = se.Integer(0)  # what jumps with a velocity has no slope there, and bends
+        return Form(label, (nothing,) * len(inside.v), nothing, (se.Integer(1),))
     coefficients = [expr.diff(v) for v in inside.v]
     bends = [
         bend
