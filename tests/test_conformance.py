@@ -91,6 +91,31 @@ def test_the_kit_finds_what_is_wrong(tmp_path: Path, change, statement, message)
         STATEMENTS[statement](str(wrong))
 
 
+BELT = """
+import sympy as sp
+import voronec as vo
+
+x, y, v = sp.symbols("x y v")
+u = sp.Function("u")(vo.time)
+SYSTEM = vo.System(
+    name="belt",
+    title="A block on a belt that is steered",
+    fibration=vo.Fibration(base=(x,), fibre=(y,)),
+    lagrangian=(vo.velocity(x)**2 + vo.velocity(y)**2) / 2,
+    constraints=(vo.velocity(y) - u*vo.velocity(x),),
+    inputs=(u,),
+    scenes={"default": vo.Scene({x: 0, vo.velocity(x): 1}, (0, 1), inputs={u: 2 + vo.time})},
+)
+"""
+
+
+def test_systems_with_inputs_conform(tmp_path: Path) -> None:
+    file = tmp_path / "belt.py"
+    file.write_text(BELT)
+    for what in ("routes agree at random points", "routes agree where scenes start", "scenes run"):
+        STATEMENTS[what](str(file))
+
+
 def test_the_kit_finds_equations_that_the_multipliers_refute(monkeypatch):
     from voronec import testing
 

@@ -31,6 +31,12 @@ MEANT = {
     "curved constraint": (
         {"constraints": (Dy**2 - Dx,)}, ["constraint 1", "not affine in the velocities"],
     ),
+    **{
+        f"constraint with a corner: {corner}": (
+            {"constraints": (Dy - corner,)}, ["constraint 1", "not affine in the velocities"],
+        )
+        for corner in (sp.sign(Dx), sp.Abs(Dx), sp.Max(Dx, 0), sp.floor(Dx), sp.sqrt(Dx**2))
+    },
     "constraint on coordinates": ({"constraints": (KNIFE, x - phi)}, ["redundant", "frame="]),
     "constraint nothing": ({"constraints": (sp.Integer(0),)}, ["constraint 1"]),
     "constraint impossible": ({"constraints": (sp.Integer(1),)}, ["constraint 1", "drop it"]),

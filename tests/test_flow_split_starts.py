@@ -348,3 +348,16 @@ def test_velocities_that_are_dependent_but_for_rounding_do_not_begin_a_run() -> 
     system = replace(system, charts={"both": system.charts["both poles turned"]})
     with pytest.raises(vo.IntegrationError, match="no velocities determine the motion"):
         vo.integrate(system, times=[0, 0.1], initial=start)
+
+
+@pytest.mark.parametrize(("method", "tol"), [("auto", 1e-13), ("scipy", 1e-13), ("flint", 1e-20)])
+def test_a_start_at_which_constraints_divide_by_zero_is_refused(method: str, tol: float) -> None:
+    x, y = sp.symbols("x y")
+    system = vo.System(
+        name="hyperbola",
+        fibration=vo.Fibration(base=(x,), fibre=(y,)),
+        lagrangian=(velocity(x) ** 2 + velocity(y) ** 2) / 2,
+        constraints=(velocity(y) - 1 / x,),
+    )
+    with pytest.raises(vo.DefinitionError, match="not defined at the initial point"):
+        vo.integrate(system, initial={x: 0, "xdot": 1}, times=[0, 1], method=method, tol=tol)

@@ -522,6 +522,9 @@ BAD = {
         "constraint 2 depends on the others, and its derivative contradicts",
     ),
     "bent": (plane(constraints=(Dy - Dx**3,)), REST, "constraint 1 is not affine"),
+    "jump of a velocity": (
+        plane(constraints=(Dy - sp.sign(Dx),)), REST, "constraint 1 is not affine",
+    ),
     "bent frame": (
         plane(constraints=(Dy,), frame=Frame.quasi({v: Dx * Dx})), {x: 0, y: 0, v: 1},
         "definition of 'v' is not affine",

@@ -10,6 +10,7 @@ from functools import cache
 from itertools import pairwise
 
 import mpmath as mp
+import numpy as np
 import pytest
 import symengine as se
 import sympy as sp
@@ -349,3 +350,43 @@ def test_a_section_that_misses_a_zero_at_infinity_certifies_nothing(fixed, monke
         monkeypatch.setattr(simple_zeros, "_line", honest)
         simple = (function / (a - 1)).expand()
         assert simple_zeros._has_simple_zeros.__wrapped__(simple, relations, frozenset())
+
+
+@pytest.mark.parametrize(
+    ("force", "status"),
+    [
+        (-sp.sign(v), "refuted"),  # all motions of a cell come to rest
+        (-sp.sign(v - 1), "refuted"),
+        (-sp.Heaviside(v), "refuted"),
+        (-sp.sign(v) * sp.sign(x), "refuted"),
+        (-sp.sign(x), "proved"),  # a jump of the force at a place presses nothing together
+        (-sp.sign(x) * sp.Abs(x), "proved"),
+        (sp.floor(t), "proved"),
+        (-sp.sign(x + t), "proved"),
+    ],
+)
+def test_volume_passes_the_walls_of_a_field(force, status):
+    system = vo.System(
+        name="block", fibration=vo.Fibration((x,)), lagrangian=v**2 / 2, forces={x: force},
+        measure=1,
+    )  # fmt: skip
+    (claim,) = check_claims(system)
+    assert claim.verdict.status == status
+    if status == "refuted":
+        assert "the flow through it jumps" in claim.verdict.method and claim.verdict.witness
+
+
+@pytest.mark.parametrize(("force", "lost"), [(-sp.sign(v), True), (-sp.sign(x), False)])
+def test_a_cell_of_motions_has_the_volume_that_the_verdict_says(force, lost):
+    """By motions alone: the area of a small cell of starts that passes the wall."""
+    system = vo.System(
+        name="block", fibration=vo.Fibration((x,)), lagrangian=v**2 / 2, forces={x: force}
+    )
+    corners = [(0.3, -0.9), (0.301, -0.9), (0.301, -0.899), (0.3, -0.899)]
+    ends = [
+        vo.integrate(system, initial={x: a, v: b}, times=[0, 2], outputs=(x, v), method="scipy")
+        for a, b in corners
+    ]
+    p, r = (np.array([float(e[name][-1]) for e in ends]) for name in (x, v))
+    area = abs(np.dot(p, np.roll(r, -1)) - np.dot(r, np.roll(p, -1))) / 2
+    assert area < 1e-9 if lost else abs(area / 1e-6 - 1) < 1e-2
