@@ -462,10 +462,9 @@ def test_a_section_goes_on_in_another_split(method: str) -> None:
     assert section.speed == pytest.approx([(b - a) / (2 * h) for a, b in around], rel=1e-6)
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-def test_a_run_ends_where_no_split_leads_on(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_ends_where_no_split_leads_on(monkeypatch: pytest.MonkeyPatch) -> None:
     # both wheels of a bicycle that tumbles come to touch the ground where their conditions are one
-    monkeypatch.setattr("voronec.motion.divisors.Random", lambda _: Random(seed))
+    monkeypatch.setattr("voronec.motion.divisors.Random", lambda _: Random(1))
     start = {
         "phi": -2.035686614234207, "delta": -33.52509248996672, "beta_R": 7.471950048917096,
         "x": 4.777030990248209, "y": 0.32111862746184155, "z": 0.442, "psi": 2.0567957646061044,
