@@ -141,6 +141,21 @@ def test_derive_tells_kind_growth_equations_and_curvature(call: Call) -> None:
         assert line in lines
 
 
+@pytest.mark.parametrize(
+    ("bound", "told"),
+    [
+        ("Y*sp.cos(p) - X*sp.sin(p), Z - X", "number 2 of 2"),
+        ("Y - X, Z - X", "numbers 1, 2 of 2"),
+    ],
+)
+def test_integrable_constraints_are_numbered(call: Call, bound: str, told: str) -> None:
+    Path("one.py").write_text(
+        f"{PREAMBLE}    fibration=F((x, p), (y, z)), lagrangian=free, parameters=(m,), "
+        f"constraints=({bound}),\n)\n"
+    )
+    assert f"integrable constraints  {told}" in call("derive", "one.py").out.splitlines()
+
+
 def test_derive_emits_source(call: Call) -> None:
     assert "\\begin{aligned}" in call("derive", "sleigh", "--latex").out
     assert "void rhs(" in call("derive", "sleigh", "--c").out
@@ -292,6 +307,11 @@ def test_new_never_writes_over_a_file(call: Call) -> None:
     assert Path("sled.py").read_text() == "mine"
 
 
+def test_new_refuses_a_name_of_the_catalogue(call: Call) -> None:
+    assert "there is a system 'sleigh' already" in refused(call("new", "sleigh"))
+    assert not Path("sleigh.py").exists()
+
+
 @pytest.mark.parametrize("name", ["My", "1st", "a_b", "../a", "a--b", "a-", "", "a b", "ä"])
 def test_new_refuses_names_that_no_system_may_have(call: Call, name: str) -> None:
     assert "is no name for a system" in refused(call("new", name))
@@ -365,4 +385,25 @@ def test_an_unknown_system_is_answered_with_the_nearest(call: Call) -> None:
 
 def test_a_file_called_without_its_ending_is_recognised(call: Call) -> None:
     call("new", "sled")
-    assert "'sled.py'" in refused(call("derive", "sled"))
+    for command in ("derive", "check", "graph"):
+        assert "'sled.py'" in refused(call(command, "sled"))
+
+
+@pytest.mark.parametrize("command", ["derive", "cite", "check", "graph", "regenerate"])
+def test_a_file_of_another_ending_is_never_run(call: Call, command: str) -> None:
+    Path("folder").mkdir()
+    for name in ("folder/tau.csv", "t.tml"):
+        Path(name).write_text("raise KeyboardInterrupt\n")
+        if (command, name) != ("regenerate", "t.tml"):  # a name of a paper
+            answer = call(command, name)
+            assert (answer.status, answer.out) == (2, "")
+            assert f"'{name}' defines no system: a file must end in .py or .toml" in answer.err
+        with pytest.raises(vo.DefinitionError, match="a file must end"):
+            vo.load(Path(name))
+    assert "there is no file 'folder/none'" in call(command, "folder/none").err
+
+
+def test_an_unknown_command_or_method_is_answered_with_the_nearest(call: Call) -> None:
+    assert "there is no 'runn'; did you mean 'run'; see" in refused(call("runn"))
+    told = refused(call("run", "sleigh", "--method", "heioka"))
+    assert "--method: there is no 'heioka'; did you mean 'heyoka'" in told

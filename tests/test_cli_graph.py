@@ -51,6 +51,22 @@ def test_it_is_written_in_the_format_of_the_name(call: Call, suffix: str, head: 
     assert Path(f"g{suffix}").read_bytes().startswith(head)
 
 
+def test_a_file_stands_in_the_diagram_by_the_name_of_its_system(call: Call) -> None:
+    text = """
+import sympy as sp
+import voronec as vo
+
+s = sp.Symbol("s")
+SYSTEM = vo.System("mine", vo.Fibration(s), vo.velocity(s) ** 2 / 2)
+RELATIONS = (vo.Relation("mine", "mine", state={s: -s}),)
+"""
+    Path("x.py").write_text(text)
+    assert call("graph", "x.py").out.startswith("mine -> mine ")
+    assert json.loads(call("graph", "x.py", "--json").out)["nodes"] == ["mine"]
+    both = json.loads(call("graph", "vertical-disc", "x.py", "--json").out)["nodes"]
+    assert {"mine", "vertical-disc", "falling-disc"} <= {*both}
+
+
 def test_data_are_written_and_printed_alike(call: Call) -> None:
     call("graph", "vertical-disc", "--out", "g.json")
     data = json.loads(Path("g.json").read_text())

@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 
 import voronec
 from voronec.equations.printers import PRINTERS
-from voronec.errors import printable
+from voronec.errors import did_you_mean, printable
 from voronec.motion.methods import method_names
 
 __all__ = ["as_options", "command_parser"]
@@ -32,6 +32,10 @@ class _OneLineParser(argparse.ArgumentParser):
     """
 
     def error(self, message: str) -> NoReturn:
+        choice = re.fullmatch(r"(.*): invalid choice: '(.*)' \(choose from (.*)\)", message)
+        if choice is not None:
+            near = did_you_mean(choice[2], re.findall(r"[\w-]+", choice[3]))
+            message = f"{choice[1]}: there is no '{choice[2]}'{near}".removesuffix("?")
         self.exit(2, f"{self.prog}: {printable(message)}; see '{self.prog} --help'\n")
 
     def print_help(self, file: Any = None) -> None:

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 
 from voronec.algebra.columns import columns
 from voronec.cli.output import print_json, progress
-from voronec.cli.subject import is_file
+from voronec.cli.subject import is_file, name_in
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
-    from voronec.proof.check import Finding, Inventory, Report, Result
+    from voronec.proof.check import Finding, Report, Result
 
 __all__ = ["execute"]
 
@@ -25,9 +25,8 @@ def execute(arguments: Namespace) -> int:
 
     if arguments.jobs is not None and arguments.jobs < 1:
         raise DefinitionError(f"--jobs {arguments.jobs}: give a number from 1 upward")
-    stock, names = Inventory.of(filter(is_file, arguments.names)), []
-    for subject in arguments.names:
-        names.append(_name_in(stock, subject))
+    stock = Inventory.of(filter(is_file, arguments.names))
+    names = [name_in(stock, subject) for subject in arguments.names]
     store = None if arguments.fresh else user_store()
     try:
         report = check_catalogue(names, stock, arguments.jobs, store, progress)
@@ -43,15 +42,6 @@ def execute(arguments: Namespace) -> int:
     if report.stopped:
         raise KeyboardInterrupt
     return 0 if report.passed else 1
-
-
-def _name_in(stock: Inventory, subject: str) -> str:
-    """The name under which a NAME or a FILE is checked."""
-    if not is_file(subject):
-        return stock.entry(subject).name
-    from voronec.declaration.catalogue import file_entry
-
-    return file_entry(subject).name
 
 
 def _lines(report: Report) -> Iterator[str]:

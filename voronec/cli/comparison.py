@@ -51,8 +51,8 @@ def _lines(found: Comparison) -> Iterator[str]:
     yield from columns(_summary(found), "  ")
     for row in (*found.rewritten_rows, *found.differences):
         yield from ("", f"{row.group} {row.name}: {row.status}")
-        yield f"  {found.first}: {row.first or '-'}"
-        yield f"  {found.second}: {row.second or '-'}"
+        for name, text in ((found.first, row.first), (found.second, row.second)):
+            yield f"  {name}: {text.replace('**', '^') or '-'}"
         if row.status != "proved" and row.how:
             yield f"  {row.how}"
     yield ""

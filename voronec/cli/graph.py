@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.columns import columns
 from voronec.cli.output import print_json, progress, warn
+from voronec.cli.subject import is_file, name_in
 from voronec.declaration.whole_files import replace_file
 from voronec.errors import DefinitionError
 
@@ -33,8 +34,8 @@ def execute(arguments: Namespace) -> int:
         )
     progress("reading the systems")
     try:
-        stock = Inventory.of()
-        names = {stock.entry(name).name for name in arguments.names}
+        stock = Inventory.of(filter(is_file, arguments.names))
+        names = {name_in(stock, subject) for subject in arguments.names}
         graph = around(stock.graph, names) if names else stock.graph
         known = {r.name: r for r in known_results(stock, names) if r.kind == "relation"}
     finally:

@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from voronec.declaration.catalogue import SUFFIXES, Entry, entry_of, is_file, load_file
+from voronec.declaration.catalogue import (
+    SUFFIXES,
+    Entry,
+    entry_of,
+    file_entry,
+    is_file,
+    load_file,
+    require_suffix,
+)
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
     from voronec.declaration.system import System
+    from voronec.proof.check import Inventory
 
-__all__ = ["entry_of_name", "is_file", "resolve"]
+__all__ = ["entry_of_name", "is_file", "name_in", "resolve"]
 
 
 def resolve(subject: str) -> tuple[System, Path | None]:
@@ -22,11 +32,19 @@ def resolve(subject: str) -> tuple[System, Path | None]:
     return entry.load(), entry.origin.parent if entry.origin is not None else None
 
 
-def entry_of_name(name: str) -> Entry:
+def name_in(stock: Inventory, subject: str) -> str:
+    """The name under which an inventory holds a NAME or a FILE."""
+    return (
+        file_entry(subject).name if is_file(subject) else entry_of_name(subject, stock.entry).name
+    )
+
+
+def entry_of_name(name: str, find: Callable[[str], Entry] = entry_of) -> Entry:
     """Where the system of that name stands; a file of that name is told of."""
     try:
-        return entry_of(name)
+        return find(name)
     except DefinitionError as error:
+        require_suffix(Path(name))
         for suffix in SUFFIXES:
             if Path(name + suffix).is_file():
                 raise DefinitionError(f"{error} For the file, say '{name}{suffix}'") from None

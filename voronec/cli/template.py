@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from voronec.cli.files import create
 from voronec.cli.output import print_json
+from voronec.declaration.catalogue import names
 from voronec.errors import DefinitionError
 
 __all__ = ["Mechanism", "execute"]
@@ -24,6 +25,11 @@ def execute(arguments: Namespace) -> int:
         raise DefinitionError(
             f"'{name}' is no name for a system; use lower-case letters, digits and single hyphens, "
             "a letter first, such as 'rolling-coin'"
+        )
+    if name in names():
+        raise DefinitionError(
+            f"there is a system '{name}' already, which 'voronec show {name}' tells of; choose "
+            f"another name, such as 'my-{name}'"
         )
     mechanism = _mechanism_of(name)
     path = Path(name.replace("-", "_") + (".toml" if arguments.toml else ".py"))

@@ -48,6 +48,7 @@ __all__ = [
     "names",
     "papers",
     "registered_entries",
+    "require_suffix",
 ]
 
 GROUP = "voronec.systems"
@@ -275,11 +276,20 @@ def load_file(path: str | Path) -> System:
 
 def _definitions_in(path: Path) -> Mapping[str, Any]:
     """The names that a file defines: a Python file is run, a text is read."""
+    require_suffix(path)
     if path.suffix != ".toml":
         return run_file(path)
     from voronec.declaration.system_text import read_system
 
     return {"SYSTEM": read_system(path)}
+
+
+def require_suffix(path: Path) -> None:
+    """Refuse a file that is neither Python nor a text of a system by its name."""
+    if path.is_file() and path.suffix not in SUFFIXES:
+        raise DefinitionError(
+            f"'{path}' defines no system: a file must end in {' or '.join(SUFFIXES)}; rename it"
+        )
 
 
 def load_paper_file(path: str | Path) -> Any:

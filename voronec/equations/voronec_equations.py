@@ -99,6 +99,7 @@ def equations_lines(eqs: VoronecEquations, width: int = WIDTH) -> list[str]:
 
 def _facts(eqs: VoronecEquations) -> list[list[str]]:
     count = len(eqs.system.constraints)
+    some = f"number{'s' * (len(eqs.integrable) > 1)} "
     whole = ", ".join(f"{i + 1}" for i in eqs.integrable)
     more = ", ..." if eqs.distribution.cut else ""
     growth = "(" + ", ".join(map(str, eqs.growth)) + more + ")"
@@ -107,7 +108,7 @@ def _facts(eqs: VoronecEquations) -> list[list[str]]:
     rows.append(["growth vector", f"{growth} of {eqs.distribution.dimension}{timed}"])
     if count:
         none = "undecided" if eqs.distribution.cut else f"none of {count}"
-        rows.append(["integrable constraints", whole or none])
+        rows.append(["integrable constraints", f"{some}{whole} of {count}" if whole else none])
     relations = eqs.system.fibration.relations
     rows += [["relation, differentiated", f"{caret_text(e)} = 0"] for e in relations]
     frame = eqs.system.frame

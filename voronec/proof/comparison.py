@@ -94,6 +94,8 @@ LONGEST = 20_000
 POINTS = 2
 ABSENT = "not computed"
 DIGITS = 30
+SETS = ("parameters", "inputs")
+"""Facts that are the same in any order."""
 FACTS = ("base", "fibre", "velocities", "parameters", "relations", "kind", "growth", "integrable")
 
 Groups = Mapping[str, Mapping[str, str]]
@@ -142,7 +144,8 @@ class StoredDerivation:
         return {
             "format": FORMAT,
             "system": self.name,
-            **self.facts,
+            # systems without inputs are stored as they were before there were any
+            **{k: fact for k, fact in self.facts.items() if fact or k != "inputs"},
             "groups": {k: dict(g) for k, g in self.groups.items()},
             "ideals": dict(self.ideals),
             "positive": [*self.positive],
@@ -162,7 +165,7 @@ class StoredDerivation:
                     f"{place} has the format {data['format']}, not {FORMAT}; store it again"
                 )
             points = tuple((p["at"], p["acceleration"]) for p in data["points"])
-            facts = {fact: data[fact] for fact in FACTS}
+            facts = {fact: data[fact] for fact in FACTS} | {"inputs": data.get("inputs", [])}
             groups = {k: dict(g) for k, g in data["groups"].items()}
             positive = tuple(data.get("positive", ()))  # older files say nothing of signs
             return cls(data["system"], facts, groups, dict(data["ideals"]), points, positive)
@@ -201,6 +204,7 @@ def _plain_facts(eqs: VoronecEquations) -> dict[str, Any]:
         "fibre": _names(system.fibration.fibre),
         "velocities": _names(system.velocities),
         "parameters": [p.name for p in system.parameters],
+        "inputs": _names(system.inputs),
         "kind": _within(lambda: eqs.kind),
         "growth": ABSENT if general else _within(lambda: [int(n) for n in eqs.growth]),
         "integrable": ABSENT if general else _within(lambda: [i + 1 for i in eqs.integrable]),
@@ -415,9 +419,12 @@ def _derivation_of(side: Side) -> StoredDerivation:
 
 
 def _facts(first: StoredDerivation, second: StoredDerivation) -> Iterator[Row]:
-    for fact in FACTS:
-        ours, theirs = (_show(d.facts[fact]) for d in (first, second))
-        status = "identical" if ours == theirs else "different"
+    with_inputs = any(d.facts["inputs"] for d in (first, second))
+    for fact in (*FACTS, "inputs") if with_inputs else FACTS:
+        pair = [d.facts[fact] for d in (first, second)]
+        ours, theirs = map(_show, pair)
+        same = {*pair[0]} == {*pair[1]} if fact in SETS else ours == theirs
+        status = "identical" if same else "different"
         if "undecided" in (ours, theirs) and ours != theirs:
             status = "undecided"
         yield Row("facts", fact, status, ours, theirs)
