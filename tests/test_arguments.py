@@ -1,7 +1,9 @@
 """Arguments of the wrong kind are refused in one line that names them, by every public function."""
 
+import inspect
 import math
 from contextlib import suppress
+from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
 from functools import cache
@@ -200,6 +202,28 @@ def test_a_function_names_itself_and_its_argument():
             grow(bad)
     with pytest.raises(TypeError):
         grow(1, 2, 3)
+
+
+@pytest.mark.parametrize(
+    ("make", "near"),
+    [
+        (lambda: system(constrains=()), "System.* 'constrains'; did you mean 'constraints'"),
+        (lambda: vo.Scene(initail={}), "Scene.* 'initail'; did you mean 'initial'"),
+        (lambda: vo.Relation.of(system(), "s", clok=2), "'clok'; did you mean 'clock'"),
+        (lambda: vo.integrate(system(), params={}), "integrate.* did you mean 'parameters'"),
+        (lambda: vo.linearise(vo.derive(system()), point={}), "'point'; there are: at, equations"),
+        (lambda: vo.search_integrals(system(), degre=1), "'degre'; did you mean 'degree'"),
+        (lambda: vo.check_catalogue(job=1), "'job'; did you mean 'jobs'"),
+    ],
+)
+def test_a_misspelled_argument_is_answered_with_the_nearest(make, near):
+    with pytest.raises(TypeError, match=near):
+        make()
+
+
+def test_a_class_that_refuses_other_arguments_says_what_it_takes():
+    assert [*inspect.signature(vo.Scene).parameters][:2] == ["initial", "times"]
+    assert replace(system(), title="one").title == "one"
 
 
 def test_numbers_are_followed_in_doubles_without_being_written_out():

@@ -118,6 +118,10 @@ MEANT = {
     "Lagrangian a list": ({"lagrangian": [KINETIC]}, ["Lagrangian"]),
     "Lagrangian true": ({"lagrangian": sp.true}, ["Lagrangian"]),
     "constraints missing": ({"constraints": None}, ["constraints", "tuple"]),
+    "two equations": ({"constraints": ("xdot = ydot = 1",)}, ["constraint 1", "column 6"]),
+    "equation without a side": ({"constraints": ("xdot =",)}, ["constraint 1", "a number"]),
+    "an input perhaps": ({"forces": {x: k}}, ["inputs=(...)"]),
+    "essential in a text": ({"essential": ("x",)}, ["essential: 'x' is no symbol"]),
     "constraints a mapping": ({"constraints": {y: KNIFE}}, ["constraints", "tuple"]),
     "constraint trivial": ({"constraints": (sp.Eq(Dy, Dy),)}, ["constraint"]),
     "constraint missing": ({"constraints": (None,)}, ["constraint 1 is 'None'"]),
@@ -180,6 +184,7 @@ MADE = {
     "scene of a list": (lambda: Scene(initial=[1]), "initial"),
     "velocity of a number": (lambda: velocity(5), "symbol"),
     "velocity of a sum": (lambda: velocity(x + y), "symbol"),
+    "measure in a text": (lambda: vo.Measure(1, ("x",)), "'x' is no symbol; give the symbol"),
     "derive nothing": (lambda: vo.derive(None), "System"),
     "derive a name": (lambda: vo.derive("sleigh"), "System"),
 }
@@ -225,7 +230,10 @@ def test_one_thing_stands_for_a_tuple_of_it():
     full = System("s", PLANE, KINETIC * m, (KNIFE,), (m,), references=("Key",))
     assert bare == full
     assert System("s", PLANE, KINETIC * m, sp.Eq(KNIFE, 0), Parameter(m, 1)).constraints == (KNIFE,)
+    for text in ("ydot - tan(phi)*xdot", "ydot = tan(phi)*xdot", "ydot == tan(phi)*xdot"):
+        assert System("s", PLANE, KINETIC, text) == System("s", PLANE, KINETIC, KNIFE)
     circle = x**2 + y**2 - 1
+    assert Fibration((x, y), relations="x^2 + y^2 = 1").relations == (circle,)
     assert Fibration((x, y), relations=circle) == Fibration((x, y), relations=(circle,))
 
 

@@ -61,6 +61,20 @@ def test_forces_on_one_coordinate_add_up() -> None:
     assert sleigh(dict(both.forces)).forces == both.forces
 
 
+def test_what_a_force_acts_along_may_be_named() -> None:
+    by_symbol = sleigh({x: 1, v: push, DPHI: turn, DX - 2 * DY: a})
+    assert sleigh({"x": 1, "v": push, "phidot": turn, "xdot - 2*ydot": a}) == by_symbol
+    with pytest.raises(vo.DefinitionError, match=r"acts along: 'v \+' is not a formula"):
+        sleigh({"v +": push})
+    p, q = sp.symbols("p q")
+    frame = Frame.group((p, q), {(p, q): {q: 1}})
+    options: dict[str, Any] = {"frame": frame, "lagrangian": (p**2 + q**2) / 2}
+    on_group = System("named", Fibration(()), forces={"q": -q}, **options)
+    assert on_group.forces == {q: -q}
+    with pytest.raises(vo.DefinitionError, match="not a velocity of the frame; these are 'p', 'q'"):
+        System("named", Fibration(()), forces={"r": -q}, **options)
+
+
 def test_the_referee_agrees() -> None:
     system = sleigh({v: push * phi, DY: turn})
     point = {x: 1, y: 2, phi: sp.Rational(1, 3), v: 2, omega: -1, m: 2, J: 3, a: sp.Rational(1, 2)}

@@ -180,7 +180,10 @@ def test_the_rate_of_an_input_is_exact_given_or_refused():
 
 BAD = {
     "missing": ({}, {}, r"no value for the input 'tau'; give inputs=\{'tau': ...\}"),
-    "unknown": ({"sigma": 1}, {}, "no input 'sigma'"),
+    "unknown": ({"sigma": 1}, {}, r"no input 'sigma'; declare it, System.*inputs=\(sigma,\)"),
+    "near": ({"tauu": 1}, {}, "no input 'tauu'.*did you mean 'tau'"),
+    "values alone": ({tau: np.array([1, 2])}, {}, r"\(times, values\), or voronec\.Table"),
+    "a list": ({tau: [1, 2]}, {}, r"'tau' = \[1, 2\] is no value.*voronec\.Table"),
     "short": ({tau: ([0, 1], [0, 1])}, {}, "from t = 0 to 1, the motion from 0 to 2.3"),
     "heyoka": ({tau: math.sin}, {"method": "heyoka"}, "method='scipy'"),
     "flint": ({tau: math.sin}, {"tol": 1e-30}, "known in doubles"),

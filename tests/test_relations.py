@@ -178,6 +178,12 @@ def test_what_is_missing_or_unknown_is_told_in_one_line(relation, words):
     assert "\n" not in str(caught.value)
 
 
+def test_a_parameter_that_goes_over_by_its_own_name_to_nothing_is_told():
+    relation = vo.Relation.of(MOTIONS["spring"].system, "unit-spring", {"w": 1}, state={q: x})
+    with pytest.raises(vo.DefinitionError, match=r"goes over by its own name.* write Relation"):
+        check_relation(relation, MOTIONS.__getitem__)
+
+
 def test_the_limit_scales_parameters_of_the_source():
     with pytest.raises(vo.DefinitionError, match="no parameter of 'spring'"):
         check("spring", "free", state={q: x}, limit=vo.Limit(h, {n: h}))

@@ -6,13 +6,13 @@ import inspect
 import math
 import numbers
 import os
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass, fields
 from fractions import Fraction
 from functools import wraps
 from typing import Any, TypeVar, cast
 
-from voronec.errors import DefinitionError, VoronecError, quote
+from voronec.errors import DefinitionError, VoronecError, did_you_mean, quote
 
 __all__ = [
     "CALLABLE",
@@ -33,9 +33,11 @@ __all__ = [
     "reads",
     "require",
     "require_digits",
+    "takes_fields",
 ]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+Class = TypeVar("Class", bound=type)
 
 
 @dataclass(frozen=True)
@@ -143,14 +145,38 @@ def callback(place: str, name: str, function: Any) -> Callable[..., Any] | None:
     return call
 
 
+def require_arguments(place: str, given: Iterable[str], known: Collection[str]) -> None:
+    """Refuse an argument that a function does not have: as Python does, but with the nearest."""
+    for name in given:
+        if name not in known:
+            hint = did_you_mean(name, known)
+            raise TypeError(f"{place}() got an unexpected argument '{name}'{hint}")
+
+
+def takes_fields(cls: Class) -> Class:
+    """Let a dataclass refuse arguments that are none of its fields, with those that are near."""
+    make, known = cls.__dict__["__init__"], {f.name for f in fields(cls) if f.init}
+
+    @wraps(make)
+    def check(self: Any, *args: Any, **options: Any) -> None:
+        require_arguments(cls.__name__, options, known)
+        make(self, *args, **options)
+
+    setattr(cls, make.__name__, check)
+    return cls
+
+
 def accepts(**kinds: Kind) -> Callable[[Function], Function]:
-    """Let a function begin only where these arguments of it are of these kinds."""
+    """Let a function begin only with arguments that it has, where these are of these kinds."""
 
     def guard(function: Function) -> Function:
-        places = {name: i for i, name in enumerate(inspect.signature(function).parameters)}
+        parameters = inspect.signature(function).parameters
+        places = {name: i for i, name in enumerate(parameters)}
+        is_open = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
 
         @wraps(function)
         def check(*args: Any, **options: Any) -> Any:
+            require_arguments(function.__name__, () if is_open else options, places)
             given = list(args)
             for name, kind in kinds.items():
                 named = name in options

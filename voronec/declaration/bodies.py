@@ -8,12 +8,14 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.arguments import takes_fields
 from voronec.declaration.reading import expression, several
 from voronec.errors import DefinitionError, quote
 
 __all__ = ["Body", "inertia_tensor"]
 
 
+@takes_fields
 @dataclass(frozen=True)
 class Body:
     """A rigid body, or a particle, or a place without mass at which a force acts.

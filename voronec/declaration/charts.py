@@ -11,6 +11,7 @@ from typing import Any, Protocol
 
 import sympy as sp
 
+from voronec.algebra.arguments import takes_fields
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.declaration.reading import expression, fixed_mapping, quote, several
 from voronec.errors import DefinitionError
@@ -31,6 +32,7 @@ class Variables(Protocol):
     def velocities(self) -> tuple[sp.Expr, ...]: ...
 
 
+@takes_fields
 @dataclass(frozen=True)
 class Chart:
     """Other coordinates of a system; they bear the names of its own, and mean something else.

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import sympy as sp
 
+from voronec.algebra.arguments import takes_fields
 from voronec.algebra.symbols import plain_name
 from voronec.declaration.reading import expression, fixed_mapping, quote, several
 from voronec.errors import DefinitionError
@@ -42,6 +43,7 @@ THEOREMS = ("Euler-Jacobi",)
 """What ``integrable`` may name."""
 
 
+@takes_fields
 @dataclass(frozen=True)
 class Equation:
     """``function`` changes at the rate ``rate`` along every motion; vectors entry by entry."""
@@ -64,6 +66,7 @@ class Equation:
             )
 
 
+@takes_fields
 @dataclass(frozen=True)
 class Measure:
     """``density`` times the volume of ``variables`` is invariant: div(density f) = 0.
@@ -79,10 +82,11 @@ class Measure:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "density", expression(self.density, "the measure"))
-        given = several(self.variables, "variables of a measure", "symbol")
+        given = _variables(self.variables, "variables of a measure")
         object.__setattr__(self, "variables", given)
 
 
+@takes_fields
 @dataclass(frozen=True)
 class Poisson:
     """dx/dt = clock {x, hamiltonian} with a bracket that is skew and satisfies Jacobi's identity.
@@ -121,6 +125,7 @@ class Poisson:
             object.__setattr__(self, part, expression(getattr(self, part), f"the {part}"))
 
 
+@takes_fields
 @dataclass(frozen=True)
 class Assertion:
     """A claim of a kind of one's own: what it is about, and how it is decided.
@@ -157,6 +162,7 @@ class Assertion:
         object.__setattr__(self, "expressions", read)
 
 
+@takes_fields
 @dataclass(frozen=True)
 class Corrected:
     """A claim that is false as ``printed`` in ``source``, with the one that is true.
@@ -171,6 +177,7 @@ class Corrected:
     source: str
 
 
+@takes_fields
 @dataclass(frozen=True)
 class Case:
     """Claims that hold where some parameters take special values.
@@ -323,6 +330,15 @@ def right_of(claim: Any) -> Any:
     return claim.right if isinstance(claim, Corrected) else claim
 
 
+def _variables(given: Any, place: str) -> tuple[sp.Expr, ...]:
+    """Variables of the motion, symbols or derivatives."""
+    found = several(given, place, "symbol")
+    for thing in found:
+        if not isinstance(thing, sp.Expr):
+            raise DefinitionError(f"{place}: '{quote(thing)}' is no symbol; give the symbol")
+    return found
+
+
 def _read_claim(value: Any, place: str, read: Callable[[Any, str], Any]) -> Any:
     if isinstance(value, Corrected):
         right, printed = read(value.right, place), read(value.printed, f"{place} as printed")
@@ -372,8 +388,7 @@ KINDS = (
         "poisson", "poisson", _poisson, title=lambda claim: _names(claim.variables), place="poisson"
     ),
     ClaimKind(
-        "essential", "essential", lambda value, place: several(value, place, "symbol"),
-        title=_names, place="essential", empty=(),
+        "essential", "essential", _variables, title=_names, place="essential", empty=()
     ),
     ClaimKind("integrable", "integrable", _theorem, place="integrable", empty=""),
 )  # fmt: skip

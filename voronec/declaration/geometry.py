@@ -14,7 +14,9 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.arguments import takes_fields
 from voronec.algebra.symbols import is_symbolic_name, names_in, plain_name, velocity
+from voronec.algebra.text import formula
 from voronec.declaration.reading import (
     expression,
     fixed_mapping,
@@ -27,6 +29,7 @@ from voronec.errors import DefinitionError
 __all__ = ["Fibration", "Frame", "along_coordinates", "moving_names"]
 
 
+@takes_fields
 @dataclass(frozen=True)
 class Fibration:
     """pi : Q -> B, (r, s) -> r: base coordinates r, fibre coordinates s [Theory, eq. (1)].
@@ -58,6 +61,7 @@ class Fibration:
             seen.add(name)
 
 
+@takes_fields
 @dataclass(frozen=True)
 class Frame:
     """Quasi-velocities v_i and their definitions, affine in the velocities.
@@ -210,10 +214,13 @@ def along_coordinates(
     forces: Mapping[Any, sp.Expr], coordinates: tuple[sp.Expr, ...], frame: Frame | None
 ) -> Mapping[Any, sp.Expr]:
     """Forces with those along velocities, quasi ones and expressions affine in velocities, spread
-    over the coordinates; what is no velocity stays."""
+    over the coordinates; what is no velocity stays.  A text names what it stands for."""
     spelled = dict(zip(frame.velocities, frame.expressions, strict=True)) if frame else {}
+    named = {plain_name(s): s for s in moving_names(coordinates, frame)}
     found: dict[Any, sp.Expr] = {}
-    for direction, force in forces.items():
+    for key, force in forces.items():
+        text = isinstance(key, str)
+        direction = formula(key, "what a force acts along", named) if text else key
         shares = _shares(direction, coordinates, spelled)
         for q, share in (shares or {direction: sp.Integer(1)}).items():
             found[q] = found.get(q, sp.Integer(0)) + share * force

@@ -10,6 +10,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.arguments import takes_fields
 from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import names_in, plain_name
 from voronec.declaration.reading import expression, fixed_mapping, quote, several
@@ -18,6 +19,7 @@ from voronec.errors import DefinitionError
 __all__ = ["Plane", "Quadratures", "Space", "Trace", "store"]
 
 
+@takes_fields
 @dataclass(frozen=True)
 class Trace:
     """The trace of a contact on a sphere: its colatitude and longitude, both coordinates.
@@ -36,6 +38,7 @@ class Trace:
         object.__setattr__(self, "cosine", expression(self.cosine, "the cosine of a trace"))
 
 
+@takes_fields
 @dataclass(frozen=True)
 class Space:
     """How a body is turned in space, where only the direction of one vector matters.
@@ -84,6 +87,7 @@ class Space:
                 )
 
 
+@takes_fields
 @dataclass(frozen=True)
 class Plane:
     """How a contact runs over a plane, along and across a vector that is constant there.
@@ -140,6 +144,7 @@ MOST = 4
 """The highest degree in the variable of the square of its rate."""
 
 
+@takes_fields
 @dataclass(frozen=True)
 class Quadratures:
     """The motion of a system in closed form, as far as formulas go.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copyreg
+import re
 from collections.abc import Iterable, Mapping, Set
 from contextlib import suppress
 from types import MappingProxyType
@@ -71,7 +72,12 @@ def _parts(expr: sp.Expr) -> set[Any]:
 
 
 def vanishing_expression(thing: Any, place: str) -> sp.Expr:
-    """An expression that vanishes; ``sympy.Eq(left, right)`` is read as left - right."""
+    """An expression that vanishes; ``sympy.Eq(left, right)``, and ``left = right`` in text, are
+    read as left - right."""
+    sides = re.split("==?", thing) if isinstance(thing, str) else ()
+    if len(sides) == 2:
+        left, right = (expression(side, place) for side in sides)
+        return left - right
     read = as_expression(thing, place)
     if isinstance(read, sp.Equality):
         return expression(read.lhs - read.rhs, place)
@@ -127,7 +133,10 @@ def doubles(things: Any, place: str) -> np.ndarray:
             return np.array(flat).reshape(given.shape)
     except (TypeError, ValueError, OverflowError, RuntimeError, AttributeError):
         pass
-    raise DefinitionError(f"{place} = {quote(things)} are no numbers; give some, as [0, 0.5, 1]")
+    kind = getattr(getattr(things, "dtype", None), "name", type(things).__name__)
+    raise DefinitionError(
+        f"{place} = {quote(things)} of kind {kind} are no numbers; give some, as [0, 0.5, 1]"
+    )
 
 
 def instants(things: Any, place: str, wide: bool = False) -> np.ndarray:
@@ -210,7 +219,8 @@ def require_known(
     same = any(str(first) in (str(k), plain_name(k)) for k in known)
     raise DefinitionError(
         f"{place} contains '{first}', which is neither coordinate, velocity nor "
-        f"parameter; declare it in parameters=(...) or the fibration{hint if same else ''}"
+        "parameter; declare it in parameters=(...), inputs=(...) or the fibration"
+        f"{hint if same else ''}"
     )
 
 

@@ -17,13 +17,14 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.arguments import TEXT, require
+from voronec.algebra.arguments import TEXT, require, takes_fields
 from voronec.declaration.reading import expression, fixed_mapping, quote, several
 from voronec.errors import DefinitionError
 
 __all__ = ["Limit", "Relation", "Square"]
 
 
+@takes_fields
 @dataclass(frozen=True)
 class Limit:
     """A parameter that tends to zero: ``parameters`` of the source are functions of it.
@@ -45,6 +46,7 @@ class Limit:
             )
 
 
+@takes_fields
 @dataclass(frozen=True)
 class Relation:
     """Motions of ``source`` are, through ``state``, motions of ``target``.
@@ -122,6 +124,7 @@ class Relation:
         return "specialisation" if same else "change of coordinates"
 
 
+@takes_fields
 @dataclass(frozen=True)
 class Square:
     """Two chains of relations, given by their labels, from one system to another, that agree.

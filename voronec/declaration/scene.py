@@ -8,7 +8,7 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.arguments import FLAG, TEXT, require
+from voronec.algebra.arguments import FLAG, TEXT, require, takes_fields
 from voronec.algebra.symbols import is_symbolic_name, plain_name
 from voronec.algebra.text import as_expression
 from voronec.declaration.reading import (
@@ -24,6 +24,7 @@ from voronec.errors import DefinitionError
 __all__ = ["Parameter", "Scene"]
 
 
+@takes_fields
 @dataclass(frozen=True)
 class Parameter:
     """A constant of a system: its symbol, a default value, the range it may take.
@@ -111,6 +112,7 @@ class Parameter:
             raise DefinitionError(f"parameter '{self.name}' = {value} is above {self.upper}")
 
 
+@takes_fields
 @dataclass(frozen=True)
 class Scene:
     """One motion to look at: initial data, a time span, and what is wanted from it.

@@ -10,6 +10,7 @@ from typing import Any
 import sympy as sp
 from sympy.logic.boolalg import Boolean
 
+from voronec.algebra.arguments import takes_fields
 from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import (
     functions_of_time,
@@ -55,6 +56,7 @@ from voronec.errors import DefinitionError, did_you_mean
 __all__ = ["System", "bare", "require_possible", "require_system", "system_in"]
 
 
+@takes_fields
 @dataclass(frozen=True, repr=False)
 class System:
     """A nonholonomic system: the contract between a plugin and the engine.
@@ -78,7 +80,7 @@ class System:
     forces
         coordinate -> generalized force, for what does not come from the Lagrangian; or velocity ->
         force that does the work force * velocity, quasi-velocities and combinations of velocities
-        among them.  What is along velocities is kept as forces along the coordinates.
+        among them; each by symbol or name.  What is along velocities is kept along the coordinates.
     frame
         quasi-velocities, ``Frame.quasi({v: expression, ...})``, or the frame of a Lie group,
         ``Frame.group(...)``; the base velocities by default.
@@ -239,9 +241,9 @@ class System:
             ("invariants", "invariant", "'name': expression"),
         ):
             store(name, _expressions_of(getattr(self, name), name, one, entry))
-        if not self.on_group:
-            forces = along_coordinates(self.forces, self.coordinates, self.frame)
-            store("forces", fixed_mapping(forces, "forces", "coordinate: force"))
+        spread = () if self.on_group else self.coordinates
+        forces = along_coordinates(self.forces, spread, self.frame)
+        store("forces", fixed_mapping(forces, "forces", "coordinate: force"))
         for name, value in read_claims(self).items():
             store(name, value)
         entry = "'in words': condition"

@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from voronec.algebra.arguments import COUNT, FLAG, SEVERAL, TEXT, require
+from voronec.algebra.arguments import COUNT, FLAG, SEVERAL, TEXT, require, takes_fields
 from voronec.errors import DefinitionError, quote
 from voronec.motion.request import Vocabulary, held_name
 
 __all__ = ["Crossings", "Event", "name_events"]
 
 
+@takes_fields
 @dataclass(frozen=True)
 class Event:
     """Where ``function`` passes through zero.

@@ -13,7 +13,7 @@ A table holds values at instants, held or interpolated between them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from math import factorial, inf
@@ -21,6 +21,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.arguments import takes_fields
 from voronec.algebra.symbols import names_in, plain_name, time, velocity
 from voronec.algebra.text import formula
 from voronec.declaration.claims import right_of, without_claims
@@ -144,7 +145,8 @@ def _name_inputs(system: System, given: Mapping[Any, Any]) -> dict[str, Any]:
         name = key if isinstance(key, str) else plain_name(key)
         if name not in known:
             raise DefinitionError(
-                f"system '{system.name}' has no input '{quote(name)}'{did_you_mean(name, known)}"
+                f"system '{system.name}' has no input '{quote(name)}'; declare it, "
+                f"System(..., inputs=({quote(name)},)){did_you_mean(name, known)}"
             )
         found[name] = value
     return found
@@ -167,6 +169,12 @@ def _read(system: System, u: sp.Expr, values: Mapping[str, Any]) -> sp.Expr | Si
             raise DefinitionError(f"{place} is no function of Python's; it brings its own rates")
         if isinstance(value, Table):
             return value.signal(name)
+        # an array without dimensions is iterable by its type alone
+        if isinstance(value, Iterable) and getattr(value, "ndim", 1) > 0:
+            raise DefinitionError(
+                f"{place} = {quote(value)} is no value; give a number, an expression, a function "
+                "of t, the pair (times, values), or voronec.Table(times, values)"
+            )
         return expression(value, place)
     if not all(map(callable, rates)) or (f"{name}dotdot" in values and len(rates) < 2):
         raise DefinitionError(f"{place}: its rates are functions of t too, none left out")
@@ -298,6 +306,7 @@ DEGREES = dict(zip(KINDS, (0, 1, 3), strict=True))
 """The degree of the polynomial between two instants."""
 
 
+@takes_fields
 @dataclass(frozen=True)
 class Table:
     """An input by its ``values`` (k,) at ``times`` (k,), which grow.

@@ -225,17 +225,17 @@ def grid_of(system: System, scene: Scene | None, times: Any) -> np.ndarray:
         return _span(system, known)
     try:
         grid = doubles(times, "times")
-    except DefinitionError:
-        raise DefinitionError(GRID) from None
+    except DefinitionError as error:
+        raise DefinitionError(f"{error}; {GRID}") from None
     if grid.ndim == 0 and np.isfinite(grid):
         begin = 0.0 if known is None else number(known.times[0], "the span's end")
         grid = _even(begin, float(grid))
     if grid.ndim != 1 or grid.size == 0 or not np.isfinite(grid).all():
-        raise DefinitionError(GRID)
+        raise DefinitionError(f"times = {quote(grid)}: {GRID}")
     _require_span(float(grid[0]), float(grid[-1]))
     steps = np.diff(grid)
     if not ((steps > 0).all() or (steps < 0).all()):
-        raise DefinitionError(GRID)
+        raise DefinitionError(f"times = {quote(grid)}: {GRID}")
     return grid
 
 

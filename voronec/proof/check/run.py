@@ -14,6 +14,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+from voronec.algebra.arguments import accepts
 from voronec.errors import DefinitionError, quote
 from voronec.proof.check.inventory import Inventory, Trouble
 from voronec.proof.check.record import Finding, Report, Result, mark_as_known
@@ -184,6 +185,7 @@ def known_results(stock: Inventory, names: Iterable[str] = ()) -> list[Result]:
     return [*_known(store, {u: u.key(files) for u in units_of(stock, [*names])}).values()]
 
 
+@accepts()
 def check_catalogue(
     names: Sequence[str] = (),
     stock: Inventory | None = None,

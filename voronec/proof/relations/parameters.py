@@ -33,6 +33,13 @@ def read_parameters(
     symbols = {p.name: target.door.inward(p.symbol) for p in target.system.parameters}
     functions = applications(target)
     known = {**symbols, **functions}
+    for name, value in given.items():
+        if name not in known and str(value) == name:
+            raise DefinitionError(
+                f"relation '{relation.label}': '{name}' goes over by its own name, and "
+                f"'{relation.target}' has no such parameter; write Relation(...) with parameters= "
+                "for those of the target alone"
+            )
     refuse_unknown(relation, "parameters", given, known, target.system.name)
     missing = sorted({*known} - {*given})
     if missing:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import symengine as se
 
-from voronec.algebra.arguments import callback
+from voronec.algebra.arguments import accepts, callback
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.declaration.system import System
 from voronec.equations.voronec_equations import VoronecEquations
@@ -83,6 +83,7 @@ def search_integrals(system: System | VoronecEquations, **options: Any) -> Integ
     return last
 
 
+@accepts()
 def searches(
     system: System | VoronecEquations,
     *,
