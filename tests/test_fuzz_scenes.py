@@ -80,11 +80,16 @@ def test_an_answer_that_is_off_is_wrong_and_a_right_one_is_right(monkeypatch):
     announced = []
     judged = scene.Workshop(1, "sleigh").judge("smooth", 1, lambda *about: announced.append(about))
     assert judged[:2] == ("sleigh", "right") and announced == [(judged[0], judged[3])]
-    asked = scene._ask
-    monkeypatch.setattr(
-        scene, "_ask", lambda *a: {n: column + 1e-6 for n, column in asked(*a).items()}
-    )
+    asked, said = scene._ask, []
+
+    def off(*about):
+        columns, notes = asked(*about)
+        return {n: column + 1e-6 for n, column in columns.items()}, (*notes, *said)
+
+    monkeypatch.setattr(scene, "_ask", off)
     assert scene.Workshop(1, "sleigh").judge("smooth", 1, print)[1] == "wrong"
+    said.append("lsoda took 65563 steps, whose errors add up, to 7e-09")
+    assert scene.Workshop(1, "sleigh").judge("smooth", 1, print)[1] == "wrong, and said so"
 
 
 def test_starts_at_singular_places_are_swept_and_judged(monkeypatch):
