@@ -17,7 +17,13 @@ import numpy as np
 from voronec.equations.program import HoistedProgram, Program, hoist, taylor_system
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion.methods import COMPILATION, METHODS, STAGES, compiled_method, method_names
-from voronec.motion.steppers.heyoka_stepper import COMPACT, LONG, heyoka
+from voronec.motion.steppers.heyoka_stepper import (
+    COMPACT,
+    LONG,
+    heyoka,
+    parameter_count,
+    unit_parameters,
+)
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
 from voronec.motion.steppers.scipy_stepper import estimated_steps
 from voronec.motion.steppers.series_reach import (
@@ -100,7 +106,7 @@ class Lanes:
     of the ``raised`` program.
 
     ``winding`` is what was taken out of the states of each motion, and their units (n, width);
-    where some start is ``scaled`` these are parameters too, behind the constants.  ``size`` is how
+    where some start is scaled these are parameters too, behind the constants.  ``size`` is how
     many steps are taken before what has grown is taken out, and each is looked at if that must be;
     ``values`` (p, width) are the parameters of the ``plain`` program; ``results``, what heyoka says
     of each lane, and ``output``, continuous, are those of the latest steps.
@@ -111,7 +117,6 @@ class Lanes:
     constants: int
     raised: HoistedProgram
     plain: Program
-    scaled: tuple[int, ...]
     winding: TurnCount
     steps: StepSizes
     size: int = field(init=False)
@@ -138,6 +143,23 @@ class Lanes:
     def right_side(self) -> Field:
         """The right side in the integrator's units."""
         return field_of(self.plain, [*self.values], self.winding.units)
+
+    @cached_property
+    def callback(self) -> dict[str, Any]:
+        """What heyoka calls after each step: nothing, unless states may leave their units, at which
+        all lanes stop."""
+        return {"callback": lambda ta: self.winding.fits(ta.state)} if self.winding.scaled else {}
+
+    def take(self) -> None:
+        """Take what has grown out of the states, and measure those that left their units anew."""
+        if self.winding.renew(self.integrator.state):
+            self.give_units()
+        self.winding.take(self.integrator.state)
+
+    def give_units(self) -> None:
+        """Tell the integrator the units."""
+        places = self.integrator.pars[self.constants :]
+        places[:] = self.winding.units[: len(places)]
 
     def again(self) -> Lanes:
         """Another integrator of the same compiled code, for another thread."""
@@ -197,7 +219,9 @@ class Lanes:
                 late &= ~np.isfinite(ta.state).all(axis=0)
                 np.moveaxis(states, 1, 2)[late] = np.nan
         else:
-            found = ta.propagate_grid(each, max_steps=self.size, max_delta_t=longest.tolist())
+            found = ta.propagate_grid(
+                each, max_steps=self.size, max_delta_t=longest.tolist(), **self.callback
+            )
             self.keep_results()
             self.note_steps()
             states = found[1] if isinstance(found, tuple) else found
@@ -207,7 +231,7 @@ class Lanes:
         """A chunk of steps towards a time, none longer than the ``longest`` of each lane."""
         self.output = self.integrator.propagate_until(
             [end] * self.width, max_steps=self.size, max_delta_t=longest.tolist(),
-            c_output=self.has_roots,
+            c_output=self.has_roots, **self.callback,
         )[0]  # fmt: skip
         self.keep_results()
         self.note_steps()
@@ -225,12 +249,10 @@ class Lanes:
         times = self.integrator.time.copy()
         times[lane] = time
         self.integrator.set_time(times.tolist())
-        if self.scaled:
-            at = list(self.scaled)
-            found = units_of_many(self.plain, np.atleast_2d(state), np.atleast_2d(values))[:, at]
-            self.winding.units[at, lane] = self.integrator.pars[self.constants :, lane] = (
-                found.T if values.ndim > 1 else found[0]
-            )
+        if self.winding.scaled:
+            found = units_of_many(self.plain, np.atleast_2d(state), np.atleast_2d(values))
+            self.winding.measure(found.T if values.ndim > 1 else found[0], lane)
+            self.give_units()
         self.integrator.state[:, lane] = state.T / self.winding.units[:, lane]
         each = np.atleast_2d(values)
         if (each == each[0]).all():
@@ -252,24 +274,21 @@ def lanes_of(program: Program, tol: float, states: np.ndarray, values: np.ndarra
     plain, raised = program, hoist(program)
     program = raised.program
     own = units_of_many(plain, states, values)
-    moving = np.array([r != 0 for r in plain.derivative.results])
-    scaled = tuple(np.flatnonzero((own != 1).any(axis=0) & moving).tolist())
     # heyoka wants no more parameters than the equations contain
     used = [i for i, p in enumerate(program.parameters) if p in program.derivative.symbols]
     constants = max(used, default=-1) + 1
-    units: list[Any] = [1.0] * len(program.state)
-    for k, i in enumerate(scaled):
-        units[i] = hy.par[constants + k]
-    winding = TurnCount.of(plain, None, np.ones((len(program.state), width)))
+    ones = np.ones((len(program.state), width))
+    winding = TurnCount.of(plain, None, ones, bool((own != 1).any()))
+    system = taylor_system(program, unit_parameters(winding, constants, hy))
     integrator = hy.taylor_adaptive_batch(
-        taylor_system(program, units),
-        np.zeros((len(program.state), width)),
-        pars=np.ones((constants + len(scaled), width)),
+        system,
+        np.zeros(ones.shape),
+        pars=np.ones((parameter_count([e for _, e in system], hy), width)),
         tol=winding.tolerance(tol),
         compact_mode=program.weight > COMPACT,
     )
     sizes = StepSizes.of(width)
-    return Lanes(integrator, width, constants, raised, plain, scaled, winding, sizes)
+    return Lanes(integrator, width, constants, raised, plain, winding, sizes)
 
 
 def along(
@@ -345,7 +364,7 @@ def _pieces(
             raise StopRequest
         if (ta.time != grid[at]).any():  # a piece may end an ulp beside the grid
             ta.set_time(float(grid[at]))
-        lanes.winding.take(ta.state)
+        lanes.take()
         limits = lanes.first_steps(np.full(lanes.width, grid[-1] - grid[at]))
         if limits.min() < np.inf:
             piece = 1  # steps of a piece are short where the first one must be
@@ -357,7 +376,7 @@ def _pieces(
         if hy.taylor_outcome.err_nf_state in outcomes or not np.isfinite(ta.state).all():
             block[:, at : end + 1] = new
             return _broken_lanes(ta, block, grid), steps
-        if hy.taylor_outcome.step_limit in outcomes:
+        if outcomes & {hy.taylor_outcome.step_limit, hy.taylor_outcome.cb_stop}:
             if piece > 1:
                 ta.set_dtime(*begin)
                 ta.state[:] = state
@@ -402,7 +421,7 @@ def _one_interval(
     while True:
         if stopped():
             raise StopRequest
-        lanes.winding.take(ta.state)
+        lanes.take()
         before, begin, state = ta.time.copy(), tuple(x.copy() for x in ta.dtime), ta.state.copy()
         lanes.go_to(float(ends[-1]), longest)
         steps += sum(r[3] for r in lanes.results)

@@ -449,7 +449,7 @@ def _stretch(
     """Some hundreds or thousands of steps of all lanes, and the crossings in them; or, where steps
     are made too long by coefficients that vanish, ``careful`` ones, each looked at before."""
     ta = lanes.integrator
-    lanes.winding.take(ta.state)
+    lanes.take()
     begin, state = tuple(part.copy() for part in ta.dtime), ta.state.copy()
     before, limit = ta.time.copy(), 1 if careful else min(lanes.size, _steps_ahead(passages, holds))
     idle = np.array([i is None for i in holds])
@@ -461,7 +461,11 @@ def _stretch(
         longest = np.where(fresh, lanes.first_steps(ends - before), np.inf)
         limit = 1 if np.isfinite(longest).any() else limit
     output = lanes.output = ta.propagate_until(
-        ends.tolist(), max_steps=limit, max_delta_t=longest.tolist(), c_output=True
+        ends.tolist(),
+        max_steps=limit,
+        max_delta_t=longest.tolist(),
+        c_output=True,
+        **lanes.callback,
     )[0]
     lanes.keep_results()
     taken = [r[3] for r in lanes.results]

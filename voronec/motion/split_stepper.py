@@ -264,7 +264,7 @@ class SplitRun:
             frozenset(levels),
             brief=self._likely_length(split, ahead, time),
         )  # fmt: skip
-        # with units of its own every stretch would have a program of its own
+        # a split has one program: stretches of ordinary size and others would have two
         units = self.units.setdefault(split, natural_units(problem))
         problem = replace(problem, units=units)
         if wide.dtype == object or self.exact:

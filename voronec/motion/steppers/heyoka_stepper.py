@@ -57,7 +57,9 @@ __all__ = [
     "COMPACT",
     "LONG",
     "heyoka",
+    "parameter_count",
     "taylor",
+    "unit_parameters",
 ]
 
 
@@ -88,8 +90,8 @@ parameters, and brings it back, one of a kind.  To make one anew takes longer th
 
 @dataclass(frozen=True)
 class _Machine:
-    """heyoka's integrator, the log in which its events write, what is taken out of states, and the
-    parameters that it was ``given`` last, at first none at all."""
+    """heyoka's integrator, the log in which its events write, what is taken out of states and their
+    units, and the parameters that it was ``given`` last, at first none at all."""
 
     integrator: Any
     log: Log
@@ -99,7 +101,7 @@ class _Machine:
 
     @classmethod
     def of(cls, problem: Problem, winding: TurnCount, hy: Any) -> _Machine:
-        """One for problems that differ in start and parameters."""
+        """One for problems that differ in start, units and parameters."""
         log = Log(0.0, 0.0, len(problem.start), walls=problem.walls)
         integrator = _integrator(problem, log, winding, hy)
         return cls(integrator, log, winding, hoist(problem.program))
@@ -107,25 +109,38 @@ class _Machine:
     def place(self, problem: Problem, grid: np.ndarray) -> None:
         """Go to the start of a problem, whatever went before."""
         ta, log = self.integrator, self.log
+        if self.winding.scaled:
+            self.winding.measure(natural_units(problem))
         ta.time, ta.state[:] = float(grid[0]), problem.start / self.winding.units
         given = list(map(float, problem.parameters))
         if given != self.given:
             self.given[:] = given
-            ta.pars[:] = self.constants.values(given)[: len(ta.pars)]
+            constants = self.constants.values(given)[: len(ta.pars)]
+            ta.pars[: len(constants)] = constants
         if ta.with_events:
             ta.reset_cooldowns()
         self.winding.reset()
+        self.fit_units(anew=True)
         log.rows, log.stopped, log.silent = {}, "", False
         log.start, log.span = float(grid[0]), float(np.ptp(grid))
+
+    def fit_units(self, anew: bool = False) -> None:
+        """Measure states that left their units in others; units are parameters, behind those of the
+        program, so that nothing is compiled anew."""
+        if self.winding.renew(self.integrator.state) or anew:
+            first = len(self.constants.program.parameters)
+            pars = self.integrator.pars[first:]
+            pars[:] = self.winding.units[: len(pars)]
 
 
 def taylor(problem: Problem) -> Stepper:
     """The integrator, compiled; ``EngineLimit`` for a function that heyoka does not know."""
     hy = heyoka()
-    winding = TurnCount.of(problem.program, problem.levels, natural_units(problem))
+    units = natural_units(problem)
+    winding = TurnCount.of(problem.program, problem.levels, units, bool((units != 1).any()))
     events = tuple((e.name, e.direction, e.stop) for e in problem.events)
     watched = events, problem.levels if events else None, problem.walls
-    key = problem.program, winding.units.tobytes(), problem.tol, watched
+    key = problem.program, winding.scaled, problem.tol, watched
 
     # a program is hashed here, and not in runs
     at_rest = _idle[key] = _idle.pop(key, [])
@@ -135,7 +150,7 @@ def taylor(problem: Problem) -> Stepper:
     def machine_at_rest() -> _Machine:
         with suppress(IndexError):  # another thread may have taken it meanwhile
             return at_rest.pop()
-        return _Machine.of(problem, winding, hy)
+        return _Machine.of(problem, winding.now(), hy)
 
     own = [machine_at_rest()]
 
@@ -144,7 +159,7 @@ def taylor(problem: Problem) -> Stepper:
         machine = own.pop() if own else machine_at_rest()
         machine.place(problem, grid)
         ticker = Ticker(problem.progress, float(grid[0]), float(grid[-1]))
-        drive = _Drive(hy, machine.integrator, problem, machine.log, machine.winding, grid, ticker)
+        drive = _Drive(hy, machine, problem, grid, ticker)
         try:
             return drive.run()
         finally:
@@ -156,7 +171,7 @@ def taylor(problem: Problem) -> Stepper:
 def _integrator(problem: Problem, log: Log, winding: TurnCount, hy: Any) -> Any:
     """heyoka's integrator, to be given start and parameters."""
     program, levels = hoist(problem.program).program, problem.levels
-    units = winding.units.tolist()
+    units = unit_parameters(winding, len(program.parameters), hy)
     functions = taylor_extras(levels, units) if levels is not None else {}
     moving = _moving_extras(levels) if levels is not None else set()
     watched: list[Any] = []
@@ -171,9 +186,7 @@ def _integrator(problem: Problem, log: Log, winding: TurnCount, hy: Any) -> Any:
         else:
             kinds["nt_events"].append(_passing_event(event, expr, log, winding, hy))
     system = taylor_system(program, units)
-    # heyoka wants no more parameters than the expressions contain
-    held = hy.get_params([e for _, e in system] + watched)
-    count = max((int(str(p)[1:]) for p in held), default=-1) + 1
+    count = parameter_count([e for _, e in system] + watched, hy)
     return hy.taylor_adaptive(
         system,
         (problem.start / winding.units).tolist(),
@@ -182,6 +195,19 @@ def _integrator(problem: Problem, log: Log, winding: TurnCount, hy: Any) -> Any:
         compact_mode=program.weight > COMPACT,
         **{kind: found for kind, found in kinds.items() if found},
     )
+
+
+def unit_parameters(winding: TurnCount, first: int, hy: Any) -> list[Any]:
+    """The units of the states as they stand in equations: parameters, from the ``first`` on, where
+    some are not 1, so that they can be set anew; those of angles are not."""
+    if not winding.scaled:
+        return [1.0] * len(winding.units)
+    return [1.0 if i in winding.angles else hy.par[first + i] for i in range(len(winding.units))]
+
+
+def parameter_count(expressions: list[Any], hy: Any) -> int:
+    """How many parameters heyoka wants: no more than the expressions contain."""
+    return max((int(str(p)[1:]) for p in hy.get_params(expressions)), default=-1) + 1
 
 
 def _moving_extras(levels: Program) -> set[str]:
@@ -219,10 +245,8 @@ class _Drive:
     """One run, chunk by chunk."""
 
     hy: Any
-    integrator: Any
+    machine: _Machine
     problem: Problem
-    log: Log
-    winding: TurnCount
     grid: np.ndarray
     ticker: Ticker
     rows: list[np.ndarray] = field(default_factory=list)
@@ -237,6 +261,9 @@ class _Drive:
     ahead: int = field(init=False)
     longest: float = 0.0
     usual: float = np.inf
+    integrator: Any = field(init=False)
+    log: Log = field(init=False)
+    winding: TurnCount = field(init=False)
     standing: tuple[float, np.ndarray] = field(init=False)
     span: float = field(init=False)
     output: Any = None
@@ -245,7 +272,9 @@ class _Drive:
     def __post_init__(self) -> None:
         share = min(1.0, WEIGHT / (self.problem.program.weight or 1.0))
         self.headway = Headway(self.grid[0], float(self.grid[-1]), max(int(share * LONG), WINDOW))
-        self.standing = self.integrator.time, self.integrator.state.copy()
+        self.integrator, self.log = self.machine.integrator, self.machine.log
+        self.winding = self.machine.winding
+        self.standing = self.integrator.time, self.problem.start
         self.span = abs(float(self.grid[-1] - self.grid[0]))
         self.size, self.ahead = CHUNK, AHEAD
         self.opening = self.first_step()
@@ -311,8 +340,9 @@ class _Drive:
         return self.result()
 
     def chunk(self) -> Halt | None:
+        self.machine.fit_units()
         self.winding.take(self.integrator.state)
-        before, state = self.standing = self.integrator.time, self.integrator.state.copy()
+        before, state = self.integrator.time, self.integrator.state.copy()
         moment = self.integrator.dtime
         limit = self.opening
         size = self.size if limit == np.inf else 1
@@ -348,7 +378,7 @@ class _Drive:
             return self.halt(reason)
         if outcome == self.hy.taylor_outcome.err_nf_state:
             return self.last_good(before, state, taken)
-        self.standing = self.integrator.time, self.integrator.state.copy()
+        self.standing = self.integrator.time, self.winding.whole(self.integrator.state)
         return None
 
     def overlong(
@@ -443,13 +473,15 @@ class _Drive:
 
     @cached_property
     def callback(self) -> dict[str, Any]:
-        """What heyoka calls after each step: nothing, unless ends of steps are asked for."""
+        """What heyoka calls after each step: nothing, unless ends of steps are asked for, or states
+        may leave their units, at which the chunk ends."""
 
         def has_ended(integrator: Any) -> bool:
-            self.ends.append(integrator.time)
-            return True
+            if self.problem.marked:
+                self.ends.append(integrator.time)
+            return not self.winding.scaled or self.winding.fits(integrator.state)
 
-        return {"callback": has_ended} if self.problem.marked else {}
+        return {"callback": has_ended} if self.problem.marked or self.winding.scaled else {}
 
     def sample(self, stretch: Any) -> np.ndarray:
         """Rows of the grid that a stretch of dense output covers."""
@@ -479,7 +511,6 @@ class _Drive:
     def result(self, halt: Halt | None = None, interrupted: bool = False) -> Run:
         t, states = self.grid[: self.done], np.vstack(self.rows)[: self.done]
         time, state = self.log.last if self.log.stopped else self.standing
-        state = state if self.log.stopped else self.winding.whole(state)
         order = 1.0 if self.grid[-1] >= self.grid[0] else -1.0
         kept = self.log.stopped or (interrupted and self.idle >= DISTANT)
         if kept and order * time > order * t[-1]:

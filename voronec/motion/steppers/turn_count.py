@@ -1,10 +1,14 @@
-"""What is taken out of states that may be kept small.
+"""What is taken out of states that may be kept small, and units of those that may not.
 
 A step of Taylor's method is as long as the largest state allows: one angle of 1e5 radians loosens
 the tolerance of all the others by 1e5.  But where the right-hand side does not hold a state at all
 (a quadrature), or holds it under sines and cosines only (an angle), what has grown can be taken
 out of it between steps and added to the results: the motion of the others is the same.  What they
 grow by until then is made up for by a finer tolerance.
+
+For the same reason a state that sets out near an equilibrium, in a tiny unit of its own, must not
+stay in that while it grows to ordinary size: where some unit is not 1, each step is looked at, and
+units are set anew where states left them.
 """
 
 from __future__ import annotations
@@ -16,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from voronec.equations.program import Program
-from voronec.motion.steppers.units import angles_among
+from voronec.motion.steppers.units import ORDINARY, angles_among, units_next_to
 from voronec.motion.tolerances import taylor_tolerance
 
 __all__ = ["CHUNK", "LEAST", "SHORT", "TurnCount"]
@@ -37,7 +41,9 @@ class TurnCount:
     """What was taken out of the states: turns of ``angles``, all of ``quadratures`` (positions).
 
     The states that are kept ``small``, by their positions, and the ``others`` are in ``units``
-    (n,), or (n, lanes), of their own; those of angles are 1.
+    (n,), or (n, lanes), of their own; those of angles are 1.  Where the motion is ``scaled``, some
+    unit is not 1: states beyond ``bounds`` have outgrown theirs, and ``peaks`` are the largest
+    ones in so many ``looks``.
     A quadrature is kept as the sum of two doubles, so nothing is lost when small steps are added
     to a large sum.
     """
@@ -45,18 +51,25 @@ class TurnCount:
     quadratures: np.ndarray
     angles: np.ndarray
     units: np.ndarray
+    scaled: bool = False
     high: np.ndarray = field(init=False)
     low: np.ndarray = field(init=False)
     small: np.ndarray = field(init=False)
     others: np.ndarray = field(init=False)
+    bounds: np.ndarray = field(init=False)
+    peaks: np.ndarray = field(init=False)
+    looks: int = 0
 
     def __post_init__(self) -> None:
         self.high, self.low = np.zeros(self.units.shape), np.zeros(self.units.shape)
         self.small = np.union1d(self.quadratures, self.angles)
         self.others = np.setdiff1d(np.arange(len(self.units)), self.small)
+        self.bounds, self.peaks = np.full(self.units.shape, np.inf), np.ones(self.units.shape)
 
     @classmethod
-    def of(cls, program: Program, levels: Program | None, units: np.ndarray) -> TurnCount:
+    def of(
+        cls, program: Program, levels: Program | None, units: np.ndarray, scaled: bool
+    ) -> TurnCount:
         """The states that may be kept small, though ``levels`` are looked at on the way."""
         blocks = (program.derivative, *([levels.extras] if levels is not None else []))
         held = set().union(*(b.symbols for b in blocks))
@@ -64,7 +77,8 @@ class TurnCount:
         return cls(
             np.array([i for i, s in enumerate(program.state) if s not in held], dtype=int),
             np.array(angles, dtype=int),
-            units,
+            units.copy(),
+            scaled,
         )
 
     @property
@@ -74,12 +88,55 @@ class TurnCount:
 
     def tolerance(self, tol: float) -> float:
         """The one of steps, for one of a run: finer by a term, and by another for what states that
-        are kept small loosen it by while they grow, LARGE at most."""
-        return taylor_tolerance(tol, 2 if self.is_needed else 1)
+        are kept small, or have units, loosen it by while they grow, LARGE at most."""
+        return taylor_tolerance(tol, 2 if self.is_needed or self.scaled else 1)
 
     def reset(self, which: Any = slice(None)) -> None:
         """Nothing is taken out, or nothing of some lanes."""
         self.high[..., which] = self.low[..., which] = 0.0
+
+    def measure(self, units: np.ndarray, which: Any = slice(None)) -> None:
+        """Measure states, or those of some lanes, in other units."""
+        for sums in (self.high, self.low):
+            sums[..., which] = sums[..., which] * self.units[..., which] / units
+        self.units[..., which], self.peaks[..., which] = units, 1.0
+        bounds = LARGE * np.where(units == 1, ORDINARY, 1.0)
+        # quadratures are taken out now and then: they may grow until then
+        bounds[self.quadratures] *= LEAST
+        bounds[self.angles] = np.inf
+        self.bounds[..., which] = bounds
+
+    def fits(self, state: np.ndarray) -> bool:
+        """Whether states (n,), or (n, lanes), after a step, are still those of their units."""
+        size = np.abs(state)
+        if (size > self.bounds).any():
+            return False
+        if self.looks >= SHORT:
+            self.peaks[:], self.looks = 0.0, 0
+        np.fmax(self.peaks, size, out=self.peaks)
+        self.looks += 1
+        return self.looks < SHORT or not self._slack.any()
+
+    @property
+    def _slack(self) -> np.ndarray:
+        """Which states were far below units above 1 in all of the last steps."""
+        found = (self.units > 1) & (LARGE * self.peaks < 1) & (self.looks >= SHORT)
+        found[self.small] = False
+        return np.asarray(found)
+
+    def renew(self, state: np.ndarray) -> bool:
+        """Set units anew where they do not fit, and states (n,), or (n, lanes), in place; whether
+        there were such."""
+        size, slack = np.abs(state), self._slack
+        left = (size > self.bounds) | slack
+        if not left.any():
+            return False
+        before = self.units.copy()
+        units = units_next_to(np.fmax(size, self.peaks) * before)
+        units = np.where(slack, np.fmax(units, 1.0), units)
+        self.measure(np.where(left, units, before))
+        state[:] = state * before / self.units
+        return True
 
     def take(self, state: np.ndarray) -> None:
         """Take what has grown out of a state (n,), or of those of lanes (n, lanes), in place."""

@@ -20,10 +20,17 @@ import symengine as se
 from voronec.equations.program import Block, Program, compile_program
 from voronec.motion.steppers.run import Problem
 
-__all__ = ["SMALL", "angles_among", "natural_units", "units_of_many"]
+__all__ = [
+    "ORDINARY",
+    "SMALL",
+    "angles_among",
+    "natural_units",
+    "units_next_to",
+    "units_of_many",
+]
 
 
-SMALL, LARGE = 2.0**-24, 2.0**10
+SMALL, ORDINARY = 2.0**-24, 2.0**10
 """Sizes between these are ordinary: their unit is 1."""
 STILL = 2.0**-40
 """A rate below this part of the largest is mostly rounding, and tells no time."""
@@ -92,16 +99,25 @@ def _units_beside(
         briefest = np.where(quick, own / slope, np.inf).min(axis=1, keepdims=True)
         soon = np.maximum(expected * np.minimum(span, briefest), 1.0)
         expected = expected * span
-        size = np.maximum(x, np.where(expected > LARGE, soon, expected))
+        size = np.maximum(x, np.where(expected > ORDINARY, soon, expected))
         small = (size > 0) & (size < SMALL)
         if small.any():
             balance = span * _balance(slopes, states, own)
             size = np.where(small, np.maximum(size, np.minimum(balance, SMALL)), size)
-        far = (size > 0) & ~((size >= SMALL) & (size <= LARGE)) & np.isfinite(size)
+        far = (size > 0) & ~((size >= SMALL) & (size <= ORDINARY)) & np.isfinite(size)
     far &= np.isfinite(slope).all(axis=1)[:, None]
     far[:, angles] = False
-    powers = np.minimum(np.frexp(np.where(far, size, 1.0))[1], np.finfo(float).maxexp - 1)
-    return np.asarray(np.where(far, np.ldexp(1.0, powers), 1.0))
+    return np.where(far, _powers_next_to(np.where(far, size, 1.0)), 1.0)
+
+
+def _powers_next_to(sizes: np.ndarray) -> np.ndarray:
+    return np.asarray(np.ldexp(1.0, np.minimum(np.frexp(sizes)[1], np.finfo(float).maxexp - 1)))
+
+
+def units_next_to(sizes: np.ndarray) -> np.ndarray:
+    """The units of states that left theirs: 1 where they are of size 1 up to the largest ordinary,
+    and below, where errors have been those of a smaller unit, the next power of two."""
+    return np.where((sizes >= 1) & (sizes <= ORDINARY), 1.0, _powers_next_to(sizes))
 
 
 def _balance(slopes: Slopes, states: np.ndarray, sizes: np.ndarray) -> np.ndarray:
