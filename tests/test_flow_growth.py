@@ -230,3 +230,19 @@ def test_growth_stopped_by_hand(
     assert run.interrupted
     assert run.t[-1] > 5
     assert errors(run.t, run["x"], run["y"]) < 1e-12
+
+
+def test_growth_without_end() -> None:
+    """x'' = 6 x^2 beside a slow oscillator: 1/(T - t)^2 is infinite at T, and so it is told."""
+    made = repelling(lagrangian=(DX**2 + DY**2) / 2 + 2 * x**3 - y**2)
+    end = SIZE**-0.5
+    start = {x: SIZE, DX: 2 * SIZE**1.5, y: 1}
+    with pytest.raises(vo.IntegrationError, match=r"finite after t = 31622\.776") as caught:
+        vo.integrate(made, initial=start, times=[0, 2 * end], method="heyoka")
+    assert caught.value.state is not None
+    start[x] = np.full(3, SIZE)
+    times = np.linspace(0, 2 * end, 101)
+    run = vo.ensemble(made, start, {}, times, ("x", "y"), method="heyoka")
+    assert len(run.errors) == 3
+    assert all("after t = 31622.776" in str(error) for error in run.errors.values())
+    assert np.abs(run["x"][:, :50] * (end - times[:50]) ** 2 - 1).max() < 1e-9

@@ -406,6 +406,8 @@ class _Drive:
                 if allowed < np.inf:
                     found = k, allowed
                     break
+            if not np.isfinite(ta.time):  # the look itself broke it, where coefficients overflow
+                break
             before = abs(length)
         self.log.silent = False
         ta.dtime, ta.state[:] = (moment, state) if found else (end, there)
