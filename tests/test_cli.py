@@ -401,6 +401,8 @@ def test_a_file_of_another_ending_is_never_run(call: Call, command: str) -> None
         with pytest.raises(vo.DefinitionError, match="a file must end"):
             vo.load(Path(name))
     assert "there is no file 'folder/none'" in call(command, "folder/none").err
+    with pytest.raises(vo.DefinitionError):  # longer than a name of a file may be
+        vo.load(Path("x+" * 200))
 
 
 def test_an_unknown_command_or_method_is_answered_with_the_nearest(call: Call) -> None:

@@ -286,7 +286,8 @@ def _definitions_in(path: Path) -> Mapping[str, Any]:
 
 def require_suffix(path: Path) -> None:
     """Refuse a file that is neither Python nor a text of a system by its name."""
-    if path.is_file() and path.suffix not in SUFFIXES:
+    # not Path.is_file, for which a name that is too long is an error of the system
+    if path.suffix not in SUFFIXES and os.path.isfile(path):
         raise DefinitionError(
             f"'{path}' defines no system: a file must end in {' or '.join(SUFFIXES)}; rename it"
         )
