@@ -62,7 +62,7 @@ LOW, TOUCH = 1e-2, 1e-9
 random place as the one; it does where the search from there finds it as small as the other."""
 DESCENTS, DESCENT, SLOPE = 8, 12, 1e-6
 """From so many places, in so many steps, with slopes taken over such a part of a coordinate."""
-NEAR, CLEAR = 0.05, 0.15
+NEAR, CLEAR = 0.1, 0.15
 """Below the one, in units of its usual size, a divisor makes its split be left; above the other a
 split is good enough.  What is lost in digits is the square of such a number at most."""
 
