@@ -40,7 +40,7 @@ from voronec.motion.observables import Watch, evaluate_watch
 from voronec.motion.request import StartData, Vocabulary, grid_of, outputs_of, scene_of
 from voronec.motion.singular_coordinates import LAST, NearPole, PoleGuard, charted_directions
 from voronec.motion.soundness import Breach, Judge, Untold, require_branches
-from voronec.motion.split_models import SplitGround, divisor_program
+from voronec.motion.split_models import divisor_program
 from voronec.motion.split_stepper import SplitRun
 from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
@@ -226,10 +226,7 @@ class _Request:
         charted = None if exact else with_attitude_charts(own)
         vocabulary = self.vocabulary if charted is None else Vocabulary.of(charted)
         made = whole(vocabulary, self.outputs, self.functions)
-        ground = SplitGround(
-            vocabulary.equations, self.outset.constants, float(self.grid[0]),
-            changing=self.outset.changing,
-        )  # fmt: skip
+        ground = self.outset.ground(vocabulary.equations, float(self.grid[0]))
         framed = self.outset.state if self.outset.framed and not exact else None
         start = WideStart.of(vocabulary, ground, self.given, self.project, framed)
         return SplitRun(
@@ -260,7 +257,7 @@ class _Request:
         own = self.vocabulary.equations
         if is_exact(self.method, self.tol) or not own.system.charts or self.smallest.model is None:
             return False
-        ground = SplitGround(own, self.outset.constants, float(self.grid[0]))
+        ground = self.outset.ground(own, float(self.grid[0]))
         rest = np.zeros(len(own.definition.dots))
         wide = np.concatenate([self.outset.state[: len(own.definition.coordinates)], rest])
         return bool(charted_directions(ground, wide).shape[1])
@@ -509,10 +506,7 @@ class _Job:
         """The divisors to watch; ``NearDivisor`` where one is near zero at the start."""
         made, outset = self.made, self.outset
         form = made.form if made.model is None else made.model.form
-        ground = SplitGround(
-            self.vocabulary.equations, outset.constants, float(self.grid[0]),
-            changing=outset.changing,
-        )  # fmt: skip
+        ground = outset.ground(self.vocabulary.equations, float(self.grid[0]))
         found = ground.watch_divisors(form, made.below, outset.state, made.is_rough)
         sizes = ground.sizes(divisor_program(form, found), found, state, values)
         if any(g.is_near(size) for g, size in zip(found, sizes, strict=True)):

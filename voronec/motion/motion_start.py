@@ -160,6 +160,10 @@ class Outset:
         """Whether it is at a pole of Euler's angles."""
         return bool(polar_directions(equations, self.state).shape[1])
 
+    def ground(self, equations: VoronecEquations, time: float) -> SplitGround:
+        """What the splits of the motion that starts here share."""
+        return SplitGround(equations, self.constants, time, changing=self.changing)
+
     @property
     def steady(self) -> dict[str, float]:
         """The constants, those that change without a value: no model may rest on it."""

@@ -6,7 +6,7 @@ the system; at a change all velocities are carried over by exact linear formulas
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from time import perf_counter, process_time
@@ -249,10 +249,7 @@ class SplitRun:
         functions = {**split.functions, **levels}
         state = split.narrow(float(time), wide.astype(float))
         values = self.ground.values(split.program, float(time), {**self.ground.constants, **bounds})
-        probe = StateProbe(
-            self.ground.home.system.name, split.bounded_form, split.program, values, float(time),
-            self.ground.changing,
-        )  # fmt: skip
+        probe = self.probe(split, float(time), values)
         if not split.equations.system.charts:
             probe.check(state)
         problem = Problem(
@@ -284,6 +281,11 @@ class SplitRun:
         self.prepared += perf_counter() - began
         smooth = switched is None
         return self.judge(split, stepper(times), smooth), smooth
+
+    def probe(self, split: SplitModel, time: float, values: Sequence[Any]) -> StateProbe:
+        """Looks at single states of a split, from a time on."""
+        name, changing = self.ground.home.system.name, self.ground.changing
+        return StateProbe(name, split.bounded_form, split.program, values, time, changing)
 
     def _likely_length(self, split: SplitModel, ahead: np.ndarray, time: Any) -> float:
         """What the next stretch will last at most, as the last ones of its split tell."""
@@ -392,14 +394,7 @@ class SplitRun:
         """The error for a run that cannot go on in any split."""
         last = replace(self.stretches[-1].run, halt=halt)
         values = self.ground.values(split.program, float(self.grid[0]))
-        probe = StateProbe(
-            self.ground.home.system.name,
-            split.bounded_form,
-            split.program,
-            values,
-            float(self.grid[0]),
-            self.ground.changing,
-        )
+        probe = self.probe(split, float(self.grid[0]), values)
         start = self.stretches[-1].run.states[0]
         return probe.failure(start, halt, self.result(last, busy))
 

@@ -91,9 +91,9 @@ def flow_across_walls(verdict: Verdict, field: VectorField, density: Any) -> Ver
     Volume passes a wall h = 0 unchanged where density f(h) is the same on both sides, as it is
     where a force jumps with a place; friction, which jumps with a velocity, presses it together.
     """
-    moving = frozenset({*field.variables, field.time})
-    if not verdict.proved or not has_branches([*field.entries], moving):
+    if not verdict.proved:
         return verdict
+    moving = frozenset({*field.variables, field.time})
     try:
         return _Ground(field, moving, False, False).verdict_on_flow(density, verdict)
     except EngineLimit as limit:
@@ -160,9 +160,7 @@ class _Ground:
         for h in self._field_jumps:
             there, flow = (*self.hypotheses, h), density * self.field.derivative(h)
             for wall in Branches(flow, self.variables, self.relations, False).walls():
-                if not self._is_same_wall(wall.function, h):
-                    continue
-                if self._vanishes(wall.above - wall.below, there):
+                if not (_is_same_wall(wall.function, h) and self._may_jump(wall)):
                     continue
                 place = self._place(wall)
                 sides = [wall.above, wall.below, *wall.positive]
@@ -191,15 +189,10 @@ class _Ground:
 
     def _jump(self, wall: BranchWall) -> _Jump | None:
         """The jump on a piece of a wall; None where there is none that a motion would meet."""
-        h = wall.function
-        if wall.above == wall.below or wall.edge or self._has_sign(h):
+        if not self._may_jump(wall):
             return None
+        h, jump = wall.function, wall.above - wall.below
         there = (*self.hypotheses, h)
-        if any(known_sign(e, there) < 0 for e in wall.positive):
-            return None
-        jump = wall.above - wall.below
-        if self._vanishes(jump, there):
-            return None
         for found in self._crossings(wall, there):
             words = f"it jumps where {self._place(wall)}, which motions cross"
             domain = f"{self._write(h)} != 0" if self._is_jump_of_field(h) else ""
@@ -212,6 +205,15 @@ class _Ground:
             return None
         return _Jump(f"whether it jumps where {self._place(wall)} is open", None, None)
 
+    def _may_jump(self, wall: BranchWall) -> bool:
+        """Whether some state may lie on a piece of a wall at which its sides differ."""
+        h, there = wall.function, (*self.hypotheses, wall.function)
+        if wall.above == wall.below or wall.edge or self._has_sign(h):
+            return False
+        if any(known_sign(e, there) < 0 for e in wall.positive):
+            return False
+        return not self._vanishes(wall.above - wall.below, there)
+
     def _has_sign(self, h: Any, strict: bool = False) -> bool:
         """Whether h does not change its sign; ``strict``: nor is it zero."""
         return bool(known_sign(h, self.hypotheses, strict))
@@ -222,10 +224,7 @@ class _Ground:
 
     def _is_jump_of_field(self, h: Any) -> bool:
         """Whether the field itself jumps where h = 0, as with friction."""
-        return any(self._is_same_wall(h, k) for k in self._field_jumps)
-
-    def _is_same_wall(self, h: Any, k: Any) -> bool:
-        return bool((h - k).expand() == 0 or (h + k).expand() == 0)
+        return any(_is_same_wall(h, k) for k in self._field_jumps)
 
     @cached_property
     def _field_jumps(self) -> list[Any]:
@@ -380,6 +379,10 @@ class _Jump:
     period: Any
     witness: Any
     domain: str = ""
+
+
+def _is_same_wall(h: Any, k: Any) -> bool:
+    return bool((h - k).expand() == 0 or (h + k).expand() == 0)
 
 
 def _is_positive(mass: Any) -> bool:

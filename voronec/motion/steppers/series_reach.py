@@ -243,22 +243,26 @@ def openings(integrator: Any, field: Field, spans: np.ndarray) -> np.ndarray:
     afterwards where it stood."""
     times, state = [part.copy() for part in integrator.dtime], integrator.state.copy()
     integrator.step(max_delta_t=spans.tolist(), write_tc=True)
-    taken = np.array([length for _, length in integrator.step_res])
+    taken, tol = np.array([length for _, length in integrator.step_res]), integrator.tol
+    coefficients, end = integrator.tc.copy(), np.array(integrator.time)
     whole = (np.abs(taken) >= np.abs(spans)).any()
-    found = _steps_reach(integrator, field, taken, PARTS if whole else 1)
+    if not whole and _leads_on(integrator, coefficients, taken).all():
+        found = _lanes_reach(coefficients, taken, tol)
+    else:
+        found = _series_reach(field, coefficients, taken, end, PARTS if whole else 1, tol)
     integrator.set_dtime(*times)
     integrator.state[:] = state
     return found
 
 
-def _steps_reach(integrator: Any, field: Field, taken: np.ndarray, parts: int) -> np.ndarray:
-    """``reach`` of the steps just ``taken`` (k,) by a batch integrator."""
-    coefficients, tol = integrator.tc.copy(), integrator.tol
-    found = _lanes_reach(coefficients, taken, tol)
-    if parts == 1 and _leads_on(integrator, coefficients, taken).all():
-        return found
-    begin = np.asarray(integrator.time) - taken
-    return np.minimum(found, _Series(field, coefficients, taken, begin, parts, tol).reach())
+def _series_reach(
+    field: Field, coefficients: np.ndarray, taken: np.ndarray, end: np.ndarray, parts: int,
+    tol: float,
+) -> np.ndarray:  # fmt: skip
+    """``reach`` of the steps ``taken`` (k,) to the times ``end`` (k,), by their Taylor
+    coefficients (n, order + 1, k) and by their defect."""
+    series = _Series(field, coefficients, taken, end - taken, parts, tol)
+    return np.minimum(_lanes_reach(coefficients, taken, tol), series.reach())
 
 
 def blind_lanes(integrator: Any, field: Field, output: Any) -> np.ndarray:
@@ -322,9 +326,7 @@ class _LongStep:
     def reach(self, field: Field, tol: float, usual: np.ndarray) -> np.ndarray:
         """The lengths (k,) up to which it may be trusted, where it is too long; else infinite."""
         parts = PARTS if (self.lanes & (np.abs(self.taken) > usual)).any() else 1
-        begin = self.end - self.taken
-        series = _Series(field, self.coefficients, self.taken, begin, parts, tol)
-        return np.minimum(_lanes_reach(self.coefficients, self.taken, tol), series.reach())
+        return _series_reach(field, self.coefficients, self.taken, self.end, parts, tol)
 
 
 def _long_steps(
