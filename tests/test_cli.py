@@ -405,7 +405,11 @@ def test_a_file_of_another_ending_is_never_run(call: Call, command: str) -> None
         vo.load(Path("x+" * 200))
 
 
-def test_an_unknown_command_or_method_is_answered_with_the_nearest(call: Call) -> None:
+def test_an_unknown_command_method_or_option_is_answered_with_the_nearest(call: Call) -> None:
     assert "there is no 'runn'; did you mean 'run'; see" in refused(call("runn"))
     told = refused(call("run", "sleigh", "--method", "heioka"))
     assert "--method: there is no 'heioka'; did you mean 'heyoka'" in told
+    told = refused(call("run", "sleigh", "--tims=0:10"))
+    assert "voronec run: there is no option '--tims'; did you mean '--times'" in told
+    assert "'--jsn'; did you mean '--json'" in refused(call("list", "--jsn"))
+    assert "'more' is one argument too many" in refused(call("list", "more"))

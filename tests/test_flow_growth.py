@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -45,10 +47,11 @@ def errors(times: np.ndarray, xs: np.ndarray, ys: np.ndarray, size: float = SIZE
     )
 
 
+@pytest.mark.parametrize("size", [SIZE, 1.0], ids=["tiny", "ordinary"])
 @pytest.mark.parametrize("times", GRIDS.values(), ids=GRIDS.keys())
-def test_what_grows_from_next_to_nothing(beside: vo.VoronecEquations, times: np.ndarray) -> None:
-    run = vo.integrate(beside, initial={x: SIZE, y: 1}, times=times, method="heyoka")
-    assert errors(times, run["x"], run["y"]) < 1e-12
+def test_what_grows(beside: vo.VoronecEquations, times: np.ndarray, size: float) -> None:
+    run = vo.integrate(beside, initial={x: size, y: 1}, times=times, method="heyoka")
+    assert errors(times, run["x"], run["y"], size) < 1e-12
 
 
 def test_what_grows_far_beyond_ordinary_size(beside: vo.VoronecEquations) -> None:
@@ -143,18 +146,23 @@ def test_an_input_between_pieces_of_the_growth() -> None:
 
 
 def test_ensembles_of_what_grows(beside: vo.VoronecEquations) -> None:
-    sizes = np.array([1e-9, 1e-12, 1.0, 3e-8, 1e-10])
-    for times in GRIDS.values():
+    few, ordinary = np.array([1e-9, 1e-12, 1.0, 3e-8, 1e-10]), np.array([1.0, 1e-3, 2.0])
+    for sizes, times in product((few, ordinary), GRIDS.values()):
         run = vo.ensemble(beside, {x: sizes, y: 1}, {}, times, ("x", "y"), method="heyoka")
         assert not run.errors
         worst = [errors(times, *(run[n][i] for n in "xy"), size) for i, size in enumerate(sizes)]
         assert max(worst) < 1e-12
 
 
-def test_a_section_of_what_grows(beside: vo.VoronecEquations) -> None:
-    sizes = np.array([1e-9, 1e-12, 3e-8])
+@pytest.mark.parametrize("sizes", [(1e-9, 1e-12, 3e-8), (1.0, 1e-3, 2.0)], ids=["tiny", "ordinary"])
+def test_a_section_of_what_grows(beside: vo.VoronecEquations, sizes: tuple[float, ...]) -> None:
     points = vo.section(
-        beside, "y", ("x", "ydot"), crossings=200, method="heyoka", starts={x: sizes, y: np.ones(3)}
+        beside,
+        "y",
+        ("x", "ydot"),
+        crossings=200,
+        method="heyoka",
+        starts={x: [*sizes], y: np.ones(3)},
     )
     truth = (1.5 * np.pi + 2 * np.pi * np.arange(200)) / 50
     for i, size in enumerate(sizes):

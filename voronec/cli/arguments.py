@@ -38,6 +38,17 @@ class _OneLineParser(argparse.ArgumentParser):
             message = f"{choice[1]}: there is no '{choice[2]}'{near}".removesuffix("?")
         self.exit(2, f"{self.prog}: {printable(message)}; see '{self.prog} --help'\n")
 
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """The same; arguments that a command does not know are refused by that command."""
+        chosen, unknown = super().parse_known_args(args, namespace)
+        if unknown and unknown[0].startswith("-"):
+            name = unknown[0].partition("=")[0]
+            near = did_you_mean(name, re.findall(r"--[\w-]+", self.format_help()))
+            self.error(f"there is no option '{name}'{near}".removesuffix("?"))
+        if unknown:
+            self.error(f"'{unknown[0]}' is one argument too many")
+        return chosen, unknown
+
     def print_help(self, file: Any = None) -> None:
         (file or sys.stdout).write(self.format_help())  # argparse would pass over a full disk
 

@@ -41,6 +41,7 @@ from voronec.motion.steppers.units import units_of_many
 
 __all__ = [
     "COLLAPSE_RATIO",
+    "OUTGROWN",
     "SINGULAR_PLACE",
     "Lanes",
     "StepSizes",
@@ -55,6 +56,7 @@ PIECE, PART = 64, 4
 """Points of the grid in the first piece, one where states grow; later ones follow the steps that it
 took, so that they are done in a quarter of those that may be taken."""
 SINGULAR_PLACE = "the motion passes a place where its equations are singular, or nearly,"
+OUTGROWN = "its states outgrow the sizes from which they set out"
 COLLAPSE_RATIO = 1e-3
 """Steps are about as long as the way to the next singularity of a motion in complex time, so that
 this share of the longest one tells how near it passed, and how many digits were lost."""
@@ -71,7 +73,8 @@ class StopRequest(Exception):
 @dataclass(frozen=True, eq=False)
 class StepSizes:
     """The shortest and the longest step of each of some motions, and which of these took one that
-    was made too long by coefficients that vanish; ``stride`` is how long one is looked at."""
+    was made too long, by coefficients that vanish or by a state that outgrew ordinary size;
+    ``stride`` is how long one is looked at."""
 
     shortest: np.ndarray
     longest: np.ndarray
@@ -178,6 +181,7 @@ class Lanes:
     def note_steps(self) -> None:
         """Take down the latest steps; those that were cut to end at a given time are not counted by
         heyoka."""
+        self.steps.overlong[self.winding.outgrown(self.integrator.state)] = True
         lengths = np.abs([result[1:3] for result in self.results])
         self.steps.note(slice(None), lengths[:, 0], lengths[:, 1])
         taken = max(result[3] for result in self.results)

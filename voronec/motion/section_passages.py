@@ -17,6 +17,7 @@ from voronec.equations.program import Program, hoist
 from voronec.errors import IntegrationError, VoronecError
 from voronec.motion.batches import (
     COLLAPSE_RATIO,
+    OUTGROWN,
     SINGULAR_PLACE,
     Lanes,
     StepSizes,
@@ -217,7 +218,7 @@ class _Close:
                 slow, before = np.abs(b - a) > 0.25 * before, np.abs(b - a)
             c = np.where((slow | outside) & (fb != 0), 0.5 * (a + b), np.where(fb == 0, b, c))
             fc = self.value(c)
-            swap = fc * fb < 0
+            swap = np.sign(fc) * np.sign(fb) < 0
             done = (np.abs(c - b) <= 4e-16 * np.abs(upper)) | (fc == 0)
             # the end that stays loses half its weight, so that both ends move
             a, fa = np.where(swap, b, a), np.where(swap, fb, 0.5 * fa)
@@ -502,9 +503,11 @@ def _account(
     broken = [k for k in busy if not np.isfinite(ta.state[:, k]).all()]
     stuck = [k for k in busy if taken[k] == limit and _is_stuck(ta.time[k], before[k], origin[k])]
     passed = [k for k in busy if lanes.steps.has_collapsed(k)]
+    outgrown = lanes.winding.outgrown(ta.state)
     if output is not None:
         series = output.tcs * lanes.winding.units[:, None]
         series[:, :, 0] = lanes.winding.whole(output.tcs[:, :, 0])
+        outgrown |= lanes.winding.outgrown(output.tcs[:, :, 0])
         trusted = [
             _trusted_until(output.times[:, k]) if k in passed else np.inf for k in range(len(holds))
         ]
@@ -512,6 +515,8 @@ def _account(
     for k in busy:
         if k in passed and k not in broken:
             _fail(motions, passages, holds[k], lanes, k, SINGULAR_PLACE)
+        elif outgrown[k]:
+            _fail(motions, passages, holds[k], lanes, k, OUTGROWN)
         elif k in broken or k in stuck:
             _fail(motions, passages, holds[k], lanes, k, INFINITE if k in broken else COLLAPSE)
         elif output is None and (i := holds[k]) is not None:

@@ -164,8 +164,10 @@ def _pass_alone(
                 equations, Scene({}, (0.0, 1.0)), [motions.time, end], names, constants, start,
                 method, tol, events=(event,),
             )  # fmt: skip
-        except IntegrationError:
-            return
+        except IntegrationError as error:
+            run = error.trajectory
+            if run is None or len(run.events[PLANE]) < passages.wanted:
+                return
         if run.interrupted:
             raise KeyboardInterrupt
         span *= LONGER

@@ -174,7 +174,7 @@ def scalar_source(program: Program, extras: bool = False) -> str:
     return _with_imports([*_helpers(body, "math"), body], _FLOATS)
 
 
-@lru_cache(maxsize=64)  # one run asks several times for the same functions
+@lru_cache(maxsize=256)  # a run asks several times for the same functions, of all its splits
 def compile_program(program: Program, scalar: bool = False) -> tuple[Function, Function]:
     """The functions ``rhs`` and ``extras`` of ``(t, state, parameters)``, compiled.
 

@@ -235,7 +235,7 @@ class Program:
         return evaluation_weight(self.derivative.expressions)
 
 
-@lru_cache(maxsize=32)  # starts, tolerances and methods change, what is asked of a form does not
+@lru_cache(maxsize=128)  # starts, tolerances and methods change, what is asked of a form does not
 def _program(
     form: FirstOrderForm, extras: tuple[tuple[str, Any], ...], moves: bool = True
 ) -> Program:
@@ -311,7 +311,7 @@ def _replace_functions(
     return changed, spelled, tuple(symbols.values())
 
 
-@lru_cache(maxsize=32)  # a form is weighed first, and written with its extra quantities then
+@lru_cache(maxsize=128)  # a form is weighed first, and written with its extra quantities then
 def _derivative(form: FirstOrderForm, known: tuple[Any, ...]) -> Block:
     """The cheaper of two ways to write it: expressions as they are, and with factors nested."""
     mass = form.mass

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -138,34 +138,56 @@ def taylor(problem: Problem) -> Stepper:
     hy = heyoka()
     units = natural_units(problem)
     winding = TurnCount.of(problem.program, problem.levels, units, bool((units != 1).any()))
-    events = tuple((e.name, e.direction, e.stop) for e in problem.events)
-    watched = events, problem.levels if events else None, problem.walls
-    key = problem.program, winding.scaled, problem.tol, watched
+    garage = _Garage.of(problem, winding, hy)
+    own = [garage.take_out()]
 
-    # a program is hashed here, and not in runs
-    at_rest = _idle[key] = _idle.pop(key, [])
-    while len(_idle) > IDLE:
-        _idle.pop(next(iter(_idle)), None)
-
-    def machine_at_rest() -> _Machine:
-        with suppress(IndexError):  # another thread may have taken it meanwhile
-            return at_rest.pop()
-        return _Machine.of(problem, winding.now(), hy)
-
-    own = [machine_at_rest()]
+    def drive(garage: _Garage, machine: _Machine, grid: np.ndarray) -> Run | None:
+        machine.place(problem, grid)
+        ticker = Ticker(problem.progress, float(grid[0]), float(grid[-1]))
+        try:
+            return _Drive(hy, machine, problem, grid, ticker).run()
+        finally:
+            garage.at_rest[:] = [machine]
 
     def run(grid: np.ndarray) -> Run:
         # a stepper may run again, from what start and parameters of its problem are then
-        machine = own.pop() if own else machine_at_rest()
-        machine.place(problem, grid)
-        ticker = Ticker(problem.progress, float(grid[0]), float(grid[-1]))
-        drive = _Drive(hy, machine, problem, grid, ticker)
-        try:
-            return drive.run()
-        finally:
-            at_rest[:] = [machine]
+        nonlocal garage
+        found = drive(garage, own.pop() if own else garage.take_out(), grid)
+        if found is None:
+            garage = _Garage.of(problem, replace(winding, scaled=True), hy)
+            found = drive(garage, garage.take_out(), grid)
+        assert found is not None  # only a motion without units outgrows them
+        return found
 
     return run
+
+
+@dataclass(frozen=True)
+class _Garage:
+    """Where integrators for problems of one kind stay ``at_rest``, and new ones are made."""
+
+    problem: Problem
+    winding: TurnCount
+    hy: Any
+    at_rest: list[_Machine]
+
+    @classmethod
+    def of(cls, problem: Problem, winding: TurnCount, hy: Any) -> _Garage:
+        """That of a problem; what was longest in no use gives way to it."""
+        events = tuple((e.name, e.direction, e.stop) for e in problem.events)
+        watched = events, problem.levels if events else None, problem.walls
+        key = problem.program, winding.scaled, problem.tol, watched
+        # a program is hashed here, and not in runs
+        at_rest = _idle[key] = _idle.pop(key, [])
+        while len(_idle) > IDLE:
+            _idle.pop(next(iter(_idle)), None)
+        return cls(problem, winding, hy, at_rest)
+
+    def take_out(self) -> _Machine:
+        """An integrator that nobody else uses."""
+        with suppress(IndexError):  # another thread may have taken it meanwhile
+            return self.at_rest.pop()
+        return _Machine.of(self.problem, self.winding.now(), self.hy)
 
 
 def _integrator(problem: Problem, log: Log, winding: TurnCount, hy: Any) -> Any:
@@ -259,6 +281,7 @@ class _Drive:
     idle: int = 0
     size: int = field(init=False)
     ahead: int = field(init=False)
+    has_outgrown: bool = False
     longest: float = 0.0
     usual: float = np.inf
     integrator: Any = field(init=False)
@@ -326,12 +349,16 @@ class _Drive:
             if self.problem.dense:
                 self.stretches.append(_Chunk(found[4], self.winding.now()))
 
-    def run(self) -> Run:
+    def run(self) -> Run | None:
+        """The run; None where states without units of their own outgrow ordinary size, which
+        loosens the steps of all others."""
         self.rows.append(self.problem.start[None, :])
         try:
             self.leave_start()
             while self.done < len(self.grid) and not self.log.stopped:
                 halt = self.chunk()
+                if self.has_outgrown:
+                    return None
                 if halt is not None:
                     return self.result(halt)
                 self.ticker(self.integrator.time)
@@ -362,6 +389,9 @@ class _Drive:
             self.opening = np.inf if good else length
             outcome, taken, new = self.advance(good or 1)
             self.opening = length if good else np.inf
+        self.has_outgrown = bool(
+            self.winding.outgrown(self.integrator.state) or self.winding.outgrown(new)
+        )
         self.steps += taken
         self.idle = 0 if len(new) else self.idle + taken
         if len(new):

@@ -8,7 +8,8 @@ grow by until then is made up for by a finer tolerance.
 
 For the same reason a state that sets out near an equilibrium, in a tiny unit of its own, must not
 stay in that while it grows to ordinary size: where some unit is not 1, each step is looked at, and
-units are set anew where states left them.
+units are set anew where states left them.  Where all are 1 at first, and a state grows far beyond
+ordinary size, the motion is begun anew in units.
 """
 
 from __future__ import annotations
@@ -64,7 +65,8 @@ class TurnCount:
         self.high, self.low = np.zeros(self.units.shape), np.zeros(self.units.shape)
         self.small = np.union1d(self.quadratures, self.angles)
         self.others = np.setdiff1d(np.arange(len(self.units)), self.small)
-        self.bounds, self.peaks = np.full(self.units.shape, np.inf), np.ones(self.units.shape)
+        self.bounds, self.peaks = np.ones(self.units.shape), np.ones(self.units.shape)
+        self.measure(self.units.copy())
 
     @classmethod
     def of(
@@ -106,6 +108,12 @@ class TurnCount:
         bounds[self.angles] = np.inf
         self.bounds[..., which] = bounds
 
+    def outgrown(self, states: np.ndarray) -> np.ndarray:
+        """Which motions, whose units are all 1, have a state (..., n), or (..., n, lanes), that is
+        far beyond ordinary size."""
+        beyond = (np.abs(states) > self.bounds) & np.isfinite(states) & (not self.scaled)
+        return np.asarray(beyond.any(axis=tuple(range(states.ndim - self.units.ndim + 1))))
+
     def fits(self, state: np.ndarray) -> bool:
         """Whether states (n,), or (n, lanes), after a step, are still those of their units."""
         size = np.abs(state)
@@ -129,7 +137,7 @@ class TurnCount:
         there were such."""
         size, slack = np.abs(state), self._slack
         left = (size > self.bounds) | slack
-        if not left.any():
+        if not self.scaled or not left.any():
             return False
         before = self.units.copy()
         units = units_next_to(np.fmax(size, self.peaks) * before)
@@ -156,7 +164,8 @@ class TurnCount:
     def whole(self, states: np.ndarray) -> np.ndarray:
         """States (..., n), or (..., n, lanes), as they are, from those kept small."""
         if not self.is_needed:
-            return np.asarray(states * self.units)
+            with np.errstate(over="ignore"):  # what is no longer finite is told elsewhere
+                return np.asarray(states * self.units)
         small, large, at = self.low.copy(), self.high.copy(), self.angles
         small[at], large[at] = self.high[at] * FINE, self.high[at] * COARSE
         return np.asarray(((states + small) + large) * self.units)
