@@ -280,11 +280,22 @@ def _quotient(product: Any, spread: bool = True) -> Any:
             return _quotient(product * (whole if exponent > 0 else 1 / whole) ** times, spread)
     for base, exponent in powers.items() if spread else ():
         if isinstance(base, se.Add) and exponent == 1:
+            vanish = _vanishing(base) if below else set()
+            sums = [w for w in vanish if isinstance(w, se.Add)]
             for u in below:
+                if u not in vanish and not any(_ratio(w, u) is not None for w in sums):
+                    continue
                 found = _distribute(base, product / base, u)
                 if found is not None:
                     return found
     return product
+
+
+def _vanishing(total: Any) -> set[Any]:
+    """What terms of a sum may take up from below: their factors, and what these vanish with."""
+    bases = {base for term in total.args for base, e in _factors(term).items() if e > 0}
+    zeros = filter(None, map(_zero, bases))
+    return bases.union(*({w, *_factors(w)} for w, _, _ in zeros))
 
 
 def _distribute(above: Any, rest: Any, u: Any) -> Any | None:

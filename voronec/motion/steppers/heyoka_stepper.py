@@ -138,24 +138,24 @@ def taylor(problem: Problem) -> Stepper:
     hy = heyoka()
     units = natural_units(problem)
     winding = TurnCount.of(problem.program, problem.levels, units, bool((units != 1).any()))
-    garage = _Garage.of(problem, winding, hy)
-    own = [garage.take_out()]
+    pool = _Pool.of(problem, winding, hy)
+    own = [pool.take()]
 
-    def drive(garage: _Garage, machine: _Machine, grid: np.ndarray) -> Run | None:
+    def drive(pool: _Pool, machine: _Machine, grid: np.ndarray) -> Run | None:
         machine.place(problem, grid)
         ticker = Ticker(problem.progress, float(grid[0]), float(grid[-1]))
         try:
             return _Drive(hy, machine, problem, grid, ticker).run()
         finally:
-            garage.at_rest[:] = [machine]
+            pool.at_rest[:] = [machine]
 
     def run(grid: np.ndarray) -> Run:
         # a stepper may run again, from what start and parameters of its problem are then
-        nonlocal garage
-        found = drive(garage, own.pop() if own else garage.take_out(), grid)
+        nonlocal pool
+        found = drive(pool, own.pop() if own else pool.take(), grid)
         if found is None:
-            garage = _Garage.of(problem, replace(winding, scaled=True), hy)
-            found = drive(garage, garage.take_out(), grid)
+            pool = _Pool.of(problem, replace(winding, scaled=True), hy)
+            found = drive(pool, pool.take(), grid)
         assert found is not None  # only a motion without units outgrows them
         return found
 
@@ -163,7 +163,7 @@ def taylor(problem: Problem) -> Stepper:
 
 
 @dataclass(frozen=True)
-class _Garage:
+class _Pool:
     """Where integrators for problems of one kind stay ``at_rest``, and new ones are made."""
 
     problem: Problem
@@ -172,7 +172,7 @@ class _Garage:
     at_rest: list[_Machine]
 
     @classmethod
-    def of(cls, problem: Problem, winding: TurnCount, hy: Any) -> _Garage:
+    def of(cls, problem: Problem, winding: TurnCount, hy: Any) -> _Pool:
         """That of a problem; what was longest in no use gives way to it."""
         events = tuple((e.name, e.direction, e.stop) for e in problem.events)
         watched = events, problem.levels if events else None, problem.walls
@@ -183,7 +183,7 @@ class _Garage:
             _idle.pop(next(iter(_idle)), None)
         return cls(problem, winding, hy, at_rest)
 
-    def take_out(self) -> _Machine:
+    def take(self) -> _Machine:
         """An integrator that nobody else uses."""
         with suppress(IndexError):  # another thread may have taken it meanwhile
             return self.at_rest.pop()
