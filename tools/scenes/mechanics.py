@@ -180,9 +180,10 @@ def bowl(dice: Random) -> Case:
 
 
 def rough(dice: Random) -> Case:
-    """One or two oscillators, or a sleigh, with forces that are not smooth."""
-    if dice.random() < 0.3:
-        return _rough_sleigh(dice)
+    """One or two oscillators, a sleigh or a carriage, with forces that are not smooth."""
+    chance = dice.random()
+    if chance < 0.4:
+        return _rough_sleigh(dice) if chance < 0.2 else _rough_carriage(dice)
     coordinates = (x, y)[: dice.choice((1, 1, 2))]
     L = sum(above(dice) * dot(q) ** 2 / 2 - above(dice) * q**2 / 2 for q in coordinates)
     if len(coordinates) == 2:
@@ -228,6 +229,28 @@ def _rough_sleigh(dice: Random) -> Case:
     frame = vo.Frame.quasi({v: along, w: dot(phi)})
     constraint = dot(x) * sp.sin(phi) - dot(y) * sp.cos(phi)
     return Case(_system("rough-sleigh", (x, phi), (y,), L, (constraint,), forces, (), frame))
+
+
+def _rough_carriage(dice: Random) -> Case:
+    """A carriage on two wheels, turned by s1 and s2, with dry friction in two places: one sets in
+    while another holds, and what held lets go."""
+    m, J, wheel, half = (above(dice) for _ in range(4))
+    v, w = sp.symbols("v w")
+    along = dot(x) * sp.cos(phi) + dot(y) * sp.sin(phi)
+    squares = m * (dot(x) ** 2 + dot(y) ** 2) + J * dot(phi) ** 2
+    L = (squares + (dot(s1) ** 2 + dot(s2) ** 2) / 5) / 2
+    constraints = (
+        dot(x) * sp.sin(phi) - dot(y) * sp.cos(phi),
+        wheel * dot(s1) - along + half * dot(phi),
+        wheel * dot(s2) - along - half * dot(phi),
+    )
+    forces = {q: -above(dice, 0.1, 0.6) * sp.sign(dot(q))
+              for q in dice.sample([s1, s2, x, phi], 2)}  # fmt: skip
+    driven = dice.choice([*forces])
+    forces[driven] += dice.choice((0, sp.cos(t) / 3, some(dice, 0.1, 0.5)))
+    frame = vo.Frame.quasi({v: along, w: dot(phi)})
+    return Case(_system("rough-carriage", (x, phi), (y, s1, s2), L, constraints, forces, (), frame),
+                size=0.7, span=6.0)  # fmt: skip
 
 
 def driven_mechanics(dice: Random) -> Case:

@@ -263,7 +263,7 @@ class _Passage:
         beyond, sides = self.roads.is_beyond, self.mode.sides
         return any(
             beyond(wall, part.t[i], part.states[i], sides)
-            for wall in (() if self.mode.along else self.mode.walls)
+            for wall in self.mode.walls - {s.wall for s in self.mode.along}
             if not beyond(wall, self.time, self.state, sides)
             for i in looks
             if np.isfinite(part.states[i]).all()
@@ -300,8 +300,9 @@ class _Passage:
             and roads.grazes(self.time, self.state, hit[0], before.sides)
         ):
             return self.result(Halt(TOUCH.format(hit[0]), self.time, self.number(self.state)))
-        if not before.along:
-            self.state = roads.on_surfaces(self.time, self.state, hit, before.sides)
+        # what held the motion is met still, though the state may be some rounding beside it
+        hit = tuple(dict.fromkeys((*hit, *before.along)))
+        self.state = roads.on_surfaces(self.time, self.state, hit, before.sides)
         self.switches += 1
         self.recent.append(self.time)
         if len(self.recent) > WINDOW:

@@ -8,6 +8,7 @@ several (nothing tells which).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import combinations, product
 from typing import Any
@@ -54,6 +55,8 @@ UNSURE = 0.7
 """A run to the tolerance tol may miss a wall by tol to this power."""
 CANCELLATION = 1e-12
 """Fields on the sides cancel where so much is left of them, in units of the largest: rounding."""
+VANISHED = 1e-3
+"""A push of less than this part of what it is a moment later, some 1e-8, vanishes just there."""
 NO_VALUE = (ZeroDivisionError, ValueError, TypeError)
 """What mpmath raises where a function has no value, or none that is real."""
 SENSELESS = "the equations, or what switches in them, are not defined"
@@ -471,19 +474,32 @@ class Crossroads:
                 )
 
     def _weights(self, mode: Mode, time: Any, state: np.ndarray) -> list[Any] | None:
-        """The weights of the sides along surfaces; None where the motion is not held there."""
-        count = len(mode.along)
-        extras = compiled_digits(mode.levels)[1]
+        """The weights of the sides along surfaces; None where the motion is not held there.
+
+        Where nothing pushes to a surface just now, as friction does not whose lever vanishes, the
+        push of a moment later tells.
+        """
         try:
-            found = extras(time, list(state), self.values(mode.program, mode.sides, time))
-        except (ZeroDivisionError, ValueError):
+            weights, returns = later = self._holds(mode, time, state)
+        except NO_VALUE:
             return None
-        named = dict(zip(mode.levels.names, found, strict=True))
-        weights = [named[f"weight {i}"] for i in range(count)]
-        returns = [named[f"return {i}"] for i in range(count)]
-        if all(abs(w) <= 1 for w in weights) and all(self.order * r < 0 for r in returns):
+        with suppress(*NO_VALUE):
+            later = self._holds(mode, *self.moment(mode, time, state, 1))
+        pairs = zip(returns, later[1], strict=True)
+        pushes = [b if abs(a) < VANISHED * abs(b) else a for a, b in pairs]
+        if all(abs(w) <= 1 for w in weights) and all(self.order * r < 0 for r in pushes):
             return weights
         return None
+
+    def _holds(self, mode: Mode, time: Any, state: np.ndarray) -> tuple[list[Any], list[Any]]:
+        """Along surfaces, the weights of the sides, and how far the push of each leads back."""
+        values = self.values(mode.program, mode.sides, time)
+        found = compiled_digits(mode.levels)[1](time, list(state), values)
+        named = dict(zip(mode.levels.names, found, strict=True))
+        weights, returns = (
+            [named[f"{kind} {i}"] for i in range(len(mode.along))] for kind in ("weight", "return")
+        )
+        return weights, returns
 
     def _affine(
         self, time: Any, state: np.ndarray, mode: Mode, weights: Sequence[Any],

@@ -15,7 +15,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.door import Door
-from voronec.algebra.normal import canonical, canonical_for_numbers
+from voronec.algebra.normal import canonical, canonical_for_numbers, quotient
 from voronec.algebra.signs import prove_inequality
 from voronec.equations.program import Block, Program
 from voronec.equations.program.python import compiled_digits
@@ -32,6 +32,9 @@ from voronec.errors import EngineLimit
 from voronec.motion.state_probe import quantities
 
 __all__ = ["Corner", "LevelSurface", "Modes", "motion_along_surfaces"]
+
+LONG = 2_000
+"""Pushes of more operations, spelled out, are divided by as they are."""
 
 
 @dataclass(frozen=True)
@@ -249,7 +252,7 @@ def motion_along_surfaces(
         -se.Add(s.function.diff(program.time), *[g * f for g, f in zip(row, above, strict=True)])
         for s, row in zip(surfaces, slopes, strict=True)
     ]
-    shares = _eliminate(pushes, wanted, name)
+    shares = _share_of_lever(pushes, wanted, lines) or _eliminate(pushes, wanted, name)
     if shares is None:
         return None
     rates = [
@@ -262,6 +265,29 @@ def motion_along_surfaces(
     returns = tuple(pushes[i][i] for i in range(len(surfaces)))
     made = replace(program, derivative=Block(tuple(lines), tuple(rates)))
     return made, Block(tuple(lines), (*weights, *returns))
+
+
+def _share_of_lever(
+    pushes: list[list[Any]], wanted: list[Any], lines: Sequence[tuple[Any, Any]]
+) -> list[Any] | None:
+    """The share along one surface without what vanishes in its push and in what is wanted alike, as
+    the lever of friction does; None where nothing does."""
+    if len(wanted) > 1 or pushes[0][0].is_Number:
+        return None
+    (push,), (need,) = pushes[0], wanted
+    spelled = dict[Any, Any]()
+    for symbol, expr in lines:
+        spelled[symbol] = expr.xreplace(spelled)
+    push, need = push.xreplace(spelled), need.xreplace(spelled)
+    if max(se.count_ops(push), se.count_ops(need)) > LONG:
+        return None
+    try:
+        above, below = quotient(need / push)
+        whole = quotient(push)[0]
+        lever = quotient(whole / below)[0]
+    except (EngineLimit, ZeroDivisionError):
+        return None
+    return None if lever.is_Number else [above / below]
 
 
 def _hold(rates: list[Any], slopes: list[list[Any]], wanted: list[Any]) -> None:
