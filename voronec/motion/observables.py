@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import mpmath
 import numpy as np
 import symengine as se
 
+from voronec.algebra.precision import GENERIC
 from voronec.equations.program import Program, compile_program
 from voronec.equations.program.python import compiled_digits, precision
+from voronec.equations.program.straight import prune
 from voronec.errors import DefinitionError
 from voronec.motion.reactions import Multipliers
 from voronec.motion.request import OutputTerms, Vocabulary
@@ -167,16 +169,39 @@ def _along(
 ) -> list[np.ndarray]:
     """Rates (``which`` 0) or extra quantities (1) of a program on a grid."""
     if states.dtype == object:
-        results = compiled_digits(program)[which](t, list(states.T), list(values))
-        # constants of a program may be integers
-        plain = [mpmath.mpf(r) if isinstance(r, int) else r for r in results]
-        return [np.broadcast_to(np.asarray(r, dtype=object), t.shape).copy() for r in plain]
+        return _digits_along(program, which, t, states, values)
     with np.errstate(all="ignore"):
         results = compile_program(program)[which](t, list(states.T), list(values))
     return [
         np.array(r, dtype=float) if np.shape(r) == t.shape else np.full(t.shape, r, dtype=float)
         for r in results
     ]
+
+
+def _digits_along(
+    program: Program, which: int, t: np.ndarray, states: np.ndarray, values: Sequence[Any]
+) -> list[np.ndarray]:
+    """The same in many digits; not a number where a quantity has no value at an instant."""
+    block = program.extras if which else program.derivative
+    try:
+        results = compiled_digits(program)[which](t, list(states.T), list(values))
+    except (ZeroDivisionError, ValueError):
+        if which and len(block.results) > 1:
+            alone = [
+                replace(program, names=(name,), extras=prune(block.assignments, (result,)))
+                for name, result in zip(program.names, block.results, strict=True)
+            ]
+            return [_digits_along(each, 1, t, states, values)[0] for each in alone]
+        if len(t) < 2:
+            return [np.full(t.shape, mpmath.nan, dtype=object)] * len(block.results)
+        rows = [
+            _digits_along(program, which, t[k : k + 1], states[k : k + 1], values)
+            for k in range(len(t))
+        ]
+        return [np.concatenate(column) for column in zip(*rows, strict=True)]
+    # constants of a program may be integers
+    plain = [mpmath.mpf(r) if isinstance(r, int) else r for r in results]
+    return [np.broadcast_to(np.asarray(r, dtype=object), t.shape).copy() for r in plain]
 
 
 def evaluate_watch(
@@ -188,10 +213,27 @@ def evaluate_watch(
         series |= {name: branch.along(series) for name, branch in watch.branches.items()}
     if watch.multipliers is None:
         return series
+    multipliers, lost = _multipliers(watch.multipliers, program, t, states, values, series)
+    if lost.any():
+        exactly = np.frompyfunc(mpmath.mpf, 1, 1)
+        with mpmath.workprec(GENERIC):
+            there = exactly(states[lost]), list(exactly(np.asarray(values, dtype=float)))
+            more = evaluate_extras(program, t[lost], *there)
+            found, _ = _multipliers(watch.multipliers, program, t[lost], *there, more)
+        exact = found.astype(float)
+        multipliers[lost] = np.where(np.isfinite(exact), exact, multipliers[lost])
+    plain = {name: x for name, x in series.items() if name not in watch.multipliers.entries}
+    return plain | {name: multipliers[:, k].copy() for name, k in watch.reactions.items()}
+
+
+def _multipliers(
+    multipliers: Multipliers, program: Program, t: np.ndarray, states: np.ndarray,
+    values: Sequence[Any], series: Mapping[str, np.ndarray],
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """The multipliers, and where digits are lost, from the program's extra quantities."""
     slopes = dict(zip(map(str, program.state), _along(program, 0, t, states, values), strict=True))
-    with mpmath.workprec(precision(states)):
-        multipliers = watch.multipliers.solve(
-            {name: series.pop(name) for name in watch.multipliers.entries},
-            [slopes[str(v)] for v in watch.multipliers.velocities],
+    with mpmath.workprec(max(precision(states), mpmath.mp.prec)):
+        return multipliers.solve(
+            {name: series[name] for name in multipliers.entries},
+            [slopes[str(v)] for v in multipliers.velocities],
         )
-    return series | {name: multipliers[:, k].copy() for name, k in watch.reactions.items()}

@@ -31,6 +31,9 @@ __all__ = ["Multipliers"]
 
 DEPENDENT = 1e-11
 """A singular value below this part of the largest counts as zero."""
+CANCELLATION = 1e4
+"""Terms that are so many times larger than what is left of them cost that without it: as many
+digits as the tolerance of a run has beyond those of a double."""
 PART = 1e-8
 """A multiplier with a larger part in a vector that A^T annihilates is not unique."""
 
@@ -83,8 +86,12 @@ class Multipliers:
             fixed={i: e for i, e in held.items() if not e.free_symbols},
         )
 
-    def solve(self, series: Mapping[str, Any], accelerations: Sequence[Any]) -> np.ndarray:
-        """lambda_k of constraint k, shape (instants, constraints).
+    def solve(
+        self, series: Mapping[str, Any], accelerations: Sequence[Any]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """lambda_k of constraint k, shape (instants, constraints), and at which instants digits
+        are lost, (instants,): next to a pole of coordinates inertia and forces are large, and
+        cancel.
 
         ``series`` holds the values of ``entries`` by name, ``accelerations`` those of v', each of
         shape (instants,); with mpmath numbers in them the precision in force is kept.  ``nan``
@@ -97,12 +104,16 @@ class Multipliers:
         transposed = np.swapaxes(rows[:, : self.exact], 1, 2)
         if precise:
             found = [_precise(*at) for at in zip(mass, still, rows, right, transposed, strict=True)]
-            return np.array(found, dtype=object).reshape(len(rows), -1)[:, : self.count]
+            solved = np.array(found, dtype=object).reshape(len(rows), -1)[:, : self.count]
+            return solved, np.zeros(len(rows), dtype=bool)
         moved, unique = _least_squares(rows, right)
         moved = np.where(unique, moved, np.nan)
         applied = np.einsum("kij,kj->ki", mass, moved) + still
         multipliers, unique = _least_squares(transposed, applied)
-        return np.where(unique, multipliers, np.nan)[:, : self.count]
+        terms = np.einsum("kij,kj->ki", np.abs(mass), np.abs(moved)) + np.abs(still)
+        largest = (np.abs(a).max(axis=1, initial=0.0) for a in (terms, applied))
+        lost = np.greater(*(a * b for a, b in zip(largest, (1.0, CANCELLATION), strict=True)))
+        return np.where(unique, multipliers, np.nan)[:, : self.count], lost
 
     def _matrices(
         self, series: Mapping[str, Any], accelerations: Sequence[Any], precise: bool
@@ -226,6 +237,8 @@ def _precise(
     """The multipliers at one instant, at mpmath's working precision."""
     import mpmath as mp
 
+    if not all(mp.isfinite(x) for part in (mass, still, rows, right) for x in part.flat):
+        return [mp.nan] * forms.shape[1]
     with mp.workprec(2 * mp.mp.prec):  # the normal equations square the condition number
         try:
             moved = mp.lu_solve(mp.matrix(rows.tolist()), mp.matrix(right.tolist()))
