@@ -20,9 +20,10 @@ import symengine as se
 from voronec.algebra.numeric_functions import HYPOT, numeric_name
 from voronec.algebra.stable import stable_all
 from voronec.equations.program import Block, Program
+from voronec.equations.program.jacobian import flow_derivative
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.walls import Wall
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, EngineLimit
 from voronec.motion.atlas import Progress
 from voronec.motion.events import Event
 from voronec.motion.methods import choose, choose_regular
@@ -69,7 +70,8 @@ class Mode:
 
     ``sides`` has the sign or floor of every wall; ``along`` are the surfaces on which the motion is
     held.  ``watch`` maps names of events to the surfaces at which the mode ends (none: at a rim),
-    ``turns`` others to the surfaces that the motion may touch.
+    ``turns`` others to the surfaces that the motion may touch.  ``followed`` computes what stands
+    behind the state in the problem: the functions of events, where these alone tell a time.
     """
 
     corner: Corner
@@ -82,21 +84,45 @@ class Mode:
     problem: Problem
     chosen: Mapping[str, Any]
     stepper: Stepper | None
+    followed: Program | None = None
 
     def run(self, state: np.ndarray, values: Sequence[Any], times: np.ndarray) -> Run:
         """The motion from a state on."""
-        if self.stepper is not None:
-            self.problem.start[:] = state
-            self.problem.parameters[:] = values  # type: ignore[index]
-            return cut_at_singularity(self.stepper(times), self.problem)
-        return self.run_by(self.chosen["method"], state, values, times)
+        if self.stepper is None:
+            return self.run_by(self.chosen["method"], state, values, times)
+        self.problem.start[:] = self._widen(state, values, times[0])
+        self.problem.parameters[:] = values  # type: ignore[index]
+        return self._narrow(cut_at_singularity(self.stepper(times), self.problem), len(state))
 
     def run_by(
         self, method: str, state: np.ndarray, values: Sequence[Any], times: np.ndarray
     ) -> Run:
         """The same by a method of its own."""
-        problem = replace(self.problem, start=state, parameters=list(values))
-        return choose_regular(method, problem, times)[0](times)
+        wide = self._widen(state, values, times[0])
+        problem = replace(self.problem, start=wide, parameters=list(values))
+        return self._narrow(choose_regular(method, problem, times)[0](times), len(state))
+
+    def _widen(self, state: np.ndarray, values: Sequence[Any], time: Any) -> np.ndarray:
+        """The state, and the functions of events that are followed."""
+        if self.followed is None:
+            return state
+        exactly = [*map(mpmath.mpf, state)]
+        found = compiled_digits(self.followed)[1](time, exactly, [*map(mpmath.mpf, values)])
+        beside = np.array([mpmath.mpf(x) for x in found], dtype=object).astype(state.dtype)
+        return np.concatenate([state, beside])
+
+    def _narrow(self, run: Run, width: int) -> Run:
+        """A run without what is followed beside the state."""
+        if self.followed is None:
+            return run
+        inside, halt = run.inside, run.halt
+        return replace(
+            run,
+            states=run.states[:, :width],
+            crossings={name: (t, x[:, :width]) for name, (t, x) in run.crossings.items()},
+            inside=None if inside is None else lambda times: inside(times)[:, :width],
+            halt=halt and replace(halt, state=halt.state[:width]),
+        )
 
     @property
     def walls(self) -> frozenset[Wall]:
@@ -621,9 +647,12 @@ class Crossroads:
             }
             levels = _with_turns(quantities(corner.form, functions), program, turns, functions)
         problem = self._problem_of_mode(corner, program, levels, sides, along, turns)
+        problem, followed = _follow_events(problem) if along else (problem, None)
         stepper, chosen = self._choose_stepper(problem)
         lasting = stepper if chosen["method"] == "heyoka" else None
-        return Mode(corner, program, levels, sides, along, {}, turns, problem, chosen, lasting)
+        return Mode(
+            corner, program, levels, sides, along, {}, turns, problem, chosen, lasting, followed
+        )
 
     def _problem_of_mode(
         self, corner: Corner, program: Program, levels: Program, sides: Mapping[Wall, int],
@@ -682,6 +711,34 @@ def _with_turns(
         moved.append(g.diff(program.time) + se.Add(*[g.diff(x) * f for x, f in pairs]))
     block = Block((*lines, *own), (*results, *moved))
     return replace(levels, names=(*levels.names, *turns), extras=block)
+
+
+def _follow_events(problem: Problem) -> tuple[Problem, Program | None]:
+    """The problem with the functions of its events as further states, and what computes these: what
+    is held stands still, and steps as long as that allows would pass over a release.  Without them,
+    where nobody differentiates these."""
+    program, levels = problem.program, problem.levels
+    assert levels is not None  # a mode has events where it ends
+    try:
+        moved = flow_derivative(program, levels.extras)
+    except EngineLimit:
+        return problem, None
+    pairs = zip(levels.names, levels.extras.results, moved.results, strict=True)
+    moving = [(name, level, rate) for name, level, rate in pairs if rate != 0]
+    if not moving:
+        return problem, None
+    names, functions, rates = zip(*moving, strict=True)
+    own = program.derivative
+    lines = dict((*own.assignments, *moved.assignments))
+    velocities = (*program.velocities, *(se.Symbol(f"followed {name}") for name in names))
+    derivative = Block(tuple(lines.items()), (*own.results, *rates))
+    wide = replace(program, velocities=velocities, derivative=derivative)
+    followed = replace(levels, names=names, extras=replace(levels.extras, results=functions))
+    more = np.ones(len(names))
+    start = np.concatenate([problem.start, more.astype(problem.start.dtype)])
+    units = None if problem.units is None else np.concatenate([problem.units, more])
+    levels = replace(levels, velocities=velocities, derivative=derivative)
+    return replace(problem, program=wide, start=start, units=units, levels=levels), followed
 
 
 def _of_events(levels: Program, given: Sequence[Event], ends: Sequence[str]) -> Program:

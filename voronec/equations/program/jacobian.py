@@ -31,7 +31,7 @@ from voronec.algebra.numeric_functions import (
 from voronec.equations.program.straight import Block, Program, fresh_names, share_subexpressions
 from voronec.errors import EngineLimit
 
-__all__ = ["jacobian", "jacobian_columns", "weighted_sum"]
+__all__ = ["flow_derivative", "jacobian", "jacobian_columns", "weighted_sum"]
 
 
 def _slope_of(name: str, factor: int) -> Callable[[Any], tuple[Any]]:
@@ -81,6 +81,27 @@ def jacobian(program: Program) -> Block:
     entries = [row.get(x, se.Integer(0)) for row in rows for x in columns]
     known = [program.time, *columns, *program.parameters]
     return share_subexpressions(entries, fresh_names(known), assignments)
+
+
+def flow_derivative(program: Program, block: Block) -> Block:
+    """How fast the results of a block change along the motion of a program, whose own assignments
+    are those of the block.
+
+    ``EngineLimit`` names a function that nobody differentiates.
+    """
+    rates = zip(program.state, program.derivative.results, strict=True)
+    slopes: dict[Any, dict[Any, Any]] = {x: {program.time: rate} for x, rate in rates}
+    slopes[program.time] = {program.time: se.Integer(1)}
+    assignments = list(block.assignments)
+    for name, expr in block.assignments:
+        slope = _chain_slopes(se.sympify(expr), slopes).get(program.time, se.Integer(0))
+        if slope.args:
+            assignments.append((se.Symbol(f"rate of {name}"), slope))
+            slope = assignments[-1][0]
+        slopes[name] = {program.time: slope} if slope != 0 else {}
+    moved = (_chain_slopes(se.sympify(e), slopes) for e in block.results)
+    results = tuple(found.get(program.time, se.Integer(0)) for found in moved)
+    return Block(tuple(assignments), results)
 
 
 def _chain_slopes(expr: Any, slopes: dict[Any, dict[Any, Any]]) -> dict[Any, Any]:

@@ -1,0 +1,89 @@
+"""What friction holds stands still: no step passes over its release, or over events meanwhile."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import sympy as sp
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+import voronec as vo
+
+pytestmark = pytest.mark.slow
+
+x = sp.Symbol("x")
+SPEED, t = vo.velocity(x), vo.time
+R = sp.Rational
+METHODS = {"heyoka": 1e-13, "scipy": 1e-13, "c": 1e-13, "lsoda": 1e-13, "flint": 1e-20}
+FRICTION = R(3, 10)
+PUSHES = {
+    "a short push": (1 / (1 + 100 * (t - 20) ** 2), 20.0, 40.0),
+    "a bell": (sp.exp(-((t - 20) ** 2)), 20.0, 30.0),
+    "a steep bell": (2 * sp.exp(-8 * (t - 4) ** 2), 4.0, 8.0),
+}
+
+
+def block(push: sp.Expr) -> vo.System:
+    return vo.System(
+        name="block", fibration=vo.Fibration(base=(x,)), lagrangian=SPEED**2 / 2,
+        forces={x: push - FRICTION * sp.sign(SPEED)},
+    )  # fmt: skip
+
+
+def way(push: sp.Expr, top: float) -> float:
+    """How far one push moves the block: from where it is greater than friction until it rests."""
+    force: Callable[[float], float] = sp.lambdify(t, push - FRICTION)
+    begin, end = brentq(force, top - 3, top), brentq(force, top, top + 3)
+
+    def speed(time: float) -> float:
+        knots = [p for p in (top, end) if begin < p < time]
+        return float(quad(force, begin, time, points=knots or None, epsabs=1e-13, limit=200)[0])
+
+    rest = brentq(speed, end, end + 20)
+    parts = ((begin, top), (top, end), (end, rest))
+    return float(sum(quad(speed, *part, epsabs=1e-12)[0] for part in parts))
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", PUSHES)
+def test_a_release_is_not_passed_over(name: str, method: str) -> None:
+    push, top, end = PUSHES[name]
+    run = vo.integrate(
+        block(push), initial={x: 0, SPEED: 0}, times=[0, end], method=method, tol=METHODS[method]
+    )
+    assert abs(float(run["x"][-1]) - way(push, top)) < 2e-10
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_push_that_comes_more_and_more_often(method: str) -> None:
+    """A chirp that is greater than friction by a fifteenth, forty switches."""
+    run = vo.integrate(
+        block(R(32, 100) * sp.sin(t**2)), initial={x: 0, SPEED: 0}, times=[0, 8.0], method=method,
+        tol=METHODS[method],
+    )  # fmt: skip
+    assert run.cost.switches == 40
+    # by a loop of fixed steps of 1e-6
+    assert abs(float(run["x"][-1]) - 6.741692e-4) < 1e-9
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+def test_ensembles_do_not_pass_over_a_release(method: str) -> None:
+    push, top, end = PUSHES["a short push"]
+    zero = np.zeros(2)
+    run = vo.ensemble(block(push), {x: zero, SPEED: zero}, {}, [0, end], ("x",), method=method)
+    assert not run.errors
+    assert np.abs(run["x"][:, -1] - way(push, top)).max() < 2e-10
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_events_are_seen_while_friction_holds(method: str) -> None:
+    run = vo.integrate(
+        block(sp.Integer(0)), initial={x: 0, SPEED: R(3, 10)}, times=[0, 20.0], method=method,
+        tol=METHODS[method], events=[vo.Event(sp.sin(5 * t), "beat")],
+    )  # fmt: skip
+    beats = np.array(run.events["beat"].t, dtype=float)
+    assert len(beats) == 31
+    assert np.abs(beats - np.pi / 5 * np.arange(1, 32)).max() < 1e-11
