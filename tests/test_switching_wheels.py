@@ -66,6 +66,24 @@ def test_one_friction_sets_in_in_ensembles() -> None:
     assert np.abs(run["rightdot"][:, -1]).max() < 1e-12
 
 
+@pytest.mark.parametrize("method", ["scipy", "flint"])
+def test_two_wheels_that_are_held_hold_a_third(method: str) -> None:
+    """Three frictions on two velocities: the last wall says nothing of its own, and was switched at
+    again and again."""
+    forces = {
+        LEFT: friction(R(1, 4), LEFT),
+        RIGHT: friction(R(1, 20), RIGHT),
+        CARRIAGE.coordinates[3]: friction(R(11, 20), CARRIAGE.coordinates[3]),
+    }
+    steep = {q: f.replace(sp.sign, lambda u: sp.tanh(20_000 * u)) for q, f in forces.items()}
+    given = {"initial": {SPEED: 1, TURN: R(2, 5)}, "times": [0, 3.0], "outputs": ("phi", "x")}
+    smooth = vo.integrate(carriage(steep), method="lsoda", tol=1e-10, **given)
+    run = vo.integrate(carriage(forces), method=method, tol=METHODS[method], **given)
+    for name in given["outputs"]:
+        assert abs(float(run[name][-1]) - smooth[name][-1]) < 1e-4
+    assert run.cost.switches < 10
+
+
 LEVERS = {
     "at rest": friction(R(3, 10), x),
     "quotient": -R(3, 10) * velocity(x) / sp.Abs(velocity(x)),

@@ -576,7 +576,7 @@ class Crossroads:
     ) -> dict[str, tuple[LevelSurface, ...]]:
         watch: dict[str, tuple[LevelSurface, ...]] = {}
         for i, wall in enumerate(corner.walls):
-            if wall in {s.wall for s in along}:
+            if self.modes.is_held(wall, along):
                 continue
             if wall.whole:
                 watch[f"wall {i} below"] = (LevelSurface(wall, sides[wall]),)
@@ -592,7 +592,7 @@ class Crossroads:
         """What falls through zero where a mode ends, by the names of ``_watched_surfaces``."""
         levels = {}
         for i, wall in enumerate(corner.walls):
-            if wall in {s.wall for s in along}:
+            if self.modes.is_held(wall, along):
                 continue
             if wall.whole:
                 floor = self.modes.floor(wall)

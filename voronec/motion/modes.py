@@ -92,6 +92,7 @@ class Modes:
     _corners: list[Corner] = field(default_factory=list)
     _floors: dict[Wall, Any] = field(default_factory=dict)
     _gauges: dict[Wall, Callable[..., Any]] = field(default_factory=dict)
+    _held: dict[Any, bool] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -181,6 +182,18 @@ class Modes:
             self._gauges[wall] = measure
         return self._gauges[wall]
 
+    def is_held(self, wall: Wall, along: tuple[LevelSurface, ...]) -> bool:
+        """Whether a motion along surfaces stays on a wall, too, as one that is held by two wheels
+        does on that of a third."""
+        if wall in {s.wall for s in along}:
+            return True
+        key = wall, along
+        if key not in self._held:
+            functions = [s.function for s in along]
+            still = frozenset(self.form.parameters)
+            self._held[key] = bool(along) and _vanishes(wall.function, functions, still)
+        return self._held[key]
+
     @cached_property
     def state(self) -> tuple[Any, ...]:
         """Coordinates, then velocities."""
@@ -196,7 +209,7 @@ def _cusps(form: Any, exprs: Sequence[Any]) -> frozenset[Any]:
         for expr in exprs if bases else ():
             change(expr)
         for base in bases:
-            if any(_vanishes(change(base), wall.function, still) for wall in change.walls):
+            if any(_vanishes(change(base), [wall.function], still) for wall in change.walls):
                 found.add(base)
     return frozenset(found)
 
@@ -205,17 +218,22 @@ def _zero(_wall: Wall) -> Any:
     return se.Integer(0)
 
 
-def _vanishes(expr: Any, function: Any, still: frozenset[Any]) -> bool:
-    """Whether an expression vanishes where a function does that is linear in one of its symbols."""
-    for x in sorted(function.free_symbols - still, key=str):
-        slope = function.diff(x)
-        if slope != 0 and x not in slope.free_symbols:
-            there = expr.xreplace({x: x - function / slope})
-            try:
-                return bool(canonical([there])[0] == 0)
-            except EngineLimit:
-                return False
-    return False
+def _vanishes(expr: Any, functions: Sequence[Any], still: frozenset[Any]) -> bool:
+    """Whether an expression vanishes where functions do, each linear in one of its symbols."""
+    left = list(functions)
+    while left:
+        function = left.pop()
+        slopes = ((x, function.diff(x)) for x in sorted(function.free_symbols - still, key=str))
+        linear = ((x, a) for x, a in slopes if a != 0 and x not in a.free_symbols)
+        x, slope = next(linear, (None, None))
+        if x is None:
+            return False
+        there = {x: x - function / slope}
+        expr, left = expr.xreplace(there), [f.xreplace(there) for f in left]
+    try:
+        return bool(canonical([expr])[0] == 0)
+    except EngineLimit:
+        return False
 
 
 def rims(form: Any, exprs: Sequence[Any]) -> tuple[Any, ...]:
