@@ -145,6 +145,18 @@ def test_a_car_is_controllable_from_rest_with_up_to_three_trailers() -> None:
         assert form.controllability().proved
 
 
+def test_exceptions_name_where_inputs_have_no_effect() -> None:
+    """A feedback that gives the velocities any rates is there only where inputs reach them."""
+    u, push = sp.Symbol("u"), sp.Function("push")(vo.time)
+    for force, exception in ((x * push, x), ((u - 1) * push, u - 1)):
+        line = vo.System(
+            name="line", fibration=vo.Fibration(base=(x,)), lagrangian=vo.velocity(x) ** 2 / 2,
+            parameters=(u,), forces={x: force},
+        )  # fmt: skip
+        found = vo.derive(line).control.accessibility
+        assert found.verdict.proved and found.exceptions == (exception,)
+
+
 def test_exceptions_name_where_brackets_fail() -> None:
     """The sleigh with its mass at the blade: turning does not push it."""
     found = vo.derive(driven("sleigh", "w")).control.accessibility

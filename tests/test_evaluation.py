@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 import sympy as sp
 
 import voronec as vo
@@ -40,3 +41,19 @@ def test_decimals_are_the_ones_written() -> None:
 def test_relations_with_singular_zeros_refute_nothing() -> None:
     assert not vo.prove_equal(y**2, 2, (x - 1, (y**2 - 2) ** 2)).refuted
     assert not vo.prove_equal(x**2 + y**2, 1, (a, (x**2 + y**2 - 1) ** 2)).refuted
+
+
+def test_an_undecided_switch_is_no_zero() -> None:
+    """At 1/3, which no double or ball is, nobody sees on which side of x = k a point lies."""
+    x, k = sp.symbols("x k")
+    forces = (sp.Piecewise((x + 5, x <= k), (k + 5, True)), sp.floor(3 * x), sp.Heaviside(x - k))
+    for force in forces:
+        system = vo.System(
+            name="switch", fibration=vo.Fibration(base=(x,)), forces={x: force},
+            lagrangian=vo.velocity(x) ** 2 / 2, parameters=(vo.Parameter(k, sp.Rational(1, 3)),),
+        )  # fmt: skip
+        with pytest.raises(vo.DefinitionError, match="just where they switch"):
+            vo.derive(system).acceleration({"x": "1/3", "xdot": 0})
+        beside = vo.derive(system).acceleration({"x": "1/4", "xdot": 0})
+        truth = force.subs({x: sp.Rational(1, 4), k: sp.Rational(1, 3)})
+        assert abs(beside[x] - truth) < 1e-28

@@ -293,3 +293,19 @@ def test_a_motion_that_grows_without_bound_ends_its_section_in_one_line(method: 
     start = {x: 1, vo.velocity(x): 1}
     with pytest.raises(vo.IntegrationError, match=r"start 0: .* after t = 7[01]\d"):
         vo.section(growing, starts=[start], plane=x + 5, crossings=3, method=method)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("fold", [20, 50])
+def test_a_surface_that_is_passed_more_often_than_steps_are_taken(oscillator, method, fold):
+    """sin(k x + 3/10) along x = sin t: where k sin t + 3/10 is a multiple of pi."""
+    found = vo.section(
+        oscillator, sp.sin(fold * x + sp.Rational(3, 10)), ("x",), parameters={"w": 1},
+        starts=[{"x": 0, "xdot": 1}], crossings=1000, until=20.0, direction=0, method=method,
+    )  # fmt: skip
+    grid = np.linspace(0, 20, 4_000_001)[1:]
+    values = np.sin(fold * np.sin(grid) + 0.3)
+    truth = grid[1:][np.diff(np.sign(values)) != 0]
+    assert len(found) == len(truth)
+    assert np.abs(np.sort(found.t) - truth).max() < 1e-5
+    assert np.abs(np.sin(fold * np.sin(found.t) + 0.3)).max() < 1e-11

@@ -131,7 +131,12 @@ class Control:
         words = f"the brackets span all {dimension} dimensions at a point, in ball arithmetic, and "
         where = "near it" if self._has_walls else "on an open dense set, for almost all parameters"
         proof = Verdict("proved", f"{words}so {where}")
-        return Accessibility(tuple(growth), dimension, proof, self._exceptions(frame))
+        exceptions = self._exceptions(frame)
+        if fields is not self.inner_fields:  # where the inputs do not reach, nor does the feedback
+            first = len(self.system_field.positions)
+            exceptions += self._exceptions([g[first:] for g in self.inner_fields])
+        distinct = tuple(dict.fromkeys(exceptions))
+        return Accessibility(tuple(growth), dimension, proof, distinct)
 
     @cached_property
     def _has_walls(self) -> bool:

@@ -121,7 +121,7 @@ def acceleration(
     if result is None:
         raise DefinitionError(
             f"system '{system.name}' has no accelerations at this point: its mass matrix is "
-            "singular or its equations are not defined there"
+            "singular, its equations are not defined there, or it lies just where they switch"
         )
     group = system.directions if system.on_group else ()
     return dict(zip((*system.coordinates, *group), result, strict=True))
@@ -182,9 +182,13 @@ def _solve(m: Any, f: Any, h: Any, drift: Any) -> list[Any] | None:
 
 
 def _accurate(result: list[Any], digits: int) -> bool:
-    """Whether every entry is known to the digits asked for, but for those that may be zero."""
+    """Whether every entry is known to the digits asked for, but for those that may be zero, which
+    are so to as many digits: what a sign is of that may be zero is no number at all."""
+    small = flint.arb(2) ** -int(3.33 * digits)
     return all(
-        a.is_finite() and (a.contains(0) or a.rel_accuracy_bits() > 3.33 * digits) for a in result
+        a.is_finite()
+        and (a.rad() < small if a.contains(0) else a.rel_accuracy_bits() > 3.33 * digits)
+        for a in result
     )
 
 

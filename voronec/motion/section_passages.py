@@ -58,10 +58,25 @@ Quantity = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 @dataclass(frozen=True, eq=False)
 class SectionWatch:
     """The plane's quantity: ``function(t, states (m, n), values (m, p))``, and which entries of
-    the state it holds."""
+    the state it holds.
+
+    Where it is no sum of states, it may pass zero more often than a step that these allow tells:
+    then the ``program`` of the motion has it as one more state behind the others, ``width`` of
+    them, and steps are as long as the series of both allow.
+    """
 
     function: Callable[[Any, np.ndarray, np.ndarray], np.ndarray]
     needed: np.ndarray
+    program: Program
+    width: int
+
+    def begin(self, motions: Many, which: Any) -> np.ndarray:
+        """The states (k, n) from which some motions (k,) set out, in the program."""
+        states = motions.states[which]
+        if len(self.program.state) == self.width:
+            return states
+        own = self.function(motions.time, states, motions.values[which])
+        return np.concatenate([states, np.reshape(own, (-1, 1))], axis=1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -416,25 +431,27 @@ class SectionPassages:
 def pass_lanes(motions: Many, watch: SectionWatch, passages: SectionPassages, lanes: Lanes) -> None:
     """Follow the motions in heyoka's lanes; a lane whose motion is over takes the next one."""
     waiting = iter(motions.sound)
-    holds: list[int | None] = [_load(lanes, k, waiting, motions) for k in range(lanes.width)]
+    holds: list[int | None] = [_load(lanes, k, waiting, motions, watch) for k in range(lanes.width)]
     origin = lanes.integrator.time.copy()
     try:
         while any(i is not None for i in holds):
             _stretch(motions, watch, passages, lanes, holds, origin)
             for k, i in enumerate(holds):
                 if i is not None and passages.over(i):
-                    holds[k] = _load(lanes, k, waiting, motions)
+                    holds[k] = _load(lanes, k, waiting, motions, watch)
                     origin[k] = motions.time
             passages.tell(motions.sound)
     except KeyboardInterrupt:
         passages.interrupted[0] = True
 
 
-def _load(lanes: Lanes, lane: int, waiting: Iterator[int], motions: Many) -> int | None:
+def _load(
+    lanes: Lanes, lane: int, waiting: Iterator[int], motions: Many, watch: SectionWatch
+) -> int | None:
     """Put the next motion on a lane; where there is none, any sound one idles there."""
     i = next(waiting, None)
     k = motions.sound[0] if i is None else i
-    lanes.load(lane, motions.states[k], motions.values[k], motions.time)
+    lanes.load(lane, watch.begin(motions, [k])[0], motions.values[k], motions.time)
     return i
 
 
@@ -514,11 +531,12 @@ def _account(
         _collect(motions, watch, passages, Paths(output.times, series), holds, origin, trusted)
     for k in busy:
         if k in passed and k not in broken:
-            _fail(motions, passages, holds[k], lanes, k, SINGULAR_PLACE)
+            _fail(motions, watch, passages, holds[k], lanes, k, SINGULAR_PLACE)
         elif outgrown[k]:
-            _fail(motions, passages, holds[k], lanes, k, OUTGROWN)
+            _fail(motions, watch, passages, holds[k], lanes, k, OUTGROWN)
         elif k in broken or k in stuck:
-            _fail(motions, passages, holds[k], lanes, k, INFINITE if k in broken else COLLAPSE)
+            reason = INFINITE if k in broken else COLLAPSE
+            _fail(motions, watch, passages, holds[k], lanes, k, reason)
         elif output is None and (i := holds[k]) is not None:
             passages.note_range(i, ta.time[k], max(taken[k], 1), (np.nan,) * 3)
 
@@ -554,7 +572,7 @@ def _collect(
     first = START_SHARE * paths.lengths[0]
     for k, i in enumerate(holds):
         if i is not None:
-            _keep(passages, found, k, i, origin[k] + first[k], trusted[k])
+            _keep(passages, watch.width, found, k, i, origin[k] + first[k], trusted[k])
             seen = (found.low[k], found.high[k], found.fastest[k])
             passages.note_range(i, paths.times[-1, k], len(paths.lengths), seen)
 
@@ -571,24 +589,27 @@ def _trusted_until(times: np.ndarray) -> float:
 
 
 def _keep(
-    passages: SectionPassages, found: Zeros, lane: int, i: int, after: float, until: float = np.inf
-) -> None:
+    passages: SectionPassages, width: int, found: Zeros, lane: int, i: int, after: float,
+    until: float = np.inf,
+) -> None:  # fmt: skip
     take = (found.lane == lane) & (found.t > after) & (found.t < until)
     room = passages.wanted - int(passages.count[i])
     last = found.t[take][:room][-1] if len(found.t[take]) >= room else np.inf
     passages.touches.extend((i, t) for k, t in found.touches if k == lane and after < t <= last)
-    passages.put(i, found.t[take], found.states[take], found.speed[take])
+    passages.put(i, found.t[take], found.states[take][:, :width], found.speed[take])
 
 
 def _fail(
-    motions: Many, passages: SectionPassages, i: int | None, lanes: Lanes, lane: int, reason: str
-) -> None:
+    motions: Many, watch: SectionWatch, passages: SectionPassages, i: int | None, lanes: Lanes,
+    lane: int, reason: str,
+) -> None:  # fmt: skip
     if i is None:
         return
     time = passages.reached[i] if np.isfinite(passages.reached[i]) else motions.time
-    passages.errors[i] = _unfinished_error(motions, i, reason, float(time), lanes.states[lane])
+    state = lanes.states[lane][: watch.width]
+    passages.errors[i] = _unfinished_error(motions, i, reason, float(time), state)
     # a lane that is not finite would stop all others
-    lanes.load(lane, motions.states[i], motions.values[i], motions.time)
+    lanes.load(lane, watch.begin(motions, [i])[0], motions.values[i], motions.time)
 
 
 def _unfinished_error(
@@ -624,19 +645,20 @@ def _follow(
         return watch.function(t, states, np.broadcast_to(values, (len(states), len(values))))
 
     end = passages.until if passages.until < FOREVER else motions.time + 1e12
-    size, after, rate = len(motions.states[i]), None, np.inf
+    begin, after, rate = watch.begin(motions, [i])[0], None, np.inf
+    size = len(begin)
     everything, lane = np.arange(size), np.zeros(1, dtype=int)
     last = float(plane(np.array([motions.time]), motions.states[i : i + 1], lane)[0])
     sizes, crosses = StepSizes.of(1), motions.divisor_watch(values, 0.0)
-    begin = motions.states[i]
     try:
         span = (motions.time, end)
-        for step in _strides(method, motions.program, begin, values, span, tol):
+        for step in _strides(method, watch.program, begin, values, span, tol):
             passages.steps[0] += 1
             length = step.end - step.start
             if step.end != end:  # the last one is cut
                 sizes.note(0, length, length)
-            ends = np.array([step.start, step.end]), np.stack([begin, step.state])
+            states = np.stack([begin, step.state])[:, : watch.width]
+            ends = np.array([step.start, step.end]), states
             if sizes.has_collapsed(0) or (crosses is not None and crosses(*ends)):
                 raise break_error(SINGULAR_PLACE, step.start, begin)
             begin = step.state
@@ -649,7 +671,7 @@ def _follow(
             rate = rise / length
             if near or last * now <= 0:
                 found = zeros(_as_polynomial(step), plane, everything, passages.direction)
-                _keep(passages, found, 0, i, after)
+                _keep(passages, watch.width, found, 0, i, after)
             passages.note_range(i, step.end, 1, (min(last, now), max(last, now), rate))
             last = now
             if passages.over(i):
@@ -657,7 +679,7 @@ def _follow(
     except IntegrationError as error:
         reason = str(error).partition(" after")[0]
         passages.errors[i] = _unfinished_error(
-            motions, i, reason, float(error.time or 0.0), np.asarray(error.state)
+            motions, i, reason, float(error.time or 0.0), np.asarray(error.state)[: watch.width]
         )
 
 

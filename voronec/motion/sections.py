@@ -15,6 +15,7 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+import symengine as se
 import sympy as sp
 
 from voronec.algebra.arguments import CALLABLE, COUNT, REAL, SEVERAL, TEXT, VALUES, accepts
@@ -414,7 +415,8 @@ def _followers(
     if switched is not None:
         lanes, used, reason = None, switched.method, switched.reason
     else:
-        lanes, used, reason = choose_lanes(method, motions.program, tol, *motions.moving_lanes)
+        starts = watch.begin(motions, motions.sound), motions.values[motions.sound]
+        lanes, used, reason = choose_lanes(method, watch.program, tol, *starts)
     if lanes is not None:
         return partial(pass_lanes, motions, watch, lanes=lanes), used, reason, tol
     one_by_one = partial(pass_one_by_one, motions, watch, method=used, tol=tol)
@@ -452,10 +454,31 @@ def _watch(motions: Many, name: str, value: float) -> SectionWatch:
         )
     extras = compile_program(program)[1]
 
-    def function(t: Any, states: np.ndarray, values: np.ndarray) -> np.ndarray:
-        return at_each(extras, ("plane",), t, states, values)["plane"] - value
+    width = len(program.state)
 
-    return SectionWatch(function, needed)
+    def function(t: Any, states: np.ndarray, values: np.ndarray) -> np.ndarray:
+        return at_each(extras, ("plane",), t, states[..., :width], values)["plane"] - value
+
+    wide = _with_plane(motions.program, motions.ground.quantities[name])
+    return SectionWatch(function, needed, wide, width)
+
+
+def _with_plane(program: Program, plane: Any) -> Program:
+    """The program with the plane as one more state, behind the others, where it is no sum of them;
+    as it is, too, where that has no rate."""
+    slopes = [plane.diff(x) for x in (program.time, *program.state)]
+    moving = {program.time, *program.state}
+    known = moving | {*program.parameters}
+    held = plane.free_symbols | set().union(*(a.free_symbols for a in slopes))
+    if not any(a.free_symbols & moving for a in slopes) or not held <= known:
+        return program
+    own = program.derivative
+    rate = se.Add(slopes[0], *[a * f for a, f in zip(slopes[1:], own.results, strict=True)])
+    if rate.atoms(se.Derivative, se.Subs):
+        return program
+    block = replace(own, results=(*own.results, rate))
+    velocities = (*program.velocities, se.Symbol("plane of the section"))
+    return replace(program, velocities=velocities, derivative=block)
 
 
 def _refuse_nothing(motions: Many, passages: SectionPassages, surface: str, value: float) -> None:
