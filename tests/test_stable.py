@@ -173,3 +173,15 @@ def test_ratios_of_hyperbolic_cosines_do_not_overflow(k, n, at):
     with mp.workdps(30):
         truth = mp.cosh(500 * k * mp.mpf(at)) / mp.cosh(500 * n * mp.mpf(at))
     assert found == pytest.approx(float(truth), rel=1e-12, abs=1e-300)
+
+
+def test_an_exponential_and_its_inverse_do_not_overflow():
+    """exp(-x^2) + x, which a normal form writes as exp(-x^2) (1 + x exp(x^2))."""
+    q = sp.Symbol("q")
+    force = velocity(q) * (sp.exp(-(q**2)) + q)
+    system = System(
+        name="drag", fibration=Fibration(q), lagrangian=velocity(q) ** 2 / 2, forces={q: force}
+    )
+    rates = compile_program(Program.of(vo.derive(system).form), scalar=True)[0]
+    for at in (0.5, 3.0, 40.0):
+        assert rates(0.0, [at, 2.0], [])[1] == pytest.approx(2 * (np.exp(-(at**2)) + at), rel=1e-15)

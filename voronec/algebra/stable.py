@@ -8,6 +8,7 @@ Where a formula is exact and useless in doubles it is written otherwise, for num
     1 - cos w,   cosh w - 1             ->  2 sin^2(w/2),   2 sinh^2(w/2)
     sqrt(1 + x) - 1                     ->  x/(sqrt(1 + x) + 1),   2 sinh^2(asinh(y)/2) of x = y^2
     1 - tanh w                          ->  2 exp(-w - |w|)/(1 + exp(-2|w|)), and powers of it
+    exp(-w) (a + b exp(w))              ->  a exp(-w) + b
 
 What holds |w| is the same function of w on both sides of w = 0, so that it is no wall there.
 Quotients such as sin(w)/w are those of ``cardinal``.
@@ -53,10 +54,25 @@ def _write(expr: Any) -> Any:
         return _root(*expr.args) or expr
     if isinstance(expr, se.log):
         return _logarithm(expr.args[0]) or expr
+    if isinstance(expr, se.Mul):
+        return _balance(expr)
     if isinstance(expr, se.Add):
         total = _less_one(expr)
         return _with_tails(_with_differences(total)) if isinstance(total, se.Add) else total
     return expr
+
+
+def _balance(product: Any) -> Any:
+    """A product of an exponential and a sum in which its inverse stands, term by term: exp(w) is
+    beyond doubles where exp(-w) (a + b exp(w)) is not."""
+    factors = factors_of(product)
+    sums = [f for f in factors if isinstance(f, se.Add)]
+    for power in (f for f in factors if isinstance(f, se.Pow) and f.args[0] == se.E):
+        inverse = 1 / power
+        for total in sums:
+            if any(inverse in factors_of(term) for term in total.args):
+                return product / power / total * se.Add(*[power * term for term in total.args])
+    return product
 
 
 def _root(base: Any, exponent: Any) -> Any | None:
