@@ -32,8 +32,8 @@ __all__ = ["Multipliers"]
 DEPENDENT = 1e-11
 """A singular value below this part of the largest counts as zero."""
 CANCELLATION = 1e4
-"""Terms that are so many times larger than what is left of them cost that without it: as many
-digits as the tolerance of a run has beyond those of a double."""
+"""Digits are lost where terms are so many times larger than what is left of them: four of the
+sixteen of a double."""
 PART = 1e-8
 """A multiplier with a larger part in a vector that A^T annihilates is not unique."""
 
@@ -111,8 +111,8 @@ class Multipliers:
         applied = np.einsum("kij,kj->ki", mass, moved) + still
         multipliers, unique = _least_squares(transposed, applied)
         terms = np.einsum("kij,kj->ki", np.abs(mass), np.abs(moved)) + np.abs(still)
-        largest = (np.abs(a).max(axis=1, initial=0.0) for a in (terms, applied))
-        lost = np.greater(*(a * b for a, b in zip(largest, (1.0, CANCELLATION), strict=True)))
+        largest, left = (np.abs(a).max(axis=1, initial=0.0) for a in (terms, applied))
+        lost = largest > CANCELLATION * left
         return np.where(unique, multipliers, np.nan)[:, : self.count], lost
 
     def _matrices(
