@@ -280,7 +280,7 @@ def _quotient(product: Any, spread: bool = True) -> Any:
             return _quotient(product * (whole if exponent > 0 else 1 / whole) ** times, spread)
     for base, exponent in powers.items() if spread else ():
         if isinstance(base, se.Add) and exponent == 1:
-            vanish = _vanishing(base) if below else set()
+            vanish = _zeros(base) if below else set()
             sums = [w for w in vanish if isinstance(w, se.Add)]
             for u in below:
                 if u not in vanish and not any(_ratio(w, u) is not None for w in sums):
@@ -291,7 +291,7 @@ def _quotient(product: Any, spread: bool = True) -> Any:
     return product
 
 
-def _vanishing(total: Any) -> set[Any]:
+def _zeros(total: Any) -> set[Any]:
     """What terms of a sum may take up from below: their factors, and what these vanish with."""
     bases = {base for term in total.args for base, e in _factors(term).items() if e > 0}
     zeros = filter(None, map(_zero, bases))

@@ -56,7 +56,7 @@ UNSURE = 0.7
 """A run to the tolerance tol may miss a wall by tol to this power."""
 CANCELLATION = 1e-12
 """Fields on the sides cancel where so much is left of them, in units of the largest: rounding."""
-VANISHED = 1e-3
+NEGLIGIBLE = 1e-3
 """A push of less than this part of what it is a moment later, some 1e-8, vanishes just there."""
 NO_VALUE = (ZeroDivisionError, ValueError, TypeError)
 """What mpmath raises where a function has no value, or none that is real."""
@@ -512,7 +512,7 @@ class Crossroads:
         with suppress(*NO_VALUE):
             later = self._holds(mode, *self.moment(mode, time, state, 1))
         pairs = zip(returns, later[1], strict=True)
-        pushes = [b if abs(a) < VANISHED * abs(b) else a for a, b in pairs]
+        pushes = [b if abs(a) < NEGLIGIBLE * abs(b) else a for a, b in pairs]
         if all(abs(w) <= 1 for w in weights) and all(self.order * r < 0 for r in pushes):
             return weights
         return None
