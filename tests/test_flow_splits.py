@@ -345,13 +345,14 @@ def test_the_cost_names_all_methods_that_worked(monkeypatch: pytest.MonkeyPatch)
     pytest.importorskip("heyoka")
     start = {"theta": -0.04, "psi": 0.73, "phi": 1.13, "x": -0.03, "y": 0.59}
     start |= {"thetadot": -0.97, "psidot": -0.37, "phidot": -0.44}
-    board, run = vo.load("snakeboard"), {"initial": start, "times": [0, 8]}
+    # at finer tolerances Taylor's method is taken for its accuracy, however heavy a split is
+    board, run = vo.load("snakeboard"), {"initial": start, "times": [0, 8], "tol": 1e-11}
     plain = vo.integrate(board, **run)
     monkeypatch.setattr(methods, "HEAVY", 60.0)
     mixed = vo.integrate(board, **run)
     assert plain.cost.switches and mixed.cost.switches
     assert (plain.cost.method, mixed.cost.method) == ("heyoka", "heyoka, scipy")
-    assert mixed.state[-1] == pytest.approx(plain.state[-1], abs=1e-10)
+    assert mixed.state[-1] == pytest.approx(plain.state[-1], abs=1e-9)
 
 
 def test_a_run_goes_back_before_it_leaves_a_split_that_broke_down() -> None:

@@ -262,7 +262,7 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
     if not there and _is_short(problem, grid):
         return "python", "heyoka is not installed, and the run is short"
     brief = problem.brief is not None
-    if there and not ((brief or problem.tol >= FINEST) and problem.program.weight > HEAVY):
+    if there and not (problem.tol >= FINEST and problem.program.weight > HEAVY):
         return "heyoka", "heyoka is installed"
     compiled = "" if brief else compiled_method()
     if not there and not compiled:
