@@ -322,3 +322,10 @@ def test_a_tolerance_may_be_any_real_number() -> None:
         found = vo.integrate(system(), times=grid, initial=start, tol=tol)
         assert found.cost.tolerance == 1e-10 and np.array_equal(found["x"], plain["x"])
     assert vo.ensemble(system(), {"x": [1]}, times=grid, tol="1e-10").finished.all()
+
+
+def test_a_tower_of_exponentials_is_no_finite_number() -> None:
+    """SymPy would work out all of its digits before it says how large it is."""
+    tower = sp.exp(sp.exp(sp.Integer(700_000_000)))
+    with pytest.raises(vo.DefinitionError, match="is not a finite real number"):
+        vo.integrate(vo.load("sleigh"), tol=tower)

@@ -82,6 +82,11 @@ def in_float(value: Any) -> float:
     exact = isinstance(value, sp.Expr) and bool(value.is_number) and bool(value.is_real)
     if isinstance(value, bool | complex) or not (known or exact):
         raise TypeError
+    if exact and value.args:  # SymPy works out all digits of exp(exp(exp(9)))
+        from voronec.algebra.tape import as_ball
+
+        if not as_ball(value).is_finite():
+            raise OverflowError
     return float(value)
 
 
