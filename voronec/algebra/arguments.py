@@ -69,6 +69,10 @@ def _is_count(value: Any) -> bool:
     )
 
 
+HIGH = 1e6
+"""Powers of higher exponents are no doubles, unless their bases are next to one."""
+
+
 def in_float(value: Any) -> float:
     """A real number as the double that integrators take: of Python, numpy or SymPy, or a text such
     as ``1e-10``; ``TypeError`` for any other."""
@@ -82,10 +86,9 @@ def in_float(value: Any) -> float:
     exact = isinstance(value, sp.Expr) and bool(value.is_number) and bool(value.is_real)
     if isinstance(value, bool | complex) or not (known or exact):
         raise TypeError
-    if exact and value.args:  # SymPy works out all digits of exp(exp(exp(9)))
-        from voronec.algebra.tape import as_ball
-
-        if not as_ball(value).is_finite():
+    for node in sp.postorder_traversal(value) if exact and value.args else ():
+        # SymPy works out all digits of exp(exp(exp(9)))
+        if isinstance(node, sp.Pow | sp.exp) and abs(float(node.as_base_exp()[1])) > HIGH:
             raise OverflowError
     return float(value)
 
