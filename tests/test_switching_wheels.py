@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -32,6 +34,12 @@ def friction(size: sp.Expr, coordinate: sp.Expr) -> sp.Expr:
     return -size * sp.sign(velocity(coordinate))
 
 
+def steep_motion(forces: dict[sp.Expr, sp.Expr], given: dict[str, Any]) -> vo.Trajectory:
+    """Truth to a thousandth: the same with steep smooth friction, where nothing switches."""
+    steep = {q: f.replace(sp.sign, lambda u: sp.tanh(20_000 * u)) for q, f in forces.items()}
+    return vo.integrate(carriage(steep), method="lsoda", tol=1e-10, **given)
+
+
 PUSH = sp.cos(vo.time) / 3
 FRICTIONS = {
     "both wheels": {RIGHT: friction(R(1, 2), RIGHT), LEFT: friction(R(1, 5), LEFT)},
@@ -43,11 +51,9 @@ FRICTIONS = {
 
 @pytest.mark.parametrize("forces", FRICTIONS.values(), ids=FRICTIONS.keys())
 def test_one_friction_sets_in_while_another_holds(forces: dict[sp.Expr, sp.Expr]) -> None:
-    """Truth to a thousandth: the same with steep smooth friction, where nothing switches."""
-    steep = {q: f.replace(sp.sign, lambda u: sp.tanh(20_000 * u)) for q, f in forces.items()}
     start = {HEADING: R(2, 5), SPEED: R(3, 10), TURN: R(1, 10)}
     given = {"initial": start, "times": [0, 4.0], "outputs": ("phi", "leftdot", "rightdot")}
-    smooth = vo.integrate(carriage(steep), method="lsoda", tol=1e-10, **given)
+    smooth = steep_motion(forces, given)
     equations = vo.derive(carriage(forces))
     for method, tol in METHODS.items():
         run = vo.integrate(equations, method=method, tol=tol, **given)
@@ -75,9 +81,8 @@ def test_two_wheels_that_are_held_hold_a_third(method: str) -> None:
         RIGHT: friction(R(1, 20), RIGHT),
         CARRIAGE.coordinates[3]: friction(R(11, 20), CARRIAGE.coordinates[3]),
     }
-    steep = {q: f.replace(sp.sign, lambda u: sp.tanh(20_000 * u)) for q, f in forces.items()}
     given = {"initial": {SPEED: 1, TURN: R(2, 5)}, "times": [0, 3.0], "outputs": ("phi", "x")}
-    smooth = vo.integrate(carriage(steep), method="lsoda", tol=1e-10, **given)
+    smooth = steep_motion(forces, given)
     run = vo.integrate(carriage(forces), method=method, tol=METHODS[method], **given)
     for name in given["outputs"]:
         assert abs(float(run[name][-1]) - smooth[name][-1]) < 1e-4

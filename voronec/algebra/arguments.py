@@ -75,7 +75,7 @@ HIGH = 1e6
 
 def in_float(value: Any) -> float:
     """A real number as the double that integrators take: of Python, numpy or SymPy, or a text such
-    as ``1e-10``; ``TypeError`` for any other."""
+    as ``1e-10``; ``TypeError`` for any other, ``OverflowError`` beyond doubles."""
     import sympy as sp  # names of systems are listed without it
 
     from voronec.algebra.text import exact_number

@@ -18,7 +18,7 @@ from typing import Any
 
 import symengine as se
 
-from voronec.algebra.terms import factors_of, summands
+from voronec.algebra.terms import factors_of, is_exponential, summands
 
 __all__ = ["bound_all_exponentials", "bound_exponentials", "exponential_sum", "holds_exponentials"]
 
@@ -68,16 +68,12 @@ def holds_exponentials(*exprs: Any) -> bool:
     seen, stack = set(), list(exprs)
     while stack:
         node = stack.pop()
-        if isinstance(node, (se.sinh, se.cosh)) or _is_exponential(node):
+        if isinstance(node, (se.sinh, se.cosh)) or is_exponential(node):
             return True
         if node not in seen:
             seen.add(node)
             stack.extend(node.args)
     return False
-
-
-def _is_exponential(expr: Any) -> bool:
-    return isinstance(expr, se.Pow) and expr.args[0] == se.E
 
 
 def _quotient(expr: Any) -> Any | None:
@@ -133,7 +129,7 @@ def _arguments(expr: Any) -> list[Any]:
         for factor in factors_of(term):
             if isinstance(factor, (se.sinh, se.cosh)):
                 found.append(factor.args[0])
-            elif _is_exponential(factor):
+            elif is_exponential(factor):
                 found.append(factor.args[1])
     return [w for w in found if w.free_symbols]
 
@@ -172,7 +168,7 @@ def _single(factor: Any, argument: Any) -> _Laurent | None:
         n = _multiple(factor.args[0], argument)
         half = se.Rational(1, 2)
         return None if n is None else {n: half, -n: half if isinstance(factor, se.cosh) else -half}
-    if _is_exponential(factor):
+    if is_exponential(factor):
         n = _multiple(factor.args[1], argument)
         return None if n is None else {n: se.Integer(1)}
     return None if holds_exponentials(factor) else {0: factor}

@@ -35,7 +35,7 @@ from voronec.algebra.numeric_functions import (
     SIZE,
     TANH_SHORTFALL,
 )
-from voronec.algebra.terms import factors_of, summands
+from voronec.algebra.terms import factors_of, is_exponential, summands
 
 __all__ = ["cardinal_all", "coefficient"]
 
@@ -190,9 +190,7 @@ def _with_slopes(total: Any) -> Any:
 
 def _is_spread(term: Any) -> bool:
     """Whether a term is an exponential times a sum, as normal forms have it."""
-    held = isinstance(term, se.Mul) and any(
-        isinstance(f, se.Pow) and f.args[0] == se.E for f in term.args
-    )
+    held = isinstance(term, se.Mul) and any(map(is_exponential, term.args))
     return held and any(isinstance(f, se.Add) for f in term.args)
 
 
@@ -210,9 +208,7 @@ def _exponential_slope(terms: Sequence[Any]) -> Any | None:
     neither is there."""
     known = {*terms}
     for term in terms:
-        for factor in factors_of(term):
-            if not (isinstance(factor, se.Pow) and factor.args[0] == se.E):
-                continue
+        for factor in filter(is_exponential, factors_of(term)):
             w, c = factor.args[1], -term / factor
             half = w / 2
             for parts, value in (
@@ -335,7 +331,7 @@ def _zero(factor: Any) -> tuple[Any, int, Callable[[Any], Any]] | None:
     if isinstance(function, (se.cos, se.cosh)):
         name, sign = (SINC, 1) if isinstance(function, se.cos) else (SINHC, -1)
         return function.args[0] / 2, 2, lambda w: 2 * sign * number * se.Function(name)(w) ** 2
-    if isinstance(function, se.Pow) and function.args[0] == se.E:
+    if is_exponential(function):
         return function.args[1], 1, lambda w: -number * se.Function(EXPREL)(w)
     return None
 

@@ -24,7 +24,7 @@ import symengine as se
 from voronec.algebra.bounded_exponentials import exponential_sum
 from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.numeric_functions import EXPM1, HYPOT, LOG1P, SIZE
-from voronec.algebra.terms import factors_of
+from voronec.algebra.terms import factors_of, is_exponential
 
 __all__ = ["stable_all"]
 
@@ -67,7 +67,7 @@ def _balance(product: Any) -> Any:
     beyond doubles where exp(-w) (a + b exp(w)) is not."""
     factors = factors_of(product)
     sums = [f for f in factors if isinstance(f, se.Add)]
-    for power in (f for f in factors if isinstance(f, se.Pow) and f.args[0] == se.E):
+    for power in filter(is_exponential, factors):
         inverse = 1 / power
         for total in sums:
             if any(inverse in factors_of(term) for term in total.args):
@@ -199,7 +199,7 @@ def _from_zero(factor: Any) -> tuple[Any, Any] | None:
 def _exponential(term: Any) -> tuple[Any, Any]:
     """(c, w) with c exp(w) the term, and w = 0 where no exponential is in it."""
     factors = factors_of(term)
-    powers = [f for f in factors if isinstance(f, se.Pow) and f.args[0] == se.E]
+    powers = [*filter(is_exponential, factors)]
     w = se.Add(*[f.args[1] for f in powers])
     return se.Mul(*[f for f in factors if f not in powers]), w
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import symengine as se
 
-__all__ = ["factors_of", "summands"]
+__all__ = ["factors_of", "is_exponential", "summands"]
 
 
 def summands(expr: Any) -> tuple[Any, ...]:
@@ -17,3 +17,8 @@ def summands(expr: Any) -> tuple[Any, ...]:
 def factors_of(expr: Any) -> tuple[Any, ...]:
     """The factors of a product; anything else is its only factor."""
     return expr.args if isinstance(expr, se.Mul) else (expr,)
+
+
+def is_exponential(expr: Any) -> bool:
+    """Whether an expression is exp(w), which symengine has for a power of e."""
+    return isinstance(expr, se.Pow) and bool(expr.args[0] == se.E)

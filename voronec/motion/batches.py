@@ -41,7 +41,6 @@ from voronec.motion.steppers.units import units_of_many
 
 __all__ = [
     "COLLAPSE_RATIO",
-    "OUTGROWN",
     "SINGULAR_PLACE",
     "Lanes",
     "StepSizes",
@@ -56,7 +55,6 @@ PIECE, PART = 64, 4
 """Points of the grid in the first piece, one where states grow; later ones follow the steps that it
 took, so that they are done in a quarter of those that may be taken."""
 SINGULAR_PLACE = "the motion passes a place where its equations are singular, or nearly,"
-OUTGROWN = "its states outgrow the sizes from which they set out"
 COLLAPSE_RATIO = 1e-3
 """Steps are about as long as the way to the next singularity of a motion in complex time, so that
 this share of the longest one tells how near it passed, and how many digits were lost."""

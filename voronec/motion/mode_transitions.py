@@ -704,11 +704,7 @@ def _with_turns(
     fresh = {name: se.Symbol(f"level {i}") for i, (name, _) in enumerate(levels.extras.assignments)}
     own = tuple((fresh[n], e.xreplace(fresh)) for n, e in levels.extras.assignments)
     results = tuple(se.sympify(r).xreplace(fresh) for r in levels.extras.results)
-    moved = []
-    for name in turns:
-        g = functions[name.removeprefix("turn at ")]
-        pairs = zip(program.state, program.derivative.results, strict=True)
-        moved.append(g.diff(program.time) + se.Add(*[g.diff(x) * f for x, f in pairs]))
+    moved = [program.rate(functions[name.removeprefix("turn at ")]) for name in turns]
     block = Block((*lines, *own), (*results, *moved))
     return replace(levels, names=(*levels.names, *turns), extras=block)
 
@@ -728,16 +724,12 @@ def _follow_events(problem: Problem) -> tuple[Problem, Program | None]:
     if not moving:
         return problem, None
     names, functions, rates = zip(*moving, strict=True)
-    own = program.derivative
-    lines = dict((*own.assignments, *moved.assignments))
-    velocities = (*program.velocities, *(se.Symbol(f"followed {name}") for name in names))
-    derivative = Block(tuple(lines.items()), (*own.results, *rates))
-    wide = replace(program, velocities=velocities, derivative=derivative)
+    wide = program.beside(replace(moved, results=rates), "event")
     followed = replace(levels, names=names, extras=replace(levels.extras, results=functions))
     more = np.ones(len(names))
     start = np.concatenate([problem.start, more.astype(problem.start.dtype)])
     units = None if problem.units is None else np.concatenate([problem.units, more])
-    levels = replace(levels, velocities=velocities, derivative=derivative)
+    levels = replace(wide, names=levels.names, extras=levels.extras)
     return replace(problem, program=wide, start=start, units=units, levels=levels), followed
 
 

@@ -15,7 +15,6 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.door import Door
-from voronec.algebra.graphs import nodes
 from voronec.algebra.normal import canonical, canonical_for_numbers, quotient
 from voronec.algebra.signs import prove_inequality
 from voronec.equations.program import Block, Program
@@ -34,7 +33,6 @@ from voronec.motion.state_probe import quantities
 
 __all__ = ["Corner", "LevelSurface", "Modes", "motion_along_surfaces"]
 
-_HYPERBOLIC = (se.sinh, se.cosh, se.tanh, se.coth)
 LONG = 2_000
 """Pushes of more operations, spelled out, are divided by as they are."""
 
@@ -145,24 +143,15 @@ class Modes:
         return found
 
     def _entry_on_sides(self, expr: Any, change: Sides) -> Any:
-        """An entry on the sides, without the factors that vanish on a wall both above and below.
-
-        Exponentials stay as they are: sums of their powers cancel, or leave doubles.
-        """
+        """An entry on the sides, without the factors that vanish on a wall both above and below."""
         expr = se.sympify(expr)
         found = change(expr)
         if found == expr:
             return expr
-        names = {
-            node: se.Symbol(f"exponential {i}")
-            for i, node in enumerate(nodes([found]))
-            if isinstance(node, _HYPERBOLIC) or (node.is_Pow and node.args[0] == se.E)
-        }
         try:
-            (plain,) = canonical_for_numbers([found.xreplace(names)], self.form.relations)
+            return canonical_for_numbers([found], self.form.relations)[0]
         except EngineLimit:
             return found
-        return plain.xreplace({name: node for node, name in names.items()})
 
     def gauge(self, wall: Wall) -> Callable[..., Any]:
         """Of (time, state, values by name): a wall's function, and its derivatives by the time and

@@ -17,7 +17,6 @@ from voronec.equations.program import Program, hoist
 from voronec.errors import IntegrationError, VoronecError
 from voronec.motion.batches import (
     COLLAPSE_RATIO,
-    OUTGROWN,
     SINGULAR_PLACE,
     Lanes,
     StepSizes,
@@ -49,6 +48,7 @@ NEAR = 0.25
 """An extremum whose parabola comes nearer to zero than this part of its rise is looked into."""
 TOUCH = 1e-10
 """An extremum this near to zero, relative to the largest value seen, touches it."""
+OUTGROWN = "its states outgrow the sizes from which they set out"
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 
 Quantity = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]

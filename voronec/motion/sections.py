@@ -466,19 +466,14 @@ def _watch(motions: Many, name: str, value: float) -> SectionWatch:
 def _with_plane(program: Program, plane: Any) -> Program:
     """The program with the plane as one more state, behind the others, where it is no sum of them;
     as it is, too, where that has no rate."""
-    slopes = [plane.diff(x) for x in (program.time, *program.state)]
     moving = {program.time, *program.state}
-    known = moving | {*program.parameters}
-    held = plane.free_symbols | set().union(*(a.free_symbols for a in slopes))
-    if not any(a.free_symbols & moving for a in slopes) or not held <= known:
+    bends = any(plane.diff(x).free_symbols & moving for x in moving)
+    if not bends or not plane.free_symbols <= moving | {*program.parameters}:
         return program
-    own = program.derivative
-    rate = se.Add(slopes[0], *[a * f for a, f in zip(slopes[1:], own.results, strict=True)])
+    rate = program.rate(plane)
     if rate.atoms(se.Derivative, se.Subs):
         return program
-    block = replace(own, results=(*own.results, rate))
-    velocities = (*program.velocities, se.Symbol("plane of the section"))
-    return replace(program, velocities=velocities, derivative=block)
+    return program.beside(replace(program.derivative, results=(rate,)), "plane")
 
 
 def _refuse_nothing(motions: Many, passages: SectionPassages, surface: str, value: float) -> None:

@@ -68,16 +68,7 @@ def jacobian(program: Program) -> Block:
     nobody differentiates.
     """
     columns = jacobian_columns(program)
-    slopes: dict[Any, dict[Any, Any]] = {x: {x: se.Integer(1)} for x in columns}
-    assignments = list(program.derivative.assignments)
-    for name, expr in program.derivative.assignments:
-        slopes[name] = {}
-        for x, slope in _chain_slopes(se.sympify(expr), slopes).items():
-            if slope.args:
-                assignments.append((se.Symbol(f"d {name} / d {x}"), slope))
-                slope = assignments[-1][0]
-            slopes[name][x] = slope
-    rows = [_chain_slopes(se.sympify(e), slopes) for e in program.derivative.results]
+    assignments, rows = _rows(program.derivative, {x: {x: se.Integer(1)} for x in columns})
     entries = [row.get(x, se.Integer(0)) for row in rows for x in columns]
     known = [program.time, *columns, *program.parameters]
     return share_subexpressions(entries, fresh_names(known), assignments)
@@ -90,18 +81,26 @@ def flow_derivative(program: Program, block: Block) -> Block:
     ``EngineLimit`` names a function that nobody differentiates.
     """
     rates = zip(program.state, program.derivative.results, strict=True)
-    slopes: dict[Any, dict[Any, Any]] = {x: {program.time: rate} for x, rate in rates}
+    slopes = {x: {program.time: rate} for x, rate in rates}
     slopes[program.time] = {program.time: se.Integer(1)}
-    assignments = list(block.assignments)
+    assignments, rows = _rows(block, slopes)
+    return Block(assignments, tuple(row.get(program.time, se.Integer(0)) for row in rows))
+
+
+def _rows(
+    block: Block, known: dict[Any, dict[Any, Any]]
+) -> tuple[tuple[tuple[Any, Any], ...], list[dict[Any, Any]]]:
+    """The slopes of a block's results by columns, row by row, where those of what it is given are
+    ``known``; and its assignments, with those of slopes that are more than a symbol behind."""
+    slopes, assignments = dict(known), list(block.assignments)
     for name, expr in block.assignments:
-        slope = _chain_slopes(se.sympify(expr), slopes).get(program.time, se.Integer(0))
-        if slope.args:
-            assignments.append((se.Symbol(f"rate of {name}"), slope))
-            slope = assignments[-1][0]
-        slopes[name] = {program.time: slope} if slope != 0 else {}
-    moved = (_chain_slopes(se.sympify(e), slopes) for e in block.results)
-    results = tuple(found.get(program.time, se.Integer(0)) for found in moved)
-    return Block(tuple(assignments), results)
+        slopes[name] = {}
+        for x, slope in _chain_slopes(se.sympify(expr), slopes).items():
+            if slope.args:
+                assignments.append((se.Symbol(f"d {name} / d {x}"), slope))
+                slope = assignments[-1][0]
+            slopes[name][x] = slope
+    return tuple(assignments), [_chain_slopes(se.sympify(e), slopes) for e in block.results]
 
 
 def _chain_slopes(expr: Any, slopes: dict[Any, dict[Any, Any]]) -> dict[Any, Any]:

@@ -204,6 +204,20 @@ class Program:
         """Coordinates, then velocities."""
         return self.coordinates + self.velocities
 
+    def rate(self, function: Any) -> Any:
+        """How fast a function of state and time changes along the motion, in the symbols that the
+        derivative assigns."""
+        pairs = zip(self.state, self.derivative.results, strict=True)
+        return function.diff(self.time) + se.Add(*[function.diff(x) * f for x, f in pairs])
+
+    def beside(self, block: Block, what: str) -> Program:
+        """The program with further states behind its own, called after ``what`` they are: the
+        results of a block, whose assignments hold those of the derivative, are their rates."""
+        more = tuple(se.Symbol(f"{what} {i}") for i in range(len(block.results)))
+        rates = (*self.derivative.results, *block.results)
+        wide = Block(block.assignments, rates)
+        return replace(self, velocities=(*self.velocities, *more), derivative=wide)
+
     @cached_property
     def operations(self) -> int:
         """How many operations one evaluation of the right-hand side costs."""

@@ -19,7 +19,7 @@ from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.graphs import is_flat, nodes
 from voronec.algebra.numeric_functions import formula
 from voronec.algebra.ring import Ring
-from voronec.algebra.terms import factors_of, summands
+from voronec.algebra.terms import factors_of, is_exponential, summands
 from voronec.errors import EngineLimit
 
 __all__ = [
@@ -106,7 +106,7 @@ class Sides:
             return se.Abs(args[0]) ** args[1]
         if isinstance(expr, (se.tanh, se.sinh, se.cosh)):
             self._watch(args[0])
-        elif _is_exponential(expr):
+        elif is_exponential(expr):
             self._watch(args[1] / 2)
         elif isinstance(expr, se.Pow) and _is_root(expr):
             self._watch_rounding(args[0])
@@ -191,10 +191,6 @@ def radicands(exprs: Iterable[Any], among: frozenset[Any]) -> list[Any]:
     return list(found)
 
 
-def _is_exponential(expr: Any) -> bool:
-    return isinstance(expr, se.Pow) and expr.args[0] == se.E
-
-
 def rounding(radicand: Any, still: frozenset[Any]) -> tuple[Any, Any] | None:
     """(squares that move, constant) of a radicand that is the sum of both; None of any other, and
     where the constant is a number that is not small."""
@@ -246,7 +242,7 @@ def is_rough(
         node = node if plain is None else plain
         if isinstance(node, _ROUGH):
             return True
-        if (_is_exponential(node) or _is_high_power(node)) and not node.free_symbols <= fixed:
+        if (is_exponential(node) or _is_high_power(node)) and not node.free_symbols <= fixed:
             return True
         if isinstance(node, se.Pow) and _is_root(node):
             base, exponent = node.args

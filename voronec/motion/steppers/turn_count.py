@@ -111,8 +111,11 @@ class TurnCount:
     def outgrown(self, states: np.ndarray) -> np.ndarray:
         """Which motions, whose units are all 1, have a state (..., n), or (..., n, lanes), that is
         far beyond ordinary size."""
-        beyond = (np.abs(states) > self.bounds) & np.isfinite(states) & (not self.scaled)
-        return np.asarray(beyond.any(axis=tuple(range(states.ndim - self.units.ndim + 1))))
+        leading = states.ndim - self.units.ndim + 1
+        if self.scaled:
+            return np.zeros(states.shape[leading:], dtype=bool)
+        beyond = (np.abs(states) > self.bounds) & np.isfinite(states)
+        return np.asarray(beyond.any(axis=tuple(range(leading))))
 
     def fits(self, state: np.ndarray) -> bool:
         """Whether states (n,), or (n, lanes), after a step, are still those of their units."""
