@@ -29,6 +29,8 @@ from voronec.equations.program import (
     python_source,
     taylor_system,
 )
+from voronec.equations.program.optimisation import shorten_program
+from voronec.equations.program.straight import Block
 from voronec.errors import DefinitionError, EngineLimit
 
 pytestmark = pytest.mark.slow
@@ -321,3 +323,11 @@ def test_long_sums_keep_their_fractions_and_series_nest_only_so_deep() -> None:
         at[name] = float(expr.xreplace(at))
     series = math.fsum(0.999**n * math.sin(0.3 * n) / n for n in range(1, 1501))
     assert at[z] == pytest.approx(series, rel=1e-12)
+
+
+def test_sums_that_collapse_when_their_sign_is_taken_out_are_kept() -> None:
+    """-2 a - (b - 2 a) is -b: it was lost, and exp of it 1."""
+    block = Block((), (se.exp(-2 * a - (b - 2 * a)),))
+    program = Program(t, (a,), (b,), (), block, (), Block((), ()))
+    (found,) = shorten_program(program).derivative.results
+    assert found == se.exp(-b)

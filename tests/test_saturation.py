@@ -18,7 +18,7 @@ from voronec.equations.program.walls import has_walls
 
 pytestmark = pytest.mark.slow
 
-x = sp.Symbol("x")
+x, t = sp.symbols("x t")
 v = velocity(x)
 METHODS = pytest.mark.parametrize("method", ["scipy", "heyoka", "flint"])
 
@@ -253,3 +253,31 @@ def test_no_section_goes_over_a_corner(name, method):
     )  # fmt: skip
     assert found.t[found.start == 1] == pytest.approx(truth.t.astype(float), abs=1e-9)
     assert found["xdot"][found.start == 1] == pytest.approx(truth["xdot"].astype(float), abs=1e-9)
+
+
+PUSHES = {
+    "turn": sp.tanh(20 * (t - 5)) * sp.exp(-t / 5),
+    "rise": sp.exp(-t / 5) / (1 + sp.exp(-20 * (t - 5))),
+}
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "c", "lsoda", "flint"])
+@pytest.mark.parametrize("push", PUSHES)
+def test_a_fast_saturation_that_fades_moves_what_friction_stops(push, method):
+    """Over one letter exp(t/5) the push is a quotient of degree 200, and leaves doubles."""
+    friction = sp.Rational(3, 10)
+    sign = -1 if push == "turn" else 1
+    with mp.workdps(30):
+        pushed = sp.lambdify(t, PUSHES[push] - sign * friction, "mpmath")
+        begin = 0 if sign < 0 else mp.findroot(pushed, (5, 5.5), solver="anderson")
+        places = [begin, 4.9, 5, 5.1, 6, 7, 8]
+
+        def speed(end):
+            return mp.quad(pushed, [p for p in places if p < end] + [end])
+
+        end = mp.findroot(speed, (6.1, 12), solver="anderson", tol=1e-40)
+        truth = mp.quad(lambda s: (end - s) * pushed(s), [p for p in places if p < end] + [end])
+    made = system(PUSHES[push] - friction * sp.sign(v))
+    run = vo.integrate(made, times=[0, 4, 30], initial={v: 0}, method=method, tol=1e-11)
+    assert float(run["x"][-1]) == pytest.approx(float(truth), abs=3e-9 * float(abs(truth)))
+    assert run["xdot"][-1] == 0

@@ -44,6 +44,9 @@ CASES = {
     x**2 / (1 - sp.cos(x)): SMALL, x / sp.tan(x): SMALL, x / (sp.exp(x) - 1): (*SMALL, 40.0),
     sp.log(1 + x) / x: SMALL, sp.log(1 + x * y) / (x * y): SMALL, x / sp.log(1 + x): SMALL,
     sp.atan(x) / x: (*SMALL, 0.2, -0.26, 300.0), sp.atan(2 * x) / x: SMALL,
+    sp.exp(-x / 5) / (1 + sp.exp(20 * (5 - x))): (-4.0, 4.9, 5.1, 40.0, 80.0),
+    sp.exp(-x / 3) / sp.cosh(10 * x): (*SMALL, 3.0), 1 / (1 + sp.exp(x**2)): (20.0, 0.1),
+    sp.tanh(20 * (x - 5)) * sp.exp(-x / 5): (-3.0, 5.1, 40.0, 80.0),
 }  # fmt: skip
 """Forces, and where they are ordinary numbers."""
 ROOTS = [e for e in CASES if e.atoms(sp.Pow) and CASES[e] is HUGE]

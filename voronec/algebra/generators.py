@@ -7,7 +7,7 @@ cosine, for each power with a symbolic exponent a unit of it, for each radical a
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from math import lcm, prod
 from typing import Any
@@ -98,6 +98,7 @@ class Generators:
     tangents: dict[Any, None] = field(default_factory=dict)
     _seen: set[Any] = field(default_factory=set)
     _multiples: dict[Any, set[Any]] = field(default_factory=dict)
+    _exponents: dict[tuple[Any, Any], set[Any]] = field(default_factory=dict)
 
     def scan(self, exprs: Iterable[Any]) -> None:
         """Collect the generators of further expressions."""
@@ -108,13 +109,17 @@ class Generators:
         """Decide what the hyperbolic tangents are, once everything is scanned.
 
         tanh w alone is a generator: it obeys no relation, and is bounded, where the quotient of
-        exponentials that it equals overflows.  Beside exp(w), or another multiple of w under a
-        hyperbolic function, it is that quotient.
+        exponentials that it equals overflows.  Beside exp(w), or a multiple of w up to ``FOLDS``
+        under a hyperbolic function, it is that quotient.  Of tanh(20 t) beside exp(-t/5) it would
+        be one of degree 200.
         """
-        taken = [term for base, term in self.units if base == se.E]
-        taken += [term for w in self.tangents for term in linear_terms(w)]
-        for w in self.tangents:
-            if any(taken.count(term) > 1 for term in linear_terms(w)):
+        taken = {term: list(c) for (base, term), c in self._exponents.items() if base == se.E}
+        found = {w: linear_terms(w) for w in self.tangents}
+        for terms in found.values():
+            for term, coefficient in terms.items():
+                taken.setdefault(term, []).append(coefficient)
+        for w, terms in found.items():
+            if any(_are_close(taken[term], coefficient) for term, coefficient in terms.items()):
                 self._unit(se.E, w)
             else:
                 self.atoms.setdefault(se.tanh(w))
@@ -170,6 +175,7 @@ class Generators:
                 continue
             key = (base, term)
             self.units[key] = lcm(self.units.get(key, 1), int(coefficient.q))
+            self._exponents.setdefault(key, set()).add(coefficient)
 
     def _power(self, base: Any, exponent: Any) -> None:
         if base == se.E or not exponent.is_Number:
@@ -188,6 +194,13 @@ class Generators:
                 self.radicals[se.Integer(prime)] = lcm(known, q)
             return
         self.radicals[base] = lcm(self.radicals.get(base, 1), q)
+
+
+def _are_close(coefficients: Sequence[Any], one: Any) -> bool:
+    """Whether one of some coefficients and another among them are small multiples of a third."""
+    ratios = [c / one for c in coefficients]
+    ratios.remove(se.Integer(1))
+    return any(max(abs(r.p), abs(r.q)) <= FOLDS for r in ratios)
 
 
 def pi_multiple(coefficient: Any) -> tuple[Any, Any]:

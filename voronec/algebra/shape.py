@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from math import prod
 from typing import Any
 
 import flint
@@ -211,8 +212,20 @@ def expression(ring: Ring, f: Fraction, group: Sequence[Any] = ()) -> Any:
 def _quotient(ring: Ring, f: Fraction) -> Any:
     num, den, below = _lower_roots(ring, f)
     parts = [_best(ring, num)] + [se.Pow(g, -1) for g in below]
-    parts += [se.Pow(_best(ring, poly), -e) for poly, e in den]
+    parts += [se.Pow(_best(ring, poly), -e) for poly, e in _few_factors(den)]
     return se.Mul(*parts)
+
+
+def _few_factors(den: Sequence[tuple[Any, int]]) -> Iterator[tuple[Any, int]]:
+    """Factors with their exponents; those with the same exponent as one, where it is much shorter:
+    x^100 + 1 has six factors."""
+    for exponent in dict.fromkeys(e for _, e in den):
+        factors = [poly for poly, e in den if e == exponent]
+        if 2 < sum(map(len, factors)) <= FACTOR_LIMIT:
+            product = prod(factors[1:], start=factors[0])
+            if 3 * len(product) < sum(map(len, factors)):
+                factors = [product]
+        yield from ((poly, exponent) for poly in factors)
 
 
 def _lower_roots(ring: Ring, f: Fraction) -> tuple[Any, list[tuple[Any, int]], list[Any]]:

@@ -9,6 +9,7 @@ Where a formula is exact and useless in doubles it is written otherwise, for num
     sqrt(1 + x) - 1                     ->  x/(sqrt(1 + x) + 1),   2 sinh^2(asinh(y)/2) of x = y^2
     1 - tanh w                          ->  2 exp(-w - |w|)/(1 + exp(-2|w|)), and powers of it
     exp(-w) (a + b exp(w))              ->  a exp(-w) + b
+    1/(a exp(u) + b exp(w))             ->  exp(-m)/(a exp(u - m) + b exp(w - m)), m = max(u, w)
 
 What holds |w| is the same function of w on both sides of w = 0, so that it is no wall there.
 Quotients such as sin(w)/w are those of ``cardinal``.
@@ -16,15 +17,15 @@ Quotients such as sin(w)/w are those of ``cardinal``.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import symengine as se
 
 from voronec.algebra.bounded_exponentials import exponential_sum
 from voronec.algebra.cardinal import cardinal_all
-from voronec.algebra.numeric_functions import EXPM1, HYPOT, LOG1P, SIZE
-from voronec.algebra.terms import factors_of, is_exponential
+from voronec.algebra.numeric_functions import EXPM1, HYPOT, LOG1P, SIZE, numeric_name
+from voronec.algebra.terms import factors_of, is_exponential, summands
 
 __all__ = ["stable_all"]
 
@@ -51,11 +52,11 @@ def _stable(expr: Any, known: dict[Any, Any]) -> Any:
 
 def _write(expr: Any) -> Any:
     if isinstance(expr, se.Pow):
-        return _root(*expr.args) or expr
+        return _root(*expr.args) or _over_largest(expr)
     if isinstance(expr, se.log):
         return _logarithm(expr.args[0]) or expr
     if isinstance(expr, se.Mul):
-        return _balance(expr)
+        return _balance(_over_largest(expr))
     if isinstance(expr, se.Add):
         total = _less_one(expr)
         return _with_tails(_with_differences(total)) if isinstance(total, se.Add) else total
@@ -73,6 +74,74 @@ def _balance(product: Any) -> Any:
             if any(inverse in factors_of(term) for term in total.args):
                 return product / power / total * se.Add(*[power * term for term in total.args])
     return product
+
+
+def _over_largest(product: Any) -> Any:
+    """A product in which sums of exponentials below are divided by the larger of their outermost
+    terms, and so is what stands above: neither leaves doubles where the quotient does not."""
+    above, below, ends = [], [], list[Any]()
+    for factor in factors_of(product):
+        base, power = factor.args if isinstance(factor, se.Pow) else (factor, se.Integer(1))
+        found = _ends(base) if isinstance(power, se.Integer) and power < 0 else None
+        if found is None:
+            above.append(factor)
+        else:
+            ends += [found] * -int(power)
+            below.append(_over(base, [found]) ** power)
+    if not below:
+        return product
+    sums = [f for f in above if isinstance(f, se.Add) and any(_exponential(t)[1] for t in f.args)]
+    rest, exponent = _exponential(se.Mul(*[f for f in above if f not in sums[:1]]))
+    return se.Mul(rest, _over(sums[0] if sums else se.Integer(1), ends, exponent), *below)
+
+
+def _over(total: Any, ends: Sequence[tuple[Any, Any]], exponent: Any = 0) -> Any:
+    """A sum times exp(exponent), over the larger of exp(a) and exp(b) for each pair of ends.
+
+    exp(w)/exp(max(a, b)) is exp(w - b - (|d| - d)/2) with d = b - a, and exp(w - a - (|d| + d)/2):
+    of these the one in whose exponent less cancels.
+    """
+    terms = []
+    for term in summands(total):
+        c, w = _exponential(term)
+        w, shift = (w + exponent).expand(), se.Integer(0)
+        for a, b in ends:
+            d = (b - a).expand()
+            size = se.Function(SIZE)(d)
+            to_a, to_b = (w - a).expand(), (w - b).expand()
+            near_b = _slope(to_b, d) < _slope(to_a, d)
+            w = to_b if near_b else to_a
+            shift += (size - d if near_b else size + d) / 2
+        terms.append(c * se.exp(w - shift))
+    return se.Add(*terms)
+
+
+def _slope(exponent: Any, step: Any) -> float:
+    """How steep an exponent is in the letter of a step between ends."""
+    (letter,) = _letters(step)
+    return abs(float(exponent.as_coefficients_dict().get(letter, 0)))
+
+
+def _letters(exponent: Any) -> list[Any]:
+    return [x for x in exponent.as_coefficients_dict() if not se.sympify(x).is_Number]
+
+
+def _ends(total: Any) -> tuple[Any, Any] | None:
+    """The exponents of a sum of exponentials, first and last by what one letter counts in them;
+    None of anything else, and where exponents differ by more than one letter or function."""
+    exponents = [_exponential(term)[1] for term in summands(total)]
+    steps = [(w - exponents[0]).expand() for w in exponents]
+    letters = {x for step in steps for x in _letters(step)}
+    if len(letters) != 1 or any(numeric_name(f) == SIZE for w in exponents for f in _functions(w)):
+        return None  # several letters, or done before
+    (letter,) = letters
+    rates = [float(step.as_coefficients_dict().get(letter, 0)) for step in steps]
+    order = sorted(range(len(rates)), key=rates.__getitem__)
+    return exponents[order[0]], exponents[order[-1]]
+
+
+def _functions(exponent: Any) -> Iterable[Any]:
+    return se.sympify(exponent).atoms(se.Function)
 
 
 def _root(base: Any, exponent: Any) -> Any | None:

@@ -147,6 +147,9 @@ class _SharedParts:
             return ONE, expr
         if isinstance(expr, se.Add):
             number, total = primitive(expr)
+            if not isinstance(total, se.Add):  # -a - (b - a) is -1 times b
+                c, name = self._read(total)
+                return number * c, name
             terms: dict[Any, Any] = {}
             for term in total.args:
                 c, name = self._read(term)

@@ -191,7 +191,7 @@ def compile_program(program: Program, scalar: bool = False) -> tuple[Function, F
 
 
 def _sign(x: float) -> float:
-    return float((x > 0) - (x < 0))
+    return float(x > 0) - float(x < 0)  # differences of the booleans of NumPy are refused
 
 
 def _nothing(_t: Any, _state: Any, _parameters: Any) -> list[Any]:
