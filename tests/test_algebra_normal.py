@@ -314,3 +314,28 @@ def test_common_factors_are_found_that_sines_and_cosines_hide():
     for alone in (sp.cos(z) / (1 + sp.sin(z)), (y + sp.sin(z)) / (y * sp.sin(z) - sp.sin(z) ** 2)):
         (found,) = shorten([alone])
         assert agree(alone, found) and sp.fraction(found)[1].subs(z, -sp.asin(y)) != 0
+
+
+@pytest.mark.parametrize(
+    "expr",
+    [
+        -x + sp.exp(-1000 * (y - Q(1, 2)) ** 2),
+        sp.tanh(20 * (x - 5)) * sp.exp(-x / 5),
+        sp.exp(-x / 5) / (1 + sp.exp(20 * x)),
+        y * sp.exp(-((x - y) ** 2)) + sp.exp(x + y),
+    ],
+    ids=str,
+)
+def test_exponentials_stay_short(expr):
+    (found,) = shorten([expr])
+    assert found.count_ops() <= expr.count_ops() + 2
+    assert prove_equal(found, expr).proved
+
+
+def test_exponentials_that_depend_on_one_another_are_seen():
+    e = sp.exp
+    assert shorten([e(x + y) * e(-x) - e(y), e(2 * x + 1) - e(x + 1) * e(x)]) == [0, 0]
+    square = e((x - y) ** 2)
+    assert prove_equal(square**2 / e(2 * x**2), e(2 * y**2) / e(4 * x * y)).proved
+    assert prove_equal(sp.tanh(x + y), (e(2 * x) - e(-2 * y)) / (e(2 * x) + e(-2 * y))).proved
+    assert prove_equal(sp.tanh(20 * x), sp.tanh(x)).refuted

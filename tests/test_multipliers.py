@@ -564,3 +564,21 @@ def test_digits_must_be_a_whole_number_within_bounds(digits):
 def test_a_number_beyond_all_sizes_is_refused_at_once(tower):
     with pytest.raises(DefinitionError, match=r"'v' is .* not a real number of a size"):
         multiplier_acceleration(sleigh(), {**SLEIGH_POINT, v: tower})
+
+
+CASES = (
+    sp.Max(sp.sqrt(1 + x**2), 2 * x), sp.Max(sp.sin(x) / x, Q(1, 2)), sp.Abs(sp.Max(a, x)),
+    sp.Piecewise((sp.sqrt(1 + x**2), sp.sin(x) / x > Q(1, 2)), (x, True)),
+    sp.Min(sp.log(1 + sp.exp(x)), sp.sqrt(4 + x**2)) * sp.cos(x),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("force", CASES, ids=str)
+def test_forces_in_cases_of_roots_and_quotients_are_read(force):
+    made = System(
+        name="cases", fibration=Fibration(x), lagrangian=Dx**2 / 2, forces={x: force},
+        parameters=(Parameter(a, 1),),
+    )  # fmt: skip
+    for place in (2, Q(1, 2)):
+        found = multiplier_acceleration(made, {x: place, Dx: 0})[x]
+        assert close(found, force.subs({x: place, a: 1}))

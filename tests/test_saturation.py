@@ -9,6 +9,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 import sympy as sp
+from scipy.integrate import solve_ivp
 
 import voronec as vo
 from voronec import Fibration, System, velocity
@@ -281,3 +282,44 @@ def test_a_fast_saturation_that_fades_moves_what_friction_stops(push, method):
     run = vo.integrate(made, times=[0, 4, 30], initial={v: 0}, method=method, tol=1e-11)
     assert float(run["x"][-1]) == pytest.approx(float(truth), abs=3e-9 * float(abs(truth)))
     assert run["xdot"][-1] == 0
+
+
+BELLS = {
+    "time": (lambda s, q, w: -q + mp.exp(-1000 * (s - 0.5) ** 2), (0.75, 0.3), 4),
+    "place": (lambda s, q, w: -q + mp.exp(-1000 * (q - 0.5) ** 2), (0.75, 0), 4),
+    "speed": (lambda s, q, w: -q + mp.exp(-1000 * (w - 0.5) ** 2), (1, 0), 4),
+    "running": (lambda s, q, w: q * mp.exp(-1000 * (s - q) ** 2), (1, 0), 3),
+    "late": (lambda s, q, w: -q + mp.exp(-((s - 15) ** 2)), (1, 0), 40),
+}
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "c", "lsoda", "flint"])
+@pytest.mark.parametrize("name", BELLS)
+def test_a_bell_beside_another_force_is_one_exponential(name, method):
+    """Taken apart into exponentials of the terms of its exponent it leaves doubles, and a method
+    with numbers of a fixed point lost all of the force."""
+    law, (place, speed), end = BELLS[name]
+    half = sp.Rational(1, 2)
+    force = {
+        "time": -x + sp.exp(-1000 * (t - half) ** 2), "place": -x + sp.exp(-1000 * (x - half) ** 2),
+        "speed": -x + sp.exp(-1000 * (v - half) ** 2), "running": x * sp.exp(-1000 * (t - x) ** 2),
+        "late": -x + sp.exp(-((t - 15) ** 2)),
+    }[name]  # fmt: skip
+    truth = solve_ivp(
+        lambda s, y: [y[1], float(law(s, *y))], (0, end), [place, speed], method="DOP853",
+        rtol=1e-13, atol=1e-14, max_step=0.02,
+    ).y[0, -1]  # fmt: skip
+    run = vo.integrate(
+        system(force), times=[0, end], initial={x: place, v: speed}, method=method, tol=1e-12
+    )
+    assert float(run["x"][-1]) == pytest.approx(truth, abs=2e-9)
+
+
+def test_jumps_at_the_edge_of_a_bell_are_found():
+    inside = sp.exp(-1000 * (t - 3) ** 2) - sp.Rational(1, 2)
+    width = math.sqrt(math.log(2) / 1000)
+    for method in ("heyoka", "scipy", "flint"):
+        run = vo.integrate(
+            system(sp.Heaviside(inside)), times=[0, 10], initial={x: 0, v: 0}, method=method
+        )
+        assert float(run["x"][-1]) == pytest.approx(14 * width, abs=1e-12)

@@ -18,7 +18,7 @@ from typing import Any
 
 import symengine as se
 
-from voronec.algebra.terms import factors_of, is_exponential, summands
+from voronec.algebra.terms import factors_of, is_exponential, summands, with_arguments
 
 __all__ = ["bound_all_exponentials", "bound_exponentials", "exponential_sum", "holds_exponentials"]
 
@@ -51,7 +51,7 @@ def _rewrite(expr: Any, known: dict[Any, Any]) -> Any:
             # a quotient that is not bounded stays whole: exp(2 w)/(1 + exp(w)) would lose digits
             kept = _below(expr.args) if isinstance(expr, se.Mul) else []
             args = [a if a in kept else _rewrite(a, known) for a in expr.args]
-            whole = expr if list(expr.args) == args else expr.func(*args)
+            whole = with_arguments(expr, args)
         found = known[expr] = whole
     return found
 

@@ -35,7 +35,7 @@ from voronec.algebra.numeric_functions import (
     SIZE,
     TANH_SHORTFALL,
 )
-from voronec.algebra.terms import factors_of, is_exponential, summands
+from voronec.algebra.terms import factors_of, is_exponential, summands, with_arguments
 
 __all__ = ["cardinal_all", "coefficient"]
 
@@ -155,7 +155,7 @@ def _rewrite(expr: Any, known: dict[Any, Any]) -> Any:
             known[expr] = _rewrite(sloped, known)
             return known[expr]
         args = [_rewrite(a, known) for a in whole.args]
-        found = known[expr] = whole if args == list(whole.args) else whole.func(*args)
+        found = known[expr] = with_arguments(whole, args)
     return found
 
 

@@ -7,7 +7,7 @@ cosine, for each power with a symbolic exponent a unit of it, for each radical a
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from math import lcm, prod
 from typing import Any
@@ -15,6 +15,7 @@ from typing import Any
 import flint
 import symengine as se
 
+from voronec.algebra.exponents import ExponentBasis
 from voronec.algebra.graphs import is_atom, is_flat
 from voronec.algebra.terms import summands
 from voronec.errors import EngineLimit
@@ -87,18 +88,20 @@ class Generators:
 
     ``atoms``: expressions that are generators themselves.  ``angles``: angle -> denominator d, for
     the pair cos(angle/d), sin(angle/d).  ``units``: (base, exponent) -> denominator d, for
-    base**(exponent/d).  ``radicals``: base -> q, for base**(1/q), innermost first.  ``tangents``
-    are arguments of tanh and coth: ``settle`` makes them atoms or units.
+    base**(exponent/d).  ``radicals``: base -> q, for base**(1/q), innermost first.  ``exponents``
+    of e and ``tangents``, the arguments of tanh and coth, with their terms: ``settle`` makes them
+    units, or atoms.
     """
 
     atoms: dict[Any, None] = field(default_factory=dict)
     angles: dict[Any, int] = field(default_factory=dict)
     units: dict[tuple[Any, Any], int] = field(default_factory=dict)
     radicals: dict[Any, int] = field(default_factory=dict)
-    tangents: dict[Any, None] = field(default_factory=dict)
+    exponents: dict[Any, dict[Any, Any]] = field(default_factory=dict)
+    tangents: dict[Any, dict[Any, Any]] = field(default_factory=dict)
     _seen: set[Any] = field(default_factory=set)
     _multiples: dict[Any, set[Any]] = field(default_factory=dict)
-    _exponents: dict[tuple[Any, Any], set[Any]] = field(default_factory=dict)
+    _basis: ExponentBasis = field(default_factory=lambda: ExponentBasis({}))
 
     def scan(self, exprs: Iterable[Any]) -> None:
         """Collect the generators of further expressions."""
@@ -106,24 +109,39 @@ class Generators:
             self._visit(expr)
 
     def settle(self) -> None:
-        """Decide what the hyperbolic tangents are, once everything is scanned.
+        """Decide what exponentials and hyperbolic tangents are, once everything is scanned.
 
-        tanh w alone is a generator: it obeys no relation, and is bounded, where the quotient of
-        exponentials that it equals overflows.  Beside exp(w), or a multiple of w up to ``FOLDS``
-        under a hyperbolic function, it is that quotient.  Of tanh(20 t) beside exp(-t/5) it would
-        be one of degree 200.
+        Exponentials of independent exponents are units as they stand.  tanh w alone is a
+        generator: it obeys no relation, and is bounded, where the quotient of exponentials that it
+        equals overflows.  Beside exp(w), or a multiple of w up to ``FOLDS``, it is that quotient.
         """
-        taken = {term: list(c) for (base, term), c in self._exponents.items() if base == se.E}
-        found = {w: linear_terms(w) for w in self.tangents}
-        for terms in found.values():
-            for term, coefficient in terms.items():
-                taken.setdefault(term, []).append(coefficient)
-        for w, terms in found.items():
-            if any(_are_close(taken[term], coefficient) for term, coefficient in terms.items()):
-                self._unit(se.E, w)
-            else:
+        related = {}
+        for w, terms in self.tangents.items():
+            others = self.exponents | {u: t for u, t in self.tangents.items() if u != w}
+            combination = ExponentBasis(others).coordinates(terms)
+            if combination is None or not all(map(_is_small, combination.values())):
                 self.atoms.setdefault(se.tanh(w))
+            else:
+                related[w] = terms
+        self.exponents |= related
         self.tangents.clear()
+        self._basis = ExponentBasis(self.exponents)
+        for terms in self.exponents.values():
+            for w, c in self._combination(terms).items():
+                key = (se.E, w)
+                self.units[key] = lcm(self.units.get(key, 1), int(c.q))
+
+    def powers(self, base: Any, exponent: Any) -> dict[Any, Any]:
+        """{w: number} where an exponent is the sum of the products, and those of the w that are no
+        numbers are of ``units``."""
+        terms = linear_terms(exponent)
+        return self._combination(terms) if base == se.E else terms
+
+    def _combination(self, terms: Mapping[Any, Any]) -> dict[Any, Any]:
+        found = self._basis.coordinates(terms)
+        if found is None:
+            raise EngineLimit("an exponential is not one of the quantities of this computation")
+        return found
 
     def _visit(self, expr: Any) -> None:
         if expr in self._seen:
@@ -139,9 +157,9 @@ class Generators:
         elif isinstance(expr, TRIGONOMETRIC):
             self._angle(expr.args[0])
         elif isinstance(expr, (se.tanh, se.coth)):
-            self.tangents.setdefault(expr.args[0])
+            self.tangents[expr.args[0]] = linear_terms(expr.args[0])
         elif isinstance(expr, HYPERBOLIC):
-            self._unit(se.E, expr.args[0])
+            self.exponents[expr.args[0]] = linear_terms(expr.args[0])
         elif isinstance(expr, (se.Add, se.Mul)):
             self.scan(expr.args)
         elif isinstance(expr, se.Pow):
@@ -165,24 +183,19 @@ class Generators:
             for angle, multiples in self._multiples.items()
         }
 
-    def _unit(self, base: Any, exponent: Any) -> None:
-        if base != se.E:
-            self._visit(base)
-        for term, coefficient in linear_terms(exponent).items():
-            if term == 1 and base != se.E:
-                if coefficient.q != 1:
-                    self._radical(base, int(coefficient.q))
-                continue
-            key = (base, term)
-            self.units[key] = lcm(self.units.get(key, 1), int(coefficient.q))
-            self._exponents.setdefault(key, set()).add(coefficient)
-
     def _power(self, base: Any, exponent: Any) -> None:
-        if base == se.E or not exponent.is_Number:
-            self._unit(base, exponent)
+        if base == se.E:
+            self.exponents[exponent] = linear_terms(exponent)
             return
         self._visit(base)
-        if isinstance(exponent, se.Rational) and exponent.q != 1:
+        if not exponent.is_Number:
+            for term, coefficient in linear_terms(exponent).items():
+                if term != 1:
+                    key = (base, term)
+                    self.units[key] = lcm(self.units.get(key, 1), int(coefficient.q))
+                elif coefficient.q != 1:
+                    self._radical(base, int(coefficient.q))
+        elif isinstance(exponent, se.Rational) and exponent.q != 1:
             self._radical(base, int(exponent.q))
 
     def _radical(self, base: Any, q: int) -> None:
@@ -196,11 +209,8 @@ class Generators:
         self.radicals[base] = lcm(self.radicals.get(base, 1), q)
 
 
-def _are_close(coefficients: Sequence[Any], one: Any) -> bool:
-    """Whether one of some coefficients and another among them are small multiples of a third."""
-    ratios = [c / one for c in coefficients]
-    ratios.remove(se.Integer(1))
-    return any(max(abs(r.p), abs(r.q)) <= FOLDS for r in ratios)
+def _is_small(ratio: Any) -> bool:
+    return bool(max(abs(ratio.p), abs(ratio.q)) <= FOLDS)
 
 
 def pi_multiple(coefficient: Any) -> tuple[Any, Any]:

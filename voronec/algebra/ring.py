@@ -217,7 +217,7 @@ class Ring:
 
     def _symbolic_power(self, base: Any, exponent: Any) -> Fraction:
         parts = []
-        for term, coefficient in linear_terms(exponent).items():
+        for term, coefficient in self.found.powers(base, exponent).items():
             if term == 1 and base != se.E:
                 whole = coefficient.q == 1
                 parts.append(

@@ -25,7 +25,7 @@ import symengine as se
 from voronec.algebra.bounded_exponentials import exponential_sum
 from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.numeric_functions import EXPM1, HYPOT, LOG1P, SIZE, numeric_name
-from voronec.algebra.terms import factors_of, is_exponential, summands
+from voronec.algebra.terms import factors_of, is_exponential, summands, with_arguments
 
 __all__ = ["stable_all"]
 
@@ -46,7 +46,7 @@ def _stable(expr: Any, known: dict[Any, Any]) -> Any:
     if found is None:
         whole = _write(expr)
         args = [_stable(a, known) for a in whole.args]
-        found = known[expr] = whole if args == list(whole.args) else whole.func(*args)
+        found = known[expr] = with_arguments(whole, args)
     return found
 
 

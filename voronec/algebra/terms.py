@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import symengine as se
+from symengine.lib.symengine_wrapper import Boolean
 
-__all__ = ["factors_of", "is_exponential", "summands"]
+__all__ = ["factors_of", "is_exponential", "summands", "with_arguments"]
 
 
 def summands(expr: Any) -> tuple[Any, ...]:
@@ -22,3 +23,13 @@ def factors_of(expr: Any) -> tuple[Any, ...]:
 def is_exponential(expr: Any) -> bool:
     """Whether an expression is exp(w), which symengine has for a power of e."""
     return isinstance(expr, se.Pow) and bool(expr.args[0] == se.E)
+
+
+def with_arguments(expr: Any, args: list[Any]) -> Any:
+    """The same function, sum or product of equal arguments, written otherwise; conditions stay as
+    they are."""
+    if args == list(expr.args) or isinstance(expr, Boolean):
+        return expr
+    if isinstance(expr, se.Piecewise):  # takes its cases in pairs
+        return se.Piecewise(*zip(args[::2], args[1::2], strict=True))
+    return expr.func(*args)

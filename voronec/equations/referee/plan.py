@@ -381,7 +381,8 @@ def _read_forces(inside: _SymbolTable) -> tuple[list[Any], list[Any]]:
     meant = inside.accelerations()
     symbols = [a for a, expr in meant.items() if a == expr]
     spelled = [f.xreplace(meant) for f in applied]
-    slopes = [f.diff(a) for f in spelled for a in symbols]
+    # what is given in cases has no derivative in symengine, not even by a symbol it does not hold
+    slopes = [f.diff(a) if a in f.free_symbols else se.Integer(0) for f in spelled for a in symbols]
     if any(se.has_symbol(slope, a) for slope in slopes for a in symbols):
         raise DefinitionError("a force is not linear in the accelerations; solve it for them")
     return [f.xreplace(dict.fromkeys(symbols, se.Integer(0))) for f in spelled], slopes

@@ -33,6 +33,10 @@ MISS = 1e-3
 """A step of LSODA whose slope misses more of the right side than this, in units of the states, has
 lost the motion; stiff equations miss what the tolerance makes of their stiffness."""
 ASTRAY = "the steps of lsoda do not follow the equations"
+SHORTER = 8
+"""A step of LSODA that has lost the motion is taken again, and none so long is taken after it;
+this is what the length is divided by, ``ATTEMPTS`` times in turn."""
+ATTEMPTS = 6
 TRIAL = 12
 """Steps after which the rest is estimated; the first ones are shorter than those that follow."""
 
@@ -49,7 +53,7 @@ def dop853_steps(problem: Problem, grid: np.ndarray) -> Walker:
     from scipy.integrate import DOP853
 
     fine = replace(problem, tol=dop853_tolerance(problem.tol))
-    return _Solver(_solver(fine, DOP853, grid), problem.dense)
+    return _Solver(_solver(fine, DOP853, grid)(), problem.dense)
 
 
 def lsoda(problem: Problem) -> Stepper:
@@ -71,7 +75,7 @@ def estimated_steps(problem: Problem, grid: np.ndarray) -> int | None:
         return 0
     with np.errstate(all="ignore"):
         try:
-            solver = _solver(problem, DOP853, grid)
+            solver = _solver(problem, DOP853, grid)()
             for count in range(TRIAL):
                 solver.step()
                 if solver.status == "finished":
@@ -86,7 +90,9 @@ def estimated_steps(problem: Problem, grid: np.ndarray) -> int | None:
     return TRIAL + int(left / solver.step_size)
 
 
-def _solver(problem: Problem, method: Callable[..., Any], grid: np.ndarray) -> Any:
+def _solver(problem: Problem, method: Callable[..., Any], grid: np.ndarray) -> Callable[..., Any]:
+    """What makes a solver of scipy, at the start or at another ``t`` and ``state``, with steps not
+    longer than ``longest``."""
     rhs, _ = compile_program(problem.program, scalar=True)
     at = problem.parameters_at()
     finest = max(problem.tol, FINEST)
@@ -108,13 +114,18 @@ def _solver(problem: Problem, method: Callable[..., Any], grid: np.ndarray) -> A
     least = finest if (units == 1).all() else finest * units
     # the dense output of the first step keeps its start, which a later run overwrites
     begin = problem.start.copy()
-    return method(derivative, grid[0], begin, grid[-1], rtol=finest, atol=least)
+
+    def make(t: float = grid[0], state: np.ndarray = begin, longest: float = np.inf) -> Any:
+        return method(derivative, t, state, grid[-1], rtol=finest, atol=least, max_step=longest)
+
+    return make
 
 
 def _stepper(problem: Problem, method: Callable[..., Any]) -> Stepper:
     def run(grid: np.ndarray) -> Run:
         with np.errstate(all="ignore"):
-            solver = _Solver(_solver(problem, method, grid), problem.dense)
+            make = _solver(problem, method, grid)
+            solver = _Solver(make(), problem.dense, make)
             levels = level_function(problem)
             return march(problem, grid, solver, levels)
 
@@ -142,24 +153,23 @@ class _Pace:
         self.last = factor
 
 
-@dataclass(frozen=True)
+@dataclass
 class _Solver:
-    """One of scipy's solvers under way."""
+    """One of scipy's solvers under way; ``make`` makes it anew where steps are to be shorter."""
 
     solver: Any
     dense: bool
+    make: Callable[..., Any] | None = None
     pace: _Pace = field(default_factory=_Pace)
+    spent: int = 0
 
     def advance(self) -> Stride:
         solver = self.solver
-        start, begin, slope = solver.t, solver.y, getattr(solver, "f", None)
-        self.pace.step(solver)
-        if solver.status == "failed":
-            raise IntegratorFailure(COLLAPSE)
-        if not np.isfinite(solver.y).all():
-            raise IntegratorFailure(INFINITE)
-        if slope is None and not self.follows():
-            raise IntegratorFailure(ASTRAY)
+        start, begin, slope = solver.t, solver.y.copy(), getattr(solver, "f", None)
+        self._step()
+        if slope is None:
+            self._follow(start, begin)
+            solver = self.solver
         kept = [solver.dense_output()] if self.dense else []
 
         def at(times: np.ndarray) -> np.ndarray:
@@ -170,6 +180,25 @@ class _Solver:
 
         slopes = None if slope is None else ((begin, slope), (solver.y, solver.f))
         return Stride(start, solver.t, solver.y.copy(), at, slopes)
+
+    def _step(self) -> None:
+        self.pace.step(self.solver)
+        if self.solver.status == "failed":
+            raise IntegratorFailure(COLLAPSE)
+        if not np.isfinite(self.solver.y).all():
+            raise IntegratorFailure(INFINITE)
+
+    def _follow(self, start: float, begin: np.ndarray) -> None:
+        """Take a step of LSODA again, shorter, as long as it does not follow the equations."""
+        for _ in range(ATTEMPTS):
+            if self.follows():
+                return
+            self.spent += int(self.solver.nfev)
+            longest = abs(self.solver.t - start) / SHORTER
+            assert self.make is not None  # whatever makes an LSODA tells how
+            self.solver = self.make(start, begin, longest)
+            self._step()
+        raise IntegratorFailure(ASTRAY)
 
     def follows(self) -> bool:
         """Whether LSODA's polynomial has about the slope of the right side along its step.
@@ -192,4 +221,4 @@ class _Solver:
 
     @property
     def evaluations(self) -> int:
-        return int(self.solver.nfev)
+        return self.spent + int(self.solver.nfev)

@@ -4,8 +4,9 @@ The ring of an ansatz knows the relations between a sine and its cosine, between
 under it, and no others.  With a symbol s that is free, exp(s h) and b^(h/s) are transcendental over
 all functions that are algebraic in s, where h does not vanish; so generators are taken off one by
 one, as long as one has a symbol of its own.  What remains is certain only where Ax's theorem holds
-at sight: exponentials, sines and cosines of different monomials in free symbols.  The values of
-unknown functions, and of their slopes, are independent for generic functions.
+at sight: exponentials, sines and cosines of polynomials in free symbols of which no rational
+combination is a number.  The values of unknown functions, and of their slopes, are independent for
+generic functions.
 """
 
 from __future__ import annotations
@@ -16,8 +17,10 @@ from typing import Any
 
 import symengine as se
 
-from voronec.algebra.generators import Generators
+from voronec.algebra.exponents import ExponentBasis
+from voronec.algebra.generators import Generators, linear_terms
 from voronec.algebra.graphs import is_atom
+from voronec.algebra.terms import factors_of, summands
 from voronec.algebra.verdicts import decide_zero
 from voronec.errors import EngineLimit
 
@@ -93,14 +96,26 @@ class _Power:
         except EngineLimit:
             return False
 
-    def is_monomial(self, bound: set[Any]) -> bool:
-        """Whether it is an exponential or a sine of a product of powers of free symbols."""
-        factors = self.exponent.args if isinstance(self.exponent, se.Mul) else (self.exponent,)
+    def is_polynomial(self, bound: set[Any]) -> bool:
+        """Whether it is an exponential or a sine of a sum of products of powers of free symbols."""
+        factors = [f for term in summands(self.exponent) for f in factors_of(term)]
+        factors = [f for f in factors if not f.is_Number]
         bases = [f.args[0] if isinstance(f, se.Pow) else f for f in factors]
         powers = [f.args[1] if isinstance(f, se.Pow) else se.Integer(1) for f in factors]
         plain = all(isinstance(b, se.Symbol) and b not in bound for b in bases)
         whole = all(isinstance(e, se.Integer) for e in powers)
         return plain and whole and self.base in (se.Integer(0), se.E)
+
+
+def _are_independent(powers: Sequence[_Power]) -> bool:
+    """Whether no rational combination of the exponents of one base is a number."""
+    for base in {p.base for p in powers}:
+        moving = {p.exponent: linear_terms(p.exponent) for p in powers if p.base == base}
+        for terms in moving.values():
+            terms.pop(se.Integer(1), None)
+        if len(ExponentBasis(moving).members) < len(moving):
+            return False
+    return True
 
 
 def _uncertain_powers(
@@ -116,7 +131,7 @@ def _uncertain_powers(
         if len(rest) == len(powers):
             break
         powers = rest
-    if not held and all(p.is_monomial(bound) for p in powers):
+    if not held and all(p.is_polynomial(bound) for p in powers) and _are_independent(powers):
         return []
     return powers
 
