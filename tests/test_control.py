@@ -359,3 +359,70 @@ def test_a_bad_bracket_obstructs() -> None:
     found = one_way.controllability()
     assert found.undecided and "Sussmann's condition fails" in found.method
     assert vo.derive(pushed(dx * dy)).control.controllability().proved
+
+
+def pushed(force: sp.Expr) -> vo.Control:
+    place, push = sp.symbols("x u")
+    block = vo.System(
+        name="block", fibration=vo.Fibration(place), lagrangian=vo.velocity(place) ** 2 / 2,
+        forces={place: force}, inputs=(push,),
+    )  # fmt: skip
+    return vo.derive(block).control
+
+
+PLACE, PUSH = sp.symbols("x u")
+SPEED = vo.velocity(PLACE)
+REST = {PLACE: 0, SPEED: 0}
+
+
+@pytest.mark.parametrize(
+    "drift", [-sp.sign(SPEED), -2 * sp.sign(PLACE), -PLACE - sp.floor(SPEED), sp.Heaviside(PLACE)]
+)
+def test_small_inputs_do_not_overcome_a_jump(drift) -> None:
+    """Friction holds the block against |u| < 1; only a large input undoes it."""
+    with pytest.raises(vo.VoronecError):
+        assert not pushed(PUSH + drift).controllability(REST).proved
+
+
+@pytest.mark.parametrize(
+    "drift", [-SPEED * abs(SPEED), sp.Max(0, SPEED), -PLACE * sp.sign(SPEED), sp.floor(PLACE + 0.5)]
+)
+def test_what_is_continuous_at_the_point_is_overcome(drift) -> None:
+    assert pushed(PUSH + sp.nsimplify(drift)).controllability(REST).proved
+
+
+@pytest.mark.parametrize(
+    "force",
+    [
+        sp.Max(-1, sp.Min(1, PUSH)) - 1,
+        sp.Max(PUSH - 1, 0) + sp.Min(PUSH + 1, 0),
+        sp.Max(1, PUSH),
+        PUSH + sp.Abs(PUSH),
+    ],
+)
+def test_an_input_that_saturates_is_not_linear(force) -> None:
+    with pytest.raises(vo.DefinitionError, match="enters nonlinearly"):
+        pushed(force)
+
+
+def test_constraints_that_are_linear_in_pieces_are_refused() -> None:
+    y = sp.Symbol("y")
+    rate = vo.velocity(y)
+    system = vo.System(
+        name="dead", fibration=vo.Fibration((PLACE,), (y,)),
+        lagrangian=(SPEED**2 + rate**2) / 2,
+        constraints=(rate - sp.Max(SPEED - 1, 0) - sp.Min(SPEED + 1, 0),),
+    )  # fmt: skip
+    with pytest.raises(vo.DefinitionError, match="affine"):
+        vo.derive(system)
+
+
+def test_inputs_that_constraints_take_up_move_nothing() -> None:
+    y = sp.Symbol("y")
+    rate = vo.velocity(y)
+    held = vo.System(
+        name="held", fibration=vo.Fibration((PLACE,), (y,)), lagrangian=(SPEED**2 + rate**2) / 2,
+        constraints=(rate,), forces={y: PUSH}, inputs=(PUSH,),
+    )  # fmt: skip
+    found = vo.derive(held).control.accessibility
+    assert found.verdict.refuted and found.growth == (0,)

@@ -475,3 +475,40 @@ def test_a_speed_that_grows_without_bound_ends_the_run(method):
     with pytest.raises(IntegrationError) as caught:
         motion(mass_point(-Dx * sp.Abs(Dx)), (0, 1), -5, method)
     assert float(caught.value.time) == pytest.approx(-1, abs=1e-9)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_push_that_friction_just_bears_moves_nothing(method):
+    """The function of the release is zero all along: it was switched at a step after another."""
+    push = sp.Symbol("u")
+    block = vo.System(
+        name="block", fibration=vo.Fibration(x), lagrangian=Dx**2 / 2,
+        forces={x: push - sp.sign(Dx)}, inputs=(push,),
+    )  # fmt: skip
+    rest = vo.integrate(block, initial={x: 0}, times=[0, 2], method=method, inputs={push: 1})
+    assert [rest["x"][-1], rest["xdot"][-1]] == [0, 0]
+    table = vo.Table([0, 1, 2], [1, 2, 2], "held")
+    run = vo.integrate(block, initial={x: 0}, times=[0, 2], method=method, inputs={push: table})
+    assert float(run["x"][-1]) == pytest.approx(0.5, abs=1e-9)
+
+
+def test_a_motion_may_end_in_any_precision_just_where_it_switches():
+    """Backwards to t = 0, where t modulo 1 jumps; the instant is met but for the last bit."""
+    system = mass_point(sp.Mod(t, 1) - sp.floor(2 * x) / 3, x**2)
+    start = {x: 1, Dx: sp.Rational(1, 2)}
+    run = vo.integrate(system, initial=start, times=[0, 7.3], method="flint")
+    end = {x: run["x"][-1], Dx: run["xdot"][-1]}
+    back = vo.integrate(system, initial=end, times=[7.3, 0], method="flint")
+    assert float(back["x"][-1]) == pytest.approx(1, abs=1e-9)
+    assert float(back["xdot"][-1]) == pytest.approx(0.5, abs=1e-9)
+
+
+def test_an_integral_that_jumps_with_friction_is_told_of():
+    """Of each half of a swing it is one."""
+    swing = vo.System(
+        name="swing", fibration=vo.Fibration(x), lagrangian=(Dx**2 - x**2) / 2,
+        forces={x: -sp.sign(Dx)}, integrals={"half": Dx**2 + (x + sp.sign(Dx)) ** 2},
+    )  # fmt: skip
+    run = vo.integrate(swing, initial={x: 4, Dx: 0}, times=[0, 1, 4, 8])
+    assert any("'half' jumps with the forces, and drifts" in note for note in run.notes)
+    assert not vo.integrate(swing, initial={x: 3, Dx: -1}, times=[1, 2, 3]).notes

@@ -216,7 +216,11 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name not in _HOME:
-        raise AttributeError(f"module 'voronec' has no attribute '{name}'")
+        from voronec.errors import did_you_mean
+
+        hint = "" if name.startswith("_") else did_you_mean(name, _HOME)
+        near = hint if "mean" in hint else ""
+        raise AttributeError(f"module 'voronec' has no attribute '{name}'{near}")
     with no_collection():
         module = import_module(_HOME[name])
         value = module if name == "kinematics" else getattr(module, name)

@@ -55,13 +55,16 @@ class AffineForms:
             if any(n.free_symbols & at_rest.keys() for n in expr.atoms(se.sign, se.floor)):
                 return index  # it jumps, and has no slope there
             row = tuple(expr.diff(v) for v in velocities)
+            offset = expr.xreplace(at_rest)
             used = [v for v in velocities if v in expr.free_symbols]
             if any(se.has_symbol(d, v) for d in row for v in used):
-                row = tuple(_plain(d, velocities) for d in row)
-                if any(d is None for d in row):
+                # velocities that only seem to occur; what is linear in pieces is not affine
+                row = tuple(d.xreplace(at_rest) for d in row)
+                whole = se.Add(offset, *[d * v for d, v in zip(row, velocities, strict=True)])
+                if whole.has(se.nan) or not decide_zero(expr - whole).proved:
                     return index
             rows.append(row)
-            offsets.append(expr.xreplace(at_rest))
+            offsets.append(offset)
         return cls(tuple(rows), tuple(offsets))
 
     def expressions(self, velocities: Sequence[Any]) -> list[Any]:
@@ -70,15 +73,6 @@ class AffineForms:
             se.Add(o, *[e * v for e, v in zip(row, velocities, strict=True)])
             for row, o in zip(self.matrix, self.offset, strict=True)
         ]
-
-
-def _plain(coefficient: Any, velocities: Sequence[Any]) -> Any:
-    """A coefficient freed of velocities that only seem to occur, or None where they do."""
-    for v in velocities:
-        if se.has_symbol(coefficient, v) and not decide_zero(coefficient.diff(v)).proved:
-            return None
-    found = coefficient.xreplace({v: se.Integer(0) for v in velocities})
-    return None if found.has(se.nan) else found  # of |v| the slope is v/|v|
 
 
 @dataclass(frozen=True)

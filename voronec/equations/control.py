@@ -13,6 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from typing import Any
 
 import symengine as se
@@ -20,6 +21,7 @@ import sympy as sp
 
 from voronec.algebra.branches import Branches, has_branches
 from voronec.algebra.elimination import solve_linear
+from voronec.algebra.graphs import nodes
 from voronec.algebra.jets import Expansion, FieldJet, Span
 from voronec.algebra.matrices import determinant
 from voronec.algebra.normal import canonical
@@ -45,6 +47,8 @@ DEGREES = 4, 6, 8, 10, 12
 """Brackets of these degrees are made at a point, one after the other, until they suffice."""
 LONGEST = 400
 """Determinants of more operations are not factored."""
+MOST_JUMPS = 6
+"""Of so many jumps at a point all sides are looked at, up to three of each."""
 
 
 @dataclass(frozen=True)
@@ -116,6 +120,9 @@ class Control:
         kept = self._independent(frame)
         frame = tops = [frame[i] for i in kept]
         growth = [len(frame)]
+        if not frame:
+            nothing = Verdict("refuted", "the inputs move nothing, in normal form")
+            return Accessibility((0,), dimension, nothing)
         while tops and growth[-1] < dimension:
             if Tape([e for field in tops for e in field]).size > NODES:
                 why = f"brackets are too large after dimension {growth[-1]} of {dimension}"
@@ -338,7 +345,7 @@ class _Brackets:
         expansion = Expansion(at, variables, degree - 1)
         fields = (control.inner_drift, *control.inner_fields)
         simple = (control._after_feedback[0], *control._after_feedback[1])
-        if simple != fields and _regular(control, expansion):
+        if simple != fields and _regular(control, expansion) and _is_continuous(fields[0], at):
             fields = simple
         self._basis = [expansion.field(f) for f in fields]
         self._degree = degree
@@ -418,6 +425,38 @@ def _regular(control: Control, expansion: Expansion) -> bool:
     first, span = len(control.system_field.positions), Span()
     values = [expansion.field(g[first:]).value for g in control.inner_fields]
     return sum(span.add(value) for value in values) == len(values)
+
+
+def _is_continuous(drift: Vector, at: Mapping[Any, Any]) -> bool:
+    """Whether no jump of the drift lies at the point: inputs that are small cannot undo one.
+
+    What jumps there, sign(x) at x = 0, is given all values it has nearby; x sign(x) stays.
+    """
+    jumps = [n for n in nodes(drift) if isinstance(n, (se.sign, se.floor))]
+    near = {n: n.args[0].xreplace(dict(at)) for n in jumps}
+    near = {n: a for n, a in near.items() if not a.is_Number or a == _nearest_wall(n, a)}
+    if len(near) > MOST_JUMPS:
+        return False
+    for rate in drift:
+        sides = [
+            rate.xreplace(dict(zip(near, values, strict=True))).xreplace(dict(at))
+            for values in product(*(_sides(n, a) for n, a in near.items()))
+        ]
+        if any(as_expression(side - sides[0]).equals(0) is not True for side in sides):
+            return False
+    return True
+
+
+def _nearest_wall(jump: Any, argument: Any) -> Any:
+    """Where a jump is, at an argument or elsewhere."""
+    return se.floor(argument) if isinstance(jump, se.floor) else se.Integer(0)
+
+
+def _sides(jump: Any, argument: Any) -> tuple[Any, ...]:
+    """The values of a sign or a floor around an argument at which it jumps."""
+    if isinstance(jump, se.floor):
+        return argument - 1, argument
+    return se.Integer(-1), se.Integer(0), se.Integer(1)
 
 
 def control_form(equations: DerivedEquations) -> Control:

@@ -485,6 +485,10 @@ class _Job:
         )  # fmt: skip
         t, states = run.t.astype(float), run.states.astype(float)
         breach, notes = judge.breach(t, states) if smooth else judge.check_integrals(t, states)
+        rest = watch.integrals_to_follow(True).items() - judge.integrals.items()
+        if rest:
+            jumping = replace(judge, integrals=dict(rest), jumping=True)
+            notes = (*notes, *jumping.check_integrals(t, states)[1])
         form = equations.raw.form
         own = [str(x) for x in (*form.coordinates, *form.velocities)]
         if smooth and breach is None and {*own} <= {*trajectory.series, *trajectory.names}:

@@ -353,7 +353,9 @@ def section(
     declared = system.system if isinstance(system, VoronecEquations) else require_system(system)
     if direction not in (-1, 0, 1) or crossings < 1:
         raise DefinitionError("direction must be 1, -1 or 0, and crossings at least 1")
-    chosen_scene = scene_of(declared, scene, starts is None or isinstance(starts, int))
+    # the start is that of a scene, what is said of it changed, or all of it is said
+    needed = initial is None or "default" in declared.scenes
+    chosen_scene = scene_of(declared, scene, needed and (starts is None or isinstance(starts, int)))
     driven = drive(system, inputs, chosen_scene)
     equations, given = driven.equations, {**(parameters or {}), **driven.constants}
     vocabulary = Vocabulary.of(equations, driven.meaning)

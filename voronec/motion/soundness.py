@@ -231,7 +231,8 @@ class Judge:
 
     ``integrals`` and ``relations`` name extra quantities of the program, and those that give the
     size of the terms; ``vanishing`` are further relations, expressions in the program's symbols;
-    parameters that are ``changing`` are those of the start among the ``values``.
+    parameters that are ``changing`` are those of the start among the ``values``; of integrals that
+    are ``jumping`` with the forces no proof holds across the jumps.
     """
 
     equations: VoronecEquations
@@ -243,6 +244,7 @@ class Judge:
     relations: Mapping[str, str]
     vanishing: Sequence[Any] = ()
     changing: Signals | None = None
+    jumping: bool = False
 
     def breach(self, t: np.ndarray, states: np.ndarray) -> tuple[Breach | None, tuple[str, ...]]:
         """What went wrong first, if anything did, and what is to be said of mere claims."""
@@ -285,16 +287,22 @@ class Judge:
             amount = f"by {change:.2g}, where the tolerance allows {allowed:.2g}"
             if name in relations:
                 breaches.append(Breach(f"the relation {name} is lost {amount}", int(rows[i - 1])))
-            elif self.changing is None and is_proved(
-                self.equations, self.equations.system.integrals[name]
-            ):  # proofs take parameters for constants
+            elif self._is_certain(name):
                 breaches.append(Breach(f"the integral '{name}' drifts {amount}", int(rows[i - 1])))
             else:
+                why = "jumps with the forces" if self.jumping else "is only claimed"
                 notes.append(
-                    f"the integral '{name}' is only claimed, and drifts: at t = {t[rows[i]]:.6g} "
+                    f"the integral '{name}' {why}, and drifts: at t = {t[rows[i]]:.6g} "
                     f"it has changed {amount}"
                 )
         return breaches, tuple(notes)
+
+    def _is_certain(self, name: str) -> bool:
+        """Whether an integral must stay: proofs take parameters for constants, and hold between
+        jumps."""
+        if self.jumping or self.changing is not None:
+            return False
+        return is_proved(self.equations, self.equations.system.integrals[name])
 
     def _extras(self) -> Callable[[np.ndarray, np.ndarray], Mapping[str, np.ndarray]]:
         program = self.program

@@ -125,7 +125,8 @@ class _Polynomial:
         """States (k, n) at times (k,), as mpmath's numbers."""
         states = np.empty((len(times), len(self.rows)), dtype=object)
         for i, time in enumerate(times):
-            place = ((_units(time, self.bits) - self.start) << self.bits) // self.step
+            # a step to an end that is nearer than the last bit goes nowhere
+            place = ((_units(time, self.bits) - self.start) << self.bits) // (self.step or 1)
             states[i] = [_number(x, self.bits, self.kept) for x in self.state(place)]
         return states
 
@@ -179,7 +180,8 @@ class _Walker:
         self.time = self.time + (step * part >> bits)
         taken = abs(self.time - start)
         self.longest = max(self.longest, float(_number(taken, bits, DOUBLE)))
-        if taken < _units(min(self.least, SHORTER * self.longest), bits):
+        short = taken < _units(min(self.least, SHORTER * self.longest), bits)
+        if short and self.time != self.end:
             raise IntegratorFailure(COLLAPSE)
         self.state = polynomial.state(part)
         return Stride(

@@ -98,6 +98,8 @@ def crossings(
     for column, event in events.items():
         if event.name in walls and values[0, column] <= 0:
             values[0, column] = GRAIN
+            # what stays at zero, as a push that is just what friction bears, does not fall
+            values[values[:, column] == 0, column] = GRAIN
     touches, found = _may_touch(values), []
     brackets = _early_brackets(levels, stride, times[1], walls, events) if first else []
     for i, column in np.argwhere(touches | _change_sign(values)).tolist():

@@ -20,7 +20,7 @@ import symengine as se
 from voronec.algebra.exponents import ExponentBasis
 from voronec.algebra.generators import Generators, linear_terms
 from voronec.algebra.graphs import is_atom
-from voronec.algebra.terms import factors_of, summands
+from voronec.algebra.terms import factors_of
 from voronec.algebra.verdicts import decide_zero
 from voronec.errors import EngineLimit
 
@@ -98,8 +98,7 @@ class _Power:
 
     def is_polynomial(self, bound: set[Any]) -> bool:
         """Whether it is an exponential or a sine of a sum of products of powers of free symbols."""
-        factors = [f for term in summands(self.exponent) for f in factors_of(term)]
-        factors = [f for f in factors if not f.is_Number]
+        factors = [f for t in linear_terms(self.exponent) for f in factors_of(t) if not f.is_Number]
         bases = [f.args[0] if isinstance(f, se.Pow) else f for f in factors]
         powers = [f.args[1] if isinstance(f, se.Pow) else se.Integer(1) for f in factors]
         plain = all(isinstance(b, se.Symbol) and b not in bound for b in bases)
