@@ -309,3 +309,33 @@ def test_a_surface_that_is_passed_more_often_than_steps_are_taken(oscillator, me
     assert len(found) == len(truth)
     assert np.abs(np.sort(found.t) - truth).max() < 1e-5
     assert np.abs(np.sin(fold * np.sin(found.t) + 0.3)).max() < 1e-11
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "c"])
+def test_poles_of_a_surface_are_no_crossings(method):
+    """1/(x - 1/3) changes its sign at its pole; tan(2 x) has zeros beside its poles."""
+    swing = vo.System(
+        name="swing", fibration=vo.Fibration(x), lagrangian=(vo.velocity(x) ** 2 - x**2) / 2
+    )
+    start = {x: 0, vo.velocity(x): 1}
+    options = {"starts": [start], "until": 20, "method": method, "direction": 0}
+    found = vo.section(swing, sp.tan(2 * x), **options)
+    assert found.t == pytest.approx(np.arange(1, 7) * np.pi, abs=1e-9)
+    for surface in (1 / (x - sp.Rational(1, 3)), 1 / x):
+        with pytest.raises(vo.DefinitionError, match="no motion passes through"):
+            vo.section(swing, surface, **options)
+    if method == "heyoka":  # a pole of a function that it follows ends its run, with a word
+        return
+    run = vo.integrate(
+        swing, initial=start, times=[0, 20], method=method,
+        events=(vo.Event(1 / (x - sp.Rational(1, 3)), "pole"), vo.Event(sp.tan(2 * x), "zero")),
+    )  # fmt: skip
+    assert len(run.events["pole"].t) == 0 and len(run.events["zero"].t) == 6
+
+
+def test_a_start_may_be_given_without_a_scene():
+    swing = vo.System(
+        name="swing", fibration=vo.Fibration(x), lagrangian=(vo.velocity(x) ** 2 - x**2) / 2
+    )
+    found = vo.section(swing, vo.velocity(x), initial={x: 1}, crossings=2)
+    assert found.t == pytest.approx([np.pi, 3 * np.pi], abs=1e-10)

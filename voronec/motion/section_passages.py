@@ -172,6 +172,10 @@ def zeros(paths: Paths, quantity: Quantity, needed: np.ndarray, direction: int) 
     step, lane = step[order], lane[order]
     look = close(step, lane)
     tau = look.root(lower[order], upper[order])
+    true = look.holds(tau, lower[order], upper[order])
+    if not true.all():
+        tau, lane, look = tau[true], lane[true], close(step[true], lane[true])
+        step = step[true]
     return Zeros(
         lane=lane,
         t=look.begin + tau,
@@ -241,6 +245,12 @@ class _Close:
             if done.all():
                 break
         return np.asarray(b)
+
+    def holds(self, tau: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+        """Which zeros (m,) found in brackets are no poles, where the sign changes as well."""
+        with np.errstate(all="ignore"):
+            ends = np.maximum(np.abs(self.value(lower)), np.abs(self.value(upper)))
+            return np.asarray(np.abs(self.value(tau)) <= ends)
 
     def speed(self, tau: np.ndarray) -> np.ndarray:
         """The rate of the quantity, by a difference."""

@@ -19,6 +19,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.arguments import CALLABLE, COUNT, REAL, SEVERAL, TEXT, VALUES, accepts
+from voronec.algebra.graphs import nodes
 from voronec.algebra.symbols import plain_name
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
@@ -467,15 +468,31 @@ def _watch(motions: Many, name: str, value: float) -> SectionWatch:
 
 def _with_plane(program: Program, plane: Any) -> Program:
     """The program with the plane as one more state, behind the others, where it is no sum of them;
-    as it is, too, where that has no rate."""
+    as it is, too, where that has no rate, or may have poles, which a state does not pass."""
     moving = {program.time, *program.state}
     bends = any(plane.diff(x).free_symbols & moving for x in moving)
     if not bends or not plane.free_symbols <= moving | {*program.parameters}:
+        return program
+    if any(_may_have_poles(node, moving) for node in nodes([plane])):
         return program
     rate = program.rate(plane)
     if rate.atoms(se.Derivative, se.Subs):
         return program
     return program.beside(replace(program.derivative, results=(rate,)), "plane")
+
+
+POLES = (se.tan, se.cot, se.sec, se.csc, se.coth, se.log)
+
+
+def _may_have_poles(node: Any, moving: set[Any]) -> bool:
+    """Whether a node of an expression is a quotient, or another function with poles, of what moves.
+
+    exp(w) is a power of e, and has none.
+    """
+    if isinstance(node, se.Pow) and node.args[0] != se.E:
+        power = node.args[1]
+        return bool(node.free_symbols & moving) and not (power.is_Number and power > 0)
+    return isinstance(node, POLES) and bool(node.free_symbols & moving)
 
 
 def _refuse_nothing(motions: Many, passages: SectionPassages, surface: str, value: float) -> None:

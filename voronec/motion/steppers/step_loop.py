@@ -118,7 +118,10 @@ def crossings(
             bracket.insert(1, turn)
         for (a, before), (b, after) in pairwise(bracket):
             if _crosses(before, after, event.direction if end > start else -event.direction):
-                found.append((root(level, a, before, b, after), event))
+                time = root(level, a, before, b, after)
+                # at a pole the sign changes as well
+                if event.name in walls or abs(level(time)) <= max(abs(before), abs(after)):
+                    found.append((time, event))
     return sorted(found, key=lambda pair: abs(pair[0] - start))
 
 
