@@ -272,3 +272,23 @@ def test_there_is_no_slope_at_a_corner(force: Any, smooth: Any, corner: Any) -> 
     assert sp.Matrix([[0, 1], [by_place, by_speed]]) == vo.linearise(eqs, at).A
     with pytest.raises(vo.DefinitionError, match=r"no linearisation at the point: .* has a corner"):
         vo.linearise(eqs, corner)
+
+
+@pytest.mark.parametrize(
+    ("force", "slopes"),
+    [
+        (lambda x, dx: -3 * dx * sp.Abs(dx) - x, (-1, 0)),
+        (lambda x, dx: -dx * sp.sqrt(dx**2 + x**2), (0, 0)),
+        (lambda x, dx: x * (sp.Max(0, x) - 2) + dx, (-2, 1)),
+        (lambda x, dx: dx * (3 + sp.Abs(x)) * sp.Abs(x - 1), (0, 3)),
+    ],
+)
+def test_a_corner_times_what_vanishes_has_a_slope(force: Any, slopes: Any) -> None:
+    """Drag that grows with the square of the speed does not act on small motions."""
+    x = sp.Symbol("x")
+    dx = vo.velocity(x)
+    system = vo.System(
+        name="k", fibration=vo.Fibration(x), lagrangian=dx**2 / 2, forces={x: force(x, dx)}
+    )
+    found = vo.linearise(vo.derive(system), {"x": 0, "xdot": 0})
+    assert sp.Matrix([[0, 1], slopes]) == found.A

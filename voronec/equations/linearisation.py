@@ -14,6 +14,7 @@ derivation writes is zero or a number, so that no derivative of the whole is eve
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -74,11 +75,11 @@ def _first_order(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, An
         return point.get(expr, expr), {}
     if is_flat(expr) or not expr.args:
         return (se.Integer(0) if is_flat(expr) else expr), {}
+    if isinstance(expr, se.Mul):
+        return _product_of(expr.args, known, point)
     parts = [_expand(a, known, point) for a in expr.args]
     if isinstance(expr, se.Add):
         return se.Add(*[v for v, _ in parts]), weighted_sum([(se.Integer(1), s) for _, s in parts])
-    if isinstance(expr, se.Mul):
-        return _product(parts)
     values = [v for v, _ in parts]
     value = expr.func(*values)
     root = isinstance(expr, se.Pow) and values[0] == 0 and values[1].is_Number and values[1] < 1
@@ -116,6 +117,39 @@ def _corner(expr: Any, values: Sequence[Any]) -> dict[int, Any] | None:
     if on_corner:
         raise EngineLimit(f"'{expr}' has a corner or a step there")
     return slopes
+
+
+def _product_of(
+    factors: Sequence[Any], known: dict[Any, FirstOrder], point: Mapping[Any, Any]
+) -> FirstOrder:
+    """A product; one factor may have a corner where the others vanish: f |g| with f = 0, as in
+    drag by v |v|, has the slope f' |g|."""
+    parts, corner, reason = list[FirstOrder](), list[Any](), None
+    for factor in factors:
+        try:
+            parts.append(_expand(factor, known, point))
+        except EngineLimit as limit:
+            corner.append(factor)
+            reason = limit
+    value, slopes = _product(parts)
+    if reason is None:
+        return value, slopes
+    height = _height(corner[0], known, point) if len(corner) == 1 and value == 0 else None
+    if height is None:
+        raise reason
+    return value, weighted_sum([(height, slopes)])
+
+
+def _height(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, Any]) -> Any:
+    """The value of what is continuous at the point, corner or not; None of all else."""
+    with suppress(EngineLimit):
+        return _expand(expr, known, point)[0]
+    root = isinstance(expr, se.Pow) and expr.args[1].is_Number and expr.args[1] > 0
+    if not (root or isinstance(expr, (se.Abs, se.Max, se.Min, se.Add, se.Mul))):
+        return None
+    heights = [_height(a, known, point) for a in expr.args]
+    found = None if any(h is None for h in heights) else expr.func(*heights)
+    return None if found in _NOT_FINITE else found
 
 
 def _product(parts: Sequence[FirstOrder]) -> FirstOrder:
