@@ -87,3 +87,29 @@ def test_events_are_seen_while_friction_holds(method: str) -> None:
     beats = np.array(run.events["beat"].t, dtype=float)
     assert len(beats) == 31
     assert np.abs(beats - np.pi / 5 * np.arange(1, 32)).max() < 1e-11
+
+
+UNITS = {"ordinary": (1, 1), "km": (1000, 1), "ms": (1, R(1, 1000)), "Mm and ks": (10**6, 1000)}
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "c", "flint"])
+@pytest.mark.parametrize("name", UNITS)
+def test_friction_in_other_units(name: str, method: str) -> None:
+    """A spring that friction brings to rest, and a push that just reaches friction: speeds that
+    friction stops have the errors of their usual size, and rounding at the top is no release."""
+    length, time = UNITS[name]
+    unit = length / time**2
+
+    def end(force: sp.Expr, start: int, last: int) -> float:
+        made = vo.System(
+            name="block", fibration=vo.Fibration(base=(x,)), lagrangian=SPEED**2 / 2,
+            forces={x: force - unit * FRICTION * sp.sign(SPEED)},
+        )  # fmt: skip
+        run = vo.integrate(
+            made, initial={x: start * length, SPEED: 0}, times=[0, last * time], method=method
+        )
+        return float(run["x"][-1] / length)
+
+    # half a turn takes 2 * 3/10 from the amplitude: 2, -1.4, 0.8, -0.2, and there it rests
+    assert abs(end(-x / time**2, 2, 20) + 0.2) < 1e-11
+    assert end(unit * FRICTION * sp.sin(t / time), 0, 10) == 0

@@ -174,6 +174,7 @@ class _Passage:
     stretches: list[_ModeStretch] = field(default_factory=list)
     recent: list[Any] = field(default_factory=list)
     held: bool = False
+    lingers: int = 0
 
     def __post_init__(self) -> None:
         self.order, self.exact = self.roads.order, self.roads.bits != DOUBLE
@@ -316,6 +317,8 @@ class _Passage:
         self.mode = found
         if found.along:
             self.state = roads.on_surfaces(self.time, self.state, found.along, found.sides)
+        if (found.along, found.sides) == (before.along, before.sides):
+            self.pass_by()
         for event in roads.problem.events:
             if self.passes(event, before, found):
                 state = self.number(self.state)
@@ -323,6 +326,16 @@ class _Passage:
                 if event.stop:
                     return self.result(stopped=event.name)
         return None
+
+    def pass_by(self) -> None:
+        """Leave a place where a mode ended and goes on, as where a push just reaches what friction
+        bears: rounding would end it again and again, so that each time more is passed by.  No
+        instant of the grid is."""
+        time, state = self.roads.moment(self.mode, self.time, self.state, 4**self.lingers)
+        near = len(self.recent) > 1 and abs(self.time - self.recent[-2]) <= abs(time - self.time)
+        if near and self.order * (time - self.grid[self.done]) < 0:
+            self.time, self.state = time, state
+        self.lingers = self.lingers + 1 if near else 0
 
     def passes(self, event: Event, before: Mode, after: Mode) -> bool:
         """Whether an event happens just where the mode changes: neither stretch sees it then."""

@@ -358,7 +358,8 @@ class Crossroads:
         except ZeroDivisionError:
             return state
         moved = state - np.array(list(found), dtype=object)
-        if any(abs(moved - state) > self.problem.tol * np.maximum(1, abs(state))):
+        usual = np.maximum(1, natural_units(self.problem))
+        if any(abs(moved - state) > self.problem.tol * np.maximum(usual, abs(state))):
             return state
         tiny = mpmath.mpf(2) ** (-self.bits - GUARD // 2)
         return np.where(abs(moved) <= tiny * abs(state), mpmath.mpf(0), moved)
