@@ -185,6 +185,7 @@ MADE = {
     "velocity of a number": (lambda: velocity(5), "symbol"),
     "velocity of a sum": (lambda: velocity(x + y), "symbol"),
     "measure in a text": (lambda: vo.Measure(1, ("x",)), "'x' is no symbol; give the symbol"),
+    "measure of one variable twice": (lambda: vo.Measure(1, (x, y, x)), "'x' is named twice"),
     "derive nothing": (lambda: vo.derive(None), "System"),
     "derive a name": (lambda: vo.derive("sleigh"), "System"),
 }

@@ -336,6 +336,8 @@ def _variables(given: Any, place: str) -> tuple[sp.Expr, ...]:
     for thing in found:
         if not isinstance(thing, sp.Expr):
             raise DefinitionError(f"{place}: '{quote(thing)}' is no symbol; give the symbol")
+        if found.count(thing) > 1:
+            raise DefinitionError(f"{place}: '{quote(thing)}' is named twice; name it once")
     return found
 
 
