@@ -512,3 +512,26 @@ def test_an_integral_that_jumps_with_friction_is_told_of():
     run = vo.integrate(swing, initial={x: 4, Dx: 0}, times=[0, 1, 4, 8])
     assert any("'half' jumps with the forces, and drifts" in note for note in run.notes)
     assert not vo.integrate(swing, initial={x: 3, Dx: -1}, times=[1, 2, 3]).notes
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_an_event_whose_function_jumps_through_zero_happens_there(method):
+    swing = mass_point(potential=x**2 / 2)
+    events = (
+        vo.Event(sp.sign(x), "side"), vo.Event(sp.Heaviside(x) - 0.5, "up", direction=1),
+        vo.Event(Dx * sp.sign(x), "both"), vo.Event(sp.sign(x) + 2, "never"),
+    )  # fmt: skip
+    run = vo.integrate(
+        swing, initial={x: 1, Dx: 0}, times=[0, 10], method=method, events=events,
+        tol=PRECISION.get(method, 1e-13),
+    )  # fmt: skip
+    passages = np.pi * (np.arange(3) + 0.5)
+    error = ERROR.get(method, 1e-10)
+    assert run.events["side"].t.astype(float) == pytest.approx(passages, abs=max(error, 1e-14))
+    assert run.events["up"].t.astype(float) == pytest.approx(passages[1:2], abs=1e-8)
+    assert len(run.events["both"].t) == 6 and len(run.events["never"].t) == 0
+    back = vo.integrate(
+        swing, initial={x: 1, Dx: 0}, times=[0, -10], method=method, events=events[:2],
+        tol=PRECISION.get(method, 1e-13),
+    )  # fmt: skip
+    assert len(back.events["side"].t) == 3 and len(back.events["up"].t) == 2

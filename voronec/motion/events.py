@@ -19,7 +19,7 @@ __all__ = ["Crossings", "Event", "name_events"]
 @takes_fields
 @dataclass(frozen=True)
 class Event:
-    """Where ``function`` passes through zero.
+    """Where ``function`` passes through zero, or jumps through it.
 
     ``function`` is a name, a symbol or an expression, as for outputs; ``name`` says how the
     trajectory calls it (by default as the function reads).  ``direction`` 1 asks for passages where

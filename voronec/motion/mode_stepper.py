@@ -338,15 +338,19 @@ class _Passage:
         self.lingers = self.lingers + 1 if near else 0
 
     def passes(self, event: Event, before: Mode, after: Mode) -> bool:
-        """Whether an event happens just where the mode changes: neither stretch sees it then."""
+        """Whether an event happens just where the mode changes, or its function jumps through zero
+        there: neither stretch sees it then."""
         seen = self.crossings.get(event.name, [])
         if seen and abs(seen[-1][0] - self.time) <= COINCIDENT * max(1, abs(self.time)):
             return False
-        levels = [self.level(event, mode, 0) for mode in (before, after)]
-        moved = [self.level(event, before, -1), self.level(event, after, 1)]
-        if None in (*levels, *moved) or abs(levels[0]) > COINCIDENT * max(1, abs(self.time)):
+        left, right = (self.level(event, mode, 0) for mode in (before, after))
+        if None in (left, right):
             return False
-        left, right = moved[0] - levels[0], moved[1] - levels[1]
+        if abs(left) <= COINCIDENT * max(1, abs(self.time)):  # else it jumps, or does not pass
+            moved = [self.level(event, before, -1), self.level(event, after, 1)]
+            if None in moved:
+                return False
+            left, right = moved[0] - left, moved[1] - right
         direction = event.direction * self.order
         upwards = left < 0 <= right and direction >= 0
         return bool(upwards or (left > 0 >= right and direction <= 0))
