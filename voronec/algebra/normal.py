@@ -10,11 +10,10 @@ import sympy as sp
 
 from voronec.algebra.door import Door
 from voronec.algebra.field import WORK_LIMIT
-from voronec.algebra.generators import HYPERBOLIC, TRIGONOMETRIC, holds_far_multiples
+from voronec.algebra.generators import TRIGONOMETRIC, holds_far_multiples
 from voronec.algebra.graphs import nodes
 from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import expand_element, expression
-from voronec.algebra.terms import is_exponential
 from voronec.errors import EngineLimit
 
 __all__ = ["canonical", "canonical_for_numbers", "quotient", "shorten", "shortest"]
@@ -65,20 +64,15 @@ def _with_short_arguments(
 
 
 def canonical_for_numbers(exprs: Sequence[Any], relations: Sequence[Any] = ()) -> list[Any]:
-    """The same, with what loses digits as it stands: exponentials, sums of whose powers cancel or
-    leave doubles, and sines and cosines of many-fold angles, expanded in those of the angle."""
-    stay = [n for n in nodes(exprs) if is_exponential(n) or isinstance(n, HYPERBOLIC)]
-    powers = {node: se.Symbol(f"exponential {i}") for i, node in enumerate(stay)}
-    plain = [e.xreplace(powers) for e in exprs]
-    angles: set[Any] = set()
-    if holds_far_multiples(plain):
-        angles.update(*(e.atoms(*TRIGONOMETRIC) for e in plain))
-    folds = {node: se.Symbol(f"fold {i}") for i, node in enumerate(sorted(angles, key=str))}
-    found = canonical([e.xreplace(folds) for e in plain], relations)
-    for names in (folds, powers):
-        back = {name: node for node, name in names.items()}
-        found = [e.xreplace(back) for e in found]
-    return found
+    """The same, with what loses digits as it stands: sines and cosines of many-fold angles, which
+    are expanded in those of the angle."""
+    if not holds_far_multiples(exprs):
+        return canonical(exprs, relations)
+    angles = sorted(set().union(*(e.atoms(*TRIGONOMETRIC) for e in exprs)), key=str)
+    folds = {node: se.Symbol(f"fold {i}") for i, node in enumerate(angles)}
+    found = canonical([e.xreplace(folds) for e in exprs], relations)
+    back = {name: node for node, name in folds.items()}
+    return [e.xreplace(back) for e in found]
 
 
 def quotient(expr: Any, relations: Sequence[Any] = ()) -> tuple[Any, Any]:
