@@ -339,3 +339,22 @@ def test_exponentials_that_depend_on_one_another_are_seen():
     assert prove_equal(square**2 / e(2 * x**2), e(2 * y**2) / e(4 * x * y)).proved
     assert prove_equal(sp.tanh(x + y), (e(2 * x) - e(-2 * y)) / (e(2 * x) + e(-2 * y))).proved
     assert prove_equal(sp.tanh(20 * x), sp.tanh(x)).refuted
+
+
+@pytest.mark.parametrize(
+    ("left", "right"),
+    [
+        ((sp.exp(2) - 1) / (sp.E - 1), sp.E + 1),
+        (2 * sp.cosh(1), sp.E + sp.exp(-1)),
+        (sp.log(sp.E * x + sp.exp(2)), 1 + sp.log(x + sp.E)),
+        (sp.log(1 + sp.exp(x)), x + sp.log(1 + sp.exp(-x))),
+        (sp.log(sp.cosh(x + 1)), x + 1 + sp.log(1 + sp.exp(-2 * x - 2)) - sp.log(2)),
+        (sp.log(sp.exp(2 * x) - 1) - sp.log(sp.exp(x) + 1), sp.log(sp.exp(x) - 1)),
+        (sp.atan(sp.exp(x)) + sp.atan(sp.exp(-x)), sp.pi / 2),
+        (sp.tanh(x) + sp.tanh(7 * x), sp.sinh(8 * x) / sp.cosh(x) / sp.cosh(7 * x)),
+        (sp.exp(x / 7) + sp.tanh(x), sp.exp(x / 7) + 1 - 2 / (sp.exp(2 * x) + 1)),
+    ],
+    ids=str,
+)
+def test_identities_between_exponentials_are_proved(left, right):
+    assert prove_equal(left, right).proved

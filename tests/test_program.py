@@ -331,3 +331,18 @@ def test_sums_that_collapse_when_their_sign_is_taken_out_are_kept() -> None:
     program = Program(t, (a,), (b,), (), block, (), Block((), ()))
     (found,) = shorten_program(program).derivative.results
     assert found == se.exp(-b)
+
+
+def test_terms_of_which_nothing_is_left_are_no_parts_of_pairs() -> None:
+    """c0 - 2 x is zero where c0 is 2 x; the sum was shared with others as if it held x."""
+    c0, c1 = se.symbols("c0 c1")
+    names = [(c0, 2 * x), (c1, -2 * y / 3)]
+    powers = (c0 - 2 * x - 3 * c1, 4 * x - 3 * c1, 8 * x / 3 - 2 * c1, c0 - 2 * x)
+    block = Block(tuple(names), tuple(se.exp(p) + k for k, p in enumerate(powers)))
+    found = shorten_program(Program(t, (x, y), (), (), block, (), Block((), ()))).derivative
+    at = {x: se.Rational(3, 10), y: se.Rational(7, 10)}
+    for expr, power, k in zip(found.results, powers, range(4), strict=True):
+        for name, meaning in reversed(found.assignments):
+            expr = expr.xreplace({name: meaning})
+        truth = se.exp(power.xreplace(dict(names)).xreplace(at)) + k
+        assert abs(float((expr.xreplace(at) - truth).n())) < 1e-12

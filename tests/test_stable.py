@@ -46,6 +46,14 @@ CASES = {
     sp.atan(x) / x: (*SMALL, 0.2, -0.26, 300.0), sp.atan(2 * x) / x: SMALL,
     sp.exp(-x / 5) / (1 + sp.exp(20 * (5 - x))): (-4.0, 4.9, 5.1, 40.0, 80.0),
     sp.exp(-x / 3) / sp.cosh(10 * x): (*SMALL, 3.0), 1 / (1 + sp.exp(x**2)): (20.0, 0.1),
+    (sp.exp(2 * x) + sp.exp(x) + 3) ** -4: (0.3, -300.0, 80.0),
+    sp.diff(1 / (2 + sp.exp(2 * x) + sp.exp(x)), x, 3): (0.3, -3.0),
+    (sp.exp(x / 3) - 5 * sp.exp(3 * x) + 1) / (sp.exp(2 * x) + sp.exp(x) + 3) ** 4: (0.3, 3.0),
+    (sp.exp(x) / 2 + sp.exp(2 * y - 3 * x)) * sp.exp(-x) - sp.tanh(x - 2 * y): (0.3, 3.0),
+    sp.exp(12 * x) * (1 - sp.tanh(7 * x) ** 2) + sp.exp(-x): (0.3, 3.0, 5.0),
+    (3 * sp.cosh(2 * x) - 5 * sp.exp(-2 * x - 2) - sp.exp(2 * (x - y) / 3)) * sp.exp(2 * x + 2 * y):
+        (0.3, 2.0),
+    (sp.exp(y - x) / 2 - 5 * sp.exp(x + y)) / (2 * sp.exp(y - x) + sp.exp(x)): (3.0, -1e4),
     sp.tanh(20 * (x - 5)) * sp.exp(-x / 5): (-3.0, 5.1, 40.0, 80.0),
 }  # fmt: skip
 """Forces, and where they are ordinary numbers."""

@@ -107,7 +107,7 @@ def _agree(a: Any, b: Any, relations: Sequence[Any], work_limit: int, in_pieces:
         return False
     left, right = fold_angles([left, right])
     known += () if in_pieces else _real_where([left, right], whole)
-    ring = ring_over([left, right, left - right], known, work_limit)
+    ring = ring_over([left, right, left - right], known, work_limit, split=True)
     if ring.fraction(left - right).num == 0:
         return True
     return _same_squares(ring, left, right, known)
@@ -229,7 +229,7 @@ class Composition:
     def _normal(self, expr: Any) -> Any:
         """An argument in normal form; as it stands where that costs too much."""
         try:
-            return canonical([expr], self._hypotheses, INNER_WORK)[0]
+            return canonical([expr], self._hypotheses, INNER_WORK, split=True)[0]
         except (EngineLimit, DefinitionError):
             return expr
 
@@ -332,7 +332,7 @@ class Composition:
         """The sum of the logarithms of the sizes of factors; a single factor of either sign stays
         as it is, so that nothing is said of log(x) where x is negative."""
         try:
-            ring = ring_over([argument], self._hypotheses, INNER_WORK)
+            ring = ring_over([argument], self._hypotheses, INNER_WORK, split=True)
             fraction = ring.fraction(argument)
             unit, powers = fraction_factors(fraction.num, ring.field.factors(fraction.den))
             signs = Signs.of(ring, self._conditions, bounded=True)
@@ -374,7 +374,7 @@ class Composition:
         reciprocal."""
         argument = self._normal(argument)
         try:
-            ring = ring_over([argument], self._hypotheses, INNER_WORK)
+            ring = ring_over([argument], self._hypotheses, INNER_WORK, split=True)
             fraction = ring.fraction(argument)
             if fraction.num == 0:
                 return se.Integer(0)

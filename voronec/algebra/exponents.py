@@ -9,12 +9,18 @@ right as well, and useless in doubles:
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from math import gcd
 from typing import Any
 
 import symengine as se
 
-__all__ = ["ExponentBasis"]
+__all__ = ["DEGREE", "ExponentBasis"]
+
+DEGREE = 60
+"""Up to this degree exponentials are powers of others, or hyperbolic tangents quotients: tanh(20 t)
+beside exp(t/5) would be one of degree 200."""
 
 _Vector = dict[Any, Any]
 
@@ -22,20 +28,29 @@ _Vector = dict[Any, Any]
 class ExponentBasis:
     """Independent exponents among some that are given by their terms: {exponent: {term: number}}.
 
-    Those with the fewest terms come first, as they are written shortest; ``members`` are they.
+    Those with the fewest terms come first, as they are written shortest.  Where two differ by a
+    number, exp(1) is taken for that.  The sign of a member is the one that most have, so that few
+    stand below a fraction.
     """
 
     def __init__(self, exponents: Mapping[Any, Mapping[Any, Any]]) -> None:
         self.members: list[Any] = []
         # each with the term that it alone holds among those after it, there 1
         self._rows: list[tuple[Any, _Vector, _Vector]] = []
+        signs = Counter(w for terms in exponents.values() for w in _signs(terms))
         for exponent in sorted(exponents, key=lambda w: (len(exponents[w]), _length(w), str(w))):
-            self._add(exponent, exponents[exponent])
+            terms = exponents[exponent]
+            first, sign = next(iter(_signs(terms)), (None, 1))
+            fewer = signs[first, sign] - signs[first, -sign]
+            number = _content(terms) * (-1 if (fewer or sign) < 0 else 1)
+            self._add(exponent / number, {t: c / number for t, c in terms.items()})
 
     def _add(self, exponent: Any, terms: Mapping[Any, Any]) -> None:
         rest, found = self._reduce(terms)
         if not rest:
             return
+        if {*rest} == {se.Integer(1)}:
+            exponent, rest, found = se.Integer(1), {se.Integer(1): se.Integer(1)}, {}
         pivot = min(rest, key=str)
         own = _combine({exponent: se.Integer(1)}, found, -1)
         self.members.append(exponent)
@@ -66,3 +81,18 @@ def _combine(one: Mapping[Any, Any], other: Mapping[Any, Any], factor: Any) -> _
 
 def _length(exponent: Any) -> int:
     return int(se.count_ops(exponent))
+
+
+def _content(terms: Mapping[Any, Any]) -> Any:
+    """The whole number by which an exponent is divisible: exp(2 x) - 1 has factors in exp(x)."""
+    if any(c.q != 1 for c in terms.values()):
+        return se.Integer(1)
+    found = gcd(*(int(c.p) for c in terms.values()))
+    return se.Integer(found if 0 < found <= DEGREE else 1)
+
+
+def _signs(terms: Mapping[Any, Any]) -> Iterator[tuple[Any, int]]:
+    """The first term by name that is no number, with the sign of its number."""
+    moving = sorted((t for t in terms if not t.is_Number), key=str)
+    for term in moving[:1]:
+        yield term, 1 if terms[term] > 0 else -1

@@ -15,7 +15,7 @@ from typing import Any
 import flint
 import symengine as se
 
-from voronec.algebra.exponents import ExponentBasis
+from voronec.algebra.exponents import DEGREE, ExponentBasis
 from voronec.algebra.graphs import is_atom, is_flat
 from voronec.algebra.terms import summands
 from voronec.errors import EngineLimit
@@ -93,6 +93,7 @@ class Generators:
     units, or atoms.
     """
 
+    split: bool = False
     atoms: dict[Any, None] = field(default_factory=dict)
     angles: dict[Any, int] = field(default_factory=dict)
     units: dict[tuple[Any, Any], int] = field(default_factory=dict)
@@ -113,7 +114,7 @@ class Generators:
 
         Exponentials of independent exponents are units as they stand.  tanh w alone is a
         generator: it obeys no relation, and is bounded, where the quotient of exponentials that it
-        equals overflows.  Beside exp(w), or a multiple of w up to ``FOLDS``, it is that quotient.
+        equals overflows.  Beside exp(w), or a multiple of w up to ``DEGREE``, it is that quotient.
         """
         related = {}
         for w, terms in self.tangents.items():
@@ -125,7 +126,9 @@ class Generators:
                 related[w] = terms
         self.exponents |= related
         self.tangents.clear()
-        self._basis = ExponentBasis(self.exponents)
+        one = se.Integer(1)
+        terms = {t: {t: one} for terms in self.exponents.values() for t in terms}
+        self._basis = ExponentBasis(terms if self.split else self.exponents)
         for terms in self.exponents.values():
             for w, c in self._combination(terms).items():
                 key = (se.E, w)
@@ -147,8 +150,10 @@ class Generators:
         if expr in self._seen:
             return
         self._seen.add(expr)
-        if is_atom(expr) or expr == se.pi or expr == se.E:
+        if is_atom(expr) or expr == se.pi:
             self.atoms.setdefault(expr)
+        elif expr == se.E:
+            self._power(se.E, se.Integer(1))
         elif is_flat(expr):
             return
         elif expr.is_Number:
@@ -210,7 +215,7 @@ class Generators:
 
 
 def _is_small(ratio: Any) -> bool:
-    return bool(max(abs(ratio.p), abs(ratio.q)) <= FOLDS)
+    return bool(max(abs(ratio.p), abs(ratio.q)) <= DEGREE)
 
 
 def pi_multiple(coefficient: Any) -> tuple[Any, Any]:

@@ -8,6 +8,7 @@ from typing import Any
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.bounded_exponentials import holds_exponentials
 from voronec.algebra.door import Door
 from voronec.algebra.field import WORK_LIMIT
 from voronec.algebra.generators import TRIGONOMETRIC, holds_far_multiples
@@ -34,15 +35,25 @@ def shortest(
     """
     exprs = _with_short_arguments(exprs, relations, work_limit)
     ring = ring_over([*exprs, *group], relations, work_limit)
-    return [expression(ring, ring.field.absorb(ring.fraction(e)), group) for e in exprs]
+    found = [expression(ring, ring.field.absorb(ring.fraction(e)), group) for e in exprs]
+    return [_shorter(e, f) for e, f in zip(exprs, found, strict=True)]
+
+
+def _shorter(before: Any, after: Any) -> Any:
+    """An expression with exponentials as it was, where that is shorter: sums of quotients, brought
+    over one denominator, lose the digits of what is small, and leave doubles."""
+    if not holds_exponentials(se.sympify(before)):
+        return after
+    return before if se.count_ops(before) < se.count_ops(after) else after
 
 
 def canonical(
-    exprs: Sequence[Any], relations: Sequence[Any] = (), work_limit: int = WORK_LIMIT
-) -> list[Any]:
+    exprs: Sequence[Any], relations: Sequence[Any] = (), work_limit: int = WORK_LIMIT,
+    split: bool = False,
+) -> list[Any]:  # fmt: skip
     """Each symengine expression as an expanded fraction: what ``shortest`` starts from."""
     exprs = _with_short_arguments(exprs, relations, work_limit)
-    ring = ring_over(exprs, relations, work_limit)
+    ring = ring_over(exprs, relations, work_limit, split)
     return [expand_element(ring, ring.field.absorb(ring.fraction(e))) for e in exprs]
 
 

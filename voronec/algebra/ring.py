@@ -26,6 +26,7 @@ from voronec.algebra.generators import (
 )
 from voronec.algebra.graphs import is_flat
 from voronec.algebra.groebner import groebner_basis
+from voronec.algebra.terms import is_exponential, summands
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["Monomial", "Ring", "sparse_terms"]
@@ -50,7 +51,8 @@ class Ring:
 
     ``relations`` are expressions that vanish.  ``apart`` rewrites expressions before they are read:
     ``voronec.algebra.roots.ring_over`` takes the roots of products apart so.  ``field`` does the
-    arithmetic; ``meaning[i]`` is the expression that generator i stands for.
+    arithmetic; ``meaning[i]`` is the expression that generator i stands for.  Where it is
+    ``split``, exponentials of sums are products of those of the terms.
     """
 
     def __init__(
@@ -59,10 +61,11 @@ class Ring:
         relations: Iterable[Any] = (),
         work_limit: int = WORK_LIMIT,
         apart: Callable[[Any], Any] | None = None,
+        split: bool = False,
     ) -> None:
         self._apart = apart
         exprs, equations = [self._read(e) for e in exprs], [self._read(e) for e in relations]
-        self.found = Generators()
+        self.found = Generators(split)
         self.found.scan(exprs)
         self.found.scan(equations)
         self.found.settle()
@@ -126,8 +129,15 @@ class Ring:
         number = se.Integer(int(coefficient.p))
         if coefficient.q != 1:
             number = number / se.Integer(int(coefficient.q))
-        meaning = self.meaning
-        return se.Mul(number, *[meaning[i] if e == 1 else meaning[i] ** e for i, e in monomial])
+        meaning, factors, exponent = self.meaning, [number], list[Any]()
+        for i, e in monomial:
+            base = meaning[i]
+            if is_exponential(base):
+                # symengine leaves 3 (x - y) as it is in exp(x - y)^3, and loses some of it later
+                exponent += [e * w for w in summands(base.args[1])]
+            else:
+                factors.append(base if e == 1 else base**e)
+        return se.Mul(*factors, se.exp(se.Add(*exponent))) if exponent else se.Mul(*factors)
 
     def _declare(self, relations: Sequence[Any]) -> None:
         if not relations:
@@ -153,6 +163,8 @@ class Ring:
     def _convert(self, expr: Any) -> Fraction:
         if expr in self._plain:
             return Fraction(self.field.reduce(self._gen(expr)))
+        if expr == se.E:
+            return self._symbolic_power(se.E, se.Integer(1))
         if is_flat(expr):
             return self.field.constant(0)
         if expr.is_Number:

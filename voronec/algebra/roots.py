@@ -242,11 +242,13 @@ def _primes(number: Any) -> list[tuple[Any, int]]:
 
 
 def ring_over(
-    exprs: Iterable[Any], relations: Sequence[Any] = (), work_limit: int = WORK_LIMIT
-) -> Ring:
+    exprs: Iterable[Any], relations: Sequence[Any] = (), work_limit: int = WORK_LIMIT,
+    split: bool = False,
+) -> Ring:  # fmt: skip
     """The ring that holds ``exprs`` where ``relations`` hold: expressions that vanish, and
-    conditions, with which the roots of products are products of roots."""
+    conditions, with which the roots of products are products of roots.  Where it is ``split``,
+    exponentials of sums are products of those of the terms, so that equal ones have one form."""
     exprs = [*exprs]
     equations, conditions = split_hypotheses(relations)
     roots = Roots.of([*exprs, *equations], conditions) if conditions else None
-    return Ring(exprs, equations, work_limit, None if roots is None else roots.apart)
+    return Ring(exprs, equations, work_limit, None if roots is None else roots.apart, split)

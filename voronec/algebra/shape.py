@@ -22,6 +22,7 @@ import symengine as se
 from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.field import Fraction
 from voronec.algebra.ring import Monomial, Ring, sparse_terms
+from voronec.algebra.terms import is_exponential, summands
 
 __all__ = ["TurnedPolynomial", "expand_element", "expression", "operations"]
 
@@ -182,8 +183,15 @@ def expand_element(ring: Ring, f: Fraction) -> Any:
     """An element as an expanded numerator over a factored denominator: quick, not short."""
     num, den, below = _lower_roots(ring, f)
     parts = [_sum(ring, sparse_terms(num))] + [se.Pow(g, -1) for g in below]
-    parts += [se.Pow(_sum(ring, sparse_terms(poly)), -e) for poly, e in den]
+    parts += [_inverse(_sum(ring, sparse_terms(poly)), e) for poly, e in den]
     return se.Mul(*parts)
+
+
+def _inverse(below: Any, power: int) -> Any:
+    """1/below^power; symengine leaves sums in the exponents of exponentials as they are."""
+    if not is_exponential(below):
+        return se.Pow(below, -power)
+    return se.exp(se.Add(*[-power * w for w in summands(below.args[1])]))
 
 
 def expression(ring: Ring, f: Fraction, group: Sequence[Any] = ()) -> Any:
@@ -212,7 +220,7 @@ def expression(ring: Ring, f: Fraction, group: Sequence[Any] = ()) -> Any:
 def _quotient(ring: Ring, f: Fraction) -> Any:
     num, den, below = _lower_roots(ring, f)
     parts = [_best(ring, num)] + [se.Pow(g, -1) for g in below]
-    parts += [se.Pow(_best(ring, poly), -e) for poly, e in _few_factors(den)]
+    parts += [_inverse(_best(ring, poly), e) for poly, e in _few_factors(den)]
     return se.Mul(*parts)
 
 

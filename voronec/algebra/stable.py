@@ -17,6 +17,7 @@ Quotients such as sin(w)/w are those of ``cardinal``.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -29,6 +30,8 @@ from voronec.algebra.terms import factors_of, is_exponential, summands, with_arg
 
 __all__ = ["stable_all"]
 
+MOST_ENDS = 4
+"""The largest of so many exponentials is found by sizes of differences, nested."""
 _Terms = dict[int, Any]
 """Powers with their coefficients."""
 
@@ -95,53 +98,66 @@ def _over_largest(product: Any) -> Any:
     return se.Mul(rest, _over(sums[0] if sums else se.Integer(1), ends, exponent), *below)
 
 
-def _over(total: Any, ends: Sequence[tuple[Any, Any]], exponent: Any = 0) -> Any:
-    """A sum times exp(exponent), over the larger of exp(a) and exp(b) for each pair of ends.
-
-    exp(w)/exp(max(a, b)) is exp(w - b - (|d| - d)/2) with d = b - a, and exp(w - a - (|d| + d)/2):
-    of these the one in whose exponent less cancels.
-    """
+def _over(total: Any, ends: Sequence[Sequence[Any]], exponent: Any = 0) -> Any:
+    """A sum times exp(exponent), over the largest of the exponentials of some ends, for each of
+    several sets of ends."""
     terms = []
     for term in summands(total):
         c, w = _exponential(term)
-        w, shift = (w + exponent).expand(), se.Integer(0)
-        for a, b in ends:
-            d = (b - a).expand()
-            size = se.Function(SIZE)(d)
-            to_a, to_b = (w - a).expand(), (w - b).expand()
-            near_b = _slope(to_b, d) < _slope(to_a, d)
-            w = to_b if near_b else to_a
-            shift += (size - d if near_b else size + d) / 2
-        terms.append(c * se.exp(w - shift))
+        w, shifts = (w + exponent).expand(), Counter[Any]()
+        for several in ends:
+            w, shift = _less_largest(w, several)
+            shifts[shift] += 1
+        # a multiple of a sum is written out: symengine's search for common parts loses some of it
+        w = se.Add(w, *[-s if n == 1 else (-n * s).expand() for s, n in shifts.items()])
+        terms.append(c * se.exp(w))
     return se.Add(*terms)
 
 
+def _less_largest(w: Any, ends: Sequence[Any]) -> tuple[Any, Any]:
+    """(u, s) with u - s = w - max(ends): of two, with d = b - a, w - b and (|d| - d)/2, or w - a
+    and (|d| + d)/2, whichever cancels less."""
+    if len(ends) > 2:
+        largest = ends[0]
+        for end in ends[1:]:
+            largest = (largest + end + se.Function(SIZE)(end - largest)) / 2
+        return w, largest
+    a, b = ends
+    d = (b - a).expand()
+    size = se.Function(SIZE)(d)
+    to_a, to_b = (w - a).expand(), (w - b).expand()
+    if _slope(to_b, d) < _slope(to_a, d):
+        return to_b, (size - d) / 2
+    return to_a, (size + d) / 2
+
+
 def _slope(exponent: Any, step: Any) -> float:
-    """How steep an exponent is in the letter of a step between ends."""
-    (letter,) = _letters(step)
-    return abs(float(exponent.as_coefficients_dict().get(letter, 0)))
+    """How steep an exponent is in the letters of a step between ends."""
+    numbers = exponent.as_coefficients_dict()
+    return sum(abs(float(numbers.get(letter, 0))) for letter in _letters(step))
 
 
 def _letters(exponent: Any) -> list[Any]:
     return [x for x in exponent.as_coefficients_dict() if not se.sympify(x).is_Number]
 
 
-def _ends(total: Any) -> tuple[Any, Any] | None:
-    """The exponents of a sum of exponentials, first and last by what one letter counts in them;
-    None of anything else, and where exponents differ by more than one letter or function."""
-    exponents = [_exponential(term)[1] for term in summands(total)]
+def _ends(total: Any) -> Sequence[Any] | None:
+    """The exponents of a sum of exponentials of which one may be the largest: the first and the
+    last by what one letter counts in them, or all, where they are few and differ by several;
+    None of anything else."""
+    exponents = [*dict.fromkeys(_exponential(term)[1] for term in summands(total))]
+    if len(exponents) < 2 or any(
+        numeric_name(f) == SIZE for w in exponents for f in se.sympify(w).atoms(se.Function)
+    ):
+        return None  # nothing to choose, or done before
     steps = [(w - exponents[0]).expand() for w in exponents]
     letters = {x for step in steps for x in _letters(step)}
-    if len(letters) != 1 or any(numeric_name(f) == SIZE for w in exponents for f in _functions(w)):
-        return None  # several letters, or done before
+    if len(letters) != 1:
+        return exponents if letters and len(exponents) <= MOST_ENDS else None
     (letter,) = letters
     rates = [float(step.as_coefficients_dict().get(letter, 0)) for step in steps]
     order = sorted(range(len(rates)), key=rates.__getitem__)
     return exponents[order[0]], exponents[order[-1]]
-
-
-def _functions(exponent: Any) -> Iterable[Any]:
-    return se.sympify(exponent).atoms(se.Function)
 
 
 def _root(base: Any, exponent: Any) -> Any | None:

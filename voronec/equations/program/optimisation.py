@@ -154,7 +154,12 @@ class _SharedParts:
             for term in total.args:
                 c, name = self._read(term)
                 terms[name] = terms.get(name, 0) + c
-            return number, self._name_for(self.sums, total, terms)
+            # names may stand for multiples of others, of which nothing is left
+            left = {name: c for name, c in terms.items() if c != 0}
+            if len(left) < 2:
+                name, c = next(iter(left.items()), (ONE, se.Integer(0)))
+                return number * c, name
+            return number, self._name_for(self.sums, total, left)
         if isinstance(expr, se.Mul):
             number, powers = ONE, Counter[Any]()
             for factor in expr.args:
@@ -285,7 +290,8 @@ def _with_term_pair(
 ) -> dict[Any, Any]:
     """A sum with a name for a pair of its terms."""
     rest = {s: c for s, c in terms.items() if s not in inner}
-    return rest | {name: terms[next(iter(inner))]}
+    rest[name] = rest.get(name, 0) + terms[next(iter(inner))]
+    return {s: c for s, c in rest.items() if c != 0}
 
 
 WIDEST = 60
