@@ -241,3 +241,63 @@ def test_a_zero_at_the_start_hides_no_later_one(method):
     fall = vo.System("fall", vo.Fibration(base=(x,)), dot**2 / 2 - x)
     found = vo.integrate(fall, initial={dot: 1}, times=[0, 5], events=(x,), method=method)
     assert np.allclose(found.events["x"].t.astype(float), [2], atol=1e-12)
+
+
+PUSH = sp.Symbol("u")
+ALL = ["heyoka", "scipy", "c", "lsoda", "flint", "python"]
+
+
+def pushed(table: vo.Table, event: vo.Event, speed: float, method: str) -> vo.Trajectory:
+    place = sp.Symbol("x")
+    rate = vo.velocity(place)
+    cart = vo.System(
+        name="cart", fibration=vo.Fibration(place), lagrangian=rate**2 / 2,
+        forces={place: PUSH}, inputs=(PUSH,),
+    )  # fmt: skip
+    return vo.integrate(
+        cart, initial={rate: speed}, times=[0, 2], inputs={PUSH: table}, events=(event,),
+        method=method,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("method", ALL)
+def test_events_at_the_instants_of_a_table_happen_once(method: str) -> None:
+    """Where inputs change a run starts anew, and each part sees a zero at its end, or its start."""
+    place = sp.Symbol("x")
+    rest = vo.Table([0, 1, 2], [0, 0, 0])
+    run = pushed(rest, vo.Event(place - 1, "there", stop=True), 1, method)
+    assert run.stopped == "there" and float(run.t[-1]) == pytest.approx(1, abs=1e-12)
+    passages = [
+        (vo.Table([0, 1, 2], [1, 0, -1]), PUSH, 0), (vo.Table([0, 1, 2], [1, 0, -2]), PUSH, 0),
+        (vo.Table([0, 1, 2], [-1, -1, -2], "held"), vo.velocity(place), 1),
+        (vo.Table([0, 0.5, 1, 2], [1, 0, -1, -1], "held"), PUSH, 0),
+        (vo.Table([0, 0.5, 1, 2], [1, 0, 0, -1]), PUSH, 0),
+    ]  # fmt: skip
+    for table, function, speed in passages:
+        found = pushed(table, vo.Event(function, "zero"), speed, method).events["zero"]
+        assert found.t.astype(float) == pytest.approx([1], abs=1e-9)
+        upwards = pushed(table, vo.Event(function, "zero", direction=1), speed, method)
+        assert len(upwards.events["zero"].t) == 0
+    touches = [
+        (vo.Table([0, 1, 2], [-1, 0, -1]), PUSH, 0),
+        (vo.Table([0, 1, 2], [-1, 1, 1], "held"), vo.velocity(place), 1),
+        (vo.Table([0, 0.5, 1, 2], [1, 0, 0, 1]), PUSH, 0),
+    ]
+    for table, function, speed in touches:
+        run = pushed(table, vo.Event(function, "zero", stop=True), speed, method)
+        assert len(run.events["zero"].t) == 0 and float(run.t[-1]) == 2
+
+
+@pytest.mark.parametrize("method", ["scipy", "flint", "c"])
+def test_an_event_without_a_value_at_a_switch_leaves_the_others(method: str) -> None:
+    place = sp.Symbol("x")
+    rate = vo.velocity(place)
+    free = vo.System(name="free", fibration=vo.Fibration(place), lagrangian=rate**2 / 2)
+    events = (
+        vo.Event(sp.sign(place - 1), "side"), vo.Event(1 / (place - 1), "pole"),
+        vo.Event(sp.Abs(place - 1) - sp.Rational(1, 4), "near"),
+    )  # fmt: skip
+    run = vo.integrate(free, initial={rate: 1}, times=[0, 1.7], events=events, method=method)
+    assert run.events["near"].t.astype(float) == pytest.approx([0.75, 1.25], abs=1e-9)
+    assert run.events["side"].t.astype(float) == pytest.approx([1], abs=1e-9)
+    assert len(run.events["pole"].t) == 0

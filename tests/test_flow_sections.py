@@ -339,3 +339,19 @@ def test_a_start_may_be_given_without_a_scene():
     )
     found = vo.section(swing, vo.velocity(x), initial={x: 1}, crossings=2)
     assert found.t == pytest.approx([np.pi, 3 * np.pi], abs=1e-10)
+
+
+@pytest.mark.parametrize("method", ["auto", "scipy"])
+def test_the_surface_of_a_section_with_a_table_may_be_an_output(method):
+    push = sp.Symbol("u")
+    cart = vo.System(
+        name="cart", fibration=vo.Fibration(x), lagrangian=vo.velocity(x) ** 2 / 2,
+        forces={x: push}, inputs=(push,),
+    )  # fmt: skip
+    table = vo.Table([0, 1, 4], [-1, 1, 1])
+    found = vo.section(
+        cart, vo.velocity(x), initial={x: 0, vo.velocity(x): 0.1}, until=4, direction=0,
+        crossings=3, inputs={push: table}, method=method,
+    )  # fmt: skip
+    # 0.1 - t + t^2 = 0 up to t = 1
+    assert found.t == pytest.approx([0.5 - np.sqrt(0.15), 0.5 + np.sqrt(0.15)], abs=1e-9)

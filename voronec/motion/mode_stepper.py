@@ -20,7 +20,15 @@ from voronec.equations.program.walls import FLAT, SATURATION
 from voronec.errors import EngineLimit
 from voronec.motion.events import Event
 from voronec.motion.methods import is_exact
-from voronec.motion.mode_transitions import DOUBLE, GUARD, PAST, TOUCH, Crossroads, Mode
+from voronec.motion.mode_transitions import (
+    DOUBLE,
+    GUARD,
+    NO_VALUE,
+    PAST,
+    TOUCH,
+    Crossroads,
+    Mode,
+)
 from voronec.motion.modes import Corner, LevelSurface, Modes
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
 from voronec.motion.steppers.run import in_parts, in_pieces, until
@@ -359,10 +367,13 @@ class _Passage:
         """An event's function a moment before (-1) or after (1) the switch in a mode."""
         roads = self.roads
         time, state = roads.moment(mode, self.time, self.state, way)
-        extras = compiled_digits(mode.levels)[1]
         values = roads.values(mode.program, mode.sides, time)
-        found = extras(time, list(state), values)
-        return dict(zip(mode.levels.names, found, strict=True))[event.name]
+        # others may have no value there
+        alone = mode.levels.only(mode.levels.names.index(event.name))
+        try:
+            return compiled_digits(alone)[1](time, list(state), values)[0]
+        except NO_VALUE:
+            return None
 
     def result(self, halt: Halt | None = None, interrupted: bool = False, stopped: str = "") -> Run:
         t, kind = self.grid[: self.done], object if self.exact else float

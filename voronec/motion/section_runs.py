@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from voronec.algebra.symbols import plain_name
+from voronec.algebra.symbols import is_symbolic_name, plain_name
 from voronec.algebra.text import formula
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
@@ -22,7 +22,7 @@ from voronec.motion.events import Event
 from voronec.motion.integration import integrate
 from voronec.motion.motion_pool import Many
 from voronec.motion.one_by_one import crossing_speeds, time_scale
-from voronec.motion.request import Values
+from voronec.motion.request import Values, label
 from voronec.motion.section_passages import PATIENCE, SectionPassages, SectionWatch
 from voronec.motion.trajectory import Cost, Trajectory
 
@@ -65,12 +65,13 @@ def driven_passages(
     quantity = formula(plane, "the plane", known) if isinstance(plane, str) else plane
     level = quantity - sp.Rational(value)
     event = Event(level, PLANE, direction)
+    own = plain_name(level) if is_symbolic_name(level) else label(level)
     found = DrivenPassages()
     for i, start in enumerate(starts):
-        own = {k: x[i] if isinstance(x, np.ndarray) else x for k, x in parameters.items()}
+        chosen = {k: x[i] if isinstance(x, np.ndarray) else x for k, x in parameters.items()}
         try:
             run = integrate(
-                system, times=[_begin(options), until], initial=start, parameters=own,
+                system, times=[_begin(options), until], initial=start, parameters=chosen,
                 outputs=[*outputs, level], events=(event,), dense=True, **options,
             )  # fmt: skip
         except KeyboardInterrupt:
@@ -78,10 +79,10 @@ def driven_passages(
             break
         except IntegrationError as error:
             found.errors[i] = error
-            _note(found, i, error.trajectory, crossings, "failed", len(outputs))
+            _note(found, i, error.trajectory, crossings, "failed", len(outputs), own)
             continue
         end = f"no more crossings up to t = {until:.6g}"
-        _note(found, i, run, crossings, end, len(outputs))
+        _note(found, i, run, crossings, end, len(outputs), own)
         if progress is not None:
             progress((i + 1) / len(starts))
     return found
@@ -93,15 +94,17 @@ def _begin(options: Mapping[str, Any]) -> float:
 
 
 def _note(
-    found: DrivenPassages, i: int, run: Trajectory | None, crossings: int, end: str, width: int
-) -> None:
-    """Take in what one motion shows."""
+    found: DrivenPassages, i: int, run: Trajectory | None, crossings: int, end: str, width: int,
+    own: str,
+) -> None:  # fmt: skip
+    """Take in what one motion shows; the plane's quantity, where it is among the outputs, is
+    called ``own``."""
     if run is None or PLANE not in run.events:
         found.ends.append(end)
         found.fastest.append(np.inf)
         return
     names = run.outputs[:width]
-    level = run.outputs[width]
+    level = run.outputs[-1] if len(run.outputs) > width else own  # it is an output itself
     passed = run.events[PLANE]
     count = min(len(passed), crossings)
     h = STEP * abs(float(run.t[-1]) - float(run.t[0]))

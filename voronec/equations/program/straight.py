@@ -178,6 +178,11 @@ class Program:
     extras: Block
     inputs: tuple[Any, ...] = ()
 
+    def only(self, place: int) -> Program:
+        """The same with one of the extra quantities alone."""
+        extras = prune(self.extras.assignments, [self.extras.results[place]])
+        return replace(self, names=(self.names[place],), extras=extras)
+
     @classmethod
     def of(
         cls,

@@ -67,18 +67,30 @@ def _levels(levels: Program | None, parameters: Sequence[Any]) -> Levels:
     if levels is None:
         return lambda t, _states: np.empty((len(t), 0))
     _, extras = compiled_digits(levels)
+    every = range(len(levels.names))
 
     def function(t: np.ndarray, states: np.ndarray) -> np.ndarray:
         try:
             results = extras(t, list(states.T), list(parameters))
         except ZeroDivisionError:  # where a step leads past a pole, or what cancels is divided by
             if len(t) == 1:
-                return np.full((1, len(levels.names)), mpmath.nan)
+                return np.array([[_alone(levels, k, t[0], states[0], parameters) for k in every]])
             moments = range(len(t))
             return np.vstack([function(t[i : i + 1], states[i : i + 1]) for i in moments])
         return np.stack([np.broadcast_to(r, t.shape) for r in results], axis=1)
 
     return function
+
+
+def _alone(
+    levels: Program, place: int, time: Any, state: np.ndarray, parameters: Sequence[Any]
+) -> Any:
+    """One function of several, nan where it has no value: the others may have one."""
+    own = levels.only(place)
+    try:
+        return compiled_digits(own)[1](time, list(state), list(parameters))[0]
+    except ZeroDivisionError:
+        return mpmath.nan
 
 
 def _units(number: Any, bits: int) -> int:

@@ -8,7 +8,7 @@ met exactly.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
@@ -470,50 +470,91 @@ def _run_in_pieces(
     parts: list[Run] = []
     state, time = problem.start, grid[0]
     order = 1.0 if grid[-1] >= grid[0] else -1.0
+    changes = _ChangesOfSign(problem, float(grid[-1]))
     for end in [*problem.changing.knots(float(grid[0]), float(grid[-1])), float(grid[-1])]:
         inside = grid[(order * grid > order * time) & (order * grid < order * end)]
         times = [time, *inside, *([end] if end != time else [])]
-        parts.append(on_piece(state, np.array(times)))
+        part = on_piece(state, np.array(times))
+        if parts:
+            part = _without_crossings(part, float(time), BESIDE * abs(end - float(time)))
+        parts.append(part)
+        if end != float(grid[-1]):
+            parts[-1] = changes.at_end(parts[-1], float(time), end)
         last = parts[-1]
         if last.halt is not None or last.interrupted or last.stopped:
             break
         time, state = end, last.states[-1]
-        if end != float(grid[-1]):
-            parts[-1] = last = _with_jumps(problem, last, (float(last.t[0]), end, float(grid[-1])))
-            if last.stopped:
-                break
         if problem.progress is not None:
             problem.progress(float((end - grid[0]) / ((grid[-1] - grid[0]) or 1.0)))
     return _join_runs(parts, grid, problem)
 
 
-def _with_jumps(problem: Problem, part: Run, times: tuple[float, float, float]) -> Run:
-    """A piece with the events whose functions jump through zero at its end, with what changes;
-    ``times`` are its ends, and the end of the run."""
-    levels, changing = problem.levels, problem.changing
-    if levels is None or changing is None or not problem.events:
-        return part
-    first, end, later = times
-    ahead = [t for t in changing.knots(end, later) if t != end]
-    state, given = part.states[-1], list(map(str, levels.parameters))
-    own = dict(zip(map(str, problem.program.parameters), problem.parameters, strict=True))
-    sides = []
-    for values in (changing.on(first, end), changing.on(end, ahead[0] if ahead else later)):
-        known = {**own, **values}
-        numbers = [float(known[name]) for name in given]
-        found = compile_program(levels)[1](end, [float(x) for x in state], numbers)
-        sides.append(dict(zip(levels.names, map(float, found), strict=True)))
-    crossings, stopped = dict(part.crossings), ""
-    order = 1 if later >= first else -1
-    for event in problem.events:
-        before, after = (side[event.name] for side in sides)
-        wanted = event.direction == 0 or (after > before) == (event.direction * order > 0)
-        if before * after < 0 and wanted:
+def _without_crossings(part: Run, instant: float, near: float) -> Run:
+    """A part of a run without the crossings next to an instant."""
+    kept = {}
+    for name, (t, states) in part.crossings.items():
+        apart = np.array([abs(float(x) - instant) > near for x in t], dtype=bool)
+        kept[name] = t[apart], states[apart]
+    return replace(part, crossings=kept)
+
+
+BESIDE = 1e-9
+"""An event that is closer than this part of a piece to its end happens there, or not at all."""
+
+
+@dataclass
+class _ChangesOfSign:
+    """Events at the instants at which inputs change: there the integrators of the pieces see the
+    end of a run, or its start.  ``signs`` are those that functions had last."""
+
+    problem: Problem
+    last: float
+    signs: dict[str, float] = field(default_factory=dict)
+
+    def at_end(self, part: Run, first: float, end: float) -> Run:
+        """A piece from ``first`` to an instant of change, with what happens at that alone: events
+        whose functions change sign from one side to the other, by a jump or not."""
+        problem, near = self.problem, BESIDE * abs(end - first) + 4 * abs(np.spacing(end))
+        reached = abs(float(part.t[-1]) - end) <= 16 * abs(np.spacing(end))
+        if part.halt or part.interrupted or not reached or problem.levels is None:
+            return part
+        before, after = self._levels(part.states[-1], first, end, near)
+        crossings, stopped = dict(_without_crossings(part, end, near).crossings), ""
+        for event in problem.events:
             t, states = crossings[event.name]
-            moment = np.array([part.t[-1]], dtype=part.t.dtype)
-            crossings[event.name] = np.append(t, moment), np.vstack([states, state])
-            stopped = stopped or (event.name if event.stop else "")
-    return replace(part, crossings=crossings, stopped=stopped)
+            left = np.sign(before[event.name]) or self.signs.get(event.name, 0.0)
+            right = np.sign(after[event.name])
+            self.signs[event.name] = right or left
+            grows = right > left if self.last >= first else left > right
+            if left * right < 0 and (event.direction == 0 or grows == (event.direction > 0)):
+                moment = np.array([part.t[-1]], dtype=part.t.dtype)
+                t, states = np.append(t, moment), np.vstack([states, part.states[-1]])
+                stopped = stopped or (event.name if event.stop else "")
+            crossings[event.name] = t, states
+        times = part.t.copy()
+        times[-1] = end  # where an event that happens not stopped the piece, rounding before
+        return replace(part, t=times, crossings=crossings, stopped=stopped)
+
+    def _levels(
+        self, state: np.ndarray, first: float, end: float, near: float
+    ) -> Iterator[dict[str, float]]:
+        """The functions of events a moment before and after an instant of change."""
+        problem, changing = self.problem, self.problem.changing
+        assert problem.levels is not None and changing is not None
+        ahead = [t for t in changing.knots(end, self.last) if t != end]
+        right, extras = compile_program(problem.program)[0], compile_program(problem.levels)[1]
+        own = dict(zip(map(str, problem.program.parameters), problem.parameters, strict=True))
+        step = near if end >= first else -near
+        sides = (changing.on(first, end), changing.on(end, ahead[0] if ahead else self.last))
+        for values, moment in zip(sides, (-step, step), strict=True):
+            known = {name: float(x) for name, x in {**own, **values}.items()}
+            here = [known[str(name)] for name in problem.program.parameters]
+            at = state.astype(float)
+            with np.errstate(all="ignore"):
+                moved = at + moment * np.array(right(end, at.tolist(), here), dtype=float)
+                numbers = [known[str(name)] for name in problem.levels.parameters]
+                found = extras(end + moment, moved.tolist(), numbers)
+            yield dict(zip(problem.levels.names, map(float, found), strict=True))
 
 
 def _join_runs(parts: Sequence[Run], grid: np.ndarray, problem: Problem) -> Run:
