@@ -346,3 +346,14 @@ def test_motions_gone_over_alone_are_kept_when_stopped_by_hand():
     assert found.interrupted
     assert found.finished.tolist() == [True, False, False]
     assert (found["x"][0] == 1).all() and np.isnan(found["x"][2]).all()
+
+
+def test_a_motion_that_leads_nowhere_does_not_keep_the_others_waiting() -> None:
+    """A disc that lies flat, beside one that rolls: it took a step of 1e-9 after the other."""
+    starts = {"theta": [0.2, np.pi / 2], "s": [1, 1]}
+    found = vo.ensemble(
+        vo.load("falling-disc"), starts=starts, times=[0, 1, 3], outputs=("theta", "x")
+    )
+    assert set(found.errors) == {1}
+    alone = vo.integrate(vo.load("falling-disc"), initial={"theta": 0.2, "s": 1}, times=[0, 1, 3])
+    assert found["theta"][0] == pytest.approx(alone["theta"], abs=1e-9)

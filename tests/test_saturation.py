@@ -323,3 +323,13 @@ def test_jumps_at_the_edge_of_a_bell_are_found():
             system(sp.Heaviside(inside)), times=[0, 10], initial={x: 0, v: 0}, method=method
         )
         assert float(run["x"][-1]) == pytest.approx(14 * width, abs=1e-12)
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "c", "lsoda"])
+def test_what_lies_beyond_a_wall_does_not_move_what_comes_before(method):
+    """A step that goes over a short pulse is cut where the pulse begins; its dense output was made
+    of stages within the pulse."""
+    run = vo.integrate(
+        system(1 / sp.cosh(50 * (t - 30)) ** 2), times=[0, 28, 60], initial={v: 0}, method=method
+    )
+    assert run["x"] == pytest.approx([0, 0, 1.2], abs=1e-10)

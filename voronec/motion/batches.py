@@ -72,23 +72,25 @@ class StopRequest(Exception):
 class StepSizes:
     """The shortest and the longest step of each of some motions, and which of these took one that
     was made too long, by coefficients that vanish or by a state that outgrew ordinary size;
-    ``stride`` is how long one is looked at."""
+    ``stride`` is how long one is looked at; those that are ``left`` go on alone."""
 
     shortest: np.ndarray
     longest: np.ndarray
     overlong: np.ndarray
     stride: np.ndarray
+    left: np.ndarray
 
     @classmethod
     def of(cls, count: int) -> StepSizes:
         """No steps yet."""
         none = np.zeros(count, dtype=bool)
-        return cls(np.full(count, np.inf), np.zeros(count), none, np.full(count, STRIDE))
+        endless, stride = np.full(count, np.inf), np.full(count, STRIDE)
+        return cls(endless, np.zeros(count), none, stride, none.copy())
 
     def begin(self, which: Any) -> None:
         """Forget the steps of some motions: others take their places."""
         self.shortest[which], self.longest[which] = np.inf, 0.0
-        self.overlong[which], self.stride[which] = False, STRIDE
+        self.overlong[which], self.stride[which], self.left[which] = False, STRIDE, False
 
     def note(self, which: Any, shortest: Any, longest: Any) -> None:
         """Further steps of one motion, or of some."""
@@ -99,6 +101,10 @@ class StepSizes:
         """Whether the steps of a motion became so short that it must have passed a place where its
         equations are singular, or nearly: a pole of coordinates, a zero of a divisor."""
         return bool(self.shortest[which] < COLLAPSE_RATIO * self.longest[which])
+
+    def is_doubtful(self, which: int) -> bool:
+        """Whether a motion is to be followed once more, alone."""
+        return self.has_collapsed(which) or bool(self.overlong[which])
 
 
 @dataclass(eq=False)
@@ -304,7 +310,7 @@ def along(
     """
     rows = np.full((len(states), len(grid), states.shape[1]), np.nan)
     errors: dict[int, IntegrationError] = {}
-    left, steps = np.arange(len(states)), 0
+    left, steps, alone = np.arange(len(states)), 0, list[int]()
     while len(left):
         # lanes without a motion of their own repeat the last one
         pick = left[np.minimum(np.arange(lanes.width), len(left) - 1)]
@@ -314,14 +320,16 @@ def along(
         rows[left] = block[: len(left)]
         steps += taken
         if not broken:
-            doubt = [
-                lanes.steps.has_collapsed(k) or lanes.steps.overlong[k] for k in range(len(left))
-            ]
-            collapsed = [int(i) for i, bad in zip(left, doubt, strict=True) if bad]
-            return rows, errors, steps, collapsed
-        errors |= {int(pick[lane]): error for lane, error in broken.items() if lane < len(left)}
-        left = np.array([i for i in left if i not in errors], dtype=int)
-    return rows, errors, steps, []
+            doubtful = [k for k in range(len(left)) if lanes.steps.is_doubtful(k)]
+            return rows, errors, steps, [*alone, *left[doubtful].tolist()]
+        for lane, error in broken.items():
+            if lane < len(left):
+                if lanes.steps.left[lane]:
+                    alone.append(int(pick[lane]))
+                else:
+                    errors[int(pick[lane])] = error
+        left = np.array([i for i in left if i not in errors and i not in alone], dtype=int)
+    return rows, errors, steps, alone
 
 
 @dataclass(frozen=True, eq=False)
@@ -438,6 +446,16 @@ def _one_interval(
             return {i: break_error(COLLAPSE, ta.time[i], lanes.states[i]) for i in stuck}, steps
         if lost := headway.errors(lanes):
             return lost, steps
+        if steps > MANY and (doubtful := _doubtful_lanes(lanes)):
+            lanes.steps.left[doubtful] = True
+            return {i: break_error(COLLAPSE, ta.time[i], lanes.states[i]) for i in doubtful}, steps
+
+
+def _doubtful_lanes(lanes: Lanes) -> list[int]:
+    """Lanes under way that are to be followed alone in any case: the others need not wait."""
+    limit = heyoka().taylor_outcome.time_limit
+    under_way = [i for i in range(lanes.width) if lanes.results[i][0] != limit]
+    return [i for i in under_way if lanes.steps.is_doubtful(i)]
 
 
 def require_method(method: str) -> None:

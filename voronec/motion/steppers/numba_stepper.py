@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +23,7 @@ from voronec.motion.steppers.dop853_source import (
 )
 from voronec.motion.steppers.kept_code import kept_function
 from voronec.motion.steppers.run import COLLAPSE, Problem, Run, Stepper
+from voronec.motion.steppers.scipy_stepper import up_to
 from voronec.motion.steppers.step_loop import (
     IntegratorFailure,
     Stretch,
@@ -180,7 +181,8 @@ class Loop:
         def at(moments: np.ndarray) -> np.ndarray:
             return between(begin, bend, ((moments - start) / length)[:, None])
 
-        return Stride(start, float(times[1]), ends[1], at)
+        shorter = partial(up_to, self.problem, start, begin.copy())
+        return Stride(start, float(times[1]), ends[1], at, up_to=shorter)
 
     @property
     def evaluations(self) -> int:

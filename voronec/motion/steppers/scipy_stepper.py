@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -37,6 +38,8 @@ SHORTER = 8
 """A step of LSODA that has lost the motion is taken again, and none so long is taken after it;
 this is what the length is divided by, ``ATTEMPTS`` times in turn."""
 ATTEMPTS = 6
+ANY = 1e6
+"""A tolerance that every step keeps."""
 TRIAL = 12
 """Steps after which the rest is estimated; the first ones are shorter than those that follow."""
 
@@ -53,7 +56,7 @@ def dop853_steps(problem: Problem, grid: np.ndarray) -> Walker:
     from scipy.integrate import DOP853
 
     fine = replace(problem, tol=dop853_tolerance(problem.tol))
-    return _Solver(_solver(fine, DOP853, grid)(), problem.dense)
+    return _Solver(problem, _solver(fine, DOP853, grid))
 
 
 def lsoda(problem: Problem) -> Stepper:
@@ -115,17 +118,39 @@ def _solver(problem: Problem, method: Callable[..., Any], grid: np.ndarray) -> C
     # the dense output of the first step keeps its start, which a later run overwrites
     begin = problem.start.copy()
 
-    def make(t: float = grid[0], state: np.ndarray = begin, longest: float = np.inf) -> Any:
-        return method(derivative, t, state, grid[-1], rtol=finest, atol=least, max_step=longest)
+    def make(
+        t: float = grid[0], state: np.ndarray = begin, longest: float = np.inf,
+        first: float | None = None,
+    ) -> Any:  # fmt: skip
+        return method(
+            derivative,
+            t,
+            state,
+            grid[-1],
+            rtol=finest,
+            atol=least,
+            max_step=longest,
+            first_step=first,
+        )
 
     return make
+
+
+def up_to(problem: Problem, start: float, begin: np.ndarray, end: float) -> Stride:
+    """One step of DOP853 from a state just to an instant, part of a step that was accepted."""
+    from scipy.integrate import DOP853
+
+    grid = np.array([start, end])
+    solver = _solver(replace(problem, tol=ANY), DOP853, grid)(start, begin, first=abs(end - start))
+    solver.step()
+    inside = solver.dense_output()
+    return Stride(start, solver.t, solver.y, lambda times: np.asarray(inside(times).T))
 
 
 def _stepper(problem: Problem, method: Callable[..., Any]) -> Stepper:
     def run(grid: np.ndarray) -> Run:
         with np.errstate(all="ignore"):
-            make = _solver(problem, method, grid)
-            solver = _Solver(make(), problem.dense, make)
+            solver = _Solver(problem, _solver(problem, method, grid))
             levels = level_function(problem)
             return march(problem, grid, solver, levels)
 
@@ -155,13 +180,16 @@ class _Pace:
 
 @dataclass
 class _Solver:
-    """One of scipy's solvers under way; ``make`` makes it anew where steps are to be shorter."""
+    """One of scipy's solvers under way, which ``make`` makes, and anew for shorter steps."""
 
-    solver: Any
-    dense: bool
-    make: Callable[..., Any] | None = None
+    problem: Problem
+    make: Callable[..., Any]
     pace: _Pace = field(default_factory=_Pace)
     spent: int = 0
+    solver: Any = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.solver = self.make()
 
     def advance(self) -> Stride:
         solver = self.solver
@@ -170,7 +198,7 @@ class _Solver:
         if slope is None:
             self._follow(start, begin)
             solver = self.solver
-        kept = [solver.dense_output()] if self.dense else []
+        kept = [solver.dense_output()] if self.problem.dense else []
 
         def at(times: np.ndarray) -> np.ndarray:
             # dense output costs evaluations, and exists until the next step
@@ -178,8 +206,11 @@ class _Solver:
                 kept.append(solver.dense_output())
             return np.asarray(kept[0](times).T)
 
-        slopes = None if slope is None else ((begin, slope), (solver.y, solver.f))
-        return Stride(start, solver.t, solver.y.copy(), at, slopes)
+        if slope is None:
+            return Stride(start, solver.t, solver.y.copy(), at)
+        slopes = (begin, slope), (solver.y, solver.f)
+        shorter = partial(up_to, self.problem, start, begin)
+        return Stride(start, solver.t, solver.y.copy(), at, slopes, shorter)
 
     def _step(self) -> None:
         self.pace.step(self.solver)
@@ -195,7 +226,6 @@ class _Solver:
                 return
             self.spent += int(self.solver.nfev)
             longest = abs(self.solver.t - start) / SHORTER
-            assert self.make is not None  # whatever makes an LSODA tells how
             self.solver = self.make(start, begin, longest)
             self._step()
         raise IntegratorFailure(ASTRAY)

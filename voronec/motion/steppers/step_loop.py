@@ -308,7 +308,9 @@ def _log_growth(left: float, fading: float) -> float:
 class Stride:
     """One accepted step, with its dense output: times (k,) to states (k, n).
 
-    ``slopes`` are the states and rates at both ends, where they are known at no cost.
+    ``slopes`` are the states and rates at both ends, where they are known at no cost.  ``up_to``
+    takes a method of stages up to an earlier instant alone: stages of the whole step, and the dense
+    output made of them, look beyond it.
     """
 
     start: Any
@@ -316,6 +318,7 @@ class Stride:
     state: np.ndarray
     at: Callable[[np.ndarray], np.ndarray]
     slopes: tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]] | None = None
+    up_to: Callable[[float], Stride] | None = None
 
 
 @dataclass(frozen=True)
@@ -434,7 +437,11 @@ class _March:
         if fine:
             first = self.steps <= 1
             left = self.problem.walls if first else frozenset()
-            for time, event in crossings(fine, self.levels, stride, left, first):
+            whole = stride
+            for time, event in crossings(fine, self.levels, whole, left, first):
+                # beyond a wall other equations hold
+                if event.name in self.problem.walls and whole.up_to and time != whole.start:
+                    stride = whole.up_to(time)
                 state = stride.at(np.array([time], dtype=self.states.dtype))[0]
                 if self.log.enter(event, time, state):
                     end = time
