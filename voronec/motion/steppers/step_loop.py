@@ -120,7 +120,10 @@ def crossings(
             if _crosses(before, after, event.direction if end > start else -event.direction):
                 time = root(level, a, before, b, after)
                 # at a pole the sign changes as well
-                if event.name in walls or abs(level(time)) <= max(abs(before), abs(after)):
+                height = abs(level(time))
+                if event.name in walls or (
+                    height <= max(abs(before), abs(after)) and height < float("inf")
+                ):
                     found.append((time, event))
     return sorted(found, key=lambda pair: abs(pair[0] - start))
 
@@ -437,11 +440,9 @@ class _March:
         if fine:
             first = self.steps <= 1
             left = self.problem.walls if first else frozenset()
-            whole = stride
-            for time, event in crossings(fine, self.levels, whole, left, first):
-                # beyond a wall other equations hold
-                if event.name in self.problem.walls and whole.up_to and time != whole.start:
-                    stride = whole.up_to(time)
+            found = crossings(fine, self.levels, stride, left, first)
+            stride, found = self.cut(stride, found, fine)
+            for time, event in found:
                 state = stride.at(np.array([time], dtype=self.states.dtype))[0]
                 if self.log.enter(event, time, state):
                     end = time
@@ -460,6 +461,20 @@ class _March:
             self.ends.append(float(stride.end))
         self.last = Halt(COLLAPSE, stride.end, stride.state)
         self.suspect(np.array([stride.end]), stride.state[None, :])
+
+    def cut(
+        self, stride: Stride, found: list[tuple[Any, Event]], events: Mapping[int, Event]
+    ) -> tuple[Stride, list[tuple[Any, Event]]]:
+        """A step up to the first wall in it, where its stages look beyond, and what happens in it:
+        there other equations hold."""
+        walls = self.problem.walls
+        wall = next((pair for pair in found if pair[1].name in walls), None)
+        if wall is None or stride.up_to is None or wall[0] == stride.start:
+            return stride, found
+        shorter = stride.up_to(wall[0])
+        others = {i: event for i, event in events.items() if event.name not in walls}
+        before = crossings(others, self.levels, shorter, frozenset(), self.steps <= 1)
+        return shorter, [*before, wall]
 
     def suspect(self, times: np.ndarray, states: np.ndarray) -> None:
         """Have the mass matrices at times (k,) and states (k, n) looked at, before long."""
