@@ -239,7 +239,10 @@ class Ring:
                 )
                 continue
             unit = self.units[base, term]
-            n = int(coefficient * self.found.units[base, term])
+            power = coefficient * self.found.units[base, term]
+            if power.q != 1:
+                raise EngineLimit(f"a root of '{unit}' is not one of the quantities")
+            n = int(power)
             parts.append(self.field.power(Fraction(self._gen(unit)), n))
         return self.field.mul(parts or [self.field.constant(1)])
 
