@@ -57,7 +57,7 @@ def test_the_points_written_are_the_exact_crossings(oscillators, tmp_path, capsy
     assert "<svg" in (tmp_path / "oscillators-section" / "section.svg").read_text()
     out = capsys.readouterr().out
     assert "oscillators: x = 0, upwards; y, ydot, x**2 + y recorded" in out
-    assert "9 points of 1 starts" in out
+    assert "9 points of 1 start," in out
     assert "drift of  energy" in out
 
 

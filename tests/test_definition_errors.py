@@ -40,7 +40,7 @@ MEANT = {
     "constraint on coordinates": ({"constraints": (KNIFE, x - phi)}, ["redundant", "frame="]),
     "constraint nothing": ({"constraints": (sp.Integer(0),)}, ["constraint 1"]),
     "constraint impossible": ({"constraints": (sp.Integer(1),)}, ["constraint 1", "drop it"]),
-    "too many": ({"constraints": (KNIFE, Dx)}, ["2 constraints", "1 fibre"]),
+    "too many": ({"constraints": (KNIFE, Dx)}, ["2 constraint", "1 fibre"]),
     "too few": ({"constraints": ()}, ["1 fibre", "0 constraint", "to the base"]),
     "dependent": (
         {"fibration": Fibration((phi,), (x, y)), "constraints": (KNIFE, 2 * KNIFE)},

@@ -164,7 +164,8 @@ def _report(found: Section, scene: str | None, files: list[Path], as_json: bool)
         f"{found.system.name}: {found.plane} = {found.value:g}, {way}; "
         f"{', '.join(found.outputs)} recorded{stopped}"
     )
-    print(f"{len(found)} points of {len(found.ends)} starts, {rate:.0f} a second; {cost}")
+    starts = "1 start" if len(found.ends) == 1 else f"{len(found.ends)} starts"
+    print(f"{len(found)} points of {starts}, {rate:.0f} a second; {cost}")
     for line in columns([["drift of", name, f"{x:.1e}"] for name, x in drift.items()]):
         print(line)
     if near := int(found.near_tangent.sum()):

@@ -416,7 +416,7 @@ def _count(system: System, constraints: int, differentiated: AffineForms) -> Non
     binding = sum(any(e != 0 for e in row[base:]) for row in differentiated.matrix)
     if constraints > fibre:
         raise DefinitionError(
-            f"system '{system.name}': {constraints} constraints for {fibre} fibre coordinates; "
+            f"system '{system.name}': {constraints} constraint(s) for {fibre} fibre coordinate(s); "
             f"move {constraints - fibre} more coordinate(s) from the base to the fibre, or drop "
             "a constraint"
         )
