@@ -10,7 +10,7 @@ right as well, and useless in doubles:
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from math import gcd
 from typing import Any
 
@@ -37,10 +37,10 @@ class ExponentBasis:
         self.members: list[Any] = []
         # each with the term that it alone holds among those after it, there 1
         self._rows: list[tuple[Any, _Vector, _Vector]] = []
-        signs = Counter(w for terms in exponents.values() for w in _signs(terms))
+        signs = Counter(map(_orientation, exponents.values()))
         for exponent in sorted(exponents, key=lambda w: (len(exponents[w]), _length(w), str(w))):
             terms = exponents[exponent]
-            first, sign = next(iter(_signs(terms)), (None, 1))
+            first, sign = _orientation(terms)
             fewer = signs[first, sign] - signs[first, -sign]
             number = _content(terms) * (-1 if (fewer or sign) < 0 else 1)
             self._add(exponent / number, {t: c / number for t, c in terms.items()})
@@ -73,9 +73,8 @@ class ExponentBasis:
 
 
 def _combine(one: Mapping[Any, Any], other: Mapping[Any, Any], factor: Any) -> _Vector:
-    keys: Iterable[Any] = dict.fromkeys((*one, *other))
     zero = se.Integer(0)
-    total = {k: one.get(k, zero) + factor * other.get(k, zero) for k in keys}
+    total = {k: one.get(k, zero) + factor * other.get(k, zero) for k in (*one, *other)}
     return {k: c for k, c in total.items() if c != 0}
 
 
@@ -91,8 +90,7 @@ def _content(terms: Mapping[Any, Any]) -> Any:
     return se.Integer(found if 0 < found <= DEGREE else 1)
 
 
-def _signs(terms: Mapping[Any, Any]) -> Iterator[tuple[Any, int]]:
-    """The first term by name that is no number, with the sign of its number."""
-    moving = sorted((t for t in terms if not t.is_Number), key=str)
-    for term in moving[:1]:
-        yield term, 1 if terms[term] > 0 else -1
+def _orientation(terms: Mapping[Any, Any]) -> tuple[Any, int]:
+    """The first term by name that is no number, with the sign of its number; of numbers None."""
+    first = min((t for t in terms if not t.is_Number), key=str, default=None)
+    return first, -1 if first is not None and terms[first] < 0 else 1

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import combinations, product
 from typing import Any
 
@@ -162,6 +163,11 @@ class Crossroads:
         with mpmath.workprec(self.working):
             return replace(self, problem=problem, grid=grid, known_modes=kept)
 
+    @cached_property
+    def units(self) -> np.ndarray:
+        """The natural sizes of the states (n,), asked for at every switch."""
+        return natural_units(self.problem)
+
     # -- which way ------------------------------------------------------------------------
 
     def next_mode(
@@ -271,7 +277,7 @@ class Crossroads:
         """The value of a wall's function, and what it reaches over natural sizes of the states: a
         state that is zero at the wall has errors of its usual size."""
         g, slope, *slopes = self._measure(wall, time, state, values)
-        sizes = np.maximum(abs(state), natural_units(self.problem))
+        sizes = np.maximum(abs(state), self.units)
         return g, abs(slope * time) + sum(abs(a) * x for a, x in zip(slopes, sizes, strict=True))
 
     def _measure(
@@ -358,7 +364,7 @@ class Crossroads:
         except ZeroDivisionError:
             return state
         moved = state - np.array(list(found), dtype=object)
-        usual = np.maximum(1, natural_units(self.problem))
+        usual = np.maximum(1, self.units)
         if any(abs(moved - state) > self.problem.tol * np.maximum(usual, abs(state))):
             return state
         tiny = mpmath.mpf(2) ** (-self.bits - GUARD // 2)
