@@ -258,6 +258,13 @@ def test_a_point_off_a_relation_is_refused() -> None:
         (lambda x, dx: -sp.Abs(x), ({"x": -2, "xdot": 0}, 1, 0), {"x": 0, "xdot": 1}),
         (lambda x, dx: sp.Max(x, 0) - dx, ({"x": 3, "xdot": 0}, 1, -1), {"x": 0, "xdot": 1}),
         (lambda x, dx: dx * sp.floor(x), ({"x": 1.5, "xdot": 1}, 0, 1), {"x": 1, "xdot": 1}),
+        (
+            lambda x, dx: -sp.acos(1 - x**2 / 2),
+            ({"x": sp.sqrt(2), "xdot": 0}, -sp.sqrt(2), 0),
+            {"x": 0, "xdot": 0},
+        ),
+        (lambda x, dx: sp.asin(1 - x**2), ({"x": 1, "xdot": 0}, -2, 0), {"x": 0, "xdot": 0}),
+        (lambda x, dx: sp.acosh(1 + x**2), ({"x": sp.sqrt(2), "xdot": 0}, 1, 0), {"x": 0}),
     ],
 )
 def test_there_is_no_slope_at_a_corner(force: Any, smooth: Any, corner: Any) -> None:
@@ -272,6 +279,16 @@ def test_there_is_no_slope_at_a_corner(force: Any, smooth: Any, corner: Any) -> 
     assert sp.Matrix([[0, 1], [by_place, by_speed]]) == vo.linearise(eqs, at).A
     with pytest.raises(vo.DefinitionError, match=r"no linearisation at the point: .* has a corner"):
         vo.linearise(eqs, corner)
+
+
+def test_a_step_at_a_place_left_open_has_no_slope_beside_it() -> None:
+    x, p = sp.symbols("x p")
+    force = -3 * x - sp.sign(x - p) - sp.floor(x - p)
+    system = vo.System(
+        name="k", fibration=vo.Fibration(x), lagrangian=vo.velocity(x) ** 2 / 2,
+        forces={x: force}, parameters=(vo.Parameter(p),),
+    )  # fmt: skip
+    assert sp.Matrix([[0, 1], [-3, 0]]) == vo.linearise(vo.derive(system), {"x": 1}).A
 
 
 @pytest.mark.parametrize(

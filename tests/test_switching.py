@@ -4,6 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 import sympy as sp
+from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
 import voronec as vo
@@ -535,3 +536,65 @@ def test_an_event_whose_function_jumps_through_zero_happens_there(method):
         tol=PRECISION.get(method, 1e-13),
     )  # fmt: skip
     assert len(back.events["side"].t) == 3 and len(back.events["up"].t) == 2
+
+
+def by_small_steps(rate, start, end):
+    """DOP853 in steps so short that a corner in one costs little: nothing of the engine."""
+    return solve_ivp(
+        lambda s, z: (z[1], rate(s, z[0])), (0, end), start, method="DOP853", rtol=1e-11,
+        atol=1e-11, max_step=2e-3,
+    ).y[0, -1]  # fmt: skip
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+@pytest.mark.parametrize(
+    ("force", "potential"),
+    [
+        (0, lambda u: sp.Abs(u)),
+        (lambda u: -u / sp.sqrt(u**2), 0),
+        (lambda u: -(sp.atan(u) + sp.atan(1 / u)) * 2 / sp.pi, 0),
+        (0, lambda u: sp.Piecewise((u, u > 0), (-u, True))),
+    ],
+)
+def test_what_is_constant_in_pieces_is_no_constant(force, potential, method):
+    # cos(7 t) is too far a multiple for a normal form, and what cancels is looked for in stages
+    u = x - t / 2
+    made = mass_point((force(u) if force else 0) + sp.cos(7 * t), potential(u) if potential else 0)
+    found = float(motion(made, (1, 0), 3, method)["x"][-1])
+    assert found == pytest.approx(
+        by_small_steps(lambda s, z: np.cos(7 * s) - np.sign(z - s / 2), (1, 0), 3), abs=1e-4
+    )
+    plain = motion(mass_point(sp.cos(7 * t) - sp.sign(u)), (1, 0), 3, method)
+    assert found == pytest.approx(float(plain["x"][-1]), abs=1e-9)
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "flint"])
+@pytest.mark.parametrize(
+    ("force", "rate"),
+    [
+        (sp.asin(sp.sin(2 * x)), lambda s, z: np.arcsin(np.sin(2 * z))),
+        (sp.acos(sp.cos(x)), lambda s, z: np.arccos(np.cos(z))),
+        (sp.acos(sp.cos(2 * x)) * sp.sin(x), lambda s, z: np.arccos(np.cos(2 * z)) * np.sin(z)),
+        (3 * sp.asin(sp.sin(3 * t)), lambda s, z: 3 * np.arcsin(np.sin(3 * s))),
+        (sp.asin(2 * x / (1 + x**2)), lambda s, z: np.arcsin(2 * z / (1 + z**2))),
+        (sp.atan(sp.tan(x)), lambda s, z: np.arctan(np.tan(z))),
+        (sp.atan((x - 3) / (x - 4)), lambda s, z: np.arctan((z - 3) / (z - 4))),
+        (sp.acot(x - 2), lambda s, z: np.arctan(1 / (z - 2))),
+        (x * sp.atan((x - 4) ** -2), lambda s, z: z * np.arctan((z - 4) ** -2)),
+    ],
+)
+def test_inverse_functions_have_their_corners_and_jumps(force, rate, method):
+    found = float(motion(mass_point(-force), (1, 2), 5, method)["x"][-1])
+    truth = by_small_steps(lambda s, z: -rate(s, z), (1, 2), 5)
+    assert found == pytest.approx(truth, abs=1e-5)
+    if method != "scipy":
+        assert found == pytest.approx(
+            float(motion(mass_point(-force), (1, 2), 5, "scipy")["x"][-1]), abs=1e-10
+        )
+
+
+def test_an_arctangent_without_a_jump_is_no_wall():
+    bounded = (
+        sp.atan(sp.sin(x) / (2 + sp.cos(x))) + sp.atan(x / (1 + x**2)) + sp.asin(sp.sin(x) / 2)
+    )
+    assert motion(mass_point(-bounded), (1, 2), 5, "scipy").cost.switches == 0

@@ -391,3 +391,17 @@ def test_a_cell_of_motions_has_the_volume_that_the_verdict_says(force, lost):
     p, r = (np.array([float(e[name][-1]) for e in ends]) for name in (x, v))
     area = abs(np.dot(p, np.roll(r, -1)) - np.dot(r, np.roll(p, -1))) / 2
     assert area < 1e-9 if lost else abs(area / 1e-6 - 1) < 1e-2
+
+
+def test_a_map_that_jumps_where_the_field_does_maps_no_motion():
+    # from x = -1, x' = 3 the image at t = 1 is 3.5, and the target's motion at 1.1
+    jumps = vo.System(
+        name="jumps", fibration=vo.Fibration((x,)), lagrangian=v**2 / 2,
+        forces={x: -x - sp.pi / 2 * sp.sign(x)},
+    )  # fmt: skip
+    plain = vo.System(
+        name="plain", fibration=vo.Fibration((q,)), lagrangian=(vo.velocity(q) ** 2 - q**2) / 2
+    )
+    relation = vo.Relation("jumps", "plain", state={q: x + sp.pi / 2 * sp.sign(x)})
+    found = vo.check_relation(relation, systems=(jumps, plain)).verdict
+    assert found.refuted and "jumps where x = 0, which motions cross" in found.method

@@ -6,7 +6,7 @@ cos(a)*x + sin(a)*y is the stage cos(a)*y - sin(a)*x.
 
 Where a system does not change when a coordinate is shifted, the coordinate cancels from what is
 computed, but no rewriting rule sees it.  Values at neighbouring points suggest the cancellation;
-the derivative, expanded until it is zero, proves it.
+the derivative, expanded until it is zero, proves it, but for functions of many branches.
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ from typing import Any
 import flint
 import symengine as se
 
-from voronec.algebra.graphs import is_atom
+from voronec.algebra.branches import has_branches
+from voronec.algebra.graphs import is_atom, is_flat
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.ring import Ring
@@ -282,6 +283,7 @@ class Cyclic:
         self._source = random.Random("voronec cyclic")
         self._values: dict[Any, tuple[float, ...]] = {}
         self._slopes: dict[tuple[Any, Any], Any] = {}
+        self._branches: dict[tuple[Any, Any], bool] = {}
         self._failures = dict.fromkeys(coordinates, 0)
         self._lost = 0
 
@@ -307,7 +309,7 @@ class Cyclic:
             change = abs(values[index + 1] - values[0])
             if not change <= 1e-10 * abs(values[0]):
                 continue
-            if self._is_proved(expr, q, stages):
+            if not self._has_branches(expr, q, stages) and self._is_proved(expr, q, stages):
                 self._failures[q] = 0
                 yield q
             else:
@@ -330,6 +332,17 @@ class Cyclic:
                 return True
         self._lost += 1
         return False
+
+    def _has_branches(self, expr: Any, q: Any, stages: Stages) -> bool:
+        """Whether no slope along the coordinate means less than that it cancels: q/sqrt(q^2) has
+        none, and two values."""
+        inner = [w for w in expr.free_symbols if q in self.support.get(w, ())]
+        if has_branches([expr], frozenset([q, *inner])):
+            return True
+        for w in inner:
+            if (w, q) not in self._branches:
+                self._branches[w, q] = self._has_branches(stages.definitions[w], q, stages)
+        return any(self._branches[w, q] for w in inner)
 
     def _is_proved(self, expr: Any, q: Any, stages: Stages) -> bool:
         slope = self._slope(expr, q, stages)
@@ -502,6 +515,8 @@ class Stages:
         expr = se.sympify(expr)
         if not expr.args or is_atom(expr):
             return expr
+        if is_flat(expr):
+            return ZERO
         known = self._flat.get(expr)
         if known is None:
             args = [self.name(a) for a in expr.args]

@@ -86,6 +86,9 @@ def _first_order(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, An
     if root and any(known[s][1] for s in expr.args[0].free_symbols if s in known):
         words = "has no value" if values[1] < 0 else "has a corner"
         raise EngineLimit(f"'{expr}' {words} there")
+    is_edge = isinstance(expr, (se.asin, se.acos, se.acosh)) and abs(values[0]) == 1
+    if is_edge and any(known[s][1] for s in expr.free_symbols if s in known):
+        raise EngineLimit(f"'{expr}' has a corner there")
     moving = [i for i, (_, slopes) in enumerate(parts) if slopes]
     if not moving:
         return value, {}
@@ -99,9 +102,12 @@ def _first_order(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, An
 
 
 def _corner(expr: Any, values: Sequence[Any]) -> dict[int, Any] | None:
-    """The slopes of a function with corners or steps by its arguments, where these are numbers;
-    None for all else.  ``EngineLimit`` at a corner, where there are no slopes."""
+    """The slopes of a function with corners or steps by its arguments, where these are numbers
+    or it has the same slopes on all sides; None for all else.  ``EngineLimit`` at a corner, where
+    there are no slopes."""
     kinds = (se.sign, se.Abs, se.floor, se.ceiling, se.Max, se.Min)
+    if isinstance(expr, se.sign | se.floor | se.ceiling) and values[0].free_symbols:
+        return {}
     if not isinstance(expr, kinds) or any(v.free_symbols for v in values):
         return None
     sizes = [float(v) for v in values]

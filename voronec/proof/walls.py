@@ -195,7 +195,9 @@ class _Ground:
         there = (*self.hypotheses, h)
         for found in self._crossings(wall, there):
             words = f"it jumps where {self._place(wall)}, which motions cross"
-            domain = f"{self._write(h)} != 0" if self._is_jump_of_field(h) else ""
+            # a map or a density that jumps where the field does still tears the motion that crosses
+            is_excused = self.constant and self._is_jump_of_field(h)
+            domain = f"{self._write(h)} != 0" if is_excused else ""
             is_turn = self._vanishes(wall.turned - wall.above, there)
             period = self._period(jump) if is_turn else None
             return _Jump(words, period, witness_at(*found), domain)

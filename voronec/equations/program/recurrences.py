@@ -331,14 +331,14 @@ class Coefficients:
 
     def _angle(self, y: Any, x: Any) -> str:
         """atan2(y, x): its slope is (x y' - y x')/(x^2 + y^2)."""
-        if not (y.free_symbols & self.moving and x.free_symbols & self.moving):
-            raise EngineLimit("atan2 of a constant has no recurrence here; write it with atan")
         square = x**2 + y**2
-        over_x, over_y = self.series(x / square), self.series(y / square)
-        a, b = self.series(y), self.series(x)
-        return self.primitive(
-            f"apply('atan2', {a}[0], {b}[0])", [("", a, over_x), ("-", b, over_y)]
-        )
+        slopes = [
+            (sign, self.series(part), self.series(other / square))
+            for sign, part, other in (("", y, x), ("-", x, y))
+            if part.free_symbols & self.moving
+        ]
+        above, below = (self.term(part)[0] for part in (y, x))
+        return self.primitive(f"apply('atan2', {above}, {below})", slopes)
 
     def source(self, results: Sequence[tuple[str, str]]) -> str:
         """The function ``expand(state, t, h, order)``."""

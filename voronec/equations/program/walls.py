@@ -2,7 +2,11 @@
 
 Such a function is smooth on either side of a wall g = 0 (a floor: of every whole g).  Here it is
 found, and replaced by what it is on one side.  Roots of squares are absolute values in disguise,
-(h^2 u)^r = |h|^(2r) u^r, and become such first; derivatives of signs and floors vanish.
+(h^2 u)^r = |h|^(2r) u^r, and become such first, as do inverse functions with corners and jumps,
+
+    asin(g) = atan2(g, sqrt(1 - g^2)),    atan(n/d) = atan2(n sign(d), |d|);
+
+derivatives of signs and floors vanish.
 """
 
 from __future__ import annotations
@@ -19,6 +23,7 @@ from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.graphs import is_flat, nodes
 from voronec.algebra.numeric_functions import formula
 from voronec.algebra.ring import Ring
+from voronec.algebra.signs import known_sign
 from voronec.algebra.terms import factors_of, is_exponential, summands
 from voronec.errors import EngineLimit
 
@@ -45,10 +50,12 @@ GRID = 2**20
 """Places of walls are multiples of one part in so many."""
 LITTLE = 1e-6
 """A number beside squares is seen from far where it is larger than this part of their largest."""
+RIGHT_ANGLE = se.pi / 2
 LONG = 100
 """Radicands of more operations are not searched for squares."""
 _ROUGH = (
-    se.sign, se.Abs, se.floor, se.atan2, se.tanh, se.sinh, se.cosh, se.Derivative, se.Subs
+    se.sign, se.Abs, se.floor, se.atan2, se.tanh, se.sinh, se.cosh, se.Derivative, se.Subs,
+    se.asin, se.acos, se.atan, se.acot,
 )  # fmt: skip
 
 
@@ -292,7 +299,42 @@ def _plain(expr: Any, still: frozenset[Any], known: dict[Any, Any]) -> Any:
         kept = se.Mul(*[f for f in factors if f.free_symbols <= still])
         if kept != root:
             return _size(root / kept, 2 * args[1]) * (rest * kept**2) ** args[1]
+    if isinstance(expr, (se.asin, se.acos)):
+        return _arcsine(expr.func(*args), still)
+    if isinstance(expr, (se.atan, se.acot)):
+        return _arctangent(expr.func(*args), still)
     return expr if args == list(expr.args) else expr.func(*args)
+
+
+def _arcsine(expr: Any, still: frozenset[Any]) -> Any:
+    """asin(g) or acos(g), by the angle of (g, sqrt(1 - g^2)) where that root has corners."""
+    argument = expr.args[0]
+    root, rest = square_part(1 - argument**2)
+    if root.free_symbols <= still:
+        return expr
+    angle = se.atan2(argument, se.Abs(root) * se.sqrt(rest))
+    return angle if isinstance(expr, se.asin) else RIGHT_ANGLE - angle
+
+
+def _arctangent(expr: Any, still: frozenset[Any]) -> Any:
+    """atan(n/d) or acot(d/n), by the angle of (n sign(d), |d|) where d may vanish."""
+    quotient = se.Mul(*map(_in_sines, factors_of(expr.args[0])))
+    above, below = quotient.as_numer_denom()
+    if isinstance(expr, se.acot):
+        above, below = below, above
+    powers = [(f.args if isinstance(f, se.Pow) else (f, 1)) for f in factors_of(below)]
+    odd = se.Mul(*[b for b, e in powers if not (isinstance(e, se.Integer) and e % 2 == 0)])
+    sign = known_sign(odd, strict=True)
+    if below.free_symbols <= still or (odd == below and sign):
+        return expr
+    return se.atan2(above * (sign or se.sign(odd)), below * (sign or se.sign(odd)))
+
+
+def _in_sines(factor: Any) -> Any:
+    """A tangent or cotangent as a quotient that tells where it is infinite."""
+    if isinstance(factor, se.tan):
+        return se.sin(*factor.args) / se.cos(*factor.args)
+    return se.cos(*factor.args) / se.sin(*factor.args) if isinstance(factor, se.cot) else factor
 
 
 def _size(expr: Any, exponent: Any) -> Any:
