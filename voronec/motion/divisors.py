@@ -24,8 +24,7 @@ import symengine as se
 
 from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.graphs import is_atom
-from voronec.motion.events import Event
-from voronec.motion.request import Vocabulary
+from voronec.motion.request import Event, Vocabulary
 from voronec.motion.state_probe import usual_size
 from voronec.motion.steppers import Run
 

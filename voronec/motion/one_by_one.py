@@ -21,9 +21,9 @@ from voronec.motion.batches import (
     require_method,
 )
 from voronec.motion.divisors import CLEAR, guard_events
-from voronec.motion.events import Event
 from voronec.motion.methods import METHODS
 from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
+from voronec.motion.request import Event
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run
 

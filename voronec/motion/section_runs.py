@@ -18,11 +18,10 @@ from voronec.algebra.text import formula
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
-from voronec.motion.events import Event
 from voronec.motion.integration import integrate
 from voronec.motion.motion_pool import Many
 from voronec.motion.one_by_one import crossing_speeds, time_scale
-from voronec.motion.request import Values, label
+from voronec.motion.request import Event, Values, label
 from voronec.motion.section_passages import PATIENCE, SectionPassages, SectionWatch
 from voronec.motion.trajectory import Cost, Trajectory
 
