@@ -37,6 +37,7 @@ from voronec.algebra.matrices import dot
 from voronec.algebra.normal import canonical, shortest
 from voronec.algebra.ring import sparse_terms
 from voronec.algebra.roots import ring_over
+from voronec.algebra.terms import rational
 from voronec.equations.program import solve_mass
 from voronec.equations.program.straight import fresh_names
 from voronec.errors import EngineLimit
@@ -158,7 +159,7 @@ def _solve(right: dict[Any, Any], columns: Sequence[dict[Any, Any]]) -> list[Any
         if pivot == width:
             return None
         value = reduced[i, width]
-        numbers[pivot] = se.Integer(int(value.p)) / se.Integer(int(value.q))
+        numbers[pivot] = rational(value)
     return numbers
 
 
