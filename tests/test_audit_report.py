@@ -12,9 +12,8 @@ from latex_shape import complaints
 
 from voronec import DefinitionError
 from voronec.audit import Audit, FormulaRecord, Record
-from voronec.audit.page.html import audit_page, record_html
 from voronec.audit.page.phrases import clauses, gist, readable, short
-from voronec.audit.page.report import Figure, audit_table, write_audit
+from voronec.audit.page.report import Figure, audit_page, audit_table, record_html, write_audit
 from voronec.cli import main as voronec
 from voronec.cli.files import wanted_folder
 

@@ -8,7 +8,7 @@ import sympy as sp
 from test_closed_form import ANGLES, CASES, NAMES, START, UPWARD, apart
 
 import voronec as vo
-from voronec.closed.grid import BLOCK, MANY
+from voronec.closed.closed_form import BLOCK, MANY
 from voronec.elliptic.panels import Panels
 
 R = sp.Rational

@@ -176,7 +176,7 @@ def test_fast_angles_are_exact_to_a_turn_at_late_times():
         )  # fmt: skip
 
     times = np.random.default_rng(5).uniform(0, 1e9, 8)
-    assert invert(source).sample(times) is not None
+    assert Sample.of(invert(source), times) is not None
     assert worst_errors(source, times)["angles"] < 1e-14
 
 

@@ -18,8 +18,8 @@ from sympy.physics.mechanics import dynamicsymbols
 import voronec as vo
 from voronec.motion import batches
 from voronec.motion.steppers import heyoka_stepper as taylor
+from voronec.motion.steppers import run as steps
 from voronec.motion.steppers import scipy_stepper as stepwise
-from voronec.motion.steppers import step_loop
 
 METHODS = ("scipy", "heyoka") if find_spec("heyoka") else ("scipy",)
 both = pytest.mark.parametrize("method", METHODS)
@@ -506,7 +506,7 @@ def siren(rate: sp.Expr) -> vo.System:
 def test_a_run_that_never_ends_is_ended(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """x'' = sin(phi) while phi grows as e^t: steps grow shorter as fast, to t = 100 there are
     10^43 of them.  Up to t = 7 there are few, and they are taken."""
-    monkeypatch.setattr(step_loop, "LONG", 2_000)
+    monkeypatch.setattr(steps, "LONG", 2_000)
     run = {"initial": {phi: 0, Dphi: 1}, "method": method, "tol": 1e-9, "outputs": ("x",)}
     assert vo.integrate(siren(Dphi), times=[0, 7], **run).t[-1] == 7
     with pytest.raises(vo.IntegrationError, match="step size collapsed after") as caught:
@@ -518,7 +518,7 @@ def test_a_run_that_never_ends_is_ended(method: str, monkeypatch: pytest.MonkeyP
 @pytest.mark.parametrize("method", ["heyoka", "scipy", "numba"])
 def test_an_ensemble_that_never_ends_is_ended(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """One that is evenly accelerated is not, whatever it takes."""
-    monkeypatch.setattr(step_loop, "LONG", 2_000)
+    monkeypatch.setattr(steps, "LONG", 2_000)
     monkeypatch.setattr(batches, "LONG", 2_000)
     run = {"starts": [{phi: 0, Dphi: 1}], "method": method, "tol": 1e-9, "outputs": ("x",)}
     many = vo.ensemble(siren(Dphi), times=[0, 100], **run)

@@ -13,7 +13,7 @@ import sympy as sp
 import voronec as vo
 from voronec.motion.steppers import heyoka_stepper as taylor
 from voronec.motion.steppers import run
-from voronec.motion.steppers import step_loop as marching
+from voronec.motion.steppers import run as marching
 from voronec.motion.steppers.step_loop import root
 
 pytestmark = pytest.mark.slow

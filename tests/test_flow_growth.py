@@ -12,7 +12,7 @@ import voronec as vo
 from voronec.equations.program import Program
 from voronec.motion.steppers import Problem
 from voronec.motion.steppers.heyoka_stepper import taylor
-from voronec.motion.steppers.turn_count import TurnCount
+from voronec.motion.steppers.units import TurnCount
 
 x, y, z, u, v, angle = sp.symbols("x y z u v angle")
 DX, DY, DZ, DU, DV, SPIN = map(vo.velocity, (x, y, z, u, v, angle))

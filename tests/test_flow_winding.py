@@ -9,8 +9,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.equations.program import Block
-from voronec.motion.steppers.turn_count import TurnCount
-from voronec.motion.steppers.units import _angles
+from voronec.motion.steppers.units import TurnCount, _angles
 
 pytestmark = pytest.mark.slow
 

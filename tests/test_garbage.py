@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from voronec.declaration.garbage import no_collection
+from voronec.declaration.catalogue import no_collection
 
 
 class Loop:

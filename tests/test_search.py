@@ -12,7 +12,7 @@ import sympy as sp
 import voronec as vo
 from voronec.equations.motions import Motions
 from voronec.proof.search import gradings, search, searches
-from voronec.proof.search.question import Question
+from voronec.proof.search.search import Question
 
 pytestmark = pytest.mark.slow
 

@@ -130,7 +130,7 @@ def test_another_power_in_the_measure_of_the_rubber_ball_is_refuted():
 def test_another_reducing_multiplier_of_veselova_is_refuted(power):
     """(gamma, A gamma)^(-1/2) is one; other powers are none."""
     from voronec.proof.claims import case_of
-    from voronec.proof.multiplier import decide_multiplier
+    from voronec.proof.hamiltonian_form import decide_multiplier
 
     system = vo.load("veselova-in-rn")
     special = case_of(system, system.cases["J = a a"])
@@ -140,7 +140,7 @@ def test_another_reducing_multiplier_of_veselova_is_refuted(power):
 
 
 def test_a_multiplier_asks_for_as_many_velocities_as_the_coordinates_have_dimensions():
-    from voronec.proof.multiplier import decide_multiplier
+    from voronec.proof.hamiltonian_form import decide_multiplier
 
     verdict = decide_multiplier(motions("chaplygin-ball-in-rn@3"), sp.Integer(1)).verdict
     assert verdict.refuted and "as a frame of their space" in verdict.method

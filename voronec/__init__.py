@@ -8,8 +8,6 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from voronec.declaration.garbage import no_collection
-
 if TYPE_CHECKING:
     from voronec.accuracy.hard import HardCase
     from voronec.algebra.signs import prove_inequality
@@ -221,6 +219,8 @@ def __getattr__(name: str) -> Any:
         hint = "" if name.startswith("_") else did_you_mean(name, _HOME)
         near = hint if "mean" in hint else ""
         raise AttributeError(f"module 'voronec' has no attribute '{name}'{near}")
+    from voronec.declaration.catalogue import no_collection
+
     with no_collection():
         module = import_module(_HOME[name])
         value = module if name == "kinematics" else getattr(module, name)

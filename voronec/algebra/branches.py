@@ -23,6 +23,7 @@ from voronec.algebra.factors import irreducible_factors, write_polynomial
 from voronec.algebra.groebner import groebner_basis, reduce_by
 from voronec.algebra.ring import Ring
 from voronec.algebra.simple_zeros import compose_on_section, has_simple_zeros
+from voronec.algebra.terms import rational
 
 __all__ = [
     "BranchWall",
@@ -119,7 +120,7 @@ def _factor(ring: Ring, above: Any, below: Any) -> Factorisation:
     content, powers = se.Integer(1), dict[Any, int]()
     for poly, side in ((above, 1), (below, -1)):
         unit, factors = irreducible_factors(halves.poly(poly))
-        number = se.Integer(int(unit.p)) / se.Integer(int(unit.q))
+        number = rational(unit)
         content = content * number if side > 0 else content / number
         for factor, e in factors:
             h = halves.expression(factor)

@@ -23,6 +23,7 @@ import symengine as se
 
 from voronec.algebra.generators import linear_terms
 from voronec.algebra.ring import Ring, sparse_terms
+from voronec.algebra.terms import rational
 from voronec.errors import EngineLimit
 
 __all__ = ["Rotations"]
@@ -125,7 +126,7 @@ class Rotations:
 
     def _polynomial_in_cosine(self, poly: Any) -> Any:
         c = self.entries[2][2]
-        coefficients = [_number(x) for x in poly.coeffs()]
+        coefficients = [rational(x) for x in poly.coeffs()]
         return se.Add(*[x * c**n for n, x in enumerate(coefficients)])
 
     def _basis(self, weight: Weight) -> Complex:
@@ -211,7 +212,3 @@ def _waves(cosines: int, sines: int) -> list[tuple[int, Complex]]:
         total[0] += size * turn[0]
         total[1] += size * turn[1]
     return [(m, (x, y)) for m, (x, y) in found.items()]
-
-
-def _number(x: Any) -> Any:
-    return se.Integer(int(x.p)) / se.Integer(int(x.q))

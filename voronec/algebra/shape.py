@@ -22,7 +22,7 @@ import symengine as se
 from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.field import Fraction
 from voronec.algebra.ring import Monomial, Ring, sparse_terms
-from voronec.algebra.terms import is_exponential, summands
+from voronec.algebra.terms import is_exponential, rational, summands
 
 __all__ = ["TurnedPolynomial", "expand_element", "expression", "operations"]
 
@@ -314,7 +314,7 @@ def _cheapest(ring: Ring, poly: Any) -> Any:
     if len(poly) > FACTOR_LIMIT:
         return _horner(ring, sparse_terms(poly))
     content, parts = irreducible_factors(poly)
-    number = se.Integer(int(content.p)) / se.Integer(int(content.q))
+    number = rational(content)
     forms = [_sum(ring, sparse_terms(poly))]
     if len(parts) > 1 or parts[0][1] > 1 or content != 1:
         forms.append(se.Mul(number, *[_sum(ring, sparse_terms(p)) ** e for p, e in parts]))

@@ -24,6 +24,7 @@ from voronec.algebra.ring import Ring
 from voronec.algebra.roots import ring_over
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
+from voronec.algebra.terms import rational
 from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import PROOF_LIMIT, Verdict, Witness, decide_equal
 from voronec.errors import DefinitionError, EngineLimit, quote
@@ -61,7 +62,7 @@ class Inequality:
                 return Verdict("refuted", "a rational point", _witness(point, left, right))
             if ties and (left - right).contains(0):
                 ties -= 1
-                at = {atom: _exact(value) for atom, value in point.items()}
+                at = {atom: rational(value) for atom, value in point.items()}
                 if decide_equal(self.left.xreplace(at), self.right.xreplace(at)).proved:
                     method = "a rational point at which both sides are equal"
                     return Verdict("refuted", method, _witness(point, left, left))
@@ -99,14 +100,10 @@ def _random(source: Random, scale: int) -> Any:
 def _value(root: Any, point: dict[Any, Any]) -> Any:
     """A root at a point, or ``None`` where it is no rational number, as beyond a branch point."""
     try:
-        value = root.xreplace({a: _exact(v) for a, v in point.items()})
+        value = root.xreplace({a: rational(v) for a, v in point.items()})
     except RuntimeError:  # symengine cannot multiply complex infinity by a complex number
         return None
     return value if value.is_Number and getattr(value, "q", 0) != 0 else None
-
-
-def _exact(value: Any) -> Any:
-    return se.Integer(int(value.p)) / se.Integer(int(value.q))
 
 
 def _witness(point: dict[Any, Any], left: Any, right: Any) -> Witness:

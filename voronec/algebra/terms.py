@@ -1,4 +1,4 @@
-"""Sums and products of symengine, as their terms and factors."""
+"""Sums and products of symengine, as their terms and factors, and its rational numbers."""
 
 from __future__ import annotations
 
@@ -7,7 +7,12 @@ from typing import Any
 import symengine as se
 from symengine.lib.symengine_wrapper import Boolean
 
-__all__ = ["factors_of", "is_exponential", "summands", "with_arguments"]
+__all__ = ["factors_of", "is_exponential", "rational", "summands", "with_arguments"]
+
+
+def rational(number: Any) -> Any:
+    """A rational number of flint or SymPy as one of symengine."""
+    return se.Integer(int(number.p)) / se.Integer(int(number.q))
 
 
 def summands(expr: Any) -> tuple[Any, ...]:

@@ -34,6 +34,7 @@ from voronec.algebra.ring import Ring
 from voronec.algebra.roots import domain_conditions, ring_over
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
+from voronec.algebra.terms import rational
 from voronec.algebra.text import as_expression, quote
 from voronec.algebra.typeset import html_table
 from voronec.errors import DefinitionError, EngineLimit
@@ -517,7 +518,7 @@ class WitnessSearch:
                 continue
             rest = wall.xreplace({atom: se.Integer(0)})
             for start, _ in self._tried[:2]:
-                at = {a: _exact(v) for a, v in start.items() if isinstance(v, flint.fmpq)}
+                at = {a: rational(v) for a, v in start.items() if isinstance(v, flint.fmpq)}
                 above, below = rest.xreplace(at), slope.xreplace(at)
                 if isinstance(above, se.Rational) and isinstance(below, se.Rational) and below != 0:
                     root = -above / below
@@ -636,7 +637,3 @@ def _outside(values: Sequence[Any]) -> float:
             size = abs(float(value.mid()))
             total += 1e-9 + size / (1 + size)
     return total
-
-
-def _exact(value: Any) -> Any:
-    return se.Integer(int(value.p)) / se.Integer(int(value.q))

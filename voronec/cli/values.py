@@ -112,7 +112,7 @@ def split_values(
     from voronec.declaration.catalogue import unknown
 
     driven = {plain_name(u) + rate for u in system.inputs for rate in ("", "dot")}
-    constants = {p.name for p in system.parameters} - driven
+    constants = {*system.parameter_names} - driven
     movers = {plain_name(s) for s in system.known_symbols()} - constants - driven - {"t"}
     parameters: dict[str, Any] = {}
     initial: dict[str, Any] = {}

@@ -20,12 +20,22 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.precision import FIRST, SHARP
+from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import ball, precise
+from voronec.closed.compiled_motion import reading_of, velocities_in_doubles
 from voronec.closed.inverted_motion import InvertedMotion
-from voronec.closed.ratio import Bernstein, Polynomial, evaluate_form, inner, ratios
+from voronec.closed.ratio import (
+    Bernstein,
+    Polynomial,
+    evaluate_form,
+    inner,
+    ratios,
+    rounded_constants,
+)
+from voronec.elliptic.many_times import Sample
 from voronec.errors import EngineLimit
 
-__all__ = ["Clock", "MotionIntegral", "clock_of", "pieces", "whole_turns_off"]
+__all__ = ["Clock", "MotionIntegral", "clock_of", "sample_in_own_time", "whole_turns_off"]
 
 
 STEP = 0.125
@@ -58,7 +68,7 @@ class MotionIntegral:
                  Polynomial.of(q, own).bernstein(self.form)) for p, q in pairs]  # fmt: skip
 
     def _rate(self, taus: np.ndarray) -> np.ndarray:
-        sample = self.form.solution.sample(taus)
+        sample = Sample.of(self.form.solution, taus)
         near, far = sample.affine(1.0, 0.0), sample.affine(0.0, 1.0)
         total: Any = 0 * near
         for above, below in self._parts:
@@ -150,19 +160,19 @@ class Clock:
         assert self.period is not None
         taus = np.linspace(-0.5001, 0.5001, NODES + 1) * self.period[0]
         # half a period of t is not half a period of tau where the motion starts off a turning point
-        sample = self.form.solution.sample(taus)
+        sample = Sample.of(self.form.solution, taus)
         hours, half = sample.integral(self.number), sum(self.period[1]) / 2
         reach = 0.5001 + max(0.0, *(half - hours[[-1]]), *(half + hours[[0]])) / half
         taus = np.linspace(-reach, reach, NODES + 1) * self.period[0]
-        sample = self.form.solution.sample(taus)
+        sample = Sample.of(self.form.solution, taus)
         return taus, sample.integral(self.number), self.paces(sample)
 
     def _spread(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Values of tau before and after each time."""
         low, high = np.minimum(times, 0.0), np.maximum(times, 0.0)
         for _ in range(ROUNDS):
-            short = self.form.solution.sample(low).integral(self.number) > times
-            far = self.form.solution.sample(high).integral(self.number) < times
+            short = Sample.of(self.form.solution, low).integral(self.number) > times
+            far = Sample.of(self.form.solution, high).integral(self.number) < times
             if not (short.any() or far.any()):
                 return low, high
             low, high = np.where(short, 2 * low, low), np.where(far, 2 * high, high)
@@ -178,7 +188,7 @@ class Clock:
             if not left.size:
                 return taus
             now = taus[left]
-            sample = self.form.solution.sample(now)
+            sample = Sample.of(self.form.solution, now)
             gap = sample.integral(self.number) - times[left]
             low[left] = np.where(gap < 0, now, low[left])
             high[left] = np.where(gap > 0, now, high[left])
@@ -341,3 +351,138 @@ def _hermite(
     return np.asarray(
         taus[at] + s * (first + s * (3 * rise - 2 * first - last + s * (first + last - 2 * rise)))
     )
+
+
+TURN = 2 * np.pi
+
+
+def sample_in_own_time(
+    form: InvertedMotion, grid: np.ndarray, names: Sequence[str], whole: bool
+) -> dict[str, np.ndarray]:
+    """Coordinates and velocities; angles continuous (``whole``) or modulo a turn."""
+    if form.attitude is not None:
+        raise EngineLimit(
+            f"system '{form.system.name}': a motion in a time of its own is not turned in space"
+        )
+    seen = PeriodGrid(form, grid.ravel(), whole)
+    found: dict[str, np.ndarray] = {}
+    coordinates = {plain_name(q): q for q in form.system.coordinates}
+    for name in names:
+        if name in coordinates:
+            found[name] = seen.value(coordinates[name])
+    if {*names} - {*coordinates}:
+        found |= seen.velocities()
+    return {name: x.reshape(grid.shape) for name, x in found.items()}
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodGrid:
+    """One grid of a motion: whole periods, and the elliptic motion in the one that is left."""
+
+    form: InvertedMotion
+    grid: np.ndarray
+    whole: bool
+
+    @cached_property
+    def _instants(self) -> tuple[np.ndarray, np.ndarray]:
+        return clock_of(self.form).invert(self.grid)
+
+    @cached_property
+    def sample(self) -> Any:
+        """The elliptic motion, periods taken off."""
+        return Sample.of(self.form.solution, self._instants[1])
+
+    @cached_property
+    def _ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """Shares of both ends in x."""
+        return self.sample.affine(1.0, 0.0), self.sample.affine(0.0, 1.0)
+
+    def _evaluate(self, numbers: Any) -> Any:
+        return evaluate_form(numbers, *self._ends)
+
+    def integral(self, j: int, whole: bool) -> np.ndarray:
+        """An integral since the start, or, of an angle, less whole turns that nobody asks for."""
+        advances = self.form.solution.constants(FINE).advances
+        count, summed = self._instants[0], clock_of(self.form).sums[j]
+        found = summed.at(self._instants[1]) if summed.is_needed else self.sample.integral(j)
+        if advances is None or not count.any():
+            return np.asarray(found)
+        with precise(FINE):
+            advance = advances[j]
+            if not whole:
+                return np.asarray(found + TURN * whole_turns_off(advance, count))
+            parts = pieces(advance)
+        for part in reversed(parts):
+            found = found + count * part
+        return np.asarray(found)
+
+    def value(self, q: Any) -> np.ndarray:
+        """A coordinate as it is asked for."""
+        found, plane = self.coordinate(q, self.whole), self.form.quadratures.plane
+        if self.whole or (plane is not None and q in plane.place):
+            return found
+        return np.asarray(found - TURN * np.ceil(found / TURN - 0.5))
+
+    def coordinate(self, q: Any, whole: bool) -> np.ndarray:
+        """A colatitude, an angle that is an integral, or a place."""
+        motion = self.form.quadratures
+        for i, trace in enumerate(motion.traces):
+            if trace.colatitude == q:
+                side, turns = self.form.branch(i)
+                south, north = (self._evaluate(e) for e in clock_of(self.form).reach[i])
+                return np.asarray(2 * side * np.arctan2(np.sqrt(south), np.sqrt(north))
+                                  + turns * TURN)  # fmt: skip
+        if q in motion.angles:
+            j = motion.angles.index(q)
+            return (
+                self.integral(j, whole) + rounded_constants(self.form).starts[j][0 if whole else 1]
+            )
+        return self.place[q]
+
+    @cached_property
+    def place(self) -> dict[Any, np.ndarray]:
+        """On a plane."""
+        plane = self.form.quadratures.plane
+        assert plane is not None
+        count = len(self.form.quadratures.angles)
+        moved = [self.integral(count + i, True) + self._slid(i) for i in range(2)]
+        origin = [float(self.form.exact(q)(FINE)) for q in plane.place]
+        return plane.at(origin, [*map(float, self.form.direction(FINE))], moved)
+
+    def _slid(self, i: int) -> np.ndarray:
+        """What the slope of a place adds: nothing where x has come back."""
+        start, x = float(self.form.problem.place(FINE)), self.sample.x
+        a, b, c = rounded_constants(self.form).slides[i]
+        moved = x - start
+        total = moved * (a + b * (x + start) / 2 + c * (x * x + x * start + start**2) / 3)
+        for place, residues in self.form.problem.others(FINE):
+            residue = residues[len(self.form.problem.prepared.rates) + i]
+            if residue != 0:
+                share = moved / (start - complex(place))
+                size = 0.5 * np.log1p(2 * share.real + np.abs(share) ** 2)
+                total = total + complex(residue).real * size
+                total -= complex(residue).imag * np.arctan2(share.imag, 1 + share.real)
+        return np.asarray(total)
+
+    def velocities(self) -> dict[str, np.ndarray]:
+        """The velocities of the equations."""
+        form, own, x = self.form, self.form.problem.prepared, self.sample.x
+        clock, angles = clock_of(form), len(form.quadratures.angles)
+        pace = clock.paces(self.sample)
+        values: list[Any] = [*(float(c) for c in form.problem.level(FINE)), x]
+        with np.errstate(all="ignore"):
+            for i in range(len(form.quadratures.traces)):
+                south, north = (self._evaluate(e) for e in clock.reach[i])
+                above, below, bend = (self._evaluate(e) for e in clock.bends[i])
+                sine = form.branch(i)[0] * np.sqrt(south * north) / below
+                fall = -bend / below**2 * self.sample.rate / (sine * pace)
+                values += [sine, above / below, fall]
+            rates = rounded_constants(form).rates(self.sample, self._ends)
+            values += [rate / pace for rate in rates[:angles]]
+            # less whole turns: the sines of late angles lose nothing
+            values += [self.coordinate(q, False) for q in reading_of(own).coordinates]
+            values += [self._evaluate(p) for p in rounded_constants(form).polynomials]
+            found = velocities_in_doubles(own)(*values)
+        names = map(plain_name, form.system.velocities)
+        return {n: np.broadcast_to(e, self.grid.shape).astype(float)
+                for n, e in zip(names, found, strict=True)}  # fmt: skip

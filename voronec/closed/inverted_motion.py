@@ -41,17 +41,17 @@ class InvertedMotion:
     problem: InversionProblem
     memo: Memo = field(default_factory=Memo, init=False)
 
-    @property
+    @cached_property
     def system(self) -> System:
         """The system that moves."""
         return self.problem.prepared.system
 
-    @property
+    @cached_property
     def quadratures(self) -> Quadratures:
         """The declaration of the motion."""
         return self.problem.prepared.motion
 
-    @property
+    @cached_property
     def rests(self) -> bool:
         """Whether the variable stays at a multiple root: a regular precession."""
         return self.problem.rests

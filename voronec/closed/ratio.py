@@ -291,6 +291,17 @@ class RoundedConstants:
         flat = [float(c) for c in self._part(FINE, self.form.problem.prepared.slope_at, 6)]
         return list(zip(flat[::3], flat[1::3], flat[2::3], strict=True))
 
+    def rates(self, sample: Any, ends: tuple[np.ndarray, np.ndarray]) -> list[Any]:
+        """The rates of angles and places by the time of the quartic; ``ends``: shares in x."""
+        apart = [sample.affine(*distances) for distances in self.distances]
+        found = []
+        for numerator, used in self.fractions:
+            rate = evaluate_form(numerator, *ends)
+            for i in used:
+                rate = rate / apart[i]
+            found.append(rate)
+        return found
+
     def _part(self, bits: int, first: int, count: int) -> list[Any]:
         return self.form.problem.table(bits)[first : first + count]
 

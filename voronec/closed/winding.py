@@ -34,6 +34,7 @@ from voronec.closed.passages import (
 )
 from voronec.closed.space import FrameProduct, composition, transpose
 from voronec.closed.space import times as rotated
+from voronec.elliptic.many_times import Sample
 from voronec.elliptic.roots import OpenDecision
 from voronec.errors import EngineLimit
 
@@ -411,7 +412,7 @@ class Winding:
             if level.rate is not None:
                 return begun + level.side * float(level.rate) * t / TURN
             j = self.form.quadratures.angles.index(self.names[0])
-            return begun + level.side * float(self.form.solution.sample(t).integral(j)) / TURN
+            return begun + level.side * float(Sample.of(self.form.solution, t).integral(j)) / TURN
 
         before, after = 0.0, time
         for _ in range(HALVINGS):

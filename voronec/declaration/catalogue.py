@@ -13,10 +13,12 @@ paper beside it, the module ``paper`` that defines ``PAPER``.
 
 from __future__ import annotations
 
+import gc
 import os
 import pkgutil
 import sys
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from importlib import import_module
 from importlib.machinery import ModuleSpec
@@ -24,7 +26,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.arguments import PATH, accepts
-from voronec.declaration.garbage import no_collection
 from voronec.declaration.plugin_files import failure, run_file
 from voronec.errors import DefinitionError, did_you_mean
 
@@ -46,6 +47,7 @@ __all__ = [
     "load_paper_file",
     "members",
     "names",
+    "no_collection",
     "papers",
     "registered_entries",
     "require_suffix",
@@ -378,3 +380,21 @@ def _import(name: str, module: str, attribute: str) -> Any:
     if not hasattr(found, attribute):
         raise DefinitionError(f"system '{name}': the module '{module}' defines no {attribute}")
     return found
+
+
+@contextmanager
+def no_collection() -> Iterator[None]:
+    """No search for garbage inside, and none of what is there by the end but with all that is old:
+    what modules hold stays, and to look through SymPy's thousands of objects again and again takes
+    a tenth of the time of loading it."""
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collects:
+            if not gc.get_freeze_count():
+                # frozen and thawed, all objects are of the oldest generation
+                gc.freeze()
+                gc.unfreeze()
+            gc.enable()

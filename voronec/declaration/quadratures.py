@@ -251,7 +251,7 @@ class Quadratures:
         """The variable as a function of the state."""
         return self.variable[self.x]
 
-    @property
+    @cached_property
     def angles(self) -> tuple[sp.Expr, ...]:
         """The coordinates that are integrals, in their order."""
         return tuple(self.integrals)

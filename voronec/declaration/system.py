@@ -351,6 +351,11 @@ class System:
         """Base coordinates, then fibre coordinates."""
         return self.fibration.base + self.fibration.fibre
 
+    @cached_property
+    def parameter_names(self) -> tuple[str, ...]:
+        """The names of the parameters."""
+        return tuple(p.name for p in self.parameters)
+
     @property
     def conditions(self) -> tuple[Any, ...]:
         """What parameters meet, as relations of SymPy's: their ranges, and what is ``possible``."""
@@ -584,7 +589,7 @@ def check_claims(system: System) -> None:
                 f"{place}: essential holds '{quote(variable)}', which is no coordinate, velocity "
                 "of the equations or invariant"
             )
-    names = {p.name for p in system.parameters}
+    names = {*system.parameter_names}
     for label, case in system.cases.items():
         for key in case.parameters:
             name = plain_name(key)

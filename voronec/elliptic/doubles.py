@@ -29,7 +29,6 @@ from voronec.elliptic.theta_polynomials import (
     Angle,
     Weights,
     angle_of,
-    horner,
     period_of,
     ripples_of,
     smooth,
@@ -47,6 +46,7 @@ __all__ = [
     "SecularPart",
     "advance",
     "doubles_of",
+    "horner",
     "matrix",
     "parts",
     "turns",
@@ -489,6 +489,23 @@ class Arguments:
 
     def _units(self) -> Arrays:
         return np.ones_like(self.times), np.zeros_like(self.times)
+
+
+def horner(variable: np.ndarray, coefficients: tuple[float, ...], out: np.ndarray) -> np.ndarray:
+    """The polynomial with these ascending coefficients, written into ``out``."""
+    *rest, last = coefficients
+    if not rest:
+        out.fill(last)
+        return out
+    if last == 1.0:
+        np.add(variable, rest.pop(), out=out)
+    else:
+        np.multiply(variable, last, out=out)
+        out += rest.pop()
+    while rest:
+        out *= variable
+        out += rest.pop()
+    return out
 
 
 def _tanh(z: np.ndarray) -> Arrays:

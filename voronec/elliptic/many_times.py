@@ -20,13 +20,14 @@ from voronec.elliptic.doubles import (
     Rows,
     SecularPart,
     doubles_of,
+    horner,
     matrix,
     two_product,
 )
-from voronec.elliptic.theta_polynomials import Angle, horner
+from voronec.elliptic.theta_polynomials import Angle
 from voronec.errors import DefinitionError
 
-__all__ = ["Sample", "TimeStretch", "sample_at"]
+__all__ = ["Sample", "TimeStretch"]
 
 FAR = 40.0
 """Where sinh is a power of e to the last bit, and at most two terms of a sum count."""
@@ -464,11 +465,6 @@ class Sample:
         for start in range(0, max(self.times.size, 1), BLOCK):
             part = slice(start, start + BLOCK)
             yield part, self.times[part]
-
-
-def sample_at(solution: Any, times: Any) -> Sample:
-    """The sample of a solution at times (see ``Sample.of``)."""
-    return Sample.of(solution, times)
 
 
 def _model(doubles: Doubles, latest: float) -> TimeStretch:

@@ -118,12 +118,6 @@ class Solution:
         numbers = _numbers(self.source, bits)
         return time_from(lattice_of(numbers, interval(numbers)), place - constants.base)
 
-    def sample(self, times: Any) -> Any:
-        """The motion at many times in doubles, a ``Sample``."""
-        from voronec.elliptic.many_times import sample_at  # numpy is of no use to the rest
-
-        return sample_at(self, times)
-
     @property
     def period(self) -> float:
         """The time from one turning point at an end to the next there; infinite if none."""

@@ -25,7 +25,6 @@ __all__ = [
     "Angle",
     "Weights",
     "angle_of",
-    "horner",
     "period_of",
     "ripples_of",
     "smooth",
@@ -79,23 +78,6 @@ class Angle:
     below: tuple[float, ...]
     drift: float
     ripple: tuple[float, ...] = ()
-
-
-def horner(variable: np.ndarray, coefficients: tuple[float, ...], out: np.ndarray) -> np.ndarray:
-    """The polynomial with these ascending coefficients, written into ``out``."""
-    *rest, last = coefficients
-    if not rest:
-        out.fill(last)
-        return out
-    if last == 1.0:
-        np.add(variable, rest.pop(), out=out)
-    else:
-        np.multiply(variable, last, out=out)
-        out += rest.pop()
-    while rest:
-        out *= variable
-        out += rest.pop()
-    return out
 
 
 def period_of(constants: Constants) -> arb | None:

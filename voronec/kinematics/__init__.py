@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from voronec.kinematics.forms import SurfaceForms
     from voronec.kinematics.groups import (
         BodyVelocity,
-        product_form,
-        product_moments,
         skew,
         skew_entries,
         wedge_square,
@@ -86,8 +84,6 @@ __all__ = [
     "particle_sketch",
     "pinned_sketch",
     "point_velocity",
-    "product_form",
-    "product_moments",
     "rolling_sketch",
     "skew",
     "skew_entries",
@@ -110,7 +106,7 @@ _HOME = {
     "convex": "ConvexBody",
     "ellipsoids": "RollingEllipsoid",
     "forms": "SurfaceForms",
-    "groups": "BodyVelocity product_form product_moments skew skew_entries wedge_square",
+    "groups": "BodyVelocity skew skew_entries wedge_square",
     "meanings": "contact_meanings euler_meanings moving_meanings sleigh_meanings vector_meanings",
     "moving_sphere": "BallOnMovingSphere",
     "neumann_charts": "turned_poles turned_sphere",

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from voronec.motion.ensembles import Ensemble, ensemble
-    from voronec.motion.events import Crossings, Event
     from voronec.motion.inputs import Table
     from voronec.motion.integration import integrate
+    from voronec.motion.request import Event
     from voronec.motion.sections import Section, section
-    from voronec.motion.trajectory import Cost, Trajectory
+    from voronec.motion.trajectory import Cost, Crossings, Trajectory
 
 __all__ = [
     "Cost",
@@ -29,11 +29,11 @@ __all__ = [
 
 _HOME = {
     "ensembles": ("Ensemble", "ensemble"),
-    "events": ("Crossings", "Event"),
+    "request": ("Event",),
     "integration": ("integrate",),
     "sections": ("Section", "section"),
     "inputs": ("Table",),
-    "trajectory": ("Cost", "Trajectory"),
+    "trajectory": ("Cost", "Crossings", "Trajectory"),
 }
 
 

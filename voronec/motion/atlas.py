@@ -17,8 +17,8 @@ from voronec.declaration.scene import Scene
 from voronec.declaration.system import system_in
 from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations, derive
-from voronec.motion.events import Event
 from voronec.motion.methods import choose
+from voronec.motion.request import Event
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run, Stepper, cut_at_singularity
 from voronec.motion.steppers.units import natural_units

@@ -24,7 +24,7 @@ from voronec.motion.steppers.heyoka_stepper import (
     parameter_count,
     unit_parameters,
 )
-from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
+from voronec.motion.steppers.run import COLLAPSE, INFINITE, WINDOW, Headway, Problem
 from voronec.motion.steppers.scipy_stepper import estimated_steps
 from voronec.motion.steppers.series_reach import (
     MANY,
@@ -35,9 +35,7 @@ from voronec.motion.steppers.series_reach import (
     openings,
     overlong_lanes,
 )
-from voronec.motion.steppers.step_loop import WINDOW, Headway
-from voronec.motion.steppers.turn_count import CHUNK, SHORT, TurnCount
-from voronec.motion.steppers.units import units_of_many
+from voronec.motion.steppers.units import CHUNK, SHORT, TurnCount, units_of_many
 
 __all__ = [
     "COLLAPSE_RATIO",

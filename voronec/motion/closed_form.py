@@ -89,7 +89,7 @@ def _plainly(
     """Parameters and initial values by name, where all are coordinates and velocities of the
     equations; None where the system's equations are needed to read them."""
     own = {plain_name(q) for q in (*system.coordinates, *system.velocities)}
-    constants = {p.name for p in system.parameters}
+    constants = {*system.parameter_names}
     found: list[dict[str, Any]] = []
     told = (scene.parameters, scene.initial) if scene else ({}, {})
     given = ((told[0], parameters), (told[1], initial))
@@ -116,12 +116,12 @@ def _name(key: Any) -> str:
 def _form(system: System, given: Mapping[str, Any], initial: Mapping[str, Any]) -> ClosedForm:
     _require_ranges(system, given)
     values: dict[Any, Any] = {}
-    for parameter in system.parameters:
-        value = given.get(parameter.name, parameter.value)
+    for name, parameter in zip(system.parameter_names, system.parameters, strict=True):
+        value = given.get(name, parameter.value)
         if value is None:
             raise DefinitionError(
-                f"system '{system.name}': no value for the parameter {parameter.name}; give "
-                f"parameters={{'{parameter.name}': ...}}"
+                f"system '{system.name}': no value for the parameter {name}; give "
+                f"parameters={{'{name}': ...}}"
             )
         values[parameter.symbol] = value
     known: dict[Any, Any] = {}

@@ -247,7 +247,7 @@ class _Alone:
         scene = Scene({}, (0.0, 1.0)) if sound or self.scene is None else self.scene
         known, inputs = {*motions.parameters}, self.inputs
         if self.driven.changing is not None:
-            system, known = self.driven.original, {p.name for p in self.driven.original.parameters}
+            system, known = self.driven.original, {*self.driven.original.parameter_names}
             inputs = {**getattr(self.scene, "inputs", {}), **(inputs or {})}
         given = {name: float(x[i]) for name, x in motions.parameters.items() if name in known}
         own = [*equations.system.coordinates, *equations.system.velocities]
@@ -386,7 +386,7 @@ class _ResultRows:
         self.errors.pop(i, None)
 
     def ensemble(self, cost: Cost, interrupted: bool, driven: Drive) -> Ensemble:
-        own = {p.name for p in driven.original.parameters}
+        own = {*driven.original.parameter_names}
         drift = {name: drifts(x, self.first[name]) for name, x in self.changes.items()}
         for array in (self.grid, self.finished, *self.series.values()):
             array.flags.writeable = False

@@ -10,6 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from math import ceil, isfinite, log2
+from sys import float_info
 from time import perf_counter, process_time
 from types import MappingProxyType
 from typing import Any
@@ -30,14 +31,21 @@ from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion.atlas import NEAR as CHANGE
 from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import Divisor, NearDivisor, guard_events, without_guards
-from voronec.motion.events import Crossings, Event, name_events
 from voronec.motion.inputs import drive
 from voronec.motion.methods import CLOSED_FORM, METHODS, choose_regular, is_exact
 from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
 from voronec.motion.motion_start import Outset, WideStart
 from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
 from voronec.motion.observables import Watch, evaluate_watch
-from voronec.motion.request import StartData, Vocabulary, grid_of, outputs_of, scene_of
+from voronec.motion.request import (
+    Event,
+    StartData,
+    Vocabulary,
+    grid_of,
+    name_events,
+    outputs_of,
+    scene_of,
+)
 from voronec.motion.singular_coordinates import LAST, NearPole, PoleGuard, charted_directions
 from voronec.motion.soundness import Breach, Judge, Untold, require_branches
 from voronec.motion.split_models import divisor_program
@@ -46,7 +54,7 @@ from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
 from voronec.motion.steppers.run import Signals, in_kind
 from voronec.motion.tolerances import EXACT
-from voronec.motion.trajectory import Cost, Trajectory, make_trajectory
+from voronec.motion.trajectory import Cost, Crossings, Trajectory, make_trajectory
 
 __all__ = ["Way", "first_success", "integrate", "other_method"]
 
@@ -512,6 +520,8 @@ class _Job:
         form = made.form if made.model is None else made.model.form
         ground = outset.ground(self.vocabulary.equations, float(self.grid[0]))
         found = ground.watch_divisors(form, made.below, outset.state, made.is_rough)
+        if not found:
+            return ()
         sizes = ground.sizes(divisor_program(form, found), found, state, values)
         if any(g.is_near(size) for g, size in zip(found, sizes, strict=True)):
             raise NearDivisor(self.vocabulary)
@@ -525,7 +535,8 @@ class _Job:
             return None
         # what is not smooth goes on in one chart alone
         near = LAST if rough and equations.system.charts else self.near
-        triples = euler_angles(equations) if rough else angles_without_chart(equations)
+        angles_of = euler_angles if rough else angles_without_chart
+        triples = equations.memo.once(("guarded angles", rough), lambda: angles_of(equations))
         if not triples:
             return None
         return PoleGuard.of(
@@ -535,7 +546,7 @@ class _Job:
     def _bits(self, states: np.ndarray) -> int:
         """The precision of states, at least that of the tolerance: some numbers are short."""
         if states.dtype != object:
-            return precision(states)
+            return float_info.mant_dig
         return max(precision(states), ceil(-log2(self.tol)) + MARGIN)
 
     def _exact(self, bits: int) -> tuple[np.ndarray, list[Any]]:

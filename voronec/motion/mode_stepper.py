@@ -18,7 +18,6 @@ import symengine as se
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.walls import FLAT, SATURATION
 from voronec.errors import EngineLimit
-from voronec.motion.events import Event
 from voronec.motion.methods import is_exact
 from voronec.motion.mode_transitions import (
     DOUBLE,
@@ -30,6 +29,7 @@ from voronec.motion.mode_transitions import (
     Mode,
 )
 from voronec.motion.modes import Corner, LevelSurface, Modes
+from voronec.motion.request import Event
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
 from voronec.motion.steppers.run import in_parts, in_pieces, until
 

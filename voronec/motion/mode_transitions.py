@@ -26,9 +26,9 @@ from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.walls import Wall
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.motion.atlas import Progress
-from voronec.motion.events import Event
 from voronec.motion.methods import choose, choose_regular
 from voronec.motion.modes import Corner, LevelSurface, Modes, motion_along_surfaces
+from voronec.motion.request import Event
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run, Stepper, cut_at_singularity
 from voronec.motion.steppers.units import natural_units

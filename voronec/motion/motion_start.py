@@ -207,7 +207,7 @@ class Outset:
         equations = vocabulary.equations
         constants = parameter_values(vocabulary, given.parameters, set())
         form = equations.raw.form  # made in no time
-        if any(p.name not in constants for p in equations.system.parameters):
+        if not {*equations.system.parameter_names} <= constants.keys():
             form = equations.form
             needed = {str(s) for s in Program.of(form).derivative.symbols}
             constants = parameter_values(vocabulary, given.parameters, needed)

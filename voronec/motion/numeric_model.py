@@ -192,7 +192,7 @@ def _watch(vocabulary: Vocabulary, wanted: OutputTerms, model: Model) -> Watch:
     kept = {name: e for name, e in inside.items() if e.free_symbols <= usable}
     besides = {n: e for n, e in _besides(vocabulary, model).items() if n not in wanted.names}
     expressions = shown | parts | besides
-    watch = Watch.of(replace(wanted, expressions=expressions), level.integrals, kept)
+    watch = Watch.of(wanted, expressions, level.integrals, kept)
     return replace(watch, besides=tuple(besides))
 
 

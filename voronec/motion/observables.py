@@ -77,15 +77,16 @@ class Watch:
     def of(
         cls,
         wanted: OutputTerms,
+        terms: Mapping[str, Any],
         integrals: Mapping[str, Any],
         relations: Mapping[str, Any],
         multipliers: Multipliers | None = None,
     ) -> Watch:
-        """Outputs spelled out, and integrals and relations as expressions inside, by name.
+        """Outputs as ``terms``, and integrals and relations as expressions inside, by name.
 
         ``multipliers`` are needed where the outputs hold reactions.
         """
-        expressions = dict(wanted.expressions)
+        expressions = dict(terms)
         for name, inside in integrals.items():
             expressions[f"integral {name}"] = inside
             expressions[f"size of integral {name}"] = size_of_terms(inside)
@@ -134,6 +135,7 @@ def watch_of(
     names = [vocabulary.name(name, system.integrals, "integral") for name in chosen]
     return Watch.of(
         wanted,
+        wanted.expressions,
         {name: vocabulary.inward(vocabulary.claims[name]) for name in names},
         {str(r): vocabulary.inward(r) for r in system.fibration.relations},
         Multipliers.of(vocabulary.equations.definition) if wanted.reactions else None,

@@ -1,9 +1,9 @@
-"""What a user says of motions, and its meaning: names, scene, outputs, times, parameters, start."""
+"""What a user says of motions, and its meaning: names, scene, outputs, events, times, start."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
-from voronec.algebra.arguments import SEQUENCE
+from voronec.algebra.arguments import COUNT, FLAG, SEQUENCE, SEVERAL, TEXT, require, takes_fields
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
 from voronec.algebra.text import as_expression, in_doubles
 from voronec.declaration.claims import right_of
@@ -20,7 +20,6 @@ from voronec.declaration.reading import (
     doubles,
     expression,
     fixed_mapping,
-    quote,
     quote_number,
     real_text,
     several,
@@ -28,12 +27,13 @@ from voronec.declaration.reading import (
 )
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
-from voronec.errors import DefinitionError, did_you_mean
+from voronec.errors import DefinitionError, did_you_mean, quote
 
 if TYPE_CHECKING:
     from voronec.equations.voronec_equations import VoronecEquations
 
 __all__ = [
+    "Event",
     "OutputTerms",
     "StartData",
     "Values",
@@ -41,6 +41,7 @@ __all__ = [
     "grid_of",
     "held_name",
     "label",
+    "name_events",
     "name_values",
     "number",
     "outputs_of",
@@ -317,15 +318,20 @@ class OutputTerms:
     """Outputs spelled out.
 
     ``names`` in the order asked for, each once; what each is: ``given``, in the user's symbols,
-    those of invariants among them, and ``expressions``, the same inside the door, in coordinates,
-    velocities, time and parameters; or ``reactions``, positions of constraints, which need the
-    accelerations too (``voronec.motion.reactions.Multipliers``).
+    those of invariants among them; or ``reactions``, positions of constraints, which need the
+    accelerations too (``voronec.motion.reactions.Multipliers``).  ``inward`` leads inside the door.
     """
 
     names: tuple[str, ...]
     given: Mapping[str, sp.Expr]
-    expressions: Mapping[str, Any]
+    inward: Callable[[Any], Any]
     reactions: Mapping[str, int]
+
+    @cached_property
+    def expressions(self) -> Mapping[str, Any]:
+        """Those that are given inside the door, in coordinates, velocities, time and parameters:
+        not asked for where a model has been written for them before."""
+        return {name: self.inward(e) for name, e in self.given.items()}
 
 
 @dataclass(frozen=True)
@@ -364,11 +370,6 @@ class Vocabulary:
         return cls(equations, symbols, claims, dict(inputs))
 
     @cached_property
-    def parameter_names(self) -> tuple[str, ...]:
-        """The names of the parameters."""
-        return tuple(p.name for p in self.equations.system.parameters)
-
-    @cached_property
     def rate_names(self) -> tuple[str, ...]:
         """The names of the velocities that follow from those of the equations: of the coordinates,
         and of the fibre of a group."""
@@ -379,7 +380,8 @@ class Vocabulary:
     @cached_property
     def start_names(self) -> tuple[str, ...]:
         """The names of coordinates, of the equations' velocities, and of those that follow."""
-        own = (name for name in self.symbols if name not in {*self.parameter_names, "t"})
+        constants = {*self.equations.system.parameter_names, "t"}
+        own = (name for name in self.symbols if name not in constants)
         return tuple(dict.fromkeys((*own, *self.rate_names)))
 
     @property
@@ -428,8 +430,7 @@ class Vocabulary:
             else:
                 spelled |= map(self.read_condition, groups.get(name, (key,)))
         given = {name: e for name, e in spelled.items() if e is not None}
-        inside = {name: self.inward(e) for name, e in given.items()}
-        return OutputTerms(tuple(spelled), given, inside, chosen)
+        return OutputTerms(tuple(spelled), given, self.inward, chosen)
 
     def name(self, key: Any, among: Iterable[str], role: str) -> str:
         """The plain name of a symbol or name, which must be among some."""
@@ -496,7 +497,7 @@ class Vocabulary:
 def name_values(vocabulary: Vocabulary, given: Mapping[Any, Any], role: str) -> dict[str, Any]:
     """Values by plain name; ``role`` is ``parameter`` or ``initial value``."""
     system = vocabulary.equations.system
-    among = vocabulary.parameter_names if role == "parameter" else vocabulary.start_names
+    among = system.parameter_names if role == "parameter" else vocabulary.start_names
     result: dict[str, Any] = {}
     argument = "parameters" if role == "parameter" else "initial"
     for key, value in texts_read(fixed_mapping(given, argument, "name: value"), role).items():
@@ -505,3 +506,51 @@ def name_values(vocabulary: Vocabulary, given: Mapping[Any, Any], role: str) -> 
             raise DefinitionError(f"system '{system.name}': the {role} '{name}' is given twice")
         result[name] = value
     return result
+
+
+@takes_fields
+@dataclass(frozen=True)
+class Event:
+    """Where ``function`` passes through zero, or jumps through it.
+
+    ``function`` is a name, a symbol or an expression, as for outputs; ``name`` says how the
+    trajectory calls it (by default as the function reads).  ``direction`` 1 asks for passages where
+    the function grows with time, -1 for those where it falls, 0 for both.  ``stop`` ends the run at
+    the first one.  A zero at the start of the motion is none, nor is one that the function touches
+    without a change of sign.
+    """
+
+    function: Any
+    name: str = ""
+    direction: int = 0
+    stop: bool = False
+
+    def __post_init__(self) -> None:
+        require("event", "name", self.name, TEXT)
+        require("event", "stop", self.stop, FLAG)
+        if not COUNT.holds(self.direction) or self.direction not in (-1, 0, 1):
+            raise DefinitionError(
+                f"event '{quote(self.name or self.function)}': direction = "
+                f"{quote(self.direction)} must be 1 (upwards), -1 (downwards) or 0 (both)"
+            )
+
+
+def name_events(vocabulary: Vocabulary, events: Any) -> tuple[tuple[Event, ...], dict[str, Any]]:
+    """Events with their names filled in, and their functions in the user's symbols by name."""
+    single = isinstance(events, str | sp.Basic | Event)
+    if not SEVERAL.holds(events) and not isinstance(events, Event):
+        raise DefinitionError(f"events = {quote(events)} are no events; give voronec.Event(...)")
+    given: Sequence[Any] = (events,) if single else tuple(events)
+    named, inside = [], {}
+    for item in given:
+        event = item if isinstance(item, Event) else Event(item)
+        own, function = vocabulary.read_condition(event.function)
+        name = event.name or own
+        if name in inside:
+            raise DefinitionError(
+                f"system '{vocabulary.equations.system.name}': two events are called '{name}'; "
+                "give Event(..., name=)"
+            )
+        named.append(Event(event.function, name, event.direction, event.stop))
+        inside[name] = function
+    return tuple(named), inside

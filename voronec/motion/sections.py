@@ -31,7 +31,7 @@ from voronec.motion.batches import choose_lanes
 from voronec.motion.ensembles import ensemble
 from voronec.motion.inputs import drive
 from voronec.motion.motion_pool import Many, at_each, drifts, many
-from voronec.motion.one_by_one import SwitchedMotions
+from voronec.motion.one_by_one import DrivenPassages, SwitchedMotions, driven_passages, go_on_alone
 from voronec.motion.request import (
     Values,
     Vocabulary,
@@ -48,7 +48,6 @@ from voronec.motion.section_passages import (
     pass_lanes,
     pass_one_by_one,
 )
-from voronec.motion.section_runs import DrivenPassages, driven_passages, go_on_alone
 from voronec.motion.soundness import JudgeOfMany
 from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.trajectory import Cost

@@ -22,8 +22,8 @@ from voronec.equations.attitudes import EulerAngles, euler_angles
 from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import IntegrationError
-from voronec.motion.events import Event
 from voronec.motion.numeric_model import ProgrammedModel
+from voronec.motion.request import Event
 from voronec.motion.split_models import SplitGround, numbers
 from voronec.motion.state_probe import quantities, quiet
 from voronec.motion.steppers import Halt, Problem, Run

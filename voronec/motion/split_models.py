@@ -40,26 +40,24 @@ from voronec.equations.program import Program, compile_program
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import EngineLimit, VoronecError
-from voronec.motion.dependent_constraints import (
+from voronec.motion.divisors import (
+    CLEAR,
     DIGITS,
+    FEW,
+    GAIN,
+    NEAR,
+    Divisor,
     are_dependent,
     are_infinite,
+    around,
+    bases,
+    crossing_divisors,
+    divisors,
     has_limit,
     next_places,
     orthonormal_rows,
     places_beside,
     solution_rows,
-)
-from voronec.motion.divisors import (
-    CLEAR,
-    FEW,
-    GAIN,
-    NEAR,
-    Divisor,
-    around,
-    bases,
-    crossing_divisors,
-    divisors,
     without_factors,
 )
 from voronec.motion.observables import Watch, size_of_terms

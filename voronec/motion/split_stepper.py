@@ -20,12 +20,11 @@ from voronec.algebra.symbols import plain_name
 from voronec.errors import IntegrationError
 from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import CLEAR, GAIN, NEAR, guard_events
-from voronec.motion.events import Crossings, Event
 from voronec.motion.methods import is_exact
 from voronec.motion.mode_stepper import through_walls
 from voronec.motion.motion_start import WideStart
 from voronec.motion.observables import Watch, evaluate_watch
-from voronec.motion.request import Vocabulary
+from voronec.motion.request import Event, Vocabulary
 from voronec.motion.soundness import Judge
 from voronec.motion.split_models import SplitGround, SplitModel, candidates
 from voronec.motion.state_probe import StateProbe, quantities
@@ -33,7 +32,7 @@ from voronec.motion.steppers import Halt, Problem, Run
 from voronec.motion.steppers.run import in_kind, part_at
 from voronec.motion.steppers.units import natural_units
 from voronec.motion.tolerances import EXACT
-from voronec.motion.trajectory import Cost, Trajectory, assemble_trajectory
+from voronec.motion.trajectory import Cost, Crossings, Trajectory, assemble_trajectory
 
 __all__ = ["SplitRun"]
 

@@ -205,6 +205,8 @@ class StateProbe:
 
     def _lower_rows(self, t: np.ndarray, states: np.ndarray) -> list[list[Any]]:
         """Their entries on and below the diagonal, row by row, arrays (k,) or constants."""
+        if not self.form.velocities:
+            return []
         with np.errstate(all="ignore"):
             flat = iter(self._mass_entries(t, list(states.T), self._values(t)))
         return [[next(flat) for _ in range(i + 1)] for i in range(len(self.form.velocities))]

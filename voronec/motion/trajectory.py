@@ -22,14 +22,20 @@ from voronec.declaration.system import System
 from voronec.declaration.whole_files import draft
 from voronec.equations.program import Program
 from voronec.errors import DefinitionError
-from voronec.motion.events import Crossings
 from voronec.motion.observables import Watch, evaluate_extras, evaluate_watch
 from voronec.motion.request import Vocabulary, held_name
 
 if TYPE_CHECKING:
     from voronec.motion.viewer.page import PageView
 
-__all__ = ["Cost", "LateTrajectory", "Trajectory", "assemble_trajectory", "make_trajectory"]
+__all__ = [
+    "Cost",
+    "Crossings",
+    "LateTrajectory",
+    "Trajectory",
+    "assemble_trajectory",
+    "make_trajectory",
+]
 
 CANCELLATION = 1e-6
 """An integral less than this part of its terms counts as starting at zero."""
@@ -78,6 +84,29 @@ class Cost:
             f"run {self.run:.3g} s, {self.steps} steps, {self.evaluations} evaluations"
             + (f", {self.switches} changes of chart or of side" if self.switches else "")
         )
+
+
+@dataclass(frozen=True, eq=False)
+class Crossings:
+    """The passages of one event: ``t`` (k,), ``state`` (k, n), and outputs by name.
+
+    ``crossings["u"]`` is an array of shape (k,), for coordinates, velocities and the outputs of the
+    trajectory.
+    """
+
+    t: np.ndarray
+    state: np.ndarray
+    names: tuple[str, ...]
+    series: Mapping[str, np.ndarray]
+
+    def __getitem__(self, key: Any) -> np.ndarray:
+        name = held_name(key, (*self.series, *self.names), "the crossings hold")
+        if name in self.series:
+            return self.series[name]
+        return self.state[:, self.names.index(name)]
+
+    def __len__(self) -> int:
+        return len(self.t)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -358,7 +387,7 @@ def assemble_trajectory(
         array.flags.writeable = False
     still = {n: x for n, x in constants.items() if np.ndim(x) == 0}  # others are inputs
     # what is no number is not equal to itself
-    known = {n for n in (p.name for p in system.parameters) if n in still and still[n] == still[n]}
+    known = {n for n in system.parameter_names if n in still and still[n] == still[n]}
     return Trajectory(
         system=system,
         t=t,

@@ -42,11 +42,10 @@ from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, quote
-from voronec.proof.brackets import decide_poisson
 from voronec.proof.closure import decide_essential
 from voronec.proof.decision import Decision, all_zero
+from voronec.proof.hamiltonian_form import decide_multiplier, decide_poisson
 from voronec.proof.measures import binding, chosen_variables, decide_measure, measured_field
-from voronec.proof.multiplier import decide_multiplier
 from voronec.proof.walls import across_walls
 
 __all__ = ["Claim", "case_of", "check_claims", "decide_integral", "specialise"]

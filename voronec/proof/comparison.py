@@ -203,7 +203,7 @@ def _plain_facts(eqs: VoronecEquations) -> dict[str, Any]:
         "base": _names(system.fibration.base),
         "fibre": _names(system.fibration.fibre),
         "velocities": _names(system.velocities),
-        "parameters": [p.name for p in system.parameters],
+        "parameters": [*system.parameter_names],
         "inputs": _names(system.inputs),
         "kind": _within(lambda: eqs.kind),
         "growth": ABSENT if general else _within(lambda: [int(n) for n in eqs.growth]),
@@ -560,7 +560,7 @@ def _deviations(ours: Any, theirs: Any) -> dict[str, float]:
     grid = np.linspace(begin, end, INSTANTS)
     outputs = _variables(ours.system)
     first = integrate(ours, scene="default", times=grid, outputs=outputs)
-    shared = {p.name for p in theirs.system.parameters} & {*first.parameters}
+    shared = {*theirs.system.parameter_names} & {*first.parameters}
     start = dict(zip(first.names, map(float, first.state[0]), strict=True))
     second = integrate(
         theirs,

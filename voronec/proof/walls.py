@@ -35,7 +35,7 @@ from voronec.algebra.precision import GENERIC
 from voronec.algebra.roots import ring_over
 from voronec.algebra.signs import known_sign
 from voronec.algebra.tape import Tape
-from voronec.algebra.terms import factors_of
+from voronec.algebra.terms import factors_of, rational
 from voronec.algebra.verdicts import Verdict, witness_at
 from voronec.equations.vector_field import VectorField
 from voronec.errors import DefinitionError, EngineLimit, quote
@@ -332,7 +332,7 @@ class _Ground:
         still = [a for a in atoms if isinstance(a, se.Symbol) and a not in self.variables]
         on_still = [c for c in conditions if self.variables.isdisjoint(c.free_symbols)]
         known = sample_point(still, on_still, seed - 1) | zero
-        at = {a: se.Integer(int(v.p)) / se.Integer(int(v.q)) for a, v in known.items()}
+        at = {a: rational(v) for a, v in known.items()}
         rest = [h for h in moved_hypotheses(hypotheses, at) if h != 0]
         free = [a for a in tape.atoms if a not in at]
         point = {**sample_point(free, rest, seed, GENERIC), **known}

@@ -1,32 +1,55 @@
-"""The report of an audit: as files, and for the terminal.
+"""The report of an audit: as files, one of them a page, and for the terminal.
 
 Files are plain data, a page, a LaTeX article; the terminal has a line a record, errata and
-conventions below.
+conventions below.  The page is typeset, searchable, and readable offline.
 """
 
 from __future__ import annotations
 
+import base64
 import json
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 
 from voronec.audit.page.article import audit_latex
-from voronec.audit.page.html import Figure, audit_page
+from voronec.audit.page.mathml import fits, mathml, prose
 from voronec.audit.page.phrases import (
+    KINDS,
+    MEANING,
     about,
+    clauses,
     conventions_with_formulas,
     count_sentences,
+    counts,
     end_sentence,
     faults,
+    group_ranges,
+    plain,
+    readable,
     short,
     values,
     with_verdict,
 )
-from voronec.audit.record import Audit, FormulaRecord, Record
+from voronec.audit.page.symbols import LETTERS
+from voronec.audit.record import VERDICTS, Audit, FormulaRecord, Record
 from voronec.declaration.whole_files import replace_file
 from voronec.errors import DefinitionError
 
-__all__ = ["Figure", "audit_summary", "audit_table", "write_audit"]
+__all__ = [
+    "Figure",
+    "anchors",
+    "audit_page",
+    "audit_summary",
+    "audit_table",
+    "conventions",
+    "errata",
+    "record_html",
+    "unaudited_list",
+    "write_audit",
+]
 
 
 def _audit_json(audit: Audit) -> str:
@@ -104,11 +127,11 @@ def audit_table(audit: Audit, width: int = 100) -> str:
             lines += _lines(record, min(names, NAME), width)
     lines += ["", *(_cut(line, width) for line in count_sentences(audit))]
     for number, (record, formula) in enumerate(with_verdict(audit, "misprint"), 1):
-        lines += ["", *_erratum(number, record, formula, width)]
+        lines += ["", *_erratum_in_text(number, record, formula, width)]
     for said, several in conventions_with_formulas(audit):
         lines.append("")
         for record, formula in several:
-            lines.append(_cut(f"convention: {_place(record)}", width))
+            lines.append(_cut(f"convention: {_place_in_text(record)}", width))
             lines += _wrap(formula.says or formula.printed, "  ", width)
         lines += _wrap(end_sentence(short(said)), "  ", width)
     return "\n".join(lines).lstrip("\n") + "\n"
@@ -153,12 +176,12 @@ def _cut_line(line: str, width: int) -> str:
     return line if len(line) <= width else line[: width - 3] + "..."
 
 
-def _place(record: Record) -> str:
+def _place_in_text(record: Record) -> str:
     return f"{record.designation} in '{record.section}'"
 
 
-def _erratum(number: int, record: Record, formula: FormulaRecord, width: int) -> list[str]:
-    lines = [_cut(f"erratum {number}: {_place(record)}", width)]
+def _erratum_in_text(number: int, record: Record, formula: FormulaRecord, width: int) -> list[str]:
+    lines = [_cut(f"erratum {number}: {_place_in_text(record)}", width)]
     if formula.says:
         lines += _wrap(formula.says, "  claim  ", width)
     if formula.correction is None:
@@ -186,3 +209,372 @@ def _witness(formula: FormulaRecord) -> list[str]:
     lines = [f"{name:<10}  {short(value)}" for name, value in values(formula)]
     what = about(witness)
     return [lines[0] + (f"  ({what})" if what else ""), *lines[1:]] if lines else []
+
+
+COLUMN, WIDE = 24.0, 54.0
+"""How wide a formula may be in one of two columns, and in a line of its own, in em."""
+LONG = 200
+"""What is said of a formula is folded where it has more characters."""
+
+Places = Mapping[tuple[str, int], str]
+
+
+def anchors(audit: Audit) -> dict[tuple[str, int], str]:
+    """(section, ordinal) -> an anchor that is used once: the label, or the place."""
+    found: dict[tuple[str, int], str] = {}
+    used: set[str] = set()
+    for record in audit.records:
+        number = audit.sections.index(record.section) + 1
+        name = re.sub(r"[^\w.*-]+", "-", record.label) if record.label else ""
+        if not name or name in used:
+            name = f"s{number}-{record.kind}-{record.ordinal}"
+        used.add(name)
+        found[record.section, record.ordinal] = name
+    return found
+
+
+def errata(audit: Audit, places: Places) -> str:
+    """The list of misprints: for ... read ..., and where the print fails."""
+    items = "".join(_erratum(r, f, places) for r, f in with_verdict(audit, "misprint"))
+    return f'<ol id="errata-list">{items}</ol>' if items else "<p>None.</p>"
+
+
+def conventions(audit: Audit, places: Places) -> str:
+    """The list of what is true under a convention, or in some ranges."""
+    items = ""
+    for said, several in conventions_with_formulas(audit):
+        held = "".join(f"{_place(r, places)}{_statement(f)}" for r, f in several)
+        items += f'<li>{held}<p class="method">{prose(end_sentence(said))}</p></li>'
+    return f'<ol id="conventions-list">{items}</ol>' if items else ""
+
+
+def unaudited_list(audit: Audit, places: Places) -> str:
+    """The list of what nothing decides, each with the reason."""
+    items = "".join(
+        f"<li>{_place(r, places)}{_statement(f)}"
+        f'<p class="method">{prose(end_sentence(f.method))}</p></li>'
+        for r, f in with_verdict(audit, "unaudited")
+    )
+    return f'<ol id="unaudited-list">{items}</ol>' if items else ""
+
+
+def record_html(record: Record, places: Places) -> str:
+    """One record with all its formulas."""
+    anchor = places[record.section, record.ordinal]
+    formulas = "".join(_formula(f, len(record.formulas) > 1) for f in record.formulas)
+    tag = f"{record.kind} {record.ordinal}" if record.label else ""
+    return (
+        f'<article id="{anchor}" data-verdict="{record.verdict}" data-kind="{record.kind}" '
+        f'data-name="{escape(record.designation.lower(), quote=True)}" '
+        f'data-text="{escape(_words(record), quote=True)}"><header><a href="#{anchor}">'
+        f'{escape(record.designation)}</a><span class="tag">{tag}</span>{_badge(record.verdict)}'
+        f"</header>{formulas}</article>\n"
+    )
+
+
+def _words(record: Record) -> str:
+    """What the search looks through."""
+    parts = [record.designation, record.section, record.kind, record.printed]
+    for formula in record.formulas:
+        parts += [formula.verdict, formula.printed, formula.says, formula.method]
+        parts.append(formula.source)
+        parts += [formula.derived or "", formula.correction or ""]
+    return " ".join(" ".join(parts).lower().split())
+
+
+def _place(record: Record, places: Places) -> str:
+    anchor = places[record.section, record.ordinal]
+    return (
+        f'<div><a href="#{anchor}">{escape(record.designation)}</a> '
+        f'<span class="tag">{escape(record.section)}</span></div>'
+    )
+
+
+def _statement(formula: FormulaRecord) -> str:
+    """The formula, or the claim in words."""
+    words = f'<p class="claim">{prose(formula.says)}</p>' if formula.says else ""
+    if not formula.printed:
+        return words
+    shown = mathml(formula.printed, formula.struck, "struck", WIDE)
+    return f'{words}<div class="cell">{shown}</div>'
+
+
+def _erratum(record: Record, formula: FormulaRecord, places: Places) -> str:
+    parts = [_place(record, places)]
+    if formula.printed:
+        if formula.says:
+            parts.append(f'<p class="claim">{prose(formula.says)}</p>')
+        parts.append(_line("for", mathml(formula.printed, formula.struck, "struck", WIDE)))
+    else:
+        parts.append(f'<p class="claim">Not true: {prose(formula.says)}</p>')
+    if formula.correction is not None:
+        read = mathml(formula.correction, formula.changes, "mended", WIDE)
+        parts.append(_line("read", read))
+    else:
+        if formula.derived:
+            parts.append(_line("instead", mathml(formula.derived, limit=WIDE)))
+        parts.append(f'<p class="method">{prose(end_sentence(short(formula.method)))}</p>')
+    link = places[record.section, record.ordinal]
+    return f"<li>{''.join(parts)}{_at_a_point(formula, link)}</li>"
+
+
+def _line(title: str, body: str) -> str:
+    return f'<div class="line"><span>{title}</span><div class="cell">{body}</div></div>'
+
+
+def _formula(formula: FormulaRecord, several: bool) -> str:
+    cells = []
+    if formula.says:
+        cells.append(f'<p class="claim wide">{prose(formula.says)}</p>')
+    if formula.printed:
+        ranges = ", ".join(mathml(q, inline=True) for q in formula.quantifiers)
+        title = "printed" + (f", for {ranges}" if ranges else "")
+        cells.append(_cell(title, formula.printed, formula.struck, "struck"))
+    if formula.derived:
+        cells.append(_cell("derived", formula.derived))
+    elif formula.verdict == "proved" and formula.printed:
+        agrees = '<p class="none">agrees with print</p>'
+        cells.append(f'<div class="cell"><span>derived</span>{agrees}</div>')
+    if formula.correction is not None:
+        cells.append(_cell("corrected", formula.correction, formula.changes, "mended"))
+    badge = f"{_badge(formula.verdict)} " if several else ""
+    return (
+        f'<div class="formula"><div class="pair">{"".join(cells)}</div>'
+        f"{_method(short(formula.method), badge)}{_source(formula)}"
+        f"{_ranges(formula)}{_numbers(formula)}{_point(formula)}</div>"
+    )
+
+
+def _source(formula: FormulaRecord) -> str:
+    """What the derived side was made from."""
+    if not formula.source:
+        return ""
+    return f'<p class="method">Compared with: {prose(end_sentence(formula.source))}</p>'
+
+
+def _cell(title: str, latex: str, marks: Sequence[tuple[int, int]] = (), mark: str = "") -> str:
+    """A formula under its title: in one of two columns, or across both where it is too wide."""
+    narrow = fits(latex, COLUMN)
+    shown = mathml(latex, marks, mark, COLUMN if narrow else WIDE)
+    return f'<div class="cell{"" if narrow else " wide"}"><span>{title}</span>{shown}</div>'
+
+
+def _badge(verdict: str) -> str:
+    return f'<span class="badge {verdict}">{verdict}</span>'
+
+
+def _method(text: str, badge: str = "") -> str:
+    """How a verdict was found; what is long begins with its first clause, and unfolds."""
+    if len(text) <= LONG:
+        return f'<p class="method">{badge}{prose(text)}</p>'
+    first = clauses(text)[0]
+    head = first if len(first) <= LONG else _beginning(first)
+    rest = text[len(head) :].removeprefix(";").strip()
+    summary = f"<summary>{badge}{prose(head)} ...</summary>"
+    return f'<details class="method">{summary}<p>{prose(rest)}</p></details>'
+
+
+def _beginning(text: str) -> str:
+    """A formula or a few words with which a long text begins, dollar signs in pairs."""
+    cut = text[:LONG].rfind(" ")
+    while cut > 0 and text[:cut].count("$") % 2:
+        cut = text[:cut].rfind(" ")
+    return text[: max(cut, 0)]
+
+
+def _ranges(formula: FormulaRecord) -> str:
+    """In which ranges of the parameters it holds; a column of which nothing is said is left out."""
+    entries = group_ranges(formula)
+    heads = [h for h in ("range", "where", "verdict", "method", "witness")
+             if any(entry[h] for entry in entries)]  # fmt: skip
+    shown: dict[str, Callable[[str], str]] = {
+        "verdict": _badge,
+        "method": _method,
+        "where": prose,
+        "witness": prose,
+    }
+    rows = "".join(
+        "<tr>" + "".join(f"<td>{shown.get(h, escape)(entry[h])}</td>" for h in heads) + "</tr>"
+        for entry in entries
+    )
+    titles = "".join(f"<th>{h}</th>" for h in heads)
+    return f'<div class="cell"><table><tr>{titles}</tr>{rows}</table></div>' if rows else ""
+
+
+def _numbers(formula: FormulaRecord) -> str:
+    """The two values of a witness."""
+    lines = [f"<span>{name}</span> {escape(short(value))}" for name, value in values(formula)]
+    if not lines or formula.witness is None:
+        return ""
+    what = about(formula.witness)
+    lines[0] += escape(f" ({what})") if what else ""
+    return f'<p class="numbers">{"<br>".join(lines)}</p>'
+
+
+def _at_a_point(formula: FormulaRecord, link: str) -> str:
+    """The witness on one line; the record has the point."""
+    if formula.witness is None or not values(formula):
+        return ""
+    what = about(formula.witness)
+    text = ", ".join(f"{name} {short(value)}" for name, value in values(formula))
+    place = f'<a href="#{link}">At a point</a>'
+    said = end_sentence(text + (f" ({what})" if what else ""))
+    return f'<p class="method">{place}: {escape(said)}</p>'
+
+
+def _point(formula: FormulaRecord) -> str:
+    witness = formula.witness
+    if witness is None or not witness["point"]:
+        return ""
+    point = [(mathml(readable(k), inline=True), v) for k, v in witness["point"].items()]
+    rows = "".join(
+        f"<dt>{name}</dt><dd>{escape(plain(str(value)))}</dd>"
+        for name, value in (*point, *values(formula))
+    )
+    return f"<details><summary>the point, all digits</summary><dl>{rows}</dl></details>"
+
+
+_MORE = {"µ": "mu", "∫": "int", "√": "sqrt", "∑": "sum", "weierstrass": "wp", "integral": "int"}
+
+
+def _spellings() -> dict[str, list[str]]:
+    """What a reader may type -> the commands that show it; a variant of a letter is that letter."""
+    found: dict[str, list[str]] = {}
+    for command, letter in LETTERS.items():
+        plain = command.lower().removeprefix("var")
+        same = [c for c in (plain, f"var{plain}") if c in LETTERS or c == command.lower()]
+        found[letter.lower()] = [f"\\{name}" for name in same]
+    return found | {typed: [f"\\{command}"] for typed, command in _MORE.items()}
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A picture for the page: an SVG or PNG file, and what it shows."""
+
+    path: Path
+    caption: str = ""
+
+
+def audit_page(audit: Audit, figures: Sequence[Figure] = ()) -> str:
+    """A self-contained HTML page: counts, errata, conventions, then every record by section."""
+    places = anchors(audit)
+    style, script = (_part(f"report.{kind}") for kind in ("css", "js"))
+    spellings = json.dumps(_spellings(), ensure_ascii=False)
+    sections = "".join(_section(audit, n, places) for n in range(len(audit.sections)))
+    pictures = "".join(map(_figure, figures))
+    return (
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>Audit: {escape(audit.title)}</title><style>\n{style}</style></head><body>\n"
+        f"{_contents(audit)}<main>\n<h1>{escape(audit.title)}</h1>\n"
+        f'<p class="by">{escape(audit.authors)}</p>\n{_summary(audit)}\n'
+        f'<section id="errata"><h2>Errata</h2>\n{errata(audit, places)}</section>\n'
+        f"{_conventions(audit, places)}{_unaudited_list(audit, places)}{_search(audit)}\n"
+        f"{sections}{pictures}</main>\n"
+        f"<script>const spellings={spellings};\n{script}</script></body></html>\n"
+    )
+
+
+def _part(name: str) -> str:
+    """The text of a file that stands beside this one."""
+    return Path(__file__).with_name(name).read_text("utf-8")
+
+
+def _contents(audit: Audit) -> str:
+    lines = []
+    for number, title in enumerate(audit.sections, 1):
+        records = [r for r in audit.records if r.section == title]
+        wrong = sum(r.verdict == "misprint" for r in records)
+        mark = f"<i>{wrong}</i> / " if wrong else ""
+        link = f'<a href="#section-{number}">{escape(title)}</a>'
+        lines.append(f"<li>{link}<b>{mark}{len(records)}</b></li>")
+    head = '<li><a href="#errata">Errata</a></li>'
+    if any(r.verdict == "convention" for r in audit.records):
+        head += '<li><a href="#conventions">Conventions</a></li>'
+    if any(r.verdict == "unaudited" for r in audit.records):
+        head += '<li><a href="#unaudited">Not audited</a></li>'
+    return f"<aside><b>Contents</b><ol>{head}</ol><b>Sections</b><ol>{''.join(lines)}</ol></aside>"
+
+
+def _summary(audit: Audit) -> str:
+    found = counts(audit)
+    verdicts = [v for v in reversed(VERDICTS) if any(c[v] for c in found.values())]
+    heads = "".join(f"<th>{KINDS[kind]}</th>" for kind in found)
+    rows = []
+    for verdict in verdicts:
+        cells = "".join(f'<td class="n">{found[kind][verdict]}</td>' for kind in found)
+        name = f'<td><span class="badge {verdict}">{verdict}</span></td>'
+        rows.append(f"<tr>{name}{cells}<td>{MEANING[verdict]}</td></tr>")
+    totals = "".join(f'<td class="n">{sum(found[kind].values())}</td>' for kind in found)
+    formulas = sum(len(r.formulas) for r in audit.records)
+    return (
+        '<p class="lead">Every displayed equation of the paper, and the formulas and claims of its '
+        "text that can be decided, beside what was derived from the Lagrangian and the constraints "
+        "alone. A verdict is proved in exact algebra; a refutation comes with a point at which the "
+        "printed formula fails. Where a display holds several formulas it takes the worst verdict "
+        f"of them, and one that bears several numbers counts once for each; there are {formulas} "
+        "formulas and claims in all.</p>"
+        f"<table><tr><th>verdict</th>{heads}<th>meaning</th></tr>{''.join(rows)}"
+        f"<tr><th>all</th>{totals}<td></td></tr></table>"
+    )
+
+
+def _conventions(audit: Audit, places: dict[tuple[str, int], str]) -> str:
+    found = conventions(audit, places)
+    if not found:
+        return ""
+    return (
+        f'<section id="conventions"><h2>Conventions and ranges</h2>\n'
+        '<p class="lead">True as printed under a convention that another formula contradicts, or '
+        f"in some ranges of the parameters only.</p>{found}</section>\n"
+    )
+
+
+def _unaudited_list(audit: Audit, places: dict[tuple[str, int], str]) -> str:
+    found = unaudited_list(audit, places)
+    if not found:
+        return ""
+    return (
+        f'<section id="unaudited"><h2>Not audited</h2>\n'
+        '<p class="lead">What the text states, and nothing here decides. Sentences on history, on '
+        f"sources and on what comes next state nothing of the kind.</p>{found}</section>\n"
+    )
+
+
+def _search(audit: Audit) -> str:
+    found = counts(audit)
+    buttons = ""
+    for verdict, count in audit.count().items():
+        if count:
+            buttons += _button("verdict", verdict, verdict, count)
+    for kind in found:
+        buttons += _button("kind", kind, KINDS[kind], sum(found[kind].values()))
+    placeholder = "display 2, (label), words, γ, LaTeX"
+    return (
+        f'<nav><input id="search" type="search" placeholder="{placeholder}" '
+        f'aria-label="search">{buttons}<span id="shown"></span></nav>'
+    )
+
+
+def _button(group: str, value: str, name: str, count: int) -> str:
+    """What shows only the records of a verdict, or of a kind, and how many these are."""
+    words = f"{name} <small>{count}</small>"
+    return f'<button data-{group}="{value}" aria-pressed="false">{words}</button>'
+
+
+def _section(audit: Audit, number: int, places: dict[tuple[str, int], str]) -> str:
+    title = audit.sections[number]
+    records = "".join(record_html(r, places) for r in audit.records if r.section == title)
+    return (
+        f'<section id="section-{number + 1}" data-records><h2>{escape(title)}</h2>\n{records}'
+        "</section>\n"
+    )
+
+
+def _figure(figure: Figure) -> str:
+    kind = "image/svg+xml" if figure.path.suffix == ".svg" else "image/png"
+    data = base64.b64encode(figure.path.read_bytes()).decode("ascii")
+    return (
+        f'<figure><img alt="{escape(figure.caption, quote=True)}" src="data:{kind};base64,{data}">'
+        f"<figcaption>{escape(figure.caption)}</figcaption></figure>\n"
+    )

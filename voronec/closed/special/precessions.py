@@ -329,7 +329,7 @@ def _at_rest(family: Precessions, value: sp.Expr) -> sp.Expr:
 def _fresh(system: System, quadratures: Quadratures) -> sp.Symbol:
     """A symbol w that means nothing else."""
     taken = {str(s) for _, e, _ in quadratures.expressions() for s in e.free_symbols}
-    taken |= {p.name for p in system.parameters}
+    taken |= {*system.parameter_names}
     return next(sp.Symbol(n) for n in ("w", "w_0", "w_00") if n not in taken)
 
 

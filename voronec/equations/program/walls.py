@@ -24,7 +24,7 @@ from voronec.algebra.graphs import is_flat, nodes
 from voronec.algebra.numeric_functions import formula
 from voronec.algebra.ring import Ring
 from voronec.algebra.signs import known_sign
-from voronec.algebra.terms import factors_of, is_exponential, summands
+from voronec.algebra.terms import factors_of, is_exponential, rational, summands
 from voronec.errors import EngineLimit
 
 __all__ = [
@@ -379,7 +379,7 @@ def _square_factor(base: Any) -> tuple[Any, Any]:
     for angle, (c, _) in ring.pairs.items():
         half = angle / (2 * ring.found.angles[angle])
         halves += [(1 - c, se.sin(half)), (1 + c, se.cos(half))]
-    root, rest = se.Integer(1), se.Integer(int(content.p)) / se.Integer(int(content.q))
+    root, rest = se.Integer(1), rational(content)
     for poly, e in factors:
         expr = ring.polynomial(poly)
         twice = next(((h, k) for g, h in halves for k in (1, -1) if expr == (k * g).expand()), None)

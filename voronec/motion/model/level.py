@@ -22,6 +22,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import combinations, permutations
 from typing import Any
 
@@ -172,7 +173,7 @@ class Level(EquationsOfMotion):
     exact: bool = True
     inertia: tuple[tuple[Any, ...], ...] | None = None
 
-    @property
+    @cached_property
     def positive(self) -> tuple[Any, ...]:
         """The parameters that are declared to be positive."""
         return tuple(se.Symbol(p.name) for p in self.system.parameters if p.is_positive)

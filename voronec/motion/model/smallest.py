@@ -34,9 +34,7 @@ from voronec.motion.model.level import (
     needed_variables,
     restrict,
 )
-from voronec.motion.model.momenta import momenta_level
 from voronec.motion.model.packs import Packs
-from voronec.motion.model.relative import relative_level
 from voronec.motion.model.special import (
     at_zero,
     by_integrals,
@@ -44,6 +42,7 @@ from voronec.motion.model.special import (
     level_of,
     without_parameters,
 )
+from voronec.motion.model.variables import momenta_level, relative_level
 
 if TYPE_CHECKING:
     import networkx as nx

@@ -208,7 +208,7 @@ COORDINATES, RADII = ("u", "v", "u1", "v1", "theta"), ("R1", "R2")
 
 def check_film(system: System, target: Path) -> None:
     """``DefinitionError`` where no film of the system can be written there, before any work."""
-    names = {plain_name(q) for q in system.coordinates} | {p.name for p in system.parameters}
+    names = {plain_name(q) for q in system.coordinates} | {*system.parameter_names}
     missing = [name for name in (*COORDINATES, *RADII) if name not in names]
     if missing:
         raise DefinitionError(

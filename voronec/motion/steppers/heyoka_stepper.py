@@ -18,11 +18,13 @@ import symengine as se
 
 from voronec.declaration.whole_files import user_cache
 from voronec.equations.program import Program, hoist, taylor_extras, taylor_system
-from voronec.motion.events import Event
+from voronec.motion.request import Event
 from voronec.motion.steppers.run import (
     DISTANT,
     INFINITE,
+    WINDOW,
     Halt,
+    Headway,
     Log,
     Problem,
     Run,
@@ -44,14 +46,11 @@ from voronec.motion.steppers.series_reach import (
     reach,
 )
 from voronec.motion.steppers.step_loop import (
-    WINDOW,
-    Headway,
     early_looks,
     early_returns,
     level_function,
 )
-from voronec.motion.steppers.turn_count import CHUNK, LEAST, SHORT, TurnCount
-from voronec.motion.steppers.units import natural_units
+from voronec.motion.steppers.units import CHUNK, LEAST, SHORT, TurnCount, natural_units
 
 __all__ = [
     "COMPACT",

@@ -10,14 +10,13 @@ from typing import Any, Protocol
 import numpy as np
 
 from voronec.equations.program import compile_program
-from voronec.motion.events import Event
+from voronec.motion.request import Event
 from voronec.motion.steppers.run import (
     COLLAPSE,
     DISTANT,
-    ENDLESS,
-    FAR,
     SINGULAR,
     Halt,
+    Headway,
     Log,
     Problem,
     Run,
@@ -27,8 +26,6 @@ from voronec.motion.steppers.run import (
 )
 
 __all__ = [
-    "WINDOW",
-    "Headway",
     "IntegratorFailure",
     "Stretch",
     "Stride",
@@ -229,82 +226,12 @@ def root(function: Callable[[Any], Any], a: Any, left: Any, b: Any, right: Any) 
 
 TINY = 1e-6
 """The part of a step over which slopes of functions are taken."""
-WINDOW, CRAWL = 1000, 1e-7
-"""So many steps that cover less than this part of the span lead nowhere."""
-LONG = 10_000
-"""After four times so many steps, and more, a run is ended that would take ``ENDLESS`` ones."""
-SHORTER = 0.1
-"""Steps that have become shorter by this are said to collapse, where the end is too far away."""
 SUSPECTS = 64
 """States whose mass matrices are looked at together."""
 
 
 class IntegratorFailure(Exception):
     """An integrator cannot go on, for a reason in words."""
-
-
-@dataclass
-class Headway:
-    """A look at whether steps lead to the end of a run, from its ``start`` on.
-
-    They lead nowhere where many of them cover next to nothing, and where too many are left: at the
-    best pace p of the last half of N steps, which fades as N^-a, the way d that is left takes
-    N (1 + (1 - a) d/(p N))^(1/(1 - a)) steps, or N exp(d/(p N)) where a = 1.  That is looked at
-    whenever their number has doubled, beyond ``looked``.
-    """
-
-    start: Any
-    end: float
-    looked: int = field(default_factory=lambda: LONG)
-    marks: tuple[float, int] = field(init=False)
-    time: float = field(init=False)
-    steps: int = 0
-    best: float = 0.0
-    former: float = 0.0
-    fastest: float = 0.0
-
-    def __post_init__(self) -> None:
-        self.time = float(self.start)
-        self.marks = self.time, 0
-
-    def failure(self, steps: int, time: Any) -> str:
-        """Why so many steps, which came to a time, lead nowhere; empty where they do not.
-
-        The first of them are none to compare: what they cover tells nothing without the next.
-        """
-        time, mark, marked = float(time), *self.marks
-        if steps - marked >= WINDOW:
-            self.marks, pace = (time, steps), abs(time - mark) / (steps - marked)
-            self.fastest = max(self.fastest, pace)
-            if marked and pace * WINDOW <= CRAWL * abs(self.end - float(self.start)):
-                return self.reason(pace)
-        return self.distance(steps, time)
-
-    def distance(self, steps: int, time: Any) -> str:
-        """Why the end is too far away, empty where it is not."""
-        if steps - self.steps < WINDOW:
-            return ""
-        pace = abs(float(time) - self.time) / (steps - self.steps)
-        self.time, self.steps, self.best = float(time), steps, max(self.best, pace)
-        self.fastest = max(self.fastest, pace)
-        if steps < 2 * self.looked or not self.best:
-            return "" if self.best else COLLAPSE
-        fading = np.log(self.former / self.best) / np.log(steps / self.looked) if self.former else 0
-        left = abs(self.end - self.time) / (self.best * steps)
-        pace, self.looked, self.former, self.best = self.best, steps, self.best, 0.0
-        if np.log(steps) + _log_growth(left, min(fading, 1.0)) <= np.log(ENDLESS):
-            return ""
-        return self.reason(pace)
-
-    def reason(self, pace: float) -> str:
-        """Whether steps have become short, by what many of them cover, or the way is long."""
-        return COLLAPSE if pace <= SHORTER * self.fastest else FAR
-
-
-def _log_growth(left: float, fading: float) -> float:
-    """log (1 + (1 - a) z)^(1/(1 - a)), for ``left`` = z and ``fading`` = a up to 1."""
-    rest = 1 - fading
-    return float(np.log1p(rest * left) / rest if rest > TINY else left)
 
 
 @dataclass(frozen=True)

@@ -73,7 +73,7 @@ def quartic_parts(vocabulary: Vocabulary) -> dict[str, Any]:
 def mesh_source(shapes: Sequence[Shape], vocabulary: Vocabulary) -> str:
     """JavaScript whose ``extras(t, (a, b), parameters)`` gives three numbers for each patch of each
     shape, one after the other."""
-    parameters = tuple(se.Symbol(p.name) for p in vocabulary.equations.system.parameters)
+    parameters = tuple(map(se.Symbol, vocabulary.equations.system.parameter_names))
     points = [
         vocabulary.equations.door.inward(e) for s in shapes for p in s.patches for e in p.position
     ]

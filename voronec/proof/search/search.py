@@ -3,23 +3,37 @@
 dF/dt = 0 is linear in the coefficients of F.  At random points modulo a prime it is a matrix whose
 rank is at most the rank over Q and the parameters: so what it does not allow, does not exist for
 generic parameters.  What it allows is lifted to Q and the parameters, and proved.
+
+A ``Question`` is what a search is about: a field at given parameters, the letters of the ansatz,
+what is known.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 import symengine as se
+import sympy as sp
 
 from voronec.algebra.arguments import accepts, callback
+from voronec.algebra.conditions import substituted_conditions
+from voronec.algebra.matrices import dot
+from voronec.algebra.normal import canonical, shortest
+from voronec.algebra.roots import ring_over
+from voronec.algebra.shape import expression
+from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import Verdict, decide_zero
+from voronec.declaration.claims import Corrected
+from voronec.declaration.reading import quote
 from voronec.declaration.system import System
+from voronec.equations.motions import Motions
+from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.errors import EngineLimit
+from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 from voronec.proof.search.gradings import Gradings
 from voronec.proof.search.independence import Independence
 from voronec.proof.search.lifting import (
@@ -35,11 +49,10 @@ from voronec.proof.search.lifting import (
     rank_of,
 )
 from voronec.proof.search.probe import Probe, Values
-from voronec.proof.search.question import Question
 from voronec.proof.search.residues import Array
 from voronec.proof.search.result import FoundIntegral, IntegralSearch
 
-__all__ = ["search_integrals", "searches"]
+__all__ = ["Ansatz", "Letter", "Question", "search_integrals", "searches"]
 
 CLASS_LIMIT = 2000
 """How many monomials of one class are taken on, unless told otherwise."""
@@ -273,3 +286,383 @@ def _proof(rate: Any, relations: Sequence[Any]) -> Verdict:
         return decide_zero(rate, relations)
     except EngineLimit as limit:
         return Verdict("undecided", str(limit))
+
+
+@dataclass(frozen=True)
+class Letter:
+    """One function of the state, of ``kind`` velocity, position or denominator.
+
+    ``name`` is how it is printed, ``value`` what it is, inside the door, ``meaning`` in the
+    user's symbols; a denominator enters by its reciprocal, its meaning is the denominator.
+    """
+
+    name: sp.Expr
+    value: Any
+    meaning: sp.Expr
+    kind: str
+
+    @property
+    def is_named(self) -> bool:
+        """Whether the name is not the function itself."""
+        return bool(self.symbol != self.meaning)
+
+    @property
+    def symbol(self) -> sp.Expr:
+        """What ``meaning`` is the meaning of: the name, or what the name is the reciprocal of."""
+        return 1 / self.name if self.kind == "denominator" else self.name
+
+
+@dataclass(frozen=True)
+class Ansatz:
+    """Sums of monomials of degree up to ``degree`` in the letters of kind velocity, ``positions``
+    in those of kind position, over up to ``power`` powers of each denominator."""
+
+    letters: tuple[Letter, ...]
+    degree: int
+    positions: int
+    power: int
+
+    def of(self, kind: str) -> list[Letter]:
+        """The letters of one kind."""
+        return [letter for letter in self.letters if letter.kind == kind]
+
+    def count(self) -> int:
+        """How many monomials there are."""
+        total = (self.power + 1) ** len(self.of("denominator"))
+        for kind, bound in (("velocity", self.degree), ("position", self.positions)):
+            total *= int(sp.binomial(len(self.of(kind)) + bound, bound))
+        return total
+
+    def exponents(self) -> Array:
+        """One row for each monomial, in the order of the letters; low degrees first."""
+        columns: dict[str, list[int]] = {"velocity": [], "position": [], "denominator": []}
+        for i, letter in enumerate(self.letters):
+            columns[letter.kind].append(i)
+        rows = []
+        for v in _up_to(len(columns["velocity"]), self.degree):
+            for q in _up_to(len(columns["position"]), self.positions):
+                for d in np.ndindex(*([self.power + 1] * len(columns["denominator"]))):
+                    row = np.zeros(len(self.letters), dtype=np.int64)
+                    row[columns["velocity"]] = v
+                    row[columns["position"]] = q
+                    row[columns["denominator"]] = d
+                    rows.append(row)
+        return np.array(sorted(rows, key=_order), dtype=np.int64).reshape(-1, len(self.letters))
+
+    def degrees(self, exponents: Array) -> Array:
+        """The degree in the velocities of each monomial."""
+        moving = [letter.kind == "velocity" for letter in self.letters]
+        return exponents[:, moving].sum(axis=1)
+
+    def words(self) -> str:
+        """The form, in one line."""
+        velocities, positions = (
+            ", ".join(str(x.name) for x in self.of(kind)) for kind in ("velocity", "position")
+        )
+        parts = []
+        if velocities:
+            parts.append(f"of degree up to {self.degree} in {velocities}")
+        if positions:
+            parts.append(f"of degree up to {self.positions} in {positions}")
+        text = "a polynomial " + " and ".join(parts)
+        below = [str(x.symbol) for x in self.of("denominator")]
+        if below:
+            power = f"^{self.power}" if self.power > 1 else ""
+            text += " over " + " ".join(f"{b}{power}" for b in below)
+        return text.replace("**", "^")
+
+
+def _up_to(letters: int, degree: int) -> Iterator[Sequence[int]]:
+    """Exponents of total degree up to a bound."""
+    if letters == 0:
+        yield ()
+        return
+    for first in range(degree + 1):
+        for rest in _up_to(letters - 1, degree - first):
+            yield (first, *rest)
+
+
+def _order(row: Array) -> tuple[int, ...]:
+    return (int(row.sum()), *(-int(e) for e in row))
+
+
+SymbolValues = Mapping[Any, sp.Expr]
+
+
+def _declared_integrals(
+    system: System, values: SymbolValues, cases: Mapping[str, SymbolValues]
+) -> dict[str, sp.Expr]:
+    """The declared integrals: those of the system, and those of the cases, each given with its
+    parameters, that hold at these values of parameters."""
+    claims = dict(system.integrals)
+    for name, parameters in cases.items():
+        if _is_implied(parameters, values):
+            claims |= {f"{k} ({name})": v for k, v in system.cases[name].integrals.items()}
+    return {k: c.right if isinstance(c, Corrected) else c for k, c in claims.items()}
+
+
+def _is_implied(case: SymbolValues, values: SymbolValues) -> bool:
+    """Whether the values given to parameters are among those of a case."""
+    at = dict(values)
+    return bool(case) and all(
+        sp.cancel(symbol.xreplace(at) - value.xreplace(at)) == 0 for symbol, value in case.items()
+    )
+
+
+def _on_field(
+    motions: Motions, field: VectorField, claims: Mapping[str, sp.Expr]
+) -> dict[str, Any]:
+    """The claims that are functions on the field, inside the door.
+
+    One that holds coordinates is rewritten in the invariants, where that is possible; one that
+    holds the time is left out.
+    """
+    plain, other = {}, {}
+    for name, expr in claims.items():
+        if field.level == "coordinates" or not motions.holds_coordinate([expr]):
+            plain[name] = motions.at(field.level).read(expr)
+        else:
+            other[name] = motions.on_coordinates.read(expr)
+    found = plain | _descend(motions, other)
+    return {k: found[k] for k in claims if k in found and found[k].diff(field.time) == 0}
+
+
+def _descend(motions: Motions, functions: Mapping[str, Any]) -> dict[str, Any]:
+    """Functions of coordinates and velocities as functions of invariants and velocities, where
+    elimination finds them as such."""
+    if not functions:
+        return {}
+    definition, door = motions.equations.definition, motions.equations.door
+    inside = [door.inward(g) for g in motions.system.invariants.values()]
+    tags = [door.inward(s) for s in motions.system.invariant_symbols]
+    ideal = [*definition.relations, *(g - t for g, t in zip(inside, tags, strict=True))]
+    found = {}
+    for name, function in functions.items():
+        try:
+            (target,) = canonical([function], definition.relations)
+            ring = ring_over([target, *inside, *tags, *definition.velocities], ideal)
+            element = ring.fraction(target)
+        except EngineLimit:
+            continue
+        moving = {*definition.coordinates}
+        bound = [i for i, e in enumerate(ring.meaning) if e.free_symbols & moving]
+        parts = [element.num, *(f for f, _ in ring.field.factors(element.den))]
+        if not any(f != 0 and f.degrees()[i] for f in parts for i in bound):
+            found[name] = expression(ring, element)
+    return found
+
+
+@dataclass(frozen=True)
+class Question:
+    """A field, an ansatz, integrals that need not be found again, by name, and the names of those
+    that are declared but are no functions on this field."""
+
+    field: VectorField
+    ansatz: Ansatz
+    known: dict[str, Any]
+    foreign: tuple[str, ...]
+    at: dict[sp.Symbol, sp.Expr]
+
+    @classmethod
+    def about(
+        cls,
+        system: System | VoronecEquations,
+        degree: int,
+        positions: int,
+        denominators: Sequence[Any],
+        power: int,
+        functions: Mapping[str, Any],
+        momenta: bool,
+        at: Mapping[Any, Any],
+        again: bool,
+    ) -> Question:
+        """Read what the user handed in."""
+        for name, number in (("degree", degree), ("positions", positions), ("power", power)):
+            if not isinstance(number, int) or isinstance(number, bool) or number < 0:
+                raise DefinitionError(f"{name} is {quote(number)}; give a number from 0 upward")
+        motions = Motions.of(system)
+        given = _functions(motions.system, functions)
+        below = [d if d == "mass" else as_expression(d) for d in denominators]
+        plain = [*given.values(), *(d for d in below if d != "mass")]
+        values = _values(motions.system, at)
+        new = {s for v in values.values() for s in v.free_symbols}
+        _check_symbols(motions.system, plain, new)
+        field = _specialize(motions.field_for(plain), values)
+        reader = _StateReader(field, values)
+        letters = [
+            *reader.velocities(momenta),
+            *reader.positions(),
+            *reader.functions(given),
+            *reader.denominators(below),
+        ]
+        ansatz = Ansatz(tuple(letters), degree, positions, power)
+        cases = {k: _values(motions.system, c.parameters) for k, c in motions.system.cases.items()}
+        claims = {} if again else _declared_integrals(motions.system, values, cases)
+        inside = {field.door.inward(s): field.door.inward(v) for s, v in values.items()}
+        given_known = _on_field(motions, field, claims)
+        known = {name: f.xreplace(inside) for name, f in given_known.items()}
+        return cls(field, ansatz, known, tuple(n for n in claims if n not in known), values)
+
+
+@dataclass(frozen=True)
+class _StateReader:
+    field: VectorField
+    values: Mapping[sp.Symbol, sp.Expr]
+
+    def read(self, expr: sp.Expr) -> Any:
+        return self.field.read(as_expression(expr).xreplace(dict(self.values)))
+
+    def _letter(self, value: Any, kind: str, name: str = "") -> Letter:
+        meaning = self.field.door.outward(value)
+        return Letter(sp.Symbol(name) if name else meaning, value, meaning, kind)
+
+    def _kind(self, value: Any) -> str:
+        return "velocity" if value.free_symbols & {*self.field.velocities} else "position"
+
+    def velocities(self, momenta: bool) -> list[Letter]:
+        field = self.field
+        if not momenta:
+            return [self._letter(v, "velocity") for v in field.velocities]
+        rows = [dot(row, field.velocities) for row in field.mass]
+        pairs = zip(rows, field.velocities, strict=True)
+        return [self._letter(row, "velocity", f"p_{v}") for row, v in pairs]
+
+    def positions(self) -> list[Letter]:
+        """Coordinates; of those under sines and cosines, these."""
+        field = self.field
+        under = {q: [e for e in field.entries if q in e.free_symbols] for q in field.positions}
+        found = []
+        for q in field.positions:
+            plain = se.Symbol(f"{q} in a circle")
+            bare = any(
+                q in e.xreplace({se.cos(q): plain, se.sin(q): plain, se.tan(q): plain}).free_symbols
+                for e in under[q]
+            )
+            if under[q] and (not bare or any(e.has(se.sin(q), se.cos(q)) for e in under[q])):
+                found += [self._letter(f(q), "position") for f in (se.cos, se.sin)]
+            if bare or not under[q]:
+                found.append(self._letter(q, "position"))
+        return found
+
+    def functions(self, given: Mapping[str, sp.Expr]) -> list[Letter]:
+        found = []
+        for name, expr in given.items():
+            value = self.read(expr)
+            if not value.free_symbols & {*self.field.variables}:
+                raise DefinitionError(f"the function '{name}' is a constant; leave it out")
+            found.append(self._letter(value, self._kind(value), name))
+        return found
+
+    def denominators(self, below: Sequence[Any]) -> list[Letter]:
+        found: list[Letter] = []
+        longer = sum(d == "mass" or not as_expression(d).is_Symbol for d in below)
+        for d in below:
+            value = self.read(d) if d != "mass" else self._determinant()
+            if not value.free_symbols & {*self.field.variables}:
+                raise DefinitionError(f"the denominator '{quote(d)}' is a constant; leave it out")
+            meaning = self.field.door.outward(value)
+            name = meaning
+            if not meaning.is_Symbol:
+                name = sp.Symbol("Delta" if longer == 1 else f"Delta{len(found) + 1}")
+            found.append(Letter(1 / name, 1 / value, meaning, "denominator"))
+        return found
+
+    def _determinant(self) -> Any:
+        """The numerator of the determinant of the mass."""
+        size, relations = len(self.field.mass), self.field.relations
+        matrix = se.DenseMatrix(size, size, [e for row in self.field.mass for e in row])
+        ring = ring_over([matrix.det()], relations)
+        above = ring.field.absorb(ring.fraction(matrix.det())).num
+        return shortest([ring.polynomial(above)], relations)[0]
+
+
+def _functions(system: System, given: Mapping[str, Any]) -> dict[str, sp.Expr]:
+    """Extra letters by name; a vector counts its entries from 1, and None stands for the function
+    of a declared equation."""
+    found: dict[str, sp.Expr] = {}
+    taken = {str(s) for s in (*system.known_symbols(), *system.invariant_symbols)}
+    for name, value in given.items():
+        if value is None:
+            if name not in system.equations:
+                raise DefinitionError(
+                    f"system '{system.name}' declares no equation '{name}'"
+                    + did_you_mean(name, system.equations)
+                )
+            claim = system.equations[name]
+            value = (claim.right if isinstance(claim, Corrected) else claim).function
+        entries = list(value) if isinstance(value, (list, tuple, sp.MatrixBase)) else [value]
+        plain = name.replace(" ", "_")
+        count = range(1, len(entries) + 1)
+        names = [plain] if len(entries) == 1 else [f"{plain}{i}" for i in count]
+        for one, entry in zip(names, entries, strict=True):
+            if one in taken or one in found:
+                raise DefinitionError(f"the name '{one}' is taken; give the function another")
+            found[one] = as_expression(entry)
+    return found
+
+
+def _check_symbols(system: System, exprs: Iterable[sp.Expr], new: set[Any]) -> None:
+    known = {*system.known_symbols(), *system.invariant_symbols, *new}
+    names = {str(s) for s in known}
+    for expr in exprs:
+        for symbol in sorted(expr.free_symbols - known, key=str):
+            if str(symbol) not in names:
+                raise DefinitionError(
+                    f"system '{system.name}' has no symbol '{symbol}'"
+                    + did_you_mean(str(symbol), names)
+                )
+
+
+def _values(system: System, at: Mapping[Any, Any]) -> dict[sp.Symbol, sp.Expr]:
+    """Special values of parameters, by symbol."""
+    parameters = {str(p.symbol): p.symbol for p in system.parameters}
+    found = {}
+    for key, value in at.items():
+        if str(key) not in parameters:
+            raise DefinitionError(
+                f"system '{system.name}' has no parameter '{key}'"
+                + did_you_mean(str(key), parameters)
+            )
+        found[parameters[str(key)]] = as_expression(value).xreplace(
+            {
+                s: parameters[str(s)]
+                for s in as_expression(value).free_symbols
+                if str(s) in parameters
+            }
+        )
+    for symbol, value in found.items():
+        if value.free_symbols & {*found}:
+            raise DefinitionError(
+                f"the value '{value}' of '{symbol}' holds a parameter that has a value itself; "
+                "write it with the others"
+            )
+    return found
+
+
+def _specialize(field: VectorField, values: Mapping[sp.Symbol, sp.Expr]) -> VectorField:
+    """The field at special values of parameters; symbols that are new become parameters."""
+    if not values:
+        return field
+    inside = {field.door.inward(s): field.door.inward(v) for s, v in values.items()}
+    text = ", ".join(f"{s} = {v}" for s, v in values.items())
+
+    def enter(exprs: Sequence[Any]) -> tuple[Any, ...]:
+        found = tuple(e.xreplace(inside) for e in exprs)
+        if any(e.has(se.zoo) or e.has(se.nan) for e in found):
+            raise DefinitionError(
+                f"system '{field.system.name}': the equations have no value at {text}"
+            )
+        return found
+
+    new = sorted({s for v in inside.values() for s in v.free_symbols}, key=str)
+    left = [s for s in field.parameters if s not in inside]
+    return replace(
+        field,
+        parameters=(*left, *(s for s in new if s not in left)),
+        rates=enter(field.rates),
+        mass=tuple(enter(row) for row in field.mass),
+        force=enter(field.force),
+        relations=enter(field.relations),
+        conditions=substituted_conditions(field.conditions, inside),
+        meaning={k: v.xreplace(inside) for k, v in field.meaning.items()},
+    )
