@@ -19,9 +19,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Case, Limit, Relation, Scene, Square, kinematics
+from voronec import Case, Relation, Scene, Square, kinematics
 
-R1, R2, m, h = sp.symbols("R1 R2 m h")
+R1, R2, m = sp.symbols("R1 R2 m")
 inertia, kappa = sp.symbols("I1:4"), sp.symbols("kappa1:4")
 
 ball = kinematics.BalancedBall.on_sphere(R1, R2, m, inertia, kappa)
@@ -58,17 +58,12 @@ SYSTEM = ball.rubber_system(
 )
 
 RELATIONS = (
-    Relation.of(
-        SYSTEM,
-        "rubber-ball-on-sphere",
-        limit=Limit(h, {k: h * k for k in kappa}),
-        note="the gyroscope is taken away",
-    ),
+    Relation.of(SYSTEM, "rubber-ball-on-sphere", vanish=kappa, note="the gyroscope is taken away"),
     Relation.of(
         SYSTEM,
         "gyroscopic-rubber-ball-on-plane",
         {"R": R2},
-        limit=Limit(h, {R1: 1 / h}),
+        grow=R1,
         note="the sphere becomes a plane",
     ),
 )

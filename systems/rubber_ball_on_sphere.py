@@ -15,9 +15,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Case, Corrected, Limit, Relation, Scene, kinematics
+from voronec import Case, Corrected, Relation, Scene, kinematics
 
-R1, R2, m, h = sp.symbols("R1 R2 m h")
+R1, R2, m = sp.symbols("R1 R2 m")
 inertia = I1, I2, I3 = sp.symbols("I1:4")
 
 ball = kinematics.BalancedBall.on_sphere(R1, R2, m, inertia)
@@ -68,10 +68,6 @@ SYSTEM = ball.rubber_system(
 
 RELATIONS = (
     Relation.of(
-        SYSTEM,
-        "rubber-ball-on-plane",
-        {"R": R2},
-        limit=Limit(h, {R1: 1 / h}),
-        note="the sphere becomes a plane",
+        SYSTEM, "rubber-ball-on-plane", {"R": R2}, grow=R1, note="the sphere becomes a plane"
     ),
 )

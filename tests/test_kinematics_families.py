@@ -143,6 +143,33 @@ def test_parameters_keep_their_names_but_for_those_changed():
     assert Relation.of(source, "same").parameters == {p.name: p.symbol for p in source.parameters}
 
 
+def test_a_usual_limit_is_named_by_what_moves():
+    """To zero as h p, to infinity as 1/h, with a small parameter whose letter the system lacks."""
+    h, h0, source = *sp.symbols("h h0"), ball()
+    both = Relation.of(source, "flat", vanish=moments, grow=r)
+    assert both.limit == Limit(h, {**{p: h * p for p in moments}, r: 1 / h})
+    assert {*both.parameters} == {"b", "M", "k"}
+    heavy = BalancedBall.on_plane(b, h, moments).system(
+        name="heavy", values={b: 1, h: 2, moments: (1, 2, 2)}
+    )
+    assert Relation.of(heavy, "light", vanish="h").limit == Limit(h0, {h: h * h0})
+
+
+@pytest.mark.parametrize(
+    ("moves", "words"),
+    [
+        ({"grow": "P4"}, "'P4' vanishes or grows, but is no parameter of 'own-ball'; did you mean"),
+        ({"vanish": (k, k)}, "'k' moves in two ways"),
+        ({"vanish": k, "grow": k}, "'k' moves in two ways"),
+        ({"grow": r, "limit": Limit("h", {r: "1/h"})}, "'r' moves in two ways"),
+        ({"vanish": {k}}, "vanish = .* is not a tuple; write vanish=.parameter, ...."),
+    ],
+)
+def test_a_usual_limit_moves_each_parameter_once(moves, words):
+    with pytest.raises(DefinitionError, match=words):
+        Relation.of(ball(), "flat", **moves)
+
+
 def test_squares_through_systems_pass_the_relations_between_neighbours():
     own = Square.through(("a", "b", "d"), ("a", "c", "d"), name="both ways")
     assert own == Square(("a -> b", "b -> d"), ("a -> c", "c -> d"), name="both ways")
