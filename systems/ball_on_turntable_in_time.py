@@ -104,20 +104,12 @@ SYSTEM = System(
 )
 
 attitude = {str(s): s for s in (phi, theta, psi, n)}
-constants = {str(s): s for s in (m, R, A, Omega)}
 
 RELATIONS = (
-    Relation(
-        "ball-on-turntable-in-time",
+    Relation.of(
+        SYSTEM,
         "ball-on-turntable",
-        state={
-            "x": place[0],
-            "y": place[1],
-            "vx": turned[0],
-            "vy": turned[1],
-            **attitude,
-        },
-        parameters=constants,
+        state={**dict(zip(("x", "y", "vx", "vy"), (*place, *turned), strict=True)), **attitude},
         note="From the axes of the table to those of space, by a turn that depends on the time.",
     ),
 )

@@ -44,11 +44,10 @@ special = kinematics.TorusOnEllipsoid((R, r), (a, c), m, (A, C), k).body
 state, functions = special.as_any_body
 moments = {"I1": A, "I2": A, "I3": C, "kappa1": 0, "kappa2": 0, "kappa3": k}
 RELATIONS = (
-    Relation(
+    Relation.into(
+        SYSTEM,
         "gyroscopic-torus-on-ellipsoid",
-        "gyroscopic-rolling-body",
-        state=state,
-        parameters={m: m, **moments, **functions},
+        {**state, **moments, **functions},
         note="the surfaces are given",
     ),
     Relation.of(

@@ -43,11 +43,10 @@ SYSTEM = torus.system(
 )
 
 RELATIONS = (
-    Relation(
+    Relation.into(
+        SYSTEM,
         "symmetric-gyroscopic-ball-on-sphere",
-        "gyroscopic-torus-on-ellipsoid",
-        state=torus.ball_state,
-        parameters={R: 0, r: R2, a: R1, c: R1, m: m, A: A, C: C, k: k},
+        {**torus.ball_state, R: 0, r: R2, a: R1, c: R1},
         note="a torus about a point is a ball, and equal axes make a sphere",
     ),
     Relation.of(SYSTEM, "torus-on-ellipsoid", vanish=k, note="the gyroscope stops"),

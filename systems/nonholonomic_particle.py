@@ -100,11 +100,10 @@ SYSTEM = System(
 )
 
 RELATIONS = (
-    Relation(
-        "nonholonomic-particle",
+    Relation.of(
+        SYSTEM,
         "free-particle",
         state={"X": x, "Y": sp.asinh(y), "Xdot": root * Dx, "Ydot": Dy},
-        parameters={"m": m},
         clock=1 / root,
         note="Chaplygin's change of time, by the reducing multiplier.",
     ),

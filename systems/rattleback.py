@@ -133,35 +133,25 @@ SYSTEM = System(
     references=("Walker1896", "GarciaHubbard1988", "BorisovMamaev2003Rattleback"),
 )
 
-state = {str(s): s for s in (*gamma, height, *omega)}
-constants = {str(s): s for s in (m, g, *axes, *moments, I12)}
-
 RELATIONS = (
-    Relation(
+    Relation.into(
+        SYSTEM,
         "ellipsoid-on-plane",
-        "rattleback",
-        parameters={**constants, "I12": 0},
+        {I12: 0},
         note="The axes of inertia are those of the surface: no hand.",
     ),
-    Relation(
+    Relation.into(
+        SYSTEM,
         "rattleback",
-        "rattleback",
-        state={**state, **{str(w): -w for w in omega}},
-        parameters=constants,
+        {w: -w for w in omega},
         clock=-1,
         name="rattleback reversed",
         note="Time runs back.",
     ),
-    Relation(
+    Relation.into(
+        SYSTEM,
         "rattleback",
-        "rattleback",
-        state={
-            **state,
-            "gamma1": -gamma[0],
-            "omega2": -omega[1],
-            "omega3": -omega[2],
-        },
-        parameters={**constants, "I12": -I12},
+        {q: -q for q in (gamma[0], omega[1], omega[2], I12)},
         name="rattleback mirrored",
         note="The mirror image has the other hand.",
     ),

@@ -104,17 +104,10 @@ SYSTEM = System(
 )
 
 RELATIONS = (
-    Relation(
+    Relation.into(
+        SYSTEM,
         "suslov",
-        "suslov",
-        state={
-            "gamma1": gamma[0],
-            "gamma2": gamma[1],
-            "gamma3": gamma[2],
-            "omega1": -omega1,
-            "omega2": -omega2,
-        },
-        parameters={"I1": I1, "I2": I2, "I3": I3, "I13": I13, "I23": I23},
+        {omega1: -omega1, omega2: -omega2},
         clock=-1,
         name="suslov reversed",
         note="Time runs back: what attracts and what repels change places.",

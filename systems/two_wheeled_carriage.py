@@ -159,8 +159,8 @@ SYSTEM = System(
     references=("NeimarkFufaev1972", "Bloch2015"),
 )
 
-disc = {name: sp.Symbol(name) for name in ("x", "y", "phi", "theta", "thetadot", "phidot")}
-B = sp.Symbol("B")
+# What the vertical disc calls its rolling angle, the rates of its angles, and its axial moment.
+angle, rolled, yawed, B = sp.symbols("theta thetadot phidot B")
 
 RELATIONS = (
     Relation(
@@ -170,17 +170,10 @@ RELATIONS = (
         parameters={"m": drive, "J": turn - (m * a) ** 2 / drive, "a": m * a / drive},
         note="A sleigh with the inertia of the wheels' spin.",
     ),
-    Relation(
+    Relation.into(
+        SYSTEM,
         "vertical-disc",
-        "two-wheeled-carriage",
-        state={
-            **{name: disc[name] for name in ("x", "y", "phi")},
-            "left": disc["theta"],
-            "right": disc["theta"],
-            "v": R * disc["thetadot"],
-            "w": disc["phidot"],
-        },
-        parameters={"m": m, "J": C, "a": 0, "b": 0, "R": R, "C": B / 2},
+        {left: angle, right: angle, v: R * rolled, w: yawed, J: C, a: 0, b: 0, C: B / 2},
         note="The disc is split into two wheels with no distance between them.",
     ),
 )

@@ -38,14 +38,10 @@ SYSTEM = motion.particle_system(
 )
 
 RELATIONS = (
-    Relation(
+    Relation.into(
+        SYSTEM,
         "veselova",
-        "veselova-in-new-time",
-        state={
-            **{g: g for g in motion.normal},
-            **{W: w * sp.sqrt(Q) for W, w in zip(names, sp.symbols("omega1:3"), strict=True)},
-        },
-        parameters={x: x for x in moments},
+        {W: w * sp.sqrt(Q) for W, w in zip(names, sp.symbols("omega1:3"), strict=True)},
         clock=1 / sp.sqrt(Q),
     ),
 )

@@ -170,6 +170,38 @@ def test_a_usual_limit_moves_each_parameter_once(moves, words):
         Relation.of(ball(), "flat", **moves)
 
 
+def test_a_relation_into_a_system_keeps_what_is_not_changed():
+    """On its invariants, on its coordinates where one of them is given, or without a state."""
+    own, kept = ball(), {str(p): p for p in moments} | {"b": b, "M": M}
+    w1, w2, w3, g1 = sp.symbols("omega1:4 gamma1")
+    names = {f"{letter}{i}" for letter in ("omega", "gamma") for i in "123"}
+    mirror = Relation.into(own, "own-ball", {g1: -g1, "omega2": -w2, k: -k}, name="mirror")
+    assert {*mirror.state} == names
+    assert mirror.state["gamma1"] == -g1
+    assert (mirror.state["omega1"], mirror.state["omega2"]) == (w1, -w2)
+    assert mirror.parameters == {**kept, "r": r, k: -k}
+    assert (mirror.source, mirror.target, mirror.name) == ("own-ball", "own-ball", "mirror")
+    assert Relation.into(own, "still", {k: 0}).state is None
+
+    v1 = own.coordinates[-1]
+    placed = {str(q): q for q in own.coordinates}
+    turn = Relation.into(own, "own-ball", {v1: v1 + 1, sp.Symbol("t"): vo.time})
+    assert turn.state == {**placed, "v1": v1 + 1, "t": vo.time}
+    whole = Relation.into(own, "own-ball", {v1: v1 + 1, w3: -w3})
+    assert whole.state == {**placed, "v1": v1 + 1, "omega1": w1, "omega2": w2, "omega3": -w3}
+
+
+def test_a_relation_into_a_system_is_decided_and_names_what_is_unknown():
+    """With the time run back, the momentum of the gyroscope turned: proved; not turned: refuted."""
+    own = ball()
+    back = {f"omega{i}": -sp.Symbol(f"omega{i}") for i in "123"}
+    for turned, status in (({k: -k}, "proved"), ({}, "refuted")):
+        reversed_ = Relation.into(own, "own-ball", {**back, **turned}, clock=-1, name="back")
+        assert vo.check_relation(reversed_, systems=(own,)).verdict.status == status
+    with pytest.raises(DefinitionError, match="maps 'omega4', which 'own-ball' does not have"):
+        vo.check_relation(Relation.into(own, "own-ball", {**back, "omega4": 0}), systems=(own,))
+
+
 def test_squares_through_systems_pass_the_relations_between_neighbours():
     own = Square.through(("a", "b", "d"), ("a", "c", "d"), name="both ways")
     assert own == Square(("a -> b", "b -> d"), ("a -> c", "c -> d"), name="both ways")

@@ -19,6 +19,7 @@ import sympy as sp
 from sympy.core.symbol import uniquely_named_symbol
 
 from voronec.algebra.arguments import TEXT, require, takes_fields
+from voronec.algebra.symbols import plain_name, time
 from voronec.declaration.reading import expression, fixed_mapping, quote, several
 from voronec.errors import DefinitionError, did_you_mean
 
@@ -119,6 +120,27 @@ class Relation:
         own = [p for p in system.parameters if p.symbol not in used and p.name not in moved]
         kept = {p.name: p.symbol for p in own if p.name not in given}
         return cls(system.name, target, parameters={**kept, **(changed or {})}, **more)
+
+    @classmethod
+    def into(cls, system: Any, source: str, changed: Mapping[Any, Any], **more: Any) -> Relation:
+        """A relation to a ``System``, which may be the source too; what is not ``changed`` is kept.
+
+        ``changed`` gives variables, parameters and unknown functions of the system by what they are
+        in the source; others are what bears their names there.  Where no coordinate is given, the
+        state is that of the invariants; on coordinates velocities follow where none is given.
+        """
+        given = {plain_name(name): value for name, value in changed.items()}
+        places, rates = system.coordinates, system.velocities
+        if system.invariants and given.keys().isdisjoint(map(plain_name, places)):
+            places = system.invariant_symbols
+        elif given.keys().isdisjoint(map(plain_name, rates)):
+            rates = ()
+        kept = {plain_name(x): x for x in (*places, *rates)}
+        state = {name: value for name, value in given.items() if name in {*kept, plain_name(time)}}
+        rest = {name: value for name, value in changed.items() if plain_name(name) not in state}
+        own = {p.name: p.symbol for p in system.parameters if p.name not in given}
+        mapped = {**kept, **state} if state else None
+        return cls(source, system.name, mapped, {**own, **rest}, **more)
 
     @property
     def label(self) -> str:
