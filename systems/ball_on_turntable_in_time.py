@@ -68,7 +68,7 @@ SYSTEM = System(
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(R, 1, positive=True, meaning="radius"),
-        Parameter(A, sp.Rational(2, 5), positive=True, meaning="moment of inertia"),
+        Parameter(A, "2/5", positive=True, meaning="moment of inertia"),
         Parameter(Omega, 1, meaning="angular velocity of the table"),
     ),
     integrals={
@@ -90,7 +90,7 @@ SYSTEM = System(
     essential=(X, Y, VX, VY),
     scenes={
         "default": Scene(
-            initial={theta: 1, X: 1, VX: sp.Rational(1, 5), VY: -1},
+            initial={theta: 1, X: 1, VX: "1/5", VY: -1},
             times=(0.0, 45.0),
             outputs=(X, Y, n),
             caption="On the table the ball leaves the trace of a point of a rolling circle.",

@@ -121,7 +121,7 @@ SYSTEM = System(
     },
     scenes={
         "default": Scene(
-            initial={u: 1, u1: 1, **dict(zip(omega, (sp.Rational(1, 2), 1, 2), strict=True))},
+            initial={u: 1, u1: 1, **dict(zip(omega, ("1/2", 1, 2), strict=True))},
             times=(0.0, 30.0),
             outputs=(u, v, u1, v1, *omega),
             caption="The heavy side of the ball swings while it rolls around the sphere.",

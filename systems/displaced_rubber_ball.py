@@ -57,10 +57,7 @@ SYSTEM = System(
         INTEGRAL: Equation(L, L.cross(omega) + m * R * a.dot(turning) * omega),
         "normal": Equation(gamma, turning),
     },
-    integrals={
-        "energy": K.dot(omega) / 2,
-        INTEGRAL: L.dot(L) - 2 * s * K.dot(omega),
-    },
+    integrals={"energy": K.dot(omega) / 2, INTEGRAL: L.dot(L) - 2 * s * K.dot(omega)},
     cases={
         "symmetric": Case(
             parameters={inertia[1]: inertia[0], offset[0]: 0, offset[1]: 0},

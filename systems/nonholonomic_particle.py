@@ -88,7 +88,7 @@ SYSTEM = System(
     integrable="Euler-Jacobi",
     scenes={
         "default": Scene(
-            initial={y: -2, Dx: 1, Dy: sp.Rational(1, 2)},
+            initial={y: -2, Dx: 1, Dy: "1/2"},
             times=(0.0, 8.0),
             outputs=(x, y, z),
             caption="While y grows uniformly, z falls and rises again along a hyperbola.",

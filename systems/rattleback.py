@@ -87,7 +87,7 @@ SYSTEM = System(
         *Parameter.each(
             moments, ("2/5", 5, 5), positive=True, meaning="moment about an axis of the surface"
         ),
-        Parameter(I12, sp.Rational(-1, 4), meaning="product of inertia: the hand"),
+        Parameter(I12, "-1/4", meaning="product of inertia: the hand"),
     ),
     invariants={**dict(zip(map(str, gamma), vertical, strict=True)), "height": level},
     integrals={"energy": momentum.dot(spin) / 2 + m * g * height},
@@ -111,11 +111,7 @@ SYSTEM = System(
     },
     scenes={
         "default": Scene(
-            initial={
-                theta: sp.Rational(1, 100),
-                omega[0]: sp.Rational(1, 50),
-                omega[2]: -sp.Rational(1, 2),
-            },
+            initial={theta: "1/100", omega[0]: "1/50", omega[2]: "-1/2"},
             times=(0.0, 100.0),
             outputs=(x, y, *omega),
             caption="Spun against its hand, the rattleback rattles, and turns back.",

@@ -93,9 +93,9 @@ SYSTEM = System(
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(I1, 1, positive=True, meaning="inertia of the seat"),
-        Parameter(I2, sp.Rational(1, 5), lower=0, meaning="inertia of the handle"),
+        Parameter(I2, "1/5", lower=0, meaning="inertia of the handle"),
         Parameter(a, 1, meaning="from the seat's axle to the hinge"),
-        Parameter(b, sp.Rational(3, 10), meaning="from the hinge to the handle's axle"),
+        Parameter(b, "3/10", meaning="from the hinge to the handle's axle"),
     ),
     invariants={"sine": sp.sin(phi), "cosine": sp.cos(phi)},
     integrals={"energy": kinetic},
@@ -122,7 +122,7 @@ SYSTEM = System(
     },
     scenes={
         "default": Scene(
-            initial={phi: sp.Rational(1, 2), v: 1},
+            initial={phi: "1/2", v: 1},
             times=(0.0, 20.0),
             outputs=(x, y, theta, phi, v, w),
             caption="The handle folds back, and the racer goes over into a run round a circle.",

@@ -92,10 +92,10 @@ SYSTEM = System(
     },
     parameters=(
         Parameter(m, 6, positive=True, meaning="mass"),
-        Parameter(length, sp.Rational(1, 5), positive=True, meaning="half the wheelbase"),
-        Parameter(J, sp.Rational(1, 10), positive=True, meaning="inertia of the board"),
-        Parameter(rotor, sp.Rational(1, 20), positive=True, meaning="inertia of the rotor"),
-        Parameter(wheels, sp.Rational(1, 100), positive=True, meaning="inertia of a pair"),
+        Parameter(length, "1/5", positive=True, meaning="half the wheelbase"),
+        Parameter(J, "1/10", positive=True, meaning="inertia of the board"),
+        Parameter(rotor, "1/20", positive=True, meaning="inertia of the rotor"),
+        Parameter(wheels, "1/100", positive=True, meaning="inertia of a pair"),
     ),
     invariants={"sine": sp.sin(phi), "cosine": sp.cos(phi)},
     integrals={
@@ -114,13 +114,7 @@ SYSTEM = System(
     integrable="Euler-Jacobi",
     scenes={
         "default": Scene(
-            initial={
-                theta: sp.Rational(1, 10),
-                phi: sp.Rational(3, 10),
-                Dtheta: sp.Rational(1, 5),
-                Dpsi: 1,
-                Dphi: sp.Rational(1, 10),
-            },
+            initial={theta: "1/10", phi: "3/10", Dtheta: "1/5", Dpsi: 1, Dphi: "1/10"},
             times=(0.0, 5.0),
             outputs=(x, y, theta, psi, phi),
             caption="The wheels turn steadily, and the board's track curls up.",

@@ -89,11 +89,11 @@ SYSTEM = System(
     },
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass, wheels included"),
-        Parameter(J, sp.Rational(1, 2), positive=True, meaning="inertia about the centre of mass"),
-        Parameter(a, sp.Rational(3, 10), meaning="centre of mass, before the axle"),
-        Parameter(b, sp.Rational(1, 2), positive=True, meaning="half the track"),
-        Parameter(R, sp.Rational(1, 4), positive=True, meaning="radius of the wheels"),
-        Parameter(C, sp.Rational(1, 100), positive=True, meaning="a wheel's inertia, axial"),
+        Parameter(J, "1/2", positive=True, meaning="inertia about the centre of mass"),
+        Parameter(a, "3/10", meaning="centre of mass, before the axle"),
+        Parameter(b, "1/2", positive=True, meaning="half the track"),
+        Parameter(R, "1/4", positive=True, meaning="radius of the wheels"),
+        Parameter(C, "1/100", positive=True, meaning="a wheel's inertia, axial"),
     ),
     integrals={
         "energy": (drive * v**2 + turn * w**2) / 2,
@@ -123,7 +123,7 @@ SYSTEM = System(
     },
     scenes={
         "default": Scene(
-            initial={v: -1, w: sp.Rational(1, 20)},
+            initial={v: -1, w: "1/20"},
             times=(0.0, 20.0),
             outputs=(x, y, phi, left, right),
             caption="Pushed with the load behind the axle, the carriage turns about.",

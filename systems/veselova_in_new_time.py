@@ -29,9 +29,7 @@ SYSTEM = motion.particle_system(
     ),
     end="direction",
     whose="the body",
-    integrals={
-        "momentum across the normal": motion.integrals["momentum across the normal"] / Q,
-    },
+    integrals={"momentum across the normal": motion.integrals["momentum across the normal"] / Q},
     integrable="Euler-Jacobi",
     meanings={"momentum across the normal": "square of the momentum's part across gamma"},
     references=("EhlersKoillerMontgomeryRios2005", "VeselovVeselova1988"),
