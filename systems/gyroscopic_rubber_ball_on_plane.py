@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Case, Relation, Scene, kinematics
+from voronec import Case, Relation, kinematics
 
 m, R = sp.symbols("m R")
 inertia, kappa = sp.symbols("I1:4"), sp.symbols("kappa1:4")
@@ -45,11 +45,10 @@ SYSTEM = ball.rubber_system(
         ),
     },
     scenes={
-        "default": Scene(
-            initial={u: "1/5", v: 1, w1: "1/10", w2: "1/20"},
-            times=(0.0, 40.0),
-            outputs=(*ball.fibre, u, v),
-            caption="The gyroscope bends the path of the contact.",
+        "default": ball.rubber_scene(
+            "The gyroscope bends the path of the contact.",
+            40.0,
+            {u: "1/5", v: 1, w1: "1/10", w2: "1/20"},
         ),
     },
     references=("Markeev1985", "EhlersKoillerMontgomeryRios2005"),

@@ -277,3 +277,20 @@ def test_the_names_of_a_body_in_three_dimensions():
     vector = sp.Matrix(sp.symbols("x1:4"))
     assert (ball.body.matrix * vector - spin.cross(vector)).expand() == sp.zeros(3, 1)
     assert own == dict(zip(("I1", "I2", "I3"), sp.symbols("I23 I13 I12"), strict=True))
+    known = ball.relation_in_space("own", "low")
+    assert (known.source, known.target, known.state) == ("own@3", "low", state)
+    assert known.parameters == {M: M, r: r, **own}
+    point = BodyInRn(3, twists=False)
+    assert point.relation_in_space("body", "low").parameters == point.in_space[1]
+
+
+def test_the_scene_of_a_rubber_ball_shows_its_contact():
+    """On a sphere with the contact there, on a plane with the place; what is given wins."""
+    flat, round_ = BalancedBall.on_plane(b, M, moments), BalancedBall.on_sphere(r, b, M, moments)
+    u, v, u1, v1, w1, w2, x, y = sp.symbols("u v u1 v1 omega1 omega2 x y")
+    usual = {u: sp.Rational(6, 5), w1: sp.Rational(1, 20), w2: sp.Rational(1, 5)}
+    scene = round_.rubber_scene("Round.", 3.0, {w1: 1}, {r: 4})
+    assert scene.initial == {**usual, u1: 1, w1: 1}
+    assert (scene.outputs, scene.parameters) == ((u, v, u1, v1), {r: 4})
+    scene = flat.rubber_scene("Flat.", 3.0)
+    assert (scene.initial, scene.outputs, scene.times) == (usual, (x, y, u, v), (0.0, 3.0))
