@@ -60,8 +60,7 @@ SYSTEM = System(
     constraints=(Dx - R * rates[1] + Omega * y, Dy + R * rates[0] - Omega * x),
     meanings={
         **kinematics.euler_meanings((phi, theta, psi)),
-        x: "first coordinate of the contact in space, from the axis of the table",
-        y: "second coordinate of the contact in space, from the axis of the table",
+        **kinematics.place_meanings((x, y), "the contact in space, from the axis of the table"),
         vx: "velocity of the centre along the first axis",
         vy: "velocity of the centre along the second axis",
         n: "twist, the angular velocity about the vertical",

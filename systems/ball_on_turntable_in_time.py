@@ -55,8 +55,7 @@ SYSTEM = System(
     constraints=(DX - R * across, DY + R * along),
     meanings={
         **kinematics.euler_meanings((phi, theta, psi)),
-        X: "first coordinate of the contact on the table",
-        Y: "second coordinate of the contact on the table",
+        **kinematics.place_meanings((X, Y), "the contact on the table"),
         VX: "velocity of the contact over the table, along its first axis",
         VY: "velocity of the contact over the table, along its second axis",
         n: "twist, the angular velocity about the vertical",

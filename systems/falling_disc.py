@@ -65,8 +65,7 @@ SYSTEM = System(
     lagrangian=kinetic - potential,
     constraints=(Dx - R * Dpsi * sp.cos(phi), Dy - R * Dpsi * sp.sin(phi)),
     meanings={
-        x: "first coordinate of the contact on the plane",
-        y: "second coordinate of the contact on the plane",
+        **kinematics.place_meanings((x, y), "the contact on the plane"),
         phi: "heading of the disc, from the first axis",
         theta: "lean of the disc to the left, from the vertical",
         psi: "turn of the disc about its axle, backwards",

@@ -71,8 +71,7 @@ SYSTEM = System(
     lagrangian=kinetic - m * g * level,
     constraints=(velocity(x) - across[0], velocity(y) - across[1]),
     meanings={
-        x: "first coordinate of the centre over the plane",
-        y: "second coordinate of the centre over the plane",
+        **kinematics.place_meanings((x, y), "the centre over the plane"),
         phi: "heading, Euler's angle about the vertical",
         theta: "tilt, Euler's angle about the first axis, after the heading",
         psi: "roll, Euler's angle about the body's second axis",

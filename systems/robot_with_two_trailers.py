@@ -28,6 +28,7 @@ from voronec import (
     Shape,
     Sketch,
     System,
+    kinematics,
     velocity,
 )
 
@@ -100,8 +101,7 @@ SYSTEM = System(
     lagrangian=kinetic,
     constraints=tuple(constraints),
     meanings={
-        x: "first coordinate of the middle of the robot's axle",
-        y: "second coordinate of the middle of the robot's axle",
+        **kinematics.place_meanings((x, y), "the middle of the robot's axle"),
         theta0: "heading of the robot, from the first axis",
         theta1: "heading of the first trailer",
         theta2: "heading of the second trailer",

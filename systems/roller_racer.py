@@ -28,6 +28,7 @@ from voronec import (
     Shape,
     Sketch,
     System,
+    kinematics,
     velocity,
 )
 
@@ -83,8 +84,7 @@ SYSTEM = System(
         hinge[1] * sp.cos(theta + phi) - hinge[0] * sp.sin(theta + phi) + b * handle,
     ),
     meanings={
-        x: "first coordinate of the middle of the seat's axle",
-        y: "second coordinate of the middle of the seat's axle",
+        **kinematics.place_meanings((x, y), "the middle of the seat's axle"),
         theta: "heading of the seat, from the first axis",
         phi: "angle of the handle against the seat",
         v: "speed of the seat",

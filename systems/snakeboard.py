@@ -25,6 +25,7 @@ from voronec import (
     Shape,
     Sketch,
     System,
+    kinematics,
     velocity,
 )
 
@@ -80,8 +81,7 @@ SYSTEM = System(
         sp.cos(theta - phi) * Dy - sp.sin(theta - phi) * Dx + length * sp.cos(phi) * Dtheta,
     ),
     meanings={
-        x: "first coordinate of the board's middle",
-        y: "second coordinate of the board's middle",
+        **kinematics.place_meanings((x, y), "the board's middle"),
         theta: "heading of the board, from the first axis",
         psi: "turn of the rotor against the board",
         phi: "steering angle of the rear wheels; the front wheels have the opposite one",

@@ -25,6 +25,7 @@ from voronec import (
     Sketch,
     Square,
     System,
+    kinematics,
     velocity,
 )
 
@@ -77,8 +78,7 @@ SYSTEM = System(
         forward + b * Dphi - R * Dright,
     ),
     meanings={
-        x: "first coordinate of the middle of the axle",
-        y: "second coordinate of the middle of the axle",
+        **kinematics.place_meanings((x, y), "the middle of the axle"),
         phi: "heading of the carriage, from the first axis",
         left: "turn of the left wheel",
         right: "turn of the right wheel",

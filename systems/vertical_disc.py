@@ -36,8 +36,7 @@ SYSTEM = System(
     lagrangian=kinetic,
     constraints=(Dx - R * Dtheta * sp.cos(phi), Dy - R * Dtheta * sp.sin(phi)),
     meanings={
-        x: "first coordinate of the contact on the plane",
-        y: "second coordinate of the contact on the plane",
+        **kinematics.place_meanings((x, y), "the contact on the plane"),
         phi: "heading of the disc, from the first axis",
         theta: "turn of the disc about its axle",
         "rolling": "rate at which the disc rolls",
