@@ -277,6 +277,8 @@ def test_the_names_of_a_body_in_three_dimensions():
     vector = sp.Matrix(sp.symbols("x1:4"))
     assert (ball.body.matrix * vector - spin.cross(vector)).expand() == sp.zeros(3, 1)
     assert own == dict(zip(("I1", "I2", "I3"), sp.symbols("I23 I13 I12"), strict=True))
+    assert ball.scene("All.", 1.0).outputs == (*ball.normal, *ball.velocities)
+    assert ball.scene("One.", 1.0, ball.normal[:1]).outputs == (ball.normal[0],)
     known = ball.relation_in_space("own", "low")
     assert (known.source, known.target, known.state) == ("own@3", "low", state)
     assert known.parameters == {M: M, r: r, **own}

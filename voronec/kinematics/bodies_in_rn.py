@@ -218,10 +218,10 @@ class BodyInRn:
         note = f"moments about the contact that are products, {sums}"
         return {"I + D = a a": Case(values, multiplier=self.reducer, note=note)}
 
-    def scene(self, caption: str, end: float) -> Scene:
+    def scene(self, caption: str, end: float, outputs: Sequence[Any] = ()) -> Scene:
         """A motion from gamma = (-3, 0, ..., 0, 4)/5, with all velocities different from 0.
 
-        Its outputs are gamma and, with twist, the velocities.
+        Unless ``outputs`` are given, they are gamma and, with twist, the velocities.
         """
         start = [sp.Rational(k, 5) for k in (-3, *[0] * (self.dimension - 2), 4)]
         count = range(len(self.velocities))
@@ -229,7 +229,7 @@ class BodyInRn:
         if self.twists:
             turning = [sp.Rational(5 - 3 * (i % 3), 4 + i) for i in count]
         names, values = (*self.normal, *self.velocities), (*start, *turning)
-        seen = names if self.twists else tuple(self.normal)
+        seen = tuple(outputs) or (names if self.twists else tuple(self.normal))
         return Scene(dict(zip(names, values, strict=True)), (0.0, end), {}, seen, caption)
 
     def system(
