@@ -71,20 +71,11 @@ SYSTEM = rolling.system(
 )
 
 RELATIONS = (
-    Relation(
+    Relation.into(
+        SYSTEM,
         "gyroscopic-ball-on-sphere",
-        "ball-on-free-sphere",
-        state={
-            **{q: q for q in (*omega, *gamma)},
-            **dict(zip(wheel, -R2 / (R1 - R2) * rolling.across(spin), strict=True)),
-        },
-        parameters={
-            R1: (R1 - R2) / 2,
-            R2: R2,
-            m: 2 * m,
-            J: m * (R1 - R2) ** 2 / 2,
-            **{q: q for q in (*inertia, *kappa)},
-        },
+        dict(zip(wheel, -R2 / (R1 - R2) * rolling.across(spin), strict=True))
+        | {R1: (R1 - R2) / 2, m: 2 * m, J: m * (R1 - R2) ** 2 / 2},
         note="N = 0 and J = m R1^2",
     ),
 )

@@ -110,7 +110,7 @@ SYSTEM = System(
     },
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
-        Parameter(R, sp.Rational(1, 5), positive=True, meaning="radius"),
+        Parameter(R, "1/5", positive=True, meaning="radius"),
         Parameter(c, 1, meaning="curvature of the paraboloid at its vertex"),
         Parameter(g, 1, meaning="gravity"),
         Parameter(
@@ -133,15 +133,7 @@ SYSTEM = System(
     charts={"at the vertex": at_the_vertex},
     scenes={
         "default": Scene(
-            initial={
-                r: 1,
-                phi: 0,
-                beta: 1,
-                alpha: sp.Rational(1, 2),
-                v: sp.Rational(1, 5),
-                w: sp.Rational(1, 2),
-                s: 2,
-            },
+            initial={r: 1, phi: 0, beta: 1, alpha: "1/2", v: "1/5", w: "1/2", s: 2},
             times=(0.0, 20.0),
             outputs=(r, phi, v, w, s),
             caption="The centre runs between two parallels.",

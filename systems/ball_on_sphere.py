@@ -19,9 +19,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Case, Limit, Relation, kinematics
+from voronec import Case, Relation, kinematics
 
-R1, R2, m, h = sp.symbols("R1 R2 m h")
+R1, R2, m = sp.symbols("R1 R2 m")
 inertia = sp.symbols("I1:4")
 
 ball = kinematics.BalancedBall.on_sphere(R1, R2, m, inertia)
@@ -48,11 +48,5 @@ SYSTEM = ball.system(
 )
 
 RELATIONS = (
-    Relation.of(
-        SYSTEM,
-        "chaplygin-ball",
-        {"R": R2},
-        limit=Limit(h, {R1: 1 / h}),
-        note="the sphere becomes a plane",
-    ),
+    Relation.of(SYSTEM, "chaplygin-ball", {"R": R2}, grow=R1, note="the sphere becomes a plane"),
 )

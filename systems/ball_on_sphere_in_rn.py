@@ -29,15 +29,13 @@ m, R1, R2 = sp.symbols("m R1 R2")
 def member(n: int, name: str) -> System:
     """The ball in R^n."""
     ball = BodyInRn(n, m, R2, fixed=R1)
-    seen = (*ball.normal, *ball.velocities)
     return ball.system(
         name=name,
         title=f"Chaplygin ball on a sphere in R^{n}",
         description=f"A balanced, dynamically non-symmetric ball of R^{n} rolls without slipping "
         "over a fixed sphere: outside, inside, or around it as a shell.",
         values={R1: 2, R2: 1, m: 1},
-        second_moments=("0.4", "0.3", "0.1", "0.2", "0.5"),
-        scenes={"default": ball.scene("Outside a sphere twice as large.", 20.0, seen)},
+        scenes={"default": ball.scene("Outside a sphere twice as large.", 20.0)},
         references=("Jovanovic2018", "Yaroshchuk1992"),
     )
 

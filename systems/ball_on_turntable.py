@@ -60,8 +60,7 @@ SYSTEM = System(
     constraints=(Dx - R * rates[1] + Omega * y, Dy + R * rates[0] - Omega * x),
     meanings={
         **kinematics.euler_meanings((phi, theta, psi)),
-        x: "first coordinate of the contact in space, from the axis of the table",
-        y: "second coordinate of the contact in space, from the axis of the table",
+        **kinematics.place_meanings((x, y), "the contact in space, from the axis of the table"),
         vx: "velocity of the centre along the first axis",
         vy: "velocity of the centre along the second axis",
         n: "twist, the angular velocity about the vertical",
@@ -74,7 +73,7 @@ SYSTEM = System(
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(R, 1, positive=True, meaning="radius"),
-        Parameter(A, sp.Rational(2, 5), positive=True, meaning="moment of inertia"),
+        Parameter(A, "2/5", positive=True, meaning="moment of inertia"),
         Parameter(Omega, 1, meaning="angular velocity of the table"),
     ),
     invariants={"X": x, "Y": y},
@@ -98,7 +97,7 @@ SYSTEM = System(
     essential=(vx, vy),
     scenes={
         "default": Scene(
-            initial={theta: 1, x: 1, vx: sp.Rational(1, 5)},
+            initial={theta: 1, x: 1, vx: "1/5"},
             times=(0.0, 22.0),
             outputs=(x, y, n),
             caption="While the table turns three and a half times, the ball describes one circle.",

@@ -55,8 +55,7 @@ SYSTEM = System(
     constraints=(DX - R * across, DY + R * along),
     meanings={
         **kinematics.euler_meanings((phi, theta, psi)),
-        X: "first coordinate of the contact on the table",
-        Y: "second coordinate of the contact on the table",
+        **kinematics.place_meanings((X, Y), "the contact on the table"),
         VX: "velocity of the contact over the table, along its first axis",
         VY: "velocity of the contact over the table, along its second axis",
         n: "twist, the angular velocity about the vertical",
@@ -68,7 +67,7 @@ SYSTEM = System(
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(R, 1, positive=True, meaning="radius"),
-        Parameter(A, sp.Rational(2, 5), positive=True, meaning="moment of inertia"),
+        Parameter(A, "2/5", positive=True, meaning="moment of inertia"),
         Parameter(Omega, 1, meaning="angular velocity of the table"),
     ),
     integrals={
@@ -90,7 +89,7 @@ SYSTEM = System(
     essential=(X, Y, VX, VY),
     scenes={
         "default": Scene(
-            initial={theta: 1, X: 1, VX: sp.Rational(1, 5), VY: -1},
+            initial={theta: 1, X: 1, VX: "1/5", VY: -1},
             times=(0.0, 45.0),
             outputs=(X, Y, n),
             caption="On the table the ball leaves the trace of a point of a rolling circle.",
@@ -104,20 +103,12 @@ SYSTEM = System(
 )
 
 attitude = {str(s): s for s in (phi, theta, psi, n)}
-constants = {str(s): s for s in (m, R, A, Omega)}
 
 RELATIONS = (
-    Relation(
-        "ball-on-turntable-in-time",
+    Relation.of(
+        SYSTEM,
         "ball-on-turntable",
-        state={
-            "x": place[0],
-            "y": place[1],
-            "vx": turned[0],
-            "vy": turned[1],
-            **attitude,
-        },
-        parameters=constants,
+        state={**dict(zip(("x", "y", "vx", "vy"), (*place, *turned), strict=True)), **attitude},
         note="From the axes of the table to those of space, by a turn that depends on the time.",
     ),
 )

@@ -76,10 +76,7 @@ MOTION = Quadratures(
         H: sp.sqrt((P * s - axial * sp.sin(u)) ** 2 + (P * tau) ** 2),
     },
     quartic=quartic,
-    integrals={
-        v: (N * z / A - T * E) / (E**2 - z**2),
-        theta: (T * z - N * E / A) / (E**2 - z**2),
-    },
+    integrals={v: (N * z / A - T * E) / (E**2 - z**2), theta: (T * z - N * E / A) / (E**2 - z**2)},
     poles={
         **{c: (N / A - T).subs(z, c) / (2 * root) for c in (near, far)},
         **{-c: (N / A + T).subs(z, -c) / (2 * root) for c in (near, far)},

@@ -26,7 +26,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Case, Limit, Relation, Scene, kinematics
+from voronec import Case, Relation, Scene, kinematics
 
 theta, psi = sp.symbols("theta psi")
 place = sp.symbols("n1:4")
@@ -87,13 +87,6 @@ SYSTEM = rolling.system(
     references=("Bychkov2004", "Demchenko1924", "DragovicGajicJovanovic2020"),
 )
 
-h = sp.Symbol("h")
 RELATIONS = (
-    Relation(
-        "bychkov-ball",
-        "gyroscopic-ball-on-sphere",
-        parameters={q: q for q in (R1, R2, m, *inertia, *kappa)},
-        limit=Limit(h, {Omega: h * Omega}),
-        note="the sphere stops",
-    ),
+    Relation.of(SYSTEM, "gyroscopic-ball-on-sphere", vanish=Omega, note="the sphere stops"),
 )

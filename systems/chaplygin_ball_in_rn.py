@@ -27,17 +27,13 @@ m, R = sp.symbols("m R")
 def member(n: int, name: str) -> System:
     """The ball in R^n."""
     ball = BodyInRn(n, m, R)
-    seen = (*ball.normal, *ball.velocities)
     return ball.system(
         name=name,
         title=f"Chaplygin ball in R^{n}",
         description=f"A balanced, dynamically non-symmetric ball of R^{n} rolls without slipping "
         "on a hyperplane.",
         values={m: 1, R: 1},
-        second_moments=("0.4", "0.3", "0.1", "0.2", "0.5"),
-        scenes={
-            "default": ball.scene("The normal of the hyperplane seen from the ball.", 20.0, seen)
-        },
+        scenes={"default": ball.scene("The normal of the hyperplane seen from the ball.", 20.0)},
         references=("FedorovKozlov1995", "Jovanovic2010", "Chaplygin1903"),
     )
 
@@ -46,24 +42,16 @@ MEMBERS = {str(n): partial(member, n, f"chaplygin-ball-in-rn@{n}") for n in (3, 
 SYSTEM = member(4, "chaplygin-ball-in-rn")
 
 space, larger = BodyInRn(3, m, R), BodyInRn(4, m, R)
-state, moments = space.in_space
 # In R^4 the ball turns in the planes of its first three axes.
 same = (*space.normal, *space.velocities)
 added = {q: 0 for q in (*larger.normal, *larger.velocities) if q not in same}
 others = {i: space.moments[0] for i in larger.moments if i not in space.moments}
 RELATIONS = (
-    Relation(
+    space.relation_in_space("chaplygin-ball-in-rn", "chaplygin-ball"),
+    Relation.into(
+        SYSTEM,
         "chaplygin-ball-in-rn@3",
-        "chaplygin-ball",
-        state=state,
-        parameters={m: m, R: R, **moments},
-        note="three dimensions",
-    ),
-    Relation(
-        "chaplygin-ball-in-rn@3",
-        "chaplygin-ball-in-rn",
-        state={**{q: q for q in same}, **added},
-        parameters={**{q: q for q in (m, R, *space.moments)}, **others},
+        {**added, **others},
         note="a ball of four dimensions that turns in the hyperplane of its first three axes",
     ),
 )

@@ -121,7 +121,7 @@ SYSTEM = System(
     },
     scenes={
         "default": Scene(
-            initial={u: 1, u1: 1, **dict(zip(omega, (sp.Rational(1, 2), 1, 2), strict=True))},
+            initial={u: 1, u1: 1, **dict(zip(omega, ("1/2", 1, 2), strict=True))},
             times=(0.0, 30.0),
             outputs=(u, v, u1, v1, *omega),
             caption="The heavy side of the ball swings while it rolls around the sphere.",
@@ -133,21 +133,18 @@ SYSTEM = System(
 
 general = dict(zip(sp.symbols("s tau n"), ball.contact.body.frame.T * spin, strict=True))
 RELATIONS = (
-    Relation(
-        "symmetric-ball-on-sphere",
-        "displaced-ball-on-sphere",
-        parameters={**{q: q for q in (R1, R2, m, A, C)}, shift: 0, K: 0},
-        note="the mass centre at the centre",
+    Relation.into(
+        SYSTEM, "symmetric-ball-on-sphere", {shift: 0, K: 0}, note="the mass centre at the centre"
     ),
-    Relation(
-        "displaced-ball-on-sphere",
+    Relation.of(
+        SYSTEM,
         "symmetric-body-on-sphere",
-        state={**{q: q for q in (u, v, theta, u1, v1)}, **general},
-        parameters={
-            **{q: q for q in (R1, m, A, C)},
+        {
+            R1: R1,
             sp.Function("P")(u): R2 - shift * sp.cos(u),
             sp.Function("V")(u): -K * (R1 + R2) * shift * sp.cos(u),
         },
+        state={**{q: q for q in (u, v, theta, u1, v1)}, **general},
         note="its support function about the mass centre",
     ),
 )

@@ -17,7 +17,6 @@ import sympy as sp
 
 from voronec import Relation, kinematics
 
-gamma, omega, height = sp.symbols("gamma1:4"), sp.symbols("omega1:4"), sp.Symbol("height")
 m, g, R = sp.symbols("m g R")
 axes, inertia = sp.symbols("a b c"), sp.symbols("I1:4")
 
@@ -45,11 +44,10 @@ SYSTEM = rolling.system(
 )
 
 RELATIONS = (
-    Relation(
+    Relation.into(
+        SYSTEM,
         "chaplygin-ball",
-        "ellipsoid-on-plane",
-        state={**{q: q for q in (*gamma, *omega)}, height: R},
-        parameters={**{q: q for q in (m, *inertia)}, **dict.fromkeys(axes, R), g: 0},
+        {"height": R, g: 0, **dict.fromkeys(axes, R)},
         note="equal axes; weight does nothing to a balanced ball",
     ),
 )

@@ -65,8 +65,7 @@ SYSTEM = System(
     lagrangian=kinetic - potential,
     constraints=(Dx - R * Dpsi * sp.cos(phi), Dy - R * Dpsi * sp.sin(phi)),
     meanings={
-        x: "first coordinate of the contact on the plane",
-        y: "second coordinate of the contact on the plane",
+        **kinematics.place_meanings((x, y), "the contact on the plane"),
         phi: "heading of the disc, from the first axis",
         theta: "lean of the disc to the left, from the vertical",
         psi: "turn of the disc about its axle, backwards",
@@ -77,8 +76,8 @@ SYSTEM = System(
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(R, 1, positive=True, meaning="radius"),
-        Parameter(A, sp.Rational(1, 4), positive=True, meaning="inertia about a diameter"),
-        Parameter(C, sp.Rational(1, 2), positive=True, meaning="inertia about the axle"),
+        Parameter(A, "1/4", positive=True, meaning="inertia about a diameter"),
+        Parameter(C, "1/2", positive=True, meaning="inertia about the axle"),
         Parameter(g, 1, meaning="gravity"),
     ),
     invariants={"gamma2": cos, "gamma3": sin},
@@ -98,7 +97,7 @@ SYSTEM = System(
     essential=(theta, p, q, s),
     scenes={
         "default": Scene(
-            initial={theta: sp.Rational(1, 5), q: sp.Rational(2, 5), s: sp.Rational(3, 2)},
+            initial={theta: "1/5", q: "2/5", s: "3/2"},
             times=(0.0, 25.0),
             outputs=(x, y, phi, theta, psi),
             caption="Fast enough to stay up, the disc nods while it rolls.",

@@ -61,7 +61,7 @@ SYSTEM = System(
     integrable="Euler-Jacobi",
     scenes={
         "default": Scene(
-            initial={Y: sp.Rational(-1, 2), DX: 1, DY: sp.Rational(1, 5)},
+            initial={Y: "-1/2", DX: 1, DY: "1/5"},
             times=(0.0, 5.0),
             outputs=(X, Y),
             caption="A straight line.",

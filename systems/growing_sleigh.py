@@ -38,10 +38,7 @@ SYSTEM = sleigh.system(
         a: "3/10",
         g: Parameter(g, "1/10", lower=0, meaning="rate of growth"),
     },
-    integrals={
-        "energy, as of the momenta": growth * kinetic,
-        "heading": sleigh.heading_integral,
-    },
+    integrals={"energy, as of the momenta": growth * kinetic, "heading": sleigh.heading_integral},
     equations={
         "momentum": Equation(growth * v, growth * a * w**2),
         "angular momentum": Equation(growth * w, -growth * m * a * v * w / K),

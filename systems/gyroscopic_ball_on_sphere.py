@@ -18,9 +18,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Limit, Relation, Square, kinematics
+from voronec import Relation, Square, kinematics
 
-R1, R2, m, h = sp.symbols("R1 R2 m h")
+R1, R2, m = sp.symbols("R1 R2 m")
 inertia, kappa = sp.symbols("I1:4"), sp.symbols("kappa1:4")
 
 ball = kinematics.BalancedBall.on_sphere(R1, R2, m, inertia, kappa)
@@ -35,18 +35,9 @@ SYSTEM = ball.system(
 )
 
 RELATIONS = (
+    Relation.of(SYSTEM, "ball-on-sphere", vanish=kappa, note="the gyroscope is taken away"),
     Relation.of(
-        SYSTEM,
-        "ball-on-sphere",
-        limit=Limit(h, {k: h * k for k in kappa}),
-        note="the gyroscope is taken away",
-    ),
-    Relation.of(
-        SYSTEM,
-        "gyroscopic-ball-on-plane",
-        {"R": R2},
-        limit=Limit(h, {R1: 1 / h}),
-        note="the sphere becomes a plane",
+        SYSTEM, "gyroscopic-ball-on-plane", {"R": R2}, grow=R1, note="the sphere becomes a plane"
     ),
 )
 SQUARES = (

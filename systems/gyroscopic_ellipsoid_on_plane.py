@@ -13,10 +13,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Limit, Relation, kinematics
+from voronec import Relation, kinematics
 
-gamma, omega, height = sp.symbols("gamma1:4"), sp.symbols("omega1:4"), sp.Symbol("height")
-m, g, R, h = sp.symbols("m g R h")
+m, g, R = sp.symbols("m g R")
 axes, inertia, kappa = sp.symbols("a b c"), sp.symbols("I1:4"), sp.symbols("kappa1:4")
 
 rolling = kinematics.RollingEllipsoid.on_plane(axes, m, inertia)
@@ -52,17 +51,11 @@ SYSTEM = rolling.system(
 )
 
 RELATIONS = (
-    Relation(
+    Relation.into(
+        SYSTEM,
         "gyroscopic-ball-on-plane",
-        "gyroscopic-ellipsoid-on-plane",
-        state={**{q: q for q in (*gamma, *omega)}, height: R},
-        parameters={**{q: q for q in (m, *inertia, *kappa)}, **dict.fromkeys(axes, R), g: 0},
+        {"height": R, g: 0, **dict.fromkeys(axes, R)},
         note="equal axes; weight does nothing to a balanced ball",
     ),
-    Relation.of(
-        SYSTEM,
-        "ellipsoid-on-plane",
-        limit=Limit(h, {k: h * k for k in kappa}),
-        note="the gyroscope stops",
-    ),
+    Relation.of(SYSTEM, "ellipsoid-on-plane", vanish=kappa, note="the gyroscope stops"),
 )

@@ -13,10 +13,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Limit, Relation, kinematics
+from voronec import Relation, kinematics
 
-gamma, omega, height = sp.symbols("gamma1:4"), sp.symbols("omega1:4"), sp.Symbol("height")
-m, R1, R2, h = sp.symbols("m R1 R2 h")
+m, R1, R2 = sp.symbols("m R1 R2")
 axes, inertia, kappa = sp.symbols("a b c"), sp.symbols("I1:4"), sp.symbols("kappa1:4")
 
 rolling = kinematics.RollingEllipsoid.on_sphere(axes, m, inertia, R1)
@@ -48,24 +47,12 @@ SYSTEM = rolling.system(
 )
 
 RELATIONS = (
-    Relation(
+    Relation.into(
+        SYSTEM,
         "gyroscopic-ball-on-sphere",
-        "gyroscopic-ellipsoid-on-sphere",
-        state={**{q: q for q in (*gamma, *omega)}, height: R2},
-        parameters={**{q: q for q in (m, R1, *inertia, *kappa)}, **dict.fromkeys(axes, R2)},
+        {"height": R2, **dict.fromkeys(axes, R2)},
         note="equal axes",
     ),
-    Relation.of(
-        SYSTEM,
-        "gyroscopic-ellipsoid-on-plane",
-        {"g": 0},
-        limit=Limit(h, {R1: 1 / h}),
-        note="a large sphere",
-    ),
-    Relation.of(
-        SYSTEM,
-        "ellipsoid-on-sphere",
-        limit=Limit(h, {k: h * k for k in kappa}),
-        note="the gyroscope stops",
-    ),
+    Relation.of(SYSTEM, "gyroscopic-ellipsoid-on-plane", {"g": 0}, grow=R1, note="a large sphere"),
+    Relation.of(SYSTEM, "ellipsoid-on-sphere", vanish=kappa, note="the gyroscope stops"),
 )

@@ -23,7 +23,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Limit, Relation, kinematics
+from voronec import Relation, kinematics
 
 m, inertia, kappa = sp.Symbol("m"), sp.symbols("I1:4"), sp.symbols("kappa1:4")
 body = kinematics.CarriedContact.unknown(m, inertia)
@@ -38,24 +38,23 @@ SYSTEM = body.system(
 )
 
 # A torus on an ellipsoid of revolution: what is known there, by the names there.
-R, r, a, c, A, C, k, h = sp.symbols("R r a c A C k h")
+R, r, a, c, A, C, k = sp.symbols("R r a c A C k")
 u, v, u1, v1, theta = body.contact.coordinates
 special = kinematics.TorusOnEllipsoid((R, r), (a, c), m, (A, C), k).body
 state, functions = special.as_any_body
 moments = {"I1": A, "I2": A, "I3": C, "kappa1": 0, "kappa2": 0, "kappa3": k}
 RELATIONS = (
-    Relation(
+    Relation.into(
+        SYSTEM,
         "gyroscopic-torus-on-ellipsoid",
-        "gyroscopic-rolling-body",
-        state=state,
-        parameters={m: m, **moments, **functions},
+        {**state, **moments, **functions},
         note="the surfaces are given",
     ),
     Relation.of(
         SYSTEM,
         "rolling-body",
         {f: sp.Function(f)(*((u1, v1) if f.endswith("1") else (u, v))) for f in functions},
-        limit=Limit(h, {k: h * k for k in kappa}),
+        vanish=kappa,
         note="the gyroscope stops",
     ),
 )

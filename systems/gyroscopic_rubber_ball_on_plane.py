@@ -18,9 +18,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Case, Limit, Relation, Scene, kinematics
+from voronec import Case, Relation, kinematics
 
-m, R, h = sp.symbols("m R h")
+m, R = sp.symbols("m R")
 inertia, kappa = sp.symbols("I1:4"), sp.symbols("kappa1:4")
 
 ball = kinematics.BalancedBall.on_plane(R, m, inertia, kappa)
@@ -45,21 +45,15 @@ SYSTEM = ball.rubber_system(
         ),
     },
     scenes={
-        "default": Scene(
-            initial={u: "1/5", v: 1, w1: "1/10", w2: "1/20"},
-            times=(0.0, 40.0),
-            outputs=(*ball.fibre, u, v),
-            caption="The gyroscope bends the path of the contact.",
+        "default": ball.rubber_scene(
+            "The gyroscope bends the path of the contact.",
+            40.0,
+            {u: "1/5", v: 1, w1: "1/10", w2: "1/20"},
         ),
     },
     references=("Markeev1985", "EhlersKoillerMontgomeryRios2005"),
 )
 
 RELATIONS = (
-    Relation.of(
-        SYSTEM,
-        "rubber-ball-on-plane",
-        limit=Limit(h, {k: h * k for k in kappa}),
-        note="the gyroscope is taken away",
-    ),
+    Relation.of(SYSTEM, "rubber-ball-on-plane", vanish=kappa, note="the gyroscope is taken away"),
 )

@@ -19,16 +19,13 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Case, Limit, Relation, Scene, Square, kinematics
+from voronec import Case, Relation, Square, kinematics
 
-R1, R2, m, h = sp.symbols("R1 R2 m h")
+R1, R2, m = sp.symbols("R1 R2 m")
 inertia, kappa = sp.symbols("I1:4"), sp.symbols("kappa1:4")
 
 ball = kinematics.BalancedBall.on_sphere(R1, R2, m, inertia, kappa)
 motion = ball.rubber
-u, v, _ = ball.base
-u1, v1 = ball.fibre
-w1, w2 = motion.velocities
 
 SYSTEM = ball.rubber_system(
     name="gyroscopic-rubber-ball-on-sphere",
@@ -46,29 +43,17 @@ SYSTEM = ball.rubber_system(
             note="the gyroscope lies along the axis of symmetry",
         ),
     },
-    scenes={
-        "default": Scene(
-            initial={u: "6/5", u1: 1, w1: "1/20", w2: "1/5"},
-            times=(0.0, 40.0),
-            outputs=(u, v, u1, v1),
-            caption="Outer rolling.",
-        ),
-    },
+    scenes={"default": ball.rubber_scene("Outer rolling.", 40.0)},
     references=("Markeev1985", "EhlersKoiller2007"),
 )
 
 RELATIONS = (
-    Relation.of(
-        SYSTEM,
-        "rubber-ball-on-sphere",
-        limit=Limit(h, {k: h * k for k in kappa}),
-        note="the gyroscope is taken away",
-    ),
+    Relation.of(SYSTEM, "rubber-ball-on-sphere", vanish=kappa, note="the gyroscope is taken away"),
     Relation.of(
         SYSTEM,
         "gyroscopic-rubber-ball-on-plane",
         {"R": R2},
-        limit=Limit(h, {R1: 1 / h}),
+        grow=R1,
         note="the sphere becomes a plane",
     ),
 )

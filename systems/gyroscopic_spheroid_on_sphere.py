@@ -16,10 +16,10 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Limit, Relation, kinematics
+from voronec import Relation, kinematics
 
 omega = sp.symbols("omega1:4")
-m, R1, a, c, A, C, k, h = sp.symbols("m R1 a c A C k h")
+m, R1, a, c, A, C, k = sp.symbols("m R1 a c A C k")
 
 rolling = kinematics.RollingEllipsoid.spheroid_on_sphere((a, c), m, (A, C), R1)
 u, v, u1, v1, theta = rolling.fibre[3:]
@@ -58,14 +58,6 @@ RELATIONS = (
         state=state,
         note="the surfaces are given",
     ),
-    Relation.of(
-        SYSTEM,
-        "gyroscopic-spheroid-on-plane",
-        {"g": 0},
-        limit=Limit(h, {R1: 1 / h}),
-        note="a large sphere",
-    ),
-    Relation.of(
-        SYSTEM, "spheroid-on-sphere", limit=Limit(h, {k: h * k}), note="the gyroscope stops"
-    ),
+    Relation.of(SYSTEM, "gyroscopic-spheroid-on-plane", {"g": 0}, grow=R1, note="a large sphere"),
+    Relation.of(SYSTEM, "spheroid-on-sphere", vanish=k, note="the gyroscope stops"),
 )

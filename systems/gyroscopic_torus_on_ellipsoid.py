@@ -26,9 +26,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Limit, Relation, kinematics
+from voronec import Relation, kinematics
 
-R, r, a, c, m, A, C, k, R1, R2, h = sp.symbols("R r a c m A C k R1 R2 h")
+R, r, a, c, m, A, C, k, R1, R2 = sp.symbols("R r a c m A C k R1 R2")
 
 torus = kinematics.TorusOnEllipsoid((R, r), (a, c), m, (A, C), k)
 
@@ -43,14 +43,11 @@ SYSTEM = torus.system(
 )
 
 RELATIONS = (
-    Relation(
+    Relation.into(
+        SYSTEM,
         "symmetric-gyroscopic-ball-on-sphere",
-        "gyroscopic-torus-on-ellipsoid",
-        state=torus.ball_state,
-        parameters={R: 0, r: R2, a: R1, c: R1, m: m, A: A, C: C, k: k},
+        {**torus.ball_state, R: 0, r: R2, a: R1, c: R1},
         note="a torus about a point is a ball, and equal axes make a sphere",
     ),
-    Relation.of(
-        SYSTEM, "torus-on-ellipsoid", limit=Limit(h, {k: h * k}), note="the gyroscope stops"
-    ),
+    Relation.of(SYSTEM, "torus-on-ellipsoid", vanish=k, note="the gyroscope stops"),
 )

@@ -16,9 +16,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Limit, Relation, Square, kinematics
+from voronec import Relation, Square, kinematics
 
-R1, R2, m, A, h = sp.symbols("R1 R2 m A h")
+R1, R2, m, A = sp.symbols("R1 R2 m A")
 
 ball = kinematics.BalancedBall.on_sphere(R1, R2, m, (A, A, A))
 D, spin, normal = ball.motion.contact_inertia, ball.motion.spin, ball.motion.normal
@@ -42,13 +42,7 @@ SYSTEM = ball.system(
 
 RELATIONS = (
     Relation.of(SYSTEM, "symmetric-ball-on-sphere", {"A": A, "C": A}),
-    Relation.of(
-        SYSTEM,
-        "homogeneous-ball",
-        {"R": R2},
-        limit=Limit(h, {R1: 1 / h}),
-        note="the sphere becomes a plane",
-    ),
+    Relation.of(SYSTEM, "homogeneous-ball", {"R": R2}, grow=R1, note="the sphere becomes a plane"),
 )
 SQUARES = (
     Square.through(

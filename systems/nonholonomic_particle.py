@@ -88,7 +88,7 @@ SYSTEM = System(
     integrable="Euler-Jacobi",
     scenes={
         "default": Scene(
-            initial={y: -2, Dx: 1, Dy: sp.Rational(1, 2)},
+            initial={y: -2, Dx: 1, Dy: "1/2"},
             times=(0.0, 8.0),
             outputs=(x, y, z),
             caption="While y grows uniformly, z falls and rises again along a hyperbola.",
@@ -100,11 +100,10 @@ SYSTEM = System(
 )
 
 RELATIONS = (
-    Relation(
-        "nonholonomic-particle",
+    Relation.of(
+        SYSTEM,
         "free-particle",
         state={"X": x, "Y": sp.asinh(y), "Xdot": root * Dx, "Ydot": Dy},
-        parameters={"m": m},
         clock=1 / root,
         note="Chaplygin's change of time, by the reducing multiplier.",
     ),

@@ -71,8 +71,7 @@ SYSTEM = System(
     lagrangian=kinetic - m * g * level,
     constraints=(velocity(x) - across[0], velocity(y) - across[1]),
     meanings={
-        x: "first coordinate of the centre over the plane",
-        y: "second coordinate of the centre over the plane",
+        **kinematics.place_meanings((x, y), "the centre over the plane"),
         phi: "heading, Euler's angle about the vertical",
         theta: "tilt, Euler's angle about the first axis, after the heading",
         psi: "roll, Euler's angle about the body's second axis",
@@ -87,7 +86,7 @@ SYSTEM = System(
         *Parameter.each(
             moments, ("2/5", 5, 5), positive=True, meaning="moment about an axis of the surface"
         ),
-        Parameter(I12, sp.Rational(-1, 4), meaning="product of inertia: the hand"),
+        Parameter(I12, "-1/4", meaning="product of inertia: the hand"),
     ),
     invariants={**dict(zip(map(str, gamma), vertical, strict=True)), "height": level},
     integrals={"energy": momentum.dot(spin) / 2 + m * g * height},
@@ -111,11 +110,7 @@ SYSTEM = System(
     },
     scenes={
         "default": Scene(
-            initial={
-                theta: sp.Rational(1, 100),
-                omega[0]: sp.Rational(1, 50),
-                omega[2]: -sp.Rational(1, 2),
-            },
+            initial={theta: "1/100", omega[0]: "1/50", omega[2]: "-1/2"},
             times=(0.0, 100.0),
             outputs=(x, y, *omega),
             caption="Spun against its hand, the rattleback rattles, and turns back.",
@@ -133,35 +128,25 @@ SYSTEM = System(
     references=("Walker1896", "GarciaHubbard1988", "BorisovMamaev2003Rattleback"),
 )
 
-state = {str(s): s for s in (*gamma, height, *omega)}
-constants = {str(s): s for s in (m, g, *axes, *moments, I12)}
-
 RELATIONS = (
-    Relation(
+    Relation.into(
+        SYSTEM,
         "ellipsoid-on-plane",
-        "rattleback",
-        parameters={**constants, "I12": 0},
+        {I12: 0},
         note="The axes of inertia are those of the surface: no hand.",
     ),
-    Relation(
+    Relation.into(
+        SYSTEM,
         "rattleback",
-        "rattleback",
-        state={**state, **{str(w): -w for w in omega}},
-        parameters=constants,
+        {w: -w for w in omega},
         clock=-1,
         name="rattleback reversed",
         note="Time runs back.",
     ),
-    Relation(
+    Relation.into(
+        SYSTEM,
         "rattleback",
-        "rattleback",
-        state={
-            **state,
-            "gamma1": -gamma[0],
-            "omega2": -omega[1],
-            "omega3": -omega[2],
-        },
-        parameters={**constants, "I12": -I12},
+        {q: -q for q in (gamma[0], omega[1], omega[2], I12)},
         name="rattleback mirrored",
         note="The mirror image has the other hand.",
     ),

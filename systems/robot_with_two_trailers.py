@@ -28,6 +28,7 @@ from voronec import (
     Shape,
     Sketch,
     System,
+    kinematics,
     velocity,
 )
 
@@ -100,8 +101,7 @@ SYSTEM = System(
     lagrangian=kinetic,
     constraints=tuple(constraints),
     meanings={
-        x: "first coordinate of the middle of the robot's axle",
-        y: "second coordinate of the middle of the robot's axle",
+        **kinematics.place_meanings((x, y), "the middle of the robot's axle"),
         theta0: "heading of the robot, from the first axis",
         theta1: "heading of the first trailer",
         theta2: "heading of the second trailer",
@@ -112,11 +112,11 @@ SYSTEM = System(
     },
     parameters=(
         Parameter(m0, 1, positive=True, meaning="mass of the robot"),
-        Parameter(m1, sp.Rational(1, 2), lower=0, meaning="mass of the first trailer"),
-        Parameter(m2, sp.Rational(1, 2), lower=0, meaning="mass of the second trailer"),
-        Parameter(J0, sp.Rational(1, 5), positive=True, meaning="inertia of the robot"),
-        Parameter(J1, sp.Rational(1, 10), lower=0, meaning="inertia of the first trailer"),
-        Parameter(J2, sp.Rational(1, 10), lower=0, meaning="inertia of the second trailer"),
+        Parameter(m1, "1/2", lower=0, meaning="mass of the first trailer"),
+        Parameter(m2, "1/2", lower=0, meaning="mass of the second trailer"),
+        Parameter(J0, "1/5", positive=True, meaning="inertia of the robot"),
+        Parameter(J1, "1/10", lower=0, meaning="inertia of the first trailer"),
+        Parameter(J2, "1/10", lower=0, meaning="inertia of the second trailer"),
         Parameter(l1, 1, positive=True, meaning="length of the first bar"),
         Parameter(l2, 1, positive=True, meaning="length of the second bar"),
     ),
@@ -141,12 +141,7 @@ SYSTEM = System(
     },
     scenes={
         "default": Scene(
-            initial={
-                theta1: sp.Rational(-1, 2),
-                theta2: sp.Rational(-3, 2),
-                v: 1,
-                w: sp.Rational(3, 5),
-            },
+            initial={theta1: "-1/2", theta2: "-3/2", v: 1, w: "3/5"},
             times=(0.0, 20.0),
             outputs=(x, y, theta0, theta1, theta2, v),
             caption="The trailers fall in line, and the three of them run round one centre.",

@@ -28,6 +28,7 @@ from voronec import (
     Shape,
     Sketch,
     System,
+    kinematics,
     velocity,
 )
 
@@ -83,8 +84,7 @@ SYSTEM = System(
         hinge[1] * sp.cos(theta + phi) - hinge[0] * sp.sin(theta + phi) + b * handle,
     ),
     meanings={
-        x: "first coordinate of the middle of the seat's axle",
-        y: "second coordinate of the middle of the seat's axle",
+        **kinematics.place_meanings((x, y), "the middle of the seat's axle"),
         theta: "heading of the seat, from the first axis",
         phi: "angle of the handle against the seat",
         v: "speed of the seat",
@@ -93,9 +93,9 @@ SYSTEM = System(
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(I1, 1, positive=True, meaning="inertia of the seat"),
-        Parameter(I2, sp.Rational(1, 5), lower=0, meaning="inertia of the handle"),
+        Parameter(I2, "1/5", lower=0, meaning="inertia of the handle"),
         Parameter(a, 1, meaning="from the seat's axle to the hinge"),
-        Parameter(b, sp.Rational(3, 10), meaning="from the hinge to the handle's axle"),
+        Parameter(b, "3/10", meaning="from the hinge to the handle's axle"),
     ),
     invariants={"sine": sp.sin(phi), "cosine": sp.cos(phi)},
     integrals={"energy": kinetic},
@@ -122,7 +122,7 @@ SYSTEM = System(
     },
     scenes={
         "default": Scene(
-            initial={phi: sp.Rational(1, 2), v: 1},
+            initial={phi: "1/2", v: 1},
             times=(0.0, 20.0),
             outputs=(x, y, theta, phi, v, w),
             caption="The handle folds back, and the racer goes over into a run round a circle.",

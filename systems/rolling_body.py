@@ -44,11 +44,10 @@ R, r, a, c, A, C = sp.symbols("R r a c A C")
 special = kinematics.TorusOnEllipsoid((R, r), (a, c), m, (A, C)).body
 state, functions = special.as_any_body
 RELATIONS = (
-    Relation(
+    Relation.into(
+        SYSTEM,
         "torus-on-ellipsoid",
-        "rolling-body",
-        state=state,
-        parameters={m: m, "I1": A, "I2": A, "I3": C, **functions},
+        {**state, "I1": A, "I2": A, "I3": C, **functions},
         note="the surfaces are given",
     ),
 )

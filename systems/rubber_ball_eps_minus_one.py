@@ -18,14 +18,12 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Relation, Scene, kinematics
+from voronec import Relation, kinematics
 
 R2, m = sp.symbols("R2 m")
 inertia = sp.symbols("I1:4")
 
 ball = kinematics.BalancedBall.on_sphere(-R2 / 2, R2, m, inertia)
-u, v, _ = ball.base
-u1, v1 = ball.fibre
 w1, w2 = ball.rubber.velocities
 
 SYSTEM = ball.rubber_system(
@@ -40,11 +38,8 @@ SYSTEM = ball.rubber_system(
     integrals={"Borisov and Mamaev": ball.rubber.quadratic_integral},
     integrable="Euler-Jacobi",
     scenes={
-        "default": Scene(
-            initial={u: "6/5", u1: 1, w1: "-1/20", w2: "-1/5"},
-            times=(0.0, 10.0),
-            outputs=(u, v, u1, v1),
-            caption="The shell rolls around the sphere.",
+        "default": ball.rubber_scene(
+            "The shell rolls around the sphere.", 10.0, {w1: "-1/20", w2: "-1/5"}
         ),
     },
     references=("BorisovMamaev2007", "DragovicGajicJovanovic2020"),

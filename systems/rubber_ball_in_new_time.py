@@ -45,14 +45,14 @@ ball = kinematics.BalancedBall.on_sphere(R1, R2, m, sp.symbols("I1:4")).rubber
 clock = ball.reducer
 
 RELATIONS = (
-    Relation(
+    Relation.into(
+        SYSTEM,
         "rubber-ball-on-sphere",
-        "rubber-ball-in-new-time",
-        state={
-            **{g: g for g in motion.normal},
+        {
             **{W: w / clock for W, w in zip(names, ball.velocities, strict=True)},
+            **dict(zip(moments, ball.moments, strict=True)),
+            epsilon: ball.epsilon,
         },
-        parameters={**dict(zip(moments, ball.moments, strict=True)), epsilon: ball.epsilon},
         clock=clock,
     ),
     Relation.of(

@@ -34,8 +34,7 @@ def member(n: int, name: str) -> System:
         description=f"A balanced, dynamically non-symmetric ball of R^{n} rolls on a hyperplane "
         "without slipping and without twisting.",
         values={m: 1, R: 1},
-        second_moments=("0.4", "0.3", "0.1", "0.2", "0.5"),
-        scenes={"default": ball.scene(caption, 4.0, ball.normal)},
+        scenes={"default": ball.scene(caption, 4.0)},
         references=("Jovanovic2018", "FedorovJovanovic2004", "EhlersKoillerMontgomeryRios2005"),
     )
 
@@ -44,15 +43,8 @@ MEMBERS = {str(n): partial(member, n, f"rubber-ball-in-rn@{n}") for n in (3, 4, 
 SYSTEM = member(4, "rubber-ball-in-rn")
 
 balls = {at: BodyInRn(n, m, R, twists=False) for n, at in ((3, "@3"), (4, ""))}
-state, moments = balls["@3"].in_space
 RELATIONS = (
-    Relation(
-        "rubber-ball-in-rn@3",
-        "rubber-ball-on-plane",
-        state=state,
-        parameters={m: m, R: R, **moments},
-        note="three dimensions",
-    ),
+    balls["@3"].relation_in_space("rubber-ball-in-rn", "rubber-ball-on-plane"),
     # For n = 5 it holds too; the claims that it carries are too large to be decided.
     *(
         Relation(

@@ -15,15 +15,13 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Corrected, Relation, Scene, kinematics
+from voronec import Corrected, Relation, kinematics
 
 m, R = sp.symbols("m R")
 inertia = sp.symbols("I1:4")
 
 ball = kinematics.BalancedBall.on_plane(R, m, inertia)
 motion = ball.rubber
-u, v, _ = ball.base
-w1, w2 = motion.velocities
 printed = motion.momentum_equation(motion.multiplier(motion.momentum))
 
 SYSTEM = ball.rubber_system(
@@ -36,14 +34,7 @@ SYSTEM = ball.rubber_system(
         "momentum": Corrected(motion.equations["momentum"], printed, "DragovicGajicJovanovic2020")
     },
     integrable="Euler-Jacobi",
-    scenes={
-        "default": Scene(
-            initial={u: "6/5", w1: "1/20", w2: "1/5"},
-            times=(0.0, 10.0),
-            outputs=(*ball.fibre, u, v),
-            caption="The contact wanders over the plane.",
-        ),
-    },
+    scenes={"default": ball.rubber_scene("The contact wanders over the plane.", 10.0)},
     references=("EhlersKoillerMontgomeryRios2005", "DragovicGajicJovanovic2020"),
 )
 

@@ -15,18 +15,15 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Case, Corrected, Limit, Relation, Scene, kinematics
+from voronec import Case, Corrected, Relation, kinematics
 
-R1, R2, m, h = sp.symbols("R1 R2 m h")
+R1, R2, m = sp.symbols("R1 R2 m")
 inertia = I1, I2, I3 = sp.symbols("I1:4")
 
 ball = kinematics.BalancedBall.on_sphere(R1, R2, m, inertia)
 motion = ball.rubber
-u, v, _ = ball.base
-u1, v1 = ball.fibre
 w1, w2 = motion.velocities
 printed = motion.momentum_equation(motion.multiplier(motion.momentum))
-start, seen = {u: "6/5", u1: 1, w1: "1/20", w2: "1/5"}, (u, v, u1, v1)
 
 SYSTEM = ball.rubber_system(
     name="rubber-ball-on-sphere",
@@ -52,14 +49,13 @@ SYSTEM = ball.rubber_system(
         ),
     },
     scenes={
-        "default": Scene(start, (0.0, 15.0), {}, seen, "Outer rolling."),
-        "inner": Scene(start, (0.0, 7.0), {R1: -3}, seen, "Inside a sphere three times as large."),
-        "shell": Scene(
-            {**start, w1: "-1/20", w2: "-1/5"},
-            (0.0, 10.0),
-            {R1: "-1/3"},
-            seen,
+        "default": ball.rubber_scene("Outer rolling.", 15.0),
+        "inner": ball.rubber_scene("Inside a sphere three times as large.", 7.0, {}, {R1: -3}),
+        "shell": ball.rubber_scene(
             "A shell around a sphere of a third of its radius.",
+            10.0,
+            {w1: "-1/20", w2: "-1/5"},
+            {R1: "-1/3"},
         ),
     },
     drawing={"on the ball": ("u", "v"), "on the sphere": ("u1", "v1")},
@@ -68,10 +64,6 @@ SYSTEM = ball.rubber_system(
 
 RELATIONS = (
     Relation.of(
-        SYSTEM,
-        "rubber-ball-on-plane",
-        {"R": R2},
-        limit=Limit(h, {R1: 1 / h}),
-        note="the sphere becomes a plane",
+        SYSTEM, "rubber-ball-on-plane", {"R": R2}, grow=R1, note="the sphere becomes a plane"
     ),
 )

@@ -38,8 +38,7 @@ def member(n: int, name: str) -> System:
         description=f"A balanced, dynamically non-symmetric ball of R^{n} rolls over a fixed "
         "sphere without slipping and without twisting.",
         values={R1: 2, R2: 1, m: 1},
-        second_moments=("0.4", "0.3", "0.1", "0.2", "0.5"),
-        scenes={"default": ball.scene(caption, 6.0, ball.normal)},
+        scenes={"default": ball.scene(caption, 6.0)},
         references=("Jovanovic2018", "EhlersKoiller2007"),
     )
 

@@ -65,11 +65,4 @@ SYSTEM = sleigh.system(
     references=("BizyaevBorisovMamaev2017", "Chaplygin1911"),
 )
 
-RELATIONS = (
-    Relation(
-        "sleigh",
-        "sleigh-in-time",
-        parameters={"m": m, "J": J, "a": a, "b1": 0, "nu": 1},
-        note="The swing has no amplitude.",
-    ),
-)
+RELATIONS = (Relation.into(SYSTEM, "sleigh", {b1: 0, nu: 1}, note="The swing has no amplitude."),)

@@ -102,7 +102,6 @@ SYSTEM = sleigh.system(
 )
 
 h = sp.Symbol("h")
-constants = {str(s): s for s in (m, J, a, Omega, k, along, beside)}
 
 RELATIONS = (
     Relation(
@@ -112,20 +111,18 @@ RELATIONS = (
         limit=Limit(h, {Omega: h, k: h}),
         note="The table comes to rest and the spring goes slack.",
     ),
-    Relation(
+    Relation.into(
+        SYSTEM,
         "sleigh-on-turntable",
-        "sleigh-on-turntable",
-        state={"x": x, "y": y, "phi": phi, "v": -v, "w": -w},
-        parameters={**constants, "Omega": -Omega},
+        {x: x, **{q: -q for q in (v, w, Omega)}},
         clock=-1,
         name="sleigh on a turntable reversed",
         note="With time run back, the table turns the other way.",
     ),
-    Relation(
+    Relation.into(
+        SYSTEM,
         "sleigh-on-turntable",
-        "sleigh-on-turntable",
-        state={"x": x, "y": -y, "phi": -phi, "v": v, "w": -w},
-        parameters={**constants, "Omega": -Omega, "beside": -beside},
+        {q: -q for q in (y, phi, w, Omega, beside)},
         name="sleigh on a turntable mirrored",
         note="In the mirror the table turns the other way, and the hook is on the other side.",
     ),

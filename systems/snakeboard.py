@@ -25,6 +25,7 @@ from voronec import (
     Shape,
     Sketch,
     System,
+    kinematics,
     velocity,
 )
 
@@ -80,8 +81,7 @@ SYSTEM = System(
         sp.cos(theta - phi) * Dy - sp.sin(theta - phi) * Dx + length * sp.cos(phi) * Dtheta,
     ),
     meanings={
-        x: "first coordinate of the board's middle",
-        y: "second coordinate of the board's middle",
+        **kinematics.place_meanings((x, y), "the board's middle"),
         theta: "heading of the board, from the first axis",
         psi: "turn of the rotor against the board",
         phi: "steering angle of the rear wheels; the front wheels have the opposite one",
@@ -92,10 +92,10 @@ SYSTEM = System(
     },
     parameters=(
         Parameter(m, 6, positive=True, meaning="mass"),
-        Parameter(length, sp.Rational(1, 5), positive=True, meaning="half the wheelbase"),
-        Parameter(J, sp.Rational(1, 10), positive=True, meaning="inertia of the board"),
-        Parameter(rotor, sp.Rational(1, 20), positive=True, meaning="inertia of the rotor"),
-        Parameter(wheels, sp.Rational(1, 100), positive=True, meaning="inertia of a pair"),
+        Parameter(length, "1/5", positive=True, meaning="half the wheelbase"),
+        Parameter(J, "1/10", positive=True, meaning="inertia of the board"),
+        Parameter(rotor, "1/20", positive=True, meaning="inertia of the rotor"),
+        Parameter(wheels, "1/100", positive=True, meaning="inertia of a pair"),
     ),
     invariants={"sine": sp.sin(phi), "cosine": sp.cos(phi)},
     integrals={
@@ -114,13 +114,7 @@ SYSTEM = System(
     integrable="Euler-Jacobi",
     scenes={
         "default": Scene(
-            initial={
-                theta: sp.Rational(1, 10),
-                phi: sp.Rational(3, 10),
-                Dtheta: sp.Rational(1, 5),
-                Dpsi: 1,
-                Dphi: sp.Rational(1, 10),
-            },
+            initial={theta: "1/10", phi: "3/10", Dtheta: "1/5", Dpsi: 1, Dphi: "1/10"},
             times=(0.0, 5.0),
             outputs=(x, y, theta, psi, phi),
             caption="The wheels turn steadily, and the board's track curls up.",

@@ -29,10 +29,10 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Limit, Relation, kinematics
+from voronec import Relation, kinematics
 
 omega = sp.symbols("omega1:4")
-m, R1, a, c, A, C, h = sp.symbols("m R1 a c A C h")
+m, R1, a, c, A, C = sp.symbols("m R1 a c A C")
 
 rolling = kinematics.RollingEllipsoid.spheroid_on_sphere((a, c), m, (A, C), R1)
 u, v, u1, v1, theta = rolling.fibre[3:]
@@ -74,13 +74,7 @@ RELATIONS = (
         note="its support function, and no force",
     ),
     Relation.of(
-        SYSTEM,
-        "rolling-body",
-        {**moments, **functions},
-        state=state,
-        note="the surfaces are given",
+        SYSTEM, "rolling-body", {**moments, **functions}, state=state, note="the surfaces are given"
     ),
-    Relation.of(
-        SYSTEM, "spheroid-on-plane", {"g": 0}, limit=Limit(h, {R1: 1 / h}), note="a large sphere"
-    ),
+    Relation.of(SYSTEM, "spheroid-on-plane", {"g": 0}, grow=R1, note="a large sphere"),
 )

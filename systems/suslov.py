@@ -57,10 +57,10 @@ SYSTEM = System(
     },
     parameters=(
         Parameter(I1, 1, positive=True, meaning="moment about the first axis"),
-        Parameter(I2, sp.Rational(3, 2), positive=True, meaning="moment about the second axis"),
+        Parameter(I2, "3/2", positive=True, meaning="moment about the second axis"),
         Parameter(I3, 2, positive=True, meaning="moment about the forbidden axis"),
-        Parameter(I13, sp.Rational(1, 5), meaning="product of inertia, forbidden axis and first"),
-        Parameter(I23, sp.Rational(2, 5), meaning="product of inertia, forbidden axis and second"),
+        Parameter(I13, "1/5", meaning="product of inertia, forbidden axis and first"),
+        Parameter(I23, "2/5", meaning="product of inertia, forbidden axis and second"),
     ),
     invariants=dict(zip(("gamma1", "gamma2", "gamma3"), rotation.matrix.row(2), strict=True)),
     integrals={"energy": (I1 * omega1**2 + I2 * omega2**2) / 2},
@@ -85,13 +85,13 @@ SYSTEM = System(
     },
     scenes={
         "default": Scene(
-            initial={theta: 1, omega1: 1, omega2: sp.Rational(-3, 5)},
+            initial={theta: 1, omega1: 1, omega2: "-3/5"},
             times=(0.0, 60.0),
             outputs=(phi, theta, psi, omega1, omega2),
             caption="The body leaves one steady turning for the opposite one.",
         ),
         "principal": Scene(
-            initial={theta: 1, omega1: 1, omega2: sp.Rational(-3, 5)},
+            initial={theta: 1, omega1: 1, omega2: "-3/5"},
             parameters={I13: 0, I23: 0},
             times=(0.0, 20.0),
             outputs=(phi, theta, psi, omega1, omega2),
@@ -104,17 +104,10 @@ SYSTEM = System(
 )
 
 RELATIONS = (
-    Relation(
+    Relation.into(
+        SYSTEM,
         "suslov",
-        "suslov",
-        state={
-            "gamma1": gamma[0],
-            "gamma2": gamma[1],
-            "gamma3": gamma[2],
-            "omega1": -omega1,
-            "omega2": -omega2,
-        },
-        parameters={"I1": I1, "I2": I2, "I3": I3, "I13": I13, "I23": I23},
+        {omega1: -omega1, omega2: -omega2},
         clock=-1,
         name="suslov reversed",
         note="Time runs back: what attracts and what repels change places.",

@@ -24,9 +24,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Limit, Relation, Square, kinematics
+from voronec import Relation, Square, kinematics
 
-R1, R2, m, A, C, h = sp.symbols("R1 R2 m A C h")
+R1, R2, m, A, C = sp.symbols("R1 R2 m A C")
 
 ball = kinematics.BalancedBall.on_sphere(R1, R2, m, (A, A, C))
 solution = kinematics.SymmetricBallMotion(ball.motion)
@@ -46,11 +46,7 @@ moments = {"I1": A, "I2": A, "I3": C}
 RELATIONS = (
     Relation.of(SYSTEM, "ball-on-sphere", moments),
     Relation.of(
-        SYSTEM,
-        "chaplygin-ball",
-        {"R": R2, **moments},
-        limit=Limit(h, {R1: 1 / h}),
-        note="the sphere becomes a plane",
+        SYSTEM, "chaplygin-ball", {"R": R2, **moments}, grow=R1, note="the sphere becomes a plane"
     ),
 )
 SQUARES = (

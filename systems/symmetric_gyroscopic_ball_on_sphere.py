@@ -72,13 +72,7 @@ RELATIONS = (
         limit=Limit(h, {k: h}),
         note="the gyroscope is taken away",
     ),
-    Relation.of(
-        SYSTEM,
-        "bobylev-ball",
-        {"R": R2},
-        limit=Limit(h, {R1: 1 / h}),
-        note="the sphere becomes a plane",
-    ),
+    Relation.of(SYSTEM, "bobylev-ball", {"R": R2}, grow=R1, note="the sphere becomes a plane"),
 )
 SQUARES = (
     Square.through(

@@ -39,11 +39,10 @@ SYSTEM = torus.system(
 )
 
 RELATIONS = (
-    Relation(
+    Relation.into(
+        SYSTEM,
         "symmetric-ball-on-sphere",
-        "torus-on-ellipsoid",
-        state=torus.ball_state,
-        parameters={R: 0, r: R2, a: R1, c: R1, m: m, A: A, C: C},
+        {**torus.ball_state, R: 0, r: R2, a: R1, c: R1},
         note="a torus about a point is a ball, and equal axes make a sphere",
     ),
 )

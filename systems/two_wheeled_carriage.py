@@ -25,6 +25,7 @@ from voronec import (
     Sketch,
     Square,
     System,
+    kinematics,
     velocity,
 )
 
@@ -77,8 +78,7 @@ SYSTEM = System(
         forward + b * Dphi - R * Dright,
     ),
     meanings={
-        x: "first coordinate of the middle of the axle",
-        y: "second coordinate of the middle of the axle",
+        **kinematics.place_meanings((x, y), "the middle of the axle"),
         phi: "heading of the carriage, from the first axis",
         left: "turn of the left wheel",
         right: "turn of the right wheel",
@@ -89,11 +89,11 @@ SYSTEM = System(
     },
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass, wheels included"),
-        Parameter(J, sp.Rational(1, 2), positive=True, meaning="inertia about the centre of mass"),
-        Parameter(a, sp.Rational(3, 10), meaning="centre of mass, before the axle"),
-        Parameter(b, sp.Rational(1, 2), positive=True, meaning="half the track"),
-        Parameter(R, sp.Rational(1, 4), positive=True, meaning="radius of the wheels"),
-        Parameter(C, sp.Rational(1, 100), positive=True, meaning="a wheel's inertia, axial"),
+        Parameter(J, "1/2", positive=True, meaning="inertia about the centre of mass"),
+        Parameter(a, "3/10", meaning="centre of mass, before the axle"),
+        Parameter(b, "1/2", positive=True, meaning="half the track"),
+        Parameter(R, "1/4", positive=True, meaning="radius of the wheels"),
+        Parameter(C, "1/100", positive=True, meaning="a wheel's inertia, axial"),
     ),
     integrals={
         "energy": (drive * v**2 + turn * w**2) / 2,
@@ -123,7 +123,7 @@ SYSTEM = System(
     },
     scenes={
         "default": Scene(
-            initial={v: -1, w: sp.Rational(1, 20)},
+            initial={v: -1, w: "1/20"},
             times=(0.0, 20.0),
             outputs=(x, y, phi, left, right),
             caption="Pushed with the load behind the axle, the carriage turns about.",
@@ -159,8 +159,8 @@ SYSTEM = System(
     references=("NeimarkFufaev1972", "Bloch2015"),
 )
 
-disc = {name: sp.Symbol(name) for name in ("x", "y", "phi", "theta", "thetadot", "phidot")}
-B = sp.Symbol("B")
+# What the vertical disc calls its rolling angle, the rates of its angles, and its axial moment.
+angle, rolled, yawed, B = sp.symbols("theta thetadot phidot B")
 
 RELATIONS = (
     Relation(
@@ -170,17 +170,10 @@ RELATIONS = (
         parameters={"m": drive, "J": turn - (m * a) ** 2 / drive, "a": m * a / drive},
         note="A sleigh with the inertia of the wheels' spin.",
     ),
-    Relation(
+    Relation.into(
+        SYSTEM,
         "vertical-disc",
-        "two-wheeled-carriage",
-        state={
-            **{name: disc[name] for name in ("x", "y", "phi")},
-            "left": disc["theta"],
-            "right": disc["theta"],
-            "v": R * disc["thetadot"],
-            "w": disc["phidot"],
-        },
-        parameters={"m": m, "J": C, "a": 0, "b": 0, "R": R, "C": B / 2},
+        {left: angle, right: angle, v: R * rolled, w: yawed, J: C, a: 0, b: 0, C: B / 2},
         note="The disc is split into two wheels with no distance between them.",
     ),
 )

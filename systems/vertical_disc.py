@@ -36,8 +36,7 @@ SYSTEM = System(
     lagrangian=kinetic,
     constraints=(Dx - R * Dtheta * sp.cos(phi), Dy - R * Dtheta * sp.sin(phi)),
     meanings={
-        x: "first coordinate of the contact on the plane",
-        y: "second coordinate of the contact on the plane",
+        **kinematics.place_meanings((x, y), "the contact on the plane"),
         phi: "heading of the disc, from the first axis",
         theta: "turn of the disc about its axle",
         "rolling": "rate at which the disc rolls",
@@ -49,8 +48,8 @@ SYSTEM = System(
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(R, 1, positive=True, meaning="radius"),
-        Parameter(B, sp.Rational(1, 2), positive=True, meaning="inertia about the axle"),
-        Parameter(C, sp.Rational(1, 4), positive=True, meaning="inertia about a diameter"),
+        Parameter(B, "1/2", positive=True, meaning="inertia about the axle"),
+        Parameter(C, "1/4", positive=True, meaning="inertia about a diameter"),
     ),
     # The contact point describes a circle; its centre, multiplied by the rate of turning, is
     # regular where that rate vanishes.
@@ -70,13 +69,13 @@ SYSTEM = System(
     integrable="Euler-Jacobi",
     scenes={
         "default": Scene(
-            initial={Dtheta: sp.Rational(1), Dphi: sp.Rational(1, 2)},
+            initial={Dtheta: "1", Dphi: "1/2"},
             times=(0.0, 15.0),
             outputs=(x, y, phi, theta),
             caption="The contact point describes a circle of radius 2.",
         ),
         "straight": Scene(
-            initial={Dtheta: sp.Rational(1)},
+            initial={Dtheta: "1"},
             times=(0.0, 10.0),
             outputs=(x, y, phi, theta),
             caption="Without turning, the disc rolls straight on.",

@@ -29,23 +29,17 @@ SYSTEM = motion.particle_system(
     ),
     end="direction",
     whose="the body",
-    integrals={
-        "momentum across the normal": motion.integrals["momentum across the normal"] / Q,
-    },
+    integrals={"momentum across the normal": motion.integrals["momentum across the normal"] / Q},
     integrable="Euler-Jacobi",
     meanings={"momentum across the normal": "square of the momentum's part across gamma"},
     references=("EhlersKoillerMontgomeryRios2005", "VeselovVeselova1988"),
 )
 
 RELATIONS = (
-    Relation(
+    Relation.into(
+        SYSTEM,
         "veselova",
-        "veselova-in-new-time",
-        state={
-            **{g: g for g in motion.normal},
-            **{W: w * sp.sqrt(Q) for W, w in zip(names, sp.symbols("omega1:3"), strict=True)},
-        },
-        parameters={x: x for x in moments},
+        {W: w * sp.sqrt(Q) for W, w in zip(names, sp.symbols("omega1:3"), strict=True)},
         clock=1 / sp.sqrt(Q),
     ),
 )

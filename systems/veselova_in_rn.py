@@ -37,7 +37,7 @@ def member(n: int, name: str) -> System:
         "right angles to a direction fixed in space.",
         values={},
         second_moments=("0.7", "0.6", "0.4", "0.5", "0.8"),
-        scenes={"default": body.scene(caption, 4.0, body.normal)},
+        scenes={"default": body.scene(caption, 4.0)},
         references=("FedorovJovanovic2004", "VeselovVeselova1988"),
     )
 
@@ -45,22 +45,15 @@ def member(n: int, name: str) -> System:
 MEMBERS = {str(n): partial(member, n, f"veselova-in-rn@{n}") for n in (3, 4, 5)}
 SYSTEM = member(4, "veselova-in-rn")
 
-state, moments = BodyInRn(3, twists=False).in_space
-gamma, (J12, J13, J23) = sp.symbols("gamma1:4"), sp.symbols("J12 J13 J23")
+J12, J13, J23 = sp.symbols("J12 J13 J23")
 RELATIONS = (
-    Relation(
-        "veselova-in-rn@3", "veselova", state=state, parameters=moments, note="three dimensions"
-    ),
-    Relation(
+    BodyInRn(3, twists=False).relation_in_space("veselova-in-rn", "veselova"),
+    Relation.into(
+        SYSTEM,
         "veselova-in-rn@3",
-        "veselova-in-rn",
-        state={
-            **{f"gamma{i + 1}": g for i, g in enumerate((*gamma[:2], 0, gamma[2]))},
-            "Omega14": sp.Symbol("Omega13"),
-            "Omega24": sp.Symbol("Omega23"),
-            "Omega34": 0,
-        },
-        parameters={"J12": J12, "J14": J13, "J24": J23, "J13": J12, "J23": J12, "J34": J12},
+        {f"Omega{i}4": sp.Symbol(f"Omega{i}3") for i in "12"}
+        | {"gamma3": 0, "gamma4": sp.Symbol("gamma3"), "Omega34": 0}
+        | {"J14": J13, "J24": J23, "J13": J12, "J23": J12, "J34": J12},
         note="a body of four dimensions that turns in the hyperplane of its axes 1, 2 and 4",
     ),
 )

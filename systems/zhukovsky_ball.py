@@ -70,9 +70,7 @@ SYSTEM = rolling.system(
     description="A ball with a gyroscope, spherical in its inertia by Zhukovsky's condition, "
     "rolls without slipping on a plane.",
     values={R: 1, m: 1, A: "0.4", k: "0.5"},
-    integrals={
-        "axial": A * (A + D) * omega[2] + D * k * normal[2] ** 2 / 2,
-    },
+    integrals={"axial": A * (A + D) * omega[2] + D * k * normal[2] ** 2 / 2},
     integrable="Euler-Jacobi",
     scenes={"default": rolling.scene("The gyroscope bends the path of the ball.")},
     motion=MOTION,

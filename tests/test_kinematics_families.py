@@ -143,6 +143,65 @@ def test_parameters_keep_their_names_but_for_those_changed():
     assert Relation.of(source, "same").parameters == {p.name: p.symbol for p in source.parameters}
 
 
+def test_a_usual_limit_is_named_by_what_moves():
+    """To zero as h p, to infinity as 1/h, with a small parameter whose letter the system lacks."""
+    h, h0, source = *sp.symbols("h h0"), ball()
+    both = Relation.of(source, "flat", vanish=moments, grow=r)
+    assert both.limit == Limit(h, {**{p: h * p for p in moments}, r: 1 / h})
+    assert {*both.parameters} == {"b", "M", "k"}
+    heavy = BalancedBall.on_plane(b, h, moments).system(
+        name="heavy", values={b: 1, h: 2, moments: (1, 2, 2)}
+    )
+    assert Relation.of(heavy, "light", vanish="h").limit == Limit(h0, {h: h * h0})
+
+
+@pytest.mark.parametrize(
+    ("moves", "words"),
+    [
+        ({"grow": "P4"}, "'P4' vanishes or grows, but is no parameter of 'own-ball'; did you mean"),
+        ({"vanish": (k, k)}, "'k' moves in two ways"),
+        ({"vanish": k, "grow": k}, "'k' moves in two ways"),
+        ({"grow": r, "limit": Limit("h", {r: "1/h"})}, "'r' moves in two ways"),
+        ({"vanish": {k}}, "vanish = .* is not a tuple; write vanish=.parameter, ...."),
+    ],
+)
+def test_a_usual_limit_moves_each_parameter_once(moves, words):
+    with pytest.raises(DefinitionError, match=words):
+        Relation.of(ball(), "flat", **moves)
+
+
+def test_a_relation_into_a_system_keeps_what_is_not_changed():
+    """On its invariants, on its coordinates where one of them is given, or without a state."""
+    own, kept = ball(), {str(p): p for p in moments} | {"b": b, "M": M}
+    w1, w2, w3, g1 = sp.symbols("omega1:4 gamma1")
+    names = {f"{letter}{i}" for letter in ("omega", "gamma") for i in "123"}
+    mirror = Relation.into(own, "own-ball", {g1: -g1, "omega2": -w2, k: -k}, name="mirror")
+    assert {*mirror.state} == names
+    assert mirror.state["gamma1"] == -g1
+    assert (mirror.state["omega1"], mirror.state["omega2"]) == (w1, -w2)
+    assert mirror.parameters == {**kept, "r": r, k: -k}
+    assert (mirror.source, mirror.target, mirror.name) == ("own-ball", "own-ball", "mirror")
+    assert Relation.into(own, "still", {k: 0}).state is None
+
+    v1 = own.coordinates[-1]
+    placed = {str(q): q for q in own.coordinates}
+    turn = Relation.into(own, "own-ball", {v1: v1 + 1, sp.Symbol("t"): vo.time})
+    assert turn.state == {**placed, "v1": v1 + 1, "t": vo.time}
+    whole = Relation.into(own, "own-ball", {v1: v1 + 1, w3: -w3})
+    assert whole.state == {**placed, "v1": v1 + 1, "omega1": w1, "omega2": w2, "omega3": -w3}
+
+
+def test_a_relation_into_a_system_is_decided_and_names_what_is_unknown():
+    """With the time run back, the momentum of the gyroscope turned: proved; not turned: refuted."""
+    own = ball()
+    back = {f"omega{i}": -sp.Symbol(f"omega{i}") for i in "123"}
+    for turned, status in (({k: -k}, "proved"), ({}, "refuted")):
+        reversed_ = Relation.into(own, "own-ball", {**back, **turned}, clock=-1, name="back")
+        assert vo.check_relation(reversed_, systems=(own,)).verdict.status == status
+    with pytest.raises(DefinitionError, match="maps 'omega4', which 'own-ball' does not have"):
+        vo.check_relation(Relation.into(own, "own-ball", {**back, "omega4": 0}), systems=(own,))
+
+
 def test_squares_through_systems_pass_the_relations_between_neighbours():
     own = Square.through(("a", "b", "d"), ("a", "c", "d"), name="both ways")
     assert own == Square(("a -> b", "b -> d"), ("a -> c", "c -> d"), name="both ways")
@@ -218,3 +277,22 @@ def test_the_names_of_a_body_in_three_dimensions():
     vector = sp.Matrix(sp.symbols("x1:4"))
     assert (ball.body.matrix * vector - spin.cross(vector)).expand() == sp.zeros(3, 1)
     assert own == dict(zip(("I1", "I2", "I3"), sp.symbols("I23 I13 I12"), strict=True))
+    assert ball.scene("All.", 1.0).outputs == (*ball.normal, *ball.velocities)
+    assert ball.scene("One.", 1.0, ball.normal[:1]).outputs == (ball.normal[0],)
+    known = ball.relation_in_space("own", "low")
+    assert (known.source, known.target, known.state) == ("own@3", "low", state)
+    assert known.parameters == {M: M, r: r, **own}
+    point = BodyInRn(3, twists=False)
+    assert point.relation_in_space("body", "low").parameters == point.in_space[1]
+
+
+def test_the_scene_of_a_rubber_ball_shows_its_contact():
+    """On a sphere with the contact there, on a plane with the place; what is given wins."""
+    flat, round_ = BalancedBall.on_plane(b, M, moments), BalancedBall.on_sphere(r, b, M, moments)
+    u, v, u1, v1, w1, w2, x, y = sp.symbols("u v u1 v1 omega1 omega2 x y")
+    usual = {u: sp.Rational(6, 5), w1: sp.Rational(1, 20), w2: sp.Rational(1, 5)}
+    scene = round_.rubber_scene("Round.", 3.0, {w1: 1}, {r: 4})
+    assert scene.initial == {**usual, u1: 1, w1: 1}
+    assert (scene.outputs, scene.parameters) == ((u, v, u1, v1), {r: 4})
+    scene = flat.rubber_scene("Flat.", 3.0)
+    assert (scene.initial, scene.outputs, scene.times) == (usual, (x, y, u, v), (0.0, 3.0))

@@ -79,7 +79,7 @@ SYSTEM = System(
     },
     scenes={
         "default": Scene(
-            initial={theta: 1, **dict(zip(omega, (sp.Rational(1, 2), 2, 0.2), strict=True))},
+            initial={theta: 1, **dict(zip(omega, ("1/2", 2, 0.2), strict=True))},
             times=(0.0, 40.0),
             outputs=(x, y, *omega),
             caption="The ball spins about a direction close to its middle axis, and wanders.",

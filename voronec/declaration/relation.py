@@ -16,10 +16,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import sympy as sp
+from sympy.core.symbol import uniquely_named_symbol
 
 from voronec.algebra.arguments import TEXT, require, takes_fields
+from voronec.algebra.symbols import plain_name, time
 from voronec.declaration.reading import expression, fixed_mapping, quote, several
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, did_you_mean
 
 __all__ = ["Limit", "Relation", "Square"]
 
@@ -92,13 +94,24 @@ class Relation:
 
     @classmethod
     def of(
-        cls, system: Any, target: str, changed: Mapping[Any, Any] | None = None, **more: Any
+        cls,
+        system: Any,
+        target: str,
+        changed: Mapping[Any, Any] | None = None,
+        *,
+        vanish: Any = (),
+        grow: Any = (),
+        **more: Any,
     ) -> Relation:
         """A relation from a ``System``; its parameters keep their names, but for those ``changed``.
 
         ``changed`` gives parameters of the target; a parameter of the system that occurs in one of
-        these, or that moves in the ``limit``, does not go over by its own name.
+        these, or that moves in the ``limit``, does not go over by its own name.  ``vanish`` and
+        ``grow`` name what moves in the usual limits, one parameter p or several: to zero as h p,
+        to infinity as 1/h.  ``DefinitionError`` where one is no parameter, or moves otherwise too.
         """
+        if vanish or grow:
+            more["limit"] = _usual_limit(system, vanish, grow, more.get("limit"))
         given = {quote(name): value for name, value in (changed or {}).items()}
         values = [expression(v, f"a parameter of '{target}'") for v in given.values()]
         used = set().union(*(value.free_symbols for value in values))
@@ -107,6 +120,27 @@ class Relation:
         own = [p for p in system.parameters if p.symbol not in used and p.name not in moved]
         kept = {p.name: p.symbol for p in own if p.name not in given}
         return cls(system.name, target, parameters={**kept, **(changed or {})}, **more)
+
+    @classmethod
+    def into(cls, system: Any, source: str, changed: Mapping[Any, Any], **more: Any) -> Relation:
+        """A relation to a ``System``, which may be the source too; what is not ``changed`` is kept.
+
+        ``changed`` gives variables, parameters and unknown functions of the system by what they are
+        in the source; others are what bears their names there.  Where no coordinate is given, the
+        state is that of the invariants; on coordinates velocities follow where none is given.
+        """
+        given = {plain_name(name): value for name, value in changed.items()}
+        places, rates = system.coordinates, system.velocities
+        if system.invariants and given.keys().isdisjoint(map(plain_name, places)):
+            places = system.invariant_symbols
+        elif given.keys().isdisjoint(map(plain_name, rates)):
+            rates = ()
+        kept = {plain_name(x): x for x in (*places, *rates)}
+        state = {name: value for name, value in given.items() if name in {*kept, plain_name(time)}}
+        rest = {name: value for name, value in changed.items() if plain_name(name) not in state}
+        own = {p.name: p.symbol for p in system.parameters if p.name not in given}
+        mapped = {**kept, **state} if state else None
+        return cls(source, system.name, mapped, {**own, **rest}, **more)
 
     @property
     def label(self) -> str:
@@ -122,6 +156,25 @@ class Relation:
             return "change of time"
         same = all(str(k) == str(v) for k, v in (self.state or {}).items())
         return "specialisation" if same else "change of coordinates"
+
+
+def _usual_limit(system: Any, vanish: Any, grow: Any, limit: Any) -> Limit:
+    """The limit in which parameters of a system ``vanish`` as h p and ``grow`` as 1/h."""
+    zero, far = several(vanish, "vanish", "parameter"), several(grow, "grow", "parameter")
+    moved, own = [str(p) for p in (*zero, *far)], {p.name: p.symbol for p in system.parameters}
+    for name in moved:
+        if name not in own:
+            raise DefinitionError(
+                f"'{quote(name)}' vanishes or grows, but is no parameter of '{system.name}'"
+                + did_you_mean(name, own)
+            )
+    if limit is not None or len({*moved}) < len(moved):
+        raise DefinitionError(
+            f"'{moved[-1]}' moves in two ways; name it once in vanish= or grow=, or give limit="
+        )
+    small = uniquely_named_symbol("h", (*system.known_symbols(), *system.invariant_symbols))
+    values = [small * own[name] for name in moved[: len(zero)]] + [1 / small] * len(far)
+    return Limit(small, dict(zip((own[name] for name in moved), values, strict=True)))
 
 
 @takes_fields

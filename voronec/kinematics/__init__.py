@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         contact_meanings,
         euler_meanings,
         moving_meanings,
+        place_meanings,
         sleigh_meanings,
         vector_meanings,
     )
@@ -83,6 +84,7 @@ __all__ = [
     "moving_meanings",
     "particle_sketch",
     "pinned_sketch",
+    "place_meanings",
     "point_velocity",
     "rolling_sketch",
     "skew",
@@ -107,7 +109,8 @@ _HOME = {
     "ellipsoids": "RollingEllipsoid",
     "forms": "SurfaceForms",
     "groups": "BodyVelocity skew skew_entries wedge_square",
-    "meanings": "contact_meanings euler_meanings moving_meanings sleigh_meanings vector_meanings",
+    "meanings": "contact_meanings euler_meanings moving_meanings place_meanings sleigh_meanings "
+    "vector_meanings",
     "moving_sphere": "BallOnMovingSphere",
     "neumann_charts": "turned_poles turned_sphere",
     "polar_chart": "cartesian_chart",

@@ -233,6 +233,22 @@ class BalancedBall:
         start = {u: 2, theta: 1, fixed[0]: 1, **spun}
         return Scene(start, (0.0, end), {}, (u, v, *fixed, *OMEGA), caption)
 
+    def rubber_scene(
+        self,
+        caption: str,
+        end: float,
+        start: Mapping[Any, Any] | None = None,
+        values: Mapping[Any, Any] | None = None,
+    ) -> Scene:
+        """A motion of the contact from u = 6/5 with omega = (1/20, 1/5, ...), on a sphere from
+        u1 = 1, but for what ``start`` gives; ``values`` of constants are this scene's own."""
+        (u, v, _), fixed, (w1, w2) = self.base, self.fibre, self.rubber.velocities
+        flat = self.fixed is None
+        seen = (*fixed, u, v) if flat else (u, v, *fixed)
+        placed = {} if flat else {fixed[0]: 1}
+        usual: dict[Any, Any] = {u: "6/5", **placed, w1: "1/20", w2: "1/5"}
+        return Scene({**usual, **(start or {})}, (0.0, end), values or {}, seen, caption)
+
     def system(self, *, values: Mapping[Any, Any], **declared: Any) -> System:
         """The system of this ball, with ``values`` of its constants, and what is special to it.
 

@@ -32,6 +32,8 @@ from voronec.kinematics.sketches import pinned_sketch, rolling_sketch
 __all__ = ["BodyInRn"]
 
 DETERMINANT = sp.Symbol("Delta")
+SECOND_MOMENTS = ("0.4", "0.3", "0.1", "0.2", "0.5")
+"""All different, so that no two axes are alike."""
 
 
 @dataclass(frozen=True)
@@ -216,18 +218,26 @@ class BodyInRn:
         note = f"moments about the contact that are products, {sums}"
         return {"I + D = a a": Case(values, multiplier=self.reducer, note=note)}
 
-    def scene(self, caption: str, end: float, outputs: Sequence[Any]) -> Scene:
-        """A motion from gamma = (-3, 0, ..., 0, 4)/5, with all velocities different from 0."""
+    def scene(self, caption: str, end: float, outputs: Sequence[Any] = ()) -> Scene:
+        """A motion from gamma = (-3, 0, ..., 0, 4)/5, with all velocities different from 0.
+
+        Unless ``outputs`` are given, they are gamma and, with twist, the velocities.
+        """
         start = [sp.Rational(k, 5) for k in (-3, *[0] * (self.dimension - 2), 4)]
         count = range(len(self.velocities))
         turning = [sp.Rational(4 * (i % 2) - 3, 10 + i) for i in count]
         if self.twists:
             turning = [sp.Rational(5 - 3 * (i % 3), 4 + i) for i in count]
         names, values = (*self.normal, *self.velocities), (*start, *turning)
-        return Scene(dict(zip(names, values, strict=True)), (0.0, end), {}, tuple(outputs), caption)
+        seen = tuple(outputs) or (names if self.twists else tuple(self.normal))
+        return Scene(dict(zip(names, values, strict=True)), (0.0, end), {}, seen, caption)
 
     def system(
-        self, *, values: Mapping[Any, Any], second_moments: Sequence[str], **declared: Any
+        self,
+        *,
+        values: Mapping[Any, Any],
+        second_moments: Sequence[str] = SECOND_MOMENTS,
+        **declared: Any,
     ) -> System:
         """The system of this body, with ``values`` of its constants, and what is special to it.
 
@@ -301,6 +311,13 @@ class BodyInRn:
         state = {**{str(g): g for g in self.normal}, **spin}
         return state, {f"{self.letter}{k}": x for k, x in zip("123", (i23, i13, i12), strict=True)}
 
+    def relation_in_space(self, name: str, target: str) -> Relation:
+        """From ``name`` for n = 3, which this is, to the same in ordinary coordinates."""
+        state, moments = self.in_space
+        own = {s: s for s in (self.fixed, self.radius, self.mass) if isinstance(s, sp.Symbol)}
+        given = {**own, **moments}
+        return Relation(f"{name}@3", target, state, given, note="three dimensions")
+
     def large_sphere(
         self, name: str, flat: str, low: str, low_flat: str
     ) -> tuple[tuple[Relation, ...], tuple[Square, ...]]:
@@ -309,8 +326,6 @@ class BodyInRn:
 
         For n = 5 the limit holds too; the claims that it carries are too large to be decided.
         """
-        state, moments = self.in_space
-        own = {s: s for s in (self.fixed, self.radius, self.mass)}
         small, straight = sp.Symbol("h"), replace(self, fixed=None, twists=True)
         limits = [
             Relation(
@@ -326,8 +341,6 @@ class BodyInRn:
             )
             for n, at in ((3, "@3"), (4, ""))
         ]
-        known = Relation(
-            f"{name}@3", low, state=state, parameters={**own, **moments}, note="three dimensions"
-        )
+        known = self.relation_in_space(name, low)
         square = Square.through((f"{name}@3", low, low_flat), (f"{name}@3", f"{flat}@3", low_flat))
         return (known, *limits), (square,)

@@ -13,12 +13,14 @@ __all__ = [
     "contact_meanings",
     "euler_meanings",
     "moving_meanings",
+    "place_meanings",
     "sleigh_meanings",
     "vector_meanings",
 ]
 
 Meanings = dict[Any, str]
 ROUND = ("colatitude of the contact", "longitude of the contact")
+NTH = ("first", "second")
 FLAT = ("first coordinate of the contact", "second coordinate of the contact")
 CURVATURE_LINES = (
     "place along the first lines of curvature",
@@ -47,6 +49,12 @@ def vector_meanings(names: Iterable[Any], what: str = SPIN, whose: str = "the bo
     return {x: f"{what} along axis {k} of {whose}" for k, x in enumerate(names, 1)}
 
 
+@reads("two coordinates")
+def place_meanings(place: Sequence[Any], what: str) -> Meanings:
+    """{coordinate: words} of the place of ``what`` in a plane, such as the contact on it."""
+    return {x: f"{nth} coordinate of {what}" for x, nth in zip(place, NTH, strict=True)}
+
+
 @reads("three names")
 def moving_meanings(spins: Iterable[Any]) -> Meanings:
     """{name: words} of the angular velocity along (e_u, e_v, n), which go with the contact."""
@@ -60,12 +68,10 @@ def sleigh_meanings(
 ) -> Meanings:
     """{name: words} of a sleigh: where its blade is on the ``plane``, which may be another word for
     the ground, its heading, and its ``rates``: speed along the blade and rate of turning."""
-    x, y = place
     v, w = rates
     axis = "the first axis" if plane == "plane" else f"the first axis of the {plane}"
     return {
-        x: f"first coordinate of the blade on the {plane}",
-        y: f"second coordinate of the blade on the {plane}",
+        **place_meanings(place, f"the blade on the {plane}"),
         heading: f"heading of the blade, from {axis}",
         v: "speed along the blade",
         w: "rate of turning",
