@@ -229,6 +229,48 @@ def test_quotients_and_their_slopes_have_values_where_they_divide_by_zero(
     assert_close(call("jacobian", given), slopes)
 
 
+CASES = (  # force, place, its value there, its slope
+    (lambda q: sp.Min(1, sp.exp(q)), 40.0, 1.0, 0.0),
+    (lambda q: sp.Min(1, sp.exp(q)), -1.0, np.exp(-1), np.exp(-1)),
+    (lambda q: sp.Max(1, -sp.exp(q)), 40.0, 1.0, 0.0),
+    (lambda q: sp.Max(-1, sp.Min(1, 10**9 * q)), 1e9, 1.0, 0.0),
+    (lambda q: sp.Max(-1, sp.Min(1, 10**9 * q)), -2e-10, -0.2, 1e9),
+    (lambda q: -3 * sp.Min(1, 10**18 * q**2, q + 5), 2.0, -3.0, 0.0),
+    (lambda q: sp.Min(1, 1 / q**2), 1e-9, 1.0, 0.0),
+    (lambda q: sp.Piecewise((1, q <= 0), (sp.exp(-1 / q), True)), -1e-3, 1.0, np.nan),
+    (lambda q: sp.Piecewise((1, q > 0), (sp.exp(q), True)), 800.0, 1.0, np.nan),
+    (lambda q: sp.sign(q) - 2 * sp.Abs(q) + sp.Heaviside(q - 3), 2.0, -3.0, -2.0),
+    (lambda q: sp.Heaviside(q - 3) + sp.Max(q, 3), 3.0, 3.5, 0.5),
+)
+
+
+@pytest.mark.parametrize("language", CALLS)
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_only_the_side_that_is_in_force_is_looked_at(language: str, tmp_path: Path) -> None:
+    """1 is lost in exp(40) + 1, and 0 times an infinite case is no number."""
+    q = sp.Symbol("q")
+    dq = vo.velocity(q)
+    for number, (force, place, value, slope) in enumerate(CASES):
+        system = vo.System(
+            name="k", fibration=vo.Fibration(q), lagrangian=dq**2 / 2, forces={q: force(q)}
+        )
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        call = CALLS[language](vo.derive(system).program, folder)
+        at = [[place, 0.0], []]
+        assert call("rhs", at).ravel()[1] == pytest.approx(value, rel=1e-14)
+        if not np.isnan(slope):
+            assert call("jacobian", at).ravel()[2] == pytest.approx(slope, rel=1e-14)
+
+
+def test_friction_is_printed_as_it_was() -> None:
+    q = sp.Symbol("q")
+    dq = vo.velocity(q)
+    force = -3 * sp.sign(dq) - dq * sp.Abs(dq) - q
+    system = vo.System(name="k", fibration=vo.Fibration(q), lagrangian=dq**2 / 2, forces={q: force})
+    assert "choice" not in vo.derive(system).python()
+
+
 def test_programs_agree_with_the_derivation_in_balls() -> None:
     """Another form of the equations, another evaluation: `acceleration` knows no program."""
     system = vo.load("snakeboard")

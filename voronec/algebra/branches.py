@@ -31,6 +31,7 @@ __all__ = [
     "Factorisation",
     "bounds_of",
     "has_branches",
+    "is_branching",
     "is_plain",
     "product_of",
 ]
@@ -507,9 +508,11 @@ def bounds_of(expr: Any, moving: frozenset[Any]) -> list[Any]:
 
 def has_branches(exprs: Iterable[Any], moving: frozenset[Any]) -> bool:
     """Whether one of some expressions has more branches than one, or may be not real."""
-    for expr in exprs:
-        for node in _nodes(expr):
-            is_root = isinstance(node, se.Pow) and not isinstance(node.args[1], se.Integer)
-            if node.free_symbols & moving and (isinstance(node, _MANY) or is_root):
-                return True
-    return False
+    nodes = (node for expr in exprs for node in _nodes(expr))
+    return any(is_branching(node) and node.free_symbols & moving for node in nodes)
+
+
+def is_branching(node: Any) -> bool:
+    """Whether a function or power itself has more branches than one, or may be not real."""
+    is_root = isinstance(node, se.Pow) and not isinstance(node.args[1], se.Integer)
+    return is_root or isinstance(node, _MANY)

@@ -6,6 +6,7 @@
     expm1 w = exp(w) - 1,    log1p x = log(1 + x)            (all digits where they are small)
     hypot(a, b, ...) = sqrt(a^2 + b^2 + ...)                 (squares overflow before it does)
     size w = |w|      in expressions that are equal for both signs of w, so that it is no wall
+    choice(w, p, n) = p (1 + sign w)/2 + n (1 - sign w)/2      (of which one alone is looked at)
 
 They are unknown functions of these names; proofs see their formulas.
 """
@@ -20,14 +21,15 @@ import flint
 import symengine as se
 
 __all__ = [
-    "ATAN_RATIO", "EXPM1", "EXPREL", "EXPREL_SLOPE", "FORMULAS", "HYPOT", "LOG1P", "LOG_RATIO",
-    "QUOTIENTS", "SINC", "SINC_SLOPE", "SINHC", "SINHC_SLOPE", "SIZE", "TANH_SHORTFALL",
-    "CardinalQuotient", "elementary", "formula", "numeric_name",
+    "ATAN_RATIO", "CHOICE", "EXPM1", "EXPREL", "EXPREL_SLOPE", "FORMULAS", "HYPOT", "LOG1P",
+    "LOG_RATIO", "QUOTIENTS", "SINC", "SINC_SLOPE", "SINHC", "SINHC_SLOPE", "SIZE",
+    "TANH_SHORTFALL", "CardinalQuotient", "elementary", "formula", "numeric_name",
 ]  # fmt: skip
 
 SINC, SINHC, EXPREL = "cardinal sine", "hyperbolic cardinal sine", "relative exponential"
 EXPM1, LOG1P = "exponential less one", "logarithm beside one"
 HYPOT, SIZE = "length of sides", "size on equal sides"
+CHOICE = "choice between sides"
 
 SINC_SLOPE, SINHC_SLOPE = "slope of the cardinal sine", "slope of the hyperbolic cardinal sine"
 EXPREL_SLOPE = "slope of the relative exponential"
@@ -96,6 +98,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     LOG1P: lambda x: se.log(1 + x),
     HYPOT: lambda *sides: se.sqrt(se.Add(*[a**2 for a in sides])),
     SIZE: se.Abs,
+    CHOICE: lambda w, p, n: (p * (1 + se.sign(w)) + n * (1 - se.sign(w))) / 2,
 }
 """By name, the formula; no function of a user has a name of several words."""
 

@@ -22,8 +22,8 @@ from typing import Any
 import flint
 import symengine as se
 
-from voronec.algebra.branches import has_branches
-from voronec.algebra.graphs import is_atom, is_flat
+from voronec.algebra.branches import is_branching
+from voronec.algebra.graphs import is_atom, is_flat, nodes
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.ring import Ring
@@ -35,6 +35,7 @@ __all__ = [
     "Cyclic",
     "StagedElimination",
     "Stages",
+    "coefficient",
     "factor_sums",
     "needed_stages",
     "primitive",
@@ -309,7 +310,7 @@ class Cyclic:
             change = abs(values[index + 1] - values[0])
             if not change <= 1e-10 * abs(values[0]):
                 continue
-            if not self._has_branches(expr, q, stages) and self._is_proved(expr, q, stages):
+            if self._cancels(expr, q, stages):
                 self._failures[q] = 0
                 yield q
             else:
@@ -333,32 +334,45 @@ class Cyclic:
         self._lost += 1
         return False
 
+    def _cancels(self, expr: Any, q: Any, stages: Stages) -> bool:
+        """Whether an expression is proved not to depend on a coordinate."""
+        if self._has_branches(expr, q, stages):
+            return any(q not in self.free_symbols(e) for e in self._expansions(expr, q, stages))
+        return self._is_proved(expr, q, stages)
+
     def _has_branches(self, expr: Any, q: Any, stages: Stages) -> bool:
         """Whether no slope along the coordinate means less than that it cancels: q/sqrt(q^2) has
         none, and two values."""
         inner = [w for w in expr.free_symbols if q in self.support.get(w, ())]
-        if has_branches([expr], frozenset([q, *inner])):
-            return True
+        moving = {q, *inner}
+        for node in filter(is_branching, nodes([expr])):
+            for arg in node.args:
+                if arg.free_symbols & moving and not self._cancels(arg, q, stages):
+                    return True
         for w in inner:
             if (w, q) not in self._branches:
                 self._branches[w, q] = self._has_branches(stages.definitions[w], q, stages)
         return any(self._branches[w, q] for w in inner)
 
     def _is_proved(self, expr: Any, q: Any, stages: Stages) -> bool:
-        slope = self._slope(expr, q, stages)
-        inner = stages.definitions
-        for _ in range(DEPTH):
+        for slope in self._expansions(self._slope(expr, q, stages), q, stages):
             if slope == 0:
                 return True
-            inside = {
-                w: inner[w] for w in slope.free_symbols if w in inner and q in self.support[w]
-            }
-            if not inside or _terms(slope, inside) > SIZE:
+            last = slope
+        return _is_zero(last, WORK)
+
+    def _expansions(self, expr: Any, q: Any, stages: Stages) -> Iterator[Any]:
+        """An expression, and with the stages in it that hold a coordinate opened and expanded,
+        again and again."""
+        yield expr
+        inner = stages.definitions
+        for _ in range(DEPTH):
+            held = [w for w in expr.free_symbols if w in inner and q in self.support[w]]
+            inside = {w: inner[w] for w in held}
+            if not inside or _terms(expr, inside) > SIZE:
                 break
-            slope = se.expand(slope.xreplace(inside))
-        if slope == 0:
-            return True
-        return _is_zero(slope, WORK)
+            expr = se.expand(expr.xreplace(inside))
+            yield expr
 
     def _slope(self, expr: Any, q: Any, stages: Stages) -> Any:
         """The derivative along a coordinate, in stages; none is opened."""

@@ -287,9 +287,10 @@ class VoronecEquations(DerivedEquations):
         """What is printed: the straight-line program of ``form``, or of the same solved for the
         rates of the velocities, whichever takes fewer operations."""
         from voronec.equations.program import Program, operation_count, shorten_program
+        from voronec.equations.program.straight import with_choices
 
-        solved = _solved_form(self)
-        found = [shorten_program(Program.of(f)) for f in (self.form, solved) if f is not None]
+        forms = [with_choices(f) for f in (self.form, _solved_form(self)) if f is not None]
+        found = [shorten_program(Program.of(f)) for f in forms]
         return min(found, key=lambda p: operation_count(p.derivative.expressions))
 
     def python(self, jacobian: bool = False) -> str:

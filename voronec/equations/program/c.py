@@ -7,6 +7,7 @@ from typing import Any
 
 from voronec.algebra.numeric_functions import (
     ATAN_RATIO,
+    CHOICE,
     EXPM1,
     EXPREL,
     HYPOT,
@@ -31,7 +32,7 @@ from voronec.equations.program.dialect import (
 from voronec.equations.program.parts import TITLES, Part, arguments_of, groups_of, parts_of
 from voronec.equations.program.straight import Program
 
-__all__ = ["C_DIALECT", "c_source", "conditional_quotients", "remark"]
+__all__ = ["CHOICE_VALUE", "C_DIALECT", "c_source", "conditional_quotients", "remark"]
 
 _KEYWORDS = (
     "auto break case char const continue default do double else enum extern float for goto if "
@@ -42,6 +43,8 @@ _KEYWORDS = (
 _LONGEST_PRODUCT = 4
 """Up to this exponent a power of a name is a product; above, a call of ``pow``."""
 _SIGN = "static double sign_of(double x) { return (x > 0.0) - (x < 0.0); }\n\n"
+CHOICE_VALUE = "w > 0.0 ? p : w < 0.0 ? n : 0.5*(p + n)"
+_CHOICE = f"static double choice_of(double w, double p, double n) {{ return {CHOICE_VALUE}; }}\n\n"
 _CARDINAL = {
     SINC: ("sinc_of", "sin(x)"),
     SINHC: ("sinhc_of", "sinh(x)"),
@@ -71,6 +74,7 @@ C_DIALECT = Dialect(
     words={f: f for f in FUNCTIONS}
     | {"Abs": "fabs", "power": "pow", "sign": "sign_of"}
     | {EXPM1: "expm1", LOG1P: "log1p", HYPOT: "hypot", SIZE: "fabs"}
+    | {CHOICE: "choice_of"}
     | {name: word for name, (word, _) in _CARDINAL.items()}
     | {name: word for name, (word, _) in SLOPES.items()},
 )
@@ -88,6 +92,7 @@ def c_source(program: Program, slopes: bool = False) -> str:
     names = identifiers(arguments_of(program), reserved) | {program.time: "t"}
     body = "\n".join(_function(part, program, names) for part in parts_of(program, slopes))
     helpers = [_SIGN] if "sign_of(" in body else []
+    helpers += [_CHOICE] if "choice_of(" in body else []
     for word, value in conditional_quotients(body, "fabs"):
         helpers.append(f"static double {word}(double x)\n{{\n    return {value};\n}}\n\n")
     return _header(program) + "".join(helpers) + body

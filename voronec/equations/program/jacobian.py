@@ -16,6 +16,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.numeric_functions import (
+    CHOICE,
     EXPM1,
     EXPREL,
     EXPREL_SLOPE,
@@ -46,6 +47,10 @@ _SLOPES: dict[str, Callable[..., tuple[Any, ...]]] = {
     LOG1P: lambda w: (1 / (1 + w),),
     HYPOT: lambda *sides: tuple(a / se.Function(HYPOT)(*sides) for a in sides),
     SIZE: lambda w: (se.sign(w),),
+    CHOICE: lambda w, p, n: (
+        se.Integer(0),
+        *(se.Function(CHOICE)(w, *side) for side in ((1, 0), (0, 1))),
+    ),
     "Abs": lambda w: (se.sign(w),),
     "sign": lambda w: (se.Integer(0),),
     "floor": lambda w: (se.Integer(0),),

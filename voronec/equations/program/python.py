@@ -19,6 +19,7 @@ import numpy as np
 
 from voronec.algebra.numeric_functions import (
     ATAN_RATIO,
+    CHOICE,
     EXPM1,
     EXPREL,
     EXPREL_SLOPE,
@@ -68,6 +69,7 @@ _NUMERIC = {SINC: "sinc", SINHC: "sinhc", EXPREL: "exprel"}
 _NUMERIC |= {LOG_RATIO: "log1p_ratio", ATAN_RATIO: "atan_ratio"}
 _NUMERIC |= {name: word for name, (word, _) in SLOPES.items()}
 _NUMERIC |= {EXPM1: "expm1", LOG1P: "log1p", HYPOT: "hypot", SIZE: "fabs"}
+_NUMERIC |= {CHOICE: "choice"}
 _QUOTIENTS = {"sinc": "sin", "sinhc": "sinh", "exprel": "expm1"}
 _QUOTIENTS |= {"log1p_ratio": "log1p", "atan_ratio": "atan"}
 """Names of sin(x)/x and the like in Python, and what is divided."""
@@ -212,7 +214,7 @@ def _with_imports(parts: Sequence[str], flavour: _Flavour) -> str:
     """Functions, and before them the imports of what they call."""
     dialect, body = flavour.dialect, "\n\n".join(parts)
     words = {*dialect.words.values(), "mpf", *_HELPERS, *_COLUMNS} - _QUOTIENTS.keys()
-    words -= {word for word, _ in SLOPES.values()}
+    words -= {"choice", *(word for word, _ in SLOPES.values())}
     used = sorted(words & _called_names(body))
     used += ["pi"] if re.search(r"\bpi\b", body) else []
     used = [w for w in used if (flavour.library, w) != ("math", "sign")]
@@ -226,8 +228,16 @@ def _called_names(body: str) -> set[str]:
 
 
 def _helpers(body: str, library: str) -> list[str]:
-    """The functions sin(x)/x and the like that are called."""
+    """The functions sin(x)/x and the like that are called, and the choice between sides."""
     rows, called = [], _called_names(body)
+    if "choice" in called:
+        value = "p if w > 0 else n if w < 0 else (p + n)/2"
+        if choice := _CHOICES.get(library):
+            value = f"{choice}(w > 0, p, {choice}(w < 0, n, (p + n)/2))"
+        value += "[()]" if library == "numpy" else ""  # a float is to stay one
+        rows.append(
+            _helper("choice", "p for w > 0, n for w < 0", f"return {value}", given="w, p, n")
+        )
     for word, above in _QUOTIENTS.items():
         if word in called:
             function = _NUMPY[above] if library == "numpy" and above == "atan" else above
@@ -252,9 +262,9 @@ def _helpers(body: str, library: str) -> list[str]:
     return rows
 
 
-def _helper(word: str, meaning: str, *rows: str) -> str:
+def _helper(word: str, meaning: str, *rows: str, given: str = "x") -> str:
     body = "".join(f"    {row}\n" for row in rows)
-    return f'def {word}(x):\n    """{meaning}."""\n{body}'
+    return f'def {word}({given}):\n    """{meaning}."""\n{body}'
 
 
 def _header(program: Program, flavour: _Flavour) -> str:

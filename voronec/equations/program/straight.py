@@ -19,6 +19,7 @@ from voronec.algebra.numeric_functions import formula
 from voronec.algebra.stable import stable_all
 from voronec.algebra.stages import needed_stages
 from voronec.algebra.terms import factors_of
+from voronec.equations.program.choices import choose_sides
 from voronec.equations.program.low_rank import MassElimination, coupled_rows, eliminations
 from voronec.equations.program.walls import is_rough, plain_roots
 from voronec.equations.program.weight import evaluation_weight, taylor_weight
@@ -36,6 +37,7 @@ __all__ = [
     "nest_sums",
     "prune",
     "share_subexpressions",
+    "with_choices",
     "with_plain_roots",
     "without_stages",
 ]
@@ -472,6 +474,15 @@ def with_plain_roots(form: FirstOrderForm) -> FirstOrderForm:
     if all(plain_roots(e, still, known) == e for e in map(se.sympify, exprs)):
         return form
     return _change_form(form, lambda e: plain_roots(se.sympify(e), still, known))
+
+
+def with_choices(form: FirstOrderForm) -> FirstOrderForm:
+    """A form that chooses between the sides of its walls; the same one where it has none."""
+    plain = with_plain_roots(form)
+    exprs = [*plain.expressions, *(e for _, e in plain.stages)]
+    if all(choose_sides(e) == e for e in map(se.sympify, exprs)):
+        return form
+    return _change_form(plain, choose_sides)
 
 
 def _change_form(form: FirstOrderForm, change: Callable[[Any], Any]) -> FirstOrderForm:
