@@ -598,3 +598,18 @@ def test_an_arctangent_without_a_jump_is_no_wall():
         sp.atan(sp.sin(x) / (2 + sp.cos(x))) + sp.atan(x / (1 + x**2)) + sp.asin(sp.sin(x) / 2)
     )
     assert motion(mass_point(-bounded), (1, 2), 5, "scipy").cost.switches == 0
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+def test_a_window_narrower_than_rounding_of_a_square_is_seen(method):
+    # the square of 10^9 x is under 1 for 5e-11 units of time, which moves x by no more
+    force = -x + sp.Min(1, 10**18 * x**2)
+    found = motion(mass_point(force), (40, 0), 6, method)
+    assert found["x"][-1] == pytest.approx(1 + 39 * np.cos(6), abs=1e-9)
+    assert found.cost.switches == 4
+    many = vo.ensemble(
+        mass_point(force - sp.sign(Dx) / 5), starts=[{x: 3, Dx: 2}, {x: 4, Dx: 1}], times=[0, 6],
+        method=method,
+    )  # fmt: skip
+    one = motion(mass_point(force - sp.sign(Dx) / 5), (3, 2), 6, "scipy")
+    assert many["x"][0, -1] == pytest.approx(float(one["x"][-1]), abs=1e-9)
