@@ -570,6 +570,8 @@ CASES = (
     sp.Max(sp.sqrt(1 + x**2), 2 * x), sp.Max(sp.sin(x) / x, Q(1, 2)), sp.Abs(sp.Max(a, x)),
     sp.Piecewise((sp.sqrt(1 + x**2), sp.sin(x) / x > Q(1, 2)), (x, True)),
     sp.Min(sp.log(1 + sp.exp(x)), sp.sqrt(4 + x**2)) * sp.cos(x),
+    sp.Max(Q(1, 3), sp.Piecewise((1, x > 1), (x, True))),
+    sp.Min(2, sp.Max(x, sp.Piecewise((a, x > 0), (1, True))), x**2),
 )  # fmt: skip
 
 

@@ -219,6 +219,9 @@ class Linearisation:
     def eigenvalues(self, values: Mapping[Any, Any] | None = None, digits: int = 15) -> list[Any]:
         """The eigenvalues of A as mpmath's complex numbers, by real part, then imaginary part.
 
+        Real and imaginary parts below 10^-(digits + 10) are taken for zero: take more digits for
+        eigenvalues as small as that.
+
         ``values`` give numbers, by symbol or name, to what A holds; parameters have their default
         values.
         """

@@ -111,7 +111,8 @@ def _in_cases(expr: sp.Expr) -> sp.Expr:
     expr = expr.replace(lambda e: isinstance(e, (sp.frac, sp.ceiling)), _floor)
     for kind, (outer, inner) in _RECIPROCALS.items():
         expr = expr.replace(kind, lambda x, f=outer, g=inner: f(g(x)))
-    return expr.replace(lambda e: isinstance(e, _CASES), lambda e: e.rewrite(sp.Piecewise))
+    expr = expr.replace(lambda e: isinstance(e, _CASES), lambda e: e.rewrite(sp.Piecewise))
+    return expr.replace(lambda e: isinstance(e, sp.ITE), lambda e: e.to_nnf())
 
 
 def _remainder(a: sp.Expr, b: sp.Expr) -> sp.Expr:
