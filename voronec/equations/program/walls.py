@@ -154,7 +154,7 @@ class Sides:
             below, exponent = function.args
             return self._side(below) if exponent.p % 2 and exponent.q % 2 else se.Integer(1)
         if (factors := wall_factors(function)) is not None:
-            return se.Mul(*map(self._side, factors))
+            return se.Mul(*map(self._side, map(se.sympify, factors)))
         wall = Wall(function)
         self.walls.setdefault(wall)
         return se.Integer(self.side(wall))
@@ -349,9 +349,9 @@ def _size(expr: Any, exponent: Any) -> Any:
 
 @lru_cache(maxsize=256)
 def wall_factors(function: Any) -> tuple[Any, ...] | None:
-    """The factors of a sum of which an odd power is in it, where there are several: (a x)^2 - 1
-    has two zeros so close together that a step sees neither, a x - 1 and a x + 1 have one each.
-    None where the sum is better left as it is."""
+    """Factors with the sign of a sum, where it has several: (a x)^2 - 1 has two zeros so close
+    together that a step sees neither, a x - 1 and a x + 1 have one each.  None where the sum is
+    better left as it is."""
     if not isinstance(function, se.Add) or int(se.count_ops(function)) > LONG:
         return None
     try:
@@ -361,10 +361,10 @@ def wall_factors(function: Any) -> tuple[Any, ...] | None:
         below = ring.polynomial(ring.field.denominator(value.den))
     except EngineLimit:
         return None
-    odd = [ring.polynomial(poly) for poly, e in factors if e % 2]
+    odd = [*(ring.polynomial(poly) for poly, e in factors if e % 2), below]
     if len(factors) < 2 or any(f.atoms(se.Abs, se.sign) for f in odd):
         return None
-    return (se.Integer(1 if content > 0 else -1), *odd, below)
+    return (se.Integer(1 if content > 0 else -1), *(known_sign(f, strict=True) or f for f in odd))
 
 
 @lru_cache(maxsize=256)
