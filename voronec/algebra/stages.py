@@ -16,7 +16,7 @@ import math
 import random
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from itertools import count
+from itertools import count, islice
 from typing import Any
 
 import flint
@@ -336,9 +336,11 @@ class Cyclic:
 
     def _cancels(self, expr: Any, q: Any, stages: Stages) -> bool:
         """Whether an expression is proved not to depend on a coordinate."""
-        if self._has_branches(expr, q, stages):
-            return any(q not in self.free_symbols(e) for e in self._expansions(expr, q, stages))
-        return self._is_proved(expr, q, stages)
+        if not self._has_branches(expr, q, stages):
+            return self._is_proved(expr, q, stages)
+        # what has many branches may be the same in two stages; to open more of them costs too much
+        nearest = islice(self._expansions(expr, q, stages), 2)
+        return any(q not in self.free_symbols(e) for e in nearest)
 
     def _has_branches(self, expr: Any, q: Any, stages: Stages) -> bool:
         """Whether no slope along the coordinate means less than that it cancels: q/sqrt(q^2) has
