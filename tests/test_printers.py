@@ -239,6 +239,13 @@ CASES = (  # force, place, its value there, its slope
     (lambda q: sp.Min(1, 1 / q**2), 1e-9, 1.0, 0.0),
     (lambda q: sp.Piecewise((1, q <= 0), (sp.exp(-1 / q), True)), -1e-3, 1.0, np.nan),
     (lambda q: sp.Piecewise((1, q > 0), (sp.exp(q), True)), 800.0, 1.0, np.nan),
+    (lambda q: sp.Piecewise((2, q < 0), (sp.exp(q), True)), -40.0, 2.0, 0.0),
+    (lambda q: sp.Piecewise((2, q < 0), (3, q < 1), (q**3, True)), -1e9, 2.0, 0.0),
+    (lambda q: sp.Piecewise((2, q < 0), (3, q < 1), (q**3, True)), 2.0, 8.0, 12.0),
+    (lambda q: sp.Min(3, q**5 / (1 + q**2)), 1e20, 3.0, 0.0),
+    (lambda q: sp.sin(sp.Max(-1, sp.Min(1, 10**9 * q))), 1e17, np.sin(1), 0.0),
+    (lambda q: sp.exp(q**2) * sp.Heaviside(sp.sin(q)), 15.0, np.exp(225), np.nan),
+    (lambda q: sp.exp(q**2) * sp.Heaviside(-q), 1.5e3, 0.0, np.nan),
     (lambda q: sp.sign(q) - 2 * sp.Abs(q) + sp.Heaviside(q - 3), 2.0, -3.0, -2.0),
     (lambda q: sp.Heaviside(q - 3) + sp.Max(q, 3), 3.0, 3.5, 0.5),
 )

@@ -577,6 +577,11 @@ def test_what_is_constant_in_pieces_is_no_constant(force, potential, method):
         (sp.acos(sp.cos(2 * x)) * sp.sin(x), lambda s, z: np.arccos(np.cos(2 * z)) * np.sin(z)),
         (3 * sp.asin(sp.sin(3 * t)), lambda s, z: 3 * np.arcsin(np.sin(3 * s))),
         (sp.asin(2 * x / (1 + x**2)), lambda s, z: np.arcsin(2 * z / (1 + z**2))),
+        (sp.asin(sp.sin(x + 1)), lambda s, z: np.arcsin(np.sin(z + 1))),
+        (sp.acos(sp.cos(t - 2 * x)), lambda s, z: np.arccos(np.cos(s - 2 * z))),
+        (sp.asin(sp.Abs(sp.sin(x))), lambda s, z: np.arcsin(np.abs(np.sin(z)))),
+        (sp.acosh(1 + x**2), lambda s, z: np.arccosh(1 + z**2)),
+        (sp.acosh(sp.cosh(x)), lambda s, z: abs(z)),
         (sp.atan(sp.tan(x)), lambda s, z: np.arctan(np.tan(z))),
         (sp.atan((x - 3) / (x - 4)), lambda s, z: np.arctan((z - 3) / (z - 4))),
         (sp.acot(x - 2), lambda s, z: np.arctan(1 / (z - 2))),
@@ -591,6 +596,13 @@ def test_inverse_functions_have_their_corners_and_jumps(force, rate, method):
         assert found == pytest.approx(
             float(motion(mass_point(-force), (1, 2), 5, "scipy")["x"][-1]), abs=1e-10
         )
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+def test_the_edge_of_an_inverse_function_is_said(method):
+    """acos(1 - |x|) is as steep as sqrt(|x|) there."""
+    with pytest.raises(IntegrationError, match=r"not determined|collapsed"):
+        motion(mass_point(-sp.acos(1 - sp.Abs(x))), (1, 2), 5, method)
 
 
 def test_an_arctangent_without_a_jump_is_no_wall():

@@ -359,6 +359,8 @@ def _careful(function: Callable[..., Any]) -> Callable[..., Any]:
         bits = max(precision(np.concatenate(columns)), mpmath.mp.prec)
         with mpmath.workprec(bits + SPARE):
             moments = np.frompyfunc(mpmath.mpf, 1, 1)(t)
-            return function(moments, state, parameters)
+            return [real(x) for x in function(moments, state, parameters)]
 
+    # beyond the edge of a root or an inverse function mpmath goes on with complex numbers
+    real = np.frompyfunc(lambda x: mpmath.nan if isinstance(x, mpmath.mpc) else x, 1, 1)
     return compute

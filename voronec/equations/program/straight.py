@@ -480,8 +480,11 @@ def with_choices(form: FirstOrderForm) -> FirstOrderForm:
     """A form that chooses between the sides of its walls; the same one where it has none."""
     plain = with_plain_roots(form)
     exprs = [*plain.expressions, *(e for _, e in plain.stages)]
-    if all(choose_sides(e) == e for e in map(se.sympify, exprs)):
+    if not any(isinstance(n, (se.sign, se.Abs)) for n in nodes(map(se.sympify, exprs))):
         return form
+    opened = without_stages(plain, {})[0]
+    if evaluation_weight(opened.expressions) <= 2 * evaluation_weight(exprs):
+        plain = opened
     return _change_form(plain, choose_sides)
 
 

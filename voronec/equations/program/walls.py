@@ -20,6 +20,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.factors import irreducible_factors
+from voronec.algebra.generators import TRIGONOMETRIC
 from voronec.algebra.graphs import is_flat, nodes
 from voronec.algebra.numeric_functions import formula
 from voronec.algebra.ring import Ring
@@ -55,7 +56,7 @@ LONG = 100
 """Radicands of more operations are not searched for squares."""
 _ROUGH = (
     se.sign, se.Abs, se.floor, se.atan2, se.tanh, se.sinh, se.cosh, se.Derivative, se.Subs,
-    se.asin, se.acos, se.atan, se.acot,
+    se.asin, se.acos, se.acosh, se.atan, se.acot,
 )  # fmt: skip
 
 
@@ -301,7 +302,7 @@ def _plain(expr: Any, still: frozenset[Any], known: dict[Any, Any]) -> Any:
         kept = se.Mul(*[f for f in factors if f.free_symbols <= still])
         if kept != root:
             return _size(root / kept, 2 * args[1]) * (rest * kept**2) ** args[1]
-    if isinstance(expr, (se.asin, se.acos)):
+    if isinstance(expr, (se.asin, se.acos, se.acosh)):
         return _arcsine(expr.func(*args), still)
     if isinstance(expr, (se.atan, se.acot)):
         return _arctangent(expr.func(*args), still)
@@ -309,13 +310,26 @@ def _plain(expr: Any, still: frozenset[Any], known: dict[Any, Any]) -> Any:
 
 
 def _arcsine(expr: Any, still: frozenset[Any]) -> Any:
-    """asin(g) or acos(g), by the angle of (g, sqrt(1 - g^2)) where that root has corners."""
+    """asin(g), acos(g) or acosh(g), by the angle of (g, sqrt(1 - g^2)) or the inverse sine of
+    sqrt(g^2 - 1), where that root has corners."""
     argument = expr.args[0]
-    root, rest = square_part(1 - argument**2)
+    square = se.Mul(*map(_square, factors_of(argument)))
+    root, rest = square_part(square - 1 if isinstance(expr, se.acosh) else 1 - square)
     if root.free_symbols <= still:
         return expr
-    angle = se.atan2(argument, se.Abs(root) * se.sqrt(rest))
+    size = se.Abs(root) * se.sqrt(rest)
+    if isinstance(expr, se.acosh):
+        return se.asinh(size)
+    angle = se.atan2(argument, size)
     return angle if isinstance(expr, se.asin) else RIGHT_ANGLE - angle
+
+
+def _square(factor: Any) -> Any:
+    if isinstance(factor, se.sign):
+        return se.Integer(1)
+    if isinstance(factor, se.Abs):
+        return factor.args[0] ** 2
+    return factor.args[0] ** (2 * factor.args[1]) if isinstance(factor, se.Pow) else factor**2
 
 
 def _arctangent(expr: Any, still: frozenset[Any]) -> Any:
@@ -385,10 +399,17 @@ def square_part(base: Any) -> tuple[Any, Any]:
                 rest.append(left if inner != 1 else below)
         return se.Mul(*roots), se.Mul(*rest)
     if isinstance(base, se.Add) and base.free_symbols and int(se.count_ops(base)) < LONG:
-        try:
-            return _square_factor(base)
-        except EngineLimit:
-            pass
+        # the sine of a sum is one of an angle, and not what its theorem makes of it
+        angles = {f.args[0] for f in base.atoms(*TRIGONOMETRIC) if isinstance(f.args[0], se.Add)}
+        back = {se.Symbol(f"angle {i}"): a for i, a in enumerate(sorted(angles, key=str))}
+        short = base.subs({a: name for name, a in back.items()})
+        for whole in dict.fromkeys((short, base)):
+            try:
+                root, rest = _square_factor(whole)
+            except EngineLimit:
+                continue
+            if root != 1:
+                return root.xreplace(back), rest.xreplace(back)
     return one, base
 
 
