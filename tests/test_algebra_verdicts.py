@@ -345,7 +345,8 @@ def test_what_is_proved_holds_at_points_chosen_afterwards(left, right, p, q):
         verdict = prove_equal(one, other)
         if verdict.proved:
             values = [sp.N(sp.sympify(e).xreplace(at), 40) for e in (one, other)]
-            if all(v.is_real and v.is_finite for v in values):
+            # of sinh(sinh(sinh(5))), which has 1e20 digits, SymPy has none right
+            if all(v.is_real and v.is_finite and abs(v) < 10**30 for v in values):
                 assert abs(values[0] - values[1]) <= 1e-30 * (1 + abs(values[0]))
         if verdict.refuted:
             assert separated(verdict, one, other)
