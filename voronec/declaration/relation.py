@@ -137,8 +137,9 @@ class Relation:
             rates = ()
         kept = {plain_name(x): x for x in (*places, *rates)}
         state = {name: value for name, value in given.items() if name in {*kept, plain_name(time)}}
-        rest = {name: value for name, value in changed.items() if plain_name(name) not in state}
-        own = {p.name: p.symbol for p in system.parameters if p.name not in given}
+        own = {p.name: given.get(p.name, p.symbol) for p in system.parameters}
+        used = {*state, *own}
+        rest = {name: value for name, value in changed.items() if plain_name(name) not in used}
         mapped = {**kept, **state} if state else None
         return cls(source, system.name, mapped, {**own, **rest}, **more)
 
