@@ -179,7 +179,7 @@ def test_a_relation_into_a_system_keeps_what_is_not_changed():
     assert {*mirror.state} == names
     assert mirror.state["gamma1"] == -g1
     assert (mirror.state["omega1"], mirror.state["omega2"]) == (w1, -w2)
-    assert mirror.parameters == {**kept, "r": r, k: -k}
+    assert mirror.parameters == {**kept, "r": r, "k": -k}
     assert (mirror.source, mirror.target, mirror.name) == ("own-ball", "own-ball", "mirror")
     assert Relation.into(own, "still", {k: 0}).state is None
 
