@@ -35,11 +35,11 @@ __all__ = [
     "Cyclic",
     "StagedElimination",
     "Stages",
-    "coefficient",
     "factor_sums",
     "needed_stages",
     "primitive",
     "shared_sums",
+    "split_number",
 ]
 
 
@@ -52,7 +52,8 @@ WIDEST = 60
 """Sums with more terms than this are left alone."""
 
 
-def _split(term: Any) -> tuple[Any, Any]:
+def split_number(term: Any) -> tuple[Any, Any]:
+    """A term without its number, and the number."""
     number = coefficient(term)
     return (ONE, number) if term.is_Number else (term / number, number)
 
@@ -63,7 +64,7 @@ def shared_sums(definitions: Mapping[Any, Any], fresh: Callable[[], Any]) -> dic
     Pairs of named pairs follow, so that longer common parts are found, too.
     """
     bags = {
-        x: dict(map(_split, e.args))
+        x: dict(map(split_number, e.args))
         for x, e in definitions.items()
         if isinstance(e, se.Add) and len(e.args) <= WIDEST
     }
@@ -130,7 +131,7 @@ def factor_sums(definitions: Mapping[Any, Any], fresh: Callable[[], Any]) -> dic
     for x, expr in definitions.items():
         result[x] = expr
         if isinstance(expr, se.Add):
-            result[x] = _collect([(c, _powers(m)) for m, c in map(_split, expr.args)], name)
+            result[x] = _collect([(c, _powers(m)) for m, c in map(split_number, expr.args)], name)
     return _sorted_stages(result)
 
 
@@ -360,8 +361,7 @@ class Cyclic:
         for slope in self._expansions(self._slope(expr, q, stages), q, stages):
             if slope == 0:
                 return True
-            last = slope
-        return _is_zero(last, WORK)
+        return _is_zero(slope, WORK)
 
     def _expansions(self, expr: Any, q: Any, stages: Stages) -> Iterator[Any]:
         """An expression, and with the stages in it that hold a coordinate opened and expanded,

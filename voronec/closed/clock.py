@@ -35,7 +35,7 @@ from voronec.closed.ratio import (
 from voronec.elliptic.many_times import Sample
 from voronec.errors import EngineLimit
 
-__all__ = ["Clock", "MotionIntegral", "clock_of", "sample_in_own_time", "whole_turns_off"]
+__all__ = ["TURN", "Clock", "MotionIntegral", "clock_of", "sample_in_own_time", "whole_turns_off"]
 
 
 STEP = 0.125

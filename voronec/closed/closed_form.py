@@ -21,7 +21,7 @@ from voronec.algebra.symbols import plain_name
 from voronec.algebra.typeset import html_table
 from voronec.closed.arithmetic import ball, precise
 from voronec.closed.balls import enclose_state, resting_values
-from voronec.closed.clock import sample_in_own_time, whole_turns_off
+from voronec.closed.clock import TURN, sample_in_own_time, whole_turns_off
 from voronec.closed.compiled_motion import reading_of, velocities_in_doubles
 from voronec.closed.inverted_motion import InvertedMotion, Turn, turns_of
 from voronec.closed.planar_rotation import place_on_grid, steady_rates
@@ -188,7 +188,6 @@ def _frames(start: np.ndarray, spin: Any, grid: np.ndarray) -> Any:
             for i in range(3)]  # fmt: skip
 
 
-TURN = 2 * np.pi
 MANY = 10_000
 """Times from which on a table is worth making."""
 

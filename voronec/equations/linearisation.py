@@ -83,12 +83,10 @@ def _first_order(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, An
     values = [v for v, _ in parts]
     value = expr.func(*values)
     root = isinstance(expr, se.Pow) and values[0] == 0 and values[1].is_Number and values[1] < 1
-    if root and any(known[s][1] for s in expr.args[0].free_symbols if s in known):
-        words = "has no value" if values[1] < 0 else "has a corner"
+    edge = isinstance(expr, (se.asin, se.acos, se.acosh)) and abs(values[0]) == 1
+    if (root or edge) and any(known[s][1] for s in expr.free_symbols if s in known):
+        words = "has no value" if root and values[1] < 0 else "has a corner"
         raise EngineLimit(f"'{expr}' {words} there")
-    is_edge = isinstance(expr, (se.asin, se.acos, se.acosh)) and abs(values[0]) == 1
-    if is_edge and any(known[s][1] for s in expr.free_symbols if s in known):
-        raise EngineLimit(f"'{expr}' has a corner there")
     moving = [i for i, (_, slopes) in enumerate(parts) if slopes]
     if not moving:
         return value, {}

@@ -520,25 +520,28 @@ def _summary(audit: Audit) -> str:
 
 
 def _conventions(audit: Audit, places: dict[tuple[str, int], str]) -> str:
-    found = conventions(audit, places)
-    if not found:
-        return ""
-    return (
-        f'<section id="conventions"><h2>Conventions and ranges</h2>\n'
-        '<p class="lead">True as printed under a convention that another formula contradicts, or '
-        f"in some ranges of the parameters only.</p>{found}</section>\n"
+    lead = (
+        "True as printed under a convention that another formula contradicts, or in some ranges of "
+        "the parameters only."
     )
+    found = conventions(audit, places)
+    return _list_section("conventions", "Conventions and ranges", lead, found)
 
 
 def _unaudited_list(audit: Audit, places: dict[tuple[str, int], str]) -> str:
-    found = unaudited_list(audit, places)
-    if not found:
-        return ""
-    return (
-        f'<section id="unaudited"><h2>Not audited</h2>\n'
-        '<p class="lead">What the text states, and nothing here decides. Sentences on history, on '
-        f"sources and on what comes next state nothing of the kind.</p>{found}</section>\n"
+    lead = (
+        "What the text states, and nothing here decides. Sentences on history, on sources and on "
+        "what comes next state nothing of the kind."
     )
+    return _list_section("unaudited", "Not audited", lead, unaudited_list(audit, places))
+
+
+def _list_section(anchor: str, title: str, lead: str, items: str) -> str:
+    """A list with its heading; nothing where the list is empty."""
+    if not items:
+        return ""
+    head = f'<section id="{anchor}"><h2>{title}</h2>\n<p class="lead">{lead}</p>'
+    return f"{head}{items}</section>\n"
 
 
 def _search(audit: Audit) -> str:

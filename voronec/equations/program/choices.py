@@ -17,7 +17,7 @@ import symengine as se
 from voronec.algebra.graphs import nodes
 from voronec.algebra.normal import canonical
 from voronec.algebra.numeric_functions import CHOICE, numeric_name
-from voronec.algebra.stages import coefficient
+from voronec.algebra.stages import split_number
 from voronec.algebra.terms import factors_of, summands
 from voronec.equations.program.weight import operation_count
 from voronec.errors import EngineLimit
@@ -32,7 +32,7 @@ FRACTION = 240
 """Operations up to which all terms of a sum with quotients are chosen together."""
 LONG = 3000
 """Expressions of more operations stay as they are."""
-ZERO, ONE = se.Integer(0), se.Integer(1)
+ZERO = se.Integer(0)
 
 
 def choose_sides(expr: Any) -> Any:
@@ -84,7 +84,10 @@ class _Choices:
         terms = [t for a in summands(expr) for t in summands(_spread(a))]
         held = [t for t in terms if wall in self.walls(t)]
         keys, beside = _magnitudes(se.Add(*held)), self.walls(se.Add(*held))
-        own = [t for t in terms if _key(t) in keys or (self.walls(t) and self.walls(t) <= beside)]
+        own = [
+            t for t in terms
+            if split_number(t)[0] in keys or (self.walls(t) and self.walls(t) <= beside)
+        ]  # fmt: skip
         if operation_count([expr]) < FRACTION and _has_quotients(expr):
             own = terms
         up, down = (_short(self.on_side(se.Add(*own), wall, side)) for side in (1, -1))
@@ -145,18 +148,13 @@ def _has_quotients(expr: Any) -> bool:
     return any(n.args[1] < 0 and n.args[0].free_symbols for n in powers)
 
 
-def _key(term: Any) -> Any:
-    """A term without its number."""
-    return ONE if term.is_Number else term / coefficient(term)
-
-
 def _magnitudes(expr: Any) -> set[Any]:
     """The terms of an expression, but for numbers and signs of either value."""
     letters: dict[Any, Any] = {}
     found = summands(_spread(_with_letters(expr, letters)))
     signs = {*letters.values()}
-    plain = (se.Mul(*[f for f in factors_of(_key(t)) if not f.free_symbols & signs]) for t in found)
-    return set(map(_key, plain))
+    factors = (factors_of(split_number(t)[0]) for t in found)
+    return {se.Mul(*[f for f in each if not f.free_symbols & signs]) for each in factors}
 
 
 def _with_letters(expr: Any, letters: dict[Any, Any]) -> Any:

@@ -51,7 +51,6 @@ GRID = 2**20
 """Places of walls are multiples of one part in so many."""
 LITTLE = 1e-6
 """A number beside squares is seen from far where it is larger than this part of their largest."""
-RIGHT_ANGLE = se.pi / 2
 LONG = 100
 """Radicands of more operations are not searched for squares."""
 _ROUGH = (
@@ -155,7 +154,7 @@ class Sides:
             below, exponent = function.args
             return self._side(below) if exponent.p % 2 and exponent.q % 2 else se.Integer(1)
         if (factors := wall_factors(function)) is not None:
-            return se.Mul(*map(self._side, map(se.sympify, factors)))
+            return se.Mul(*map(self._side, factors))
         wall = Wall(function)
         self.walls.setdefault(wall)
         return se.Integer(self.side(wall))
@@ -321,7 +320,7 @@ def _arcsine(expr: Any, still: frozenset[Any]) -> Any:
     if isinstance(expr, se.acosh):
         return se.asinh(size)
     angle = se.atan2(argument, size)
-    return angle if isinstance(expr, se.asin) else RIGHT_ANGLE - angle
+    return angle if isinstance(expr, se.asin) else se.pi / 2 - angle
 
 
 def _square(factor: Any) -> Any:
@@ -343,7 +342,8 @@ def _arctangent(expr: Any, still: frozenset[Any]) -> Any:
     sign = known_sign(odd, strict=True)
     if below.free_symbols <= still or (odd == below and sign):
         return expr
-    return se.atan2(above * (sign or se.sign(odd)), below * (sign or se.sign(odd)))
+    side = sign or se.sign(odd)
+    return se.atan2(above * side, below * side)
 
 
 def _in_sines(factor: Any) -> Any:
@@ -378,7 +378,8 @@ def wall_factors(function: Any) -> tuple[Any, ...] | None:
     odd = [*(ring.polynomial(poly) for poly, e in factors if e % 2), below]
     if len(factors) < 2 or any(f.atoms(se.Abs, se.sign) for f in odd):
         return None
-    return (se.Integer(1 if content > 0 else -1), *(known_sign(f, strict=True) or f for f in odd))
+    signs = [1 if content > 0 else -1, *(known_sign(f, strict=True) or f for f in odd)]
+    return tuple(map(se.sympify, signs))
 
 
 @lru_cache(maxsize=256)
