@@ -484,3 +484,23 @@ def test_a_run_ends_where_no_split_leads_on(monkeypatch: pytest.MonkeyPatch) -> 
     assert float(caught.value.time) == pytest.approx(-0.1561, abs=1e-3)
     cost = caught.value.trajectory.cost
     assert cost.switches < 20 and cost.steps < 20_000
+
+
+def needle() -> vo.System:
+    """A free point with x y' = y z': no condition at all where x = y = 0."""
+    x, y, z = sp.symbols("x y z")
+    Dx, Dy, Dz = map(vo.velocity, (x, y, z))
+    return vo.System(
+        name="needle", fibration=vo.Fibration(base=(x, y), fibre=(z,)),
+        lagrangian=(Dx**2 + Dy**2 + Dz**2) / 2, constraints=(x * Dy - y * Dz,),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("tol", [1e-13, 1e-18])
+@pytest.mark.parametrize("aside", [0.2, 0.004])
+def test_a_run_says_where_rounding_outgrows_its_tolerance(aside: float, tol: float) -> None:
+    start = {"x": -1.0, "y": aside, "z": 0.0, "xdot": 1.0, "ydot": aside / 10}
+    run = vo.integrate(needle(), initial=start, times=[0, 2], tol=tol)
+    said = [note for note in run.notes if "lost there by rounding" in note]
+    assert len(said) == (aside < 0.1 and tol > 1e-16)
+    assert all("up to 1e-10" in note and "at t = 0.99" in note for note in said)

@@ -6,7 +6,7 @@ the system; at a change all velocities are carried over by exact linear formulas
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from time import perf_counter, process_time
@@ -44,6 +44,8 @@ for dependent, and so are velocities at the start: they lose more digits than th
 FAINT = 1e-3
 """In doubles a run ends where the best split is so near to its end: what is lost is the square of
 it, and rounding makes steps short without end."""
+LOSS = 10
+"""Where rounding may take more than so many times the tolerance, that is said."""
 LONGER, RECENT = 4.0, 2
 """A stretch is not expected to be longer than the one times the longest of so many before it."""
 EARLY, BETTER = 0.5, 2.0
@@ -98,6 +100,8 @@ class SplitRun:
     prepared: float = 0.0
     told: list[str] = field(default_factory=list)
     units: dict[SplitModel, np.ndarray] = field(default_factory=dict)
+    faintest: float = np.inf
+    faintest_time: float = np.nan
 
     def trajectory(self) -> Trajectory:
         """Integrate, and look at what is wanted; ``IntegrationError`` where it cannot be done."""
@@ -215,9 +219,22 @@ class SplitRun:
         """Why not even the best split leads on from a wide state; empty where it does."""
         size, least = best.quality(time, wide), LEAST if self.exact else FAINT
         strength = np.inf if size > CLEAR else self.ground.strength(float(time), wide.astype(float))
+        if (both := min(size, strength)) < self.faintest:
+            self.faintest, self.faintest_time = both, float(time)
         if size > least and strength > LEAST:
             return ""
         return DEPENDENT if strength < least else NOWHERE
+
+    def _loss(self) -> Iterator[str]:
+        """A note where the motion passed so near to a place that no split leads through that
+        rounding, which is magnified by the square of the nearness, outgrows the tolerance."""
+        lost = np.finfo(float).eps / self.faintest**2
+        if not self.exact and lost > LOSS * self.chosen["tolerance"]:
+            yield (
+                "the motion passes close to where the constraints are dependent, at t = "
+                f"{self.faintest_time:.6g}: up to {lost:.0e} is lost there by rounding, and as "
+                f"much more as the motion magnifies it; a tol under {EXACT:.0e} takes more digits"
+            )
 
     def _show_state(self, wide: np.ndarray) -> str:
         pairs = zip(self.ground.home.definition.coordinates, wide, strict=False)
@@ -386,7 +403,11 @@ class SplitRun:
             halted=last.halt.reason if last.halt is not None else "",
             interrupted=last.interrupted,
             within=(lambda times: self._inside(times, cost)) if self.dense else None,
-            notes=(*dict.fromkeys((*self.notes, *(n for r in runs for n in r.notes), *self.told)),),
+            notes=(
+                *dict.fromkeys(
+                    (*self.notes, *(n for r in runs for n in r.notes), *self.told, *self._loss())
+                ),
+            ),
         )
 
     def failure(self, split: SplitModel, halt: Halt, busy: float) -> IntegrationError:
