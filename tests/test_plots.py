@@ -56,6 +56,15 @@ def test_one_panel_an_output_on_one_time_axis(motion: Any) -> None:
     assert {*Gcf.figs} == open_before  # no window, no global state
 
 
+def test_one_name_stands_for_a_tuple_of_it(motion: Any) -> None:
+    visible = [panel for panel in motion.plot("theta1").axes if panel.get_visible()]
+    assert [panel.get_ylabel() for panel in visible] == [quantity_label(motion, "theta1")]
+    with pytest.raises(vo.DefinitionError, match="holds no 'zz'"):
+        motion.plot("zz")
+    with pytest.raises(vo.DefinitionError, match="names = 5 is not a tuple"):
+        motion.plot(5)
+
+
 def test_many_panels_stand_in_two_columns(motion: Any) -> None:
     figure = plot_trajectory(motion, ["theta1", "omega"] * 3 + ["energy"])
     columns = {round(p.get_position().x0, 1) for p in figure.axes if p.get_visible()}

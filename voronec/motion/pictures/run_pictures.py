@@ -19,6 +19,7 @@ from voronec.algebra.text import read_sympy_text
 from voronec.algebra.typeset import symbol_latex
 from voronec.closed.pictures.style import INK, STYLE, WIDTH
 from voronec.declaration.plugin_files import failure
+from voronec.declaration.reading import several
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -154,7 +155,7 @@ def plot_trajectory(
     """
     from matplotlib import rc_context
 
-    shown = tuple(trajectory.outputs if names is None else names)
+    shown = several(trajectory.outputs if names is None else names, "names", '"x"')
     if not shown:
         raise DefinitionError("there is nothing to plot; name outputs")
     columns = 1 if len(shown) <= 5 else 2
