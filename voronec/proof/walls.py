@@ -10,7 +10,7 @@ is one by a period, unless the function is constant but for its jumps.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from itertools import islice
@@ -54,7 +54,7 @@ def across_walls(
     verdict: Verdict,
     field: VectorField,
     functions: Sequence[tuple[str, Any]],
-    periods: bool = True,
+    periods: bool | Callable[[Any], bool] = True,
     constant: bool = False,
 ) -> Verdict:
     """A proof off the walls of some functions, as what it is with them.
@@ -62,7 +62,8 @@ def across_walls(
     functions
         with what a message calls each, inside the door, in the variables of the field.
     periods
-        whether a jump by a constant leaves a claim standing, up to multiples of it.
+        whether a jump by a constant leaves a claim standing, up to multiples of it; or of which
+        constants that is so.
     constant
         whether the functions are proved to be constant along motions off their walls.
     """
@@ -114,7 +115,7 @@ class _Ground:
 
     field: VectorField
     variables: frozenset[Any]
-    periods: bool
+    periods: bool | Callable[[Any], bool]
     constant: bool
 
     @property
@@ -261,6 +262,8 @@ class _Ground:
         except EngineLimit:
             return None
         if short.free_symbols & self.variables:
+            return None
+        if self.periods is not True and not self.periods(short):
             return None
         return -short if _is_negative(short) else short
 

@@ -20,6 +20,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import symengine as se
@@ -247,14 +248,14 @@ def _decide_map(statemap: StateMap) -> Verdict:
 
 
 def _across_walls(statemap: StateMap, verdict: Verdict) -> Verdict:
-    """The proof with the walls of the map: positions and the time may jump by periods; parameters
-    that hold state, velocities and the clock may not jump."""
+    """The proof with the walls of the map: positions and the time jump by periods of the target;
+    parameters that hold state, velocities and the clock may not jump."""
     target, field = statemap.target, statemap.scaled_source
     held = [(f"the parameter '{p}'", e) for p, e in statemap.parameters.items() if p.is_Symbol]
     verdict = across_walls(verdict, field, held, periods=False, constant=True)
-    places = [*target.positions, target.time]
-    at = [(f"the image '{x}'", statemap.state[x]) for x in places]
-    verdict = across_walls(verdict, field, at)
+    for x in (*target.positions, target.time):
+        image = [(f"the image '{x}'", statemap.state[x])]
+        verdict = across_walls(verdict, field, image, periods=partial(statemap.is_period, x))
     fast = [(f"the image '{v}'", statemap.state[v]) for v in target.velocities]
     return across_walls(verdict, field, [*fast, ("the clock", statemap.clock)], periods=False)
 

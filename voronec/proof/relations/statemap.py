@@ -16,6 +16,7 @@ from voronec.algebra.conditions import substituted_conditions
 from voronec.algebra.points import is_possible
 from voronec.algebra.symbols import plain_name, time
 from voronec.algebra.text import as_expression
+from voronec.algebra.verdicts import decide_zero
 from voronec.declaration.relation import Relation
 from voronec.declaration.system import System
 from voronec.equations.motions import Motions
@@ -135,6 +136,21 @@ class StateMap:
         both = (*own, *substituted_conditions(mapped, images))
         # a map to values that the target declares impossible is no reason to know anything
         return self.relations + (both if is_possible(both) else own)
+
+    def is_period(self, x: Any, jump: Any) -> bool:
+        """Whether the target is the same where a position, or the time, is moved by a constant.
+
+        A position that nothing depends on may be an angle, or a length: whole turns alone are taken
+        for a period of it.  The time is no angle.
+        """
+        entries = [*self.target.entries, *self.target.relations]
+        if not any(x in e.free_symbols for e in entries):
+            return x != self.target.time and isinstance(jump / (2 * se.pi), se.Integer)
+        at = {y: se.Symbol(f"image of {y}") for y in self.state}  # no symbol of the source
+        here, there = (replace(self, state={**at, x: at[x] + d}) for d in (0, jump))
+        known = [here.pull_back(r) for r in self.target.relations]
+        moved = (there.pull_back(e) - here.pull_back(e) for e in entries)
+        return all(decide_zero(e, known).proved for e in moved)
 
     @property
     def is_identity(self) -> bool:
