@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -25,9 +25,22 @@ from voronec.errors import DefinitionError, did_you_mean
 from voronec.proof.relations.functions import Functions
 from voronec.proof.relations.parameters import by_name, read_parameters, refuse_unknown
 
-__all__ = ["StateMap"]
+__all__ = ["StateMap", "is_period"]
 
 NONE: Mapping[str, Any] = MappingProxyType({})
+
+
+def is_period(entries: Sequence[Any], relations: Sequence[Any], x: Any, jump: Any) -> bool:
+    """Whether equations and relations are the same where a position is moved by a constant.
+
+    One that nothing depends on may be an angle, or a length: whole turns alone are taken for a
+    period of it.
+    """
+    held = [e for e in (*entries, *relations) if x in e.free_symbols]
+    if not held:
+        return isinstance(jump / (2 * se.pi), se.Integer)
+    moved = (e.xreplace({x: x + jump}) - e for e in held)
+    return all(decide_zero(e, relations).proved for e in moved)
 
 
 @dataclass(frozen=True)
@@ -138,19 +151,13 @@ class StateMap:
         return self.relations + (both if is_possible(both) else own)
 
     def is_period(self, x: Any, jump: Any) -> bool:
-        """Whether the target is the same where a position, or the time, is moved by a constant.
-
-        A position that nothing depends on may be an angle, or a length: whole turns alone are taken
-        for a period of it.  The time is no angle.
-        """
-        entries = [*self.target.entries, *self.target.relations]
-        if not any(x in e.free_symbols for e in entries):
-            return x != self.target.time and isinstance(jump / (2 * se.pi), se.Integer)
-        at = {y: se.Symbol(f"image of {y}") for y in self.state}  # no symbol of the source
-        here, there = (replace(self, state={**at, x: at[x] + d}) for d in (0, jump))
-        known = [here.pull_back(r) for r in self.target.relations]
-        moved = (there.pull_back(e) - here.pull_back(e) for e in entries)
-        return all(decide_zero(e, known).proved for e in moved)
+        """Whether the target is the same where a position is so moved; the time is none."""
+        target = self.target
+        own = replace(self, state={y: se.Symbol(f"image of {y}") for y in self.state})
+        known = [own.pull_back(r) for r in target.relations]
+        entries = [own.pull_back(e) for e in target.entries]
+        timed = x == target.time and not any(x in e.free_symbols for e in target.entries)
+        return not timed and is_period(entries, known, own.state[x], jump)
 
     @property
     def is_identity(self) -> bool:
