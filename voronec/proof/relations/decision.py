@@ -43,6 +43,7 @@ from voronec.proof.measures import defect
 from voronec.proof.relations.functions import Infinite
 from voronec.proof.relations.orders import all_at_zero, at_zero, vanishes
 from voronec.proof.relations.parameters import applications
+from voronec.proof.relations.possible import possible_values
 from voronec.proof.relations.statemap import StateMap
 from voronec.proof.walls import across_walls
 
@@ -167,7 +168,7 @@ def check_relation(relation: Relation, motions: Callable[[str], Motions]) -> Che
     start = clock.perf_counter()
     statemap = complete_velocities(StateMap.of(relation, motions))
     stated, verdict = decided_at_limit(statemap)
-    pulled = _pulled_claims(stated) if not verdict.refuted else ()
+    pulled = _pulled_claims(stated, verdict.domain) if not verdict.refuted else ()
     return CheckedRelation(
         relation=relation,
         kinds=_kinds_of(_stated_map(statemap, stated)),
@@ -244,7 +245,8 @@ def _decide_map(statemap: StateMap) -> Verdict:
         verdict = _decide(statemap, residual)
         if not verdict.proved:
             return replace(verdict, method=f"{place}: {verdict.method}")
-    return _across_walls(statemap, Verdict("proved", "zero in exact normal form"))
+    proof = possible_values(statemap)
+    return _across_walls(statemap, proof) if proof.proved else proof
 
 
 def _across_walls(statemap: StateMap, verdict: Verdict) -> Verdict:
@@ -378,7 +380,17 @@ def _determinant(rows: Matrix, relations: Sequence[Any]) -> Any:
     return determinant([flat[i * size : (i + 1) * size] for i in range(size)])
 
 
-def _pulled_claims(statemap: StateMap) -> Iterator[Claim]:
+def _pulled_claims(statemap: StateMap, domain: str) -> Iterator[Claim]:
+    """The claims of the target as they stand for the source, on the domain of the relation."""
+    for claim in _carried_claims(statemap):
+        if domain and claim.verdict.proved:
+            both = dict.fromkeys(filter(None, (domain, claim.verdict.domain)))
+            yield replace(claim, verdict=replace(claim.verdict, domain=", ".join(both)))
+        else:
+            yield claim
+
+
+def _carried_claims(statemap: StateMap) -> Iterator[Claim]:
     """Integrals, equations and the measure of the target, as they stand for the source.
 
     F(Phi) is an integral; d/dt F(Phi) = nu rate(Phi); and where states correspond one to one,

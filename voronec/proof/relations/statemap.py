@@ -139,11 +139,16 @@ class StateMap:
         """What vanishes on the states of the source."""
         return tuple(self.scale(r) for r in self.source.relations)
 
+    @property
+    def source_conditions(self) -> tuple[Any, ...]:
+        """What is known of the parameters of the source."""
+        return substituted_conditions(self.source.conditions, self.scaling)
+
     @cached_property
     def hypotheses(self) -> tuple[Any, ...]:
         """What vanishes on the states of the source, and what is known of its parameters and of
         the images of the target's."""
-        own = substituted_conditions(self.source.conditions, self.scaling)
+        own = self.source_conditions
         images = {**self.state, **{p: v for p, v in self.parameters.items() if p.is_Symbol}}
         mapped = (c for c in self.target.conditions if c.free_symbols <= images.keys())
         both = (*own, *substituted_conditions(mapped, images))
