@@ -314,6 +314,30 @@ def test_a_place_jumps_by_periods_of_the_target_alone(potential, state, words):
     assert found.refuted == (words == TORN)
 
 
+@pytest.mark.parametrize(
+    ("function", "bound"),
+    [
+        (sp.sqrt(-1 - energy), "-x**2 - xdot**2 - 1"),
+        (sp.asin(2 + energy), "1 - (x**2 + xdot**2 + 2)**2"),
+        (energy + sp.log(-energy - sp.exp(energy)), "-x**2 - xdot**2 - exp(x**2 + xdot**2)"),
+    ],
+)
+def test_what_is_nowhere_real_is_no_integral(function, bound):
+    found = verdict(function)
+    assert found.refuted and found.method == f"it has no real value, since {bound} < 0"
+
+
+def test_what_no_state_gives_a_value_is_left_open():
+    signed = spring(
+        parameters=(Parameter(m, positive=True),), integrals={"F": sp.sqrt(-m) * energy}
+    )
+    (claim,) = check_claims(signed)
+    assert claim.verdict.refuted and claim.verdict.method.endswith("since -m < 0")
+    empty = verdict(sp.acosh(sp.cos(energy)))
+    assert empty.undecided and empty.method == "no state was found at which it has a real value"
+    assert verdict(sp.sqrt(energy - 1) * sp.sqrt(2 - energy)).proved
+
+
 def test_claims_carried_along_have_their_walls():
     found = related("spring", "other", q=-x)
     assert found.verdict.proved and not found.verdict.limits
