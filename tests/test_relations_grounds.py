@@ -83,6 +83,28 @@ def test_what_a_target_declares_of_its_parameters_is_asked_of_their_values(
     assert f"{found.status} {found.limits}" == standing, found
 
 
+PUSHED = line("pushed", DQ**2 / 2, forces={DQ: f(q)})
+RUBBED = vo.System("rubbed", vo.Fibration((x,)), DX**2 / 2, forces={DX: sp.sign(x)})
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "value", "status"),
+    [
+        (WAVE, OPEN, q**2 / 2, "proved"),
+        (WAVE, OPEN, q**2 / 2 + sp.sign(q), "refuted"),
+        (WAVE, OPEN, q**2 / 2 + sp.floor(q), "refuted"),
+        (WAVE, OPEN, q**2 / 2 + sp.atan(q) + sp.atan(1 / q), "refuted"),
+        (RUBBED, PUSHED, sp.sign(q), "proved"),
+    ],
+)
+def test_a_potential_does_not_jump_and_a_force_may(start, end, value, status):
+    relation = vo.Relation(start.name, end.name, state={q: x}, parameters={f(q): value})
+    found = vo.check_relation(relation, systems=(start, end)).verdict
+    assert found.status == status, found
+    if status == "refuted":
+        assert found.method.startswith("the function 'f': it jumps where x ")
+
+
 def test_claims_are_carried_where_the_parameters_are_possible():
     claimed = replace(POSITIVE, integrals={"energy": DQ**2 + sp.Abs(k) * q**2})
     relation = vo.Relation("size", "positive", state={q: x}, parameters={k: k})

@@ -251,15 +251,24 @@ def _decide_map(statemap: StateMap) -> Verdict:
 
 def _across_walls(statemap: StateMap, verdict: Verdict) -> Verdict:
     """The proof with the walls of the map: positions and the time jump by periods of the target;
-    parameters that hold state, velocities and the clock may not jump."""
+    parameters that hold state, potentials, velocities and the clock may not jump."""
     target, field = statemap.target, statemap.scaled_source
     held = [(f"the parameter '{p}'", e) for p, e in statemap.parameters.items() if p.is_Symbol]
     verdict = across_walls(verdict, field, held, periods=False, constant=True)
+    verdict = across_walls(verdict, field, [*_potentials(statemap)], periods=False)
     for x in (*target.positions, target.time):
         image = [(f"the image '{x}'", statemap.state[x])]
         verdict = across_walls(verdict, field, image, periods=partial(statemap.is_period, x))
     fast = [(f"the image '{v}'", statemap.state[v]) for v in target.velocities]
     return across_walls(verdict, field, [*fast, ("the clock", statemap.clock)], periods=False)
+
+
+def _potentials(statemap: StateMap) -> Iterator[tuple[str, Any]]:
+    """The unknown functions of which the target takes derivatives, along the image: a jump of one
+    is an impulse that no derivative beside it tells of."""
+    for name, places in applications(statemap.target).items():
+        if _is_differentiated(statemap, name):
+            yield from ((f"the function '{name}'", statemap.pull_back(f)) for f in places)
 
 
 def _grounds(statemap: StateMap) -> Iterator[Verdict]:
