@@ -204,6 +204,7 @@ FALSE: dict[str, Any] = {
     "chart abs": chart(LINE, {x: Abs(x)}),
     "chart not its inverse": chart(LINE, {x: 2 * x}, changes={"lagrangian": 4 * X**2 / 2}),
     "chart cube": chart(LINE, {x: x**3}),
+    "chart forgets turns": chart(QUARTIC, {x: x}, back={x: atan2(sin(x), cos(x))}),
     "chart swapped aniso": chart(ANISOTROPIC, {x: y, y: x}),
     "chart shift": chart(SPRING, {x: 1 - x}),
     "chart inverse wrong L": chart(LINE, {x: 1 / x}, changes={"lagrangian": X**2 / (2 * x**2)}),

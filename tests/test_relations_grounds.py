@@ -1,5 +1,7 @@
 """What a relation may rest on: parameters, functions, limits, ranks, volumes and the time."""
 
+from dataclasses import replace
+
 import pytest
 import symengine as se
 import sympy as sp
@@ -52,6 +54,62 @@ MOTIONS = {z.name: Motions.of(z) for z in SYSTEMS}
 
 def check(*given, **more):
     return check_relation(vo.Relation(*given, **more), MOTIONS.__getitem__)
+
+
+POSITIVE = line("positive", DQ**2 / 2 - k * q**2 / 2, vo.Parameter(k, positive=True))
+EQUAL = line("equal", m * DQ**2 / 2 - m * q**2 / 2, m, k, possible={"m = k": sp.Eq(m, k)})
+APART = line("apart", (DQ**2 - q**2) / 2, m, k, possible={"m is not k": sp.Ne(m, k)})
+WAVE = vo.System("wave", vo.Fibration((x,)), (DX**2 - x**2) / 2, parameters=(m, k))
+SIZE = vo.System("size", vo.Fibration((x,)), DX**2 / 2 - sp.Abs(k) * x**2 / 2, parameters=(k,))
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "values", "standing"),
+    [
+        (SIZE, POSITIVE, {k: k}, "proved where k > 0"),
+        (SIZE, POSITIVE, {k: sp.Abs(k)}, "proved "),
+        (SIZE, POSITIVE, {k: -(1 + k**2)}, "refuted "),
+        (SPRING, EQUAL, {m: m, k: k}, "proved where k - m = 0"),
+        (WAVE, EQUAL, {m: 1, k: 2}, "refuted "),
+        (WAVE, APART, {m: m, k: k}, "proved where k != m"),
+        (WAVE, APART, {m: m, k: m}, "refuted "),
+    ],
+)
+def test_what_a_target_declares_of_its_parameters_is_asked_of_their_values(
+    start, end, values, standing
+):
+    relation = vo.Relation(start.name, end.name, state={q: x}, parameters=values)
+    found = vo.check_relation(relation, systems=(start, end)).verdict
+    assert f"{found.status} {found.limits}" == standing, found
+
+
+PUSHED = line("pushed", DQ**2 / 2, forces={DQ: f(q)})
+RUBBED = vo.System("rubbed", vo.Fibration((x,)), DX**2 / 2, forces={DX: sp.sign(x)})
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "value", "status"),
+    [
+        (WAVE, OPEN, q**2 / 2, "proved"),
+        (WAVE, OPEN, q**2 / 2 + sp.sign(q), "refuted"),
+        (WAVE, OPEN, q**2 / 2 + sp.floor(q), "refuted"),
+        (WAVE, OPEN, q**2 / 2 + sp.atan(q) + sp.atan(1 / q), "refuted"),
+        (RUBBED, PUSHED, sp.sign(q), "proved"),
+    ],
+)
+def test_a_potential_does_not_jump_and_a_force_may(start, end, value, status):
+    relation = vo.Relation(start.name, end.name, state={q: x}, parameters={f(q): value})
+    found = vo.check_relation(relation, systems=(start, end)).verdict
+    assert found.status == status, found
+    if status == "refuted":
+        assert found.method.startswith("the function 'f': it jumps where x ")
+
+
+def test_claims_are_carried_where_the_parameters_are_possible():
+    claimed = replace(POSITIVE, integrals={"energy": DQ**2 + sp.Abs(k) * q**2})
+    relation = vo.Relation("size", "positive", state={q: x}, parameters={k: k})
+    found = vo.check_relation(relation, systems=(SIZE, claimed))
+    assert [c.standing for c in found.pulled] == ["proved where k > 0"]
 
 
 def test_a_parameter_of_the_target_is_constant_along_the_motions():

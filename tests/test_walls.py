@@ -278,8 +278,64 @@ def test_a_parameter_that_jumps_is_no_number():
 def test_polar_coordinates_are_a_relation_up_to_whole_turns():
     found = related("plane", "polar", q=sp.sqrt(x**2 + y**2), p=sp.atan2(y, x)).verdict
     assert found.proved and found.modulo == "2*pi"
-    wrong = related("plane", "polar", q=sp.sqrt(x**2 + y**2) * sp.sign(x), p=sp.atan(y / x))
-    assert wrong.verdict.refuted
+    radius = sp.sqrt(x**2 + y**2)
+    for size, angle in ((radius * sp.sign(x), sp.atan(y / x)), (radius, sp.atan(y / x))):
+        assert related("plane", "polar", q=size, p=angle).verdict.refuted
+
+
+STEP = sp.atan(x) + sp.atan(1 / x) - sp.pi / 2
+TORN = "it jumps where x = 0, which motions cross"
+
+
+@pytest.mark.parametrize(
+    ("potential", "state", "words"),
+    [
+        (lambda s: 0, {q: x + STEP}, TORN),
+        (lambda s: 0, {q: x, t: t + 2 * STEP}, TORN),
+        (lambda s: 0, {q: x + 2 * STEP}, "2*pi"),  # nothing depends on q, which may be an angle
+        (sp.cos, {q: x + 2 * STEP}, "2*pi"),
+        (lambda s: sp.cos(s) ** 2, {q: x + STEP}, "pi"),
+        (lambda s: sp.cos(k * s), {q: x + 2 * STEP / k}, "2*pi/k"),
+    ],
+)
+def test_a_place_jumps_by_periods_of_the_target_alone(potential, state, words):
+    systems = [
+        vo.System(
+            name=name,
+            fibration=vo.Fibration((place,)),
+            lagrangian=vo.velocity(place) ** 2 / 2 + potential(place),
+            parameters=(k,),
+        )
+        for name, place in (("start", x), ("end", q))
+    ]
+    relation = vo.Relation("start", "end", state=state, parameters={k: k})
+    found = vo.check_relation(relation, systems=systems).verdict
+    assert found.method.endswith(TORN) if words == TORN else found.modulo == words
+    assert found.refuted == (words == TORN)
+
+
+@pytest.mark.parametrize(
+    ("function", "bound"),
+    [
+        (sp.sqrt(-1 - energy), "-x**2 - xdot**2 - 1"),
+        (sp.asin(2 + energy), "1 - (x**2 + xdot**2 + 2)**2"),
+        (energy + sp.log(-energy - sp.exp(energy)), "-x**2 - xdot**2 - exp(x**2 + xdot**2)"),
+    ],
+)
+def test_what_is_nowhere_real_is_no_integral(function, bound):
+    found = verdict(function)
+    assert found.refuted and found.method == f"it has no real value, since {bound} < 0"
+
+
+def test_what_no_state_gives_a_value_is_left_open():
+    signed = spring(
+        parameters=(Parameter(m, positive=True),), integrals={"F": sp.sqrt(-m) * energy}
+    )
+    (claim,) = check_claims(signed)
+    assert claim.verdict.refuted and claim.verdict.method.endswith("since -m < 0")
+    empty = verdict(sp.acosh(sp.cos(energy)))
+    assert empty.undecided and empty.method == "no state was found at which it has a real value"
+    assert verdict(sp.sqrt(energy - 1) * sp.sqrt(2 - energy)).proved
 
 
 def test_claims_carried_along_have_their_walls():

@@ -489,8 +489,8 @@ def is_plain(expr: Any, moving: frozenset[Any], essential: bool) -> bool:
     )
 
 
-def bounds_of(expr: Any, moving: frozenset[Any]) -> list[Any]:
-    """The functions of what moves that have to be positive for an expression to be real."""
+def bounds_of(expr: Any) -> list[Any]:
+    """The functions that have to be positive for an expression to be real."""
     found: dict[Any, None] = {}
     for node in _nodes(expr):
         if isinstance(node, (se.asin, se.acos, se.atanh)):
@@ -503,7 +503,7 @@ def bounds_of(expr: Any, moving: frozenset[Any]) -> list[Any]:
             and not isinstance(node.args[1], se.Integer)
         ):
             found.setdefault(node.args[0])
-    return [b for b in found if b.free_symbols & moving]
+    return [*found]
 
 
 def has_branches(exprs: Iterable[Any], moving: frozenset[Any]) -> bool:

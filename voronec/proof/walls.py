@@ -10,7 +10,7 @@ is one by a period, unless the function is constant but for its jumps.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from itertools import islice
@@ -30,7 +30,7 @@ from voronec.algebra.branches import (
 )
 from voronec.algebra.conditions import domain_of, moved_hypotheses, split_hypotheses
 from voronec.algebra.normal import canonical
-from voronec.algebra.points import consistent, sample_point
+from voronec.algebra.points import consistent, sample_evaluable, sample_point
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.roots import ring_over
 from voronec.algebra.signs import known_sign
@@ -54,7 +54,7 @@ def across_walls(
     verdict: Verdict,
     field: VectorField,
     functions: Sequence[tuple[str, Any]],
-    periods: bool = True,
+    periods: bool | Callable[[Any], bool] = True,
     constant: bool = False,
 ) -> Verdict:
     """A proof off the walls of some functions, as what it is with them.
@@ -62,7 +62,8 @@ def across_walls(
     functions
         with what a message calls each, inside the door, in the variables of the field.
     periods
-        whether a jump by a constant leaves a claim standing, up to multiples of it.
+        whether a jump by a constant leaves a claim standing, up to multiples of it; or of which
+        constants that is so.
     constant
         whether the functions are proved to be constant along motions off their walls.
     """
@@ -72,7 +73,7 @@ def across_walls(
     ground = _Ground(field, moving, periods, constant)
     found = []
     for label, function in functions:
-        if has_branches([function], moving) or not constant:
+        if not constant or has_branches([function], function.free_symbols):
             try:
                 one = ground.verdict_on(function, verdict)
             except EngineLimit as limit:
@@ -114,7 +115,7 @@ class _Ground:
 
     field: VectorField
     variables: frozenset[Any]
-    periods: bool
+    periods: bool | Callable[[Any], bool]
     constant: bool
 
     @property
@@ -173,12 +174,15 @@ class _Ground:
 
     def _with_domain(self, proof: Verdict, function: Any) -> Verdict:
         """The proof with the domain on which the function is real, where that is less than all."""
-        bounds = [
-            f"{self._write(b)} > 0"
-            for b in bounds_of(function, self.variables)
-            if self._is_crossed(b)
-        ]
-        return replace(proof, domain=", ".join(filter(None, (proof.domain, *bounds))))
+        bounds = bounds_of(function)
+        for b in bounds:
+            if known_sign(b, self.hypotheses, strict=True) < 0:
+                return Verdict("refuted", f"it has no real value, since {self._write(b)} < 0")
+        if bounds and not sample_evaluable(Tape([function]), self.hypotheses, count=1):
+            return Verdict("undecided", "no state was found at which it has a real value")
+        moving = [b for b in bounds if b.free_symbols & self.variables]
+        words = [f"{self._write(b)} > 0" for b in moving if self._is_crossed(b)]
+        return replace(proof, domain=", ".join(filter(None, (proof.domain, *words))))
 
     def _is_crossed(self, bound: Any) -> bool:
         """Whether a function is negative at some state at which the inertia is positive."""
@@ -261,6 +265,8 @@ class _Ground:
         except EngineLimit:
             return None
         if short.free_symbols & self.variables:
+            return None
+        if self.periods is not True and not self.periods(short):
             return None
         return -short if _is_negative(short) else short
 

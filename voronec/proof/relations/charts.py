@@ -24,12 +24,13 @@ from voronec.declaration.claims import without_claims
 from voronec.declaration.relation import Relation
 from voronec.declaration.system import System, system_in
 from voronec.equations.motions import Motions
+from voronec.equations.vector_field import VectorField
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.proof.claims import Claim
 from voronec.proof.decision import all_zero
 from voronec.proof.relations.decision import decided_at_limit
 from voronec.proof.relations.parameters import applications
-from voronec.proof.relations.statemap import StateMap
+from voronec.proof.relations.statemap import StateMap, is_period
 
 __all__ = ["check_charts"]
 
@@ -60,12 +61,13 @@ def _decide(motions: Motions, name: str) -> Verdict:
     inverse = _inverse(motions, chart)
     if not inverse.proved:
         return replace(inverse, method=f"there and back: {inverse.method}")
+    away = Motions.of(there)
     for twin in chart.twin_values(motions.system):
-        same = _same_state(motions, chart, twin)
+        same = _same_state(motions, away, chart, twin)
         if not same.proved:
             return replace(same, method=f"twins: {same.method}")
     home = replace(motions.equations, system=_bare(motions.system))
-    known = {home.system.name: Motions(home), there.name: Motions.of(there)}
+    known = {home.system.name: Motions(home), there.name: away}
     own = {p.symbol: p.symbol for p in motions.system.parameters}
     for function, applied in applications(known[there.name].on_coordinates).items():
         formal = sp.Function(function)(*sp.symbols(f"s1:{len(applied[0].args) + 1}"))
@@ -73,7 +75,8 @@ def _decide(motions: Motions, name: str) -> Verdict:
     relation = Relation(
         home.system.name, there.name, state=chart.values(motions.system), parameters=own
     )
-    return decided_at_limit(StateMap.of(relation, known.__getitem__))[1]
+    found = decided_at_limit(StateMap.of(relation, known.__getitem__))[1]
+    return replace(found, modulo=found.modulo or inverse.modulo) if found.proved else found
 
 
 def _bare(system: System) -> System:
@@ -82,33 +85,43 @@ def _bare(system: System) -> System:
 
 
 def _inverse(motions: Motions, chart: Chart) -> Verdict:
-    """Whether the way there and back ends where it began; angles up to whole turns."""
+    """Whether the way there and back ends where it began; angles of it up to whole turns."""
     field, system = motions.on_coordinates, motions.system
     read = {x: field.door.inward(x) for x in (*system.coordinates, *system.velocities)}
     there = {read[x]: field.read(e) for x, e in chart.values(system).items()}
     positive = _factors(field.read(chart.singular))
     angles = Angles(field.relations, positive)
     back = chart.values(system, "back").items()
-    pairs = [(plain_name(x), field.read(e).xreplace(there) - read[x]) for x, e in back]
+    pairs = [(x, field.read(e).xreplace(there) - read[x]) for x, e in back]
     known = (*field.hypotheses, *(f > 0 for f in positive if f.free_symbols))
-    return all_zero(_up_to_turns(pairs, angles), known)
+    turned = _up_to_turns(pairs, angles, field)
+    found = all_zero(turned, known)
+    return replace(found, modulo="2*pi") if len(turned) > len(pairs) else found
 
 
-def _same_state(motions: Motions, chart: Chart, twin: Mapping[Any, Any]) -> Verdict:
-    """Whether a twin has the same image as what it is a twin of; angles up to whole turns."""
+def _same_state(motions: Motions, there: Motions, chart: Chart, twin: Mapping[Any, Any]) -> Verdict:
+    """Whether a twin has the same image as what it is a twin of; angles there up to whole turns."""
     field, system = motions.on_coordinates, motions.system
     other = {field.door.inward(x): field.read(e) for x, e in twin.items()}
-    images = [(plain_name(x), field.read(e)) for x, e in chart.values(system).items()]
-    pairs = [(label, se.expand(e.xreplace(other) - e)) for label, e in images]
-    return all_zero(_up_to_turns(pairs, Angles(field.relations)), field.hypotheses)
+    images = [(x, field.read(e)) for x, e in chart.values(system).items()]
+    pairs = [(x, se.expand(e.xreplace(other) - e)) for x, e in images]
+    turned = _up_to_turns(pairs, Angles(field.relations), there.on_coordinates)
+    return all_zero(turned, field.hypotheses)
 
 
-def _up_to_turns(pairs: Iterable[tuple[str, Any]], angles: Angles) -> list[tuple[str, Any]]:
-    """What must vanish where differences do, those of angles up to whole turns."""
+def _up_to_turns(
+    pairs: Iterable[tuple[Any, Any]], angles: Angles, field: VectorField
+) -> list[tuple[str, Any]]:
+    """What must vanish where differences do, those of angles of a field up to whole turns."""
     residuals = []
-    for label, difference in pairs:
-        off = angles.resolve(difference)
-        if off.atoms(se.atan2):
+    for x, difference in pairs:
+        label, own, off = plain_name(x), field.door.inward(x), angles.resolve(difference)
+        turns = (
+            bool(off.atoms(se.atan2))
+            and own in field.positions
+            and is_period(field.entries, field.relations, own, 2 * se.pi)
+        )
+        if turns:
             residuals += [
                 (f"sin({label})", angles.resolve(se.sin(off))),
                 (f"cos({label})", angles.resolve(se.cos(off)) - 1),

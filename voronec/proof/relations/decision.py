@@ -20,6 +20,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import symengine as se
@@ -42,6 +43,7 @@ from voronec.proof.measures import defect
 from voronec.proof.relations.functions import Infinite
 from voronec.proof.relations.orders import all_at_zero, at_zero, vanishes
 from voronec.proof.relations.parameters import applications
+from voronec.proof.relations.possible import possible_values
 from voronec.proof.relations.statemap import StateMap
 from voronec.proof.walls import across_walls
 
@@ -166,7 +168,7 @@ def check_relation(relation: Relation, motions: Callable[[str], Motions]) -> Che
     start = clock.perf_counter()
     statemap = complete_velocities(StateMap.of(relation, motions))
     stated, verdict = decided_at_limit(statemap)
-    pulled = _pulled_claims(stated) if not verdict.refuted else ()
+    pulled = _pulled_claims(stated, verdict.domain) if not verdict.refuted else ()
     return CheckedRelation(
         relation=relation,
         kinds=_kinds_of(_stated_map(statemap, stated)),
@@ -243,20 +245,30 @@ def _decide_map(statemap: StateMap) -> Verdict:
         verdict = _decide(statemap, residual)
         if not verdict.proved:
             return replace(verdict, method=f"{place}: {verdict.method}")
-    return _across_walls(statemap, Verdict("proved", "zero in exact normal form"))
+    proof = possible_values(statemap)
+    return _across_walls(statemap, proof) if proof.proved else proof
 
 
 def _across_walls(statemap: StateMap, verdict: Verdict) -> Verdict:
-    """The proof with the walls of the map: positions and the time may jump by periods; parameters
-    that hold state, velocities and the clock may not jump."""
+    """The proof with the walls of the map: positions and the time jump by periods of the target;
+    parameters that hold state, potentials, velocities and the clock may not jump."""
     target, field = statemap.target, statemap.scaled_source
     held = [(f"the parameter '{p}'", e) for p, e in statemap.parameters.items() if p.is_Symbol]
     verdict = across_walls(verdict, field, held, periods=False, constant=True)
-    places = [*target.positions, target.time]
-    at = [(f"the image '{x}'", statemap.state[x]) for x in places]
-    verdict = across_walls(verdict, field, at)
+    verdict = across_walls(verdict, field, [*_potentials(statemap)], periods=False)
+    for x in (*target.positions, target.time):
+        image = [(f"the image '{x}'", statemap.state[x])]
+        verdict = across_walls(verdict, field, image, periods=partial(statemap.is_period, x))
     fast = [(f"the image '{v}'", statemap.state[v]) for v in target.velocities]
     return across_walls(verdict, field, [*fast, ("the clock", statemap.clock)], periods=False)
+
+
+def _potentials(statemap: StateMap) -> Iterator[tuple[str, Any]]:
+    """The unknown functions of which the target takes derivatives, along the image: a jump of one
+    is an impulse that no derivative beside it tells of."""
+    for name, places in applications(statemap.target).items():
+        if _is_differentiated(statemap, name):
+            yield from ((f"the function '{name}'", statemap.pull_back(f)) for f in places)
 
 
 def _grounds(statemap: StateMap) -> Iterator[Verdict]:
@@ -377,7 +389,17 @@ def _determinant(rows: Matrix, relations: Sequence[Any]) -> Any:
     return determinant([flat[i * size : (i + 1) * size] for i in range(size)])
 
 
-def _pulled_claims(statemap: StateMap) -> Iterator[Claim]:
+def _pulled_claims(statemap: StateMap, domain: str) -> Iterator[Claim]:
+    """The claims of the target as they stand for the source, on the domain of the relation."""
+    for claim in _carried_claims(statemap):
+        if domain and claim.verdict.proved:
+            both = dict.fromkeys(filter(None, (domain, claim.verdict.domain)))
+            yield replace(claim, verdict=replace(claim.verdict, domain=", ".join(both)))
+        else:
+            yield claim
+
+
+def _carried_claims(statemap: StateMap) -> Iterator[Claim]:
     """Integrals, equations and the measure of the target, as they stand for the source.
 
     F(Phi) is an integral; d/dt F(Phi) = nu rate(Phi); and where states correspond one to one,

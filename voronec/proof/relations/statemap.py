@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -16,6 +16,7 @@ from voronec.algebra.conditions import substituted_conditions
 from voronec.algebra.points import is_possible
 from voronec.algebra.symbols import plain_name, time
 from voronec.algebra.text import as_expression
+from voronec.algebra.verdicts import decide_zero
 from voronec.declaration.relation import Relation
 from voronec.declaration.system import System
 from voronec.equations.motions import Motions
@@ -24,9 +25,22 @@ from voronec.errors import DefinitionError, did_you_mean
 from voronec.proof.relations.functions import Functions
 from voronec.proof.relations.parameters import by_name, read_parameters, refuse_unknown
 
-__all__ = ["StateMap"]
+__all__ = ["StateMap", "is_period"]
 
 NONE: Mapping[str, Any] = MappingProxyType({})
+
+
+def is_period(entries: Sequence[Any], relations: Sequence[Any], x: Any, jump: Any) -> bool:
+    """Whether equations and relations are the same where a position is moved by a constant.
+
+    One that nothing depends on may be an angle, or a length: whole turns alone are taken for a
+    period of it.
+    """
+    held = [e for e in (*entries, *relations) if x in e.free_symbols]
+    if not held:
+        return isinstance(jump / (2 * se.pi), se.Integer)
+    moved = (e.xreplace({x: x + jump}) - e for e in held)
+    return all(decide_zero(e, relations).proved for e in moved)
 
 
 @dataclass(frozen=True)
@@ -125,16 +139,30 @@ class StateMap:
         """What vanishes on the states of the source."""
         return tuple(self.scale(r) for r in self.source.relations)
 
+    @property
+    def source_conditions(self) -> tuple[Any, ...]:
+        """What is known of the parameters of the source."""
+        return substituted_conditions(self.source.conditions, self.scaling)
+
     @cached_property
     def hypotheses(self) -> tuple[Any, ...]:
         """What vanishes on the states of the source, and what is known of its parameters and of
         the images of the target's."""
-        own = substituted_conditions(self.source.conditions, self.scaling)
+        own = self.source_conditions
         images = {**self.state, **{p: v for p, v in self.parameters.items() if p.is_Symbol}}
         mapped = (c for c in self.target.conditions if c.free_symbols <= images.keys())
         both = (*own, *substituted_conditions(mapped, images))
         # a map to values that the target declares impossible is no reason to know anything
         return self.relations + (both if is_possible(both) else own)
+
+    def is_period(self, x: Any, jump: Any) -> bool:
+        """Whether the target is the same where a position is so moved; the time is none."""
+        target = self.target
+        own = replace(self, state={y: se.Symbol(f"image of {y}") for y in self.state})
+        known = [own.pull_back(r) for r in target.relations]
+        entries = [own.pull_back(e) for e in target.entries]
+        timed = x == target.time and not any(x in e.free_symbols for e in target.entries)
+        return not timed and is_period(entries, known, own.state[x], jump)
 
     @property
     def is_identity(self) -> bool:
