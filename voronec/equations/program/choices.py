@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
 from math import isfinite
 from typing import Any
 
@@ -19,6 +20,7 @@ import symengine as se
 
 from voronec.algebra.graphs import nodes
 from voronec.algebra.numeric_functions import CASE, CHOICE, numeric_name
+from voronec.algebra.signs import known_sign
 from voronec.algebra.stages import split_number
 from voronec.algebra.terms import factors_of, summands
 from voronec.equations.program.weight import operation_count
@@ -97,7 +99,10 @@ class _Choices:
             t for t in terms
             if split_number(t)[0] in keys or (self.walls(t) and self.walls(t) <= beside)
         ]  # fmt: skip
-        up, on, down = (self.on_side(se.Add(*own), wall, side) for side in (1, 0, -1))
+        total, sign = se.Add(*own), _sign_of(wall)
+        up, on, down = (self.on_side(total, wall, s) for s in (sign or 1, 0, sign or -1))
+        if sign and se.sign(wall) not in nodes([total]):
+            on = up  # of absolute values alone, which do not jump
         if any(n in (se.nan, se.zoo) for n in nodes([on])):  # it has no value there
             on = (up + down) / 2
         if up == _spread(-down) and on == 0 and not _divides(wall, up):
@@ -113,6 +118,13 @@ class _Choices:
         if wall not in self.walls(expr):
             return expr
         return _spread(expr.func(*[self.on_side(a, wall, side) for a in expr.args]))
+
+
+@lru_cache(maxsize=1024)
+def _sign_of(wall: Any) -> int:
+    """1 or -1 where a wall has nowhere the other sign, as a square, or 0: where it is never
+    negative the root of -w^2 need not be real."""
+    return known_sign(wall)
 
 
 def _choice(wall: Any, up: Any, on: Any, down: Any) -> Any:
@@ -135,10 +147,13 @@ def _parts(expr: Any) -> tuple[Any, Any, Any, Any] | None:
 
 
 def _product(factors: list[Any]) -> Any:
-    """A product; all of it is chosen where one factor is zero on a side, for 0 times infinity."""
+    """A product; all of it is chosen where one factor is zero on a side, for 0 times infinity, or
+    the same on both: the slope on the wall is theirs then."""
     for i, factor in enumerate(factors):
-        if (parts := _parts(factor)) is not None and ZERO in parts[1:]:
-            wall, *sides = parts
+        if (parts := _parts(factor)) is None:
+            continue
+        wall, *sides = parts
+        if ZERO in sides or sides[0] == sides[-1]:
             others = se.Mul(*factors[:i], *factors[i + 1 :])
             return _choice(wall, *(others * side for side in sides))
     return se.Mul(*factors)
