@@ -37,7 +37,7 @@ from voronec.algebra.numeric_functions import (
 )
 from voronec.algebra.terms import factors_of, is_exponential, summands, with_arguments
 
-__all__ = ["cardinal_all", "coefficient"]
+__all__ = ["cardinal_all", "coefficient", "divides_sines_of_sums"]
 
 
 SPREAD = 40
@@ -58,6 +58,18 @@ def coefficient(name: str, at: int, order: int, bits: int) -> int:
         power = power * at >> bits
         n += 1
     return total
+
+
+def divides_sines_of_sums(exprs: Iterable[Any]) -> bool:
+    """Whether there are quotients such as sin(u + w)/(u + w): normal forms expand the sine, and
+    see no quotient that has a value where u + w vanishes."""
+    sums, below = set[Any](), set[Any]()
+    for node in _nodes(map(se.sympify, exprs)):
+        if isinstance(node, (se.sin, se.cos, se.tan)):
+            sums |= {f for f in _factors(node.args[0]) if isinstance(f, se.Add)}
+        elif isinstance(node, se.Pow) and node.args[1].is_Number and node.args[1] < 0:
+            below.add(node.args[0])
+    return any(_ratio(w, u) is not None for w in sums for u in below)
 
 
 def cardinal_all(exprs: Iterable[Any]) -> list[Any]:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import symengine as se
 
+from voronec.algebra.cardinal import divides_sines_of_sums
 from voronec.algebra.graphs import is_atom, nodes
 from voronec.algebra.normal import shortest
 from voronec.algebra.numeric_functions import formula
@@ -512,8 +513,10 @@ def _choose_entries(form: FirstOrderForm, given: FirstOrderForm) -> FirstOrderFo
         terms = summands(choose_sides(sources[entry]))
         chosen = [t for t in terms if holds_choices(t)]
         smooth = se.Add(*[t for t in terms if t not in chosen])
+        if not chosen or divides_sines_of_sums([smooth]):
+            return se.Add(smooth, *chosen) if chosen else entry
         try:
-            return se.Add(*chosen, *shortest([smooth], form.relations)) if chosen else entry
+            return se.Add(*chosen, *shortest([smooth], form.relations))
         except EngineLimit:
             return se.Add(smooth, *chosen)
 
