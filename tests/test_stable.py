@@ -220,3 +220,25 @@ def test_quotients_of_sines_of_sums_have_a_value_where_the_sum_vanishes(force, m
     for gap in (0.0, 1e-8, 1e-3):
         exact = float(sp.limit(force(x), x, 0)) if not gap else float(force(sp.Float(gap, 60)))
         assert space["rhs"](0, [gap, 0, 0, 0], [])[2] == pytest.approx(exact, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    "potential",
+    [
+        (1 - sp.cos(x)) / x**2,
+        sp.Piecewise(((sp.cosh(2 * x) - 1) / x**2, sp.Ne(x, 0)), (2, True)),
+        sp.Piecewise(((1 - sp.cos(x)) / x**2, sp.Ne(x, 0)), (sp.Rational(1, 2), True)),
+    ],
+)
+def test_the_slope_of_a_versed_sine_over_a_square_does_not_cancel(potential):
+    """sin(x)/x^2 - 2 (1 - cos x)/x^3 is x/12 in small."""
+    system = System(name="k", fibration=Fibration(x), lagrangian=v**2 / 2 - potential)
+    space = {}
+    exec(vo.derive(system).python(), space)
+    smooth = potential.args[0][0] if potential.is_Piecewise else potential
+    exact = sp.lambdify(x, -smooth.diff(x), "mpmath")
+    assert space["rhs"](0, [0.0, 0.0], [])[1] == 0
+    for place in (1e-8, 0.01, 1.0):
+        with mp.workdps(60):
+            value = float(exact(mp.mpf(place)))
+        assert space["rhs"](0, [place, 0.0], [])[1] == pytest.approx(value, rel=1e-14)
