@@ -229,6 +229,15 @@ def test_quotients_and_their_slopes_have_values_where_they_divide_by_zero(
     assert_close(call("jacobian", given), slopes)
 
 
+def beside(expr: sp.Expr, wall: sp.Expr, value: sp.Expr) -> sp.Expr:
+    """An expression, but for the places where another vanishes."""
+    return sp.Piecewise((expr, sp.Ne(wall, 0)), (value, True))
+
+
+def versed(w: sp.Expr) -> sp.Expr:
+    return beside((1 - sp.cos(w)) / w**2, w, sp.Rational(1, 2))
+
+
 CASES = (  # force, place, its value there, its slope
     (lambda q: sp.Min(1, sp.exp(q)), 40.0, 1.0, 0.0),
     (lambda q: sp.Min(1, sp.exp(q)), -1.0, np.exp(-1), np.exp(-1)),
@@ -248,13 +257,37 @@ CASES = (  # force, place, its value there, its slope
     (lambda q: sp.exp(q**2) * sp.Heaviside(-q), 1.5e3, 0.0, np.nan),
     (lambda q: sp.sign(q) - 2 * sp.Abs(q) + sp.Heaviside(q - 3), 2.0, -3.0, -2.0),
     (lambda q: sp.Heaviside(q - 3) + sp.Max(q, 3), 3.0, 3.5, 0.5),
+    (lambda q: sp.Min(1, 1 / q**2), 0.0, 1.0, 0.0),
+    (lambda q: 1 / (1 + q**2), 1e200, 0.0, 0.0),
+    (lambda q: beside(sp.sin(q) / q, q, 1), 0.0, 1.0, 0.0),
+    (lambda q: versed(q), 0.0, 0.5, 0.0),
+    (lambda q: versed(q + 1), -0.99999, 0.5 - 1e-10 / 24, np.nan),
+    (lambda q: beside(sp.tanh(q) / q, q, 1), 0.0, 1.0, 0.0),
+    (lambda q: beside((sp.exp(q) - 1) / q, q, 1), 0.0, 1.0, 0.5),
+    (lambda q: beside(q * sp.sin(1 / q), q, 0), 0.0, 0.0, np.nan),
+    (lambda q: beside(sp.sin(q) / q, q, 1) + 1 / (q - 1), 0.0, 0.0, -1.0),
+    (lambda q: beside(sp.sin(q), q - 1, 5), 1.0, 5.0, np.nan),
+    (lambda q: sp.Piecewise((sp.exp(-1 / q), q > 0), (0, True)), 0.0, 0.0, 0.0),
+    (lambda q: sp.Piecewise((1, q <= 0), (2, True)), 0.0, 1.0, np.nan),
+    (lambda q: sp.Piecewise((1, q < 0), (2, q < 1), (q, q > 1), (7, True)), 1.0, 7.0, np.nan),
+    (lambda q: sp.exp(q) * sp.Heaviside(q, 1) / (1 + q**2), 0.0, 1.0, np.nan),
+    (lambda q: sp.Piecewise((sp.sqrt(sp.Abs(q)), q > 0), (q, True)), 0.0, 0.0, 1.0),
+    (lambda q: sp.Piecewise((sp.sqrt(q), q > 0), (q, True)), -2.0, -2.0, 1.0),
+    (lambda q: sp.sqrt(sp.Max(0, q)), -2.0, 0.0, 0.0),
+    (lambda q: sp.asin(sp.Min(1, sp.sqrt(sp.Abs(q)))), 2.0, np.pi / 2, 0.0),
+    (lambda q: 10**36 * sp.Max(-1, sp.Min(1, 1 / ((q**2 - 1) ** 2 + 1))), 1e9, 1.0, -4e-9),
+    (lambda q: sp.log(1 + q**2) / q**2, 0.0, 1.0, 0.0),
+    (lambda q: sp.sqrt(sp.Abs(sp.Symbol("q") ** 2)) * sp.sign(q), -3.0, -3.0, 1.0),
+    (lambda q: sp.sin(q) * sp.Heaviside(q**2), 0.0, 0.0, 1.0),
+    (lambda q: sp.log(1 + q) / q, 0.125, 8 * np.log(1.125), 64 / 9 - 64 * np.log(1.125)),
+    (lambda q: sp.atan(q) / q, 2.0, np.arctan(2) / 2, 0.1 - np.arctan(2) / 4),
 )
 
 
 @pytest.mark.parametrize("language", CALLS)
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_only_the_side_that_is_in_force_is_looked_at(language: str, tmp_path: Path) -> None:
-    """1 is lost in exp(40) + 1, and 0 times an infinite case is no number."""
+    """1 is lost in exp(40) + 1, and 0 times an infinite case, or slope, is no number."""
     q = sp.Symbol("q")
     dq = vo.velocity(q)
     for number, (force, place, value, slope) in enumerate(CASES):
@@ -268,6 +301,50 @@ def test_only_the_side_that_is_in_force_is_looked_at(language: str, tmp_path: Pa
         assert call("rhs", at).ravel()[1] == pytest.approx(value, rel=1e-14)
         if not np.isnan(slope):
             assert call("jacobian", at).ravel()[2] == pytest.approx(slope, rel=1e-14)
+
+
+@pytest.mark.parametrize("language", ["numpy", "c", "javascript"])
+def test_an_angle_on_its_cut_is_one_half_turn(language: str, tmp_path: Path) -> None:
+    """-q is the negative zero of doubles at q = 0, and so is the product of 0 and -1."""
+    q = sp.Symbol("q")
+    dq = vo.velocity(q)
+    for number, force in enumerate((sp.atan2(-q, -1), sp.atan2(q * sp.cos(q + 3), q - 1))):
+        system = vo.System(
+            name="k", fibration=vo.Fibration(q), lagrangian=dq**2 / 2, forces={q: force}
+        )
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        call = CALLS[language](vo.derive(system).program, folder)
+        assert call("rhs", [[0.0, 0.0], []]).ravel()[1] == pytest.approx(np.pi)
+
+
+def test_a_slope_along_a_wall_is_that_of_the_value_there() -> None:
+    x, y = sp.symbols("x y")
+    dx, dy = map(vo.velocity, (x, y))
+    force = sp.Piecewise((sp.exp(y), sp.Eq(x, 1)), (sp.sin(y) + x, True))
+    system = vo.System(
+        name="k", fibration=vo.Fibration((x, y)), lagrangian=(dx**2 + dy**2) / 2, forces={x: force}
+    )
+    space: dict[str, Any] = {}
+    exec(vo.derive(system).python(jacobian=True), space)
+    assert space["jacobian"](0, [1, 0.5, 0, 0], [])[2][1] == pytest.approx(np.exp(0.5))
+    assert space["jacobian"](0, [2, 0.5, 0, 0], [])[2][1] == pytest.approx(np.cos(0.5))
+
+
+def test_a_parameter_before_what_is_cut_off_hides_no_side() -> None:
+    q, k = sp.symbols("q k")
+    dq = vo.velocity(q)
+    system = vo.System(
+        name="k", fibration=vo.Fibration(q), lagrangian=dq**2 / 2,
+        forces={q: sp.sqrt(sp.Max(0, k * q))}, parameters=(vo.Parameter(k),),
+    )  # fmt: skip
+    space: dict[str, Any] = {}
+    exec(vo.derive(system).python(jacobian=True), space)
+    with np.errstate(invalid="ignore"):
+        for place, size in ((-2, 0.5), (2, -0.5)):
+            assert space["rhs"](0, [place, 0], [size])[1] == 0
+            assert space["jacobian"](0, [place, 0], [size])[1][0] == 0
+    assert space["jacobian"](0, [2, 0], [0.5])[1][0] == pytest.approx(0.25)
 
 
 def test_friction_is_printed_as_it_was() -> None:
@@ -336,7 +413,7 @@ def test_without_casadi_a_line_says_what_to_install(monkeypatch: pytest.MonkeyPa
 
 def test_a_jacobian_that_nobody_differentiates_is_refused() -> None:
     form = forms()["cardinal"]
-    unknown = (se.log(1 + x) / x, se.Integer(0))
+    unknown = (se.tanh(x) / x - 1, se.Integer(0))
     program = Program.of(FirstOrderForm(**{**vars(form), "force": unknown}))
     with pytest.raises(EngineLimit, match="is not differentiated"):
         python_source(program, slopes=True)

@@ -265,6 +265,18 @@ def test_awkward_names_become_identifiers(tmp_path: Any) -> None:
         assert result[1] == pytest.approx(expected, rel=1e-14)
 
 
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+def test_macros_of_c_are_no_names(tmp_path: Any) -> None:
+    """The mass of the Earth is M_E, and so is, for compilers at their own standard, a number."""
+    names = se.symbols("M_E FP_NAN true linux _Bool M_1")
+    form = first_order([[1]], [se.Add(*names)], parameters=names)
+    (tmp_path / "names.c").write_text(c_source(Program.of(form)))
+    for standard in ([], ["-std=c99"], ["-std=gnu2x"]):
+        command = ["cc", *standard, "-fsyntax-only", str(tmp_path / "names.c")]
+        subprocess.run(command, check=True)
+    assert "const double M_1 = parameters[5];" in (tmp_path / "names.c").read_text()
+
+
 def test_assigned_names_avoid_those_in_use() -> None:
     c0, c1 = se.symbols("c0 c1")
     force = [c0 * se.sin(x) + se.sin(x) ** 2 + c1 * se.sin(se.sin(x))]

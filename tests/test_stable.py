@@ -196,3 +196,49 @@ def test_an_exponential_and_its_inverse_do_not_overflow():
     rates = compile_program(Program.of(vo.derive(system).form), scalar=True)[0]
     for at in (0.5, 3.0, 40.0):
         assert rates(0.0, [at, 2.0], [])[1] == pytest.approx(2 * (np.exp(-(at**2)) + at), rel=1e-15)
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "c"])
+@pytest.mark.parametrize(
+    "force", [lambda w: sp.sin(w) / w, lambda w: (1 - sp.cos(w)) / w**2, lambda w: sp.tan(w) / w]
+)
+def test_quotients_of_sines_of_sums_have_a_value_where_the_sum_vanishes(force, method):
+    """A normal form expands sin(x - 2 y): numbers are computed without one.  The difference
+    moves as a coordinate of its own does."""
+    w, dy = x - 2 * y, velocity(y)
+    pair = System(
+        name="pair", fibration=Fibration((x, y)), lagrangian=(v**2 + dy**2) / 2,
+        forces={x: force(w)},
+    )  # fmt: skip
+    one = System(name="one", fibration=Fibration(x), lagrangian=v**2 / 2, forces={x: force(x)})
+    start = {x: 2, y: 1, v: 0.1, dy: 0.0}
+    found = vo.integrate(pair, initial=start, times=[0, 0.5], method=method)
+    truth = vo.integrate(one, initial={x: 0, v: 0.1}, times=[0, 0.5], method=method)
+    assert abs(found["x"][-1] - found["y"][-1] * 2 - truth["x"][-1]) < 1e-13
+    space = {}
+    exec(vo.derive(pair).python(), space)
+    for gap in (0.0, 1e-8, 1e-3):
+        exact = float(sp.limit(force(x), x, 0)) if not gap else float(force(sp.Float(gap, 60)))
+        assert space["rhs"](0, [gap, 0, 0, 0], [])[2] == pytest.approx(exact, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    "potential",
+    [
+        (1 - sp.cos(x)) / x**2,
+        sp.Piecewise(((sp.cosh(2 * x) - 1) / x**2, sp.Ne(x, 0)), (2, True)),
+        sp.Piecewise(((1 - sp.cos(x)) / x**2, sp.Ne(x, 0)), (sp.Rational(1, 2), True)),
+    ],
+)
+def test_the_slope_of_a_versed_sine_over_a_square_does_not_cancel(potential):
+    """sin(x)/x^2 - 2 (1 - cos x)/x^3 is x/12 in small."""
+    system = System(name="k", fibration=Fibration(x), lagrangian=v**2 / 2 - potential)
+    space = {}
+    exec(vo.derive(system).python(), space)
+    smooth = potential.args[0][0] if potential.is_Piecewise else potential
+    exact = sp.lambdify(x, -smooth.diff(x), "mpmath")
+    assert space["rhs"](0, [0.0, 0.0], [])[1] == 0
+    for place in (1e-8, 0.01, 1.0):
+        with mp.workdps(60):
+            value = float(exact(mp.mpf(place)))
+        assert space["rhs"](0, [place, 0.0], [])[1] == pytest.approx(value, rel=1e-14)

@@ -625,3 +625,27 @@ def test_a_window_narrower_than_rounding_of_a_square_is_seen(method):
     )  # fmt: skip
     one = motion(mass_point(force - sp.sign(Dx) / 5), (3, 2), 6, "scipy")
     assert many["x"][0, -1] == pytest.approx(float(one["x"][-1]), abs=1e-9)
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "c"])
+@pytest.mark.parametrize(
+    ("root", "pull", "speed"),
+    [
+        (sp.sqrt(1 - sp.sin(x)), -x / 4, 3),
+        (sp.sqrt(3 - 3 * sp.sin(2 * x + 1)), -x / 4, 3),
+        (sp.sqrt(1 - sp.sin(9 * x)), -x / 9, 2),
+        (sp.sqrt(1 + sp.cos(x)), sp.cos(9 * x) - x / 4, 3),
+    ],
+)
+def test_one_less_a_sine_has_its_corners_where_the_sine_is_one(root, pull, speed, method):
+    """The energy is kept, with the work of the root by quadrature between its corners."""
+    end = motion(mass_point(root + pull), (1.5, speed), 40, method)
+    place, rate = float(end["x"][-1]), float(end["xdot"][-1])
+    f, sides = sp.lambdify(x, root, "mpmath"), sorted((1.5, place))
+    # corners of all four are odd multiples of pi/36, or places of (pi/2 - 1)/2 + k pi
+    zeros = {k * mp.pi / 36 for k in range(-99, 400)}
+    zeros |= {(mp.pi / 2 - 1) / 2 + k * mp.pi for k in range(-9, 12)}
+    inner = sorted(z for z in zeros if sides[0] < z < sides[1])
+    work = mp.quad(f, [sides[0], *inner, sides[1]]) * (1 if place > 1.5 else -1)
+    gained = sp.integrate(pull, x).subs(x, place) - sp.integrate(pull, x).subs(x, 1.5)
+    assert abs(rate**2 / 2 - speed**2 / 2 - work - float(gained)) < 1e-11

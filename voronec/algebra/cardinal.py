@@ -11,7 +11,7 @@ log(1 + w) and atan w are divided too, and all of them divide, as in w/sinh w.  
 slopes of such quotients is taken together:
 
     cos(w)/w - sin(w)/w^2,    cosh(w)/w - sinh(w)/w^2,    exp(w)/w - (exp(w) - 1)/w^2,
-    cot w - 1/w,              coth w - 1/w.
+    cot w - 1/w,              coth w - 1/w,             sin(w)/w^2 - 2 (1 - cos w)/w^3.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from voronec.algebra.numeric_functions import (
 )
 from voronec.algebra.terms import factors_of, is_exponential, summands, with_arguments
 
-__all__ = ["cardinal_all", "coefficient"]
+__all__ = ["cardinal_all", "coefficient", "divides_sines_of_sums"]
 
 
 SPREAD = 40
@@ -58,6 +58,18 @@ def coefficient(name: str, at: int, order: int, bits: int) -> int:
         power = power * at >> bits
         n += 1
     return total
+
+
+def divides_sines_of_sums(exprs: Iterable[Any]) -> bool:
+    """Whether there are quotients such as sin(u + w)/(u + w): normal forms expand the sine, and
+    see no quotient that has a value where u + w vanishes."""
+    sums, below = set[Any](), set[Any]()
+    for node in _nodes(map(se.sympify, exprs)):
+        if isinstance(node, (se.sin, se.cos, se.tan)):
+            sums |= {f for f in _factors(node.args[0]) if isinstance(f, se.Add)}
+        elif isinstance(node, se.Pow) and node.args[1].is_Number and node.args[1] < 0:
+            below.add(node.args[0])
+    return any(_ratio(w, u) is not None for w in sums for u in below)
 
 
 def cardinal_all(exprs: Iterable[Any]) -> list[Any]:
@@ -172,6 +184,8 @@ def _slopes_within(factor: Any) -> Any:
 def _with_slopes(total: Any) -> Any:
     """A sum in which terms that cancel at w = 0 are slopes of quotients."""
     found = _exponential_slope(total.args)
+    if found is None:
+        found = _versed_slope([part for term in total.args for part in _bracket_parts(term)])
     if found is None and len(total.args) <= SPREAD and any(map(_is_spread, total.args)):
         found = _exponential_slope([part for term in total.args for part in _spread(term)])
     if found is not None:
@@ -220,6 +234,32 @@ def _exponential_slope(terms: Sequence[Any]) -> Any | None:
             ):
                 if known.issuperset(parts):
                     return se.Add(*[t for t in terms if t not in parts], value)
+    return None
+
+
+def _bracket_parts(term: Any) -> Sequence[Any]:
+    """The parts of a term with a factor 1 - cos w, or another that vanishes with w."""
+    sums = [f for f in factors_of(term) if isinstance(f, se.Add) and len(f.args) == 2]
+    inner = next((f for f in sums if _zero(f) is not None), None)
+    return [term] if inner is None else [term / inner * part for part in inner.args]
+
+
+def _versed_slope(terms: Sequence[Any]) -> Any | None:
+    """A sum of terms in which c (2 cos w - 2 + w sin w), of the slope of (1 - cos w)/w^2, or
+    c (2 cosh w - 2 - w sinh w), is one; None where neither is there."""
+    known = {*terms}
+    for term in terms:
+        for factor in factors_of(term):
+            if not isinstance(factor, (se.cos, se.cosh)):
+                continue
+            w, c = factor.args[0], term / factor / 2
+            turns = isinstance(factor, se.cos)
+            sine, sign = (se.sin, 1) if turns else (se.sinh, -1)
+            parts = term, -2 * c, sign * c * w * sine(w)
+            if known.issuperset(parts):
+                slope = se.Function(SINC_SLOPE if turns else SINHC_SLOPE)(w / 2)
+                value = -4 * c * sine(w / 2) * (w / 2) ** 3 * slope
+                return se.Add(*[t for t in terms if t not in parts], value)
     return None
 
 

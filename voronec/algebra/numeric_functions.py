@@ -3,10 +3,12 @@
     sinc w = sin(w)/w,    sinhc w = sinh(w)/w,    exprel w = (exp(w) - 1)/w    (entire)
     (sin w - w cos w)/w^3,  (w cosh w - sinh w)/w^3,  (w exp(w) - exp(w) + 1)/w^2  (of their slopes)
     log(1 + w)/w,    atan(w)/w,    (w - tanh w)/w^3            (regular at zero)
+    (log(1 + w) - w/(1 + w))/w^2,    (atan w - w/(1 + w^2))/w^3        (of their slopes)
     expm1 w = exp(w) - 1,    log1p x = log(1 + x)            (all digits where they are small)
     hypot(a, b, ...) = sqrt(a^2 + b^2 + ...)                 (squares overflow before it does)
     size w = |w|      in expressions that are equal for both signs of w, so that it is no wall
     choice(w, p, n) = p (1 + sign w)/2 + n (1 - sign w)/2      (of which one alone is looked at)
+    case(w, p, z, n) = p, z or n, for w > 0, w = 0 and w < 0
 
 They are unknown functions of these names; proofs see their formulas.
 """
@@ -21,19 +23,22 @@ import flint
 import symengine as se
 
 __all__ = [
-    "ATAN_RATIO", "CHOICE", "EXPM1", "EXPREL", "EXPREL_SLOPE", "FORMULAS", "HYPOT", "LOG1P",
-    "LOG_RATIO", "QUOTIENTS", "SINC", "SINC_SLOPE", "SINHC", "SINHC_SLOPE", "SIZE",
-    "TANH_SHORTFALL", "CardinalQuotient", "elementary", "formula", "numeric_name",
+    "ATAN_RATIO", "ATAN_RATIO_SLOPE", "CASE", "CHOICE", "EXPM1", "EXPREL", "EXPREL_SLOPE",
+    "FORMULAS", "HYPOT", "LOG1P", "LOG_RATIO", "LOG_RATIO_SLOPE", "QUOTIENTS", "SINC",
+    "SINC_SLOPE", "SINHC", "SINHC_SLOPE", "SIZE", "TANH_SHORTFALL",
+    "CardinalQuotient", "elementary", "formula", "numeric_name",
 ]  # fmt: skip
 
 SINC, SINHC, EXPREL = "cardinal sine", "hyperbolic cardinal sine", "relative exponential"
 EXPM1, LOG1P = "exponential less one", "logarithm beside one"
 HYPOT, SIZE = "length of sides", "size on equal sides"
-CHOICE = "choice between sides"
+CHOICE, CASE = "choice between sides", "case of three"
 
 SINC_SLOPE, SINHC_SLOPE = "slope of the cardinal sine", "slope of the hyperbolic cardinal sine"
 EXPREL_SLOPE = "slope of the relative exponential"
 LOG_RATIO, ATAN_RATIO = "logarithm beside one over its argument", "arctangent over its argument"
+LOG_RATIO_SLOPE = "slope of the logarithm beside one over its argument"
+ATAN_RATIO_SLOPE = "slope of the arctangent over its argument"
 TANH_SHORTFALL = "what a hyperbolic tangent falls short of its argument"
 
 
@@ -84,6 +89,13 @@ QUOTIENTS: dict[str, CardinalQuotient] = {
     LOG_RATIO: CardinalQuotient(lambda w: se.log(1 + w), 1, lambda n: ((-1) ** n, n + 1), 0.25),
     TANH_SHORTFALL: CardinalQuotient(lambda w: w - se.tanh(w), 3, _tanh_remainder, 0.375),
     ATAN_RATIO: CardinalQuotient(se.atan, 1, lambda n: (_turning_sign(n), n + 1), 0.25),
+    LOG_RATIO_SLOPE: CardinalQuotient(
+        lambda w: se.log(1 + w) - w / (1 + w), 2, lambda n: ((-1) ** n * (n + 1), n + 2), 0.25
+    ),
+    ATAN_RATIO_SLOPE: CardinalQuotient(
+        lambda w: se.atan(w) - w / (1 + w**2), 3,
+        lambda n: (_turning_sign(n) * (n + 2), n + 3), 0.5,
+    ),
 }  # fmt: skip
 """Functions with a value at zero that a division does not give, by name."""
 
@@ -99,6 +111,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     HYPOT: lambda *sides: se.sqrt(se.Add(*[a**2 for a in sides])),
     SIZE: se.Abs,
     CHOICE: lambda w, p, n: (p * (1 + se.sign(w)) + n * (1 - se.sign(w))) / 2,
+    CASE: lambda w, p, z, n: z + se.sign(w) * (p - n) / 2 + se.sign(w) ** 2 * ((p + n) / 2 - z),
 }
 """By name, the formula; no function of a user has a name of several words."""
 

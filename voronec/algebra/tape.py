@@ -19,12 +19,14 @@ import sympy as sp
 from voronec.algebra.graphs import is_atom, is_flat
 from voronec.algebra.numeric_functions import (
     ATAN_RATIO,
+    ATAN_RATIO_SLOPE,
     EXPM1,
     EXPREL,
     EXPREL_SLOPE,
     HYPOT,
     LOG1P,
     LOG_RATIO,
+    LOG_RATIO_SLOPE,
     SINC,
     SINC_SLOPE,
     SINHC,
@@ -71,6 +73,8 @@ _NUMERIC: dict[str, Callable[..., Any]] = {
     TANH_SHORTFALL: lambda a: (a * a / 4).hypgeom_0f1(flint.arb(5) / 2) / 3 / a.cosh(),
     LOG_RATIO: lambda a: (-a).hypgeom_2f1(1, 1, 2),
     ATAN_RATIO: lambda a: (-a * a).hypgeom_2f1(flint.arb(1) / 2, 1, flint.arb(3) / 2),
+    LOG_RATIO_SLOPE: lambda a: (-a).hypgeom_2f1(2, 2, 3) / 2,
+    ATAN_RATIO_SLOPE: lambda a: (-a * a).hypgeom_2f1(flint.arb(3) / 2, 2, flint.arb(5) / 2) * 2 / 3,
     EXPM1: lambda a: a.expm1(),
     LOG1P: lambda a: a.log1p(),
     SIZE: abs,

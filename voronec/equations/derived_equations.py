@@ -15,6 +15,7 @@ import flint
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.cardinal import divides_sines_of_sums
 from voronec.algebra.door import Door
 from voronec.algebra.generators import holds_far_multiples
 from voronec.algebra.memo import Memo
@@ -110,7 +111,7 @@ class DerivedEquations:
     def is_large(self) -> bool:
         """Whether numbers are better computed from the straight-line form."""
         form = self.raw.form
-        if holds_far_multiples(form.expressions):
+        if holds_far_multiples(form.expressions) or self._divides_sines:
             return True
         if self.system.invariants:
             return False
@@ -122,6 +123,10 @@ class DerivedEquations:
         )
 
     @cached_property
+    def _divides_sines(self) -> bool:
+        return divides_sines_of_sums(self.raw.form.expressions)
+
+    @cached_property
     def form(self) -> FirstOrderForm:
         """The first-order form that costs the fewest operations, inside the door.
 
@@ -129,6 +134,8 @@ class DerivedEquations:
         """
         if not self.is_large and self.in_normal_form and _cost(self.exact.form) <= SHORT:
             return self.exact.form
+        if self._divides_sines and _cost(self.raw.form) <= SHORT:
+            return self.raw.form  # stages would hide the quotients
         try:
             lean = lean_form(self.raw)
         except EngineLimit:

@@ -289,8 +289,9 @@ class VoronecEquations(DerivedEquations):
         from voronec.equations.program import Program, operation_count, shorten_program
         from voronec.equations.program.straight import with_choices
 
-        forms = [with_choices(f) for f in (self.form, _solved_form(self)) if f is not None]
-        found = [shorten_program(Program.of(f)) for f in forms]
+        form = with_choices(self.form, self.raw.form)
+        forms = [form] if form is not self.form else [form, _solved_form(self)]
+        found = [shorten_program(Program.of(f)) for f in forms if f is not None]
         return min(found, key=lambda p: operation_count(p.derivative.expressions))
 
     def python(self, jacobian: bool = False) -> str:

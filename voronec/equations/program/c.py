@@ -7,6 +7,7 @@ from typing import Any
 
 from voronec.algebra.numeric_functions import (
     ATAN_RATIO,
+    CASE,
     CHOICE,
     EXPM1,
     EXPREL,
@@ -32,19 +33,27 @@ from voronec.equations.program.dialect import (
 from voronec.equations.program.parts import TITLES, Part, arguments_of, groups_of, parts_of
 from voronec.equations.program.straight import Program
 
-__all__ = ["CHOICE_VALUE", "C_DIALECT", "c_source", "conditional_quotients", "remark"]
+__all__ = ["CHOICES", "C_DIALECT", "c_source", "conditional_quotients", "remark"]
 
 _KEYWORDS = (
     "auto break case char const continue default do double else enum extern float for goto if "
     "inline int long register restrict return short signed sizeof static struct switch typedef "
-    "union unsigned void volatile while asm main NAN INFINITY HUGE_VAL t state parameters inputs "
-    "result"
+    "union unsigned void volatile while _Bool _Complex _Imaginary alignas alignof bool constexpr "
+    "false nullptr static_assert thread_local true typeof typeof_unqual asm linux unix main "
+    "NAN INFINITY HUGE_VAL HUGE_VALF HUGE_VALL MAXFLOAT SNAN FP_ILOGB0 FP_ILOGBNAN FP_INFINITE "
+    "FP_NAN FP_NORMAL FP_SUBNORMAL FP_ZERO MATH_ERRNO MATH_ERREXCEPT math_errhandling M_1_PI "
+    "M_2_PI M_2_SQRTPI M_E M_LN10 M_LN2 M_LOG10E M_LOG2E M_PI M_PI_2 M_PI_4 M_SQRT1_2 M_SQRT2 "
+    "t state parameters inputs result"
 ).split()
+"""Words of C, up to that of 2023, and macros of its compilers and of ``math.h``."""
 _LONGEST_PRODUCT = 4
 """Up to this exponent a power of a name is a product; above, a call of ``pow``."""
 _SIGN = "static double sign_of(double x) { return (x > 0.0) - (x < 0.0); }\n\n"
-CHOICE_VALUE = "w > 0.0 ? p : w < 0.0 ? n : 0.5*(p + n)"
-_CHOICE = f"static double choice_of(double w, double p, double n) {{ return {CHOICE_VALUE}; }}\n\n"
+CHOICES = {
+    "choice_of": ("w p n", "w > 0.0 ? p : w < 0.0 ? n : 0.5*(p + n)"),
+    "case_of": ("w p z n", "w > 0.0 ? p : w < 0.0 ? n : z"),
+}
+"""Words for choices between sides, their arguments and their values."""
 _CARDINAL = {
     SINC: ("sinc_of", "sin(x)"),
     SINHC: ("sinhc_of", "sinh(x)"),
@@ -74,7 +83,7 @@ C_DIALECT = Dialect(
     words={f: f for f in FUNCTIONS}
     | {"Abs": "fabs", "power": "pow", "sign": "sign_of"}
     | {EXPM1: "expm1", LOG1P: "log1p", HYPOT: "hypot", SIZE: "fabs"}
-    | {CHOICE: "choice_of"}
+    | {CHOICE: "choice_of", CASE: "case_of"}
     | {name: word for name, (word, _) in _CARDINAL.items()}
     | {name: word for name, (word, _) in SLOPES.items()},
 )
@@ -92,7 +101,9 @@ def c_source(program: Program, slopes: bool = False) -> str:
     names = identifiers(arguments_of(program), reserved) | {program.time: "t"}
     body = "\n".join(_function(part, program, names) for part in parts_of(program, slopes))
     helpers = [_SIGN] if "sign_of(" in body else []
-    helpers += [_CHOICE] if "choice_of(" in body else []
+    for word, (arguments, value) in CHOICES.items():
+        given = ", ".join(f"double {a}" for a in arguments.split())
+        helpers += [f"static double {word}({given}) {{ return {value}; }}\n\n"] * (word in body)
     for word, value in conditional_quotients(body, "fabs"):
         helpers.append(f"static double {word}(double x)\n{{\n    return {value};\n}}\n\n")
     return _header(program) + "".join(helpers) + body

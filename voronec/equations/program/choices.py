@@ -4,35 +4,46 @@ Min, Max and cases come as absolute values and signs, (a + b - |a - b|)/2 and A 
 B (1 - sign w)/2: exact, but in doubles min(1, exp 40) loses all digits, and a case that is not in
 force may be infinite.  Programs that are printed choose:
 
-    choice(w, p, n) = p for w > 0,  n for w < 0,  (p + n)/2 between.
+    choice(w, p, n) = p for w > 0,  n for w < 0,  (p + n)/2 between,
+    case(w, p, z, n) = p for w > 0,  z for w = 0,  n for w < 0.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
+from math import isfinite
 from typing import Any
 
 import symengine as se
 
 from voronec.algebra.graphs import nodes
-from voronec.algebra.normal import canonical
-from voronec.algebra.numeric_functions import CHOICE, numeric_name
+from voronec.algebra.numeric_functions import CASE, CHOICE, numeric_name
+from voronec.algebra.signs import known_sign
 from voronec.algebra.stages import split_number
 from voronec.algebra.terms import factors_of, summands
 from voronec.equations.program.weight import operation_count
-from voronec.errors import EngineLimit
 
-__all__ = ["choose_sides"]
+__all__ = ["choose_sides", "holds_choices", "holds_walls"]
 
 LONGER = 8
 """An expression is not made so many times as long: choices in choices double what they hold."""
 SHORT = 60
-"""Operations up to which a term is multiplied out, so that what cancels does."""
-FRACTION = 240
-"""Operations up to which all terms of a sum with quotients are chosen together."""
+"""Operations that every expression may have."""
 LONG = 3000
 """Expressions of more operations stay as they are."""
 ZERO = se.Integer(0)
+
+
+def holds_walls(expr: Any) -> bool:
+    """Whether an expression holds signs or absolute values."""
+    return any(_jumps(n) for n in nodes([se.sympify(expr)]))
+
+
+def holds_choices(expr: Any) -> bool:
+    """Whether an expression holds a choice."""
+    return any(numeric_name(n) in (CASE, CHOICE) for n in nodes([se.sympify(expr)]))
 
 
 def choose_sides(expr: Any) -> Any:
@@ -73,29 +84,32 @@ class _Choices:
         if wall not in self.walls(expr) or (_jumps(expr) and expr.args[0] == wall):
             return expr
         held = [wall in self.walls(a) for a in expr.args]
-        if sum(held) > 1 or isinstance(expr, se.Add):
+        if sum(held) > 1 or isinstance(expr, se.Add) or _is_square(expr):
             return self.choose_terms(expr, wall)
         pairs = zip(expr.args, held, strict=True)
         args = [self.choose(a, wall) if is_held else a for a, is_held in pairs]
-        return _product(args) if isinstance(expr, se.Mul) else expr.func(*args)
+        return _product(args) if isinstance(expr, se.Mul) else _of_choice(expr.func, args)
 
     def choose_terms(self, expr: Any, wall: Any) -> Any:
         """A sum, with a choice for the terms that hold the wall and those that these may cancel."""
-        terms = [t for a in summands(expr) for t in summands(_spread(a))]
+        terms = summands(_spread(expr))
         held = [t for t in terms if wall in self.walls(t)]
-        keys, beside = _magnitudes(se.Add(*held)), self.walls(se.Add(*held))
+        keys, beside = _magnitudes(held), self.walls(se.Add(*held))
         own = [
             t for t in terms
             if split_number(t)[0] in keys or (self.walls(t) and self.walls(t) <= beside)
         ]  # fmt: skip
-        if operation_count([expr]) < FRACTION and _has_quotients(expr):
-            own = terms
-        up, down = (_short(self.on_side(se.Add(*own), wall, side)) for side in (1, -1))
-        if up == _spread(-down):  # k |w| or k sign(w), of which nothing cancels
-            return expr
+        total, sign = se.Add(*own), _sign_of(wall)
+        up, on, down = (self.on_side(total, wall, s) for s in (sign or 1, 0, sign or -1))
+        if sign and se.sign(wall) not in nodes([total]):
+            on = up  # of absolute values alone, which do not jump
+        if any(n in (se.nan, se.zoo) for n in nodes([on])):  # it has no value there
+            on = (up + down) / 2
+        if up == _spread(-down) and on == 0 and not _divides(wall, up):
+            return expr  # k |w| or k sign(w), of which nothing cancels
         rest = se.Add(*[t for t in terms if t not in own])
         kept = frozenset({wall})
-        return rest + _choice(wall, self.settle(up, kept), self.settle(down, kept))
+        return rest + _choice(wall, *(self.settle(side, kept) for side in (up, on, down)))
 
     def on_side(self, expr: Any, wall: Any, side: int) -> Any:
         """The expression where a wall has a sign."""
@@ -103,56 +117,107 @@ class _Choices:
             return se.Integer(side) if isinstance(expr, se.sign) else side * wall
         if wall not in self.walls(expr):
             return expr
-        args = [self.on_side(a, wall, side) for a in expr.args]
-        if isinstance(expr, se.Add):
-            args = [_spread(a) for a in args]
-        return expr.func(*args)
+        return _spread(expr.func(*[self.on_side(a, wall, side) for a in expr.args]))
 
 
-def _choice(wall: Any, up: Any, down: Any) -> Any:
-    return up if up == down else se.Function(CHOICE)(wall, up, down)
+@lru_cache(maxsize=1024)
+def _sign_of(wall: Any) -> int:
+    """1 or -1 where a wall has nowhere the other sign, as a square, or 0: where it is never
+    negative the root of -w^2 need not be real."""
+    return known_sign(wall)
+
+
+def _choice(wall: Any, up: Any, on: Any, down: Any) -> Any:
+    if up == on == down:
+        return up
+    if _spread(2 * on - up - down) == 0:
+        return se.Function(CHOICE)(wall, up, down)
+    return se.Function(CASE)(wall, up, on, down)
+
+
+def _parts(expr: Any) -> tuple[Any, Any, Any, Any] | None:
+    """Wall, and values above, on and below it, of a choice; None of anything else."""
+    name = numeric_name(expr)
+    if name == CASE:
+        return expr.args
+    if name == CHOICE:
+        wall, up, down = expr.args
+        return wall, up, (up + down) / 2, down
+    return None
 
 
 def _product(factors: list[Any]) -> Any:
-    """A product; all of it is chosen where one factor is zero on a side, for 0 times infinity."""
+    """A product; all of it is chosen where one factor is zero on a side, for 0 times infinity, or
+    the same on both: the slope on the wall is theirs then."""
     for i, factor in enumerate(factors):
-        if numeric_name(factor) == CHOICE and ZERO in factor.args[1:]:
-            wall, *sides = factor.args
+        if (parts := _parts(factor)) is None:
+            continue
+        wall, *sides = parts
+        if ZERO in sides or sides[0] == sides[-1]:
             others = se.Mul(*factors[:i], *factors[i + 1 :])
             return _choice(wall, *(others * side for side in sides))
     return se.Mul(*factors)
+
+
+def _of_choice(function: Any, args: list[Any]) -> Any:
+    """A function of a choice; where a side is a number, a choice of its values: the slope of a root
+    or an arcsine may be infinite there, and nothing moves on that side."""
+    if len(args) < 3 and (parts := _parts(args[0])) is not None:
+        wall, *sides = parts
+        values = [_of_choice(function, [side, *args[1:]]) for side in sides]
+        numbers = [value for value in values if not value.free_symbols]
+        if (numbers or any(map(_parts, values))) and all(map(_is_real, numbers)):
+            return _choice(wall, *values)
+    return function(*args)
+
+
+def _is_real(number: Any) -> bool:
+    try:
+        return isfinite(float(number))
+    except (RuntimeError, TypeError, ValueError):  # of what is complex, or infinite
+        return False
+
+
+def _divides(wall: Any, expr: Any) -> bool:
+    """Whether an expression divides by what vanishes where a wall does."""
+    at = {wall: ZERO}
+    return any(n.args[0].xreplace(at) == 0 for n in _quotients(expr))
 
 
 def _jumps(node: Any) -> bool:
     return isinstance(node, (se.sign, se.Abs))
 
 
-def _spread(expr: Any) -> Any:
-    return expr.expand() if operation_count([expr]) < SHORT else expr
+def _is_square(expr: Any) -> bool:
+    """Whether an expression is a whole power of a sign."""
+    return (
+        isinstance(expr, se.Pow) and isinstance(expr.args[0], se.sign) and expr.args[1].is_Integer
+    )
 
 
-def _short(expr: Any) -> Any:
-    """A sum multiplied out, as one fraction if that is shorter: parts over one denominator cancel
-    where each over its own does not."""
-    spread = _spread(expr)
-    if operation_count([expr]) >= FRACTION or not _has_quotients(expr):
-        return spread
-    try:
-        return min(spread, canonical([expr])[0], key=lambda e: operation_count([e]))
-    except EngineLimit:
-        return spread
+def _spread(expr: Any, letters: frozenset[Any] = frozenset()) -> Any:
+    """A sum without brackets that stand behind numbers and ``letters`` alone: what cancels does,
+    and quotients stay as they are, (1 - cos w)/w^2 above all."""
+    if isinstance(expr, se.Add):
+        return se.Add(*[_spread(a, letters) for a in expr.args])
+    sums = [a for a in factors_of(expr) if isinstance(a, se.Add)]
+    if len(sums) == 1 and (expr / sums[0]).free_symbols <= letters:
+        return se.Add(*[_spread(expr / sums[0] * a, letters) for a in sums[0].args])
+    return expr
 
 
-def _has_quotients(expr: Any) -> bool:
+def _quotients(expr: Any) -> Iterator[Any]:
+    """The powers in an expression that divide."""
     powers = (n for n in nodes([expr]) if isinstance(n, se.Pow) and n.args[1].is_Number)
-    return any(n.args[1] < 0 and n.args[0].free_symbols for n in powers)
+    return (n for n in powers if n.args[1] < 0)
 
 
-def _magnitudes(expr: Any) -> set[Any]:
-    """The terms of an expression, but for numbers and signs of either value."""
+def _magnitudes(terms: Iterable[Any]) -> set[Any]:
+    """What terms are sums of, but for numbers and signs of either value."""
     letters: dict[Any, Any] = {}
-    found = summands(_spread(_with_letters(expr, letters)))
-    signs = {*letters.values()}
+    lettered = [_with_letters(t, letters) for t in terms]
+    signs = frozenset(letters.values())
+    found = [part for t in lettered for part in summands(_spread(t, signs))]
     factors = (factors_of(split_number(t)[0]) for t in found)
     return {se.Mul(*[f for f in each if not f.free_symbols & signs]) for each in factors}
 

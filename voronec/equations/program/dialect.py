@@ -11,8 +11,10 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.numeric_functions import (
+    ATAN_RATIO_SLOPE,
     EXPREL_SLOPE,
     HYPOT,
+    LOG_RATIO_SLOPE,
     QUOTIENTS,
     SINC_SLOPE,
     SINHC_SLOPE,
@@ -55,6 +57,8 @@ SLOPES = {
     SINHC_SLOPE: ("sinhc_slope", "x*cosh(x) - sinh(x)"),
     EXPREL_SLOPE: ("exprel_slope", "(x - 1)*exp(x) + 1"),
     TANH_SHORTFALL: ("tanh_rest", "x - tanh(x)"),
+    LOG_RATIO_SLOPE: ("log1p_ratio_slope", "log1p(x) - x/(1 + x)"),
+    ATAN_RATIO_SLOPE: ("atan_ratio_slope", "atan(x) - x/(1 + x*x)"),
 }
 """Quotients that cancel near zero, where doubles take their ``series``: a word, what is divided."""
 DOUBLE = 1e-18
@@ -162,6 +166,8 @@ def _write(expr: Any, dialect: Dialect, names: Mapping[Any, str]) -> tuple[str, 
 
 def _print_call(name: str, args: Iterable[Any], dialect: Dialect, names: Mapping[Any, str]) -> str:
     word, inner = dialect.words[name], [text(a, dialect, names) for a in args]
+    if name == "atan2":  # on the cut -0.0 is zero
+        inner[0] += f" + {dialect.number(0)}"
     while name == HYPOT and len(inner) > 2:  # of two sides in most libraries
         inner = [f"{word}({inner[0]}, {inner[1]})", *inner[2:]]
     return f"{word}({', '.join(inner)})"

@@ -15,13 +15,19 @@ from typing import Any
 
 import symengine as se
 
+from voronec.algebra.graphs import nodes
 from voronec.algebra.numeric_functions import (
+    ATAN_RATIO,
+    ATAN_RATIO_SLOPE,
+    CASE,
     CHOICE,
     EXPM1,
     EXPREL,
     EXPREL_SLOPE,
     HYPOT,
     LOG1P,
+    LOG_RATIO,
+    LOG_RATIO_SLOPE,
     SINC,
     SINC_SLOPE,
     SINHC,
@@ -43,14 +49,12 @@ _SLOPES: dict[str, Callable[..., tuple[Any, ...]]] = {
     SINC: _slope_of(SINC_SLOPE, -1),
     SINHC: _slope_of(SINHC_SLOPE, 1),
     EXPREL: lambda w: (se.Function(EXPREL_SLOPE)(w),),
+    LOG_RATIO: lambda w: (-se.Function(LOG_RATIO_SLOPE)(w),),
+    ATAN_RATIO: _slope_of(ATAN_RATIO_SLOPE, -1),
     EXPM1: lambda w: (se.exp(w),),
     LOG1P: lambda w: (1 / (1 + w),),
     HYPOT: lambda *sides: tuple(a / se.Function(HYPOT)(*sides) for a in sides),
     SIZE: lambda w: (se.sign(w),),
-    CHOICE: lambda w, p, n: (
-        se.Integer(0),
-        *(se.Function(CHOICE)(w, *side) for side in ((1, 0), (0, 1))),
-    ),
     "Abs": lambda w: (se.sign(w),),
     "sign": lambda w: (se.Integer(0),),
     "floor": lambda w: (se.Integer(0),),
@@ -110,6 +114,8 @@ def _rows(
 
 def _chain_slopes(expr: Any, slopes: dict[Any, dict[Any, Any]]) -> dict[Any, Any]:
     """The slopes of an expression by the columns that it depends on."""
+    if any(numeric_name(n) in (CHOICE, CASE) for n in nodes([expr])):
+        return _gradient(expr, {s: slopes.get(s, {}) for s in expr.free_symbols})
     partials = _gradient(expr, {})
     return weighted_sum(
         [(partials[s], slopes[s]) for s in sorted(partials, key=str) if s in slopes]
@@ -127,16 +133,38 @@ def weighted_sum(pairs: Iterable[tuple[Any, dict[Any, Any]]]) -> dict[Any, Any]:
 
 
 def _gradient(expr: Any, known: dict[Any, dict[Any, Any]]) -> dict[Any, Any]:
-    """The partial derivatives of an expression by its symbols."""
+    """The partial derivatives of an expression by its symbols, or by that by which those of its
+    symbols are ``known``."""
+    if expr in known:
+        return known[expr]
     if isinstance(expr, se.Symbol):
         return {expr: se.Integer(1)}
-    if not expr.args:
-        return {}
-    if expr not in known:
-        rows = [_gradient(a, known) for a in expr.args]
-        moving = [(i, row) for i, row in enumerate(rows) if row]
-        known[expr] = weighted_sum((_partial(expr, i), row) for i, row in moving)
-    return known[expr]
+    if expr.args:
+        if numeric_name(expr) in (CHOICE, CASE):
+            known[expr] = _gradient_of_choice(expr, known)
+        else:
+            rows = [_gradient(a, known) for a in expr.args]
+            moving = [(i, row) for i, row in enumerate(rows) if row]
+            known[expr] = weighted_sum((_partial(expr, i), row) for i, row in moving)
+    return known.get(expr, {})
+
+
+def _gradient_of_choice(expr: Any, known: dict[Any, Any]) -> dict[Any, Any]:
+    """That of a choice, which is a choice: the slope of a side that is not in force may be
+    infinite.  Across the wall it is on it that of the side which has the value there, or between;
+    along the wall it is that of the value there."""
+    wall, up, *middle, down = expr.args
+    rows = [_gradient(a, known) for a in expr.args[1:]]
+    across = {x for symbol in wall.free_symbols for x in known[symbol]}
+    found, zero = {}, se.Integer(0)
+    for x in {x: None for row in rows for x in row}:
+        above, *on, below = (row.get(x, zero) for row in rows)
+        if x in across and on:
+            on = [] if up == down else [above] * (middle == [up]) or [below] * (middle == [down])
+        name = CASE if on else CHOICE
+        same = all(slope == above for slope in (*on, below))
+        found[x] = above if same else se.Function(name)(wall, above, *on, below)
+    return found
 
 
 def _partial(expr: Any, position: int) -> Any:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from voronec.algebra.numeric_functions import SIZE
-from voronec.equations.program.c import C_DIALECT, CHOICE_VALUE, conditional_quotients, remark
+from voronec.equations.program.c import C_DIALECT, CHOICES, conditional_quotients, remark
 from voronec.equations.program.dialect import FUNCTIONS, identifiers, lines, text
 from voronec.equations.program.parts import TITLES, Part, arguments_of, groups_of, parts_of
 from voronec.equations.program.straight import Program
@@ -40,8 +40,9 @@ def javascript_source(program: Program, slopes: bool = False) -> str:
     body = "\n".join(_function(part, program, names) for part in parts_of(program, slopes))
     for word, value in conditional_quotients(body, "abs"):
         body = f"const {word} = (x) => ({value});\n\n{body}"
-    if "choice_of(" in body:
-        body = f"const choice_of = (w, p, n) => ({CHOICE_VALUE});\n\n{body}"
+    for word, (arguments, value) in CHOICES.items():
+        if f"{word}(" in body:
+            body = f"const {word} = ({', '.join(arguments.split())}) => ({value});\n\n{body}"
     used = [word for word in _MATH if re.search(rf"\b{word}\(", body)]
     functions = f"const {{ {', '.join(used)} }} = Math;\n\n" if used else ""
     held = {argument: list(map(str, group)) for argument, group in groups_of(program)}

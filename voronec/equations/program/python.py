@@ -19,6 +19,8 @@ import numpy as np
 
 from voronec.algebra.numeric_functions import (
     ATAN_RATIO,
+    ATAN_RATIO_SLOPE,
+    CASE,
     CHOICE,
     EXPM1,
     EXPREL,
@@ -26,6 +28,7 @@ from voronec.algebra.numeric_functions import (
     HYPOT,
     LOG1P,
     LOG_RATIO,
+    LOG_RATIO_SLOPE,
     QUOTIENTS,
     SINC,
     SINC_SLOPE,
@@ -69,21 +72,24 @@ _NUMERIC = {SINC: "sinc", SINHC: "sinhc", EXPREL: "exprel"}
 _NUMERIC |= {LOG_RATIO: "log1p_ratio", ATAN_RATIO: "atan_ratio"}
 _NUMERIC |= {name: word for name, (word, _) in SLOPES.items()}
 _NUMERIC |= {EXPM1: "expm1", LOG1P: "log1p", HYPOT: "hypot", SIZE: "fabs"}
-_NUMERIC |= {CHOICE: "choice"}
+_NUMERIC |= {CHOICE: "choice", CASE: "case"}
 _QUOTIENTS = {"sinc": "sin", "sinhc": "sinh", "exprel": "expm1"}
 _QUOTIENTS |= {"log1p_ratio": "log1p", "atan_ratio": "atan"}
 """Names of sin(x)/x and the like in Python, and what is divided."""
 _CHOICES, _SIZES = {"numpy": "where", "casadi": "if_else"}, {"numpy": "abs", "casadi": "fabs"}
 """Libraries where both ways of a choice are computed, and how they write it, and |x|."""
 _COLUMNS = ("vertsplit", "vertcat", "horzcat")
-_HELPERS = tuple(
-    "expm1 where if_else fabs exp sin cos sinh cosh tanh log1p atan arctan hyp0f1 hyp1f1".split()
-)
+_HELPERS = (
+    "expm1 where multiply if_else fabs exp sin cos sinh cosh tanh log1p atan arctan hyp0f1 hyp1f1 "
+    "hyp2f1"
+).split()
 _IN_DIGITS = {
     SINC_SLOPE: "hyp0f1(mpf(5)/2, -x*x/4)/3",
     SINHC_SLOPE: "hyp0f1(mpf(5)/2, x*x/4)/3",
     EXPREL_SLOPE: "hyp1f1(2, 3, x)/2",
     TANH_SHORTFALL: "hyp0f1(mpf(5)/2, x*x/4)/3/cosh(x)",
+    LOG_RATIO_SLOPE: "hyp2f1(2, 2, 3, -x)/2",
+    ATAN_RATIO_SLOPE: "hyp2f1(mpf(3)/2, 2, mpf(5)/2, -x*x)*2/3",
 }
 """The slopes of these quotients by hypergeometric functions, which mpmath has in any precision."""
 _NUMPY = {f: f.replace("a", "arc", 1) if f[0] == "a" else f for f in FUNCTIONS} | _NUMERIC
@@ -214,7 +220,7 @@ def _with_imports(parts: Sequence[str], flavour: _Flavour) -> str:
     """Functions, and before them the imports of what they call."""
     dialect, body = flavour.dialect, "\n\n".join(parts)
     words = {*dialect.words.values(), "mpf", *_HELPERS, *_COLUMNS} - _QUOTIENTS.keys()
-    words -= {"choice", *(word for word, _ in SLOPES.values())}
+    words -= {"choice", "case", *(word for word, _ in SLOPES.values())}
     used = sorted(words & _called_names(body))
     used += ["pi"] if re.search(r"\bpi\b", body) else []
     used = [w for w in used if (flavour.library, w) != ("math", "sign")]
@@ -230,14 +236,14 @@ def _called_names(body: str) -> set[str]:
 def _helpers(body: str, library: str) -> list[str]:
     """The functions sin(x)/x and the like that are called, and the choice between sides."""
     rows, called = [], _called_names(body)
-    if "choice" in called:
-        value = "p if w > 0 else n if w < 0 else (p + n)/2"
-        if choice := _CHOICES.get(library):
-            value = f"{choice}(w > 0, p, {choice}(w < 0, n, (p + n)/2))"
-        value += "[()]" if library == "numpy" else ""  # a float is to stay one
-        rows.append(
-            _helper("choice", "p for w > 0, n for w < 0", f"return {value}", given="w, p, n")
-        )
+    for word, given, between in (("choice", "w, p, n", "(p + n)/2"), ("case", "w, p, z, n", "z")):
+        if word in called:
+            value = f"p if w > 0 else n if w < 0 else {between}"
+            if choice := _CHOICES.get(library):
+                value = f"{choice}(w > 0, p, {choice}(w < 0, n, {between}))"
+            value += "[()]" if library == "numpy" else ""  # a float is to stay one
+            meaning = f"p for w > 0, n for w < 0, {between} for w = 0"
+            rows.append(_helper(word, meaning, f"return {value}", given=given))
     for word, above in _QUOTIENTS.items():
         if word in called:
             function = _NUMPY[above] if library == "numpy" and above == "atan" else above
@@ -309,7 +315,12 @@ def _function(
     for argument, group in groups:
         if group:
             unpacked = ", ".join(names[s] for s in group) + ("," if len(group) == 1 else "")
-            rows.append(f"    {unpacked} = " + (f"vertsplit({argument})" if columnar else argument))
+            source = f"vertsplit({argument})" if columnar else argument
+            if alike:  # floats of Python stop where they divide by zero or overflow
+                source = f"(multiply(1.0, e) for e in {argument})"
+            rows.append(f"    {unpacked} = {source}")
+    if alike and program.time in block.symbols:
+        rows.append("    t = multiply(1.0, t)")
     rows += [f"    {name} = {value}" for name, value in lines(block, dialect, names)]
     values = [text(result, dialect, names) for result in block.results]
     if alike and program.state:  # of the shape of the others

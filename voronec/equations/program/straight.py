@@ -14,16 +14,18 @@ from typing import TYPE_CHECKING, Any
 
 import symengine as se
 
+from voronec.algebra.cardinal import divides_sines_of_sums
 from voronec.algebra.graphs import is_atom, nodes
+from voronec.algebra.normal import shortest
 from voronec.algebra.numeric_functions import formula
 from voronec.algebra.stable import stable_all
 from voronec.algebra.stages import needed_stages
-from voronec.algebra.terms import factors_of
-from voronec.equations.program.choices import choose_sides
+from voronec.algebra.terms import factors_of, summands
+from voronec.equations.program.choices import choose_sides, holds_choices, holds_walls
 from voronec.equations.program.low_rank import MassElimination, coupled_rows, eliminations
-from voronec.equations.program.walls import is_rough, plain_roots
+from voronec.equations.program.walls import is_rough, plain_roots, write_roots_out
 from voronec.equations.program.weight import evaluation_weight, taylor_weight
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, EngineLimit
 
 if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
@@ -466,26 +468,59 @@ def without_stages(
     return _change_form(replace(form, stages=()), change), {n: change(e) for n, e in exprs.items()}
 
 
-def with_plain_roots(form: FirstOrderForm) -> FirstOrderForm:
-    """A form without roots of squares and derivatives of signs; the same one where it has none."""
+def with_plain_roots(form: FirstOrderForm, still: frozenset[Any] | None = None) -> FirstOrderForm:
+    """A form without roots of squares and derivatives of signs; the same one where it has none.
+
+    Squares of ``still`` symbols stay, of all parameters where it is not given.
+    """
     exprs = [*form.expressions, *(e for _, e in form.stages)]
     known: dict[Any, Any] = {}
-    still = frozenset(form.parameters)
-    if all(plain_roots(e, still, known) == e for e in map(se.sympify, exprs)):
+    still = frozenset(form.parameters) if still is None else still
+    if spelled := write_roots_out(exprs, dict(form.stages), still):
+        form = _change_form(form, lambda e: se.sympify(e).xreplace(spelled))
+    elif all(plain_roots(e, still, known) == e for e in map(se.sympify, exprs)):
         return form
     return _change_form(form, lambda e: plain_roots(se.sympify(e), still, known))
 
 
-def with_choices(form: FirstOrderForm) -> FirstOrderForm:
-    """A form that chooses between the sides of its walls; the same one where it has none."""
+def with_choices(form: FirstOrderForm, given: FirstOrderForm) -> FirstOrderForm:
+    """A form that chooses between the sides of its walls; the same one where it has none.
+
+    ``given`` is the same form as it was written, in which cases stand apart: over one denominator
+    a case that is not in force divides the others by zero.
+    """
     plain = with_plain_roots(form)
     exprs = [*plain.expressions, *(e for _, e in plain.stages)]
-    if not any(isinstance(n, (se.sign, se.Abs)) for n in nodes(map(se.sympify, exprs))):
+    if not any(map(holds_walls, exprs)):
         return form
+    if not plain.stages:
+        # with |k x| of a parameter k in two parts Max(0, k x) would not be seen to vanish
+        return _choose_entries(plain, with_plain_roots(given, frozenset()))
     opened = without_stages(plain, {})[0]
     if evaluation_weight(opened.expressions) <= 2 * evaluation_weight(exprs):
         plain = opened
     return _change_form(plain, choose_sides)
+
+
+def _choose_entries(form: FirstOrderForm, given: FirstOrderForm) -> FirstOrderForm:
+    """A form without stages with choices in its entries, made in those of the form as it was given
+    wherever these hold walls; what holds none stands beside them in its shortest form."""
+    sources = dict(zip(form.expressions, given.expressions, strict=True))
+
+    def change(entry: Any) -> Any:
+        if not holds_walls(entry):
+            return entry
+        terms = summands(choose_sides(sources[entry]))
+        chosen = [t for t in terms if holds_choices(t)]
+        smooth = se.Add(*[t for t in terms if t not in chosen])
+        if not chosen or divides_sines_of_sums([smooth]):
+            return se.Add(smooth, *chosen) if chosen else entry
+        try:
+            return se.Add(*chosen, *shortest([smooth], form.relations))
+        except EngineLimit:
+            return se.Add(smooth, *chosen)
+
+    return _change_form(form, change)
 
 
 def _change_form(form: FirstOrderForm, change: Callable[[Any], Any]) -> FirstOrderForm:

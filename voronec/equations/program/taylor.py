@@ -14,6 +14,7 @@ import symengine as se
 
 from voronec.algebra.numeric_functions import (
     ATAN_RATIO,
+    ATAN_RATIO_SLOPE,
     EXPM1,
     EXPREL,
     EXPREL_SLOPE,
@@ -21,6 +22,7 @@ from voronec.algebra.numeric_functions import (
     HYPOT,
     LOG1P,
     LOG_RATIO,
+    LOG_RATIO_SLOPE,
     QUOTIENTS,
     SINC,
     SINC_SLOPE,
@@ -184,6 +186,8 @@ _ABOVE: dict[str, Callable[[Any, Any], Any]] = {
     TANH_SHORTFALL: lambda w, hy: w - hy.tanh(w),
     LOG_RATIO: lambda w, hy: _beside_one(w, hy),
     ATAN_RATIO: lambda w, hy: hy.atan(w),
+    LOG_RATIO_SLOPE: lambda w, hy: _beside_one(w, hy) - w / (1.0 + w),
+    ATAN_RATIO_SLOPE: lambda w, hy: hy.atan(w) - w / (1.0 + w**2.0),
 }
 
 

@@ -37,6 +37,7 @@ __all__ = [
     "is_rough",
     "plain_roots",
     "radicands",
+    "write_roots_out",
 ]
 
 SATURATION = se.Integer(17)
@@ -263,6 +264,19 @@ def is_rough(
     return False
 
 
+def write_roots_out(
+    exprs: Iterable[Any], meaning: Mapping[Any, Any], still: frozenset[Any]
+) -> dict[Any, Any]:
+    """Roots of squares that are seen in what the names in them mean alone, written out."""
+    found = {}
+    for node in nodes(map(se.sympify, exprs)) if meaning else ():
+        if isinstance(node, se.Pow) and _is_root(node) and node.free_symbols & meaning.keys():
+            power = _inside(node.args[0], meaning) ** node.args[1]
+            if plain_roots(power, still) != power:
+                found[node] = power
+    return found
+
+
 def _inside(expr: Any, meaning: Mapping[Any, Any]) -> Any:
     """An expression with the names in it spelled out, as far as it stays short."""
     while expr.free_symbols & meaning.keys():
@@ -400,8 +414,8 @@ def square_part(base: Any) -> tuple[Any, Any]:
                 rest.append(left if inner != 1 else below)
         return se.Mul(*roots), se.Mul(*rest)
     if isinstance(base, se.Add) and base.free_symbols and int(se.count_ops(base)) < LONG:
-        # the sine of a sum is one of an angle, and not what its theorem makes of it
-        angles = {f.args[0] for f in base.atoms(*TRIGONOMETRIC) if isinstance(f.args[0], se.Add)}
+        # the sine of a sum, or of 9 x, is one of an angle, and not what its theorem makes of it
+        angles = {f.args[0] for f in base.atoms(*TRIGONOMETRIC) if f.args[0].args}
         back = {se.Symbol(f"angle {i}"): a for i, a in enumerate(sorted(angles, key=str))}
         short = base.subs({a: name for name, a in back.items()})
         for whole in dict.fromkeys((short, base)):
@@ -415,14 +429,16 @@ def square_part(base: Any) -> tuple[Any, Any]:
 
 
 def _square_factor(base: Any) -> tuple[Any, Any]:
-    """The same of a sum, by its factors; 1 -+ cos a is twice the square of a sine or cosine."""
+    """The same of a sum, by its factors; 1 -+ cos a and 1 -+ sin a are twice the square of a sine
+    or cosine."""
     ring = Ring([base])
     value = ring.fraction(base)
     content, factors = irreducible_factors(value.num)
     halves = []
-    for angle, (c, _) in ring.pairs.items():
+    for angle, (c, s) in ring.pairs.items():
         half = angle / (2 * ring.found.angles[angle])
         halves += [(1 - c, se.sin(half)), (1 + c, se.cos(half))]
+        halves += [(1 - s, se.sin(se.pi / 4 - half)), (1 + s, se.sin(se.pi / 4 + half))]
     root, rest = se.Integer(1), rational(content)
     for poly, e in factors:
         expr = ring.polynomial(poly)

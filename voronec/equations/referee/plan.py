@@ -24,12 +24,14 @@ import sympy as sp
 
 from voronec.algebra.numeric_functions import (
     ATAN_RATIO,
+    ATAN_RATIO_SLOPE,
     EXPM1,
     EXPREL,
     EXPREL_SLOPE,
     HYPOT,
     LOG1P,
     LOG_RATIO,
+    LOG_RATIO_SLOPE,
     SINC,
     SINC_SLOPE,
     SINHC,
@@ -64,6 +66,8 @@ _FUNCTIONS |= {
     TANH_SHORTFALL: lambda a: mp.hyp0f1(mp.mpf(5) / 2, a * a / 4) / 3 / mp.cosh(a),
     LOG_RATIO: lambda a: mp.log1p(a) / a if a else mp.mpf(1),
     ATAN_RATIO: lambda a: mp.atan(a) / a if a else mp.mpf(1),
+    LOG_RATIO_SLOPE: lambda a: mp.hyp2f1(2, 2, 3, -a) / 2,
+    ATAN_RATIO_SLOPE: lambda a: mp.hyp2f1(mp.mpf(3) / 2, 2, mp.mpf(5) / 2, -a * a) * 2 / 3,
     EXPM1: mp.expm1,
     LOG1P: mp.log1p,
     SIZE: mp.fabs,
