@@ -36,7 +36,9 @@ def with_parts(program: Program, block: Block) -> Program:
     own = tuple((fresh[n], se.sympify(e).xreplace(fresh)) for n, e in block.assignments)
     results = [se.sympify(e).xreplace(fresh) for e in block.results]
     parts = tuple(_bending_parts(dict(own), results, {program.time, *program.state}))
-    if not parts:
+    given = {program.time, *program.state, *program.parameters}
+    known = given | {name for name, _ in (*program.derivative.assignments, *own)}
+    if not parts or any(not e.free_symbols <= known for e in parts):
         return program
     lines = (*program.derivative.assignments, *own)
     try:
