@@ -301,3 +301,25 @@ def test_an_event_without_a_value_at_a_switch_leaves_the_others(method: str) -> 
     assert run.events["near"].t.astype(float) == pytest.approx([0.75, 1.25], abs=1e-9)
     assert run.events["side"].t.astype(float) == pytest.approx([1], abs=1e-9)
     assert len(run.events["pole"].t) == 0
+
+
+@pytest.mark.parametrize("method", ALL)
+def test_events_that_happen_more_often_than_steps_are_taken_are_all_found(method: str) -> None:
+    """A point moves evenly: of sin(20 x) two thirds of the zeros were missed."""
+    free = vo.System(name="free", fibration=vo.Fibration(x), lagrangian=Dx**2 / 2)
+    events = (
+        vo.Event(sp.sin(20 * x), "often"), vo.Event(sp.cos(x), "seldom"),
+        vo.Event(1 / (2 + sp.sin(11 * x)) - sp.Rational(1, 2), "quotient"),
+    )  # fmt: skip
+    run = vo.integrate(
+        free, initial={x: sp.Rational(1, 10), Dx: 1}, times=[0, 15, 30], events=events,
+        method=method, dense=True,
+    )  # fmt: skip
+    for name, first, step in (
+        ("often", 1, np.pi / 20), ("seldom", 0.5, np.pi), ("quotient", 1, np.pi / 11),
+    ):  # fmt: skip
+        truth = np.arange(first, 31 / step) * step - 0.1
+        found = run.events[name].t.astype(float)
+        assert found == pytest.approx(truth[truth <= 30], abs=1e-9)
+    assert run["x"].astype(float) == pytest.approx([0.1, 15.1, 30.1], abs=1e-11)
+    assert float(run.at([7.25])["x"][0]) == pytest.approx(7.35, abs=1e-11)

@@ -355,3 +355,38 @@ def test_the_surface_of_a_section_with_a_table_may_be_an_output(method):
     )  # fmt: skip
     # 0.1 - t + t^2 = 0 up to t = 1
     assert found.t == pytest.approx([0.5 - np.sqrt(0.15), 0.5 + np.sqrt(0.15)], abs=1e-9)
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+@pytest.mark.parametrize(
+    ("surface", "times"),
+    [
+        (sp.Mod(x, 1) - sp.Rational(1, 2), lambda k: (k + 1) / 2 - 0.1),
+        (sp.floor(x) - sp.Rational(5, 2), lambda k: 2.9 if k == 0 else None),
+        (sp.sign(sp.sin(x)), lambda k: (k + 1) * np.pi - 0.1),
+        (sp.atan(sp.tan(x)), lambda k: (k + 1) * np.pi / 2 - 0.1),
+        (sp.tan(x), lambda k: (k + 1) * np.pi - 0.1),
+        (sp.sin(50 * x) / x, lambda k: (k + 2) * np.pi / 50 - 0.1),
+    ],
+)
+def test_surfaces_that_jump_or_have_poles_are_seen_on_long_steps(surface, times, method):
+    """A point that moves evenly, of which steps are as long as one likes; jumps through zero count,
+    as for events."""
+    free = vo.System(name="free", fibration=vo.Fibration(x), lagrangian=vo.velocity(x) ** 2 / 2)
+    start = {x: sp.Rational(1, 10), vo.velocity(x): 1}
+    found = vo.section(
+        free, surface, ("x",), starts=[start], until=30, crossings=9, direction=0, method=method
+    )
+    truth = [t for k in range(9) if (t := times(k)) is not None]
+    assert found.t == pytest.approx(truth, abs=1e-10)
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+def test_a_surface_far_away_is_reached_by_a_motion_that_is_even(method):
+    """It was said to have no real value there: the first step led to 1e300."""
+    free = vo.System(name="free", fibration=vo.Fibration(x), lagrangian=vo.velocity(x) ** 2 / 2)
+    start = {x: 0, vo.velocity(x): 1}
+    found = vo.section(free, x, ("x",), value=1e5, starts=[start], crossings=1, method=method)
+    assert found.t == pytest.approx([1e5], rel=1e-14)
+    with pytest.raises(vo.DefinitionError, match="no motion passes through x = -1"):
+        vo.section(free, x, ("x",), value=-1, starts=[start], crossings=1, method=method)

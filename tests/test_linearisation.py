@@ -201,6 +201,26 @@ def test_what_is_not_damped_has_no_real_part_at_all() -> None:
     assert all(abs(e.imag - w) < 1e-14 for e, w in zip(found, frequencies, strict=True))
 
 
+def test_eigenvalues_that_are_many_fold_have_all_their_digits() -> None:
+    """Four bodies that push one another in a row, in mixed coordinates: one eigenvalue, eight-fold,
+    of which the numbers of 247 bits told nine digits."""
+    q = sp.symbols("q1:5")
+    mix = sp.Matrix(4, 4, lambda i, j: sp.Rational(1, i + j + 1))
+    push = mix.inv() * sp.Matrix([*(mix * sp.Matrix(q))[1:], 0])
+    kinetic = sum(vo.velocity(x) ** 2 for x in q) / 2
+    chain = vo.System(
+        "row", vo.Fibration(q), kinetic, forces=dict(zip(q, push, strict=True)),
+    )  # fmt: skip
+    assert vo.linearise(vo.derive(chain), dict.fromkeys(map(str, q), 0)).eigenvalues() == [0] * 8
+
+
+def test_names_that_eigenvalues_do_not_know_are_refused() -> None:
+    found = vo.linearise(pendulum(), {"theta": 0})
+    assert found.eigenvalues({"L": 4, "w": 1}) == found.eigenvalues({"L": 4})
+    with pytest.raises(vo.DefinitionError, match="'ll' is nothing that the matrix A could hold"):
+        found.eigenvalues({"L": 4, "ll": 1})
+
+
 def test_what_is_left_open_stays_a_symbol() -> None:
     theta, length = sp.symbols("theta L")
     found = vo.linearise(pendulum())
@@ -265,6 +285,10 @@ def test_a_point_off_a_relation_is_refused() -> None:
         ),
         (lambda x, dx: sp.asin(1 - x**2), ({"x": 1, "xdot": 0}, -2, 0), {"x": 0, "xdot": 0}),
         (lambda x, dx: sp.acosh(1 + x**2), ({"x": sp.sqrt(2), "xdot": 0}, 1, 0), {"x": 0}),
+        (lambda x, dx: -2 * sp.acot(x), ({"x": 1, "xdot": 0}, 1, 0), {"x": 0}),
+        (lambda x, dx: 2 * sp.atan2(x, dx), ({"x": -1, "xdot": -1}, -1, 1), {"x": 0, "xdot": -1}),
+        (lambda x, dx: sp.sign(x**3) + x, ({"x": 1, "xdot": 0}, 1, 0), {"x": 0}),
+        (lambda x, dx: sp.floor(dx**3) * x, ({"x": 1, "xdot": 1.5}, 3, 0), {"x": 1, "xdot": 0}),
     ],
 )
 def test_there_is_no_slope_at_a_corner(force: Any, smooth: Any, corner: Any) -> None:
@@ -298,6 +322,9 @@ def test_a_step_at_a_place_left_open_has_no_slope_beside_it() -> None:
         (lambda x, dx: -dx * sp.sqrt(dx**2 + x**2), (0, 0)),
         (lambda x, dx: x * (sp.Max(0, x) - 2) + dx, (-2, 1)),
         (lambda x, dx: dx * (3 + sp.Abs(x)) * sp.Abs(x - 1), (0, 3)),
+        (lambda x, dx: -sp.sign(dx) * dx**2 - x, (-1, 0)),
+        (lambda x, dx: -(x**2) * sp.Heaviside(x) + dx * x * sp.floor(x - dx), (0, 0)),
+        (lambda x, dx: sp.Piecewise((x**2, x > 0), (x**3, True)) + x, (1, 0)),
     ],
 )
 def test_a_corner_times_what_vanishes_has_a_slope(force: Any, slopes: Any) -> None:

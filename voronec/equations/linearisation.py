@@ -17,6 +17,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
+from math import log
 from typing import Any
 
 import mpmath as mp
@@ -30,7 +31,7 @@ from voronec.algebra.normal import shortest
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.rank import independent_rows
-from voronec.algebra.symbols import plain_name
+from voronec.algebra.symbols import plain_name, time
 from voronec.algebra.tape import Tape
 from voronec.algebra.typeset import plain_text
 from voronec.declaration.reading import expression, quote
@@ -45,6 +46,8 @@ __all__ = ["Linearisation", "linearise"]
 FirstOrder = tuple[Any, dict[int, Any]]
 """The value, and the slopes along the variables by their positions where they do not vanish."""
 
+CHOP = 10
+"""Digits below those asked for, from which on a part of an eigenvalue is taken for zero."""
 _NOT_FINITE = (se.zoo, se.nan, se.oo)
 
 
@@ -84,8 +87,9 @@ def _first_order(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, An
     value = expr.func(*values)
     root = isinstance(expr, se.Pow) and values[0] == 0 and values[1].is_Number and values[1] < 1
     edge = isinstance(expr, (se.asin, se.acos, se.acosh)) and abs(values[0]) == 1
-    if (root or edge) and any(known[s][1] for s in expr.free_symbols if s in known):
-        words = "has no value" if root and values[1] < 0 else "has a corner"
+    moves = any(known[s][1] for s in expr.args[0].free_symbols if s in known)
+    if moves and (root or edge or _is_on_step(expr, values)):
+        words = "has no value" if root and values[1] < 0 else "has a corner or a step"
         raise EngineLimit(f"'{expr}' {words} there")
     moving = [i for i, (_, slopes) in enumerate(parts) if slopes]
     if not moving:
@@ -97,6 +101,16 @@ def _first_order(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, An
     if isinstance(expr, se.Pow) and moving == [0]:
         form = names[0] ** values[1]
     return value, weighted_sum([(form.diff(names[i]).xreplace(at), parts[i][1]) for i in moving])
+
+
+def _is_on_step(expr: Any, values: Sequence[Any]) -> bool:
+    """Whether a function jumps where its first argument moves, slowly or not: from one whole number
+    to another, or, an angle, by a turn or by half of one."""
+    if isinstance(expr, se.atan2):
+        return bool(values[0] == 0 and values[1].is_negative)
+    if isinstance(expr, se.floor | se.ceiling):
+        return bool(values[0].is_Number and float(values[0]).is_integer())
+    return isinstance(expr, se.sign | se.acot) and bool(values[0] == 0)
 
 
 def _corner(expr: Any, values: Sequence[Any]) -> dict[int, Any] | None:
@@ -113,11 +127,9 @@ def _corner(expr: Any, values: Sequence[Any]) -> dict[int, Any] | None:
         best = (max if isinstance(expr, se.Max) else min)(sizes)
         at = [i for i, size in enumerate(sizes) if size == best]
         slopes, on_corner = {at[0]: se.Integer(1)}, len(at) > 1
-    elif isinstance(expr, se.floor | se.ceiling):
-        slopes, on_corner = {}, sizes[0].is_integer()
     else:
         slopes = {0: se.sign(values[0])} if isinstance(expr, se.Abs) else {}
-        on_corner = sizes[0] == 0
+        on_corner = isinstance(expr, se.Abs) and sizes[0] == 0
     if on_corner:
         raise EngineLimit(f"'{expr}' has a corner or a step there")
     return slopes
@@ -127,7 +139,7 @@ def _product_of(
     factors: Sequence[Any], known: dict[Any, FirstOrder], point: Mapping[Any, Any]
 ) -> FirstOrder:
     """A product; one factor may have a corner where the others vanish: f |g| with f = 0, as in
-    drag by v |v|, has the slope f' |g|."""
+    drag by v |v|, has the slope f' |g|.  Where f' vanishes, too, factors may jump: v^2 sign(v)."""
     parts, corner, reason = list[FirstOrder](), list[Any](), None
     for factor in factors:
         try:
@@ -138,6 +150,9 @@ def _product_of(
     value, slopes = _product(parts)
     if reason is None:
         return value, slopes
+    flat = value == 0 and not any(slope != 0 for slope in slopes.values())
+    if flat and all(_is_bounded(factor, known, point) for factor in corner):
+        return value, {}
     height = _height(corner[0], known, point) if len(corner) == 1 and value == 0 else None
     if height is None:
         raise reason
@@ -154,6 +169,16 @@ def _height(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, Any]) -
     heights = [_height(a, known, point) for a in expr.args]
     found = None if any(h is None for h in heights) else expr.func(*heights)
     return None if found in _NOT_FINITE else found
+
+
+def _is_bounded(expr: Any, known: dict[Any, Any], point: Mapping[Any, Any]) -> bool:
+    """Whether an expression stays finite near the point, where it may jump."""
+    if isinstance(expr, (se.sign, se.atan2, se.acot)) or _height(expr, known, point) is not None:
+        return True
+    power = isinstance(expr, se.Pow) and expr.args[1].is_Number and expr.args[1] > 0
+    if not (power or isinstance(expr, (se.Add, se.Mul, se.floor, se.ceiling, se.Max, se.Min))):
+        return False
+    return all(_is_bounded(a, known, point) for a in expr.args)
 
 
 def _product(parts: Sequence[FirstOrder]) -> FirstOrder:
@@ -226,22 +251,34 @@ class Linearisation:
         system = self.equations.system
         given = {p.name: p.value for p in system.parameters if p.value is not None}
         given |= {plain_name(k): v for k, v in (values or {}).items()}
+        held = {str(a) for a in self._tape.atoms}
+        named = [*map(plain_name, (*system.coordinates, *system.velocities, *system.inputs)), *held]
+        named += [p.name for p in system.parameters]
+        for name in given.keys() - {*named, plain_name(time)}:
+            raise DefinitionError(
+                f"system '{system.name}': '{quote(name)}' is nothing that the matrix A could hold"
+                f"{did_you_mean(name, named)}"
+            )
         missing = [str(a) for a in self._tape.atoms if str(a) not in given]
         if missing:
             raise DefinitionError(
                 f"the matrix A of system '{system.name}' holds '{missing[0]}', which has no "
                 f"value; write eigenvalues({{'{missing[0]}': number}})"
             )
-        bits = int(3.33 * digits) + GENERIC
+        size = self.A.rows
+        largest = max((float(abs(e).log()) for e in self._tape.arb(given, GENERIC) if e != 0),
+                      default=0.0)  # fmt: skip
+        # an eigenvalue may be as many-fold as the matrix has rows, and then loses so many digits
+        exact = 3.33 * (digits + CHOP) + max(0.0, largest / log(2))
+        bits = GENERIC + int(max(size, 1) * exact)
         with mp.workprec(bits):
             balls = self._tape.arb(given, bits)
-            size = self.A.rows
             matrix = mp.matrix(size, size)
             for k, ball in enumerate(balls):
                 mantissa, exponent = (int(part) for part in ball.mid().man_exp())
                 matrix[k // size, k % size] = mp.ldexp(mp.mpf(mantissa), exponent)
             found = mp.eig(matrix, left=False, right=False)
-            found = [mp.mpc(mp.chop(e, mp.mpf(10) ** -(digits + 10))) for e in found]
+            found = [mp.mpc(mp.chop(e, mp.mpf(10) ** -(digits + CHOP))) for e in found]
         with mp.workdps(digits):
             return sorted((+e for e in found), key=lambda e: (e.real, e.imag))
 

@@ -75,6 +75,8 @@ class Method:
         the method that may go on where this one cannot.
     loop
         what compiles a program, and functions of events, into steps along a grid.
+    all_events
+        whether it finds events in a step however many they are.
     sound_steps
         after more steps a run is said to have added up their errors; none say so by default.
     """
@@ -89,6 +91,7 @@ class Method:
     compiler: str = ""
     other: str = ""
     loop: Loop | None = None
+    all_events: bool = False
     sound_steps: float = inf
 
     @property
@@ -153,7 +156,9 @@ def _digits(problem: Problem) -> Stepper:
 # fmt: off
 METHODS: dict[str, Method] = {
     # below EXACT a tolerance would only raise the order of heyoka's series, beyond all bounds
-    "heyoka": Method(_taylor, EXACT, symbolic=True, many=True, library="heyoka", other="scipy"),
+    "heyoka": Method(
+        _taylor, EXACT, symbolic=True, many=True, library="heyoka", other="scipy", all_events=True
+    ),
     "scipy": Method(_dop853, FINEST, many=True, other="heyoka"),
     "numba": Method(
         partial(_compiled_stepper, loop=_numba_loop), FINEST, symbolic=True, many=True,
@@ -301,16 +306,18 @@ def _is_symbolic(method: str) -> bool:
 
 
 def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Stepper, dict[str, Any]]:
+    from voronec.motion.steppers.event_states import make_with_event_states
     from voronec.motion.steppers.run import in_pieces
 
     made = METHODS[method]
     assert made.make is not None
+    make = made.make if made.all_events else partial(make_with_event_states, made.make)
     problem = replace(problem, tol=max(problem.tol, made.finest))
     chosen = {"method": method, "reason": reason, "tolerance": problem.tol}
     try:
         if problem.changing is not None:
-            return in_pieces(made.make, problem, anew=made.exact), chosen
-        return made.make(problem), chosen
+            return in_pieces(make, problem, anew=made.exact), chosen
+        return make(problem), chosen
     except ImportError:
         raise DefinitionError(
             f"{method} is not installed; 'pip install {method}', or use method='scipy'"

@@ -31,6 +31,7 @@ from voronec.motion.modes import Corner, LevelSurface, Modes, motion_along_surfa
 from voronec.motion.request import Event
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run, Stepper, cut_at_singularity
+from voronec.motion.steppers.event_states import narrow
 from voronec.motion.steppers.units import natural_units
 
 __all__ = ["DOUBLE", "GUARD", "PAST", "TOUCH", "Crossroads", "Mode"]
@@ -114,16 +115,7 @@ class Mode:
 
     def _narrow(self, run: Run, width: int) -> Run:
         """A run without what is followed beside the state."""
-        if self.followed is None:
-            return run
-        inside, halt = run.inside, run.halt
-        return replace(
-            run,
-            states=run.states[:, :width],
-            crossings={name: (t, x[:, :width]) for name, (t, x) in run.crossings.items()},
-            inside=None if inside is None else lambda times: inside(times)[:, :width],
-            halt=halt and replace(halt, state=halt.state[:width]),
-        )
+        return run if self.followed is None else narrow(run, width)
 
     @property
     def walls(self) -> frozenset[Wall]:
@@ -676,6 +668,7 @@ class Crossroads:
             events=(*given.events, *events), parameters=numbers,
             exact=None, walls=frozenset(ends), suspect=None if along else given.suspect,
             progress=self.progress,
+            apart=frozenset((*ends, *turns)),  # steps begin anew at each of them
         )  # fmt: skip
 
     def _choose_stepper(self, problem: Problem) -> tuple[Any, dict[str, Any]]:
@@ -737,7 +730,9 @@ def _follow_events(problem: Problem) -> tuple[Problem, Program | None]:
     start = np.concatenate([problem.start, more.astype(problem.start.dtype)])
     units = None if problem.units is None else np.concatenate([problem.units, more])
     levels = replace(wide, names=levels.names, extras=levels.extras)
-    return replace(problem, program=wide, start=start, units=units, levels=levels), followed
+    apart = frozenset(levels.names)  # they are there
+    problem = replace(problem, program=wide, start=start, units=units, levels=levels, apart=apart)
+    return problem, followed
 
 
 def _of_events(levels: Program, given: Sequence[Event], ends: Sequence[str]) -> Program:

@@ -48,6 +48,8 @@ NEAR = 0.25
 """An extremum whose parabola comes nearer to zero than this part of its rise is looked into."""
 TOUCH = 1e-10
 """An extremum this near to zero, relative to the largest value seen, touches it."""
+POLE = 1e3
+"""What is larger than this part of its size at both ends of a bracket has a pole there."""
 OUTGROWN = "its states outgrow the sizes from which they set out"
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 
@@ -61,8 +63,8 @@ class SectionWatch:
     the state it holds.
 
     Where it is no sum of states, it may pass zero more often than a step that these allow tells:
-    then the ``program`` of the motion has it as one more state behind the others, ``width`` of
-    them, and steps are as long as the series of both allow.
+    then the ``program`` of the motion has what bends in it as more states behind the others,
+    ``width`` of them, and steps are as long as the series of all allow.
     """
 
     function: Callable[[Any, np.ndarray, np.ndarray], np.ndarray]
@@ -73,10 +75,8 @@ class SectionWatch:
     def begin(self, motions: Many, which: Any) -> np.ndarray:
         """The states (k, n) from which some motions (k,) set out, in the program."""
         states = motions.states[which]
-        if len(self.program.state) == self.width:
-            return states
-        own = self.function(motions.time, states, motions.values[which])
-        return np.concatenate([states, np.reshape(own, (-1, 1))], axis=1)
+        more = len(self.program.state) - self.width
+        return np.concatenate([states, np.ones((len(states), more))], axis=1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,10 +247,11 @@ class _Close:
         return np.asarray(b)
 
     def holds(self, tau: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-        """Which zeros (m,) found in brackets are no poles, where the sign changes as well."""
+        """Which zeros (m,) found in brackets are no poles, where the sign changes as well; jumps
+        through zero, beside which a quantity stays of its size, are zeros."""
         with np.errstate(all="ignore"):
             ends = np.maximum(np.abs(self.value(lower)), np.abs(self.value(upper)))
-            return np.asarray(np.abs(self.value(tau)) <= ends)
+            return np.asarray(np.abs(self.value(tau)) <= POLE * ends)
 
     def speed(self, tau: np.ndarray) -> np.ndarray:
         """The rate of the quantity, by a difference."""
@@ -338,7 +339,11 @@ FEWEST, MOST, ALL = 256, 16_384, 32_768
 as much as some hundred steps, and so does what outgrows the memory that is near."""
 START_SHARE = 1e-9
 """A crossing sooner than this part of the first step is the start itself."""
-FOREVER = 1e300
+FOREVER = 1e12
+"""How long a motion is followed where nobody says it."""
+STRIDE = 16.0
+"""A step is no longer than so many times what was covered before: where a motion is a polynomial of
+the time, nothing else limits it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -484,10 +489,11 @@ def _stretch(
     # a lane that idles stays where it is as far as possible
     ends = np.where(idle, before + 1e-300, passages.until)
     ends = np.maximum(ends, before)
-    longest = np.full(lanes.width, np.inf)
+    longest = np.where(before > origin, STRIDE * (before - origin), np.inf)
     if (fresh := ~idle & (careful | (before == origin))).any():
-        longest = np.where(fresh, lanes.first_steps(ends - before), np.inf)
-        limit = 1 if np.isfinite(longest).any() else limit
+        first = lanes.first_steps(ends - before)
+        longest = np.where(fresh, np.minimum(first, longest), longest)
+        limit = 1 if np.isfinite(first[fresh]).any() else limit
     output = lanes.output = ta.propagate_until(
         ends.tolist(),
         max_steps=limit,
@@ -654,7 +660,7 @@ def _follow(
     def plane(t: np.ndarray, states: np.ndarray, _lane: np.ndarray) -> np.ndarray:
         return watch.function(t, states, np.broadcast_to(values, (len(states), len(values))))
 
-    end = passages.until if passages.until < FOREVER else motions.time + 1e12
+    end = passages.until
     begin, after, rate = watch.begin(motions, [i])[0], None, np.inf
     size = len(begin)
     everything, lane = np.arange(size), np.zeros(1, dtype=int)

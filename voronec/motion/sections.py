@@ -15,16 +15,14 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-import symengine as se
 import sympy as sp
 
 from voronec.algebra.arguments import CALLABLE, COUNT, REAL, SEVERAL, TEXT, VALUES, accepts
-from voronec.algebra.graphs import nodes
 from voronec.algebra.symbols import plain_name
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
 from voronec.equations.motions import Motions
-from voronec.equations.program import Program, compile_program
+from voronec.equations.program import Block, Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.motion.batches import choose_lanes
@@ -49,6 +47,7 @@ from voronec.motion.section_passages import (
     pass_one_by_one,
 )
 from voronec.motion.soundness import JudgeOfMany
+from voronec.motion.steppers.event_states import with_parts
 from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.trajectory import Cost
 
@@ -331,10 +330,10 @@ def section(
         or the plane holds one, and the velocities v.
     crossings, until
         how many points each motion gives, and the time after which it is given up.  Without
-        ``until`` it is given up when it has not come back for very many steps.
+        ``until`` it is given up when it has not come back for very many steps, or at t = 1e12.
     direction
-        1 where the quantity grows, -1 where it falls, 0 for both.  A motion that starts on the
-        surface does not count its start.
+        1 where the quantity grows, -1 where it falls, 0 for both; a jump through the value counts,
+        a pole does not.  A motion that starts on the surface does not count its start.
     starts, initial
         arrays of initial values by name, or a sequence of mappings, as for ``ensemble``; or a
         number: that many starts around the one of ``scene`` and ``initial``, on which all
@@ -461,37 +460,8 @@ def _watch(motions: Many, name: str, value: float) -> SectionWatch:
     def function(t: Any, states: np.ndarray, values: np.ndarray) -> np.ndarray:
         return at_each(extras, ("plane",), t, states[..., :width], values)["plane"] - value
 
-    wide = _with_plane(motions.program, motions.ground.quantities[name])
+    wide = with_parts(motions.program, Block((), (motions.ground.quantities[name],)))
     return SectionWatch(function, needed, wide, width)
-
-
-def _with_plane(program: Program, plane: Any) -> Program:
-    """The program with the plane as one more state, behind the others, where it is no sum of them;
-    as it is, too, where that has no rate, or may have poles, which a state does not pass."""
-    moving = {program.time, *program.state}
-    bends = any(plane.diff(x).free_symbols & moving for x in moving)
-    if not bends or not plane.free_symbols <= moving | {*program.parameters}:
-        return program
-    if any(_may_have_poles(node, moving) for node in nodes([plane])):
-        return program
-    rate = program.rate(plane)
-    if rate.atoms(se.Derivative, se.Subs):
-        return program
-    return program.beside(replace(program.derivative, results=(rate,)), "plane")
-
-
-POLES = (se.tan, se.cot, se.sec, se.csc, se.coth, se.log)
-
-
-def _may_have_poles(node: Any, moving: set[Any]) -> bool:
-    """Whether a node of an expression is a quotient, or another function with poles, of what moves.
-
-    exp(w) is a power of e, and has none.
-    """
-    if isinstance(node, se.Pow) and node.args[0] != se.E:
-        power = node.args[1]
-        return bool(node.free_symbols & moving) and not (power.is_Number and power > 0)
-    return isinstance(node, POLES) and bool(node.free_symbols & moving)
 
 
 def _refuse_nothing(motions: Many, passages: SectionPassages, surface: str, value: float) -> None:

@@ -87,6 +87,7 @@ class Problem:
     What is ``brief`` ends, most likely, after so much time, long before its grid does: numba and,
     for heavy programs, heyoka compile for longer.
     ``units`` (n,) are those in which the states are measured, by default their natural ones.
+    Functions of events that are ``apart`` are not integrated beside the states.
     """
 
     program: Program
@@ -105,6 +106,7 @@ class Problem:
     marked: bool = False
     units: np.ndarray | None = None
     brief: float | None = None
+    apart: frozenset[str] = frozenset()
 
     @property
     def is_rough(self) -> bool:
