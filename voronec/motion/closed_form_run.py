@@ -33,7 +33,10 @@ from voronec.motion.trajectory import Cost, LateTrajectory, Trajectory, make_tra
 
 __all__ = ["evaluated_motion"]
 
-REASONS = {"closed-form": "asked for", "auto": "auto: less work than so many steps, and no errors add up"}
+REASONS = {
+    "closed-form": "asked for",
+    "auto": "auto: less work than so many steps, and no errors add up",
+}
 MARGIN = 32
 """Bits beyond those of the tolerance in which outputs are computed."""
 OFTEN = 20
