@@ -6,6 +6,7 @@ import flint
 import symengine as se
 
 from voronec.algebra.points import lift_point, sample_point
+from voronec.algebra.tape import Tape
 
 x, y = se.symbols("x y")
 CURVE = x**3 + y**3 + x * y - 1
@@ -34,3 +35,13 @@ def test_points_depend_on_conditions_and_precision() -> None:
     assert any(isinstance(v, flint.arb) and v.rad() > 1e-40 for v in rough.values())
     rough[x] = flint.fmpq(7)
     assert sample_point([x, y], [CURVE], 0, 60)[x] != 7
+
+
+def test_points_do_not_hang_on_the_order_of_equal_terms() -> None:
+    a, b = se.symbols("left right")
+    both = [se.Add(*terms) for terms in ((a**2, b**2, -1), (b**2, a**2, -1))]
+    assert both[0] == both[1] and both[0].args != both[1].args
+    for circle in both:
+        assert Tape([circle]).atoms == [a, b]
+        point = lift_point({a: flint.fmpq(-1), b: flint.fmpq(1)}, [circle], 100)
+        assert point[a] < 0 < point[b]

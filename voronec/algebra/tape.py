@@ -116,16 +116,18 @@ def as_ball(number: Any) -> Any:
 class Tape:
     """A compiled list of symengine expressions.
 
-    ``atoms`` are the symbols, unknown functions and their derivatives it needs values for.
+    ``atoms`` are the symbols, unknown functions and their derivatives it needs values for, by
+    name: equal sums may hold their terms in another order, and what is drawn for atoms, or kept
+    for equal expressions, is not to depend on that.
     """
 
     def __init__(self, exprs: Sequence[Any]) -> None:
-        self.atoms: list[Any] = []
-        self._atom_slots: list[int] = []
+        self._atom_slots: dict[Any, int] = {}
         self._constants: list[tuple[int, Any]] = []
         self._code: list[tuple[int, Callable[..., Any], tuple[int, ...]]] = []
         self._slots: dict[Any, int] = {}
         self._outputs = [self._slot(se.sympify(e)) for e in exprs]
+        self.atoms: list[Any] = sorted(self._atom_slots, key=str)
 
     @property
     def size(self) -> int:
@@ -142,7 +144,7 @@ class Tape:
             values: list[Any] = [None] * len(self._slots)
             for slot, constant in self._constants:
                 values[slot] = constant() if callable(constant) else flint.arb(constant)
-            for atom, slot in zip(self.atoms, self._atom_slots, strict=True):
+            for atom, slot in self._atom_slots.items():
                 given = point.get(atom, point.get(str(atom)))
                 if given is None:
                     raise DefinitionError(f"no value is given for '{atom}'")
@@ -160,9 +162,8 @@ class Tape:
         if known is not None:
             return known
         if is_atom(expr):
-            self.atoms.append(expr)
-            self._atom_slots.append(self._new(expr))
-            return self._atom_slots[-1]
+            self._atom_slots[expr] = self._new(expr)
+            return self._atom_slots[expr]
         if is_flat(expr):
             return self._constant(expr, flint.fmpq(0))
         if expr.is_Number:

@@ -71,7 +71,8 @@ def right_hand_side(program: Program) -> Callable[..., None]:
         if isinstance(line, ast.Return) and isinstance(line.value, ast.List):
             body += [f"result[{i}] = {ast.unparse(e)}" for i, e in enumerate(line.value.elts)]
         elif isinstance(line, ast.Assign) and isinstance(line.targets[0], ast.Tuple | ast.List):
-            source = ast.unparse(line.value)
+            loops = getattr(line.value, "generators", None)  # over an array, for numbers of NumPy
+            source = ast.unparse(loops[0].iter if loops else line.value)
             names = [ast.unparse(e) for e in line.targets[0].elts]
             body += [f"{name} = {source}[{i}]" for i, name in enumerate(names)]
         else:
