@@ -436,7 +436,7 @@ def blade_circle(time: float) -> tuple[float, float]:
     return x, BLADE_START["y"] - radius * (np.cos(last) - np.cos(first))
 
 
-@pytest.mark.parametrize("method", ["scipy", "numba", "heyoka"])
+@pytest.mark.parametrize("method", ["scipy", "c", "heyoka"])
 def test_an_ensemble_sees_between_its_instants_that_a_split_fails(method: str) -> None:
     grid = [0.0, 4.404]
     many = vo.ensemble(blade(), starts=[BLADE_START], times=grid, outputs=("x", "y"), method=method)
@@ -444,7 +444,7 @@ def test_an_ensemble_sees_between_its_instants_that_a_split_fails(method: str) -
     assert end == pytest.approx(blade_circle(grid[-1]), abs=1e-11)
 
 
-@pytest.mark.parametrize("method", ["scipy", "numba", "c", "heyoka"])
+@pytest.mark.parametrize("method", ["scipy", "c", "heyoka"])
 def test_a_section_goes_on_in_another_split(method: str) -> None:
     """The blade goes round, and its split is singular twice in each turn; the crossings lie on its
     circle, and come when a dense run in all digits of doubles comes there."""

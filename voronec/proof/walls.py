@@ -42,8 +42,8 @@ from voronec.errors import DefinitionError, EngineLimit, quote
 
 __all__ = ["across_walls", "flow_across_walls"]
 
-_SEEDS = 24
-"""How many states are looked for on a wall."""
+_SEEDS = 96
+"""How many states are looked for on a wall, at most: a piece of it may be a sixteenth of all."""
 _TRIES = 4
 """How many points are looked for at which an expression may not vanish."""
 _ENOUGH = 8
