@@ -306,12 +306,15 @@ def _is_symbolic(method: str) -> bool:
 
 
 def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Stepper, dict[str, Any]]:
-    from voronec.motion.steppers.event_states import make_with_event_states
     from voronec.motion.steppers.run import in_pieces
 
     made = METHODS[method]
-    assert made.make is not None
-    make = made.make if made.all_events else partial(make_with_event_states, made.make)
+    make = made.make
+    assert make is not None
+    if problem.levels is not None and not made.all_events:
+        from voronec.motion.steppers.event_states import make_with_event_states
+
+        make = partial(make_with_event_states, make)
     problem = replace(problem, tol=max(problem.tol, made.finest))
     chosen = {"method": method, "reason": reason, "tolerance": problem.tol}
     try:

@@ -105,7 +105,8 @@ def make_with_event_states(make: Any, problem: Problem) -> Stepper:
     """The stepper that a method makes of a problem, with functions of its events beside the state;
     those that are rare do not count, nor do those that are ``apart``."""
     levels = problem.levels
-    if levels is None or not problem.program.state:
+    assert levels is not None
+    if not problem.program.state:
         return make(problem)
     pairs = zip(levels.names, levels.extras.results, strict=True)
     apart = problem.coarse | problem.apart
