@@ -204,6 +204,9 @@ def test_the_command_stores_and_compares(call: Call) -> None:
     assert "voronec compare old.json sleigh" in call("derive", "sleigh", "--store", "old.json").out
     answer = call("compare", "old.json", "sleigh")
     assert answer.status == 0 and answer.out.endswith("\nequal\n")
+    call("new", "mine", "--toml")
+    told = call("derive", "mine.toml", "--store", "mine.json").out
+    assert told.endswith("voronec compare mine.json mine.toml\n")
     text = Path("old.json").read_text()
     Path("old.json").write_text(text.replace('"a*m*w**2"', '"2*a*m*w**2"'))
     answer = call("compare", "old.json", "sleigh")

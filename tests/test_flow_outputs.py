@@ -195,12 +195,25 @@ def test_wanted_keeps_order_and_says_what_each_is() -> None:
         ("enrgy", "did you mean 'energy'"),
         (sp.Symbol("psi") + x, "contains 'psi'; did you mean 'phi'"),
         (None, "an output is 'None'"),
+        ("x + psi", "contains 'psi'; did you mean 'phi'"),
+        ("x +", "an output: 'x \\+' is not a formula"),
+        ("__import__('os')", "no formula has this sign"),
     ],
 )
 def test_unknown_outputs_are_answered_with_the_nearest(output: Any, message: str) -> None:
     with pytest.raises(vo.DefinitionError, match=message) as caught:
         vo.integrate(sleigh(), times=GRID, initial={v: 1}, outputs=(output,))
     assert "\n" not in str(caught.value) and str(caught.value).count("system '") == 1
+
+
+def test_formulas_may_be_text() -> None:
+    """As on the command line: outputs, events and the planes of sections."""
+    end = vo.Event("2*x - 1", stop=True)
+    run = vo.integrate(sleigh(), times=GRID, initial={v: 1}, outputs=("v*x", " x "), events=end)
+    assert run.outputs == ("v*x", "x") and run.stopped == "2*x - 1"
+    assert run["x"][-1] == pytest.approx(0.5) and (run["v*x"] == run["x"] * run["v"]).all()
+    with pytest.raises(vo.DefinitionError, match="the plane 'psi \\+ x' contains 'psi'"):
+        vo.section(sleigh(), "x + psi", starts=[{"v": 1.0}], crossings=1)
 
 
 def test_only_the_integrals_asked_for_are_followed() -> None:

@@ -32,6 +32,7 @@ __all__ = [
     "exact_number",
     "formula",
     "in_doubles",
+    "name_or_formula",
     "read_sympy_text",
 ]
 
@@ -112,6 +113,12 @@ def formula(text: str, place: str, names: Mapping[str, Any] | None = None) -> An
     stand for, every other name is a symbol.  ``DefinitionError`` names the column at fault.
     """
     return _FormulaReader(text, place, dict(names or {})).whole()
+
+
+def name_or_formula(text: str, place: str) -> Any:
+    """A name as it is, such as u1 or 'momentum squared'; any other text as the formula it means."""
+    bare = text.strip()
+    return bare if re.fullmatch(r"[^\W\d]\w*(?: \w+)*", bare) else formula(bare, place)
 
 
 def read_sympy_text(text: str, place: str, names: Mapping[str, Any] | None = None) -> Any:

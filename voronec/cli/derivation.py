@@ -44,7 +44,7 @@ def _execute(arguments: Namespace, eqs: VoronecEquations, chosen: str | None) ->
     from voronec.proof.claims import check_claims
 
     if arguments.store is not None:
-        return _store(eqs, Path(arguments.store), arguments.json)
+        return _store(eqs, Path(arguments.store), arguments.system, arguments.json)
     if chosen is not None:
         printer = PRINTERS[chosen]
         write = printer.with_jacobian if arguments.jacobian else None
@@ -75,8 +75,9 @@ def _require_program(chosen: str | None, jacobian: bool) -> None:
         raise DefinitionError(f"--jacobian: it is printed with a program; add one of {able}")
 
 
-def _store(eqs: VoronecEquations, path: Path, as_json: bool) -> int:
-    """Write the derivation into a file, for ``voronec compare``; an old one is replaced."""
+def _store(eqs: VoronecEquations, path: Path, subject: str, as_json: bool) -> int:
+    """Write the derivation of a subject into a file, for ``voronec compare``; an old one is
+    replaced."""
     from voronec.declaration.whole_files import replace_file
     from voronec.proof.comparison import StoredDerivation
 
@@ -85,7 +86,7 @@ def _store(eqs: VoronecEquations, path: Path, as_json: bool) -> int:
     if as_json:
         print_json({"system": eqs.system.name, "file": str(path)})
     else:
-        print(f"wrote {path}; now try: voronec compare {path} {eqs.system.name}")
+        print(f"wrote {path}; now try: voronec compare {path} {subject}")
     return 0
 
 

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import csv
-import re
 from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.columns import columns
-from voronec.algebra.text import formula
+from voronec.algebra.text import name_or_formula
 from voronec.cli.files import delivery, wanted_folder
 from voronec.cli.output import print_json, progress, warn
 from voronec.cli.subject import resolve
 from voronec.cli.values import (
-    BETWEEN,
     finite,
     first_scene,
     input_values,
+    outputs_of,
     pair,
     split_values,
     tolerance,
@@ -46,7 +45,7 @@ def execute(arguments: Namespace) -> int:
     pairs, inputs = [pair(text) for text in arguments.set], input_values(arguments.input)
     _refuse_none(arguments)
     plane = None if arguments.plane is None else _plane(arguments.plane)
-    outputs = [] if arguments.outputs is None else _outputs(arguments.outputs)
+    outputs = [*outputs_of(arguments.outputs)]
     system, _ = resolve(arguments.system)
     folder = wanted_folder(arguments.out or f"{system.name}-section")
     parameters, initial = split_values(system, pairs)
@@ -97,18 +96,7 @@ def _plane(text: str) -> tuple[Any, float]:
     """The quantity and the value in EXPR=VALUE; without a value it is zero."""
     left, equals, right = text.partition("=")
     value = finite(right, f"--plane {text}") if equals else 0.0
-    return _quantity(left, f"--plane {text}"), value
-
-
-def _outputs(text: str) -> list[Any]:
-    return [_quantity(part, f"--outputs {text}") for part in re.split(BETWEEN, text)]
-
-
-def _quantity(text: str, place: str) -> Any:
-    """A name as it is, anything else as a formula."""
-    bare = text.strip()
-    named = bool(re.fullmatch(r"\w[\w -]*", bare)) and not re.fullmatch(r"\w+\s*-.*|\d.*", bare)
-    return bare if named else formula(bare, place)
+    return name_or_formula(left, f"--plane {text}"), value
 
 
 def _complete_request(

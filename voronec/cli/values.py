@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from voronec.algebra.text import formula
+from voronec.algebra.text import name_or_formula
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -25,9 +25,6 @@ __all__ = [
 ]
 
 
-WORDS = r"[^\W\d]\w*(?: \w+)*"
-"""Names, such as u1 or 'momentum squared'; anything else is a formula."""
-
 BETWEEN = r",(?![^()]*\))"
 """Commas that are not between the arguments of a function."""
 
@@ -39,7 +36,7 @@ def outputs_of(text: str | None) -> tuple[Any, ...]:
     parts = [part.strip() for part in re.split(BETWEEN, text)]
     if not all(parts):
         raise DefinitionError(f"--outputs '{text}': separate names by commas, as in u,v")
-    return tuple(p if re.fullmatch(WORDS, p) else formula(p, "--outputs") for p in parts)
+    return tuple(name_or_formula(part, "--outputs") for part in parts)
 
 
 INSTANTS = 1001

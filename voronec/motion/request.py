@@ -14,7 +14,7 @@ import sympy as sp
 
 from voronec.algebra.arguments import COUNT, FLAG, SEQUENCE, SEVERAL, TEXT, require, takes_fields
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
-from voronec.algebra.text import as_expression, in_doubles
+from voronec.algebra.text import as_expression, in_doubles, name_or_formula
 from voronec.declaration.claims import right_of
 from voronec.declaration.reading import (
     doubles,
@@ -109,6 +109,8 @@ def quantity(vocabulary: Vocabulary, key: Any, role: str = "output") -> tuple[st
     """
     system = vocabulary.equations.system
     known = vocabulary.known
+    if isinstance(key, str) and key not in known:
+        key = name_or_formula(key, f"system '{system.name}': the {role}")
     if isinstance(key, str):
         name = vocabulary.name(key, known, role)
         return name, as_expression(known[name])
@@ -454,6 +456,8 @@ class Vocabulary:
     def read_condition(self, key: Any) -> tuple[str, sp.Expr]:
         """The same with the expression in the user's symbols, those of invariants among them."""
         system, known = self.equations.system, self.known
+        if isinstance(key, str) and key not in (*known, *self.reactions, *self.groups):
+            key = name_or_formula(key, f"system '{system.name}': an output")
         if isinstance(key, str):
             name = self.name(key, [*known, *self.reactions, *self.groups], "output")
             if name not in known:
