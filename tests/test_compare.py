@@ -218,7 +218,9 @@ def test_the_command_stores_and_compares(call: Call) -> None:
 
 
 def test_wrong_files_are_refused(call: Call) -> None:
-    assert "'none.json' cannot be read" in refused(call("compare", "none.json", "sleigh"))
+    assert "no file 'none.json'" in refused(call("compare", "none.json", "sleigh"))
+    for told in (("derive", "/dev/zero"), ("compare", "/dev/zero", "sleigh")):
+        assert "'/dev/zero' is a device; name a" in refused(call(*told))
     assert "cannot be written" in refused(call("derive", "sleigh", "--store", "no/where.json"))
 
 

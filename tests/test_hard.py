@@ -46,6 +46,7 @@ def test_a_case_that_makes_no_sense_is_refused_with_the_mend() -> None:
         ({"level": "momenta"}, "give coordinates, invariants or ''"),
         ({"arithmetic": "double"}, "give quadruple or extended"),
         ({"methods": ("euler",)}, "method 'euler'"),
+        ({"methods": [{}]}, "method '{}'"),
         ({"points": 1}, "give 2 or more"),
         ({"scene": vo.Scene({x: 1})}, r"give a scene with outputs"),
     ):

@@ -6,6 +6,8 @@ what the engine decides.  ``IntegrationError``: the numbers failed on the way.
 
 from __future__ import annotations
 
+import os
+import stat
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -93,8 +95,12 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 
 @contextmanager
 def file_errors(path: Path, what: str) -> Iterator[None]:
-    """While a file is read: that it is not there, or cannot be read, as a ``DefinitionError``."""
+    """While a file is read: that it is not there, or cannot be read, as a ``DefinitionError``; so
+    is a device, which may have no end."""
     try:
+        mode = os.stat(path).st_mode
+        if stat.S_ISCHR(mode) or stat.S_ISBLK(mode):
+            raise DefinitionError(f"'{path}' is a device; name {what}")
         yield
     except FileNotFoundError:
         raise DefinitionError(f"there is no file '{path}'") from None

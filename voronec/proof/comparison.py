@@ -26,7 +26,7 @@ from voronec.declaration.system import System
 from voronec.equations.curvature import curvature_of, vertical_parts
 from voronec.equations.reduction import descend
 from voronec.equations.voronec_equations import VoronecEquations, derive
-from voronec.errors import DefinitionError, EngineLimit, VoronecError
+from voronec.errors import DefinitionError, EngineLimit, VoronecError, file_errors
 
 __all__ = [
     "Comparison",
@@ -188,9 +188,8 @@ def _positive(system: System) -> Iterator[str]:
 def read_derivation(path: str | Path) -> StoredDerivation:
     """The derivation that a file holds."""
     try:
-        data = json.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise DefinitionError(f"'{path}' cannot be read: {error.strerror}") from None
+        with file_errors(Path(path), "a stored derivation"):
+            data = json.loads(Path(path).read_text(encoding="utf-8"))
     except ValueError as error:
         raise DefinitionError(f"'{path}' is not JSON: {error}") from None
     return StoredDerivation.from_dict(data, f"'{path}'")

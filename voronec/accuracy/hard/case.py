@@ -68,7 +68,7 @@ class HardCase:
             raise self._wrong(f"level = '{self.level}'", "coordinates, invariants or ''")
         if self.arithmetic not in ARITHMETICS:
             raise self._wrong(f"arithmetic = '{self.arithmetic}'", " or ".join(ARITHMETICS))
-        if unknown := [m for m in self.methods if m not in METHODS]:
+        if unknown := [m for m in self.methods if m not in [*METHODS]]:
             raise self._wrong(f"method '{quote(unknown[0])}'", ", ".join(METHODS))
         if self.points < 2:
             raise self._wrong(f"points = {self.points}", "2 or more")
