@@ -31,7 +31,7 @@ from voronec.motion.modes import Corner, LevelSurface, Modes, motion_along_surfa
 from voronec.motion.request import Event
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run, Stepper, cut_at_singularity
-from voronec.motion.steppers.event_states import narrow
+from voronec.motion.steppers.event_states import narrow, widen
 from voronec.motion.steppers.units import natural_units
 
 __all__ = ["DOUBLE", "GUARD", "PAST", "TOUCH", "Crossroads", "Mode"]
@@ -726,13 +726,8 @@ def _follow_events(problem: Problem) -> tuple[Problem, Program | None]:
     names, functions, rates = zip(*moving, strict=True)
     wide = program.beside(replace(moved, results=rates), "event")
     followed = replace(levels, names=names, extras=replace(levels.extras, results=functions))
-    more = np.ones(len(names))
-    start = np.concatenate([problem.start, more.astype(problem.start.dtype)])
-    units = None if problem.units is None else np.concatenate([problem.units, more])
-    levels = replace(wide, names=levels.names, extras=levels.extras)
-    apart = frozenset(levels.names)  # they are there
-    problem = replace(problem, program=wide, start=start, units=units, levels=levels, apart=apart)
-    return problem, followed
+    # they are there, and need not be put beside the states again
+    return replace(widen(problem, wide), apart=frozenset(levels.names)), followed
 
 
 def _of_events(levels: Program, given: Sequence[Event], ends: Sequence[str]) -> Program:

@@ -383,6 +383,7 @@ class SplitRun:
     def result(self, last: Run, busy: float) -> Trajectory:
         """The trajectory of all stretches."""
         runs = [s.run for s in self.stretches]
+        notes = *self.notes, *(n for r in runs for n in r.notes), *self.told, *self._loss()
         changes = sum(
             a.split is not b.split for a, b in zip(self.stretches, self.stretches[1:], strict=False)
         )
@@ -403,11 +404,7 @@ class SplitRun:
             halted=last.halt.reason if last.halt is not None else "",
             interrupted=last.interrupted,
             within=(lambda times: self._inside(times, cost)) if self.dense else None,
-            notes=(
-                *dict.fromkeys(
-                    (*self.notes, *(n for r in runs for n in r.notes), *self.told, *self._loss())
-                ),
-            ),
+            notes=(*dict.fromkeys(notes),),
         )
 
     def failure(self, split: SplitModel, halt: Halt, busy: float) -> IntegrationError:

@@ -20,7 +20,7 @@ from voronec.equations.program.straight import prune
 from voronec.errors import EngineLimit
 from voronec.motion.steppers.run import Problem, Run, Stepper
 
-__all__ = ["make_with_event_states", "narrow", "with_parts"]
+__all__ = ["make_with_event_states", "narrow", "widen", "with_parts"]
 
 SMOOTH = (se.Add, se.Mul, se.sin, se.cos, se.sinh, se.cosh, se.tanh, se.atan, se.asinh)
 PERIODIC = (se.tan, se.cot, se.sec, se.csc)
@@ -116,26 +116,18 @@ def make_with_event_states(make: Any, problem: Problem) -> Stepper:
     if not more:
         return make(problem)
 
-    def extend(row: np.ndarray) -> np.ndarray:
-        return np.concatenate([row, np.ones(more, dtype=row.dtype)])
-
     def exact(bits: int) -> tuple[np.ndarray, Any]:
         assert problem.exact is not None
         state, numbers = problem.exact(bits)
-        return extend(np.asarray(state, dtype=object)), numbers
+        return _extend(np.asarray(state, dtype=object), more), numbers
 
-    suspect, start = problem.suspect, extend(problem.start)
-    stepper = make(
-        replace(
-            problem,
-            program=wide,
-            start=start,
-            units=None if problem.units is None else extend(problem.units),
-            levels=replace(wide, names=levels.names, extras=levels.extras),
-            exact=problem.exact and exact,
-            suspect=suspect and (lambda times, states: suspect(times, states[:, :width])),
-        )
+    suspect = problem.suspect
+    wider = replace(
+        widen(problem, wide),
+        exact=problem.exact and exact,
+        suspect=suspect and (lambda times, states: suspect(times, states[:, :width])),
     )
+    start, stepper = wider.start, make(wider)
 
     def run(times: np.ndarray) -> Run:
         start[:width] = problem.start  # which runs in pieces overwrite
@@ -143,6 +135,23 @@ def make_with_event_states(make: Any, problem: Problem) -> Stepper:
         return narrow(stepper(times), width)
 
     return run
+
+
+def widen(problem: Problem, wide: Program) -> Problem:
+    """The problem of a program with further states behind its own, all of them 1 at the start."""
+    levels, more = problem.levels, len(wide.state) - len(problem.start)
+    assert levels is not None
+    return replace(
+        problem,
+        program=wide,
+        start=_extend(problem.start, more),
+        units=None if problem.units is None else _extend(problem.units, more),
+        levels=replace(wide, names=levels.names, extras=levels.extras),
+    )
+
+
+def _extend(row: np.ndarray, more: int) -> np.ndarray:
+    return np.concatenate([row, np.ones(more, dtype=row.dtype)])
 
 
 def narrow(run: Run, width: int) -> Run:
