@@ -256,6 +256,7 @@ def test_a_system_without_scenes_runs_where_times_are_given(call: Call) -> None:
         ("--set m=nan", "'nan' is not a number"),
         ("--scene lost", "'lost'"),
         ("--times 0:1:1", "from 2 to"),
+        ("--times 0:1:many", "'many' is not a number of instants"),
         ("--times 0:1:99999999999", "from 2 to"),
         ("--times a:b", "'a' is not a number"),
         ("--times 1:1", "the same"),
@@ -413,3 +414,6 @@ def test_an_unknown_command_method_or_option_is_answered_with_the_nearest(call: 
     assert "voronec run: there is no option '--tims'; did you mean '--times'" in told
     assert "'--jsn'; did you mean '--json'" in refused(call("list", "--jsn"))
     assert "'more' is one argument too many" in refused(call("list", "more"))
+    told = refused(call("search", "integrals", "sleigh", "--degree", "two"))
+    assert "--degree: 'two' is not a whole number; see" in told
+    assert "'.' is a folder; give the file" in refused(call("derive", "."))

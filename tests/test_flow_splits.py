@@ -18,7 +18,7 @@ from multiplier_motion import all_velocities, multiplier_motion, worst
 
 import voronec as vo
 from voronec import velocity
-from voronec.motion import methods
+from voronec.motion import methods, split_models
 from voronec.motion.divisors import around, crossing_divisors, divisors
 
 pytestmark = pytest.mark.slow
@@ -130,6 +130,16 @@ def test_rolling_without_twist_passes_the_equator(name: str) -> None:
         run = vo.integrate(equations, times=times, initial=start, method=method, tol=tol)
         assert worst(run, truth) < 2e-10, (method, tol)
         assert max(run.drift.values()) < 1e-10
+
+
+def test_a_split_is_derived_once_for_all_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    equations, start = vo.derive(vo.load("veselova")), KNOWN["veselova"]
+    first = vo.integrate(equations, times=[0.0, -9.0], initial=start)
+    monkeypatch.setattr(split_models, "Derivation", None)
+    again = vo.integrate(equations, times=[0.0, -9.0], initial=start)
+    assert again.cost.switches == first.cost.switches > 0
+    for name in start:
+        assert (again[name] == first[name]).all()
 
 
 def test_many_changes_of_the_split_lose_no_digits() -> None:

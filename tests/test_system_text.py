@@ -191,6 +191,11 @@ def test_what_is_wrong_is_told_with_its_line_and_column(
     assert found[3].startswith(message)
 
 
+def test_a_constant_that_is_not_declared_is_told_of_its_table(tmp_path: Path) -> None:
+    told = wrong(tmp_path, SKATE.replace("+ potential", "+ Q", 1))
+    assert "there are: " in told and told.endswith("; a constant is declared under [parameters]")
+
+
 def test_places_are_those_of_the_letters(tmp_path: Path) -> None:
     """Every key and value of a text stands where its place says."""
     text = SLEIGH + '\n[a."b c".d]\nx.y = [1, {z = """q""", "w" = \'v\'}, # c ]\n 2.5]\n'

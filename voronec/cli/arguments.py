@@ -36,6 +36,7 @@ class _OneLineParser(argparse.ArgumentParser):
         if choice is not None:
             near = did_you_mean(choice[2], re.findall(r"[\w-]+", choice[3]))
             message = f"{choice[1]}: there is no '{choice[2]}'{near}".removesuffix("?")
+        message = re.sub(r"invalid int value: ('.*')", r"\1 is not a whole number", message)
         self.exit(2, f"{self.prog}: {printable(message)}; see '{self.prog} --help'\n")
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:

@@ -73,7 +73,9 @@ def instants(text: str | None) -> Any:
         parts = ["0", *parts]
     start, end = (finite(part, "--times") for part in parts[:2])
     count = parts[2] if len(parts) == 3 else str(INSTANTS)
-    if not count.isdecimal() or not 2 <= int(count) <= MOST_INSTANTS:
+    if not count.isdecimal():
+        raise DefinitionError(f"--times {text}: '{count}' is not a number of instants, such as 501")
+    if not 2 <= int(count) <= MOST_INSTANTS:
         raise DefinitionError(f"--times {text}: give from 2 to {MOST_INSTANTS} instants")
     if start == end:
         raise DefinitionError(f"--times {text}: start and end are the same")

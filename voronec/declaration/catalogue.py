@@ -287,7 +287,9 @@ def _definitions_in(path: Path) -> Mapping[str, Any]:
 
 
 def require_suffix(path: Path) -> None:
-    """Refuse a file that is neither Python nor a text of a system by its name."""
+    """Refuse a folder, and a file that is neither Python nor a text of a system by its name."""
+    if os.path.isdir(path):
+        raise DefinitionError(f"'{path}' is a folder; give the file in it that defines the system")
     # not Path.is_file, for which a name that is too long is an error of the system
     if path.suffix not in SUFFIXES and os.path.isfile(path):
         raise DefinitionError(

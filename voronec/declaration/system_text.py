@@ -238,9 +238,11 @@ class _Text:
             item.refuse(error, start)
         used = {m[0]: m.start() for m in reversed([*NAME.finditer(text)])}
         for name in sorted({str(s) for s in read.free_symbols} & used.keys() - names.keys()):
+            near = did_you_mean(name, names)
+            mend = "" if near.endswith("?") else "; a constant is declared under [parameters]"
             item.wrong(
                 f"'{quote(name)}' is neither coordinate, velocity, parameter nor definition"
-                f"{did_you_mean(name, names)}",
+                f"{near}{mend}",
                 start + used[name],
             )
         return read

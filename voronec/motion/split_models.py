@@ -256,16 +256,19 @@ def _split_chart(system: System, chart: Chart) -> Chart:
 
 
 def _equations_near(
-    system: System, near: Mapping[str, Any], known: Sequence[VoronecEquations]
+    home: VoronecEquations, system: System, near: Mapping[str, Any]
 ) -> VoronecEquations:
-    """The equations with pivots that are well conditioned at a point, numbers by name; those that
-    are ``known``, where they have the same pivots."""
+    """The equations of a split of ``home`` with pivots that are well conditioned at a point,
+    numbers by name; every run of ``home`` has the same."""
     definition = read(system, near, SHARE)
-    for other in known:
-        if (other.system.name, other.definition.fibre) == (system.name, definition.fibre):
-            return other
-    return VoronecEquations(
-        system, definition, Derivation(definition, False), Derivation(definition, True)
+    what = system.name, definition.fibre
+    if what == (home.system.name, home.definition.fibre):
+        return home
+    return home.memo.once(
+        ("split", what),
+        lambda: VoronecEquations(
+            system, definition, Derivation(definition, False), Derivation(definition, True)
+        ),
     )
 
 
@@ -758,11 +761,8 @@ def _without_momenta(
     return found | {size: size_of_terms(found[key]) for size, key in sizes.items() if key in found}
 
 
-def candidates(
-    ground: SplitGround, time: float, wide: np.ndarray, known: Sequence[VoronecEquations]
-) -> Any:
-    """Equations to try at a wide state, with their forms, one after the other; those that are
-    ``known`` are not made again."""
+def candidates(ground: SplitGround, time: float, wide: np.ndarray) -> Any:
+    """Equations to try at a wide state, with their forms, one after the other."""
     home, point = ground.home, _point(ground, time, wide)
     yield home, home.form
     charted = _best_in_charts(ground, time, wide)
@@ -777,7 +777,7 @@ def candidates(
             systems = [home.system]
     for system in systems:
         try:
-            equations = _equations_near(system, point, known)
+            equations = _equations_near(home, system, point)
             yield equations, equations.form
             yield equations, equations.raw.form
         except VoronecError:

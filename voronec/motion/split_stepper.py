@@ -181,8 +181,7 @@ class SplitRun:
         """Splits that are made until one is good enough at a wide state, and how good they are."""
         began, sizes = perf_counter(), {}
         with suppress(np.linalg.LinAlgError):
-            known = [p.equations for p in self.splits]
-            for equations, form in candidates(self.ground, float(time), wide, known):
+            for equations, form in candidates(self.ground, float(time), wide):
                 if any(p.form is form for p in self.splits):
                     continue
                 made = SplitModel.of(
