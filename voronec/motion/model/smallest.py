@@ -169,7 +169,7 @@ class SmallestModels:
     @cached_property
     def general(self) -> Model:
         """The model that holds for all starts."""
-        levels = (_cut_down(self._motions, level, None) for level in self._levels)
+        levels = (_cut_down(self._motions, level, level, None) for level in self._levels)
         found = self.packs.once("general", lambda: _cheapest([*levels]))
         self.packs.keep()
         return found
@@ -194,8 +194,11 @@ class SmallestModels:
         self, zeros: tuple[frozenset[Any], ...], values: Sequence[Mapping[Any, float]]
     ) -> ModelSearch:
         starts = [_Particular(each) for each in values]
-        pairs = zip(self._levels, starts, strict=True)
-        model = _cheapest([_cut_down(self._motions, *pair) for pair in pairs])
+        model = _cheapest([
+            min((_cut_down(self._motions, full, level, known)
+                 for level in _without_zeros(full, known)), key=_cost)
+            for full, known in zip(self._levels, starts, strict=True)
+        ])  # fmt: skip
         return ModelSearch(self._next_name, model, zeros, tuple(tuple(s.asked) for s in starts))
 
 
@@ -219,8 +222,14 @@ def smallest_model(
     return models.general if start is None else models.of_start(start).model
 
 
+def _cost(model: Model) -> tuple[float, int]:
+    """What a model that is not chosen from others costs."""
+    (alone,) = model.candidates
+    return alone.weight, alone.states
+
+
 def _cheapest(models: Sequence[Model]) -> Model:
-    best = min(models, key=lambda m: (m.candidates[0].weight, m.candidates[0].states))
+    best = min(models, key=_cost)
     weighed = tuple(replace(m.candidates[0], chosen=m is best) for m in models)
     return replace(best, candidates=weighed)
 
@@ -253,17 +262,19 @@ def _with_momenta(level: Level) -> Iterator[Level]:
         yield momenta
 
 
-def _cut_down(motions: Motions, full: Level, known: _Particular | None) -> Model:
-    """One level cut down to what its outputs need."""
+def _without_zeros(full: Level, known: _Particular) -> list[Level]:
+    """A level without the parameters that are zero at a start: as it then stands, and in normal
+    forms, which may cost less, but write powers of sums out."""
+    return without_parameters(full, dict.fromkeys(known.zeros(full.parameters), se.Integer(0)))
+
+
+def _cut_down(motions: Motions, full: Level, level: Level, known: _Particular | None) -> Model:
+    """One ``level``, equal to ``full`` for what is ``known``, cut down to what its outputs need."""
     roles: dict[Any, Role] = {}
 
     def note(x: Any, kind: str, why: str) -> None:
         roles[x] = Role(str(x), kind, why)
 
-    level = full
-    if known is not None:
-        zero = dict.fromkeys(known.zeros(full.parameters), se.Integer(0))
-        level = without_parameters(level, zero)
     level = _close(level, note, "no output depends on it")
     if known is not None:
         level = _on_plane(level, known, note)

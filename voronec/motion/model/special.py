@@ -36,10 +36,17 @@ Steep = Callable[[Any, tuple[Any, ...]], bool]
 """Whether a slope of an integral is steep enough beside the others, at the start."""
 
 
-def without_parameters(level: Level, zero: Mapping[Any, Any]) -> Level:
-    """The level with parameters that are zero taken out; as it is where that makes no sense."""
+def without_parameters(level: Level, zero: Mapping[Any, Any]) -> list[Level]:
+    """The level with parameters that are zero taken out, as it then stands and in normal forms;
+    as it is where that makes no sense."""
     found = level.substitute(zero)
-    return _tidy(found) if _finite(found) else level
+    if not _finite(found):
+        return [level]
+    plain = replace(
+        found, rates=tuple(with_positive_denominators(e, level.relations) for e in found.rates)
+    )
+    tidied = _tidy(found)
+    return [plain] if tidied is found else [plain, tidied]
 
 
 def at_zero(level: Level, zeros: Collection[Any]) -> list[Any]:
