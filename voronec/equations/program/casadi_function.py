@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from voronec.equations.program.dialect import code
+from voronec.equations.program.dialect import execute
 from voronec.equations.program.python import casadi_source
 from voronec.equations.program.straight import Program
 from voronec.errors import DefinitionError
@@ -21,8 +21,7 @@ def casadi_function(program: Program) -> Any:
         raise DefinitionError(
             "CasADi is not installed; install it with: pip install 'voronec[control]'"
         ) from None
-    namespace: dict[str, Any] = {}
-    exec(code(casadi_source(program), "<voronec program for CasADi>"), namespace)
+    namespace = execute(casadi_source(program), "program for CasADi", {})
     groups = {"state": program.state, "parameters": program.parameters, "inputs": program.inputs}
     given = {name: casadi.SX.sym(name, len(group)) for name, group in groups.items()}
     taken = list(given.values()) if program.inputs else list(given.values())[:-1]
