@@ -434,7 +434,7 @@ def _solve_for_fibre(
     differentiated: AffineForms,
     ideal: Sequence[Any],
     near: Mapping[str, Any],
-    share: float = 0.0,
+    share: float,
 ) -> FibreSolution:
     """The fibre velocities in terms of the others; ``DefinitionError``, with a split that works,
     where the constraints do not determine them."""
@@ -485,7 +485,7 @@ def _working_split(
     return [names[i] for i in range(total) if i not in chosen], [names[i] for i in chosen]
 
 
-def _require_no_jump(place: Callable[[], str], expr: Any, conditions: Sequence[Any] = ()) -> None:
+def _require_no_jump(place: Callable[[], str], expr: Any, conditions: Sequence[Any]) -> None:
     """Raise ``DefinitionError`` where an expression is proved to jump at a state at which
     conditions hold; ``place`` says what it is."""
     for wall, jump in _jumps(expr):
@@ -501,7 +501,7 @@ def _require_no_jump_of_lagrangian(
     lagrangian: Any,
     velocities: Sequence[Any],
     variables: Sequence[Any],
-    conditions: Sequence[Any] = (),
+    conditions: Sequence[Any],
 ) -> None:
     """The same of a Lagrangian, which may jump in time, and of its momenta, which may not.
 

@@ -30,10 +30,12 @@ from voronec.equations.program.dialect import (
     text,
 )
 from voronec.equations.program.parts import TITLES, Part, arguments_of, groups_of, parts_of
-from voronec.equations.program.straight import Block, Program
+from voronec.equations.program.straight import Program
+from voronec.errors import DefinitionError
 
 __all__ = [
     "WORDS",
+    "casadi_function",
     "casadi_source",
     "compile_program",
     "compiled_digits",
@@ -134,6 +136,26 @@ def casadi_source(program: Program, slopes: bool = False) -> str:
     """Python source of the same functions on CasADi's expressions: columns go in, a column, and of
     the Jacobian a matrix, comes back."""
     return _module(program, _MATRICES, slopes=slopes)
+
+
+def casadi_function(program: Program) -> Any:
+    """``casadi.Function`` of ``t``, ``state``, ``parameters`` and ``inputs``, columns, with the
+    result ``derivative``; empty columns stand where a system has no parameters or inputs."""
+    try:
+        import casadi
+    except ImportError:
+        raise DefinitionError(
+            "CasADi is not installed; install it with: pip install 'voronec[control]'"
+        ) from None
+    namespace = execute(casadi_source(program), "program for CasADi", {})
+    groups = {"state": program.state, "parameters": program.parameters, "inputs": program.inputs}
+    given = {name: casadi.SX.sym(name, len(group)) for name, group in groups.items()}
+    taken = list(given.values()) if program.inputs else list(given.values())[:-1]
+    time = casadi.SX.sym("t")
+    derivative = casadi.SX(namespace["rhs"](time, *taken))
+    return casadi.Function(
+        "rhs", [time, *given.values()], [derivative], ["t", *given], ["derivative"]
+    )
 
 
 def mpmath_source(program: Program) -> str:
@@ -261,15 +283,6 @@ def _header(program: Program, flavour: _Flavour) -> str:
     )
 
 
-def _moves(result: Any, block: Block, program: Program) -> bool:
-    """Whether a result holds an entry of the state."""
-    moving = {*program.state}
-    for name, expr in block.assignments:
-        if expr.free_symbols & moving:
-            moving.add(name)
-    return bool(result.free_symbols & moving)
-
-
 def _remark(text: str) -> str:
     """A text that ends neither a line nor the string in which it stands."""
     printable = "".join(c if c.isprintable() else " " for c in text)
@@ -297,8 +310,8 @@ def _function(
     rows += [f"    {name} = {value}" for name, value in lines(block, dialect, names)]
     values = [text(result, dialect, names) for result in block.results]
     if alike and program.state:  # of the shape of the others
-        still = [not _moves(result, block, program) for result in block.results]
-        first = names[program.state[0]]
+        moving, first = block.movers(program.state), names[program.state[0]]
+        still = [not result.free_symbols & moving for result in block.results]
         values = [f"{v} + 0*{first}" if s else v for v, s in zip(values, still, strict=True)]
     rows.append("    return vertcat(" if columnar else "    return [")
     ends = ("horzcat(", ")") if columnar else ("[", "]")

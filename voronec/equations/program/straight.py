@@ -143,13 +143,18 @@ class Block:
         are symbols that do not move."""
         return is_rough(self.assignments, self.results, still, velocities)
 
-    def has_roots(self, moving: Iterable[Any]) -> bool:
-        """Whether it holds a root, or another power whose exponent is no whole number, of something
-        that moves with some symbols."""
-        found = set(moving)
+    def movers(self, symbols: Iterable[Any]) -> set[Any]:
+        """Some symbols, and the names that move with them."""
+        found = set(symbols)
         for name, expr in self.assignments:
             if expr.free_symbols & found:
                 found.add(name)
+        return found
+
+    def has_roots(self, moving: Iterable[Any]) -> bool:
+        """Whether it holds a root, or another power whose exponent is no whole number, of something
+        that moves with some symbols."""
+        found = self.movers(moving)
         plain = (formula(node) or node for node in nodes(self.expressions))
         return any(
             isinstance(node, se.Pow)
