@@ -312,10 +312,10 @@ def key_of(node: Node, index: Callable[[Node], str] = spell) -> str:
     return node.head + (f"_{below}" if below else "") + (f"^{above}" if above else "")
 
 
-def name_or_nothing(node: Node) -> str:
+def name_or_nothing(node: Node, index: Callable[[Node], str] = spell) -> str:
     """The key of a name; nothing for what is none."""
     try:
-        return key_of(node)
+        return key_of(node, index)
     except DefinitionError:
         return ""
 

@@ -22,7 +22,12 @@ from voronec.algebra.stable import stable_all
 from voronec.algebra.stages import needed_stages
 from voronec.algebra.terms import factors_of, summands
 from voronec.equations.program.choices import choose_sides, holds_choices, holds_walls
-from voronec.equations.program.low_rank import MassElimination, coupled_rows, eliminations
+from voronec.equations.program.low_rank import (
+    MassElimination,
+    coupled_rows,
+    eliminations,
+    names_into,
+)
 from voronec.equations.program.walls import is_rough, plain_roots, write_roots_out
 from voronec.equations.program.weight import evaluation_weight, taylor_weight
 from voronec.errors import DefinitionError, EngineLimit
@@ -375,13 +380,7 @@ def _eliminate(
 ) -> Block:  # fmt: skip
     """Shared subexpressions first; then the elimination, on their names."""
     results, assignments = list(common.results), list(common.assignments)
-
-    def name(expr: Any) -> Any:
-        if not expr.args:
-            return expr
-        assignments.append((next(fresh), expr))
-        return assignments[-1][0]
-
+    name = names_into(assignments, fresh)
     rates = [results.pop(0) for _ in form.rates]
     vdot = {i: results.pop(0) for i in single}
     force = [results.pop(0) for _ in left]
