@@ -161,9 +161,7 @@ def test_the_package_holds_no_way_to_run_text():
     """``eval`` and SymPy's readers of text occur nowhere; ``exec`` where programs are printed."""
     programs = {
         "declaration/plugin_files.py",
-        "equations/program/casadi_function.py",
-        "equations/program/python.py",
-        "equations/program/recurrences.py",
+        "equations/program/dialect.py",
         "closed/arithmetic.py",
         "motion/steppers/kept_code.py",
         "motion/steppers/python_stepper.py",

@@ -85,7 +85,8 @@ def test_derive_tells_on_a_terminal_what_it_is_at(
     call: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     told: list[str] = []
-    monkeypatch.setattr("voronec.cli.derivation.progress", told.append)
+    for module in ("derivation", "output"):
+        monkeypatch.setattr(f"voronec.cli.{module}.progress", told.append)
     assert call("derive", "sleigh").status == 0
     assert told[:3] == ["sleigh: the equations of motion", "sleigh: integral energy",
                         "sleigh: integral heading"]  # fmt: skip

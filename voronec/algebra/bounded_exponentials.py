@@ -18,7 +18,13 @@ from typing import Any
 
 import symengine as se
 
-from voronec.algebra.terms import factors_of, is_exponential, summands, with_arguments
+from voronec.algebra.terms import (
+    factors_of,
+    is_exponential,
+    subexpressions,
+    summands,
+    with_arguments,
+)
 
 __all__ = ["bound_all_exponentials", "bound_exponentials", "exponential_sum", "holds_exponentials"]
 
@@ -65,15 +71,10 @@ def exponential_sum(expr: Any) -> tuple[Any, dict[int, Any]] | None:
 
 def holds_exponentials(*exprs: Any) -> bool:
     """Whether there is an exponential, or a hyperbolic sine or cosine, in some expressions."""
-    seen, stack = set(), list(exprs)
-    while stack:
-        node = stack.pop()
-        if isinstance(node, (se.sinh, se.cosh)) or is_exponential(node):
-            return True
-        if node not in seen:
-            seen.add(node)
-            stack.extend(node.args)
-    return False
+    return any(
+        isinstance(node, (se.sinh, se.cosh)) or is_exponential(node)
+        for node in subexpressions(exprs)
+    )
 
 
 def _quotient(expr: Any) -> Any | None:

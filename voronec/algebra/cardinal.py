@@ -16,7 +16,7 @@ slopes of such quotients is taken together:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from math import ceil, comb
 from typing import Any
 
@@ -35,7 +35,13 @@ from voronec.algebra.numeric_functions import (
     SIZE,
     TANH_SHORTFALL,
 )
-from voronec.algebra.terms import factors_of, is_exponential, summands, with_arguments
+from voronec.algebra.terms import (
+    factors_of,
+    is_exponential,
+    subexpressions,
+    summands,
+    with_arguments,
+)
 
 __all__ = ["cardinal_all", "coefficient", "divides_sines_of_sums"]
 
@@ -64,7 +70,7 @@ def divides_sines_of_sums(exprs: Iterable[Any]) -> bool:
     """Whether there are quotients such as sin(u + w)/(u + w): normal forms expand the sine, and
     see no quotient that has a value where u + w vanishes."""
     sums, below = set[Any](), set[Any]()
-    for node in _nodes(map(se.sympify, exprs)):
+    for node in subexpressions(map(se.sympify, exprs)):
         if isinstance(node, (se.sin, se.cos, se.tan)):
             sums |= {f for f in _factors(node.args[0]) if isinstance(f, se.Add)}
         elif isinstance(node, se.Pow) and node.args[1].is_Number and node.args[1] < 0:
@@ -78,7 +84,7 @@ def cardinal_all(exprs: Iterable[Any]) -> list[Any]:
     below: set[Any] = set()
     arguments: set[Any] = set()
     inverse = False
-    for node in _nodes(given):
+    for node in subexpressions(given):
         if isinstance(node, se.Pow):
             base, exponent = node.args
             if base == se.E:
@@ -90,19 +96,10 @@ def cardinal_all(exprs: Iterable[Any]) -> list[Any]:
         elif isinstance(node, se.log):
             arguments |= _factors(node.args[0] - 1).keys()
         inverse = inverse or (isinstance(node, se.Mul) and _divides(node))
-    if inverse:
-        return _rewrite_all(given)
-    if not below:
-        return given
     sums = {a for a in arguments if isinstance(a, se.Add)}
-    if not below & arguments and not any(_ratio(a, b) for a in sums for b in below):
-        return given
-    return _rewrite_all(given)
-
-
-def _rewrite_all(given: Iterable[Any]) -> list[Any]:
+    vanish = inverse or below & arguments or any(_ratio(a, b) for a in sums for b in below)
     known: dict[Any, Any] = {}
-    return [_rewrite(e, known) for e in given]
+    return [_rewrite(e, known) for e in given] if vanish else given
 
 
 _KINDS = (se.sin, se.cos, se.tan, se.sinh, se.cosh, se.tanh, se.coth, se.cot, se.atan)
@@ -117,17 +114,6 @@ def _divides(product: Any) -> bool:
             if zero is not None and any(powers.get(u, 0) > 0 for u in _factors(zero[0])):
                 return True
     return False
-
-
-def _nodes(exprs: Iterable[Any]) -> Iterator[Any]:
-    """All parts of expressions that share parts, each once."""
-    seen, waiting = set[Any](), list(exprs)
-    while waiting:
-        node = waiting.pop()
-        if node.args and node not in seen:
-            seen.add(node)
-            waiting += node.args
-            yield node
 
 
 def _factors(expr: Any) -> dict[Any, Any]:

@@ -28,6 +28,7 @@ import symengine as se
 from voronec.algebra.certificates import Sign, Signs
 from voronec.algebra.conditions import split_hypotheses
 from voronec.algebra.factors import fraction_factors
+from voronec.algebra.field import WORK_LIMIT
 from voronec.algebra.generators import TRIGONOMETRIC, linear_terms, prime_factors
 from voronec.algebra.graphs import is_atom, nodes
 from voronec.algebra.normal import canonical
@@ -55,34 +56,29 @@ INVERSE = (se.asin, se.atan, se.atan2)
 _NO_NUMBERS = (se.zoo, se.nan, se.oo, -se.oo)
 
 
-def are_equal(a: Any, b: Any, relations: Sequence[Any], work_limit: int) -> bool:
+def are_equal(a: Any, b: Any, relations: Sequence[Any]) -> bool:
     """Whether two symengine expressions are proved to be equal by these forms, where relations
     vanish and conditions among them hold; raises ``EngineLimit`` beyond a bound."""
     if Tape([a, b]).size > LARGEST:
         return False
     in_pieces = any(isinstance(n, se.sign | se.floor) for n in nodes([a, b]))
     return all(
-        any(
-            way(left, right, hypotheses, work_limit, in_pieces)
-            for way in (_agrees_within, _are_congruent)
-        )
+        any(way(left, right, hypotheses, in_pieces) for way in (_agrees_within, _are_congruent))
         for left, right, hypotheses in _cases(a, b, relations)
     )
 
 
 def _agrees_within(
-    a: Any, b: Any, relations: Sequence[Any], work_limit: int, in_pieces: bool
+    a: Any, b: Any, relations: Sequence[Any], in_pieces: bool, work_limit: int = WORK_LIMIT
 ) -> bool:
     """Whether two expressions agree, as far as that costs no more than it may."""
     try:
-        return _agree(a, b, relations, work_limit, in_pieces)
+        return _agree(a, b, relations, in_pieces, work_limit)
     except (EngineLimit, DefinitionError, RecursionError):  # forms nested too deeply
         return False
 
 
-def _are_congruent(
-    a: Any, b: Any, relations: Sequence[Any], work_limit: int, in_pieces: bool
-) -> bool:
+def _are_congruent(a: Any, b: Any, relations: Sequence[Any], in_pieces: bool) -> bool:
     """The same with one letter for equal arguments of functions."""
     whole = _whole(relations)
     if whole:  # a letter for an exponent would not be a whole number any more
@@ -91,18 +87,18 @@ def _are_congruent(
     forms = Composition(known)
 
     def proves(left: Any, right: Any) -> bool:
-        return _agrees_within(left, right, [*known, *congruence.conditions], INNER_WORK, in_pieces)
+        return _agrees_within(left, right, [*known, *congruence.conditions], in_pieces, INNER_WORK)
 
     for in_whole in (True, False):
         congruence = Congruence(proves, forms.is_positive, in_whole)
         left, right = congruence.replace_by_letters([a, b], known)
         given = [*known, *congruence.conditions]
-        if congruence.changed and _agrees_within(left, right, given, work_limit, in_pieces):
+        if congruence.changed and _agrees_within(left, right, given, in_pieces):
             return True
     return False
 
 
-def _agree(a: Any, b: Any, relations: Sequence[Any], work_limit: int, in_pieces: bool) -> bool:
+def _agree(a: Any, b: Any, relations: Sequence[Any], in_pieces: bool, work_limit: int) -> bool:
     """The same in one case; of functions in pieces one that is not taken need not be real."""
     whole = _whole(relations)
     known = [*relations, *(() if in_pieces else _real_where([a, b], whole))]

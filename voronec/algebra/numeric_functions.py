@@ -15,12 +15,14 @@ They are unknown functions of these names; proofs see their formulas.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from math import factorial
 from typing import Any, NamedTuple
 
 import flint
 import symengine as se
+
+from voronec.algebra.terms import subexpressions
 
 __all__ = [
     "ATAN_RATIO", "ATAN_RATIO_SLOPE", "CASE", "CHOICE", "EXPM1", "EXPREL", "EXPREL_SLOPE",
@@ -130,19 +132,6 @@ def formula(expr: Any) -> Any | None:
 
 def elementary(expr: Any) -> Any:
     """The expression with formulas for all these functions."""
-    while found := {f: e for f in _functions(expr) if (e := formula(f)) is not None}:
+    while found := {f: e for f in subexpressions([expr]) if (e := formula(f)) is not None}:
         expr = expr.xreplace(found)
     return expr
-
-
-def _functions(expr: Any) -> Iterator[Any]:
-    """The named functions in an expression, whose shared parts are looked at once: ``atoms`` takes
-    as long as for the expression written out."""
-    seen, waiting = set[Any](), [expr]
-    while waiting:
-        node = waiting.pop()
-        if node.args and node not in seen:
-            seen.add(node)
-            waiting += node.args
-            if isinstance(node, se.FunctionSymbol):
-                yield node

@@ -16,25 +16,8 @@ import numpy as np
 import symengine as se
 import sympy as sp
 
+from voronec.algebra import numeric_functions as numeric
 from voronec.algebra.graphs import is_atom, is_flat
-from voronec.algebra.numeric_functions import (
-    ATAN_RATIO,
-    ATAN_RATIO_SLOPE,
-    EXPM1,
-    EXPREL,
-    EXPREL_SLOPE,
-    HYPOT,
-    LOG1P,
-    LOG_RATIO,
-    LOG_RATIO_SLOPE,
-    SINC,
-    SINC_SLOPE,
-    SINHC,
-    SINHC_SLOPE,
-    SIZE,
-    TANH_SHORTFALL,
-    numeric_name,
-)
 from voronec.algebra.text import exact_number
 from voronec.errors import DefinitionError, EngineLimit, quote
 
@@ -64,21 +47,23 @@ _UNARY: dict[type, Callable[[Any], Any]] = {
     se.floor: lambda a: a.floor(),
 }
 _NUMERIC: dict[str, Callable[..., Any]] = {
-    SINC: lambda a: a.sinc() if a.is_finite() else _NO_VALUE,
-    SINHC: lambda a: flint.acb(0, a).sinc().real,
-    EXPREL: lambda a: (a / 2).exp() * flint.acb(0, a / 2).sinc().real,
-    SINC_SLOPE: lambda a: (-a * a / 4).hypgeom_0f1(flint.arb(5) / 2) / 3,
-    SINHC_SLOPE: lambda a: (a * a / 4).hypgeom_0f1(flint.arb(5) / 2) / 3,
-    EXPREL_SLOPE: lambda a: a.hypgeom_1f1(2, 3) / 2,
-    TANH_SHORTFALL: lambda a: (a * a / 4).hypgeom_0f1(flint.arb(5) / 2) / 3 / a.cosh(),
-    LOG_RATIO: lambda a: (-a).hypgeom_2f1(1, 1, 2),
-    ATAN_RATIO: lambda a: (-a * a).hypgeom_2f1(flint.arb(1) / 2, 1, flint.arb(3) / 2),
-    LOG_RATIO_SLOPE: lambda a: (-a).hypgeom_2f1(2, 2, 3) / 2,
-    ATAN_RATIO_SLOPE: lambda a: (-a * a).hypgeom_2f1(flint.arb(3) / 2, 2, flint.arb(5) / 2) * 2 / 3,
-    EXPM1: lambda a: a.expm1(),
-    LOG1P: lambda a: a.log1p(),
-    SIZE: abs,
-    HYPOT: lambda *sides: sum((a * a for a in sides), flint.arb(0)).sqrt(),
+    numeric.SINC: lambda a: a.sinc() if a.is_finite() else _NO_VALUE,
+    numeric.SINHC: lambda a: flint.acb(0, a).sinc().real,
+    numeric.EXPREL: lambda a: (a / 2).exp() * flint.acb(0, a / 2).sinc().real,
+    numeric.SINC_SLOPE: lambda a: (-a * a / 4).hypgeom_0f1(flint.arb(5) / 2) / 3,
+    numeric.SINHC_SLOPE: lambda a: (a * a / 4).hypgeom_0f1(flint.arb(5) / 2) / 3,
+    numeric.EXPREL_SLOPE: lambda a: a.hypgeom_1f1(2, 3) / 2,
+    numeric.TANH_SHORTFALL: lambda a: (a * a / 4).hypgeom_0f1(flint.arb(5) / 2) / 3 / a.cosh(),
+    numeric.LOG_RATIO: lambda a: (-a).hypgeom_2f1(1, 1, 2),
+    numeric.ATAN_RATIO: lambda a: (-a * a).hypgeom_2f1(flint.arb(1) / 2, 1, flint.arb(3) / 2),
+    numeric.LOG_RATIO_SLOPE: lambda a: (-a).hypgeom_2f1(2, 2, 3) / 2,
+    numeric.ATAN_RATIO_SLOPE: lambda a: (
+        (-a * a).hypgeom_2f1(flint.arb(3) / 2, 2, flint.arb(5) / 2) * 2 / 3
+    ),
+    numeric.EXPM1: lambda a: a.expm1(),
+    numeric.LOG1P: lambda a: a.log1p(),
+    numeric.SIZE: abs,
+    numeric.HYPOT: lambda *sides: sum((a * a for a in sides), flint.arb(0)).sqrt(),
 }
 _CONSTANTS: dict[Any, Callable[[], Any]] = {
     se.pi: flint.arb.pi,
@@ -190,7 +175,7 @@ class Tape:
             return _power(*expr.args)
         if isinstance(expr, se.atan2):
             return _angle, expr.args
-        name = numeric_name(expr)
+        name = numeric.numeric_name(expr)
         unary = _UNARY.get(type(expr)) if name is None else _NUMERIC[name]
         if unary is None:
             raise EngineLimit(f"'{type(expr).__name__}' has no evaluation in ball arithmetic")

@@ -1,18 +1,33 @@
-"""Sums and products of symengine, as their terms and factors, and its rational numbers."""
+"""Expressions of symengine in parts: nodes of a graph, terms, factors, rational numbers."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import symengine as se
 from symengine.lib.symengine_wrapper import Boolean
 
-__all__ = ["factors_of", "is_exponential", "rational", "summands", "with_arguments"]
+__all__ = [
+    "factors_of", "is_exponential", "rational", "subexpressions", "summands", "with_arguments",
+]  # fmt: skip
 
 
 def rational(number: Any) -> Any:
     """A rational number of flint or SymPy as one of symengine."""
     return se.Integer(int(number.p)) / se.Integer(int(number.q))
+
+
+def subexpressions(exprs: Iterable[Any]) -> Iterator[Any]:
+    """Every part of expressions, and of what stands inside of derivatives, each once: written out,
+    graphs that share parts are too large."""
+    seen, waiting = set[Any](), list(exprs)
+    while waiting:
+        node = waiting.pop()
+        if node not in seen:
+            seen.add(node)
+            yield node
+            waiting += node.args
 
 
 def summands(expr: Any) -> tuple[Any, ...]:

@@ -26,7 +26,6 @@ from voronec.algebra.composition import angles_of, are_equal, fold_angles
 from voronec.algebra.conditions import condition, domain_of, split_hypotheses
 from voronec.algebra.door import Door
 from voronec.algebra.factors import irreducible_factors
-from voronec.algebra.field import WORK_LIMIT
 from voronec.algebra.generators import linear_terms
 from voronec.algebra.graphs import nodes
 from voronec.algebra.points import consistent, lift_point, sample_evaluable
@@ -222,7 +221,6 @@ def decide_equal(
     a: Any,
     b: Any,
     relations: Sequence[Any] = (),
-    work_limit: int = PROOF_LIMIT,
     pointwise: bool = False,
 ) -> Verdict:
     """Decide equality of two symengine expressions, modulo relations that vanish, on states that
@@ -243,7 +241,7 @@ def decide_equal(
     for point, (left, right) in samples:
         if not left.overlaps(right):
             return Verdict("refuted", "ball arithmetic", witness_at(point, left, right))
-    reason = _difference_in_normal_form(a, b, relations, work_limit)
+    reason = _difference_in_normal_form(a, b, relations)
     if reason is None:
         return Verdict("proved", "zero in exact normal form")
     if tape is None:
@@ -253,7 +251,7 @@ def decide_equal(
         point, (left, right) = found
         return Verdict("refuted", "ball arithmetic", witness_at(point, left, right))
     try:
-        if are_equal(a, b, relations, min(work_limit, WORK_LIMIT)):
+        if are_equal(a, b, relations):
             return Verdict("proved", "zero in exact normal form, functions of functions resolved")
     except (EngineLimit, DefinitionError, RecursionError):  # forms nested too deeply
         pass
@@ -265,9 +263,7 @@ def decide_equal(
     return Verdict("undecided", f"{reason}; {evidence}")
 
 
-def _difference_in_normal_form(
-    a: Any, b: Any, relations: Sequence[Any], work_limit: int
-) -> str | None:
+def _difference_in_normal_form(a: Any, b: Any, relations: Sequence[Any]) -> str | None:
     """Why the normal form of the difference does not prove two sides equal; None where it does."""
     equations, conditions = split_hypotheses(relations)
     known = [*conditions, *domain_conditions([a, b])]
@@ -277,7 +273,7 @@ def _difference_in_normal_form(
             # In a difference symengine may write a radicand with other signs than in its sides.
             sides = [left, right, left - right]
             for hypotheses in given:
-                if ring_over(sides, hypotheses, work_limit).fraction(left - right).num == 0:
+                if ring_over(sides, hypotheses, PROOF_LIMIT).fraction(left - right).num == 0:
                     return None
     except EngineLimit as limit:
         return str(limit)

@@ -8,8 +8,7 @@ from typing import Any
 
 from voronec.audit.latex.nodes import Call, Chain, Dot, Name, Variation, walk
 from voronec.audit.record import FormulaRecord
-from voronec.audit.study import key_of
-from voronec.errors import DefinitionError
+from voronec.audit.study import name_or_nothing
 
 __all__ = ["Examination", "defined_name", "families", "with_uses"]
 
@@ -86,7 +85,4 @@ def families(chain: Chain | None) -> tuple[str, ...]:
 
 
 def _family(node: Any) -> str:
-    try:
-        return key_of(node, lambda _: "#")
-    except DefinitionError:
-        return ""
+    return name_or_nothing(node, lambda _: "#")

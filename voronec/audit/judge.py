@@ -270,21 +270,12 @@ def _made_true(
     correction = bench.correction(formula, check, study, senseless=True)
     if correction is None:
         return None
-    return FormulaRecord(
-        formula.printed,
-        "misprint",
-        f"{fault}; the corrected formula is proved ({correction.method})",
-        derived=_derived_counterpart(correction.latex, check, study),
-        correction=correction.latex,
-        changes=correction.changes,
-        struck=correction.struck,
-        witness=_closed_witness(formula.printed, check, study),
-    )
-
-
-def _derived_counterpart(latex: str, check: Check, study: Study) -> str | None:
-    """The derived counterpart of a corrected formula."""
-    return derived_latex(read(latex, study.vocabulary), latex, check, study, True)
+    latex = correction.latex
+    derived = derived_latex(read(latex, study.vocabulary), latex, check, study, True)
+    witness = _closed_witness(formula.printed, check, study)
+    record = FormulaRecord(formula.printed, "misprint", "", derived, witness=witness)
+    method = f"{fault}; the corrected formula is proved ({correction.method})"
+    return _with_correction(record, correction, method)
 
 
 def _closed_witness(printed: str, check: Check, study: Study) -> dict[str, Any] | None:

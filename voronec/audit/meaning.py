@@ -59,7 +59,6 @@ __all__ = [
     "ELEMENTARY",
     "SENSELESS",
     "UnknownName",
-    "call",
     "direction",
     "evaluate",
     "is_named",
@@ -68,7 +67,6 @@ __all__ = [
 
 
 Where = Mapping[str, int]
-Evaluate = Callable[[Node, Study, Where], Any]
 
 
 ELEMENTARY: dict[str, Callable[[Any], Any]] = {
@@ -81,7 +79,7 @@ ELEMENTARY: dict[str, Callable[[Any], Any]] = {
 """The functions that are commands of LaTeX, by their names without the backslash."""
 
 
-def call(node: Call, study: Study, where: Where, evaluate: Evaluate) -> Any:
+def _call(node: Call, study: Study, where: Where) -> Any:
     """The value of a function of the dictionary, or of an expression that lists what it holds."""
     inner = (part for argument in node.arguments for part in walk(argument))
     if node.function in inner and not _is_quantity_too(node.function, study):
@@ -94,10 +92,10 @@ def call(node: Call, study: Study, where: Where, evaluate: Evaluate) -> Any:
         return function(*[evaluate(a, study, where) for a in node.arguments])
     variables = _variables(study)
     if not value.free_symbols & variables:
-        vectors = _two_vectors(node.arguments, study, where, evaluate)
+        vectors = _two_vectors(node.arguments, study, where)
         if vectors is not None:
             return value * vectors[0].dot(vectors[1])  # a constant before a scalar product
-    listed = _listed_symbols(node.arguments, study, where, evaluate)
+    listed = _listed_symbols(node.arguments, study, where)
     missing = (value.free_symbols & variables) - listed
     if missing:
         raise Misprint(
@@ -134,7 +132,7 @@ def _function(node: Node, study: Study) -> Callable[..., Any] | None:
 
 
 def _two_vectors(
-    items: tuple[Node, ...], study: Study, where: Where, evaluate: Evaluate
+    items: tuple[Node, ...], study: Study, where: Where
 ) -> tuple[sp.MatrixBase, sp.MatrixBase] | None:
     """The values of two items, if both are vectors; a list of coordinates has none."""
     try:
@@ -151,9 +149,7 @@ def _is_quantity_too(node: Node, study: Study) -> bool:
     return isinstance(node, Name) and {key_of(node), key_of(node) + CALL} <= {*study.table}
 
 
-def _listed_symbols(
-    items: tuple[Node, ...], study: Study, where: Where, evaluate: Evaluate
-) -> set[sp.Expr]:
+def _listed_symbols(items: tuple[Node, ...], study: Study, where: Where) -> set[sp.Expr]:
     """The symbols that a list of arguments names."""
     for item in items:
         if isinstance(item, Dots):
@@ -165,7 +161,7 @@ def _listed_symbols(
             raise Misprint(what)
         if isinstance(item, Name) and item.head in study.functions:
             raise Misprint(f"a list of arguments holds '{_kind_or_key(item)}', which is a function")
-    values = _listed_values(items, study, where, evaluate)
+    values = _listed_values(items, study, where)
     variables = _variables(study)
     for value in values:
         if isinstance(value, sp.Expr) and len(value.free_symbols & variables) > 1:
@@ -173,16 +169,14 @@ def _listed_symbols(
     return set[sp.Expr]().union(*(value.free_symbols for value in values))
 
 
-def _listed_values(
-    items: tuple[Node, ...], study: Study, where: Where, evaluate: Evaluate
-) -> list[Any]:
+def _listed_values(items: tuple[Node, ...], study: Study, where: Where) -> list[Any]:
     """The values of what is listed, in order; dots and bare families are filled in."""
     found: list[Any] = []
     for position, item in enumerate(items):
         if isinstance(item, Dots):
             if not 0 < position < len(items) - 1:
                 raise Misprint("dots stand at an end of a list of arguments")
-            found += _between(items[position - 1], items[position + 1], study, where, evaluate)
+            found += _between(items[position - 1], items[position + 1], study, where)
             continue
         letters = [x for x in free_indices(item, study) if x not in where]
         if letters:
@@ -196,7 +190,7 @@ def _listed_values(
     return found
 
 
-def _between(first: Node, last: Node, study: Study, where: Where, evaluate: Evaluate) -> list[Any]:
+def _between(first: Node, last: Node, study: Study, where: Where) -> list[Any]:
     """What dots between two members of a family stand for."""
     one, other = (key_of(x, lambda _: "#") for x in (first, last))
     if one != other:
@@ -264,11 +258,11 @@ def _lookup(node: Node, study: Study, where: Where) -> Any:
     defined = study.defined.get(exact)
     if defined is not None:
         return evaluate(defined, study, where)
-    inner = node
-    while isinstance(inner, (Dot, Variation)):
-        inner = inner.body
+    inner = _innermost(node)
     if not (inner.sub or inner.sup):
-        return _index_value(inner, study, where, node)
+        if inner is node and node.head in where:
+            return sp.Integer(where[node.head])
+        raise UnknownName(exact)
     values = [_integer(i, study, where) for i in (*inner.sub, *inner.sup)]
     numbers = iter(values)
     literal = key_of(node, lambda _: str(next(numbers)))
@@ -287,12 +281,6 @@ def _member(family: Any, values: list[int], name: str) -> Any:
         except (IndexError, KeyError):
             pass
     raise Misprint(f"'{name}' has no member with the indices {values}")
-
-
-def _index_value(name: Name, study: Study, where: Where, node: Node) -> Any:
-    if node is name and name.head in where:
-        return sp.Integer(where[name.head])
-    raise UnknownName(key_of(node))
 
 
 def _integer(node: Node, study: Study, where: Where) -> int:
@@ -455,7 +443,7 @@ def _add(values: list[Any]) -> Any:
 
 def _listing(node: Listing, study: Study, where: Where) -> Any:
     if node.bracket == POINT:
-        return sp.Matrix(_listed_values(node.items, study, where, evaluate))
+        return sp.Matrix(_listed_values(node.items, study, where))
     left, right = (evaluate(item, study, where) for item in node.items)
     return left.cross(right) if node.bracket == "[" else left.dot(right)
 
@@ -473,7 +461,7 @@ _RULES: dict[type, Callable[[Any, Study, Where], Any]] = {
         evaluate(n.body, s, w), 2 if n.index is None else evaluate(n.index, s, w)
     ),
     Elementary: lambda n, s, w: ELEMENTARY[n.function](evaluate(n.argument, s, w)),
-    Call: lambda n, s, w: call(n, s, w, evaluate),
+    Call: _call,
     Cross: lambda n, s, w: evaluate(n.left, s, w).cross(evaluate(n.right, s, w)),
     Listing: _listing,
     Partial: _partial,

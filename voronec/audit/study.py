@@ -21,7 +21,7 @@ from voronec.audit.latex.reader import read_name
 from voronec.audit.latex.vocabulary import LatexVocabulary
 from voronec.errors import DefinitionError
 
-__all__ = ["Motion", "Range", "Study", "UnknownRate", "key_of", "spell"]
+__all__ = ["Motion", "Range", "Study", "UnknownRate", "key_of", "name_or_nothing", "spell"]
 
 
 class UnknownRate(DefinitionError):
@@ -310,6 +310,14 @@ def key_of(node: Node, index: Callable[[Node], str] = spell) -> str:
     below = ",".join(index(i) for i in node.sub)
     above = ",".join(index(i) for i in node.sup)
     return node.head + (f"_{below}" if below else "") + (f"^{above}" if above else "")
+
+
+def name_or_nothing(node: Node, index: Callable[[Node], str] = spell) -> str:
+    """The key of a name; nothing for what is none."""
+    try:
+        return key_of(node, index)
+    except DefinitionError:
+        return ""
 
 
 def _innermost(node: Node) -> Name:

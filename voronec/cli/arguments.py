@@ -80,23 +80,29 @@ def _command(commands: Any, name: str, module: str, summary: str) -> argparse.Ar
         name, help=summary, description=summary, allow_abbrev=False
     )
     parser.set_defaults(module=f"voronec.cli.{module}")
-    parser.add_argument("--json", action="store_true", help="print the result as JSON")
+    _argument(parser, "--json", "print the result as JSON")
     return parser
+
+
+def _argument(parser: Any, form: str, meaning: str, **settings: Any) -> None:
+    """Add ``name NAME``, ``--out DIR``, or an option that takes no value, as ``--json``."""
+    name, _, value = form.partition(" ")
+    if value:
+        settings["metavar"] = value
+    elif "choices" not in settings:
+        settings["action"] = "store_true"
+    parser.add_argument(name, help=meaning, **settings)
 
 
 def _list(commands: Any) -> None:
     parser = _command(commands, "list", "listing", "list the systems and papers")
-    parser.add_argument(
-        "--names", action="store_true", help="only the names; no system's code is run"
-    )
+    _argument(parser, "--names", "only the names; no system's code is run")
 
 
 def _show(commands: Any) -> None:
     parser = _command(commands, "show", "declaration", "show what a system declares")
     _system(parser)
-    parser.add_argument(
-        "--out", metavar="FILE", help="draw its sketch instead: a .svg, .png or .pdf"
-    )
+    _argument(parser, "--out FILE", "draw its sketch instead: a .svg, .png or .pdf")
 
 
 def _derive(commands: Any) -> None:
@@ -104,30 +110,23 @@ def _derive(commands: Any) -> None:
     _system(parser)
     form = parser.add_mutually_exclusive_group()
     for name, printer in PRINTERS.items():
-        form.add_argument(f"--{name}", action="store_true", help=printer.about)
-    parser.add_argument(
-        "--jacobian",
-        action="store_true",
-        help="also print its derivatives with respect to state and inputs",
-    )
-    form.add_argument("--store", metavar="FILE.json", help="store the derivation, for 'compare'")
+        _argument(form, f"--{name}", printer.about)
+    _argument(parser, "--jacobian", "also print its derivatives with respect to state and inputs")
+    _argument(form, "--store FILE.json", "store the derivation, for 'compare'")
 
 
 def _explain(commands: Any) -> None:
     summary = "show what has to be integrated to get given outputs, and why"
     parser = _command(commands, "explain", "explain", summary)
     _system(parser)
-    parser.add_argument(
-        "--derivation",
-        action="store_true",
-        help="instead, derive the equations step by step, with the formulas of the theory",
-    )
-    parser.add_argument("--latex", action="store_true", help="print the derivation as LaTeX")
+    _argument(
+        parser, "--derivation",
+        "instead, derive the equations step by step, with the formulas of the theory",
+    )  # fmt: skip
+    _argument(parser, "--latex", "print the derivation as LaTeX")
     _outputs(parser)
     _setting(parser)
-    parser.add_argument(
-        "--out", metavar="DIR", help="folder for the text and its pictures, or pages"
-    )
+    _argument(parser, "--out DIR", "folder for the text and its pictures, or pages")
 
 
 def _methods(commands: Any) -> None:
@@ -139,31 +138,20 @@ def _judge(commands: Any) -> None:
     summary = "prove or refute an equation"
     parser = _command(commands, "judge", "judgement", summary)
     _system(parser)
-    parser.add_argument(
-        "equation",
-        metavar="EQUATION",
-        help=r"LaTeX or plain text, as '\dot v = a w^2', 'd/dt(m v) = m a w^2', 'v^2 = const'",
-    )
+    _argument(
+        parser, "equation EQUATION",
+        r"LaTeX or plain text, as '\dot v = a w^2', 'd/dt(m v) = m a w^2', 'v^2 = const'",
+    )  # fmt: skip
 
 
 def _regenerate(commands: Any) -> None:
     summary = "check every formula of a paper against what is derived"
     parser = _command(commands, "regenerate", "regeneration", summary)
-    parser.add_argument(
-        "paper", metavar="NAME|FILE", help="a paper of 'voronec list', or a file that defines PAPER"
-    )
-    parser.add_argument("--out", metavar="DIR", help="folder for HTML, LaTeX, JSON, pictures")
-    parser.add_argument(
-        "--label", metavar="L", help="only this label, or what the page calls 'text 3'"
-    )
-    parser.add_argument(
-        "--details",
-        action="store_true",
-        help="print one line for each record, and every erratum in full",
-    )
-    parser.add_argument(
-        "--fresh", action="store_true", help="do not reuse verdicts of an earlier audit"
-    )
+    _argument(parser, "paper NAME|FILE", "a paper of 'voronec list', or a file that defines PAPER")
+    _argument(parser, "--out DIR", "folder for HTML, LaTeX, JSON, pictures")
+    _argument(parser, "--label L", "only this label, or what the page calls 'text 3'")
+    _argument(parser, "--details", "print one line for each record, and every erratum in full")
+    _argument(parser, "--fresh", "do not reuse verdicts of an earlier audit")
 
 
 def _run(commands: Any) -> None:
@@ -171,21 +159,16 @@ def _run(commands: Any) -> None:
     _system(parser)
     _outputs(parser)
     _setting(parser)
-    parser.add_argument(
-        "--times",
-        metavar="[START:]END[:N]",
-        help="times instead of those of the scene, N of them (1001)",
+    _argument(
+        parser, "--times [START:]END[:N]", "times instead of those of the scene, N of them (1001)"
     )
-    parser.add_argument("--method", choices=method_names(), default="auto", help="the integrator")
-    parser.add_argument("--tol", metavar="TOL", help="the integrator's tolerance (1e-13)")
-    parser.add_argument(
-        "--out", metavar="DIR", help="folder for trajectory.csv and pictures (./NAME-run)"
-    )
-    parser.add_argument(
-        "--animate",
-        metavar="FILE",
-        help="an animation of a ball rolling on a sphere: .gif, .mp4, or .png for single frames",
-    )
+    _argument(parser, "--method", "the integrator", choices=method_names(), default="auto")
+    _argument(parser, "--tol TOL", "the integrator's tolerance (1e-13)")
+    _argument(parser, "--out DIR", "folder for trajectory.csv and pictures (./NAME-run)")
+    _argument(
+        parser, "--animate FILE",
+        "an animation of a ball rolling on a sphere: .gif, .mp4, or .png for single frames",
+    )  # fmt: skip
 
 
 def _view(commands: Any) -> None:
@@ -193,102 +176,75 @@ def _view(commands: Any) -> None:
     parser = _command(commands, "view", "view", summary)
     _system(parser)
     _setting(parser)
-    parser.add_argument(
-        "--times",
-        metavar="[START:]END[:N]",
-        help="other times than the scene's, at N instants (1001)",
+    _argument(
+        parser, "--times [START:]END[:N]", "other times than the scene's, at N instants (1001)"
     )
-    parser.add_argument(
-        "--out", metavar="DIR", help="folder for the page NAME.html (the current folder)"
-    )
+    _argument(parser, "--out DIR", "folder for the page NAME.html (the current folder)")
 
 
 def _check(commands: Any) -> None:
     summary = "prove or refute all claims, relations and squares"
     parser = _command(commands, "check", "check", summary)
-    parser.add_argument(
-        "names",
-        metavar="NAME|FILE",
-        nargs="*",
-        help="only these systems, with their relations and squares",
+    _argument(
+        parser, "names NAME|FILE", "only these systems, with their relations and squares", nargs="*"
     )
-    parser.add_argument(
-        "--fresh", action="store_true", help="do not reuse verdicts of an earlier check"
-    )
-    parser.add_argument(
-        "--jobs", metavar="N", type=int, help="number of processes (one for each processor)"
-    )
+    _argument(parser, "--fresh", "do not reuse verdicts of an earlier check")
+    _argument(parser, "--jobs N", "number of processes (one for each processor)", type=int)
 
 
 def _compare(commands: Any) -> None:
     summary = "compare two systems, or a stored derivation with today's"
     parser = _command(commands, "compare", "comparison", summary)
     for side in ("first", "second"):
-        parser.add_argument(
-            side,
-            metavar="NAME|FILE",
-            help="a system, a .py or .toml file of one, or a .json of 'derive --store'",
-        )
+        _argument(
+            parser, f"{side} NAME|FILE",
+            "a system, a .py or .toml file of one, or a .json of 'derive --store'",
+        )  # fmt: skip
 
 
 def _graph(commands: Any) -> None:
     summary = "draw the systems and their relations"
     parser = _command(commands, "graph", "graph", summary)
-    parser.add_argument(
-        "names", metavar="NAME", nargs="*", help="only these systems and their neighbours"
-    )
-    parser.add_argument(
-        "--out",
-        metavar="FILE",
-        help="a .svg, .png, .pdf, .dot or .json file, instead of text",
-    )
+    _argument(parser, "names NAME", "only these systems and their neighbours", nargs="*")
+    _argument(parser, "--out FILE", "a .svg, .png, .pdf, .dot or .json file, instead of text")
 
 
 def _section(commands: Any) -> None:
     summary = "draw a Poincare section: where motions pass through a surface"
     parser = _command(commands, "section", "section", summary)
     _system(parser)
-    parser.add_argument(
-        "--plane",
-        metavar="EXPR=VALUE",
-        help="the surface, such as omega1=0 (by default, something that oscillates)",
-    )
-    parser.add_argument(
-        "--outputs", metavar="A,B", help="what is recorded; the first two are drawn"
-    )
+    _argument(
+        parser, "--plane EXPR=VALUE",
+        "the surface, such as omega1=0 (by default, something that oscillates)",
+    )  # fmt: skip
+    _argument(parser, "--outputs A,B", "what is recorded; the first two are drawn")
     _setting(parser)
     for name, default, meaning in (
         ("starts", 1, "motions on one level of all integrals"),
         ("crossings", 1000, "points of each motion"),
     ):
-        parser.add_argument(
-            f"--{name}", metavar="N", type=int, default=default, help=f"{meaning} ({default})"
-        )
-    parser.add_argument(
-        "--direction", choices=("up", "down", "both"), default="up", help="direction of crossing"
+        _argument(parser, f"--{name} N", f"{meaning} ({default})", type=int, default=default)
+    _argument(
+        parser, "--direction", "direction of crossing", choices=("up", "down", "both"), default="up"
     )
-    parser.add_argument("--until", metavar="T", help="give a motion up after this time")
-    parser.add_argument(
-        "--method", choices=method_names(many=True), default="auto", help="the integrator"
-    )
-    parser.add_argument("--tol", metavar="TOL", help="the integrator's tolerance (1e-13)")
-    parser.add_argument(
-        "--out", metavar="DIR", help="folder for points.csv and section.svg (./NAME-section)"
-    )
+    _argument(parser, "--until T", "give a motion up after this time")
+    _argument(parser, "--method", "the integrator", choices=method_names(many=True), default="auto")
+    _argument(parser, "--tol TOL", "the integrator's tolerance (1e-13)")
+    _argument(parser, "--out DIR", "folder for points.csv and section.svg (./NAME-section)")
 
 
 def _gallery(commands: Any) -> None:
     summary = "draw a motion of every class of traces; without NAME, pages of a dozen motions"
     parser = _command(commands, "gallery", "gallery", summary)
     _system(parser, nargs="?")
-    parser.add_argument("--only", metavar="A,B", help="only these classes, such as A,C1,D3")
-    parser.add_argument(
-        "--set", metavar="NAME=VALUE", action="append", default=[],
-        help="hold a parameter at this value; may be given several times",
+    _argument(parser, "--only A,B", "only these classes, such as A,C1,D3")
+    _argument(
+        parser, "--set NAME=VALUE",
+        "hold a parameter at this value; may be given several times", action="append", default=[],
     )  # fmt: skip
-    parser.add_argument(
-        "--out", metavar="DIR|FILE",
-        help="folder, or one .svg, .png or .pdf (./NAME-gallery; without NAME ./gallery)",
+    _argument(
+        parser, "--out DIR|FILE",
+        "folder, or one .svg, .png or .pdf (./NAME-gallery; without NAME ./gallery)",
     )  # fmt: skip
 
 
@@ -297,38 +253,32 @@ def _bench(commands: Any) -> None:
     parser = _command(commands, "bench", "benchmark", summary)
     _system(parser)
     _setting(parser)
-    parser.add_argument(
-        "--outputs",
-        metavar="A,B",
-        help="what is compared (by default invariants and velocities, where their equations close)",
-    )
-    parser.add_argument("--time", metavar="T", help="length of the motion (the scene's)")
-    parser.add_argument("--methods", metavar="A,B", help="only these methods and peers")
-    parser.add_argument(
-        "--tols", metavar="X,Y", help="these tolerances instead of each method's own"
-    )
-    parser.add_argument(
-        "--setup",
-        action="store_true",
-        help="instead, show where the time of a whole call goes, at the first of --tols (1e-9)",
-    )
-    parser.add_argument(
-        "--out", metavar="DIR", help="folder for bench.json, the table and a plot (./NAME-bench)"
-    )
+    _argument(
+        parser, "--outputs A,B",
+        "what is compared (by default invariants and velocities, where their equations close)",
+    )  # fmt: skip
+    _argument(parser, "--time T", "length of the motion (the scene's)")
+    _argument(parser, "--methods A,B", "only these methods and peers")
+    _argument(parser, "--tols X,Y", "these tolerances instead of each method's own")
+    _argument(
+        parser, "--setup",
+        "instead, show where the time of a whole call goes, at the first of --tols (1e-9)",
+    )  # fmt: skip
+    _argument(parser, "--out DIR", "folder for bench.json, the table and a plot (./NAME-bench)")
 
 
 def _hard(commands: Any) -> None:
     summary = "try every integrator on numerically hard cases"
     parser = _command(commands, "hard", "hard", summary)
-    parser.add_argument("cases", metavar="CASE", nargs="*", help="only these cases (all)")
-    parser.add_argument(
-        "--method", metavar="M", action="append", default=[],
-        help="auto, heyoka, scipy, numba, c, python, lsoda, flint or closed-form; may be given "
-        "several times",
+    _argument(parser, "cases CASE", "only these cases (all)", nargs="*")
+    _argument(
+        parser, "--method M",
+        "auto, heyoka, scipy, numba, c, python, lsoda, flint or closed-form; may be given "
+        "several times", action="append", default=[],
     )  # fmt: skip
-    parser.add_argument("--quick", action="store_true", help="a short selection of the cases")
-    parser.add_argument("--list", action="store_true", help="list the cases without running them")
-    parser.add_argument("--out", metavar="DIR", help="write hard-cases.md and hard.json there")
+    _argument(parser, "--quick", "a short selection of the cases")
+    _argument(parser, "--list", "list the cases without running them")
+    _argument(parser, "--out DIR", "write hard-cases.md and hard.json there")
 
 
 def _search(commands: Any) -> None:
@@ -343,30 +293,24 @@ def _search(commands: Any) -> None:
         ("power", 1, "the power of each denominator"),
         ("limit", 2000, "how many monomials of one class of symmetry are taken on"),
     ):
-        parser.add_argument(
-            f"--{name}", metavar="N", type=int, default=default, help=f"{meaning} ({default})"
-        )
+        _argument(parser, f"--{name} N", f"{meaning} ({default})", type=int, default=default)
     for name, target, value, meaning in (
         ("denominator", "denominator", "G", "divide by G too; 'mass': the mass determinant"),
         ("with", "functions", "F=EXPR", "a further letter F; without '=', a declared equation's"),
         ("at", "at", "P=VALUE", "a special value of a parameter, such as R2=-2*R1"),
     ):
-        parser.add_argument(
-            f"--{name}", dest=target, metavar=value, action="append", default=[],
-            help=f"{meaning}; may be given several times",
+        _argument(
+            parser, f"--{name} {value}",
+            f"{meaning}; may be given several times", dest=target, action="append", default=[],
         )  # fmt: skip
-    parser.add_argument("--momenta", action="store_true", help="use momenta instead of velocities")
-    parser.add_argument(
-        "--again", action="store_true", help="also find the integrals that are declared"
-    )
+    _argument(parser, "--momenta", "use momenta instead of velocities")
+    _argument(parser, "--again", "also find the integrals that are declared")
 
 
 def _new(commands: Any) -> None:
     parser = _command(commands, "new", "template", "write a file with a small system to start from")
-    parser.add_argument(
-        "--toml", action="store_true", help="write NAME.toml, a text file, instead of NAME.py"
-    )
-    parser.add_argument("name", metavar="NAME", help="lower-case letters, digits and hyphens")
+    _argument(parser, "--toml", "write NAME.toml, a text file, instead of NAME.py")
+    _argument(parser, "name NAME", "lower-case letters, digits and hyphens")
 
 
 def _cite(commands: Any) -> None:
@@ -376,37 +320,35 @@ def _cite(commands: Any) -> None:
 
 def _setting(parser: argparse.ArgumentParser) -> None:
     """Which motion is meant."""
-    parser.add_argument("--scene", metavar="S", help="the scene ('default')")
-    parser.add_argument(
-        "--set",
-        metavar="NAME=VALUE",
-        action="append",
-        default=[],
-        help="another value of a parameter, or of a coordinate or velocity at the start; "
+    _argument(parser, "--scene S", "the scene ('default')")
+    _argument(
+        parser,
+        "--set NAME=VALUE",
+        "another value of a parameter, or of a coordinate or velocity at the start; "
         "may be given several times",
-    )
-    parser.add_argument(
-        "--input",
-        metavar="NAME=VALUE",
         action="append",
         default=[],
-        help="an input: a formula of t and of the state, or a file of times and values, "
+    )
+    _argument(
+        parser,
+        "--input NAME=VALUE",
+        "an input: a formula of t and of the state, or a file of times and values, "
         "FILE.csv[:held|:linear|:cubic]",
+        action="append",
+        default=[],
     )
 
 
 def _outputs(parser: argparse.ArgumentParser) -> None:
     meaning = "what to compute: names or formulas (those of the scene)"
-    parser.add_argument("--outputs", metavar="A,B", help=meaning)
+    _argument(parser, "--outputs A,B", meaning)
 
 
 def _system(parser: argparse.ArgumentParser, nargs: str | None = None) -> None:
-    parser.add_argument(
-        "system",
-        nargs=nargs,
-        metavar="NAME|FILE",
-        help="a system's name, or a file: Python defining SYSTEM, or TOML",
-    )
+    _argument(
+        parser, "system NAME|FILE",
+        "a system's name, or a file: Python defining SYSTEM, or TOML", nargs=nargs,
+    )  # fmt: skip
 
 
 OPTIONS: Mapping[str, str] = MappingProxyType(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.columns import columns
 from voronec.cli.files import delivery, wanted_folder
-from voronec.cli.output import print_json, progress
+from voronec.cli.output import print_json, progress, progress_line
 from voronec.cli.subject import resolve
 from voronec.cli.values import finite, input_values, pair, split_values
 from voronec.errors import DefinitionError
@@ -50,8 +50,7 @@ def execute(arguments: Namespace) -> int:
     methods = _words(arguments.methods)
     contenders(methods)  # refuses an unknown one before any work
     outputs = tuple(_words(arguments.outputs))
-    try:
-        progress(f"{system.name}: deriving ...")
+    with progress_line(f"{system.name}: deriving ..."):
         question = ask(system, arguments.scene, outputs, time, parameters, initial, inputs=inputs)
         bench = measure(
             question, methods, tolerances,
@@ -60,8 +59,6 @@ def execute(arguments: Namespace) -> int:
             ),
             say=lambda text: progress(f"{system.name}: {text} ..."),
         )  # fmt: skip
-    finally:
-        progress("")
     files = _write(bench, folder)
     if arguments.json:
         print_json({**bench.as_dict(), "files": [str(f) for f in files]})
@@ -96,13 +93,10 @@ def _show_calls(
     """Print where the time of whole calls goes."""
     from voronec.accuracy.bench import measure_calls
 
-    try:
-        progress(f"{name}: calls in two fresh processes ...")
+    with progress_line(f"{name}: calls in two fresh processes ..."):
         found = measure_calls(
             arguments.system, arguments.scene, time, (tolerances or [TOLERANCE])[0], values
         ).as_dict()
-    finally:
-        progress("")
     if arguments.json:
         print_json({"system": name, "seconds": found})
         return 0

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from voronec.algebra.columns import columns
-from voronec.cli.output import print_json, progress
+from voronec.cli.output import print_json, progress, progress_line
 from voronec.cli.subject import is_file, name_in
 from voronec.errors import DefinitionError
 
@@ -28,10 +28,8 @@ def execute(arguments: Namespace) -> int:
     stock = Inventory.of(filter(is_file, arguments.names))
     names = [name_in(stock, subject) for subject in arguments.names]
     store = None if arguments.fresh else user_store()
-    try:
+    with progress_line():
         report = check_catalogue(names, stock, arguments.jobs, store, progress)
-    finally:
-        progress("")
     if arguments.json:
         print_json(report.as_dict())
     else:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from voronec.algebra.columns import columns
-from voronec.cli.output import print_json, progress
+from voronec.cli.output import print_json, progress, progress_line
 from voronec.cli.subject import resolve
 
 if TYPE_CHECKING:
@@ -21,12 +21,10 @@ def execute(arguments: Namespace) -> int:
     """Print what is the same and where the two differ."""
     from voronec.proof.comparison import compare
 
-    try:
+    with progress_line():
         first, second = (_side(subject) for subject in (arguments.first, arguments.second))
         progress(f"comparing '{first.name}' and '{second.name}'")
         found = compare(first, second)
-    finally:
-        progress("")
     if arguments.json:
         print_json(found.as_dict())
     else:

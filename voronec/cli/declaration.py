@@ -180,6 +180,7 @@ def _data(system: System) -> dict[str, Any]:
     from voronec.declaration.claims import right_of
 
     frame = system.frame
+    quasi, group = (None, frame) if frame and frame.is_group else (frame, None)
     return {
         "name": system.name,
         "title": system.title,
@@ -188,8 +189,8 @@ def _data(system: System) -> dict[str, Any]:
         "fibre": _words(system.fibration.fibre),
         "relations": _words(system.fibration.relations),
         "velocities": _words(system.velocities),
-        "frame": _quasi(frame) if frame and not frame.is_group else None,
-        "group": _group(frame) if frame and frame.is_group else None,
+        "frame": _pairs(quasi.velocities, quasi.expressions) if quasi else None,
+        "group": _group(group) if group else None,
         "lagrangian": plain(system.lagrangian),
         "constraints": _words(system.constraints),
         "forces": _pairs(system.forces.keys(), system.forces.values()),
@@ -209,11 +210,6 @@ def _data(system: System) -> dict[str, Any]:
         "references": list(system.references),
         "sketch": system.sketch is not None,
     }  # fmt: skip
-
-
-def _quasi(frame: Frame) -> dict[str, str]:
-    """The definitions of quasi-velocities."""
-    return _pairs(frame.velocities, frame.expressions)
 
 
 def _group(frame: Frame) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.columns import columns
-from voronec.cli.output import plain, print_json, progress
+from voronec.cli.output import plain, print_json, progress, progress_line
 from voronec.cli.subject import resolve
 from voronec.equations.printers import PRINTERS
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
@@ -30,11 +30,8 @@ def execute(arguments: Namespace) -> int:
     chosen = next((name for name in PRINTERS if getattr(arguments, name)), None)
     _require_program(chosen, arguments.jacobian)
     system, _ = resolve(arguments.system)
-    progress(f"{system.name}: the equations of motion")
-    try:
+    with progress_line(f"{system.name}: the equations of motion"):
         return _execute(arguments, derive(system), chosen)
-    finally:
-        progress("")
 
 
 def _execute(arguments: Namespace, eqs: VoronecEquations, chosen: str | None) -> int:

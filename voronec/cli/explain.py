@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from voronec.cli.files import delivery, wanted_folder
-from voronec.cli.output import print_json, progress
+from voronec.cli.output import print_json, progress_line
 from voronec.cli.subject import resolve
 from voronec.cli.values import first_scene, input_values, outputs_of, pair, split_values
 from voronec.errors import DefinitionError
@@ -36,8 +36,7 @@ def execute(arguments: Namespace) -> int:
     from voronec.motion.explanation import explain, model_text
 
     scene = arguments.scene or first_scene(system)
-    progress(f"{system.name}: weighing the levels of the equations ...")
-    try:
+    with progress_line(f"{system.name}: weighing the levels of the equations ..."):
         model = explain(
             system,
             scene=scene,
@@ -48,8 +47,6 @@ def execute(arguments: Namespace) -> int:
         )
         text = model_text(model)
         files = [] if folder is None else _write(model, text, folder)
-    finally:
-        progress("")
     if arguments.json:
         print_json({**model.as_dict(), "scene": scene, "files": [str(f) for f in files]})
         return 0
@@ -68,13 +65,10 @@ def _derivation(arguments: Namespace) -> int:
     system, _ = resolve(arguments.system)
     from voronec.audit.lessons.lesson import lesson
 
-    progress(f"{system.name}: the derivation step by step ...")
-    try:
+    with progress_line(f"{system.name}: the derivation step by step ..."):
         found = lesson(system)
         told = found.as_dict() if arguments.json else None
         text = found.latex() if arguments.latex else str(found)
-    finally:
-        progress("")
     files = []
     if folder is not None:
         pages = {"txt": f"{found}\n", "tex": found.latex(), "html": found.html()}

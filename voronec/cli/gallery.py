@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from voronec.algebra.columns import columns
 from voronec.algebra.symbols import plain_name
 from voronec.cli.files import delivery, refuse_file, wanted_folder
-from voronec.cli.output import plain, print_json, progress
+from voronec.cli.output import plain, print_json, progress, progress_line
 from voronec.cli.subject import resolve
 from voronec.cli.values import pair, split_values
 from voronec.errors import DefinitionError, did_you_mean
@@ -101,11 +101,8 @@ def _pages(arguments: Namespace) -> int:
     folder = wanted_folder(arguments.out or "gallery")
     from voronec.motion.viewer.gallery import write_gallery
 
-    try:
-        with delivery(folder) as workshop:
-            names = [file.name for file in write_gallery(workshop, progress)]
-    finally:
-        progress("")
+    with progress_line(), delivery(folder) as workshop:
+        names = [file.name for file in write_gallery(workshop, progress)]
     if arguments.json:
         print_json({"files": [str(folder / name) for name in names]})
     else:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.columns import columns
-from voronec.cli.output import print_json, progress, warn
+from voronec.cli.output import print_json, progress_line, warn
 from voronec.cli.subject import is_file, name_in
 from voronec.declaration.whole_files import replace_file
 from voronec.errors import DefinitionError
@@ -32,14 +32,11 @@ def execute(arguments: Namespace) -> int:
         raise DefinitionError(
             f"'{path}' must end in {', '.join(PICTURES)}, .dot or .json; rename it"
         )
-    progress("reading the systems")
-    try:
+    with progress_line("reading the systems"):
         stock = Inventory.of(filter(is_file, arguments.names))
         names = {name_in(stock, subject) for subject in arguments.names}
         graph = around(stock.graph, names) if names else stock.graph
         known = {r.name: r for r in known_results(stock, names) if r.kind == "relation"}
-    finally:
-        progress("")
     data = _data(graph, known)
     _warn_of_trouble(stock)
     if path is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import Namespace
 
-from voronec.cli.output import print_json, progress
+from voronec.cli.output import print_json, progress_line
 from voronec.cli.subject import resolve
 
 __all__ = ["execute"]
@@ -15,12 +15,9 @@ def execute(arguments: Namespace) -> int:
     system, _ = resolve(arguments.system)
     from voronec.audit.lessons.methods import by_methods
 
-    progress(f"{system.name}: the equations by six methods ...")
-    try:
+    with progress_line(f"{system.name}: the equations by six methods ..."):
         found = by_methods(system)
         data = found.as_dict() if arguments.json else None
         text = str(found) if data is None else ""
-    finally:
-        progress("")
     print_json(data) if data is not None else print(text)
     return 0 if found.proved else 1

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from voronec.algebra.columns import columns
 from voronec.cli.files import delivery, wanted_folder
-from voronec.cli.output import print_json, progress, warn
+from voronec.cli.output import print_json, progress, progress_line, warn
 from voronec.cli.subject import resolve
 from voronec.cli.values import (
     first_scene,
@@ -49,15 +49,12 @@ def execute(arguments: Namespace) -> int:
         wanted_folder(str(Path(arguments.animate).parent))
     from voronec.motion import integrate
 
-    progress(f"{system.name}: integrating ...")
-    try:
+    with progress_line(f"{system.name}: integrating ..."):
         trajectory = integrate(
             system, scene=scene, times=times, outputs=outputs, parameters=parameters,
             initial=initial, method=arguments.method, tol=tol, inputs=inputs,
             progress=lambda share: progress(f"{system.name}: {share:.0%} of the motion"),
         )  # fmt: skip
-    finally:
-        progress("")
     files = _write(trajectory, folder)
     if arguments.animate:
         files += _animate(trajectory, Path(arguments.animate))
@@ -89,15 +86,13 @@ def _animate(trajectory: Trajectory, target: Path) -> list[Path]:
     from voronec.motion.pictures.rolling_animation import film, rolling_of
 
     name = trajectory.system.name
-    try:
+    with progress_line():
         with delivery(target.parent) as workshop:
             made = film(
                 rolling_of(trajectory), workshop / target.name,
                 progress=lambda share: progress(f"{name}: {share:.0%} of the film"),
             )  # fmt: skip
         return [target.parent / file.name for file in made]
-    finally:
-        progress("")
 
 
 def _report(trajectory: Trajectory, scene: str | None, files: list[Path], as_json: bool) -> None:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
-__all__ = ["plain", "print_json", "progress", "warn"]
+__all__ = ["plain", "print_json", "progress", "progress_line", "warn"]
 
 
 def print_json(data: Any) -> None:
@@ -30,3 +32,13 @@ def progress(message: str) -> None:
     """Progress of long work: one line on stderr that replaces itself, on a terminal only."""
     if sys.stderr.isatty():
         print(f"\r\x1b[2K{message}", end="", file=sys.stderr, flush=True)
+
+
+@contextmanager
+def progress_line(message: str = "") -> Iterator[None]:
+    """Progress of the work inside, a message first; its line goes when the work ends."""
+    progress(message)
+    try:
+        yield
+    finally:
+        progress("")

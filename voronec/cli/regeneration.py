@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from voronec.cli.files import delivery, wanted_folder
-from voronec.cli.output import print_json, progress
+from voronec.cli.output import print_json, progress, progress_line
 from voronec.cli.subject import is_file
 from voronec.declaration.catalogue import load, load_paper, load_paper_file, names
 from voronec.errors import DefinitionError
@@ -44,15 +44,12 @@ def execute(arguments: Namespace) -> int:
     files: list[Path] = []
     failure: DefinitionError | None = None
     stage = None if arguments.json or arguments.label else _Sections(paper.title)
-    progress(f"{paper.name}: deriving what the paper speaks of ...")
-    try:
+    with progress_line(f"{paper.name}: deriving what the paper speaks of ..."):
         audit = audit_paper(paper, _announce, cache, arguments.label, stage)
         try:
             files = [] if folder is None else _write(audit, arguments.paper, folder)
         except DefinitionError as error:  # the verdicts are told all the same
             failure = error
-    finally:
-        progress("")
     if arguments.json:
         print_json(audit.as_list())
     else:

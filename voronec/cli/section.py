@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from voronec.algebra.columns import columns
 from voronec.algebra.text import name_or_formula
 from voronec.cli.files import delivery, wanted_folder
-from voronec.cli.output import print_json, progress, warn
+from voronec.cli.output import print_json, progress, progress_line, warn
 from voronec.cli.subject import resolve
 from voronec.cli.values import (
     finite,
@@ -52,8 +52,7 @@ def execute(arguments: Namespace) -> int:
     from voronec.motion.inputs import drive
     from voronec.motion.sections import section
 
-    progress(f"{system.name}: deriving ...")
-    try:
+    with progress_line(f"{system.name}: deriving ..."):
         scene = arguments.scene or first_scene(system)
         chosen = system.scenes.get(scene) if scene else None
         driven = drive(system, inputs, chosen)
@@ -73,8 +72,6 @@ def execute(arguments: Namespace) -> int:
             method=arguments.method, tol=tol,
             progress=lambda share: progress(f"{system.name}: {share:.0%} of the crossings"),
         )  # fmt: skip
-    finally:
-        progress("")
     if found.interrupted and not len(found):
         raise KeyboardInterrupt
     files = _write(found, folder)

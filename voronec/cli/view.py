@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import Namespace
 
 from voronec.cli.files import delivery, wanted_folder
-from voronec.cli.output import print_json, progress
+from voronec.cli.output import print_json, progress_line
 from voronec.cli.subject import resolve
 from voronec.cli.values import first_scene, input_values, instants, pair, split_values
 
@@ -25,16 +25,13 @@ def execute(arguments: Namespace) -> int:
     parameters, initial = split_values(system, pairs)
     scene = arguments.scene or first_scene(system)
     everything = (*system.coordinates, *system.velocities)
-    progress(f"{system.name}: integrating ...")
-    try:
+    with progress_line(f"{system.name}: integrating ..."):
         trajectory = integrate(
             system, scene=scene, times=times, outputs=everything, parameters=parameters,
             initial=initial, inputs=inputs,
         )  # fmt: skip
         page = Page(trajectory, system.scenes[scene].caption if scene else "")
         text = page.text
-    finally:
-        progress("")
     name = system.name if scene in (None, "default") else f"{system.name}-{scene}"
     with delivery(folder) as workshop:
         (workshop / f"{name}.html").write_text(text, "utf-8")

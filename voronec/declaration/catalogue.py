@@ -97,10 +97,7 @@ class Entry:
             raise DefinitionError(f"system '{self.name}': {self.trouble}")
         if self.path and not self.member:
             return load_file(self.path)
-        if self.path:
-            found = _definitions_in(Path(self.path)).get(self.attribute)
-        else:
-            found = getattr(_import(self.name, self.module, self.attribute), self.attribute)
+        found = self._definitions().get(self.attribute)
         if self.member:
             found = self._make_member(found)
         if not isinstance(found, System):
@@ -115,6 +112,12 @@ class Entry:
             )
         return found
 
+    def _definitions(self) -> Mapping[str, Any]:
+        """The names that the file or the module defines."""
+        if self.path:
+            return _definitions_in(Path(self.path))
+        return vars(_import(self.name, self.module, self.attribute))
+
     def _make_member(self, family: Any) -> Any:
         """The member of a family; ``DefinitionError`` where its function fails."""
         try:
@@ -127,10 +130,7 @@ class Entry:
         """Which members the family in this module or file has; none where it is one system."""
         if not self.path and not self.module:
             return ()
-        space: Any = _definitions_in(Path(self.path)) if self.path else None
-        if space is None:
-            space = vars(_import(self.name, self.module, self.attribute))
-        found = space.get("MEMBERS", {})
+        found = self._definitions().get("MEMBERS", {})
         if not isinstance(found, Mapping) or not all(callable(make) for make in found.values()):
             raise DefinitionError(
                 f"{self.place}: MEMBERS is no mapping of functions; write MEMBERS = "
@@ -155,10 +155,7 @@ class Entry:
         """The ``RELATIONS`` and ``SQUARES`` beside the system; ``DefinitionError`` as ``load``."""
         from voronec.declaration.relation import Relation, Square
 
-        if self.path:
-            space: Any = _definitions_in(Path(self.path))
-        else:
-            space = vars(_import(self.name, self.module, self.attribute))
+        space = self._definitions()
         relations = self._several(space, "RELATIONS", Relation)
         return relations, self._several(space, "SQUARES", Square)
 

@@ -38,7 +38,7 @@ __all__ = [
     "without_claims",
 ]
 
-ASSERTION = "Assertion(kind, expressions, decide)"
+ASSERTION, EQUATION = "Assertion(kind, expressions, decide)", "Equation(function, rate)"
 THEOREMS = ("Euler-Jacobi",)
 """What ``integrable`` may name."""
 
@@ -348,26 +348,19 @@ def _read_claim(value: Any, place: str, read: Callable[[Any, str], Any]) -> Any:
     return read(value, place)
 
 
-def _equation(value: Any, place: str) -> Equation:
-    if isinstance(value, Equation):
-        return value
-    raise DefinitionError(f"{place} is '{quote(value)}'; write Equation(function, rate)")
+def _reader_of(kind: type, entry: str) -> Callable[[Any, str], Any]:
+    """Takes values of one class; ``entry`` shows in messages how one is written."""
+
+    def read(value: Any, place: str) -> Any:
+        if isinstance(value, kind):
+            return value
+        raise DefinitionError(f"{place} is '{quote(value)}'; write {entry}")
+
+    return read
 
 
 def _measure(value: Any, place: str) -> Measure:
     return value if isinstance(value, Measure) else Measure(expression(value, place))
-
-
-def _assertion(value: Any, place: str) -> Assertion:
-    if isinstance(value, Assertion):
-        return value
-    raise DefinitionError(f"{place} is '{quote(value)}'; write {ASSERTION}")
-
-
-def _poisson(value: Any, place: str) -> Poisson:
-    if isinstance(value, Poisson):
-        return value
-    raise DefinitionError(f"{place} is '{quote(value)}'; write Poisson(variables, bracket, ...)")
 
 
 def _names(things: Iterable[Any]) -> str:
@@ -376,8 +369,8 @@ def _names(things: Iterable[Any]) -> str:
 
 KINDS = (
     ClaimKind("integral", "integrals", expression, "'name': expression"),
-    ClaimKind("equation", "equations", _equation, "'name': Equation(function, rate)"),
-    ClaimKind("assertion", "assertions", _assertion, f"'name': {ASSERTION}"),
+    ClaimKind("equation", "equations", _reader_of(Equation, EQUATION), f"'name': {EQUATION}"),
+    ClaimKind("assertion", "assertions", _reader_of(Assertion, ASSERTION), f"'name': {ASSERTION}"),
     ClaimKind(
         "measure", "measure", lambda value, place: _read_claim(value, place, _measure),
         title=lambda _: "density", place="the measure",
@@ -387,7 +380,8 @@ KINDS = (
         title=lambda _: "reducing multiplier", place="the multiplier",
     ),
     ClaimKind(
-        "poisson", "poisson", _poisson, title=lambda claim: _names(claim.variables), place="poisson"
+        "poisson", "poisson", _reader_of(Poisson, "Poisson(variables, bracket, ...)"),
+        title=lambda claim: _names(claim.variables), place="poisson",
     ),
     ClaimKind(
         "essential", "essential", _variables, title=_names, place="essential", empty=()

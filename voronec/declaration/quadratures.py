@@ -219,7 +219,11 @@ class Quadratures:
         return Memo()
 
     def _check(self) -> None:
-        _check_degree(self.quartic, self.x, MOST, "the quartic")
+        if not self.quartic.is_polynomial(self.x) or _degree(self.quartic, self.x) > MOST:
+            raise DefinitionError(
+                f"the quartic is '{quote(self.quartic)}', which is no polynomial in '{self.x}' of "
+                f"degree {MOST} or less"
+            )
         for q, rate in self.integrals.items():
             _check_rational(rate, self.x, f"the rate of '{plain_name(q)}'")
         _check_rational(self.clock, self.x, "the clock")
@@ -336,14 +340,6 @@ def _kind(thing: Any, kind: type, entry: str) -> None:
     if not isinstance(thing, kind):
         name = kind.__name__.lower()
         raise DefinitionError(f"{name} is '{quote(thing)}'; write {entry}")
-
-
-def _check_degree(value: sp.Expr, x: sp.Symbol, most: int, what: str) -> None:
-    """A polynomial in the variable, of no higher degree as it is written."""
-    if not value.is_polynomial(x) or _degree(value, x) > most:
-        raise DefinitionError(
-            f"{what} is '{quote(value)}', which is no polynomial in '{x}' of degree {most} or less"
-        )
 
 
 def _degree(value: sp.Expr, x: sp.Symbol) -> int:

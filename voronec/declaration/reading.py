@@ -218,9 +218,8 @@ def require_known(
     hint = " (a different symbol of that name is declared: use one symbol object)"
     same = any(str(first) in (str(k), plain_name(k)) for k in known)
     raise DefinitionError(
-        f"{place} contains '{first}', which is neither coordinate, velocity nor "
-        "parameter; declare it in parameters=(...), inputs=(...) or the fibration"
-        f"{hint if same else ''}"
+        f"{place} contains '{first}', which is neither coordinate, velocity nor parameter; declare "
+        f"it in parameters=(...), inputs=(...) or the fibration{hint if same else ''}"
     )
 
 

@@ -178,46 +178,27 @@ class System:
             raise DefinitionError(
                 f"the name of a system is {quote(self.name)!r}, not a text; write name='my-system'"
             )
-        self._check_kinds()
         try:
+            self._check_kinds()
             self._read()
+            for check in CHECKS:
+                check(self)
         except DefinitionError as error:
-            raise DefinitionError(f"system '{self.name}': {error}") from None
-        check_possible(self)
-        check_forces(self)
-        check_names(self)
-        check_symbols(self)
-        check_frame(self)
-        check_relations(self)
-        check_claims(self)
-        check_charts(self)
-        check_motion(self)
-        check_meanings(self)
-        check_shapes(self)
-        check_bodies(self)
+            raise DefinitionError(f"system '{quote(self.name)}': {error}") from None
 
     def _check_kinds(self) -> None:
-        """A fibration and a frame come ready made, invariants by name."""
+        """A fibration, a frame and a sketch come ready made, invariants by name."""
         for name in self.invariants if isinstance(self.invariants, Mapping) else ():
             if not isinstance(name, str):
-                raise DefinitionError(
-                    f"system '{self.name}': the invariant '{quote(name)}' is no name; give a text"
-                )
-        if not isinstance(self.fibration, Fibration):
-            raise DefinitionError(
-                f"system '{self.name}': the fibration is '{quote(self.fibration)}'; "
-                "write Fibration(base=(...), fibre=(...))"
-            )
-        if self.sketch is not None and not isinstance(self.sketch, Sketch):
-            raise DefinitionError(
-                f"system '{self.name}': the sketch is '{quote(self.sketch)}'; "
-                "write Sketch('seen from above').axes('x', 'y')..."
-            )
-        if self.frame is not None and not isinstance(self.frame, Frame):
-            raise DefinitionError(
-                f"system '{self.name}': the frame is '{quote(self.frame)}'; "
-                "write Frame.quasi({velocity: expression})"
-            )
+                raise DefinitionError(f"the invariant '{quote(name)}' is no name; give a text")
+        for name, kind, mend in (
+            ("fibration", Fibration, "Fibration(base=(...), fibre=(...))"),
+            ("sketch", Sketch, "Sketch('seen from above').axes('x', 'y')..."),
+            ("frame", Frame, "Frame.quasi({velocity: expression})"),
+        ):
+            given = getattr(self, name)
+            if not isinstance(given, kind) and (given is not None or name == "fibration"):
+                raise DefinitionError(f"the {name} is '{quote(given)}'; write {mend}")
 
     def _read(self) -> None:
         """Bring every declaration into its final form."""
@@ -486,8 +467,8 @@ def check_possible(system: System) -> None:
         stray = getattr(condition, "free_symbols", symbols) - symbols
         if not isinstance(condition, Boolean) or condition.is_Symbol or stray:
             raise DefinitionError(
-                f"system '{system.name}': the condition '{words}' is '{quote(condition)}', which "
-                "is no relation of the system's parameters; write one such as 2*A > m*R**2"
+                f"the condition '{words}' is '{quote(condition)}', which is no relation of the "
+                "system's parameters; write one such as 2*A > m*R**2"
             )
 
 
@@ -517,8 +498,7 @@ def check_forces(system: System) -> None:
                     for v in dict.fromkeys((*system.velocities, *map(velocity, system.coordinates)))
                 )
             raise DefinitionError(
-                f"system '{system.name}': a force is given for '{quote(direction)}', which is "
-                f"{one}; {all_of} are {listed}"
+                f"a force is given for '{quote(direction)}', which is {one}; {all_of} are {listed}"
             )
 
 
@@ -527,35 +507,32 @@ def check_names(system: System) -> None:
     names: dict[str, str] = {}
     for thing, role in _roles(system):
         name = plain_name(thing)
-        _require_name(system, name, role)
+        _require_name(name, role)
         if name in names:
             raise DefinitionError(
-                f"system '{system.name}': the name '{name}' is used twice "
-                f"({names[name]} and {role}); rename one of them"
+                f"the name '{name}' is used twice ({names[name]} and {role}); rename one of them"
             )
         names[name] = role
-    _require_name(system, system.name, "the system")
+    _require_name(system.name, "the system")
     named = (*(kind.field for kind in KINDS if kind.entry), "invariants", "cases", "scenes")
     for title in (*named, "charts", "possible"):
         for words in getattr(system, title):
             if not isinstance(words, str) or not words.strip() or not words.isprintable():
                 raise DefinitionError(
-                    f"system '{quote(system.name)}': '{quote(words)}' among its {title} is no "
-                    "name; give words of printable letters"
+                    f"'{quote(words)}' among its {title} is no name; give words of printable "
+                    "letters"
                 )
     for title in ("title", "description"):
         if not isinstance(getattr(system, title), str):
-            raise DefinitionError(
-                f"system '{system.name}': {title} = {quote(getattr(system, title))} is no text"
-            )
+            raise DefinitionError(f"{title} = {quote(getattr(system, title))} is no text")
 
 
-def _require_name(system: System, name: str, role: str) -> None:
+def _require_name(name: str, role: str) -> None:
     """Names are quoted in tables, file names and source: they are words."""
     if not name.strip() or not name.isprintable() or len(name) > LONGEST_NAME:
         raise DefinitionError(
-            f"system '{quote(system.name)}': the name '{quote(name)}' ({role}) is no word; give "
-            f"one of printable letters, {LONGEST_NAME} at most"
+            f"the name '{quote(name)}' ({role}) is no word; give one of printable letters, "
+            f"{LONGEST_NAME} at most"
         )
 
 
@@ -568,17 +545,16 @@ def check_symbols(system: System) -> None:
     inputs, pushed = set(system.inputs), declared | set(system.accelerations)
     places += [(p, e, pushed) for p, e in _forces(system)]
     for place, expr, known in (*places, *((p, e, claimed) for p, e in _claims(system))):
-        require_known(f"system '{system.name}': {place}", expr, known, inputs)
+        require_known(place, expr, known, inputs)
 
 
 def check_claims(system: System) -> None:
     """Claims name what there is: variables of one level, parameters, theorems, other claims."""
-    place = f"system '{system.name}'"
     for label, holder in _holders(system):
         if not isinstance(holder.integrable, str) or holder.integrable not in ("", *THEOREMS):
             raise DefinitionError(
-                f"{place}: {label}integrable is '{quote(holder.integrable)}'; "
-                f"known theorems: {', '.join(THEOREMS)}"
+                f"{label}integrable is '{quote(holder.integrable)}'; known theorems: "
+                f"{', '.join(THEOREMS)}"
             )
         for measure in _both(holder.measure):
             _check_variables(system, measure)
@@ -586,8 +562,8 @@ def check_claims(system: System) -> None:
     for variable in system.essential:
         if variable not in known:
             raise DefinitionError(
-                f"{place}: essential holds '{quote(variable)}', which is no coordinate, velocity "
-                "of the equations or invariant"
+                f"essential holds '{quote(variable)}', which is no coordinate, velocity of the "
+                "equations or invariant"
             )
     names = {*system.parameter_names}
     for label, case in system.cases.items():
@@ -595,14 +571,14 @@ def check_claims(system: System) -> None:
             name = plain_name(key)
             if name not in names:
                 raise DefinitionError(
-                    f"{place}: case '{label}' gives a value to '{name}', which is no parameter"
+                    f"case '{label}' gives a value to '{name}', which is no parameter"
                 )
     claimed = {*claim_names(system)}
     for name in system.undecided:
         if name not in claimed:
             raise DefinitionError(
-                f"{place}: undecided holds '{quote(name)}', which is no claim; "
-                f"claims are {', '.join(sorted(claimed)) or 'none'}"
+                f"undecided holds '{quote(name)}', which is no claim; claims are "
+                f"{', '.join(sorted(claimed)) or 'none'}"
             )
 
 
@@ -627,15 +603,14 @@ def _check_variables(system: System, measure: Measure) -> None:
         return
     if not given <= {*system.invariant_symbols} | velocities:
         raise DefinitionError(
-            f"system '{system.name}': the variables of the measure are neither among coordinates "
-            "and velocities of the equations nor among invariants and these velocities"
+            "the variables of the measure are neither among coordinates and velocities of the "
+            "equations nor among invariants and these velocities"
         )
     dots = {velocity(q) for q in system.coordinates} - velocities
     foreign = sorted(map(str, names_in(measure.density) & ({*system.coordinates} | dots)))
     if foreign:
         raise DefinitionError(
-            f"system '{system.name}': the measure in invariants holds '{foreign[0]}'; write its "
-            "density with invariants too"
+            f"the measure in invariants holds '{foreign[0]}'; write its density with invariants too"
         )
 
 
@@ -644,7 +619,7 @@ def check_charts(system: System) -> None:
     names = sorted(map(plain_name, (*system.coordinates, *system.velocities)))
     resting = {*system.coordinates, *(p.symbol for p in system.parameters)}
     for name, chart in system.charts.items():
-        place = f"system '{system.name}': chart '{name}'"
+        place = f"chart '{name}'"
         for key in {*chart.state, *chart.back}.union(*chart.twins) - {*names}:
             wrong = f"{place} maps '{key}', which is no coordinate or velocity"
             raise DefinitionError(wrong + did_you_mean(key, names))
@@ -660,7 +635,7 @@ def check_shapes(system: System) -> None:
     known = {*system.known_symbols(), *system.invariant_symbols}
     resting = {*MESH, *(p.symbol for p in system.parameters)}
     for number, shape in enumerate(system.shapes, 1):
-        place = f"system '{system.name}': shape {shape.title or number}"
+        place = f"shape {shape.title or number}"
         for expr in shape.expressions:
             require_known(place, expr, known)
         for patch in shape.patches:
@@ -673,7 +648,7 @@ def check_bodies(system: System) -> None:
     known = {*system.known_symbols()}
     for body in system.bodies:
         for expr in body.expressions:
-            require_known(f"system '{system.name}': the body '{quote(body.title)}'", expr, known)
+            require_known(f"the body '{quote(body.title)}'", expr, known)
 
 
 def check_relations(system: System) -> None:
@@ -683,7 +658,7 @@ def check_relations(system: System) -> None:
         dots |= set(system.frame.ambient)
     for i, relation in enumerate(system.fibration.relations):
         names = names_in(relation)
-        place = f"system '{system.name}': relation {i + 1} ({quote(relation)} = 0)"
+        place = f"relation {i + 1} ({quote(relation)} = 0)"
         moving = sorted(map(plain_name, names & dots))
         if moving:
             raise DefinitionError(
@@ -706,29 +681,28 @@ def check_frame(system: System) -> None:
         used = sorted(map(plain_name, names_in(expr) & own))
         if used:
             raise DefinitionError(
-                f"system '{system.name}': the definition of '{plain_name(v)}' contains the "
-                f"quasi-velocity '{used[0]}'; write it with the velocities of the coordinates"
+                f"the definition of '{plain_name(v)}' contains the quasi-velocity '{used[0]}'; "
+                "write it with the velocities of the coordinates"
             )
 
 
 def _check_group(system: System, frame: Frame) -> None:
     """The rates of a group are those of the coordinates, and its brackets are constant."""
-    place = f"system '{system.name}'"
     if system.fibration.fibre:
         raise DefinitionError(
-            f"{place}: with Frame.group all coordinates stand in the base; the fibre is that of "
-            "the frame, Frame.group(..., fibre=(...))"
+            "with Frame.group all coordinates stand in the base; the fibre is that of the frame, "
+            "Frame.group(..., fibre=(...))"
         )
     for q in system.coordinates:
         if q not in frame.rates:
             raise DefinitionError(
-                f"{place}: the frame gives no rate for '{plain_name(q)}'; add it to rates={{...}}"
+                f"the frame gives no rate for '{plain_name(q)}'; add it to rates={{...}}"
             )
     for q in frame.rates:
         if q not in system.coordinates:
             raise DefinitionError(
-                f"{place}: the frame gives a rate for '{quote(q)}', which is not a coordinate; "
-                "add it to Fibration(base=(...))"
+                f"the frame gives a rate for '{quote(q)}', which is not a coordinate; add it to "
+                "Fibration(base=(...))"
             )
     constant = {p.symbol for p in system.parameters if isinstance(p.symbol, sp.Symbol)}
     for pair, parts in (frame.brackets or {}).items():
@@ -737,8 +711,8 @@ def _check_group(system: System, frame: Frame) -> None:
             if moving:
                 names = ", ".join(map(plain_name, pair))
                 raise DefinitionError(
-                    f"{place}: the bracket of {names} contains '{moving[0]}'; the brackets of a "
-                    "group hold numbers and constant parameters only"
+                    f"the bracket of {names} contains '{moving[0]}'; the brackets of a group hold "
+                    "numbers and constant parameters only"
                 )
 
 
@@ -798,8 +772,8 @@ def check_meanings(system: System) -> None:
     for name, words in system.meanings.items():
         if not isinstance(words, str) or not words.strip() or not words.isprintable():
             raise DefinitionError(
-                f"system '{system.name}': the meaning of '{quote(name)}' is '{quote(words)}'; give "
-                "words of printable letters"
+                f"the meaning of '{quote(name)}' is '{quote(words)}'; give words of printable "
+                "letters"
             )
 
 
@@ -808,19 +782,18 @@ def check_motion(system: System) -> None:
     coordinate and every velocity."""
     if system.motion is None:
         return
-    place = f"system '{system.name}': motion"
-    _check_symbols(system, system.motion, place)
-    _check_subjects(system, system.motion, place)
+    _check_symbols(system, system.motion)
+    _check_subjects(system, system.motion)
     for q in system.coordinates:
         if q not in system.motion.known_coordinates:
-            raise DefinitionError(f"{place} gives no value to the coordinate '{plain_name(q)}'")
+            raise DefinitionError(f"motion gives no value to the coordinate '{plain_name(q)}'")
     for w in system.velocities:
         dotted = w in {velocity(q) for q in system.coordinates}
         if w not in system.motion.velocities and not dotted:
-            raise DefinitionError(f"{place} gives no value to the velocity '{plain_name(w)}'")
+            raise DefinitionError(f"motion gives no value to the velocity '{plain_name(w)}'")
 
 
-def _check_symbols(system: System, motion: Quadratures, place: str) -> None:
+def _check_symbols(system: System, motion: Quadratures) -> None:
     """Its own symbols are new, and its expressions hold none but known ones."""
     own = {motion.x, *motion.constants}
     for symbol in own:
@@ -828,30 +801,37 @@ def _check_symbols(system: System, motion: Quadratures, place: str) -> None:
         taken = symbol in system.known_symbols()
         if taken or (meaning is not None and meaning != motion.variable.get(symbol)):
             raise DefinitionError(
-                f"{place}: the name '{plain_name(symbol)}' is used twice; rename the variable or "
+                f"motion: the name '{plain_name(symbol)}' is used twice; rename the variable or "
                 "constant of the motion"
             )
     state, resting = {*system.known_symbols()} - {time}, {p.symbol for p in system.parameters}
     for what, expr, inside in motion.expressions():
         known = {"state": state, "level": resting | own, "both": state | own}[inside]
-        require_known(f"{place}: {what}", expr, known)
+        require_known(f"motion: {what}", expr, known)
 
 
-def _check_subjects(system: System, motion: Quadratures, place: str) -> None:
+def _check_subjects(system: System, motion: Quadratures) -> None:
     """What is given a rate or a value is a coordinate or a velocity."""
     for trace in motion.traces:
         for q, role in ((trace.colatitude, "colatitude"), (trace.longitude, "longitude")):
             if q not in system.coordinates:
-                raise DefinitionError(f"{place}: the {role} '{q}' of a trace is no coordinate")
+                raise DefinitionError(f"motion: the {role} '{q}' of a trace is no coordinate")
         if trace.longitude not in motion.integrals:
             raise DefinitionError(
-                f"{place} gives no rate to the longitude '{trace.longitude}' of a trace"
+                f"motion gives no rate to the longitude '{trace.longitude}' of a trace"
             )
     for q in motion.integrals:
         if q not in system.coordinates:
-            raise DefinitionError(f"{place} gives a rate to '{q}', which is no coordinate")
+            raise DefinitionError(f"motion gives a rate to '{q}', which is no coordinate")
     for v in motion.velocities:
         if v not in system.velocities:
             raise DefinitionError(
-                f"{place} gives a value to '{v}', which is no velocity of the equations"
+                f"motion gives a value to '{v}', which is no velocity of the equations"
             )
+
+
+CHECKS = (
+    check_possible, check_forces, check_names, check_symbols, check_frame, check_relations,
+    check_claims, check_charts, check_motion, check_meanings, check_shapes, check_bodies,
+)  # fmt: skip
+"""What a system that was read has to meet, in this order."""

@@ -139,9 +139,11 @@ class _Text:
 
     def _each(self, key: str, read: Callable[[Item], Any]) -> dict[str, Any]:
         """The entries of a table at the top, read; empty where there is none."""
-        return (
-            {k: read(item) for k, item in self.top[key].table().items()} if key in self.top else {}
-        )
+        return {k: read(item) for k, item in self._table(key).items()}
+
+    def _table(self, key: str) -> Mapping[str, Item]:
+        """A table at the top; an empty one where there is none."""
+        return self.top[key].table() if key in self.top else {}
 
     # -- names ---------------------------------------------------------------------------------
 
@@ -198,9 +200,7 @@ class _Text:
     def _velocities(self) -> dict[str, Item]:
         """The quasi-velocities, known from here on, with their formulas, still to be read."""
         found = {}
-        for name, item in (
-            self.top["velocities"].table() if "velocities" in self.top else {}
-        ).items():
+        for name, item in self._table("velocities").items():
             self._new(item, "a velocity")
             found[name] = self._formula_item(item)
         return found
@@ -302,7 +302,7 @@ class _Text:
             if self.roles[name].split()[:2] in (["the", "velocity"], ["a", "velocity"])
         }
         found: dict[Any, Any] = {}
-        for item in (self.top["forces"].table() if "forces" in self.top else {}).values():
+        for item in self._table("forces").values():
             found[self._direction(item)] = self._formula(item, moving)
         return found
 

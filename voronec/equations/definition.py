@@ -361,7 +361,7 @@ def _constraints(system: System, enter: Enter, dots: Sequence[Any]) -> AffineFor
         )
     for i, row in enumerate(forms.matrix):
         if all(e == 0 for e in row):
-            binds = _mentions(system.constraints[i], {*system.coordinates})
+            binds = system.constraints[i].has(*system.coordinates)
             mend = "differentiate it with respect to time" if binds else "drop it"
             raise DefinitionError(f"{_constraint(system, i)} holds no velocity; {mend}")
     return forms
@@ -375,10 +375,11 @@ def _frame(system: System, enter: Enter, dots: Sequence[Any]) -> AffineForms | N
     if system.on_group:
         return None
     if system.frame is None:
-        if system.fibration.relations and _bound_on_base(system):
+        fibre, relations = system.fibration.fibre, system.fibration.relations
+        if any(not r.has(*fibre) for r in relations):
             raise DefinitionError(
                 f"system '{system.name}': the base coordinates are redundant (they satisfy "
-                f"{system.fibration.relations[0]} = 0); give independent velocities with frame="
+                f"{relations[0]} = 0); give independent velocities with frame="
             )
         return None
     pairs = zip(system.frame.velocities, system.frame.expressions, strict=True)
@@ -391,15 +392,6 @@ def _frame(system: System, enter: Enter, dots: Sequence[Any]) -> AffineForms | N
             "define it by a combination of them whose coefficients hold none"
         )
     return forms
-
-
-def _bound_on_base(system: System) -> bool:
-    fibre = set(system.fibration.fibre)
-    return any(not _mentions(r, fibre) for r in system.fibration.relations)
-
-
-def _mentions(expr: sp.Expr, things: set[sp.Expr]) -> bool:
-    return any(expr.has(thing) for thing in things)
 
 
 def _count(system: System, constraints: int, differentiated: AffineForms) -> None:
@@ -434,7 +426,7 @@ def _solve_for_fibre(
     differentiated: AffineForms,
     ideal: Sequence[Any],
     near: Mapping[str, Any],
-    share: float = 0.0,
+    share: float,
 ) -> FibreSolution:
     """The fibre velocities in terms of the others; ``DefinitionError``, with a split that works,
     where the constraints do not determine them."""
@@ -485,7 +477,7 @@ def _working_split(
     return [names[i] for i in range(total) if i not in chosen], [names[i] for i in chosen]
 
 
-def _require_no_jump(place: Callable[[], str], expr: Any, conditions: Sequence[Any] = ()) -> None:
+def _require_no_jump(place: Callable[[], str], expr: Any, conditions: Sequence[Any]) -> None:
     """Raise ``DefinitionError`` where an expression is proved to jump at a state at which
     conditions hold; ``place`` says what it is."""
     for wall, jump in _jumps(expr):
@@ -501,7 +493,7 @@ def _require_no_jump_of_lagrangian(
     lagrangian: Any,
     velocities: Sequence[Any],
     variables: Sequence[Any],
-    conditions: Sequence[Any] = (),
+    conditions: Sequence[Any],
 ) -> None:
     """The same of a Lagrangian, which may jump in time, and of its momenta, which may not.
 

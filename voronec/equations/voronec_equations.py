@@ -34,24 +34,10 @@ from voronec.errors import DefinitionError, EngineLimit
 if TYPE_CHECKING:
     from voronec.equations.control import Control
     from voronec.equations.derivation import FirstOrderForm
-    from voronec.equations.derived_equations import DerivedEquations
     from voronec.equations.mechanics_form import MechanicsForm
     from voronec.equations.program import Program
 
 __all__ = ["VoronecEquations", "derive", "equation_rows", "equations_lines"]
-
-
-def _equations_latex(eqs: VoronecEquations) -> str:
-    """Kinematic equations, then mass * vdot = force row by row, as an ``aligned`` block."""
-    lines = []
-    for q, rate in zip(eqs.coordinates, eqs.rates, strict=True):
-        if velocity(q) != rate:
-            lines.append(f"{_latex(eqs, velocity(q))} &= {_latex(eqs, rate)}")
-    dots = sp.Matrix([velocity(v) for v in eqs.velocities])
-    for row, force in zip((eqs.mass * dots), eqs.force, strict=True):
-        lines.append(f"{_latex(eqs, row)} &= {_latex(eqs, force)}")
-    body = " \\\\\n  ".join(lines)
-    return f"\\begin{{aligned}}\n  {body}\n\\end{{aligned}}"
 
 
 def _latex(eqs: VoronecEquations, expr: sp.Expr) -> str:
@@ -182,41 +168,6 @@ def _curvature_rows(eqs: VoronecEquations) -> list[str]:
     return equation_rows(found) or ["  vanishes"]
 
 
-def _equations_dict(eqs: VoronecEquations) -> dict[str, Any]:
-    """What was derived: names, kind, growth, coefficients, curvature, mass, force, rates.
-
-    For a system beyond the exact normal form, the Python source of its program instead.
-    """
-    base, fibre = eqs.definition.split
-    coordinates = [plain_name(q) for q in eqs.coordinates]
-    data: dict[str, Any] = {
-        "system": eqs.system.name,
-        "base": base,
-        "fibre": fibre,
-        "velocities": [plain_name(v) for v in eqs.velocities],
-        "parameters": [p.name for p in eqs.system.parameters],
-        "kind": eqs.kind,
-        "growth": list(eqs.growth),
-        "integrable_constraints": [i + 1 for i in eqs.integrable],
-        "normal_form": eqs.in_normal_form,
-    }
-    if not eqs.in_normal_form:  # written out, a shared graph is endless
-        return data | {"program": _program(eqs), "operations": eqs.operations}
-    data |= {
-        "rates": dict(zip(coordinates, map(plain_text, eqs.rates), strict=True)),
-        "mass": [[plain_text(e) for e in eqs.mass.row(i)] for i in range(eqs.mass.rows)],
-        "force": [plain_text(e) for e in eqs.force],
-        "left": [plain_text(e) for e in eqs.left],
-        "right": [plain_text(e) for e in eqs.right],
-        "lagrangian_on_constraints": plain_text(eqs.theta),
-        "momenta": dict(zip(fibre, map(plain_text, eqs.momenta), strict=True)),
-    }
-    if eqs.has_coordinate_frame:
-        data["coefficients"] = _coefficients(eqs, fibre, base)
-        data["curvature"] = _curvature(eqs, fibre, base)
-    return data
-
-
 def _program(eqs: VoronecEquations) -> str | None:
     """Python source, where the system holds no unknown function."""
     try:
@@ -259,8 +210,17 @@ class VoronecEquations(DerivedEquations):
     """
 
     def latex(self) -> str:
-        """The equations as a LaTeX ``aligned`` block."""
-        return _equations_latex(self)
+        """The equations as a LaTeX ``aligned`` block: kinematic equations, then mass * vdot = force
+        row by row."""
+        lines = []
+        for q, rate in zip(self.coordinates, self.rates, strict=True):
+            if velocity(q) != rate:
+                lines.append(f"{_latex(self, velocity(q))} &= {_latex(self, rate)}")
+        dots = sp.Matrix([velocity(v) for v in self.velocities])
+        for row, force in zip((self.mass * dots), self.force, strict=True):
+            lines.append(f"{_latex(self, row)} &= {_latex(self, force)}")
+        body = " \\\\\n  ".join(lines)
+        return f"\\begin{{aligned}}\n  {body}\n\\end{{aligned}}"
 
     def show(self) -> None:
         """Print the equations, with the kind of the system and the curvature; in a notebook they
@@ -346,8 +306,38 @@ class VoronecEquations(DerivedEquations):
         return control_form(self)
 
     def as_dict(self) -> dict[str, Any]:
-        """Everything derived, as strings and numbers that JSON can hold."""
-        return _equations_dict(self)
+        """Everything derived, as strings and numbers that JSON can hold.
+
+        For a system beyond the exact normal form, the Python source of its program instead.
+        """
+        base, fibre = self.definition.split
+        coordinates = [plain_name(q) for q in self.coordinates]
+        data: dict[str, Any] = {
+            "system": self.system.name,
+            "base": base,
+            "fibre": fibre,
+            "velocities": [plain_name(v) for v in self.velocities],
+            "parameters": [p.name for p in self.system.parameters],
+            "kind": self.kind,
+            "growth": list(self.growth),
+            "integrable_constraints": [i + 1 for i in self.integrable],
+            "normal_form": self.in_normal_form,
+        }
+        if not self.in_normal_form:  # written out, a shared graph is endless
+            return data | {"program": _program(self), "operations": self.operations}
+        data |= {
+            "rates": dict(zip(coordinates, map(plain_text, self.rates), strict=True)),
+            "mass": [[plain_text(e) for e in self.mass.row(i)] for i in range(self.mass.rows)],
+            "force": [plain_text(e) for e in self.force],
+            "left": [plain_text(e) for e in self.left],
+            "right": [plain_text(e) for e in self.right],
+            "lagrangian_on_constraints": plain_text(self.theta),
+            "momenta": dict(zip(fibre, map(plain_text, self.momenta), strict=True)),
+        }
+        if self.has_coordinate_frame:
+            data["coefficients"] = _coefficients(self, fibre, base)
+            data["curvature"] = _curvature(self, fibre, base)
+        return data
 
 
 def derive(system: System) -> VoronecEquations:

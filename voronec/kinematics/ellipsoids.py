@@ -34,6 +34,7 @@ from voronec.kinematics.meanings import (
     NORMAL,
     contact_meanings,
     euler_meanings,
+    place_meanings,
     vector_meanings,
 )
 from voronec.kinematics.neumann_charts import HALF_TURN, turned_poles
@@ -326,11 +327,8 @@ class RollingEllipsoid:
             "sketch": self._sketch(kappa),
             "shapes": self.shapes,
         }
-        if (
-            self.axes[0] == self.axes[1]
-            and self.inertia[0] == self.inertia[1]
-            and not any(kappa[:2])
-        ):
+        is_round = self.axes[0] == self.axes[1] and self.inertia[0] == self.inertia[1]
+        if is_round and not any(kappa[:2]):
             spread = 1 if self.sphere is None else self.body.curvature_product(self.sphere)
             own["measure"] = Measure(self.density * spread, (*GAMMA, HEIGHT, *OMEGA))
         return join_declarations(own, declared)
@@ -339,11 +337,7 @@ class RollingEllipsoid:
     def _meanings(self) -> dict[Any, str]:
         placed: dict[Any, str] = {}
         if self.sphere is None:
-            words = ("first", "second")
-            placed = {
-                q: f"{word} coordinate of the centre over the plane"
-                for q, word in zip(self.fibre, words, strict=True)
-            }
+            placed = place_meanings(self.fibre, "the centre over the plane")
         elif self.surfaces is None:
             seen = "of the normal gamma, seen from the ellipsoid"
             polar = (f"colatitude {seen}", f"longitude {seen}", SUPPORT)

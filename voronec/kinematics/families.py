@@ -53,7 +53,7 @@ def _constant(symbol: sp.Expr, value: Any, words: Words) -> Parameter:
     return Parameter(symbol, value, positive=positive, meaning=meaning)
 
 
-def moment_words(inertia: Sequence[Any], one: str = "principal moment") -> Words:
+def moment_words(inertia: Sequence[Any]) -> Words:
     """What the principal moments are: of any body, of one with an axis, of a spherical one."""
     x, y, z = inertia
     if x == y == z:
@@ -61,7 +61,7 @@ def moment_words(inertia: Sequence[Any], one: str = "principal moment") -> Words
     if x == y:
         axis = {x: ("equatorial moment of inertia", True), z: ("axial moment of inertia", True)}
         return _symbols(axis)
-    return _symbols(dict.fromkeys(inertia, (one, True)))
+    return _symbols(dict.fromkeys(inertia, ("principal moment", True)))
 
 
 def rotor_words(rotor: Sequence[Any]) -> Words:

@@ -122,7 +122,7 @@ class SurfaceForms:
     @property
     def trace_velocity(self) -> Vector:
         """The velocity of a point that moves over the surface: (L_u du/dt, L_v dv/dt, 0)."""
-        (lu, lv), (du, dv) = self._lengths, self._rates
+        (lu, lv), (du, dv) = self._lengths, map(velocity, self.coordinates)
         return lu * du, lv * dv, sp.Integer(0)
 
     @property
@@ -131,7 +131,7 @@ class SurfaceForms:
 
         (D''/L_v dv/dt, -D/L_u du/dt, (G_u dv/dt - E_v du/dt)/(2 L_u L_v)).
         """
-        du, dv = self._rates
+        du, dv = map(velocity, self.coordinates)
         (a, b, c), (x, y, z) = self._turns
         return x * dv + a * du, b * du + y * dv, c * du + z * dv
 
@@ -198,10 +198,6 @@ class SurfaceForms:
     def _lengths(self) -> tuple[sp.Expr, sp.Expr]:
         assert self.lengths is not None
         return self.lengths
-
-    @property
-    def _rates(self) -> tuple[sp.Expr, sp.Expr]:
-        return velocity(self.coordinates[0]), velocity(self.coordinates[1])
 
     @property
     def _turns(self) -> tuple[Vector, Vector]:

@@ -168,7 +168,7 @@ class Surface:
 
         (L_u du/dt + F/L_u dv/dt, W/L_u dv/dt, 0).
         """
-        shape, (du, dv) = self._shape, self._rates
+        shape, (du, dv) = self._shape, map(velocity, self.coordinates)
         along, across = self._out(_short([shape.f / shape.lu, shape.width]))
         return self._out((shape.lu,))[0] * du + along * dv, across * dv, sp.Integer(0)
 
@@ -186,13 +186,9 @@ class Surface:
         coefficients = self._out(
             _short([x for row in self._shape.frame_rate_coefficients for x in row])
         )
-        du, dv = self._rates
+        du, dv = map(velocity, self.coordinates)
         x, y, z = (coefficients[i] * du + coefficients[i + 1] * dv for i in (0, 2, 4))
         return x, y, z
-
-    @property
-    def _rates(self) -> tuple[sp.Expr, sp.Expr]:
-        return velocity(self.coordinates[0]), velocity(self.coordinates[1])
 
     def _out(self, exprs: Sequence[Any]) -> tuple[Any, ...]:
         return tuple(self._shape.door.outward(e) for e in exprs)

@@ -27,14 +27,13 @@ from voronec.declaration.claims import (
     Case,
     Corrected,
     Equation,
-    Measure,
     declared_claims,
     expressions_of,
     replace_in_claims,
     right_of,
     without_claims,
 )
-from voronec.declaration.geometry import Fibration, Frame
+from voronec.declaration.geometry import Frame
 from voronec.declaration.reading import expression
 from voronec.declaration.scene import Parameter
 from voronec.declaration.system import System
@@ -90,16 +89,17 @@ def _number_residuals(residuals: list[Any]) -> list[tuple[str, Any]]:
     return [(f"entry {i + 1}", r) for i, r in enumerate(residuals)]
 
 
-def _decide_integrable(
-    motions: Motions, measure: Measure, measured: Verdict, integrals: Sequence[sp.Expr]
-) -> Decision:
-    """Whether proved integrals and a measure, of that verdict, suffice for Euler and Jacobi."""
+def _decide_integrable(motions: Motions, known: _Known) -> Decision:
+    """Whether integrals and a measure suffice for the theorem of Euler and Jacobi."""
+    measure, measured = known.measure, known.verdict
+    if measured is None:
+        return Decision(Verdict("refuted", "no measure is declared"))
     if not measured.proved:
         return Decision(Verdict(measured.status, f"the measure is {measured.status}"))
     field = measured_field(motions, measure)
     chosen = chosen_variables(field, measure)
     low = field.level == "coordinates"
-    inside = [field.read(e) for e in integrals if low or not motions.holds_coordinate([e])]
+    inside = [field.read(e) for e in known.integrals if low or not motions.holds_coordinate([e])]
     functions = [e for e in inside if not e.free_symbols & _outside(motions, field, chosen)]
     return Decision(
         _count_integrals(field, chosen, functions, field.read(measure.density)), field.level
@@ -280,13 +280,6 @@ def _decide_assertion(motions: Motions, claim: Assertion) -> Decision:
     return Decision(verdict)
 
 
-def _integrable(motions: Motions, known: _Known) -> Decision:
-    """The theorem of Euler and Jacobi."""
-    if known.verdict is None:
-        return Decision(Verdict("refuted", "no measure is declared"))
-    return _decide_integrable(motions, known.measure, known.verdict, known.integrals)
-
-
 DECIDERS: dict[str, Decide] = {
     "integral": decide_integral,
     "equation": _decide_equation,
@@ -294,7 +287,7 @@ DECIDERS: dict[str, Decide] = {
     "multiplier": decide_multiplier,
     "poisson": decide_poisson,
     "essential": decide_essential,
-    "integrable": _integrable,
+    "integrable": _decide_integrable,
 }
 
 
@@ -317,10 +310,8 @@ def _decide_claim(kind: str, name: str, decide: Decide, motions: Motions, claim:
     found = _decide_within_limits(decide, motions, right_of(claim))
     printed, source, verdict = None, "", found.verdict
     if isinstance(claim, Corrected):
-        printed, source = (
-            _decide_within_limits(decide, motions, claim.printed).verdict,
-            claim.source,
-        )
+        printed = _decide_within_limits(decide, motions, claim.printed).verdict
+        source = claim.source
         verdict = _correction_verdict(found.verdict, printed)
     seconds = clock.perf_counter() - begin
     return Claim(kind, name, verdict, found.level, seconds, printed, source)
@@ -365,7 +356,9 @@ def specialise(
     names = {plain_name(s) for s in at}
     return replace(
         system,
-        fibration=_replaced_fibration(system.fibration, at),
+        fibration=replace(
+            system.fibration, relations=tuple(r.xreplace(at) for r in system.fibration.relations)
+        ),
         lagrangian=system.lagrangian.xreplace(at),
         constraints=tuple(c.xreplace(at) for c in system.constraints),
         parameters=(*kept, *new),
@@ -440,11 +433,6 @@ def _finite_claims(claims: Mapping[str, Any], at: Mapping[Any, Any]) -> dict[str
         if not any(e.has(sp.zoo, sp.nan, sp.oo, -sp.oo) for e in expressions_of(special)):
             found[name] = special
     return found
-
-
-def _replaced_fibration(fibration: Fibration, at: Mapping[Any, Any]) -> Fibration:
-    """The fibration with parameters in its relations replaced."""
-    return replace(fibration, relations=tuple(r.xreplace(at) for r in fibration.relations))
 
 
 def _replaced_frame(frame: Frame | None, at: Mapping[Any, Any]) -> Frame | None:

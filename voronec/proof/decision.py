@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from voronec.algebra.verdicts import Verdict, decide_zero
+from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Decision", "all_zero", "zero_everywhere"]
+__all__ = ["Decision", "all_zero", "verdict_of", "zero_everywhere"]
 
 
 @dataclass(frozen=True)
@@ -17,6 +18,17 @@ class Decision:
 
     verdict: Verdict
     level: str = ""
+
+
+def verdict_of(decide: Callable[[], Verdict]) -> Verdict:
+    """The verdict on one of several claims: where it makes no sense, the others stand all the
+    same."""
+    try:
+        return decide()
+    except EngineLimit as limit:
+        return Verdict("undecided", str(limit))
+    except DefinitionError as error:
+        return Verdict("refuted", str(error))
 
 
 def all_zero(residuals: Iterable[tuple[str, Any]], relations: Sequence[Any] = ()) -> Verdict:

@@ -30,9 +30,9 @@ from voronec.declaration.quadratures import Plane, Quadratures, Space, Trace
 from voronec.declaration.reading import quote
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
-from voronec.errors import DefinitionError, EngineLimit
+from voronec.errors import EngineLimit
 from voronec.proof.claims import Claim
-from voronec.proof.decision import all_zero
+from voronec.proof.decision import all_zero, verdict_of
 from voronec.proof.walls import across_walls
 
 __all__ = ["InSpace", "QuadratureGround", "check_motion", "statements"]
@@ -289,12 +289,7 @@ def check_motion(motions: Motions) -> Iterator[Claim]:
         return
     for name, decide in statements(QuadratureGround(motions.on_coordinates, system.motion)):
         begin = clock.perf_counter()
-        try:
-            verdict = decide()
-        except EngineLimit as limit:
-            verdict = Verdict("undecided", str(limit))
-        except DefinitionError as error:  # it makes no sense; the others stand all the same
-            verdict = Verdict("refuted", str(error))
+        verdict = verdict_of(decide)
         seconds, reason = clock.perf_counter() - begin, system.undecided.get(name, "")
         yield Claim("motion", name, verdict, "coordinates", seconds, reason=reason)
 

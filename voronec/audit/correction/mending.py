@@ -62,10 +62,10 @@ from voronec.audit.structure import (
     says_nothing,
     whole_name,
 )
-from voronec.audit.study import Study, key_of
+from voronec.audit.study import Study, name_or_nothing
 from voronec.audit.transcript import assignments
 from voronec.audit.verify import verify
-from voronec.errors import DefinitionError, VoronecError
+from voronec.errors import VoronecError
 
 __all__ = ["Correction", "CorrectionSearch", "Screen", "Spare", "correct"]
 
@@ -323,17 +323,10 @@ def _unknown_places(printed: str, study: Study, new: Collection[str] = ()) -> li
                 evaluate(part, study, where)
     except UnknownName as unknown:
         names = [part for part in walk(chain) if isinstance(part, Name)]
-        return [name.at for name in names if _name_with_place(name) == unknown.name]
+        return [name.at for name in names if name_or_nothing(name) == unknown.name]
     except SENSELESS:
         return []
     return []
-
-
-def _name_with_place(name: Name) -> str:
-    try:
-        return key_of(name)
-    except DefinitionError:
-        return ""
 
 
 SINGLES = 250

@@ -26,7 +26,7 @@ from voronec.audit.latex.reader import read_tokens
 from voronec.audit.latex.tokens import Misprint, complain
 from voronec.audit.lessons.notation import spelling_of, words_of
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
-from voronec.audit.study import Motion, Study, key_of
+from voronec.audit.study import Motion, Study, name_or_nothing
 from voronec.declaration.system import System
 from voronec.equations.motions import Motions
 from voronec.equations.voronec_equations import VoronecEquations, derive
@@ -381,7 +381,7 @@ class Language:
         except Misprint as error:
             for node in walk(part):
                 if isinstance(node, Name) and node.sub and self._value_of(node) is None:
-                    raise self._unknown(_name_of(node), text, tree) from None
+                    raise self._unknown(name_or_nothing(node), text, tree) from None
             raise complain(text, part.at[0], f"this has no value: {error}") from None
         except DefinitionError:
             raise
@@ -397,7 +397,7 @@ class Language:
 
     def _unknown(self, name: str, text: str, tree: Chain) -> DefinitionError:
         """Where a symbol stands that the system does not have, and the nearest that it has."""
-        names = (n for n in walk(tree) if isinstance(n, (Name, Dot)) and _name_of(n) == name)
+        names = (n for n in walk(tree) if isinstance(n, (Name, Dot)) and name_or_nothing(n) == name)
         node = next(names, None)
         at = 0 if node is None else node.at[0]
         known = [*self._plain_names]
@@ -418,10 +418,3 @@ def _latex(name: str) -> str:
     if len(head) > 1 and index.isalnum() and symbol_latex(head).startswith("\\mathrm"):
         return f"{symbol_latex(head)}_{{{symbol_latex(index)}}}"
     return symbol_latex(name)
-
-
-def _name_of(node: Node) -> str:
-    try:
-        return key_of(node)
-    except DefinitionError:
-        return ""

@@ -18,6 +18,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.matrices import dot
 from voronec.algebra.normal import shortest
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.algebra.typeset import caret_text, latex_of, symbol_latex
@@ -105,18 +106,12 @@ class _Work:
         self.drift = [r.xreplace(still) for r in self.rates]
         self.slopes = [self.lagrangian.diff(v) for v in own.velocities]
         self.fibre = [inward(p) for p in equations.momenta]
-        self.lifted = [
-            self._along(i, [self.lagrangian.diff(q) for q in own.coordinates]) for i in self.size
-        ]
+        slopes = [self.lagrangian.diff(q) for q in own.coordinates]
+        self.lifted = [dot(field, slopes) for field in self.fields]
         dots = dict(zip(own.coordinate_velocities, self.rates, strict=True))
-        self.pushed = [self._along(i, [f.xreplace(dots) for f in own.forces]) for i in self.size]
+        forces = [f.xreplace(dots) for f in own.forces]
+        self.pushed = [dot(field, forces) for field in self.fields]
         self.turned = [self._bracket_term(i) for i in self.size]
-
-    def _along(self, index: int, components: Sequence[Any]) -> Any:
-        return sum(
-            (h * c for h, c in zip(self.fields[index], components, strict=True)),
-            start=self.inward(0),
-        )
 
     def _bracket_term(self, i: int) -> Any:
         """(c_ij^k dLc/dv^k + B_ij^A p_A) v^j, with v^0 = 1."""
@@ -136,19 +131,10 @@ class _Work:
         for i in self.size:
             p = self.slopes[i]
             left = p.diff(own.time) - self.lifted[i] + self.turned[i] - self.pushed[i]
-            left += sum(
-                (p.diff(q) * r for q, r in zip(own.coordinates, self.rates, strict=True)),
-                start=self.inward(0),
-            )
-            left += sum(
-                (p.diff(v) * d for v, d in zip(own.velocities, dots, strict=True)),
-                start=self.inward(0),
-            )
-            right = -self.inward(eqs.force[i, 0])
-            right += sum(
-                (self.inward(eqs.mass[i, j]) * d for j, d in enumerate(dots)), start=self.inward(0)
-            )
-            yield self.names[i], left - right
+            left += dot([p.diff(q) for q in own.coordinates], self.rates)
+            left += dot([p.diff(v) for v in own.velocities], dots)
+            inertia = dot([self.inward(m) for m in eqs.mass.row(i)], dots)
+            yield self.names[i], left - (inertia - self.inward(eqs.force[i, 0]))
 
     def parts(self) -> Iterator[LessonStep]:
         """The steps in their order."""

@@ -91,10 +91,7 @@ def dalembert(problem: Statement) -> MethodEquations:
         problem.free_rate(_form(problem, row, offset)).xreplace(turned).xreplace(problem.rates)
         for row, offset in zip(problem.frame_rows, problem.frame_offsets, strict=True)
     ]
-    inertias = [
-        se.Add(*[m * a for m, a in zip(row, problem.qdd, strict=True)], g)
-        for row, g in zip(mass, rest, strict=True)
-    ]
+    inertias = [dot(row, problem.qdd) + g for row, g in zip(mass, rest, strict=True)]
     return MethodEquations(
         "d'Alembert, with reactions",
         (
@@ -476,7 +473,7 @@ def _structure(problem: Statement) -> dict[tuple[int, int], Vector]:
 
 
 def _form(problem: Statement, row: Sequence[Any], offset: Any) -> Any:
-    return se.Add(offset, *[e * d for e, d in zip(row, problem.qd, strict=True)])
+    return offset + dot(row, problem.qd)
 
 
 def _matrix(problem: Statement, rows: Sequence[Sequence[Any]]) -> list[Vector]:
@@ -644,11 +641,9 @@ def _statement_lines(problem: Statement) -> list[tuple[str, str]]:
         if f != 0
     ]
     for row, offset in zip(problem.constraint_rows, problem.constraint_offsets, strict=True):
-        form = se.Add(offset, *[e * d for e, d in zip(row, problem.qd, strict=True)])
-        rows.append(("0", problem.text(form)))
-    pairs = zip(problem.v, problem.frame_rows, problem.frame_offsets, strict=True)
-    for v, row, offset in pairs:
-        form = se.Add(offset, *[e * d for e, d in zip(row, problem.qd, strict=True)])
+        rows.append(("0", problem.text(_form(problem, row, offset))))
+    for v, row, offset in zip(problem.v, problem.frame_rows, problem.frame_offsets, strict=True):
+        form = _form(problem, row, offset)
         if form != v:
             rows.append((str(v), problem.text(form)))
     return rows

@@ -74,10 +74,11 @@ def words_of(text: str, spelled: Mapping[str, str]) -> list[Token]:
     bars = [w for w in words if w.text == "|"]
     if len(bars) % 2:
         raise complain(source, bars[-1].start, "this bar has no partner; write |v|", Misprint)
-    changes = (_primes, _stars, _third, _applied_to_time, _quotients, _rates, _sizes, _functions)
-    for change in changes + ((_exponents,) if plain else ()):
-        words = change(words)
-    words = _own_d(words) if "d" in spelled else _ratios(words)
+    for rewrite in (_primes, _stars, _third, _applied_to_time, _quotients):
+        words = rewrite(words)
+    words = _each(_sizes(_each(words, _rate)), _function)
+    words = _each(words, _exponent) if plain else words
+    words = _own_d(words) if "d" in spelled else _each(words, _ratio)
     _refuse_ambiguous(source, words)
     return words
 
@@ -157,25 +158,33 @@ def _quotients(words: list[Token]) -> list[Token]:
     return found
 
 
-def _ratios(words: list[Token]) -> list[Token]:
-    r"""``\frac{dy}{dx}`` is the quotient dy/dx of two changes, unless by t or of an energy."""
+Change = Callable[[list[Token], int], tuple[int, list[Token]] | None]
+"""What stands at a position written otherwise, and where it ends; None where it stays."""
+
+
+def _each(words: list[Token], change: Change) -> list[Token]:
+    """The words, changed from left to right."""
     found: list[Token] = []
     position = 0
     while position < len(words):
-        above = position + 1
-        below = _closing(words, above) + 1 if words[position].text == "\\frac" else above
-        begins = [[w.text for w in words[at : at + 2]] for at in (above, below)]
-        end = _closing(words, below) + 1 if begins == [["{", "d"]] * 2 else above
-        parts = words[above + 1 : below - 1], words[below + 1 : end - 1]
-        if end == above or any(len(p) < 2 or p[1].text in _NO_RATIO for p in parts):
-            found.append(words[position])
-            position += 1
-            continue
-        first, second = ([_sign(part[0], "("), *part, _sign(part[0], ")")] for part in parts)
-        at = words[position]
-        found += [_sign(at, "("), *first, _sign(at, "/"), *second, _sign(at, ")")]
+        end, written = change(words, position) or (position + 1, [words[position]])
+        found += written
         position = end
     return found
+
+
+def _ratio(words: list[Token], position: int) -> tuple[int, list[Token]] | None:
+    r"""``\frac{dy}{dx}`` is the quotient dy/dx of two changes, unless by t or of an energy."""
+    above = position + 1
+    below = _closing(words, above) + 1 if words[position].text == "\\frac" else above
+    begins = [[w.text for w in words[at : at + 2]] for at in (above, below)]
+    end = _closing(words, below) + 1 if begins == [["{", "d"]] * 2 else above
+    parts = words[above + 1 : below - 1], words[below + 1 : end - 1]
+    if end == above or any(len(p) < 2 or p[1].text in _NO_RATIO for p in parts):
+        return None
+    first, second = ([_sign(part[0], "("), *part, _sign(part[0], ")")] for part in parts)
+    at = words[position]
+    return end, [_sign(at, "("), *first, _sign(at, "/"), *second, _sign(at, ")")]
 
 
 def _own_d(words: list[Token]) -> list[Token]:
@@ -221,26 +230,17 @@ def _sizes(words: list[Token]) -> list[Token]:
     return found
 
 
-def _functions(words: list[Token]) -> list[Token]:
+def _function(words: list[Token], position: int) -> tuple[int, list[Token]] | None:
     r"""``\operatorname{sgn} v`` is ``sgn(v)``, ``e^{v}`` the exponential."""
-    found: list[Token] = []
-    position = 0
-    while position < len(words):
-        word, after = words[position], words[position + 1 : position + 2]
-        applied = word.kind == "text" and word.text in _FUNCTIONS.values()
-        power = (
-            word.text == "e" and word.kind in ("letter", "text") and after and after[0].text == "^"
-        )
-        start = position + 1 + bool(power)
-        if not (applied or power) or start >= len(words) or (applied and words[start].text == "("):
-            found.append(word)
-            position += 1
-            continue
-        end = _atom(words, start)
-        name = [replace(word, kind="command", text="\\exp") if power else word]
-        found += [*name, _sign(word, "("), *words[start:end], _sign(word, ")")]
-        position = end
-    return found
+    word, after = words[position], words[position + 1 : position + 2]
+    applied = word.kind == "text" and word.text in _FUNCTIONS.values()
+    power = word.text == "e" and word.kind in ("letter", "text") and after and after[0].text == "^"
+    start = position + 1 + bool(power)
+    if not (applied or power) or start >= len(words) or (applied and words[start].text == "("):
+        return None
+    end = _atom(words, start)
+    name = replace(word, kind="command", text="\\exp") if power else word
+    return end, [name, _sign(word, "("), *words[start:end], _sign(word, ")")]
 
 
 def _atom(words: Sequence[Token], start: int) -> int:
@@ -261,28 +261,25 @@ def _long(spelled: Mapping[str, str]) -> dict[str, str]:
 
 
 def _spell_words(
-    source: str, words: Sequence[Token], spelled: Mapping[str, str], plain: bool
+    source: str, words: list[Token], spelled: Mapping[str, str], plain: bool
 ) -> list[Token]:
     """Runs of letters, and in plain text digits, as the names that they are made of."""
-    found: list[Token] = []
-    position = 0
-    while position < len(words):
+
+    def spell(words: list[Token], position: int) -> tuple[int, list[Token]] | None:
         run = _run(words, position, plain)
         if not run:
-            found.append(words[position])
-            position += 1
-            continue
-        text = source[run[0].start : run[-1].end]
-        parts = _parts(text, spelled) if plain else [text] if text in spelled else None
-        at = run[0].start
-        if parts is None:
-            found += run
-        else:
-            for part in parts:
-                found += _words_at(spelled.get(part, part), at, at + len(part))
-                at += len(part)
-        position += len(run)
-    return found
+            return None
+        text, found, at = source[run[0].start : run[-1].end], list[Token](), run[0].start
+        if not plain and text not in spelled:
+            return position + len(run), run
+        for part in _parts(text, spelled) if plain else [text]:
+            # the words of a name's LaTeX, all at the place where it was written
+            latex = tokenize(spelled.get(part, part))
+            found += [replace(w, start=at, end=at + len(part)) for w in latex]
+            at += len(part)
+        return position + len(run), found
+
+    return _each(words, spell)
 
 
 def _run(words: Sequence[Token], start: int, plain: bool) -> list[Token]:
@@ -306,11 +303,6 @@ def _parts(text: str, spelled: Mapping[str, str]) -> list[str]:
         found.append(text[:size])
         text = text[size:]
     return found
-
-
-def _words_at(latex: str, start: int, end: int) -> list[Token]:
-    """The words of a name's LaTeX, all at the place where it was written."""
-    return [replace(w, start=start, end=end) for w in tokenize(latex)]
 
 
 def _primes(words: list[Token]) -> list[Token]:
@@ -359,23 +351,16 @@ def _applied_to_time(words: list[Token]) -> list[Token]:
     return found
 
 
-def _rates(words: list[Token]) -> list[Token]:
+def _rate(words: list[Token], position: int) -> tuple[int, list[Token]] | None:
     r"""``d/dt``, ``d^2x/dt^2``, ``d(mv)/dt`` as ``\frac{d}{dt}`` before what they differentiate."""
-    found: list[Token] = []
-    position = 0
-    while position < len(words):
-        match = _rate_at(words, position)
-        if match is None:
-            found.append(words[position])
-            position += 1
-            continue
-        order, body, position_after = match
-        at = (words[position].start, words[position_after - 1].end)
-        for text in ["\\frac", "{", "d", "}", "{", "d", "t", "}"] * order + ["("] * bool(body):
-            found.append(Token("letter" if text in ("d", "t") else "sign", text, *at))
-        found += body + [Token("sign", ")", *at)] * bool(body)
-        position = position_after
-    return found
+    match = _rate_at(words, position)
+    if match is None:
+        return None
+    order, body, end = match
+    at = (words[position].start, words[end - 1].end)
+    texts = ["\\frac", "{", "d", "}", "{", "d", "t", "}"] * order + ["("] * bool(body)
+    found = [Token("letter" if text in ("d", "t") else "sign", text, *at) for text in texts]
+    return end, found + body + [Token("sign", ")", *at)] * bool(body)
 
 
 def _rate_at(words: Sequence[Token], start: int) -> tuple[int, list[Token], int] | None:
@@ -415,22 +400,15 @@ def _closing(words: Sequence[Token], opening: int) -> int:
     return len(words)
 
 
-def _exponents(words: list[Token]) -> list[Token]:
+def _exponent(words: list[Token], position: int) -> tuple[int, list[Token]] | None:
     """``x^12``, ``x^-1``: the whole number, and its sign, stand above."""
-    found: list[Token] = []
-    position = 0
-    while position < len(words):
-        word = words[position]
-        found.append(word)
-        position += 1
-        if word.text == "^":
-            size = 2 if [w.text for w in words[position : position + 1]] == ["-"] else 1
-            inner = words[position : position + size]
-            if inner and inner[-1].kind == "number":
-                at = (inner[0].start, inner[-1].end)
-                found += [Token("sign", "{", *at), *inner, Token("sign", "}", *at)]
-                position += size
-    return found
+    start = position + 1
+    end = start + (2 if [w.text for w in words[start : start + 1]] == ["-"] else 1)
+    inner = words[start:end]
+    if words[position].text != "^" or not inner or inner[-1].kind != "number":
+        return None
+    at = (inner[0].start, inner[-1].end)
+    return end, [words[position], Token("sign", "{", *at), *inner, Token("sign", "}", *at)]
 
 
 def _refuse_ambiguous(source: str, words: Sequence[Token]) -> None:

@@ -13,7 +13,7 @@ from voronec.algebra.door import Door
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.normal import canonical, shortest
 from voronec.algebra.symbols import velocity
-from voronec.algebra.typeset import caret_text, latex_of
+from voronec.algebra.typeset import caret_text
 from voronec.declaration.system import System
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError
@@ -153,20 +153,11 @@ class Statement:
         """Normal forms."""
         return canonical(list(exprs))
 
-    def texts(self, exprs: Sequence[Any], latex: bool = False) -> list[str]:
+    def texts(self, exprs: Sequence[Any]) -> list[str]:
         """Formulas for print, in their shortest form."""
-        return [self.text(e, latex) for e in shortest(list(exprs), (), self.v)]
+        return [self.text(e) for e in shortest(list(exprs), (), self.v)]
 
-    def text(self, expr: Any, latex: bool = False) -> str:
+    def text(self, expr: Any) -> str:
         """A formula for print as it stands; one too long for a page is told by its length."""
-        outside = self.door.outward(expr)
-        system = self.equations.system
-        found = (
-            latex_of(outside, system.coordinates, system.velocities)
-            if latex
-            else caret_text(outside)
-        )
-        if len(found) <= LONGEST:
-            return found
-        told = f"an expression of {len(found)} characters"
-        return f"\\text{{{told}}}" if latex else told
+        found = caret_text(self.door.outward(expr))
+        return found if len(found) <= LONGEST else f"an expression of {len(found)} characters"

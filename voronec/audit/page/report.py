@@ -52,19 +52,15 @@ __all__ = [
 ]
 
 
-def _audit_json(audit: Audit) -> str:
-    """The records as a JSON list: label, section, ordinal, printed, derived, verdict, correction,
-    witness, method, and all formulas."""
-    return json.dumps(audit.as_list(), indent=2, ensure_ascii=False) + "\n"
-
-
 def write_audit(audit: Audit, folder: str | Path, figures: Sequence[Figure] = ()) -> list[Path]:
     """Write ``report.json``, ``report.html`` and ``report.tex``; return their paths.
 
-    ``DefinitionError`` where the folder cannot be written.
+    The first is a list of the records: label, section, ordinal, printed, derived, verdict,
+    correction, witness, method, and all formulas.  ``DefinitionError`` where the folder cannot be
+    written.
     """
     texts = {
-        "report.json": _audit_json(audit),
+        "report.json": json.dumps(audit.as_list(), indent=2, ensure_ascii=False) + "\n",
         "report.html": audit_page(audit, figures),
         "report.tex": audit_latex(audit),
     }
@@ -462,6 +458,9 @@ def audit_page(audit: Audit, figures: Sequence[Figure] = ()) -> str:
     spellings = json.dumps(_spellings(), ensure_ascii=False)
     sections = "".join(_section(audit, n, places) for n in range(len(audit.sections)))
     pictures = "".join(map(_figure, figures))
+    lists = "".join(
+        _list_section(name, title, lead, make(audit, places)) for name, title, lead, make in LISTS
+    )
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
@@ -469,7 +468,7 @@ def audit_page(audit: Audit, figures: Sequence[Figure] = ()) -> str:
         f"{_contents(audit)}<main>\n<h1>{escape(audit.title)}</h1>\n"
         f'<p class="by">{escape(audit.authors)}</p>\n{_summary(audit)}\n'
         f'<section id="errata"><h2>Errata</h2>\n{errata(audit, places)}</section>\n'
-        f"{_conventions(audit, places)}{_unaudited_list(audit, places)}{_search(audit)}\n"
+        f"{lists}{_search(audit)}\n"
         f"{sections}{pictures}</main>\n"
         f"<script>const spellings={spellings};\n{script}</script></body></html>\n"
     )
@@ -503,8 +502,7 @@ def _summary(audit: Audit) -> str:
     rows = []
     for verdict in verdicts:
         cells = "".join(f'<td class="n">{found[kind][verdict]}</td>' for kind in found)
-        name = f'<td><span class="badge {verdict}">{verdict}</span></td>'
-        rows.append(f"<tr>{name}{cells}<td>{MEANING[verdict]}</td></tr>")
+        rows.append(f"<tr><td>{_badge(verdict)}</td>{cells}<td>{MEANING[verdict]}</td></tr>")
     totals = "".join(f'<td class="n">{sum(found[kind].values())}</td>' for kind in found)
     formulas = sum(len(r.formulas) for r in audit.records)
     return (
@@ -519,21 +517,21 @@ def _summary(audit: Audit) -> str:
     )
 
 
-def _conventions(audit: Audit, places: dict[tuple[str, int], str]) -> str:
-    lead = (
+LISTS = (
+    (
+        "conventions", "Conventions and ranges",
         "True as printed under a convention that another formula contradicts, or in some ranges of "
-        "the parameters only."
-    )
-    found = conventions(audit, places)
-    return _list_section("conventions", "Conventions and ranges", lead, found)
-
-
-def _unaudited_list(audit: Audit, places: dict[tuple[str, int], str]) -> str:
-    lead = (
+        "the parameters only.",
+        conventions,
+    ),
+    (
+        "unaudited", "Not audited",
         "What the text states, and nothing here decides. Sentences on history, on sources and on "
-        "what comes next state nothing of the kind."
-    )
-    return _list_section("unaudited", "Not audited", lead, unaudited_list(audit, places))
+        "what comes next state nothing of the kind.",
+        unaudited_list,
+    ),
+)  # fmt: skip
+"""The lists of the page after the errata: anchor, title, what it is, and its entries."""
 
 
 def _list_section(anchor: str, title: str, lead: str, items: str) -> str:

@@ -6,12 +6,12 @@ expressions.  ``jacobian`` are its derivatives by state and inputs.
 """
 
 from voronec.equations.program.c import c_source
-from voronec.equations.program.casadi_function import casadi_function
 from voronec.equations.program.jacobian import jacobian
 from voronec.equations.program.javascript import javascript_source
-from voronec.equations.program.low_rank import solve_mass
+from voronec.equations.program.low_rank import names_into, solve_mass
 from voronec.equations.program.optimisation import HoistedProgram, hoist, shorten_program
 from voronec.equations.program.python import (
+    casadi_function,
     casadi_source,
     compile_program,
     mpmath_source,
@@ -34,6 +34,7 @@ __all__ = [
     "jacobian",
     "javascript_source",
     "mpmath_source",
+    "names_into",
     "operation_count",
     "python_source",
     "scalar_source",

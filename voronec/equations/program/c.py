@@ -5,21 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from voronec.algebra.numeric_functions import (
-    ATAN_RATIO,
-    CASE,
-    CHOICE,
-    EXPM1,
-    EXPREL,
-    HYPOT,
-    LOG1P,
-    LOG_RATIO,
-    QUOTIENTS,
-    SINC,
-    SINHC,
-    SIZE,
-)
+from voronec.algebra import numeric_functions as numeric
 from voronec.equations.program.dialect import (
+    CARDINAL,
     FUNCTIONS,
     SLOPES,
     Dialect,
@@ -54,13 +42,6 @@ CHOICES = {
     "case_of": ("w p z n", "w > 0.0 ? p : w < 0.0 ? n : z"),
 }
 """Words for choices between sides, their arguments and their values."""
-_CARDINAL = {
-    SINC: ("sinc_of", "sin(x)"),
-    SINHC: ("sinhc_of", "sinh(x)"),
-    EXPREL: ("exprel_of", "expm1(x)"),
-    LOG_RATIO: ("log1p_ratio_of", "log1p(x)"),
-    ATAN_RATIO: ("atan_ratio_of", "atan(x)"),
-}
 
 
 def _power(base: str, exponent: int) -> str:
@@ -82,9 +63,9 @@ C_DIALECT = Dialect(
     pi="3.141592653589793",
     words={f: f for f in FUNCTIONS}
     | {"Abs": "fabs", "power": "pow", "sign": "sign_of"}
-    | {EXPM1: "expm1", LOG1P: "log1p", HYPOT: "hypot", SIZE: "fabs"}
-    | {CHOICE: "choice_of", CASE: "case_of"}
-    | {name: word for name, (word, _) in _CARDINAL.items()}
+    | {numeric.EXPM1: "expm1", numeric.LOG1P: "log1p", numeric.HYPOT: "hypot", numeric.SIZE: "fabs"}
+    | {numeric.CHOICE: "choice_of", numeric.CASE: "case_of"}
+    | {name: f"{word}_of" for name, (word, _) in CARDINAL.items()}
     | {name: word for name, (word, _) in SLOPES.items()},
 )
 
@@ -112,14 +93,14 @@ def c_source(program: Program, slopes: bool = False) -> str:
 def conditional_quotients(body: str, size: str) -> Iterator[tuple[str, str]]:
     """The functions sin(x)/x and the like that a source calls, and their values as C and JavaScript
     write them; ``size`` is their word for |x|."""
-    for word, above in _CARDINAL.values():
-        if f"{word}(" in body:
-            yield word, f"x == 0.0 ? 1.0 : {above}/x"
+    for word, above in CARDINAL.values():
+        if f"{word}_of(" in body:
+            yield f"{word}_of", f"x == 0.0 ? 1.0 : {above}(x)/x"
     for name, (word, above) in SLOPES.items():
         if f"{word}(" in body:
-            below = "*".join("x" * QUOTIENTS[name].power)
-            value = f"{size}(x) < {QUOTIENTS[name].reach} ? {series(name)} : ({above})/({below})"
-            yield word, value
+            quotient = numeric.QUOTIENTS[name]
+            near, below = f"{size}(x) < {quotient.reach}", "*".join("x" * quotient.power)
+            yield word, f"{near} ? {series(name)} : ({above})/({below})"
 
 
 def _header(program: Program) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import linecache
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -10,26 +12,18 @@ from typing import Any
 
 import symengine as se
 
-from voronec.algebra.numeric_functions import (
-    ATAN_RATIO_SLOPE,
-    EXPREL_SLOPE,
-    HYPOT,
-    LOG_RATIO_SLOPE,
-    QUOTIENTS,
-    SINC_SLOPE,
-    SINHC_SLOPE,
-    TANH_SHORTFALL,
-    numeric_name,
-)
+from voronec.algebra import numeric_functions as numeric
 from voronec.equations.program.straight import Block
 from voronec.errors import EngineLimit, quote
 
 __all__ = [
+    "CARDINAL",
     "FUNCTIONS",
     "SLOPES",
     "Dialect",
     "code",
     "decimal",
+    "execute",
     "fits",
     "identifiers",
     "lines",
@@ -52,13 +46,21 @@ _BY_OTHERS: dict[type, Callable[[Any], Any]] = {
     se.acot: lambda x: se.atan(1 / x),
     se.coth: lambda x: 1 / se.tanh(x),
 }
+CARDINAL = {
+    numeric.SINC: ("sinc", "sin"),
+    numeric.SINHC: ("sinhc", "sinh"),
+    numeric.EXPREL: ("exprel", "expm1"),
+    numeric.LOG_RATIO: ("log1p_ratio", "log1p"),
+    numeric.ATAN_RATIO: ("atan_ratio", "atan"),
+}
+"""Quotients such as sin(x)/x: a word, and the function that is divided by its argument."""
 SLOPES = {
-    SINC_SLOPE: ("sinc_slope", "sin(x) - x*cos(x)"),
-    SINHC_SLOPE: ("sinhc_slope", "x*cosh(x) - sinh(x)"),
-    EXPREL_SLOPE: ("exprel_slope", "(x - 1)*exp(x) + 1"),
-    TANH_SHORTFALL: ("tanh_rest", "x - tanh(x)"),
-    LOG_RATIO_SLOPE: ("log1p_ratio_slope", "log1p(x) - x/(1 + x)"),
-    ATAN_RATIO_SLOPE: ("atan_ratio_slope", "atan(x) - x/(1 + x*x)"),
+    numeric.SINC_SLOPE: ("sinc_slope", "sin(x) - x*cos(x)"),
+    numeric.SINHC_SLOPE: ("sinhc_slope", "x*cosh(x) - sinh(x)"),
+    numeric.EXPREL_SLOPE: ("exprel_slope", "(x - 1)*exp(x) + 1"),
+    numeric.TANH_SHORTFALL: ("tanh_rest", "x - tanh(x)"),
+    numeric.LOG_RATIO_SLOPE: ("log1p_ratio_slope", "log1p(x) - x/(1 + x)"),
+    numeric.ATAN_RATIO_SLOPE: ("atan_ratio_slope", "atan(x) - x/(1 + x*x)"),
 }
 """Quotients that cancel near zero, where doubles take their ``series``: a word, what is divided."""
 DOUBLE = 1e-18
@@ -95,9 +97,19 @@ def code(source: str, filename: str, mode: str = "exec") -> CodeType:
         ) from None
 
 
+def execute(source: str, what: str, names: Mapping[str, Any]) -> dict[str, Any]:
+    """What generated source defines, beside the names that are given to it; tracebacks show its
+    lines."""
+    filename = f"<voronec {what} {hashlib.sha256(source.encode()).hexdigest()[:12]}>"
+    linecache.cache[filename] = (len(source), None, source.splitlines(keepends=True), filename)
+    namespace = dict(names)
+    exec(code(source, filename), namespace)
+    return namespace
+
+
 def series(name: str, x: str = "x") -> str:
     """The power series of a quotient as far as doubles tell, for |x| below its reach."""
-    quotient = QUOTIENTS[name]
+    quotient = numeric.QUOTIENTS[name]
     square = f"{x}*{x}" if quotient.even else x
     terms = []
     for n in range(0, TERMS, 2 if quotient.even else 1):
@@ -158,7 +170,7 @@ def _write(expr: Any, dialect: Dialect, names: Mapping[Any, str]) -> tuple[str, 
     other = rewrite(expr)
     if other is not None:
         return _write(other, dialect, names)
-    name = numeric_name(expr) or type(expr).__name__
+    name = numeric.numeric_name(expr) or type(expr).__name__
     if name not in dialect.words:
         raise EngineLimit(f"'{name}' cannot be written as source; use elementary functions")
     return _print_call(name, expr.args, dialect, names), _ATOM
@@ -168,7 +180,7 @@ def _print_call(name: str, args: Iterable[Any], dialect: Dialect, names: Mapping
     word, inner = dialect.words[name], [text(a, dialect, names) for a in args]
     if name == "atan2":  # on the cut -0.0 is zero
         inner[0] += f" + {dialect.number(0)}"
-    while name == HYPOT and len(inner) > 2:  # of two sides in most libraries
+    while name == numeric.HYPOT and len(inner) > 2:  # of two sides in most libraries
         inner = [f"{word}({inner[0]}, {inner[1]})", *inner[2:]]
     return f"{word}({', '.join(inner)})"
 

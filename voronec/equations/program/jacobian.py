@@ -15,26 +15,8 @@ from typing import Any
 
 import symengine as se
 
+from voronec.algebra import numeric_functions as numeric
 from voronec.algebra.graphs import nodes
-from voronec.algebra.numeric_functions import (
-    ATAN_RATIO,
-    ATAN_RATIO_SLOPE,
-    CASE,
-    CHOICE,
-    EXPM1,
-    EXPREL,
-    EXPREL_SLOPE,
-    HYPOT,
-    LOG1P,
-    LOG_RATIO,
-    LOG_RATIO_SLOPE,
-    SINC,
-    SINC_SLOPE,
-    SINHC,
-    SINHC_SLOPE,
-    SIZE,
-    numeric_name,
-)
 from voronec.equations.program.straight import Block, Program, fresh_names, share_subexpressions
 from voronec.errors import EngineLimit
 
@@ -46,15 +28,15 @@ def _slope_of(name: str, factor: int) -> Callable[[Any], tuple[Any]]:
 
 
 _SLOPES: dict[str, Callable[..., tuple[Any, ...]]] = {
-    SINC: _slope_of(SINC_SLOPE, -1),
-    SINHC: _slope_of(SINHC_SLOPE, 1),
-    EXPREL: lambda w: (se.Function(EXPREL_SLOPE)(w),),
-    LOG_RATIO: lambda w: (-se.Function(LOG_RATIO_SLOPE)(w),),
-    ATAN_RATIO: _slope_of(ATAN_RATIO_SLOPE, -1),
-    EXPM1: lambda w: (se.exp(w),),
-    LOG1P: lambda w: (1 / (1 + w),),
-    HYPOT: lambda *sides: tuple(a / se.Function(HYPOT)(*sides) for a in sides),
-    SIZE: lambda w: (se.sign(w),),
+    numeric.SINC: _slope_of(numeric.SINC_SLOPE, -1),
+    numeric.SINHC: _slope_of(numeric.SINHC_SLOPE, 1),
+    numeric.EXPREL: lambda w: (se.Function(numeric.EXPREL_SLOPE)(w),),
+    numeric.LOG_RATIO: lambda w: (-se.Function(numeric.LOG_RATIO_SLOPE)(w),),
+    numeric.ATAN_RATIO: _slope_of(numeric.ATAN_RATIO_SLOPE, -1),
+    numeric.EXPM1: lambda w: (se.exp(w),),
+    numeric.LOG1P: lambda w: (1 / (1 + w),),
+    numeric.HYPOT: lambda *sides: tuple(a / se.Function(numeric.HYPOT)(*sides) for a in sides),
+    numeric.SIZE: lambda w: (se.sign(w),),
     "Abs": lambda w: (se.sign(w),),
     "sign": lambda w: (se.Integer(0),),
     "floor": lambda w: (se.Integer(0),),
@@ -114,7 +96,7 @@ def _rows(
 
 def _chain_slopes(expr: Any, slopes: dict[Any, dict[Any, Any]]) -> dict[Any, Any]:
     """The slopes of an expression by the columns that it depends on."""
-    if any(numeric_name(n) in (CHOICE, CASE) for n in nodes([expr])):
+    if any(numeric.numeric_name(n) in (numeric.CHOICE, numeric.CASE) for n in nodes([expr])):
         return _gradient(expr, {s: slopes.get(s, {}) for s in expr.free_symbols})
     partials = _gradient(expr, {})
     return weighted_sum(
@@ -140,7 +122,7 @@ def _gradient(expr: Any, known: dict[Any, dict[Any, Any]]) -> dict[Any, Any]:
     if isinstance(expr, se.Symbol):
         return {expr: se.Integer(1)}
     if expr.args:
-        if numeric_name(expr) in (CHOICE, CASE):
+        if numeric.numeric_name(expr) in (numeric.CHOICE, numeric.CASE):
             known[expr] = _gradient_of_choice(expr, known)
         else:
             rows = [_gradient(a, known) for a in expr.args]
@@ -161,7 +143,7 @@ def _gradient_of_choice(expr: Any, known: dict[Any, Any]) -> dict[Any, Any]:
         above, *on, below = (row.get(x, zero) for row in rows)
         if x in across and on:
             on = [] if up == down else [above] * (middle == [up]) or [below] * (middle == [down])
-        name = CASE if on else CHOICE
+        name = numeric.CASE if on else numeric.CHOICE
         same = all(slope == above for slope in (*on, below))
         found[x] = above if same else se.Function(name)(wall, above, *on, below)
     return found
@@ -169,7 +151,7 @@ def _gradient_of_choice(expr: Any, known: dict[Any, Any]) -> dict[Any, Any]:
 
 def _partial(expr: Any, position: int) -> Any:
     """The derivative of a sum, product, power or function by one of its arguments."""
-    name = numeric_name(expr) or type(expr).__name__
+    name = numeric.numeric_name(expr) or type(expr).__name__
     if name in _SLOPES:
         return _SLOPES[name](*expr.args)[position]
     if isinstance(expr, se.Add):

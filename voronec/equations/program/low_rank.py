@@ -36,6 +36,7 @@ __all__ = [
     "coupled_rows",
     "eliminations",
     "low_rank",
+    "names_into",
     "solve_mass",
     "solve_symmetric",
 ]
@@ -180,7 +181,7 @@ def _without_root(
 ) -> tuple[Any, Sequence[Any]]:
     """A square under s, such as sin(a)^2, goes into u where u stays whole: sines of an angle and
     its cosines have common factors that only their relation shows."""
-    powers = [f.args for f in _factors(scale) if isinstance(f, se.Pow)]
+    powers = [f.args for f in factors_of(scale) if isinstance(f, se.Pow)]
     below = [(b, e) for b, e in powers if e.is_Number and e < 0 and b.free_symbols]
     if not below or any(not isinstance(e, se.Integer) or int(e) % 2 for _, e in below):
         return scale, column
@@ -189,10 +190,6 @@ def _without_root(
     if any(quotient(u, relations)[1].free_symbols for u in shorter):
         return scale, column
     return canonical([scale * root**2], relations)[0], shorter
-
-
-def _factors(expr: Any) -> Sequence[Any]:
-    return factors_of(expr)
 
 
 def _lighter(short: Any, long: Any, column: Iterable[Any]) -> Any:
@@ -248,17 +245,22 @@ def _triangular(mass: Sequence[Sequence[Any]], rows: Iterable[int]) -> MassElimi
     return MassElimination(chosen, tuple(mass[i][j] for i, j in places), solve)
 
 
-def _weight(block: MassElimination, constants: Sequence[Any]) -> float:
-    """The cost of an elimination for Taylor's method, for a right side that moves."""
-    assignments: list[tuple[Any, Any]] = []
-    names = (se.Symbol(f"_{i}") for i in count())
+def names_into(assignments: list[tuple[Any, Any]], fresh: Iterator[Any]) -> Name:
+    """What names expressions: one that is more than a symbol or a number becomes an assignment."""
 
     def name(expr: Any) -> Any:
         if not expr.args:
             return expr
-        assignments.append((next(names), expr))
+        assignments.append((next(fresh), expr))
         return assignments[-1][0]
 
+    return name
+
+
+def _weight(block: MassElimination, constants: Sequence[Any]) -> float:
+    """The cost of an elimination for Taylor's method, for a right side that moves."""
+    assignments: list[tuple[Any, Any]] = []
+    name = names_into(assignments, (se.Symbol(f"_{i}") for i in count()))
     right = [se.Symbol(f"_f{i}") for i in block.rows]
     results = block.solve([name(e) for e in block.expressions], right, name)
     return taylor_weight(assignments, results, constants)

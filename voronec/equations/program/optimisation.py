@@ -484,9 +484,8 @@ class _Lifting:
         self._still: set[Any] = set(program.parameters)
         self._memo: dict[Any, Any] = {}
         blocks = (program.derivative, program.extras)
-        taken = {*map(str, (*program.state, *program.parameters, program.time))}
-        taken |= {str(n) for b in blocks for n, _ in b.assignments}
-        self._prefix = next(p for p in ("k", "kk", "kkk", "const_") if not _clash(p, taken))
+        known = (*program.state, *program.parameters, program.time)
+        self._fresh = fresh_names([*known, *(n for b in blocks for n, _ in b.assignments)], "k")
 
     def block(self, block: Block) -> Block:
         """The same assignments without those that are constant."""
@@ -563,11 +562,6 @@ class _Lifting:
         if expr.is_Number or not expr.args:
             return expr
         if expr not in self.names:
-            name = se.Symbol(f"{self._prefix}{len(self.names)}")
-            self.names[expr] = name
-            self._still.add(name)
+            self.names[expr] = next(self._fresh)
+            self._still.add(self.names[expr])
         return self.names[expr]
-
-
-def _clash(prefix: str, taken: Iterable[str]) -> bool:
-    return any(t.startswith(prefix) and t[len(prefix) :].isdigit() for t in taken)

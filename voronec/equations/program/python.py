@@ -5,9 +5,7 @@ They take doubles, or in any precision arrays of mpmath's numbers.
 
 from __future__ import annotations
 
-import hashlib
 import keyword
-import linecache
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -17,32 +15,14 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from voronec.algebra.numeric_functions import (
-    ATAN_RATIO,
-    ATAN_RATIO_SLOPE,
-    CASE,
-    CHOICE,
-    EXPM1,
-    EXPREL,
-    EXPREL_SLOPE,
-    HYPOT,
-    LOG1P,
-    LOG_RATIO,
-    LOG_RATIO_SLOPE,
-    QUOTIENTS,
-    SINC,
-    SINC_SLOPE,
-    SINHC,
-    SINHC_SLOPE,
-    SIZE,
-    TANH_SHORTFALL,
-)
+from voronec.algebra import numeric_functions as numeric
 from voronec.equations.program.dialect import (
+    CARDINAL,
     FUNCTIONS,
     SLOPES,
     Dialect,
-    code,
     decimal,
+    execute,
     fits,
     identifiers,
     lines,
@@ -50,10 +30,12 @@ from voronec.equations.program.dialect import (
     text,
 )
 from voronec.equations.program.parts import TITLES, Part, arguments_of, groups_of, parts_of
-from voronec.equations.program.straight import Block, Program
+from voronec.equations.program.straight import Program
+from voronec.errors import DefinitionError
 
 __all__ = [
     "WORDS",
+    "casadi_function",
     "casadi_source",
     "compile_program",
     "compiled_digits",
@@ -68,14 +50,11 @@ Function = Callable[[Any, Any, Any], list[Any]]
 """``f(t, state, parameters)``."""
 
 _ARGUMENTS = ("t", "state", "parameters", "inputs")
-_NUMERIC = {SINC: "sinc", SINHC: "sinhc", EXPREL: "exprel"}
-_NUMERIC |= {LOG_RATIO: "log1p_ratio", ATAN_RATIO: "atan_ratio"}
-_NUMERIC |= {name: word for name, (word, _) in SLOPES.items()}
-_NUMERIC |= {EXPM1: "expm1", LOG1P: "log1p", HYPOT: "hypot", SIZE: "fabs"}
-_NUMERIC |= {CHOICE: "choice", CASE: "case"}
-_QUOTIENTS = {"sinc": "sin", "sinhc": "sinh", "exprel": "expm1"}
-_QUOTIENTS |= {"log1p_ratio": "log1p", "atan_ratio": "atan"}
-"""Names of sin(x)/x and the like in Python, and what is divided."""
+_NUMERIC = {name: word for name, (word, _) in (CARDINAL | SLOPES).items()}
+_NUMERIC |= {numeric.EXPM1: "expm1", numeric.LOG1P: "log1p"}
+_NUMERIC |= {numeric.HYPOT: "hypot", numeric.SIZE: "fabs"}
+_NUMERIC |= {numeric.CHOICE: "choice", numeric.CASE: "case"}
+_QUOTIENTS = dict(CARDINAL.values())
 _CHOICES, _SIZES = {"numpy": "where", "casadi": "if_else"}, {"numpy": "abs", "casadi": "fabs"}
 """Libraries where both ways of a choice are computed, and how they write it, and |x|."""
 _COLUMNS = ("vertsplit", "vertcat", "horzcat")
@@ -84,16 +63,16 @@ _HELPERS = (
     "hyp2f1"
 ).split()
 _IN_DIGITS = {
-    SINC_SLOPE: "hyp0f1(mpf(5)/2, -x*x/4)/3",
-    SINHC_SLOPE: "hyp0f1(mpf(5)/2, x*x/4)/3",
-    EXPREL_SLOPE: "hyp1f1(2, 3, x)/2",
-    TANH_SHORTFALL: "hyp0f1(mpf(5)/2, x*x/4)/3/cosh(x)",
-    LOG_RATIO_SLOPE: "hyp2f1(2, 2, 3, -x)/2",
-    ATAN_RATIO_SLOPE: "hyp2f1(mpf(3)/2, 2, mpf(5)/2, -x*x)*2/3",
+    numeric.SINC_SLOPE: "hyp0f1(mpf(5)/2, -x*x/4)/3",
+    numeric.SINHC_SLOPE: "hyp0f1(mpf(5)/2, x*x/4)/3",
+    numeric.EXPREL_SLOPE: "hyp1f1(2, 3, x)/2",
+    numeric.TANH_SHORTFALL: "hyp0f1(mpf(5)/2, x*x/4)/3/cosh(x)",
+    numeric.LOG_RATIO_SLOPE: "hyp2f1(2, 2, 3, -x)/2",
+    numeric.ATAN_RATIO_SLOPE: "hyp2f1(mpf(3)/2, 2, mpf(5)/2, -x*x)*2/3",
 }
 """The slopes of these quotients by hypergeometric functions, which mpmath has in any precision."""
 _NUMPY = {f: f.replace("a", "arc", 1) if f[0] == "a" else f for f in FUNCTIONS} | _NUMERIC
-_NUMPY |= {"Abs": "absolute", SIZE: "absolute"}
+_NUMPY |= {"Abs": "absolute", numeric.SIZE: "absolute"}
 _PLAIN = {f: f for f in FUNCTIONS} | {"Abs": "fabs"} | _NUMERIC
 WORDS = frozenset(_PLAIN.values())
 """Names of functions in the source on mpmath's numbers."""
@@ -159,6 +138,26 @@ def casadi_source(program: Program, slopes: bool = False) -> str:
     return _module(program, _MATRICES, slopes=slopes)
 
 
+def casadi_function(program: Program) -> Any:
+    """``casadi.Function`` of ``t``, ``state``, ``parameters`` and ``inputs``, columns, with the
+    result ``derivative``; empty columns stand where a system has no parameters or inputs."""
+    try:
+        import casadi
+    except ImportError:
+        raise DefinitionError(
+            "CasADi is not installed; install it with: pip install 'voronec[control]'"
+        ) from None
+    namespace = execute(casadi_source(program), "program for CasADi", {})
+    groups = {"state": program.state, "parameters": program.parameters, "inputs": program.inputs}
+    given = {name: casadi.SX.sym(name, len(group)) for name, group in groups.items()}
+    taken = list(given.values()) if program.inputs else list(given.values())[:-1]
+    time = casadi.SX.sym("t")
+    derivative = casadi.SX(namespace["rhs"](time, *taken))
+    return casadi.Function(
+        "rhs", [time, *given.values()], [derivative], ["t", *given], ["derivative"]
+    )
+
+
 def mpmath_source(program: Program) -> str:
     """The same functions on mpmath numbers, at the precision in force when they are called."""
     return _module(program, _DIGITS)
@@ -190,11 +189,7 @@ def compile_program(program: Program, scalar: bool = False) -> tuple[Function, F
     root of a negative number is then an exception.  Tracebacks show the generated lines.
     """
     source = _module(program, _FLOATS if scalar else _ARRAYS)
-    digest = hashlib.sha256(source.encode()).hexdigest()[:12]
-    filename = f"<voronec program {digest}>"
-    linecache.cache[filename] = (len(source), None, source.splitlines(True), filename)
-    namespace: dict[str, Any] = {"sign": _sign}
-    exec(code(source, filename), namespace)
+    namespace = execute(source, "program", {"sign": _sign})
     return namespace["rhs"], namespace.get("extras", _nothing)
 
 
@@ -253,7 +248,7 @@ def _helpers(body: str, library: str) -> list[str]:
             rows.append(_helper(word, f"{above}(x)/x", f"return {value}"))
     for name, (word, above) in SLOPES.items():
         if word in called:
-            power, reach = QUOTIENTS[name].power, QUOTIENTS[name].reach
+            power, reach = numeric.QUOTIENTS[name].power, numeric.QUOTIENTS[name].reach
             steps = [f"return {_IN_DIGITS[name]}"]
             if library == "math":
                 steps = [f"return {series(name)} if abs(x) < {reach} else ({above})/x**{power}"]
@@ -288,15 +283,6 @@ def _header(program: Program, flavour: _Flavour) -> str:
     )
 
 
-def _moves(result: Any, block: Block, program: Program) -> bool:
-    """Whether a result holds an entry of the state."""
-    moving = {*program.state}
-    for name, expr in block.assignments:
-        if expr.free_symbols & moving:
-            moving.add(name)
-    return bool(result.free_symbols & moving)
-
-
 def _remark(text: str) -> str:
     """A text that ends neither a line nor the string in which it stands."""
     printable = "".join(c if c.isprintable() else " " for c in text)
@@ -324,8 +310,8 @@ def _function(
     rows += [f"    {name} = {value}" for name, value in lines(block, dialect, names)]
     values = [text(result, dialect, names) for result in block.results]
     if alike and program.state:  # of the shape of the others
-        still = [not _moves(result, block, program) for result in block.results]
-        first = names[program.state[0]]
+        moving, first = block.movers(program.state), names[program.state[0]]
+        still = [not result.free_symbols & moving for result in block.results]
         values = [f"{v} + 0*{first}" if s else v for v, s in zip(values, still, strict=True)]
     rows.append("    return vertcat(" if columnar else "    return [")
     ends = ("horzcat(", ")") if columnar else ("[", "]")
@@ -352,11 +338,7 @@ def compiled_digits(program: Program) -> tuple[Callable[..., Any], Callable[...,
 
     They compute with the precision of time and state, and with that in force where it is finer.
     """
-    source = mpmath_source(program)
-    filename = f"<voronec digits {hashlib.sha256(source.encode()).hexdigest()[:12]}>"
-    linecache.cache[filename] = (len(source), None, source.splitlines(keepends=True), filename)
-    namespace: dict[str, Any] = {}
-    exec(code(source, filename), namespace)
+    namespace = execute(mpmath_source(program), "digits", {})
     for name in namespace.keys() & WORDS:
         number = 2 if name in ("atan2", "power", "hypot") else 1
         namespace[name] = np.frompyfunc(namespace[name], number, 1)

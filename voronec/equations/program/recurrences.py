@@ -14,8 +14,6 @@ With c_k the coefficient of h^k times h^k, all in units of 2^-P. See
 
 from __future__ import annotations
 
-import hashlib
-import linecache
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
@@ -35,7 +33,7 @@ from voronec.algebra.numeric_functions import (
     numeric_name,
 )
 from voronec.algebra.tape import Tape
-from voronec.equations.program.dialect import TERMS, code, rational, rewrite
+from voronec.equations.program.dialect import TERMS, execute, rational, rewrite
 from voronec.equations.program.straight import Program
 from voronec.errors import EngineLimit
 
@@ -398,9 +396,6 @@ class Recurrences:
 
     def expansion(self, values: Sequence[Any], bits: int) -> Expansion:
         """The compiled expansion at parameters, in units of 2^-bits."""
-        filename = f"<voronec recurrences {hashlib.sha256(self.source.encode()).hexdigest()[:12]}>"
-        lines = self.source.splitlines(keepends=True)
-        linecache.cache[filename] = (len(self.source), None, lines, filename)
         numbers = self._numbers(values, bits + 64)
         with flint.ctx.workprec(bits + 64):
             known = {
@@ -410,9 +405,9 @@ class Recurrences:
         functions["power"] = _power_function(bits)
         functions["tangent"] = _tangent(bits)
         functions["composed"] = partial(_Composition, bits)
-        namespace: dict[str, Any] = {"P": bits, "ONE": 1 << bits, **functions, **known}
-        exec(code(self.source, filename), namespace)
-        return namespace["expand"]
+        names = {"P": bits, "ONE": 1 << bits, **functions, **known}
+        expand: Expansion = execute(self.source, "recurrences", names)["expand"]
+        return expand
 
     def _numbers(self, values: Sequence[Any], bits: int) -> list[Any]:
         """The constants in balls."""

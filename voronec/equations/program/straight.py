@@ -22,7 +22,12 @@ from voronec.algebra.stable import stable_all
 from voronec.algebra.stages import needed_stages
 from voronec.algebra.terms import factors_of, summands
 from voronec.equations.program.choices import choose_sides, holds_choices, holds_walls
-from voronec.equations.program.low_rank import MassElimination, coupled_rows, eliminations
+from voronec.equations.program.low_rank import (
+    MassElimination,
+    coupled_rows,
+    eliminations,
+    names_into,
+)
 from voronec.equations.program.walls import is_rough, plain_roots, write_roots_out
 from voronec.equations.program.weight import evaluation_weight, taylor_weight
 from voronec.errors import DefinitionError, EngineLimit
@@ -143,13 +148,18 @@ class Block:
         are symbols that do not move."""
         return is_rough(self.assignments, self.results, still, velocities)
 
-    def has_roots(self, moving: Iterable[Any]) -> bool:
-        """Whether it holds a root, or another power whose exponent is no whole number, of something
-        that moves with some symbols."""
-        found = set(moving)
+    def movers(self, symbols: Iterable[Any]) -> set[Any]:
+        """Some symbols, and the names that move with them."""
+        found = set(symbols)
         for name, expr in self.assignments:
             if expr.free_symbols & found:
                 found.add(name)
+        return found
+
+    def has_roots(self, moving: Iterable[Any]) -> bool:
+        """Whether it holds a root, or another power whose exponent is no whole number, of something
+        that moves with some symbols."""
+        found = self.movers(moving)
         plain = (formula(node) or node for node in nodes(self.expressions))
         return any(
             isinstance(node, se.Pow)
@@ -370,13 +380,7 @@ def _eliminate(
 ) -> Block:  # fmt: skip
     """Shared subexpressions first; then the elimination, on their names."""
     results, assignments = list(common.results), list(common.assignments)
-
-    def name(expr: Any) -> Any:
-        if not expr.args:
-            return expr
-        assignments.append((next(fresh), expr))
-        return assignments[-1][0]
-
+    name = names_into(assignments, fresh)
     rates = [results.pop(0) for _ in form.rates]
     vdot = {i: results.pop(0) for i in single}
     force = [results.pop(0) for _ in left]

@@ -12,26 +12,7 @@ from typing import Any
 
 import symengine as se
 
-from voronec.algebra.numeric_functions import (
-    ATAN_RATIO,
-    ATAN_RATIO_SLOPE,
-    EXPM1,
-    EXPREL,
-    EXPREL_SLOPE,
-    FORMULAS,
-    HYPOT,
-    LOG1P,
-    LOG_RATIO,
-    LOG_RATIO_SLOPE,
-    QUOTIENTS,
-    SINC,
-    SINC_SLOPE,
-    SINHC,
-    SINHC_SLOPE,
-    SIZE,
-    TANH_SHORTFALL,
-    numeric_name,
-)
+from voronec.algebra import numeric_functions as numeric
 from voronec.equations.program.dialect import rational, rewrite
 from voronec.equations.program.straight import Block, Program
 from voronec.errors import EngineLimit
@@ -79,7 +60,7 @@ def _names(program: Program, units: Sequence[float], hy: Any) -> tuple[list[Any]
     states = [y if u == 1 else u * y for y, u in zip(variables, sizes, strict=True)]
     known: dict[Any, Any] = dict(zip(program.state, states, strict=True))
     known |= {p: hy.par[i] for i, p in enumerate(program.parameters)}
-    known[HYPOT] = any(u != 1 for u in sizes)  # then squares may overflow
+    known[numeric.HYPOT] = any(u != 1 for u in sizes)  # then squares may overflow
     known[program.time] = hy.time
     return variables, known
 
@@ -109,14 +90,14 @@ def _build_node(expr: Any, known: dict[Any, Any], hy: Any) -> Any:
     other = rewrite(expr)
     if other is not None:
         return _build(other, known, hy)
-    numeric = numeric_name(expr)
-    if numeric == HYPOT and known.get(HYPOT):
+    name = numeric.numeric_name(expr)
+    if name == numeric.HYPOT and known.get(numeric.HYPOT):
         return _length([_build(a, known, hy) for a in expr.args], hy)
-    if numeric is not None and numeric not in _NUMERIC:
-        return _build(FORMULAS[numeric](*expr.args), known, hy)
+    if name is not None and name not in _NUMERIC:
+        return _build(numeric.FORMULAS[name](*expr.args), known, hy)
     args = [_build(a, known, hy) for a in expr.args]
-    if numeric is not None:
-        return _NUMERIC[numeric](args[0], hy)
+    if name is not None:
+        return _NUMERIC[name](args[0], hy)
     if isinstance(expr, se.Add):
         return hy.sum(args)
     if isinstance(expr, se.Mul):
@@ -166,7 +147,7 @@ def _cardinal(name: str, w: Any, hy: Any) -> Any:
     A step is the expansion at its start: what the function is further off matters to the terms
     alone that the series has too.
     """
-    quotient = QUOTIENTS[name]
+    quotient = numeric.QUOTIENTS[name]
     step, power = (2, w**2.0) if quotient.even else (1, w)
     series = hy.expression(0.0)
     for n in reversed(range(0, TERMS, step)):
@@ -177,25 +158,25 @@ def _cardinal(name: str, w: Any, hy: Any) -> Any:
 
 
 _ABOVE: dict[str, Callable[[Any, Any], Any]] = {
-    SINC: lambda w, hy: hy.sin(w),
-    SINHC: lambda w, hy: hy.sinh(w),
-    EXPREL: lambda w, hy: hy.exp(w) - 1.0,
-    SINC_SLOPE: lambda w, hy: hy.sin(w) - w * hy.cos(w),
-    SINHC_SLOPE: lambda w, hy: w * hy.cosh(w) - hy.sinh(w),
-    EXPREL_SLOPE: lambda w, hy: (w - 1.0) * hy.exp(w) + 1.0,
-    TANH_SHORTFALL: lambda w, hy: w - hy.tanh(w),
-    LOG_RATIO: lambda w, hy: _beside_one(w, hy),
-    ATAN_RATIO: lambda w, hy: hy.atan(w),
-    LOG_RATIO_SLOPE: lambda w, hy: _beside_one(w, hy) - w / (1.0 + w),
-    ATAN_RATIO_SLOPE: lambda w, hy: hy.atan(w) - w / (1.0 + w**2.0),
+    numeric.SINC: lambda w, hy: hy.sin(w),
+    numeric.SINHC: lambda w, hy: hy.sinh(w),
+    numeric.EXPREL: lambda w, hy: hy.exp(w) - 1.0,
+    numeric.SINC_SLOPE: lambda w, hy: hy.sin(w) - w * hy.cos(w),
+    numeric.SINHC_SLOPE: lambda w, hy: w * hy.cosh(w) - hy.sinh(w),
+    numeric.EXPREL_SLOPE: lambda w, hy: (w - 1.0) * hy.exp(w) + 1.0,
+    numeric.TANH_SHORTFALL: lambda w, hy: w - hy.tanh(w),
+    numeric.LOG_RATIO: lambda w, hy: _beside_one(w, hy),
+    numeric.ATAN_RATIO: lambda w, hy: hy.atan(w),
+    numeric.LOG_RATIO_SLOPE: lambda w, hy: _beside_one(w, hy) - w / (1.0 + w),
+    numeric.ATAN_RATIO_SLOPE: lambda w, hy: hy.atan(w) - w / (1.0 + w**2.0),
 }
 
 
 _NUMERIC: dict[str, Callable[[Any, Any], Any]] = {
-    **{name: partial(_cardinal, name) for name in QUOTIENTS},
-    EXPM1: _less_one,
-    LOG1P: _beside_one,
-    SIZE: _size,
+    **{name: partial(_cardinal, name) for name in numeric.QUOTIENTS},
+    numeric.EXPM1: _less_one,
+    numeric.LOG1P: _beside_one,
+    numeric.SIZE: _size,
 }
 """Functions that programs alone know, where they are not written by their formulas."""
 

@@ -22,24 +22,7 @@ import mpmath as mp
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.numeric_functions import (
-    ATAN_RATIO,
-    ATAN_RATIO_SLOPE,
-    EXPM1,
-    EXPREL,
-    EXPREL_SLOPE,
-    HYPOT,
-    LOG1P,
-    LOG_RATIO,
-    LOG_RATIO_SLOPE,
-    SINC,
-    SINC_SLOPE,
-    SINHC,
-    SINHC_SLOPE,
-    SIZE,
-    TANH_SHORTFALL,
-    numeric_name,
-)
+from voronec.algebra import numeric_functions as numeric
 from voronec.algebra.stable import stable_all
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.declaration.system import System
@@ -57,21 +40,21 @@ _NAMES = (
 ).split()
 _FUNCTIONS: dict[str, Operation] = {name: getattr(mp, name) for name in _NAMES} | {"Abs": mp.fabs}
 _FUNCTIONS |= {
-    SINC: mp.sinc,
-    SINHC: lambda a: mp.sinh(a) / a if a else mp.mpf(1),
-    EXPREL: lambda a: mp.expm1(a) / a if a else mp.mpf(1),
-    SINC_SLOPE: lambda a: mp.hyp0f1(mp.mpf(5) / 2, -a * a / 4) / 3,
-    SINHC_SLOPE: lambda a: mp.hyp0f1(mp.mpf(5) / 2, a * a / 4) / 3,
-    EXPREL_SLOPE: lambda a: mp.hyp1f1(2, 3, a) / 2,
-    TANH_SHORTFALL: lambda a: mp.hyp0f1(mp.mpf(5) / 2, a * a / 4) / 3 / mp.cosh(a),
-    LOG_RATIO: lambda a: mp.log1p(a) / a if a else mp.mpf(1),
-    ATAN_RATIO: lambda a: mp.atan(a) / a if a else mp.mpf(1),
-    LOG_RATIO_SLOPE: lambda a: mp.hyp2f1(2, 2, 3, -a) / 2,
-    ATAN_RATIO_SLOPE: lambda a: mp.hyp2f1(mp.mpf(3) / 2, 2, mp.mpf(5) / 2, -a * a) * 2 / 3,
-    EXPM1: mp.expm1,
-    LOG1P: mp.log1p,
-    SIZE: mp.fabs,
-    HYPOT: lambda *sides: mp.sqrt(mp.fsum(a * a for a in sides)),
+    numeric.SINC: mp.sinc,
+    numeric.SINHC: lambda a: mp.sinh(a) / a if a else mp.mpf(1),
+    numeric.EXPREL: lambda a: mp.expm1(a) / a if a else mp.mpf(1),
+    numeric.SINC_SLOPE: lambda a: mp.hyp0f1(mp.mpf(5) / 2, -a * a / 4) / 3,
+    numeric.SINHC_SLOPE: lambda a: mp.hyp0f1(mp.mpf(5) / 2, a * a / 4) / 3,
+    numeric.EXPREL_SLOPE: lambda a: mp.hyp1f1(2, 3, a) / 2,
+    numeric.TANH_SHORTFALL: lambda a: mp.hyp0f1(mp.mpf(5) / 2, a * a / 4) / 3 / mp.cosh(a),
+    numeric.LOG_RATIO: lambda a: mp.log1p(a) / a if a else mp.mpf(1),
+    numeric.ATAN_RATIO: lambda a: mp.atan(a) / a if a else mp.mpf(1),
+    numeric.LOG_RATIO_SLOPE: lambda a: mp.hyp2f1(2, 2, 3, -a) / 2,
+    numeric.ATAN_RATIO_SLOPE: lambda a: mp.hyp2f1(mp.mpf(3) / 2, 2, mp.mpf(5) / 2, -a * a) * 2 / 3,
+    numeric.EXPM1: mp.expm1,
+    numeric.LOG1P: mp.log1p,
+    numeric.SIZE: mp.fabs,
+    numeric.HYPOT: lambda *sides: mp.sqrt(mp.fsum(a * a for a in sides)),
 }
 _CONDITIONS: dict[str, Operation] = {
     "LessThan": lambda a, b: a <= b,
@@ -157,7 +140,7 @@ def _step(expr: Any) -> tuple[Operation, Sequence[Any]]:
         return _product, expr.args
     if isinstance(expr, se.Pow):
         return _power(*expr.args)
-    function = _FUNCTIONS.get(numeric_name(expr) or type(expr).__name__)
+    function = _FUNCTIONS.get(numeric.numeric_name(expr) or type(expr).__name__)
     if function is not None:
         return function, expr.args
     if isinstance(expr, (se.FunctionSymbol, se.Derivative, se.Subs)):

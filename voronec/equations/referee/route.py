@@ -68,7 +68,7 @@ class MultiplierSolution:
 
 def solve(plan: Plan, values: Mapping[str, Exact]) -> MultiplierSolution:
     """Solve at mpmath's working precision; ``DefinitionError`` where there is no solution."""
-    numbers = _at_precision(values)
+    numbers = {name: _round(value) for name, value in values.items()}
     _settle(plan, numbers)
     _check_affinity(plan, numbers)
     rows = _find_velocities(plan, numbers)
@@ -327,7 +327,7 @@ def _confirm(system: System, point: Mapping[Any, Any], digits: int) -> Multiplie
     """A solution of which two precisions agree to the digits asked for."""
     require_digits(f"system '{system.name}'", digits)
     try:
-        plan = _plan(system)
+        plan: Plan = system.memo.once("plan of the referee", lambda: make_plan(system))
     except DefinitionError as error:
         raise DefinitionError(f"system '{system.name}': {error}") from None
     values = _read_point(system, point, plan.occurring_names)
@@ -384,11 +384,6 @@ def _later_solution(
     return MultiplierSolution(settled[:n], settled[n:end], settled[end:], after.determined)
 
 
-def _plan(system: System) -> Plan:
-    """The plan of a system, made once."""
-    return system.memo.once("plan of the referee", lambda: make_plan(system))
-
-
 Exact: TypeAlias = Fraction | mp.mpf | sp.Expr
 """A number without error: a fraction, a binary number of any length, or an exact expression."""
 LARGEST = 1e6
@@ -435,11 +430,6 @@ def _read_point(system: System, point: Mapping[Any, Any], held: Set[str]) -> dic
         )
     values.setdefault(clock, Fraction(0))
     return values
-
-
-def _at_precision(values: Mapping[str, Exact]) -> dict[str, Any]:
-    """The numbers as ``mpf`` at the working precision of mpmath."""
-    return {name: _round(value) for name, value in values.items()}
 
 
 def _name(system: System, key: Any) -> str:
@@ -508,6 +498,7 @@ def _is_too_large(value: sp.Expr) -> bool:
 
 
 def _round(value: Exact) -> Any:
+    """A number as ``mpf`` at the working precision of mpmath."""
     if isinstance(value, Fraction):
         return mp.mpf(value.numerator) / value.denominator
     if isinstance(value, mp.mpf):

@@ -38,7 +38,7 @@ from voronec.algebra.normal import canonical, shortest
 from voronec.algebra.ring import sparse_terms
 from voronec.algebra.roots import ring_over
 from voronec.algebra.terms import rational
-from voronec.equations.program import solve_mass
+from voronec.equations.program import names_into, solve_mass
 from voronec.equations.program.straight import fresh_names
 from voronec.errors import EngineLimit
 from voronec.motion.model.level import Level, closure, dependence
@@ -89,13 +89,7 @@ def _solution(level: Level, names: Sequence[Any]) -> tuple[tuple[Any, Any], ...]
     """Stages that give the velocities from the momenta: the mass matrix solved."""
     assignments: list[tuple[Any, Any]] = []
     fresh = fresh_names([*level.variables, *level.parameters], "w_")
-
-    def name(expr: Any) -> Any:
-        if not expr.args:
-            return expr
-        assignments.append((next(fresh), expr))
-        return assignments[-1][0]
-
+    name = names_into(assignments, fresh)
     solution = solve_mass(
         level.mass, names, name, level.parameters, level.relations, level.positive
     )

@@ -10,6 +10,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import symengine as se
@@ -25,9 +26,8 @@ from voronec.declaration.relation import Relation
 from voronec.declaration.system import System, system_in
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
-from voronec.errors import DefinitionError, EngineLimit
 from voronec.proof.claims import Claim
-from voronec.proof.decision import all_zero
+from voronec.proof.decision import all_zero, verdict_of
 from voronec.proof.relations.decision import decided_at_limit
 from voronec.proof.relations.parameters import applications
 from voronec.proof.relations.statemap import StateMap, is_period
@@ -40,20 +40,9 @@ def check_charts(motions: Motions) -> Iterator[Claim]:
     own = motions.system
     for name in own.charts:
         begin = clock.perf_counter()
-        try:
-            verdict = _decide(motions, name)
-        except EngineLimit as limit:
-            verdict = Verdict("undecided", str(limit))
-        except DefinitionError as error:  # it makes no sense; the others stand all the same
-            verdict = Verdict("refuted", str(error))
-        yield Claim(
-            kind="chart",
-            name=name,
-            verdict=verdict,
-            level="coordinates",
-            seconds=clock.perf_counter() - begin,
-            reason=own.undecided.get(name, ""),
-        )
+        verdict = verdict_of(partial(_decide, motions, name))
+        seconds, reason = clock.perf_counter() - begin, own.undecided.get(name, "")
+        yield Claim("chart", name, verdict, "coordinates", seconds, reason=reason)
 
 
 def _decide(motions: Motions, name: str) -> Verdict:

@@ -13,6 +13,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.graphs import derivative_at, rebuild
+from voronec.algebra.terms import subexpressions
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["Functions", "Infinite", "formal", "substitute", "unknown_functions"]
@@ -20,13 +21,7 @@ __all__ = ["Functions", "Infinite", "formal", "substitute", "unknown_functions"]
 
 def unknown_functions(exprs: Iterable[Any]) -> set[Any]:
     """The unknown functions, such as E(u, v), that expressions hold, also under derivatives."""
-    found, waiting = set[Any](), list(exprs)
-    while waiting:  # each node once: written out, graphs that share parts are too large
-        node = waiting.pop()
-        if node not in found:
-            found.add(node)
-            waiting += node.args
-    return {node for node in found if isinstance(node, se.FunctionSymbol)}
+    return {node for node in subexpressions(exprs) if isinstance(node, se.FunctionSymbol)}
 
 
 def formal(name: str, applied: Iterable[Any]) -> Any:
