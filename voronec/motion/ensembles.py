@@ -22,7 +22,7 @@ from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.motion.batches import Lanes, StopRequest, along, choose_lanes, require_method
 from voronec.motion.inputs import Drive, drive
 from voronec.motion.methods import METHODS
-from voronec.motion.motion_pool import Many, at_each, drifts, many
+from voronec.motion.motion_pool import Many, drifts, many
 from voronec.motion.one_by_one import SwitchedMotions, along_one
 from voronec.motion.request import (  # fmt: skip
     Values,
@@ -35,6 +35,7 @@ from voronec.motion.request import (  # fmt: skip
     spread_starts,
 )
 from voronec.motion.soundness import JudgeOfMany
+from voronec.motion.state_probe import at_each
 from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.trajectory import Cost, Trajectory
 

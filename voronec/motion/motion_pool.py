@@ -22,9 +22,9 @@ from voronec.motion.model import smallest_model
 from voronec.motion.motion_start import require_inertia
 from voronec.motion.request import Vocabulary, name_values
 from voronec.motion.split_models import SplitGround
-from voronec.motion.state_probe import quantities, quiet, rates_along, rates_program
+from voronec.motion.state_probe import at_each, quantities, quiet, rates_along, rates_program
 
-__all__ = ["Ground", "Many", "at_each", "drifts", "ground", "many"]
+__all__ = ["Ground", "Many", "drifts", "ground", "many"]
 
 SMALL = 1e-6
 """An integral below this part of the largest among the starts counts as starting at zero."""
@@ -333,19 +333,6 @@ def _table(constants: Mapping[str, np.ndarray], symbols: Sequence[Any], count: i
     missing = np.full(count, np.nan)
     columns = [constants.get(str(p), missing) for p in symbols]
     return np.stack(columns, axis=-1) if columns else np.empty((count, 0))
-
-
-def at_each(
-    function: Any, names: Sequence[str], t: Any, states: np.ndarray, values: np.ndarray
-) -> dict[str, np.ndarray]:
-    """Quantities at states (..., n) with parameters (..., p), each an array of shape (...)."""
-    with np.errstate(all="ignore"):
-        results = function(t, list(np.moveaxis(states, -1, 0)), list(np.moveaxis(values, -1, 0)))
-    shape = states.shape[:-1]
-    return {
-        name: np.broadcast_to(np.asarray(r, dtype=float), shape)
-        for name, r in zip(names, results, strict=True)
-    }
 
 
 def drifts(changes: np.ndarray, starts: np.ndarray) -> np.ndarray:

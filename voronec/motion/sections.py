@@ -28,7 +28,7 @@ from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.motion.batches import choose_lanes
 from voronec.motion.ensembles import ensemble
 from voronec.motion.inputs import drive
-from voronec.motion.motion_pool import Many, at_each, drifts, many
+from voronec.motion.motion_pool import Many, drifts, many
 from voronec.motion.one_by_one import DrivenPassages, SwitchedMotions, driven_passages, go_on_alone
 from voronec.motion.request import (
     Values,
@@ -47,6 +47,7 @@ from voronec.motion.section_passages import (
     pass_one_by_one,
 )
 from voronec.motion.soundness import JudgeOfMany
+from voronec.motion.state_probe import at_each
 from voronec.motion.steppers.event_states import with_parts
 from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.trajectory import Cost

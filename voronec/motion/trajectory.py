@@ -278,6 +278,11 @@ class Trajectory:
         np.savez(path, **{name: _plain(array) for name, array in arrays.items()})
 
 
+def _late(name: str) -> Any:
+    """A field of a ``LateTrajectory`` that is read off ``everything``."""
+    return cached_property(lambda self: getattr(self._full, name))
+
+
 class LateTrajectory(Trajectory):
     """A trajectory that knows its outputs, and evaluates the rest when that is first read.
 
@@ -299,30 +304,11 @@ class LateTrajectory(Trajectory):
     def _full(self) -> Trajectory:
         return self.everything()
 
-    @cached_property
-    def state(self) -> np.ndarray:
-        """See ``Trajectory``."""
-        return self._full.state
-
-    @cached_property
-    def integrals(self) -> Mapping[str, np.ndarray]:
-        """See ``Trajectory``."""
-        return self._full.integrals
-
-    @cached_property
-    def drift(self) -> Mapping[str, float]:
-        """See ``Trajectory``."""
-        return self._full.drift
-
-    @cached_property
-    def residuals(self) -> Mapping[str, float]:
-        """See ``Trajectory``."""
-        return self._full.residuals
-
-    @cached_property
-    def notes(self) -> tuple[str, ...]:
-        """See ``Trajectory``."""
-        return self._full.notes
+    state = _late("state")
+    integrals = _late("integrals")
+    drift = _late("drift")
+    residuals = _late("residuals")
+    notes = _late("notes")
 
 
 def _write_column(column: np.ndarray) -> list[Any]:
