@@ -26,7 +26,7 @@ from voronec.motion.methods import METHODS
 from voronec.motion.request import number
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
 from voronec.motion.steppers.scipy_stepper import dop853_steps
-from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride
+from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride, crosses
 
 if TYPE_CHECKING:
     from voronec.motion.motion_pool import Many
@@ -160,8 +160,7 @@ def zeros(paths: Paths, quantity: Quantity, needed: np.ndarray, direction: int) 
     a, b = values[:-1], values[1:]
     with np.errstate(all="ignore"):  # a lane that idles takes steps of no length
         rates = np.abs(b - a) / np.diff(times, axis=0)
-    change = _crossings(a, b, direction)
-    row, lane = np.nonzero(change)
+    row, lane = np.nonzero(crosses(a, b, direction))
     step, left = row // SAMPLES, (row % SAMPLES) / SAMPLES
     h = paths.lengths[step, lane]
     brackets = [(step, lane, left * h, (left + 1 / SAMPLES) * h)]
@@ -186,12 +185,6 @@ def zeros(paths: Paths, quantity: Quantity, needed: np.ndarray, direction: int) 
         high=np.fmax.reduce(values, axis=0),
         fastest=np.fmax.reduce(rates, axis=0),
     )
-
-
-def _crossings(a: np.ndarray, b: np.ndarray, direction: int) -> np.ndarray:
-    """Where a quantity passes zero from a to b; a zero at b counts, one at a does not."""
-    up, down = (a < 0) & (b >= 0), (a > 0) & (b <= 0)
-    return np.asarray(up | down if direction == 0 else (up if direction > 0 else down))
 
 
 @dataclass(frozen=True, eq=False)

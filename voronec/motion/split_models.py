@@ -63,7 +63,7 @@ from voronec.motion.divisors import (
 from voronec.motion.observables import Watch, size_of_terms
 from voronec.motion.reactions import Multipliers
 from voronec.motion.state_probe import quantities, usual_size
-from voronec.motion.steppers.run import Signals, in_kind
+from voronec.motion.steppers.run import Signals, constants_along
 
 __all__ = ["Geometry", "SplitGround", "SplitModel", "candidates", "divisor_program"]
 
@@ -319,8 +319,7 @@ class SplitGround:
         if self.changing is None:
             return given
         times = np.asarray(time)
-        along = self.changing.along(np.atleast_1d(times))
-        found = {name: in_kind(x, times.dtype) for name, x in along.items()}
+        found = constants_along(self.changing, {}, np.atleast_1d(times))
         return {**given, **(found if times.ndim else {name: x[0] for name, x in found.items()})}
 
     @cached_property
@@ -804,20 +803,36 @@ def _best_in_charts(ground: SplitGround, time: float, wide: np.ndarray) -> tuple
 def _image(ground: SplitGround, chart: Chart, time: float, wide: np.ndarray) -> np.ndarray | None:
     """The place of a wide state in a chart, at rest; None where the own coordinates are regular or
     those of the chart singular."""
+    found = numbers_of_chart(ground, chart, time, wide)
+    if found is None:
+        return None
+    own, there, *place = found
+    if not (abs(own) < AT_POLE < abs(there) and np.isfinite(place).all()):
+        return None
+    return np.concatenate([place, np.zeros(len(ground.home.definition.dots))])
+
+
+def numbers_of_chart(
+    ground: SplitGround, chart: Chart, time: float, wide: np.ndarray, slopes: bool = False
+) -> list[float] | None:
+    """What vanishes where the own coordinates are singular, and where those of a chart are, and the
+    coordinates in the chart, or their ``slopes`` by the own ones, row by row; None where one of
+    these has no value."""
     d, values = ground.home.definition, chart.values(ground.home.system)
     outside = ground.home.system.coordinates
     images = {q: d.door.inward(values[x]) for q, x in zip(d.coordinates, outside, strict=True)}
     wanted = [d.door.inward(chart.singular), d.door.inward(chart.singular_there).xreplace(images)]
-    wanted += images.values()
-    program = quantities(ground.wide, {str(i): e for i, e in enumerate(wanted)})
-    values_at = ground.values(program, time)
+    # slopes as sympy has them: x/(x^2 + y^2) of an arctangent is defined where x or y is zero
+    wanted += (
+        [d.door.inward(sp.diff(values[q], x)) for q in outside for x in outside]
+        if slopes
+        else images.values()
+    )
+    program = quantities(ground.wide, {str(i): se.sympify(e) for i, e in enumerate(wanted)})
     try:
-        own, there, *place = map(float, numbers(program, time, wide.tolist(), values_at))
+        return [*map(float, numbers(program, time, wide.tolist(), ground.values(program, time)))]
     except ArithmeticError:
         return None
-    if not (abs(own) < AT_POLE < abs(there) and np.isfinite(place).all()):
-        return None
-    return np.concatenate([place, np.zeros(len(d.dots))])
 
 
 def _point(ground: SplitGround, time: float, wide: np.ndarray) -> dict[str, Any]:

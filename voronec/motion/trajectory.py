@@ -99,6 +99,15 @@ class Crossings:
     names: tuple[str, ...]
     series: Mapping[str, np.ndarray]
 
+    @classmethod
+    def of(
+        cls, t: np.ndarray, state: np.ndarray, names: tuple[str, ...], series: dict[str, np.ndarray]
+    ) -> Crossings:
+        """Passages whose arrays nobody changes any more."""
+        for array in (t, state, *series.values()):
+            array.flags.writeable = False
+        return cls(t, state, names, MappingProxyType(series))
+
     def __getitem__(self, key: Any) -> np.ndarray:
         name = held_name(key, (*self.series, *self.names), "the crossings hold")
         if name in self.series:

@@ -172,7 +172,7 @@ def perturb(
             f"hard case '{case.name}' has no stored reference, and computing one takes heyoka, "
             "which is not installed; 'pip install heyoka'"
         )
-    first, second = (_perturbed_run(case, equations, tol=tol) for tol in DIGITS)
+    first, second = (_perturbed_run(case, equations, tol) for tol in DIGITS)
     values = {n: np.asarray(first[n], dtype=float) for n in first.outputs}
     size = {n: float(output_sizes(x[:, None])[0]) for n, x in values.items()}
     apart = max(_apart(first[n], second[n], size[n]) for n in values)
@@ -189,11 +189,9 @@ def slopes(case: HardCase, equations: VoronecEquations, by: str) -> dict[str, np
     asked = problem(case, equations)
     data = _data(asked)
     step = CHANGE * max(1.0, abs(float(data[by])))
-    constants = {str(p) for p in asked.program.parameters}
+    kind = "parameters" if by in map(str, asked.program.parameters) else "initial"
     ahead, behind = (
-        _perturbed_run(case, equations, parameters={by: x})
-        if by in constants
-        else _perturbed_run(case, equations, initial={by: x})
+        _perturbed_run(case, equations, DIGITS[0], **{kind: {by: x}})
         for x in (data[by] + step, data[by] - step)
     )
     return {n: np.asarray((ahead[n] - behind[n]) / (2 * step), dtype=float) for n in ahead.outputs}
@@ -220,16 +218,9 @@ def _weights(
 
 
 def _perturbed_run(
-    case: HardCase,
-    equations: VoronecEquations,
-    tol: float = DIGITS[0],
-    initial: Mapping[str, Any] | None = None,
-    parameters: Mapping[str, Any] | None = None,
+    case: HardCase, equations: VoronecEquations, tol: float, **data: Any
 ) -> Trajectory:
-    return integrate(
-        equations, scene=case.scene, times=case.grid, method="flint", tol=tol, initial=initial,
-        parameters=parameters,
-    )  # fmt: skip
+    return integrate(equations, scene=case.scene, times=case.grid, method="flint", tol=tol, **data)
 
 
 def _apart(first: np.ndarray, second: np.ndarray, size: float) -> float:

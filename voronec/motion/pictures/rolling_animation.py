@@ -18,7 +18,7 @@ import numpy as np
 
 from voronec.algebra.symbols import plain_name
 from voronec.closed.pictures.sphere_curves import View, best_view, on_sphere
-from voronec.closed.pictures.style import INK, MARK, STYLE
+from voronec.closed.pictures.style import INK, MARK, NO_SPACE, STYLE, figure_in_style
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -315,20 +315,15 @@ def _writer(target: Path, rate: int) -> Any:
 
 def film_strip(rolling: Rolling, instants: Sequence[int], columns: int = 3) -> Any:
     """Some frames side by side as one matplotlib ``Figure``, for print."""
-    from matplotlib import rc_context
-    from matplotlib.figure import Figure
-
     rows = -(-len(instants) // columns)
-    with rc_context(STYLE):
-        figure = Figure(figsize=(2.15 * columns, 2.35 * rows))
-        figure.set_layout_engine("constrained", w_pad=0.02, h_pad=0.02, wspace=0, hspace=0)
+    with figure_in_style(2.15 * columns, 2.35 * rows) as figure:
+        figure.get_layout_engine().set(**NO_SPACE)
         panels = figure.subplots(rows, columns, squeeze=False).ravel()
         for panel in panels:
             panel.set_axis_off()
         view = _rolling_view(rolling)
         for panel, place in zip(panels, instants, strict=False):
             _draw_rolling(panel, rolling, view, place, width=0.7)
-        figure.draw_without_rendering()
     return figure
 
 

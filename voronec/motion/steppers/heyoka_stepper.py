@@ -308,7 +308,7 @@ class _Drive:
     def first_step(self) -> float:
         """The length of the first step where heyoka's own would be too long, else infinite."""
         ta, self.log.silent = self.integrator, True
-        time, state = ta.time, ta.state.copy()
+        moment, state = ta.dtime, ta.state.copy()
         span = float(self.grid[-1] - self.grid[0])
         taken = ta.step(max_delta_t=span, write_tc=True)[1] if span else 0.0
         # where the right side is not defined no step is taken, and the run says so
@@ -316,10 +316,15 @@ class _Drive:
         self.early = self.half_of_return(taken) if well and taken else np.inf
         parts = PARTS if abs(taken) >= abs(span) else 1
         length = reach(ta, self.right_side, taken, parts) if well else np.inf
-        ta.time, ta.state[:], self.log.silent = time, state, False
-        if ta.with_events:
-            ta.reset_cooldowns()
+        self.log.silent = False
+        self.return_to(moment, state)
         return length
+
+    def return_to(self, moment: tuple[float, float], state: np.ndarray) -> None:
+        """Take the integrator back to a moment, as if it had not gone on."""
+        self.integrator.dtime, self.integrator.state[:] = moment, state
+        if self.integrator.with_events:
+            self.integrator.reset_cooldowns()
 
     def half_of_return(self, taken: float) -> float:
         """Less than half of the time after which a function of an event that is zero at the start
@@ -439,9 +444,10 @@ class _Drive:
                 break
             before = abs(length)
         self.log.silent = False
-        ta.dtime, ta.state[:] = (moment, state) if found else (end, there)
-        if found and ta.with_events:
-            ta.reset_cooldowns()
+        if found:
+            self.return_to(moment, state)
+        else:
+            ta.dtime, ta.state[:] = end, there
         return found
 
     def blind(self, moment: tuple[float, float], state: np.ndarray) -> tuple[int, float] | None:
@@ -458,9 +464,7 @@ class _Drive:
             if allowed < np.inf:
                 found = k, allowed
                 self.size = LEAST
-                ta.dtime, ta.state[:] = moment, state
-                if ta.with_events:
-                    ta.reset_cooldowns()
+                self.return_to(moment, state)
                 break
         return found
 

@@ -40,6 +40,7 @@ __all__ = [
     "Signals",
     "Stepper",
     "Ticker",
+    "constants_along",
     "cut_at_singularity",
     "in_kind",
     "in_pieces",
@@ -497,6 +498,16 @@ class Signals:
         for signal in self.signals:
             found |= signal.along(np.asarray(times, dtype=float))
         return found
+
+
+def constants_along(
+    changing: Signals | None, constants: Mapping[str, Any], times: np.ndarray
+) -> Mapping[str, Any]:
+    """Parameters by name, those that change as they are at times (k,), in numbers of that kind."""
+    if changing is None:
+        return constants
+    along = changing.along(times)
+    return {**constants, **{name: in_kind(x, times.dtype) for name, x in along.items()}}
 
 
 def values_along(
