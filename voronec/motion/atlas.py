@@ -335,7 +335,7 @@ class Atlas:
             units=self._units,
         )
         made = choose(self.method, problem, self.grid, None if regular else self._outset)
-        return ChartProblem(HOME, problem, *made, _as_they_are)
+        return ChartProblem(HOME, problem, *made, lambda _, rows: rows)
 
     def _other(self, name: str, state: np.ndarray) -> ChartProblem:
         chart, given = next(c for c in self.charts if c.name == name), self.problem
@@ -423,10 +423,6 @@ def _with_parameters(
     held = set().union(*(e.free_symbols for e in functions)) - known
     besides = (p for p in own.parameters if p in held)
     return replace(form, parameters=(*form.parameters, *besides))
-
-
-def _as_they_are(_: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    return rows
 
 
 def _reduce_rows(rows: np.ndarray) -> np.ndarray:

@@ -267,7 +267,8 @@ def _constants(
     """Values of the parameters, (s,) each; and the starts whose value is out of range."""
     given = name_values(vocabulary, scene.parameters if scene else {}, "parameter")
     given |= name_values(vocabulary, parameters, "parameter")
-    series = {k: np.asarray(x) for k, x in given.items() if _is_array(x)}
+    arrays = {k: x for k, x in given.items() if isinstance(x, list | tuple | np.ndarray)}
+    series = {k: np.asarray(x) for k, x in arrays.items() if np.ndim(x) > 0}
     first = given | {k: x[0].item() for k, x in series.items()}
     wrong: dict[int, VoronecError] = {}
     single = parameter_values(vocabulary, _inside(vocabulary, first, series), needed)
@@ -289,10 +290,6 @@ def _inside(vocabulary: Vocabulary, first: dict[str, Any], series: Iterable[str]
     system = vocabulary.equations.system
     allowed = {p.name: p.value for p in system.parameters if p.value is not None}
     return {k: allowed.get(k, x) if k in set(series) else x for k, x in first.items()}
-
-
-def _is_array(x: Any) -> bool:
-    return isinstance(x, list | tuple | np.ndarray) and np.ndim(x) > 0
 
 
 def _place_on_ground(

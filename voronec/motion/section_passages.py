@@ -535,10 +535,8 @@ class _LanePassages:
         lanes, ta = self.lanes, self.lanes.integrator
         busy = {k: i for k, i in enumerate(self.holds) if i is not None}
         broken = [k for k in busy if not np.isfinite(ta.state[:, k]).all()]
-        stuck = [
-            k for k in busy
-            if taken[k] == limit and _is_stuck(ta.time[k], before[k], self.origin[k])
-        ]  # fmt: skip
+        still = ta.time - before <= 1e-13 * np.maximum(np.abs(ta.time - self.origin), 1e-3)
+        stuck = [k for k in busy if taken[k] == limit and still[k]]
         passed = [k for k in busy if lanes.steps.has_collapsed(k)]
         outgrown = lanes.winding.outgrown(ta.state)
         if output is not None:
@@ -581,10 +579,6 @@ class _LanePassages:
         state = self.lanes.states[lane][: self.watch.width]
         self.passages.errors[i] = _unfinished_error(self.motions, i, reason, float(time), state)
         self.load(lane, i)  # a lane that is not finite would stop all others
-
-
-def _is_stuck(now: float, before: float, origin: float) -> bool:
-    return bool(now - before <= 1e-13 * max(abs(now - origin), 1e-3))
 
 
 def _trusted_until(times: np.ndarray) -> float:

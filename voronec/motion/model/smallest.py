@@ -271,7 +271,8 @@ def _cut_down(motions: Motions, full: Level, known: _Particular | None) -> Model
     level, told = _without_integrals(level, full, known or _Particular({}), note)
     _note_cycles(level, note)
     for name, angle in level.angles.items():
-        roles.setdefault(name, Role(name, "read off", _angle_words(angle)))
+        words = f"atan2({angle.sine}, {angle.cosine}), up to the branch"
+        roles.setdefault(name, Role(name, "read off", words))
     needed = {x for x in full.variables if x in roles and roles[x].kind != "dropped"}
     d = motions.equations.definition
     for x, holders in absent(full, needed, (*d.coordinates, *d.velocities)):
@@ -327,10 +328,6 @@ def _note_cycles(level: Level, note: Note) -> None:
             note(x, "integrated", "in a cycle: the rates depend on one another")
         else:
             note(x, "quadrature", "follows from others, which do not depend on it")
-
-
-def _angle_words(angle: Any) -> str:
-    return f"atan2({angle.sine}, {angle.cosine}), up to the branch"
 
 
 def _at_start(level: Level, start: Mapping[Any, float]) -> dict[Any, float]:

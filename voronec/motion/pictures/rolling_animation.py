@@ -270,7 +270,7 @@ def film(
     """
     from matplotlib import rc_context
 
-    writer = _writer(target, rate)
+    writer, dated = _writer(target, rate), {"Date": None} if target.suffix == ".svg" else None
     with rc_context({**STYLE, "svg.hashsalt": "voronec"}):
         figure, panel = _stage(rolling)
         view = _rolling_view(rolling)
@@ -284,16 +284,12 @@ def film(
                 writer.grab_frame()
             else:
                 written.append(target.with_stem(f"{target.stem}-{number + 1:04d}"))
-                figure.savefig(written[-1], metadata=_fixed_date(target))
+                figure.savefig(written[-1], metadata=dated)
             if progress:
                 progress((number + 1) / len(chosen))
         if writer:
             writer.finish()
     return tuple(written)
-
-
-def _fixed_date(target: Path) -> dict[str, Any] | None:
-    return {"Date": None} if target.suffix == ".svg" else None
 
 
 def _writer(target: Path, rate: int) -> Any:

@@ -202,10 +202,8 @@ def _integrator(problem: Problem, log: Log, winding: TurnCount, hy: Any) -> Any:
             continue  # a constant passes through nothing, and heyoka takes none
         expr = functions[event.name] + (GRAIN if event.name in problem.walls else SPECK)
         watched.append(expr)
-        if event.stop:
-            kinds["t_events"].append(_terminal(event, expr, log, winding, hy))
-        else:
-            kinds["nt_events"].append(_passing_event(event, expr, log, winding, hy))
+        kind = kinds["t_events" if event.stop else "nt_events"]
+        kind.append(_event_of(event, expr, log, winding, hy))
     system = taylor_system(program, units)
     count = parameter_count([e for _, e in system] + watched, hy)
     return hy.taylor_adaptive(
@@ -241,24 +239,21 @@ def _moving_extras(levels: Program) -> set[str]:
     return {name for name, expr in pairs if se.sympify(expr).free_symbols & moving}
 
 
-def _direction(event: Event, hy: Any) -> Any:
+def _event_of(event: Event, expr: Any, log: Log, winding: TurnCount, hy: Any) -> Any:
+    """heyoka's own event, which writes into the log."""
     kinds = hy.event_direction
-    return {1: kinds.positive, -1: kinds.negative, 0: kinds.any}[event.direction]
+    direction = {1: kinds.positive, -1: kinds.negative, 0: kinds.any}[event.direction]
 
-
-def _passing_event(event: Event, expr: Any, log: Log, winding: TurnCount, hy: Any) -> Any:
     def note(integrator: Any, time: float, _sign: int) -> None:
         integrator.update_d_output(time)
         log.enter(event, time, winding.whole(integrator.d_output))
 
-    return hy.nt_event(expr, callback=note, direction=_direction(event, hy))
-
-
-def _terminal(event: Event, expr: Any, log: Log, winding: TurnCount, hy: Any) -> Any:
-    def note(integrator: Any, _sign: int) -> bool:
+    def note_end(integrator: Any, _sign: int) -> bool:
         return not log.enter(event, float(integrator.time), winding.whole(integrator.state))
 
-    return hy.t_event(expr, callback=note, direction=_direction(event, hy))
+    if event.stop:
+        return hy.t_event(expr, callback=note_end, direction=direction)
+    return hy.nt_event(expr, callback=note, direction=direction)
 
 
 @dataclass
