@@ -153,6 +153,10 @@ class InversionProblem:
             for v in (self.values[s] for s in self.prepared.inputs)
         ], bits)  # fmt: skip
 
+    def start_by_symbol(self, bits: int) -> dict[Any, Any]:
+        """The same by coordinate, velocity and parameter."""
+        return dict(zip(self.prepared.inputs, self.start_balls(bits), strict=True))
+
     def level(self, bits: int) -> list[Any]:
         """Parameters and constants as balls, in the order of ``prepared.level``."""
         count = len(self.prepared.system.parameters)

@@ -196,9 +196,7 @@ class Attitude:
         """(sign, half turns) of each coordinate: value = sign (value read off) + turns pi."""
         with precise(FIRST):
             read = self.machines[1](self.start(FIRST)[0])
-            given = dict(
-                zip(self.problem.prepared.inputs, self.problem.start_balls(FIRST), strict=True)
-            )
+            given = self.problem.start_by_symbol(FIRST)
             pi = ball(1).pi()
             found = []
             colatitudes = {t.colatitude for t in self.problem.prepared.motion.traces}

@@ -26,7 +26,10 @@ from voronec.motion.steppers.units import natural_units
 if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
 
-__all__ = ["HOME", "LEAVE", "RETURN", "SIDE", "Atlas", "ChartProblem", "KeptChart", "kept_charts"]
+__all__ = [
+    "HOME", "LEAVE", "RETURN", "SIDE", "Atlas", "ChartProblem", "KeptChart", "kept_charts",
+    "whole_turns",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -285,8 +288,7 @@ class Atlas:
 
     def without_turns(self, steps: np.ndarray) -> np.ndarray:
         """Steps (..., n) between states, those of angles without whole turns."""
-        turns = 2 * np.pi * np.rint(steps / (2 * np.pi))
-        return np.where(self.angles, steps - turns, steps)
+        return np.where(self.angles, steps - whole_turns(steps), steps)
 
     def place(self, name: str, state: np.ndarray | None = None) -> ChartProblem:
         """A chart, ready to be integrated in; the ``state`` there is needed where a run first comes
@@ -423,6 +425,11 @@ def _with_parameters(
     held = set().union(*(e.free_symbols for e in functions)) - known
     besides = (p for p in own.parameters if p in held)
     return replace(form, parameters=(*form.parameters, *besides))
+
+
+def whole_turns(steps: np.ndarray) -> np.ndarray:
+    """The whole turns in steps of angles."""
+    return np.asarray(2 * np.pi * np.rint(steps / (2 * np.pi)))
 
 
 def _reduce_rows(rows: np.ndarray) -> np.ndarray:

@@ -9,7 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.motion.atlas import HOME, LEAVE, RETURN, SIDE, Atlas, ChartProblem, Home, kept_charts
+from voronec.motion.atlas import (
+    HOME,
+    LEAVE,
+    RETURN,
+    SIDE,
+    Atlas,
+    ChartProblem,
+    Home,
+    kept_charts,
+    whole_turns,
+)
 from voronec.motion.methods import choose_regular, is_exact
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
 from voronec.motion.steppers.run import DISTANT, part_at
@@ -70,7 +80,7 @@ class _ChartStretch:
         order = 1.0 if self.times[-1] >= self.times[0] else -1.0
         before = np.searchsorted(order * self.times, order * times, side="right") - 1
         near = self.rows[np.clip(before, 0, len(self.rows) - 1)]
-        return np.where(self.angles, states - _turns(states - near), states)
+        return np.where(self.angles, states - whole_turns(states - near), states)
 
 
 @dataclass
@@ -291,9 +301,4 @@ class _Journey:
 def follow_angles(rows: np.ndarray, before: np.ndarray, angles: np.ndarray) -> np.ndarray:
     """Rows (k, n), each angle on the branch nearest to the row above; ``before`` is the first."""
     steps = np.diff(np.vstack([before, rows]), axis=0)
-    return np.where(angles, rows - np.cumsum(_turns(steps), axis=0), rows)
-
-
-def _turns(steps: np.ndarray) -> np.ndarray:
-    """The whole turns in steps."""
-    return 2 * np.pi * np.rint(steps / (2 * np.pi))
+    return np.where(angles, rows - np.cumsum(whole_turns(steps), axis=0), rows)

@@ -513,20 +513,10 @@ def _fill_judgements(
         failed[i] = IntegrationError(f"{breach.what} after t = {time:.12g}", time, state)
         rows[i, breach.row + 1 :] = np.nan
     filled.steps.append(steps)
-    filled.put(where, rows, _errors_by_start(filled.motions, where, failed))
-
-
-def _errors_by_start(
-    motions: Many, where: np.ndarray, failed: Mapping[int, IntegrationError]
-) -> dict[int, VoronecError]:
-    """The errors, saying which start they are about."""
-    name = motions.vocabulary.equations.system.name
-    return {
-        i: IntegrationError(
-            f"system '{name}', start {where[i]}: {error}; end the run before that, or use another "
-            "chart",
-            error.time,
-            error.state,
+    told: dict[int, VoronecError] = {
+        i: filled.motions.error(
+            where[i], str(error), "end the run before that", error.time, error.state
         )
         for i, error in failed.items()
     }
+    filled.put(where, rows, told)

@@ -170,6 +170,13 @@ class Many:
         constants = {name: np.full(len(full), x[i]) for name, x in self.parameters.items()}
         return _place_on_ground(below, compile_program(below)[1], full, constants, times)[0]
 
+    def error(self, i: int, what: str, mend: str, time: Any, state: Any) -> IntegrationError:
+        """The error of motion i: what went wrong, what mends it, and where it was last good."""
+        name = self.vocabulary.equations.system.name
+        return IntegrationError(
+            f"system '{name}', start {i}: {what}; {mend}, or use another chart", time, state
+        )
+
     @property
     def moving_lanes(self) -> tuple[np.ndarray, np.ndarray]:
         """States and parameters of these."""

@@ -50,6 +50,7 @@ TOUCH = 1e-10
 """An extremum this near to zero, relative to the largest value seen, touches it."""
 POLE = 1e3
 """What is larger than this part of its size at both ends of a bracket has a pole there."""
+FEWER = "ask for fewer crossings"
 OUTGROWN = "its states outgrow the sizes from which they set out"
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 
@@ -577,7 +578,8 @@ class _LanePassages:
         reached = self.passages.reached[i]
         time = reached if np.isfinite(reached) else self.motions.time
         state = self.lanes.states[lane][: self.watch.width]
-        self.passages.errors[i] = _unfinished_error(self.motions, i, reason, float(time), state)
+        what = f"{reason} after t = {float(time):.12g}"
+        self.passages.errors[i] = self.motions.error(i, what, FEWER, float(time), state.copy())
         self.load(lane, i)  # a lane that is not finite would stop all others
 
 
@@ -597,18 +599,6 @@ def _keep(
     last = found.t[take][:room][-1] if len(found.t[take]) >= room else np.inf
     passages.touches.extend((i, t) for k, t in found.touches if k == lane and after < t <= last)
     passages.put(i, found.t[take], found.states[take][:, :width], found.speed[take])
-
-
-def _unfinished_error(
-    motions: Many, i: int, reason: str, time: float, state: np.ndarray
-) -> IntegrationError:
-    name = motions.vocabulary.equations.system.name
-    return IntegrationError(
-        f"system '{name}', start {i}: {reason} after t = {time:.12g}; ask for fewer crossings, or "
-        "use another chart",
-        time,
-        np.array(state),
-    )
 
 
 def pass_one_by_one(
@@ -664,10 +654,10 @@ def _follow(
             if passages.over(i):
                 return
     except IntegrationError as error:
-        reason = str(error).partition(" after")[0]
-        passages.errors[i] = _unfinished_error(
-            motions, i, reason, float(error.time or 0.0), np.asarray(error.state)[: watch.width]
-        )
+        reason, time = str(error).partition(" after")[0], float(error.time or 0.0)
+        state = np.array(np.asarray(error.state)[: watch.width])
+        what = f"{reason} after t = {time:.12g}"
+        passages.errors[i] = motions.error(i, what, FEWER, time, state)
 
 
 def _strides(

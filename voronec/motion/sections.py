@@ -24,7 +24,7 @@ from voronec.declaration.system import System, require_system
 from voronec.equations.motions import Motions
 from voronec.equations.program import Block, Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.errors import DefinitionError, IntegrationError, VoronecError
+from voronec.errors import DefinitionError, VoronecError
 from voronec.motion.batches import choose_lanes
 from voronec.motion.ensembles import ensemble
 from voronec.motion.inputs import drive
@@ -505,13 +505,11 @@ def _cut_unsound(motions: Many, passages: SectionPassages, cost: Cost) -> None:
         found = judge.losses(t[None], states[None], motions.values[i][None], steps)
         breach = min((b for _, b in found), key=lambda b: b.row, default=None)
         if breach is not None:
-            name, time = own.system.name, float(t[breach.row])
+            time = float(t[breach.row])
             passages.cut(i, breach.row)
-            passages.errors[i] = IntegrationError(
-                f"system '{name}', start {i}: {breach.what} after t = {time:.12g}; end the run "
-                "before that, or use another chart",
-                time,
-                states[breach.row],
+            what = f"{breach.what} after t = {time:.12g}"
+            passages.errors[i] = motions.error(
+                i, what, "end the run before that", time, states[breach.row]
             )
 
 

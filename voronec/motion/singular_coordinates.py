@@ -88,7 +88,7 @@ class PoleGuard:
             if _is_singular(equations, made, angles, start, constants, time)
         ]
         # not their product, which is positive where two bodies are at poles at once
-        found = {f"{POLE} {i}": d - near**2 for i, d in enumerate(levels) if d is not None}
+        found = {f"{NEAR_POLE} {i}": d - near**2 for i, d in enumerate(levels) if d is not None}
         if not found:
             return None
         return cls(

@@ -111,12 +111,12 @@ class OnePeriod:
         width = passage.states.shape[1]
         result = np.empty(self.outputs.shape)
         for j, (turns, place) in enumerate(zip(self.turns, self.places, strict=True)):
-            whole = times(since[place], _power(since[-1], turns))
+            whole = times(since[place], np.linalg.matrix_power(since[-1], turns))
             slope = times(passage.gradients[place], whole[:width, width:])
             slope = slope + passage.by_parameters[place]
             made = np.zeros(len(scale))
             for back in {0, *(2**i for i in range(turns.bit_length()) if 2**i <= turns), turns}:
-                reach = times(since[place], _power(since[-1], back))[:width, :width]
+                reach = times(since[place], np.linalg.matrix_power(since[-1], back))[:width, :width]
                 reach = times(passage.gradients[place], reach)
                 made = np.maximum(made, np.abs(reach.astype(float)) @ size)
             data = np.abs(slope.astype(float)) @ constants
@@ -144,16 +144,6 @@ def _since_start(passage: PreciseMotion) -> list[np.ndarray]:
         whole[:n, :n], whole[:n, n:] = step, drive
         found.append(times(whole, found[-1]))
     return found
-
-
-def _power(matrix: np.ndarray, exponent: int) -> np.ndarray:
-    """A power by repeated squaring, no digit lost to doubles."""
-    result = np.eye(len(matrix), dtype=int).astype(object)
-    while exponent:
-        if exponent & 1:
-            result = times(result, matrix)
-        matrix, exponent = times(matrix, matrix), exponent >> 1
-    return result
 
 
 CHANGE = 1e-12
