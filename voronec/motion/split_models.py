@@ -61,7 +61,7 @@ from voronec.motion.divisors import (
     without_factors,
 )
 from voronec.motion.observables import Watch, size_of_terms
-from voronec.motion.reactions import Multipliers
+from voronec.motion.reactions import Multipliers, conditions_of
 from voronec.motion.state_probe import quantities, usual_size
 from voronec.motion.steppers.run import Signals, constants_along
 
@@ -95,21 +95,13 @@ def _geometry_entries(d: Definition) -> dict[str, Any]:
     """What ``Geometry.of`` takes, by name, as functions of the wide state: rows of the constraints
     and the relations, rows of the frame, each with its offset, and d2L/dw2; of a group also rows of
     the coordinates' rates."""
-    forms: list[tuple[Sequence[Any], Any]] = []
-    forms += zip(d.constraints.matrix, d.constraints.offset, strict=True)
-    forms += zip(d.differentiated.matrix, d.differentiated.offset, strict=True)
-    n = len(d.velocities)
-    own: list[tuple[Sequence[Any], Any]] = []
-    if d.frame is not None:
-        own += zip(d.frame.matrix, d.frame.offset, strict=True)
-    else:
-        unit = [[se.Integer(int(i == a)) for a in range(len(d.dots))] for i in range(n)]
-        own += [(row, se.Integer(0)) for row in unit]
-    rates = [] if d.group is None else [(row, se.Integer(0)) for row in d.group.fields]
+    forms = conditions_of(d)
+    count = len(forms) - len(d.velocities)
+    rates = [] if d.group is None else [(*row, 0) for row in d.group.fields]
     entries: dict[str, Any] = {}
-    for kind, rows in (("condition", forms), ("frame", own), ("rate", rates)):
-        for i, (row, offset) in enumerate(rows):
-            entries |= {f"{kind} {i},{a}": se.sympify(e) for a, e in enumerate((*row, offset))}
+    for kind, rows in (("condition", forms[:count]), ("frame", forms[count:]), ("rate", rates)):
+        for i, row in enumerate(rows):
+            entries |= {f"{kind} {i},{a}": se.sympify(e) for a, e in enumerate(row)}
     for a, w in enumerate(d.dots):
         slope = d.lagrangian.diff(w)
         entries |= {f"mass {a},{b}": slope.diff(u) for b, u in enumerate(d.dots[: a + 1])}
