@@ -18,12 +18,10 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.typeset import html_table
-from voronec.algebra.verdicts import all_vanish
 from voronec.declaration.system import System
 from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.motions import Motions
 from voronec.equations.program import Program
-from voronec.errors import EngineLimit
 from voronec.motion.model.level import (
     Level,
     coordinates_level,
@@ -40,6 +38,7 @@ from voronec.motion.model.special import (
     by_integrals,
     constants,
     level_of,
+    vanish,
     without_parameters,
 )
 from voronec.motion.model.variables import momenta_level, relative_level
@@ -355,14 +354,7 @@ def _is_integral(level: Level, name: str) -> bool:
         if any(level.mass[i][j] != 0 for j in range(len(level.velocities)) if j != i):
             return False
         slopes.append(integral.diff(level.velocities[i]) * level.force[i] / level.mass[i][i])
-    total = se.Add(*slopes)
-    stages = dict(level.stages)
-    while total.free_symbols & stages.keys():
-        total = total.xreplace(stages)
-    try:
-        return all_vanish([total], level.relations)
-    except EngineLimit:
-        return False
+    return vanish([se.Add(*slopes)], level)
 
 
 @dataclass(frozen=True)
