@@ -41,6 +41,7 @@ __all__ = [
     "Stepper",
     "Ticker",
     "constants_along",
+    "crossing_arrays",
     "cut_at_singularity",
     "in_kind",
     "in_pieces",
@@ -280,12 +281,20 @@ class Log:
 
     def arrays(self, events: Sequence[Event], dtype: Any) -> dict[str, tuple[Any, Any]]:
         """Times (k,) and states (k, n) by name."""
-        result = {}
-        for event in events:
-            rows = self.rows.get(event.name, [])
-            states = np.array([s for _, s in rows], dtype=dtype).reshape(len(rows), self.width)
-            result[event.name] = np.array([t for t, _ in rows], dtype=dtype), states
-        return result
+        return crossing_arrays(self.rows, events, self.width, dtype)
+
+
+def crossing_arrays(
+    found: Mapping[str, Sequence[tuple[Any, np.ndarray]]], events: Sequence[Event], width: int,
+    dtype: Any,
+) -> dict[str, tuple[np.ndarray, np.ndarray]]:  # fmt: skip
+    """Times (k,) and states (k, n) of each event, from pairs of a time and a state (n,)."""
+    result = {}
+    for event in events:
+        rows = found.get(event.name, [])
+        states = np.array([s for _, s in rows], dtype=dtype).reshape(len(rows), width)
+        result[event.name] = np.array([t for t, _ in rows], dtype=dtype), states
+    return result
 
 
 @dataclass
