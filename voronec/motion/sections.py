@@ -381,7 +381,7 @@ def section(
     passages = SectionPassages.empty(len(motions), crossings, direction, until, progress)
     level = expr - sp.Rational(on_plane)
     cost = _follow(motions, passages, surface, on_plane, level, method, tol, began)
-    return _section(motions, passages, tuple(wanted), surface, on_plane, direction, cost)
+    return _section(motions, passages, tuple(wanted), surface, on_plane, cost)
 
 
 def _follow(
@@ -470,19 +470,15 @@ def _refuse_nothing(motions: Many, passages: SectionPassages, surface: str, valu
         return
     for error in passages.errors.values():
         raise error
+    system = motions.vocabulary.equations.system.name
     if np.isnan(passages.low).all():
         raise DefinitionError(
-            f"system '{motions.vocabulary.equations.system.name}': {surface} has no real value "
-            "along the motion; choose another plane"
+            f"system '{system}': {surface} has no real value along the motion; choose another plane"
         )
     nearest = int(np.nanargmin(np.maximum(passages.low, -passages.high)))
     low, high = passages.low[nearest] + value, passages.high[nearest] + value
-    which = (
-        f"start {nearest}, the nearest of {len(motions)}, stays"
-        if len(motions) > 1
-        else ("it stays")
-    )
-    system = motions.vocabulary.equations.system.name
+    several = len(motions) > 1
+    which = f"start {nearest}, the nearest of {len(motions)}, stays" if several else "it stays"
     way = {1: " upwards", -1: " downwards", 0: ""}[passages.direction]
     raise DefinitionError(
         f"system '{system}': no motion passes through {surface} = {value:g}{way}; up to t = "
@@ -514,14 +510,9 @@ def _cut_unsound(motions: Many, passages: SectionPassages, cost: Cost) -> None:
 
 
 def _section(
-    motions: Many,
-    passages: SectionPassages,
-    outputs: tuple[str, ...],
-    surface: str,
-    value: float,
-    direction: int,
+    motions: Many, passages: SectionPassages, outputs: tuple[str, ...], surface: str, value: float,
     cost: Cost,
-) -> Section:
+) -> Section:  # fmt: skip
     start, t, states, speed = passages.join(motions.states.shape[1])
     names, values = motions.program.names, motions.values[start]
     found = at_each(motions.extras, names, t, states, values)
@@ -532,7 +523,7 @@ def _section(
         system=motions.vocabulary.equations.system,
         plane=surface,
         value=value,
-        direction=direction,
+        direction=passages.direction,
         outputs=outputs,
         points=points,
         t=t,
