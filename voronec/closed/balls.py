@@ -58,7 +58,8 @@ def enclose_state(form: InvertedMotion, t: Any, digits: int, whole: bool = True)
     """
     if not isinstance(t, str) and t == 0:
         with precise(int(digits * 3.33) + 2 * GUARD):
-            return _state_at_start(form)
+            given, system = form.problem.start_by_symbol(ctx.prec), form.system
+            return {plain_name(q): given[q] for q in (*system.coordinates, *system.velocities)}
     bits = int(digits * 3.33) + GUARD
     wide: list[str] = []
     while bits <= MOST:
@@ -76,12 +77,6 @@ def enclose_state(form: InvertedMotion, t: Any, digits: int, whole: bool = True)
         f"{', '.join(wide)} at t = {t} cannot be had to {digits} digits; give the time exactly, "
         "and none at which a pole of the coordinates is passed"
     )
-
-
-def _state_at_start(form: InvertedMotion) -> dict[str, Any]:
-    problem, system = form.problem, form.system
-    given = dict(zip(problem.prepared.inputs, problem.start_balls(ctx.prec), strict=True))
-    return {plain_name(q): given[q] for q in (*system.coordinates, *system.velocities)}
 
 
 def _state_in_motion(

@@ -98,9 +98,9 @@ class MotionIntegral:
 
 FINE = 192
 PIECE = 26
+"""Bits of the pieces of a period: whole numbers of them are exact."""
 SPLIT = float(2**27 + 1)
 """Splits a double into halves of 26 bits."""
-"""Bits of the pieces of a period: whole numbers of them are exact."""
 NODES = 256
 """Of a table of a period, from which Newton's method starts."""
 ROUNDS = 100
@@ -142,17 +142,12 @@ class Clock:
             return np.zeros(times.shape), self._newton(times, (low + high) / 2, low, high)
         whole, parts = self.period
         count, rest = _reduce_by_periods(times, parts)
-        if self._steady:
+        if len(self.pace[0]) == len(self.pace[1]) == 1:  # the clock does not depend on x
             return count, rest * (whole / sum(parts))
         taus, hours, paces = self._table
         at = np.clip(np.searchsorted(hours, rest) - 1, 0, NODES - 1)
         low, high = taus[at], taus[at + 1]
         return count, self._newton(rest, _hermite(rest, at, taus, hours, paces), low, high)
-
-    @cached_property
-    def _steady(self) -> bool:
-        """Whether the clock does not depend on x."""
-        return len(self.pace[0]) == len(self.pace[1]) == 1
 
     @cached_property
     def _table(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -258,6 +253,7 @@ class Clock:
                 count = nearest(time / whole)
                 rest, shift = time - count * whole, 2 * count * constants.half
             tau, known = (shift + ball(self._roughly(rest))).mid(), 10
+            pace = ratios(self.form.problem.prepared)[-1]
             for _ in range(ROUNDS):
                 known = min(2 * known, digits)
                 at = solution.enclose(tau, known + 2)
@@ -265,15 +261,12 @@ class Clock:
                 near = gap.contains(0) or abs(gap) < ball(10) ** -digits
                 if known == digits and near:
                     return tau + gap / self._bounds(bits)
-                tau = (tau + gap / self._pace(at, bits)).mid()
+                tau = (tau + gap / pace.value(self.form.problem, at.x, bits)).mid()
         raise EngineLimit(f"no {digits} digits of the motion at t = {t}")
 
     def _roughly(self, rest: Any) -> float:
         count, tau = self.invert(np.array([float(rest)]))
         return float(tau[0]) + (float(count[0]) * self.period[0] if self.period else 0.0)
-
-    def _pace(self, at: Any, bits: int) -> Any:
-        return ratios(self.form.problem.prepared)[-1].value(self.form.problem, at.x, bits)
 
     def _bounds(self, bits: int) -> Any:
         """A ball that holds all values of the clock, from the numbers b_k of both polynomials."""
@@ -300,31 +293,29 @@ def clock_of(form: InvertedMotion) -> Clock:
 def pieces(value: Any) -> list[float]:
     """Doubles whose sum is the number: the first three short, so that products with whole numbers
     below 2^27 are exact."""
+    found, rest = _short_pieces(value, 3)
+    return [*found, float(rest)]
+
+
+def _short_pieces(value: Any, count: int) -> tuple[list[float], Any]:
+    """So many doubles of few bits that make up most of a number, and what is left of it."""
     found, rest = [], value
-    for _ in range(3):
+    for _ in range(count):
         size = float(rest)
         unit = 2.0 ** (np.frexp(size)[1] - PIECE) if size else 1.0
         found.append(round(size / unit) * unit)
         rest = rest - ball(found[-1])
-    return [*found, float(rest)]
+    return found, rest
 
 
 def whole_turns_off(rate: Any, grid: np.ndarray) -> np.ndarray:
     """rate t in turns, less whole ones, however late: products of short pieces are exact."""
     with precise(SHARP):
-        rest, pieces = rate / (2 * ball(1).pi()), []
-        for _ in range(4):
-            size = float(abs(rest))
-            if not size:
-                break
-            unit = 2.0 ** (np.frexp(size)[1] - PIECE)
-            piece = round(float(rest) / unit) * unit
-            pieces.append(piece)
-            rest = rest - ball(piece)
+        short, _ = _short_pieces(rate / (2 * ball(1).pi()), 4)
     high = grid * SPLIT
     high = high - (high - grid)
     total = np.zeros(grid.shape)
-    for piece in pieces:
+    for piece in short:
         for part in (high, grid - high):
             product = piece * part
             total += product - np.rint(product)

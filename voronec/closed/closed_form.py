@@ -26,7 +26,7 @@ from voronec.closed.compiled_motion import reading_of, velocities_in_doubles
 from voronec.closed.inverted_motion import InvertedMotion, Turn, turns_of
 from voronec.closed.planar_rotation import place_on_grid, steady_rates
 from voronec.closed.problem import exact_instant
-from voronec.closed.ratio import evaluate_form, rounded_constants
+from voronec.closed.ratio import evaluate_form, less_turns, rounded_constants
 from voronec.closed.winding import winding_of
 from voronec.declaration.reading import doubles, several
 from voronec.elliptic.many_times import Sample
@@ -125,8 +125,7 @@ def _where_it_rests(
     form: InvertedMotion, grid: np.ndarray, names: Sequence[str], whole: bool
 ) -> dict[str, np.ndarray]:
     """Coordinates and velocities; angles continuous (``whole``) or modulo a turn."""
-    system, problem = form.system, form.problem
-    given = dict(zip(problem.prepared.inputs, problem.start_balls(SHARP), strict=True))
+    system, given = form.system, form.problem.start_by_symbol(SHARP)
     plane, found = form.quadratures.plane, {}
     straight = plane.place if plane is not None else ()
     for q, rate in zip(system.coordinates, steady_rates(form, SHARP), strict=True):
@@ -134,7 +133,7 @@ def _where_it_rests(
             found[plain_name(q)] = float(given[q]) + float(rate) * grid
         else:
             with precise(SHARP):
-                turn = _part(given[q])
+                turn = less_turns(given[q])
             found[plain_name(q)] = 2 * np.pi * whole_turns_off(rate, grid) + turn
     if form.wheels:
         found |= {plain_name(q): x for q, x in place_on_grid(form, grid).items()}
@@ -158,19 +157,13 @@ def _steady_velocities(
         rates = dict(zip(form.system.coordinates, steady_rates(form, SHARP), strict=True))
         with precise(SHARP):
             moved: dict[Any, Any] = dict.fromkeys(read.coordinates, ball(0))
-            start = [_part(given[q]) for q in read.coordinates]
+            start = [less_turns(given[q]) for q in read.coordinates]
             numbers: list[Any] = [float(x) for x in resting_values(form, moved, SHARP)]
         for q, turn in zip(read.coordinates, start, strict=True):
             numbers[read.symbols.index(q)] = 2 * np.pi * whole_turns_off(rates[q], grid) + turn
         values = sp.lambdify(read.symbols, list(read.expressions), "numpy", cse=True)(*numbers)
     return {n: np.broadcast_to(x, grid.shape).astype(float) if np.ndim(x) else
             np.full(grid.shape, float(x)) for n, x in zip(names, values, strict=True)}  # fmt: skip
-
-
-def _part(angle: Any) -> float:
-    """An angle modulo a turn."""
-    turn = 2 * ball(1).pi()
-    return float(angle - turn * round(float(angle / turn)))
 
 
 def _frames(start: np.ndarray, spin: Any, grid: np.ndarray) -> Any:

@@ -157,8 +157,7 @@ class InvertedMotion:
 
     def begin(self, bits: int) -> list[Any]:
         """The angles at the start, in the order of the integrals; of the motion turned upright."""
-        problem = self.problem
-        given = dict(zip(problem.prepared.inputs, problem.start_balls(bits), strict=True))
+        given = self.problem.start_by_symbol(bits)
         if self.attitude is not None and not self.attitude.upright and not self.rests:
             own = self.attitude
             given |= dict(zip(own.coordinates, own.begin(bits), strict=True))

@@ -17,6 +17,7 @@ from typing import Any
 import sympy as sp
 from flint import arb
 
+from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import as_expression
 from voronec.closed.arithmetic import Function, ball, compile_expressions, exact, precise, vanishes
@@ -135,7 +136,7 @@ class InversionProblem:
 
     prepared: CompiledMotion
     values: Mapping[Any, Any]
-    _kept: dict[Any, Any] = field(default_factory=dict, repr=False)
+    _kept: Memo = field(default_factory=Memo, repr=False)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """What is declared and the values travel; the rest is computed again."""
@@ -148,10 +149,14 @@ class InversionProblem:
 
     def start_balls(self, bits: int) -> list[Any]:
         """The start as balls, in the order of ``prepared.inputs``."""
-        return self._once(("given", bits), lambda: [
+        return self._once("given", lambda: [
             v(bits) if callable(v) else ball(v)
             for v in (self.values[s] for s in self.prepared.inputs)
         ], bits)  # fmt: skip
+
+    def start_by_symbol(self, bits: int) -> dict[Any, Any]:
+        """The same by coordinate, velocity and parameter."""
+        return dict(zip(self.prepared.inputs, self.start_balls(bits), strict=True))
 
     def level(self, bits: int) -> list[Any]:
         """Parameters and constants as balls, in the order of ``prepared.level``."""
@@ -187,7 +192,7 @@ class InversionProblem:
         that the number is zero.
         """
         read = as_expression(expr)
-        return int(self._once(("sign", read), lambda: self._sign(read)))
+        return int(self._kept.once(("sign", read), lambda: self._sign(read)))
 
     def _sign(self, expr: Any) -> int:
         told = self._sign_from_balls(expr, LADDER)
@@ -232,28 +237,26 @@ class InversionProblem:
     def _start_values(self, bits: int) -> list[Any]:
         """Constants, the variable and its rate."""
         given = self.start_balls(bits)
-        return self._once(("start", bits), lambda: self.prepared.initial_values(given), bits)
+        return self._once("start", lambda: self.prepared.initial_values(given), bits)
 
-    def _once(self, key: Any, make: Callable[[], Any], bits: int = 0) -> Any:
-        if key not in self._kept:
-            if bits:
-                with precise(bits):
-                    self._kept[key] = make()
-            else:
-                self._kept[key] = make()
-        return self._kept[key]
+    def _once(self, what: str, make: Callable[[], Any], bits: int) -> Any:
+        def precisely() -> Any:
+            with precise(bits):
+                return make()
+
+        return self._kept.once((what, bits), precisely)
 
     # -- what is inverted ------------------------------------------------------------------
 
     def table(self, bits: int) -> list[Any]:
         """``prepared.parts`` of this level."""
         level = self.level(bits)
-        return self._once(("table", bits), lambda: self.prepared.parts(level), bits)
+        return self._once("table", lambda: self.prepared.parts(level), bits)
 
     @property
     def rests(self) -> bool:
         """Whether the variable stays where it is: at a multiple root of the quartic."""
-        return bool(self._once("rests", self._rests))
+        return bool(self._kept.once("rests", self._rests))
 
     def _rests(self) -> bool:
         if not self.rate(LADDER[0]).is_zero():
@@ -305,7 +308,7 @@ class InversionProblem:
         if not self.prepared.others:
             return []
         level = self.level(bits)
-        return list(self._once(("others", bits), lambda: self._others(level), bits))
+        return list(self._once("others", lambda: self._others(level), bits))
 
     def _others(self, level: list[Any]) -> list[tuple[Any, list[Any]]]:
         from flint import acb

@@ -33,6 +33,7 @@ __all__ = [
     "bernstein",
     "evaluate_form",
     "inner",
+    "less_turns",
     "ratios",
     "rounded_constants",
 ]
@@ -167,6 +168,12 @@ FINE = 192
 """Bits of what is rounded to doubles."""
 
 
+def less_turns(angle: Any) -> float:
+    """An angle modulo a turn."""
+    turn = 2 * ball(1).pi()
+    return float(angle - turn * round(float(angle / turn)))
+
+
 @dataclass(frozen=True, eq=False)
 class RoundedConstants:
     """Numbers of one motion; what nobody asks for is not computed."""
@@ -177,10 +184,7 @@ class RoundedConstants:
     def starts(self) -> list[tuple[float, float]]:
         """The angles at the start, of the motion turned upright: whole, and modulo a turn."""
         with precise(FINE):
-            turn = 2 * ball(1).pi()
-            return [
-                (float(a), float(a - turn * round(float(a / turn)))) for a in self.form.begin(FINE)
-            ]
+            return [(float(a), less_turns(a)) for a in self.form.begin(FINE)]
 
     @cached_property
     def level(self) -> list[float]:

@@ -15,6 +15,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.memo import Memo
 from voronec.algebra.precision import FIRST, PROOF
 from voronec.algebra.symbols import velocity
 from voronec.algebra.verdicts import prove_equal
@@ -72,7 +73,7 @@ class Attitude:
 
     problem: InversionProblem
     space: Space
-    _kept: dict[Any, Any] = field(default_factory=dict, repr=False)
+    _kept: Memo = field(default_factory=Memo, repr=False)
 
     @cached_property
     def coordinates(self) -> tuple[Any, ...]:
@@ -120,17 +121,17 @@ class Attitude:
 
     def start(self, bits: int) -> tuple[list[Any], list[Any]]:
         """Frame (9, row by row) and vector (3) at the start."""
-        if ("start", bits) not in self._kept:
+
+        def make() -> list[Any]:
             with precise(bits):
-                self._kept["start", bits] = self.machines[0](self.problem.start_balls(bits))
-        row = self._kept["start", bits]
+                return self.machines[0](self.problem.start_balls(bits))
+
+        row = self._kept.once(("start", bits), make)
         return row[:9], row[9:]
 
     def turn(self, bits: int) -> list[Any]:
         """Q (9, row by row): the third axis to the direction of the vector."""
-        if ("turn", bits) not in self._kept:
-            self._kept["turn", bits] = self._turn(bits)
-        return list(self._kept["turn", bits])
+        return list(self._kept.once(("turn", bits), lambda: self._turn(bits)))
 
     def _turn(self, bits: int) -> list[Any]:
         with precise(bits):
@@ -151,9 +152,7 @@ class Attitude:
 
     def begin(self, bits: int) -> list[Any]:
         """The turned coordinates at the start, of E' = Q^T E, to nearly so many bits."""
-        if ("begin", bits) not in self._kept:
-            self._kept["begin", bits] = self._sharply(bits)
-        return list(self._kept["begin", bits])
+        return list(self._kept.once(("begin", bits), lambda: self._sharply(bits)))
 
     def _sharply(self, bits: int) -> list[Any]:
         # near a pole of these coordinates entries of E' are small, their directions need more bits
@@ -197,9 +196,7 @@ class Attitude:
         """(sign, half turns) of each coordinate: value = sign (value read off) + turns pi."""
         with precise(FIRST):
             read = self.machines[1](self.start(FIRST)[0])
-            given = dict(
-                zip(self.problem.prepared.inputs, self.problem.start_balls(FIRST), strict=True)
-            )
+            given = self.problem.start_by_symbol(FIRST)
             pi = ball(1).pi()
             found = []
             colatitudes = {t.colatitude for t in self.problem.prepared.motion.traces}
@@ -215,37 +212,43 @@ class Attitude:
         """Angular velocity of the frame along itself (3) at the start: E^T dE/dt."""
         with precise(bits):
             rates = self.rates(bits)
-            frame, coordinates = self.space.frame, self.problem.prepared.system.coordinates
-            if "slopes" not in self._kept:
-                slopes = [sp.diff(e, q) for q in coordinates for e in frame]
-                self._kept["slopes"] = compile_expressions(slopes, self.problem.prepared.inputs)
-            flat = self._kept["slopes"](self.problem.start_balls(bits))
+            flat = self._slopes(self.problem.start_balls(bits))
             moved = [sum((flat[9 * k + i] * r for k, r in enumerate(rates)), ball(0))
                      for i in range(9)]  # fmt: skip
             skew = product(transpose(self.start(bits)[0]), moved)
             return [skew[7], skew[2], skew[3]]
 
+    @cached_property
+    def _slopes(self) -> Function:
+        """The slopes of the frame by the coordinates, compiled."""
+        coordinates = self.problem.prepared.system.coordinates
+        slopes = [sp.diff(e, q) for q in coordinates for e in self.space.frame]
+        return compile_expressions(slopes, self.problem.prepared.inputs)
+
+    @cached_property
+    def _rate_equations(self) -> Function:
+        """Rows and right sides of the equations for the velocities of all coordinates, compiled."""
+        system = self.problem.prepared.system
+        dots = [sp.Dummy() for _ in system.coordinates]
+        unknown = dict(zip(map(velocity, system.coordinates), dots, strict=True))
+        rows = [e.xreplace(unknown) for e in system.constraints]
+        if system.frame is None:
+            rows += [unknown[v] - v for v in system.velocities]
+        else:
+            pairs = zip(system.frame.velocities, system.frame.expressions, strict=True)
+            rows += [e.xreplace(unknown) - v for v, e in pairs]
+        still = dict.fromkeys(dots, sp.Integer(0))
+        table = [sp.diff(e, d) for e in rows for d in dots]
+        table += [-e.xreplace(still) for e in rows]
+        return compile_expressions(table, self.problem.prepared.inputs)
+
     def rates(self, bits: int) -> list[Any]:
         """The velocities of all coordinates at the start, by frame and constraints."""
         from flint import arb_mat
 
-        system = self.problem.prepared.system
-        dots = [sp.Dummy() for _ in system.coordinates]
-        unknown = dict(zip(map(velocity, system.coordinates), dots, strict=True))
-        if "rates" not in self._kept:
-            rows = [e.xreplace(unknown) for e in system.constraints]
-            if system.frame is None:
-                rows += [unknown[v] - v for v in system.velocities]
-            else:
-                pairs = zip(system.frame.velocities, system.frame.expressions, strict=True)
-                rows += [e.xreplace(unknown) - v for v, e in pairs]
-            still = dict.fromkeys(dots, sp.Integer(0))
-            table = [sp.diff(e, d) for e in rows for d in dots]
-            table += [-e.xreplace(still) for e in rows]
-            self._kept["rates"] = compile_expressions(table, self.problem.prepared.inputs)
         with precise(bits):
-            flat = self._kept["rates"](self.problem.start_balls(bits))
-            n = len(dots)
+            flat = self._rate_equations(self.problem.start_balls(bits))
+            n = len(self.problem.prepared.system.coordinates)
             left = arb_mat(n, n, flat[: n * n])
             return list(left.solve(arb_mat(n, 1, flat[n * n :])).entries())
 

@@ -252,8 +252,7 @@ class Winding:
         return moved[self.names[0]], moved[self.names[1]]
 
     def _start_values(self, bits: int) -> tuple[arb, ...]:
-        problem = self.form.problem
-        values = dict(zip(problem.prepared.inputs, problem.start_balls(bits), strict=True))
+        values = self.form.problem.start_by_symbol(bits)
         return values[self.names[0]], values[self.names[1]]
 
     # -- in balls --------------------------------------------------------------------------

@@ -158,13 +158,9 @@ _known: WeakKeyDictionary[Any, Doubles] = WeakKeyDictionary()
 
 def doubles_of(solution: Any) -> Doubles:
     """The doubles of a solution, prepared when they are first asked for."""
-    try:
-        return _known[solution]
-    except KeyError:
-        pass
-    found = prepare_doubles(solution.constants(BITS))
-    _known[solution] = found
-    return found
+    if solution not in _known:
+        _known[solution] = prepare_doubles(solution.constants(BITS))
+    return _known[solution]
 
 
 def prepare_doubles(constants: Constants) -> Doubles:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -51,13 +51,9 @@ def angle_into(
     np.arctan(out, out=out)
 
 
+@np.errstate(all="ignore")
 def strain_part(doubles: Doubles, place: int, number: int, z: np.ndarray) -> np.ndarray:
     """The periodic part that a strain adds to an integral, at z counted from its side."""
-    with np.errstate(all="ignore"):
-        return _strain_part(doubles, place, number, z)
-
-
-def _strain_part(doubles: Doubles, place: int, number: int, z: np.ndarray) -> np.ndarray:
     constants, strain = doubles.constants, doubles.constants.strains[place]
     log, zeta = complex(strain.logs[number]), complex(strain.zetas[number])
     whole, angle = complex(strain.place), doubles.log_phases[place]
@@ -485,14 +481,11 @@ def _make_model(doubles: Doubles, latest: float) -> TimeStretch:
         )
         found = []
         for number in range(len(here.courses)):
-            radians, turned = (_quietly(work, start) for work in _starts(number))
+            radians = _quietly(partial(TimeStretch.integral, number=number), start)
+            turned = _quietly(partial(TimeStretch.modulo, number=number), start)
             found.append((float(radians[0]), float(turned[0]) / TURN))
         doubles.origins[:] = found
     return replace(here, origins=tuple(doubles.origins))
-
-
-def _starts(number: int) -> tuple[Callable[[TimeStretch], np.ndarray], ...]:
-    return (lambda at: at.integral(number)), (lambda at: at.modulo(number))
 
 
 def _bare(doubles: Doubles, reduction: QuarticReduction, latest: float) -> TimeStretch:

@@ -26,7 +26,10 @@ from voronec.motion.steppers.units import natural_units
 if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
 
-__all__ = ["HOME", "LEAVE", "RETURN", "SIDE", "Atlas", "ChartProblem", "KeptChart", "kept_charts"]
+__all__ = [
+    "HOME", "LEAVE", "RETURN", "SIDE", "Atlas", "ChartProblem", "KeptChart", "kept_charts",
+    "whole_turns",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -285,8 +288,7 @@ class Atlas:
 
     def without_turns(self, steps: np.ndarray) -> np.ndarray:
         """Steps (..., n) between states, those of angles without whole turns."""
-        turns = 2 * np.pi * np.rint(steps / (2 * np.pi))
-        return np.where(self.angles, steps - turns, steps)
+        return np.where(self.angles, steps - whole_turns(steps), steps)
 
     def place(self, name: str, state: np.ndarray | None = None) -> ChartProblem:
         """A chart, ready to be integrated in; the ``state`` there is needed where a run first comes
@@ -335,7 +337,7 @@ class Atlas:
             units=self._units,
         )
         made = choose(self.method, problem, self.grid, None if regular else self._outset)
-        return ChartProblem(HOME, problem, *made, _as_they_are)
+        return ChartProblem(HOME, problem, *made, lambda _, rows: rows)
 
     def _other(self, name: str, state: np.ndarray) -> ChartProblem:
         chart, given = next(c for c in self.charts if c.name == name), self.problem
@@ -425,8 +427,9 @@ def _with_parameters(
     return replace(form, parameters=(*form.parameters, *besides))
 
 
-def _as_they_are(_: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    return rows
+def whole_turns(steps: np.ndarray) -> np.ndarray:
+    """The whole turns in steps of angles."""
+    return np.asarray(2 * np.pi * np.rint(steps / (2 * np.pi)))
 
 
 def _reduce_rows(rows: np.ndarray) -> np.ndarray:

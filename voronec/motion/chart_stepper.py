@@ -9,10 +9,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.motion.atlas import HOME, LEAVE, RETURN, SIDE, Atlas, ChartProblem, Home, kept_charts
+from voronec.motion.atlas import (
+    HOME,
+    LEAVE,
+    RETURN,
+    SIDE,
+    Atlas,
+    ChartProblem,
+    Home,
+    kept_charts,
+    whole_turns,
+)
 from voronec.motion.methods import choose_regular, is_exact
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
-from voronec.motion.steppers.run import DISTANT, part_at
+from voronec.motion.steppers.run import DISTANT, crossing_arrays, part_at
 
 if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
@@ -70,7 +80,7 @@ class _ChartStretch:
         order = 1.0 if self.times[-1] >= self.times[0] else -1.0
         before = np.searchsorted(order * self.times, order * times, side="right") - 1
         near = self.rows[np.clip(before, 0, len(self.rows) - 1)]
-        return np.where(self.angles, states - _turns(states - near), states)
+        return np.where(self.angles, states - whole_turns(states - near), states)
 
 
 @dataclass
@@ -88,7 +98,7 @@ class _Journey:
     last: np.ndarray = field(init=False)
     standing: tuple[Any, np.ndarray] = field(init=False)
     rows: list[np.ndarray] = field(init=False)
-    crossings: dict[str, list[tuple[np.ndarray, np.ndarray]]] = field(default_factory=dict)
+    crossings: dict[str, list[tuple[Any, np.ndarray]]] = field(default_factory=dict)
     stretches: list[_ChartStretch] = field(default_factory=list)
     touched: list[float] = field(default_factory=list)
     still: list[str] = field(default_factory=list)
@@ -172,7 +182,7 @@ class _Journey:
         for event in self.atlas.problem.events:
             t, states = part.crossings[event.name]
             found = stretch.on_branches(t, home(t, states))
-            self.crossings.setdefault(event.name, []).append((t, found))
+            self.crossings.setdefault(event.name, []).extend(zip(t, found, strict=True))
         if self.atlas.problem.dense:
             self.stretches.append(stretch)
 
@@ -252,25 +262,14 @@ class _Journey:
             "coordinates: angles after it are known up to whole turns",
         )
 
-    def result(
-        self,
-        halt: Halt | None = None,
-        interrupted: bool = False,
-        stopped: str = "",
-    ) -> Run:
+    def result(self, halt: Halt | None = None, interrupted: bool = False, stopped: str = "") -> Run:
         t, states = self.grid[: self.done], np.vstack(self.rows)[: self.done]
         end, state = self.standing
         kept = stopped or (interrupted and self.idle >= DISTANT)
         if kept and self.order * end > self.order * t[-1]:
             t, states = np.append(t, end), np.vstack([states, state])
-        width = states.shape[1]
-        crossings = {
-            e.name: (
-                np.concatenate([t for t, _ in self.crossings.get(e.name, [])] or [np.empty(0)]),
-                np.vstack([s for _, s in self.crossings.get(e.name, [])] or [np.empty((0, width))]),
-            )
-            for e in self.atlas.problem.events
-        }
+        events, width = self.atlas.problem.events, states.shape[1]
+        crossings = crossing_arrays(self.crossings, events, width, float)
         return Run(
             t.copy(), states, self.steps, self.evaluations, crossings, halt, interrupted, stopped,
             self.inside if self.atlas.problem.dense else None, switches=self.switches,
@@ -291,9 +290,4 @@ class _Journey:
 def follow_angles(rows: np.ndarray, before: np.ndarray, angles: np.ndarray) -> np.ndarray:
     """Rows (k, n), each angle on the branch nearest to the row above; ``before`` is the first."""
     steps = np.diff(np.vstack([before, rows]), axis=0)
-    return np.where(angles, rows - np.cumsum(_turns(steps), axis=0), rows)
-
-
-def _turns(steps: np.ndarray) -> np.ndarray:
-    """The whole turns in steps."""
-    return 2 * np.pi * np.rint(steps / (2 * np.pi))
+    return np.where(angles, rows - np.cumsum(whole_turns(steps), axis=0), rows)

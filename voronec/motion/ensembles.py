@@ -22,7 +22,7 @@ from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.motion.batches import Lanes, StopRequest, along, choose_lanes, require_method
 from voronec.motion.inputs import Drive, drive
 from voronec.motion.methods import METHODS
-from voronec.motion.motion_pool import Many, at_each, drifts, many
+from voronec.motion.motion_pool import Many, drifts, many
 from voronec.motion.one_by_one import SwitchedMotions, along_one
 from voronec.motion.request import (  # fmt: skip
     Values,
@@ -35,6 +35,7 @@ from voronec.motion.request import (  # fmt: skip
     spread_starts,
 )
 from voronec.motion.soundness import JudgeOfMany
+from voronec.motion.state_probe import at_each
 from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.trajectory import Cost, Trajectory
 
@@ -512,20 +513,10 @@ def _fill_judgements(
         failed[i] = IntegrationError(f"{breach.what} after t = {time:.12g}", time, state)
         rows[i, breach.row + 1 :] = np.nan
     filled.steps.append(steps)
-    filled.put(where, rows, _errors_by_start(filled.motions, where, failed))
-
-
-def _errors_by_start(
-    motions: Many, where: np.ndarray, failed: Mapping[int, IntegrationError]
-) -> dict[int, VoronecError]:
-    """The errors, saying which start they are about."""
-    name = motions.vocabulary.equations.system.name
-    return {
-        i: IntegrationError(
-            f"system '{name}', start {where[i]}: {error}; end the run before that, or use another "
-            "chart",
-            error.time,
-            error.state,
+    told: dict[int, VoronecError] = {
+        i: filled.motions.error(
+            where[i], str(error), "end the run before that", error.time, error.state
         )
         for i, error in failed.items()
     }
+    filled.put(where, rows, told)

@@ -66,12 +66,8 @@ def explain(
     wanted = _output_expressions(vocabulary, outputs_of(chosen, outputs))
     start = None
     if chosen is not None or initial is not None:
-        start = _start(
-            vocabulary,
-            chosen,
-            StartData.of(vocabulary, chosen, parameters, initial),
-            driven.constants,
-        )
+        given = StartData.of(vocabulary, chosen, parameters, initial)
+        start = _start(vocabulary, chosen, given, driven.constants)
     elif parameters:
         raise DefinitionError(
             f"system '{equations.system.name}': parameters without a start; name a scene, or give "
@@ -212,10 +208,7 @@ def _followed_integrals(model: Model, width: int) -> list[str]:
     rows = [
         ("declared integrals that can be followed", able),
         ("integrals in place of equations", instead),
-        (
-            "integrals that need more variables",
-            lost,
-        ),
+        ("integrals that need more variables", lost),
         ("declared integrals that are not constant, which is proved", model.refuted),
     ]
     lines = [f"{what}: {', '.join(names)}" for what, names in rows if names]

@@ -310,22 +310,15 @@ def _pose_conditions(
     vocabulary: Vocabulary, q: np.ndarray, conditions: Mapping[str, float], rates: Rates
 ) -> tuple[list[str], np.ndarray, np.ndarray]:
     """The conditions in order: their names, and rows @ v = right."""
-    system = vocabulary.equations.system
-    own = [plain_name(x) for x in system.velocities]
-    dots = vocabulary.rate_names
-    n = len(own)
-    order = list(dict.fromkeys(name for name in (*own, *dots) if name in conditions))
-    if set(order) <= set(own):
-        rows = np.eye(n)[[own.index(name) for name in order]]
-        return order, rows, np.array([conditions[name] for name in order])
-    # rates are affine in v: their values at 0 and at the unit vectors tell them
-    values = rates(q, np.hstack([np.zeros((n, 1)), np.eye(n)]))
-    linear, offset = values[:, 1:] - values[:, :1], values[:, 0]
-    if not np.isfinite(values).all():
-        raise NoFrame(NO_VELOCITIES.format(system.name))
-    posed = [np.eye(n)[own.index(k)] if k in own else linear[dots.index(k)] for k in order]
-    right = [conditions[k] - (0.0 if k in own else offset[dots.index(k)]) for k in order]
-    return order, np.array(posed), np.array(right)
+
+    def rates_of_one(_: np.ndarray, v: np.ndarray) -> np.ndarray:
+        return rates(q, v)[None]
+
+    each = {name: np.array([x]) for name, x in conditions.items()}
+    order, rows, right = _pose_conditions_of_many(vocabulary, q[None], each, rates_of_one)
+    if np.isnan(right).any():
+        raise NoFrame(NO_VELOCITIES.format(vocabulary.equations.system.name))
+    return order, rows[0], right[0]
 
 
 def changes(names: Iterable[str], old: np.ndarray, new: np.ndarray) -> str:

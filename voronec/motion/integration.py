@@ -52,7 +52,7 @@ from voronec.motion.split_models import divisor_program
 from voronec.motion.split_stepper import SplitRun
 from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
-from voronec.motion.steppers.run import Signals, in_kind
+from voronec.motion.steppers.run import Signals, constants_along
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Crossings, Trajectory, make_trajectory
 
@@ -572,10 +572,7 @@ class _Sight:
 
     def at(self, t: np.ndarray) -> Mapping[str, Any]:
         """The constants, and at times (k,) those that change."""
-        if self.changing is None:
-            return self.constants
-        along = self.changing.along(t)
-        return {**self.constants, **{n: in_kind(x, t.dtype) for n, x in along.items()}}
+        return constants_along(self.changing, self.constants, t)
 
     def trajectory(self, run: Run) -> Trajectory:
         """The motion of a run, its events, and, of a dense run, what lies between."""
@@ -607,10 +604,7 @@ class _Sight:
             with mpmath.workprec(self.bits):
                 series = evaluate_watch(self.watch, self.program, t, states, values)
         shown = {name: series[name] for name in self.watch.outputs}
-        names = tuple(map(str, self.program.state))
-        for array in (t, states, *shown.values()):
-            array.flags.writeable = False
-        return Crossings(t, states, names, MappingProxyType(shown))
+        return Crossings.of(t, states, tuple(map(str, self.program.state)), shown)
 
 
 def _refuse_unknown_functions(system: System) -> None:

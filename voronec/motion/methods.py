@@ -229,7 +229,8 @@ def choose(
     if not 0 < problem.tol < 1:
         raise DefinitionError(f"tol = {problem.tol} must lie between 0 and 1, such as 1e-13")
     called = problem.changing.python_signal if problem.changing is not None else None
-    if called is not None and (_is_symbolic(method) or problem.tol < EXACT):
+    symbolic = method in METHODS and METHODS[method].symbolic
+    if called is not None and (symbolic or problem.tol < EXACT):
         raise DefinitionError(
             f"the input '{called.name}' is a function of Python's, known in doubles and without a "
             "Taylor series; take method='scipy' and tol >= 1e-16, or give an expression or a table"
@@ -299,10 +300,6 @@ def _is_short(problem: Problem, grid: np.ndarray) -> bool:
     from voronec.motion.steppers.python_stepper import operations_of_run
 
     return operations_of_run(problem, grid, LOAD_OPERATIONS) <= LOAD_OPERATIONS
-
-
-def _is_symbolic(method: str) -> bool:
-    return method in METHODS and METHODS[method].symbolic
 
 
 def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Stepper, dict[str, Any]]:

@@ -31,7 +31,7 @@ from voronec.motion.mode_transitions import (
 from voronec.motion.modes import Corner, LevelSurface, Modes
 from voronec.motion.request import Event
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
-from voronec.motion.steppers.run import in_parts, in_pieces, until
+from voronec.motion.steppers.run import crossing_arrays, in_parts, in_pieces, until
 
 __all__ = ["SwitchedIntegrator", "through_walls"]
 
@@ -259,10 +259,8 @@ class _Passage:
             )
         if roads.problem.dense:
             self.stretches.append(_ModeStretch(part.t[-1], part.inside))
-        self.time, self.state = (
-            part.t[-1],
-            np.array(list(map(mpmath.mpf, part.states[-1])), dtype=object),
-        )
+        self.time = part.t[-1]
+        self.state = np.array(list(map(mpmath.mpf, part.states[-1])), dtype=object)
         return part
 
     def strays(self, part: Run) -> bool:
@@ -382,12 +380,8 @@ class _Passage:
         rows = list(self.rows)
         if stopped and self.time != t[-1]:
             t, rows = np.append(t, np.array([self.time], kind)), [*rows, self.number(self.state)]
-        width = len(self.state)
-        crossings = {}
-        for event in self.roads.problem.events:
-            found = self.crossings.get(event.name, [])
-            states = np.array([s for _, s in found], dtype=kind).reshape(len(found), width)
-            crossings[event.name] = np.array([x for x, _ in found], dtype=kind), states
+        events, width = self.roads.problem.events, len(self.state)
+        crossings = crossing_arrays(self.crossings, events, width, kind)
         return Run(
             t.copy(), np.array(rows, dtype=kind), self.steps, self.evaluations, crossings, halt,
             interrupted, stopped, self.inside if self.roads.problem.dense else None,

@@ -290,6 +290,13 @@ class Crossroads:
         named = self._name_parameters(sides, time)
         return [named[str(p)] for p in program.parameters]
 
+    def _rates(
+        self, program: Program, sides: Mapping[Wall, int], time: Any, state: np.ndarray
+    ) -> list[Any]:
+        """The rates of the states by a mode's program."""
+        right = compiled_digits(program)[0]
+        return list(right(time, list(state), self.values(program, sides, time)))
+
     def _sides_ahead(
         self, program: Program, time: Any, state: np.ndarray, sides: Mapping[Wall, int],
         surfaces: Sequence[LevelSurface],
@@ -318,10 +325,9 @@ class Crossroads:
         self, program: Program, time: Any, state: np.ndarray, sides: Mapping[Wall, int], way: int
     ) -> tuple[Any, np.ndarray]:
         """Time and state a moment later (``way`` 1) or before."""
-        right = compiled_digits(program)[0]
 
         def rates(t: Any, x: np.ndarray) -> np.ndarray:
-            found = right(t, list(x), self.values(program, sides, t))
+            found = self._rates(program, sides, t, x)
             return np.array([mpmath.mpf(r) for r in found], dtype=object)
 
         pairs = zip(rates(time, state), state, strict=True)
@@ -405,10 +411,7 @@ class Crossroads:
                 s.wall.function.has(corner.program.time) for s in met
             ):
                 return None
-            found = compiled_digits(corner.program)[0](
-                time, list(state), self.values(corner.program, sides, time)
-            )
-            rows.append([float(x) for x in found])
+            rows.append([float(x) for x in self._rates(corner.program, sides, time, state)])
         from scipy.optimize import nnls
 
         matrix = np.vstack([np.array(rows).T, np.ones(len(rows))])
@@ -475,9 +478,7 @@ class Crossroads:
         """How fast a wall's function grows on given sides, and the size of the terms of that."""
         self._require_rates((surface,))
         corner, values = self._corner(time, state, sides)
-        found = compiled_digits(corner.program)[0](
-            time, list(state), self.values(corner.program, values, time)
-        )
+        found = self._rates(corner.program, values, time, state)
         _, slope, *slopes = self._measure(surface.wall, time, state, sides)
         terms = [slope, *(a * b for a, b in zip(slopes, found, strict=True))]
         speeds = [
@@ -539,9 +540,7 @@ class Crossroads:
         for above, (corner, sides) in corners.items():
             if all(above[met.index(s)] == side for s, side in other.items()):
                 key = tuple(above[met.index(s)] for s in mode.along)
-                values = self.values(corner.program, sides, time)
-                found = compiled_digits(corner.program)[0](time, list(state), values)
-                rows[key] = np.array(found, dtype=object)
+                rows[key] = np.array(self._rates(corner.program, sides, time, state), dtype=object)
         top = (1,) * len(weights)
         for key, row in rows.items():
             flips = [i for i, side in enumerate(key) if side < 0]

@@ -22,9 +22,9 @@ from voronec.motion.model import smallest_model
 from voronec.motion.motion_start import require_inertia
 from voronec.motion.request import Vocabulary, name_values
 from voronec.motion.split_models import SplitGround
-from voronec.motion.state_probe import quantities, quiet, rates_along, rates_program
+from voronec.motion.state_probe import at_each, quantities, quiet, rates_along, rates_program
 
-__all__ = ["Ground", "Many", "at_each", "drifts", "ground", "many"]
+__all__ = ["Ground", "Many", "drifts", "ground", "many"]
 
 SMALL = 1e-6
 """An integral below this part of the largest among the starts counts as starting at zero."""
@@ -170,6 +170,13 @@ class Many:
         constants = {name: np.full(len(full), x[i]) for name, x in self.parameters.items()}
         return _place_on_ground(below, compile_program(below)[1], full, constants, times)[0]
 
+    def error(self, i: int, what: str, mend: str, time: Any, state: Any) -> IntegrationError:
+        """The error of motion i: what went wrong, what mends it, and where it was last good."""
+        name = self.vocabulary.equations.system.name
+        return IntegrationError(
+            f"system '{name}', start {i}: {what}; {mend}, or use another chart", time, state
+        )
+
     @property
     def moving_lanes(self) -> tuple[np.ndarray, np.ndarray]:
         """States and parameters of these."""
@@ -267,7 +274,8 @@ def _constants(
     """Values of the parameters, (s,) each; and the starts whose value is out of range."""
     given = name_values(vocabulary, scene.parameters if scene else {}, "parameter")
     given |= name_values(vocabulary, parameters, "parameter")
-    series = {k: np.asarray(x) for k, x in given.items() if _is_array(x)}
+    arrays = {k: x for k, x in given.items() if isinstance(x, list | tuple | np.ndarray)}
+    series = {k: np.asarray(x) for k, x in arrays.items() if np.ndim(x) > 0}
     first = given | {k: x[0].item() for k, x in series.items()}
     wrong: dict[int, VoronecError] = {}
     single = parameter_values(vocabulary, _inside(vocabulary, first, series), needed)
@@ -289,10 +297,6 @@ def _inside(vocabulary: Vocabulary, first: dict[str, Any], series: Iterable[str]
     system = vocabulary.equations.system
     allowed = {p.name: p.value for p in system.parameters if p.value is not None}
     return {k: allowed.get(k, x) if k in set(series) else x for k, x in first.items()}
-
-
-def _is_array(x: Any) -> bool:
-    return isinstance(x, list | tuple | np.ndarray) and np.ndim(x) > 0
 
 
 def _place_on_ground(
@@ -333,19 +337,6 @@ def _table(constants: Mapping[str, np.ndarray], symbols: Sequence[Any], count: i
     missing = np.full(count, np.nan)
     columns = [constants.get(str(p), missing) for p in symbols]
     return np.stack(columns, axis=-1) if columns else np.empty((count, 0))
-
-
-def at_each(
-    function: Any, names: Sequence[str], t: Any, states: np.ndarray, values: np.ndarray
-) -> dict[str, np.ndarray]:
-    """Quantities at states (..., n) with parameters (..., p), each an array of shape (...)."""
-    with np.errstate(all="ignore"):
-        results = function(t, list(np.moveaxis(states, -1, 0)), list(np.moveaxis(values, -1, 0)))
-    shape = states.shape[:-1]
-    return {
-        name: np.broadcast_to(np.asarray(r, dtype=float), shape)
-        for name, r in zip(names, results, strict=True)
-    }
 
 
 def drifts(changes: np.ndarray, starts: np.ndarray) -> np.ndarray:

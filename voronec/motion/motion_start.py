@@ -228,8 +228,8 @@ class Outset:
             wide = WideStart.of(vocabulary, ground, given, project)
             start, framed = Start(wide.home), _only_angles_fail(ground, wide.wide)
         exactly = Exactly(
-            vocabulary, _rates_program(equations, form), time, given.parameters,
-            given.scene_initial, given.initial, start.state, bool(start.notes),
+            vocabulary, _rates_program(equations, form), time, given, start.state,
+            bool(start.notes),
         )  # fmt: skip
         return cls(start.state, constants, start.notes, exactly, changing, framed)
 
@@ -315,18 +315,12 @@ class WideStart:
     def exact(self, bits: int) -> tuple[np.ndarray, Mapping[str, Any]]:
         """The same, and the parameters by name, as mpmath's numbers."""
         with mpmath.workprec(bits):
-            system, ground = self.ground.home.system, self.ground
+            ground, vocabulary = self.ground, self.vocabulary
             constants = {name: mpmath.mpf(x) for name, x in ground.constants.items()}
-            for parameter in system.parameters:
-                value = self.given.parameters.get(parameter.name, parameter.value)
-                if value is not None:
-                    constants[parameter.name] = exact_number(value, {}, bits)
-            known = {self.vocabulary.symbols[name]: x for name, x in constants.items()}
-            given = {
-                name: exact_number(value, known, bits)
-                for name, value in {**self.given.scene_initial, **self.given.initial}.items()
-            }
-            names = [plain_name(x) for x in system.coordinates]
+            constants |= _exact_constants(vocabulary, self.given, bits)
+            all_given = {**self.given.scene_initial, **self.given.initial}
+            given = _exact_values(vocabulary, all_given, constants, bits)
+            names = [plain_name(x) for x in ground.home.system.coordinates]
             q = [given.get(name, mpmath.mpf(0)) for name in names]
             w = [mpmath.mpf(float(x)) for x in self.wide[len(names) :]]
             found = _Conditions.at(ground, np.array(q, dtype=object), constants)
@@ -463,6 +457,21 @@ def exact_number(value: Any, known: Mapping[Any, Any], bits: int) -> Any:
     return mpmath.mp.make_mpf(sp.Float(expr.evalf(digits), digits)._mpf_)
 
 
+def _exact_constants(vocabulary: Vocabulary, given: StartData, bits: int) -> dict[str, Any]:
+    """The parameters of a system by name, as far as they are given or have values of their own."""
+    parameters = vocabulary.equations.system.parameters
+    values = {p.name: given.parameters.get(p.name, p.value) for p in parameters}
+    return {name: exact_number(x, {}, bits) for name, x in values.items() if x is not None}
+
+
+def _exact_values(
+    vocabulary: Vocabulary, values: Mapping[str, Any], constants: Mapping[str, Any], bits: int
+) -> dict[str, Any]:
+    """Initial values by name, which may contain parameters."""
+    known = {vocabulary.symbols[name]: x for name, x in constants.items()}
+    return {name: exact_number(value, known, bits) for name, value in values.items()}
+
+
 @dataclass(frozen=True)
 class Exactly:
     """What was given, and the start in doubles that came of it."""
@@ -470,20 +479,13 @@ class Exactly:
     vocabulary: Vocabulary
     program: Program
     time: float
-    parameters: Mapping[str, Any]
-    scene: Mapping[str, Any]
-    initial: Mapping[str, Any]
+    given: StartData
     start: np.ndarray
     projected: bool
 
     def constants(self, bits: int) -> dict[str, Any]:
         """The parameters by name."""
-        result = {}
-        for parameter in self.vocabulary.equations.system.parameters:
-            value = self.parameters.get(parameter.name, parameter.value)
-            if value is not None:
-                result[parameter.name] = exact_number(value, {}, bits)
-        return result
+        return _exact_constants(self.vocabulary, self.given, bits)
 
     def problem(self, bits: int) -> tuple[np.ndarray, list[Any]]:
         """The start (n,), and the values of the program's parameters."""
@@ -493,18 +495,15 @@ class Exactly:
             start = np.array([mpmath.mpf(x) for x in self.start], dtype=object)
             if self.projected:
                 return start, values
-            old, new = (self._numbers(part, constants, bits) for part in (self.scene, self.initial))
+            old, new = (
+                _exact_values(self.vocabulary, part, constants, bits)
+                for part in (self.given.scene_initial, self.given.initial)
+            )
             names = [plain_name(q) for q in self.vocabulary.equations.system.coordinates]
             for i, name in enumerate(names):
                 start[i] = {**old, **new}.get(name, mpmath.mpf(0))
             conditions = {k: x for k, x in {**old, **new}.items() if k not in names}
             return self._meet_conditions(start, len(names), conditions, values, {*new}), values
-
-    def _numbers(
-        self, given: Mapping[str, Any], constants: Mapping[str, Any], bits: int
-    ) -> dict[str, Any]:
-        known = {self.vocabulary.symbols[name]: x for name, x in constants.items()}
-        return {name: exact_number(value, known, bits) for name, value in given.items()}
 
     def _meet_conditions(
         self,

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.symbols import is_symbolic_name, plain_name
+from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import formula
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
@@ -37,10 +37,6 @@ from voronec.motion.section_passages import PATIENCE, SectionPassages, SectionWa
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run
 from voronec.motion.trajectory import Cost, Trajectory
-
-if TYPE_CHECKING:
-    from voronec.motion.motion_pool import Many
-    from voronec.motion.section_passages import SectionPassages, SectionWatch
 
 __all__ = [
     "DrivenPassages",
@@ -282,7 +278,7 @@ def driven_passages(
     quantity = formula(plane, "the plane", known) if isinstance(plane, str) else plane
     level = quantity - sp.Rational(value)
     event = Event(level, PLANE, direction)
-    own = plain_name(level) if is_symbolic_name(level) else label(level)
+    own = label(level)
     found = DrivenPassages()
     for i, start in enumerate(starts):
         chosen = {k: x[i] if isinstance(x, np.ndarray) else x for k, x in parameters.items()}

@@ -27,7 +27,7 @@ from voronec.algebra.text import as_expression
 from voronec.equations.definition import Definition
 from voronec.errors import DefinitionError
 
-__all__ = ["Multipliers"]
+__all__ = ["Multipliers", "conditions_of"]
 
 DEPENDENT = 1e-11
 """A singular value below this part of the largest counts as zero."""
@@ -65,7 +65,7 @@ class Multipliers:
         """
         _check_unique(d)
         rates = d.group.coordinate_rates(d.dots) if d.group is not None else d.dots
-        conditions = _conditions(d)
+        conditions = conditions_of(d)
         momenta = [d.lagrangian.diff(w) for w in d.dots]
         mass = [p.diff(w) for p in momenta for w in d.dots]
         if d.added:  # accelerations in forces
@@ -149,7 +149,7 @@ def _number(value: Any, precise: bool) -> Any:
     return mp.mpf(sp.Float(as_expression(value).evalf(digits), digits)._mpf_)
 
 
-def _conditions(d: Definition) -> list[tuple[Any, ...]]:
+def conditions_of(d: Definition) -> list[tuple[Any, ...]]:
     """Coefficients of w, then the offset: constraints, relations, definitions of v."""
     forms: list[tuple[Any, Any]] = [*zip(d.constraints.matrix, d.constraints.offset, strict=True)]
     forms += zip(d.differentiated.matrix, d.differentiated.offset, strict=True)

@@ -124,8 +124,7 @@ def quantity(vocabulary: Vocabulary, key: Any, role: str = "output") -> tuple[st
                 f"{did_you_mean(str(symbol), known)}"
             )
         meaning[symbol] = known[str(symbol)]
-    name = plain_name(given) if is_symbolic_name(given) else label(given)
-    return name, expr.xreplace(meaning)
+    return label(given), expr.xreplace(meaning)
 
 
 def scene_of(

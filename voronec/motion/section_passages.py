@@ -26,7 +26,7 @@ from voronec.motion.methods import METHODS
 from voronec.motion.request import number
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
 from voronec.motion.steppers.scipy_stepper import dop853_steps
-from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride
+from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride, crosses
 
 if TYPE_CHECKING:
     from voronec.motion.motion_pool import Many
@@ -50,6 +50,7 @@ TOUCH = 1e-10
 """An extremum this near to zero, relative to the largest value seen, touches it."""
 POLE = 1e3
 """What is larger than this part of its size at both ends of a bracket has a pole there."""
+FEWER = "ask for fewer crossings"
 OUTGROWN = "its states outgrow the sizes from which they set out"
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 
@@ -160,8 +161,7 @@ def zeros(paths: Paths, quantity: Quantity, needed: np.ndarray, direction: int) 
     a, b = values[:-1], values[1:]
     with np.errstate(all="ignore"):  # a lane that idles takes steps of no length
         rates = np.abs(b - a) / np.diff(times, axis=0)
-    change = _crossings(a, b, direction)
-    row, lane = np.nonzero(change)
+    row, lane = np.nonzero(crosses(a, b, direction))
     step, left = row // SAMPLES, (row % SAMPLES) / SAMPLES
     h = paths.lengths[step, lane]
     brackets = [(step, lane, left * h, (left + 1 / SAMPLES) * h)]
@@ -186,12 +186,6 @@ def zeros(paths: Paths, quantity: Quantity, needed: np.ndarray, direction: int) 
         high=np.fmax.reduce(values, axis=0),
         fastest=np.fmax.reduce(rates, axis=0),
     )
-
-
-def _crossings(a: np.ndarray, b: np.ndarray, direction: int) -> np.ndarray:
-    """Where a quantity passes zero from a to b; a zero at b counts, one at a does not."""
-    up, down = (a < 0) & (b >= 0), (a > 0) & (b <= 0)
-    return np.asarray(up | down if direction == 0 else (up if direction > 0 else down))
 
 
 @dataclass(frozen=True, eq=False)
@@ -445,156 +439,148 @@ class SectionPassages:
 
 def pass_lanes(motions: Many, watch: SectionWatch, passages: SectionPassages, lanes: Lanes) -> None:
     """Follow the motions in heyoka's lanes; a lane whose motion is over takes the next one."""
-    waiting = iter(motions.sound)
-    holds: list[int | None] = [_load(lanes, k, waiting, motions, watch) for k in range(lanes.width)]
-    origin = lanes.integrator.time.copy()
+    under_way = _LanePassages(motions, watch, passages, lanes)
     try:
-        while any(i is not None for i in holds):
-            _stretch(motions, watch, passages, lanes, holds, origin)
-            for k, i in enumerate(holds):
-                if i is not None and passages.over(i):
-                    holds[k] = _load(lanes, k, waiting, motions, watch)
-                    origin[k] = motions.time
-            passages.tell(motions.sound)
+        under_way.run()
     except KeyboardInterrupt:
         passages.interrupted[0] = True
 
 
-def _load(
-    lanes: Lanes, lane: int, waiting: Iterator[int], motions: Many, watch: SectionWatch
-) -> int | None:
-    """Put the next motion on a lane; where there is none, any sound one idles there."""
-    i = next(waiting, None)
-    k = motions.sound[0] if i is None else i
-    lanes.load(lane, watch.begin(motions, [k])[0], motions.values[k], motions.time)
-    return i
+@dataclass(eq=False)
+class _LanePassages:
+    """Motions under way in heyoka's lanes: ``holds`` says which of them each lane carries, None
+    where it idles, and ``origin`` (width,) when that set out."""
 
+    motions: Many
+    watch: SectionWatch
+    passages: SectionPassages
+    lanes: Lanes
 
-def _stretch(
-    motions: Many,
-    watch: SectionWatch,
-    passages: SectionPassages,
-    lanes: Lanes,
-    holds: list[int | None],
-    origin: np.ndarray,
-    careful: bool = False,
-) -> None:
-    """Some hundreds or thousands of steps of all lanes, and the crossings in them; or, where steps
-    are made too long by coefficients that vanish, ``careful`` ones, each looked at before."""
-    ta = lanes.integrator
-    lanes.take()
-    begin, state = tuple(part.copy() for part in ta.dtime), ta.state.copy()
-    before, limit = ta.time.copy(), 1 if careful else min(lanes.size, _steps_ahead(passages, holds))
-    idle = np.array([i is None for i in holds])
-    # a lane that idles stays where it is as far as possible
-    ends = np.where(idle, before + 1e-300, passages.until)
-    ends = np.maximum(ends, before)
-    longest = np.where(before > origin, STRIDE * (before - origin), np.inf)
-    if (fresh := ~idle & (careful | (before == origin))).any():
-        first = lanes.first_steps(ends - before)
-        longest = np.where(fresh, np.minimum(first, longest), longest)
-        limit = 1 if np.isfinite(first[fresh]).any() else limit
-    output = lanes.output = ta.propagate_until(
-        ends.tolist(),
-        max_steps=limit,
-        max_delta_t=longest.tolist(),
-        c_output=True,
-        **lanes.callback,
-    )[0]
-    lanes.keep_results()
-    taken = [r[3] for r in lanes.results]
-    if not careful and lanes.look_back(begin, state, longest).any():
-        ta.set_dtime(*begin)
-        ta.state[:] = state
-        for _ in range(max(taken)):
-            if not any(i is not None and passages.over(i) for i in holds):
-                _stretch(motions, watch, passages, lanes, holds, origin, careful=True)
-        return
-    lanes.note_steps()
-    passages.steps[0] += sum(n for n, i in zip(taken, holds, strict=True) if i is not None)
-    _account(motions, watch, passages, lanes, holds, (origin, before), taken, limit, output)
+    def __post_init__(self) -> None:
+        self.waiting = iter(self.motions.sound)
+        self.holds = [self.load_next(k) for k in range(self.lanes.width)]
+        self.origin = self.lanes.integrator.time.copy()
 
+    def run(self) -> None:
+        """Stretch after stretch, until no motion is left."""
+        while any(i is not None for i in self.holds):
+            self.stretch()
+            for k, i in enumerate(self.holds):
+                if i is not None and self.passages.over(i):
+                    self.holds[k] = self.load_next(k)
+                    self.origin[k] = self.motions.time
+            self.passages.tell(self.motions.sound)
 
-def _account(
-    motions: Many,
-    watch: SectionWatch,
-    passages: SectionPassages,
-    lanes: Lanes,
-    holds: list[int | None],
-    times: tuple[np.ndarray, np.ndarray],
-    taken: Sequence[int],
-    limit: int,
-    output: Any,
-) -> None:
-    """The crossings in a stretch, from heyoka's ``output`` of it, and the lanes that broke down.
+    def load(self, lane: int, i: int) -> None:
+        """Put motion i at its start on a lane."""
+        motions = self.motions
+        begin = self.watch.begin(motions, [i])[0]
+        self.lanes.load(lane, begin, motions.values[i], motions.time)
 
-    ``times`` are those at which the motions of the lanes began, and before the stretch; ``taken``
-    are the steps of each lane, of at most ``limit``.
-    """
-    ta, (origin, before) = lanes.integrator, times
-    busy = [k for k, i in enumerate(holds) if i is not None]
-    broken = [k for k in busy if not np.isfinite(ta.state[:, k]).all()]
-    stuck = [k for k in busy if taken[k] == limit and _is_stuck(ta.time[k], before[k], origin[k])]
-    passed = [k for k in busy if lanes.steps.has_collapsed(k)]
-    outgrown = lanes.winding.outgrown(ta.state)
-    if output is not None:
-        series = output.tcs * lanes.winding.units[:, None]
-        series[:, :, 0] = lanes.winding.whole(output.tcs[:, :, 0])
-        outgrown |= lanes.winding.outgrown(output.tcs[:, :, 0])
-        trusted = [
-            _trusted_until(output.times[:, k]) if k in passed else np.inf for k in range(len(holds))
-        ]
-        _collect(motions, watch, passages, Paths(output.times, series), holds, origin, trusted)
-    for k in busy:
-        if k in passed and k not in broken:
-            _fail(motions, watch, passages, holds[k], lanes, k, SINGULAR_PLACE)
-        elif outgrown[k]:
-            _fail(motions, watch, passages, holds[k], lanes, k, OUTGROWN)
-        elif k in broken or k in stuck:
-            reason = INFINITE if k in broken else COLLAPSE
-            _fail(motions, watch, passages, holds[k], lanes, k, reason)
-        elif output is None and (i := holds[k]) is not None:
-            passages.note_range(i, ta.time[k], max(taken[k], 1), (np.nan,) * 3)
+    def load_next(self, lane: int) -> int | None:
+        """Put the next motion on a lane; where there is none, any sound one idles there."""
+        i = next(self.waiting, None)
+        self.load(lane, self.motions.sound[0] if i is None else i)
+        return i
 
+    def stretch(self, careful: bool = False) -> None:
+        """Some hundreds or thousands of steps of all lanes, and the crossings in them; or, where
+        steps are made too long by coefficients that vanish, ``careful`` ones, each looked at
+        before."""
+        lanes, holds, passages, origin = self.lanes, self.holds, self.passages, self.origin
+        ta = lanes.integrator
+        lanes.take()
+        begin, state = tuple(part.copy() for part in ta.dtime), ta.state.copy()
+        before, limit = ta.time.copy(), 1 if careful else min(lanes.size, self.steps_ahead())
+        idle = np.array([i is None for i in holds])
+        # a lane that idles stays where it is as far as possible
+        ends = np.where(idle, before + 1e-300, passages.until)
+        ends = np.maximum(ends, before)
+        longest = np.where(before > origin, STRIDE * (before - origin), np.inf)
+        if (fresh := ~idle & (careful | (before == origin))).any():
+            first = lanes.first_steps(ends - before)
+            longest = np.where(fresh, np.minimum(first, longest), longest)
+            limit = 1 if np.isfinite(first[fresh]).any() else limit
+        lanes.output = ta.propagate_until(
+            ends.tolist(), max_steps=limit, max_delta_t=longest.tolist(), c_output=True,
+            **lanes.callback,
+        )[0]  # fmt: skip
+        output = lanes.output
+        lanes.keep_results()
+        taken = [r[3] for r in lanes.results]
+        if not careful and lanes.look_back(begin, state, longest).any():
+            ta.set_dtime(*begin)
+            ta.state[:] = state
+            for _ in range(max(taken)):
+                if not any(i is not None and passages.over(i) for i in holds):
+                    self.stretch(careful=True)
+            return
+        lanes.note_steps()
+        passages.steps[0] += sum(n for n, i in zip(taken, holds, strict=True) if i is not None)
+        self.account(before, taken, limit, output)
 
-def _is_stuck(now: float, before: float, origin: float) -> bool:
-    return bool(now - before <= 1e-13 * max(abs(now - origin), 1e-3))
+    def steps_ahead(self) -> int:
+        """So many steps that the motion nearest to its end is not carried far beyond it."""
+        passages, holds = self.passages, self.holds
+        left = [passages.wanted - passages.count[i] for i in holds if i is not None]
+        done = int(passages.count.sum())
+        each = passages.steps[0] / done if done else FEWEST
+        return int(np.clip(1.1 * each * min(left) + 16, FEWEST, min(MOST, ALL // len(holds))))
 
+    def account(self, before: np.ndarray, taken: Sequence[int], limit: int, output: Any) -> None:
+        """The crossings in a stretch, from heyoka's ``output`` of it, and lanes that broke down.
 
-def _steps_ahead(passages: SectionPassages, holds: list[int | None]) -> int:
-    """So many steps that the motion nearest to its end is not carried far beyond it."""
-    left = [passages.wanted - passages.count[i] for i in holds if i is not None]
-    done = int(passages.count.sum())
-    each = passages.steps[0] / done if done else FEWEST
-    return int(np.clip(1.1 * each * min(left) + 16, FEWEST, min(MOST, ALL // len(holds))))
+        ``before`` are the times before the stretch; ``taken`` are the steps of each lane, of at
+        most ``limit``.
+        """
+        lanes, ta = self.lanes, self.lanes.integrator
+        busy = {k: i for k, i in enumerate(self.holds) if i is not None}
+        broken = [k for k in busy if not np.isfinite(ta.state[:, k]).all()]
+        still = ta.time - before <= 1e-13 * np.maximum(np.abs(ta.time - self.origin), 1e-3)
+        stuck = [k for k in busy if taken[k] == limit and still[k]]
+        passed = [k for k in busy if lanes.steps.has_collapsed(k)]
+        outgrown = lanes.winding.outgrown(ta.state)
+        if output is not None:
+            series = output.tcs * lanes.winding.units[:, None]
+            series[:, :, 0] = lanes.winding.whole(output.tcs[:, :, 0])
+            outgrown |= lanes.winding.outgrown(output.tcs[:, :, 0])
+            trusted = {k: _trusted_until(output.times[:, k]) for k in passed}
+            self.collect(busy, Paths(output.times, series), trusted)
+        for k, i in busy.items():
+            if k in passed and k not in broken:
+                self.fail(i, k, SINGULAR_PLACE)
+            elif outgrown[k]:
+                self.fail(i, k, OUTGROWN)
+            elif k in broken or k in stuck:
+                self.fail(i, k, INFINITE if k in broken else COLLAPSE)
+            elif output is None:
+                self.passages.note_range(i, ta.time[k], max(taken[k], 1), (np.nan,) * 3)
 
+    def collect(self, busy: Mapping[int, int], paths: Paths, trusted: Mapping[int, float]) -> None:
+        """Take in the crossings of the lanes that carry motions, each as far as it is trusted."""
+        motions, watch, passages = self.motions, self.watch, self.passages
+        rows = np.array([motions.sound[0] if i is None else i for i in self.holds])
 
-def _collect(
-    motions: Many,
-    watch: SectionWatch,
-    passages: SectionPassages,
-    paths: Paths,
-    holds: list[int | None],
-    origin: np.ndarray,
-    trusted: Sequence[float],
-) -> None:
-    rows = np.array([motions.sound[0] if i is None else i for i in holds])
+        def plane(t: np.ndarray, states: np.ndarray, lane: np.ndarray) -> np.ndarray:
+            own = motions.values[rows[lane]]
+            return watch.function(t, states, np.broadcast_to(own, (len(states), own.shape[-1])))
 
-    def plane(t: np.ndarray, states: np.ndarray, lane: np.ndarray) -> np.ndarray:
-        values = np.broadcast_to(motions.values[rows[lane]], (*states.shape[:1], _width(motions)))
-        return watch.function(t, states, values)
-
-    found = zeros(paths, plane, watch.needed, passages.direction)
-    first = START_SHARE * paths.lengths[0]
-    for k, i in enumerate(holds):
-        if i is not None:
-            _keep(passages, watch.width, found, k, i, origin[k] + first[k], trusted[k])
+        found = zeros(paths, plane, watch.needed, passages.direction)
+        first = START_SHARE * paths.lengths[0]
+        for k, i in busy.items():
+            after, until = self.origin[k] + first[k], trusted.get(k, np.inf)
+            _keep(passages, watch.width, found, k, i, after, until)
             seen = (found.low[k], found.high[k], found.fastest[k])
             passages.note_range(i, paths.times[-1, k], len(paths.lengths), seen)
 
-
-def _width(motions: Many) -> int:
-    return motions.values.shape[1]
+    def fail(self, i: int, lane: int, reason: str) -> None:
+        """Motion i cannot go on in its lane."""
+        reached = self.passages.reached[i]
+        time = reached if np.isfinite(reached) else self.motions.time
+        state = self.lanes.states[lane][: self.watch.width]
+        what = f"{reason} after t = {float(time):.12g}"
+        self.passages.errors[i] = self.motions.error(i, what, FEWER, float(time), state.copy())
+        self.load(lane, i)  # a lane that is not finite would stop all others
 
 
 def _trusted_until(times: np.ndarray) -> float:
@@ -613,31 +599,6 @@ def _keep(
     last = found.t[take][:room][-1] if len(found.t[take]) >= room else np.inf
     passages.touches.extend((i, t) for k, t in found.touches if k == lane and after < t <= last)
     passages.put(i, found.t[take], found.states[take][:, :width], found.speed[take])
-
-
-def _fail(
-    motions: Many, watch: SectionWatch, passages: SectionPassages, i: int | None, lanes: Lanes,
-    lane: int, reason: str,
-) -> None:  # fmt: skip
-    if i is None:
-        return
-    time = passages.reached[i] if np.isfinite(passages.reached[i]) else motions.time
-    state = lanes.states[lane][: watch.width]
-    passages.errors[i] = _unfinished_error(motions, i, reason, float(time), state)
-    # a lane that is not finite would stop all others
-    lanes.load(lane, watch.begin(motions, [i])[0], motions.values[i], motions.time)
-
-
-def _unfinished_error(
-    motions: Many, i: int, reason: str, time: float, state: np.ndarray
-) -> IntegrationError:
-    name = motions.vocabulary.equations.system.name
-    return IntegrationError(
-        f"system '{name}', start {i}: {reason} after t = {time:.12g}; ask for fewer crossings, or "
-        "use another chart",
-        time,
-        np.array(state),
-    )
 
 
 def pass_one_by_one(
@@ -693,10 +654,10 @@ def _follow(
             if passages.over(i):
                 return
     except IntegrationError as error:
-        reason = str(error).partition(" after")[0]
-        passages.errors[i] = _unfinished_error(
-            motions, i, reason, float(error.time or 0.0), np.asarray(error.state)[: watch.width]
-        )
+        reason, time = str(error).partition(" after")[0], float(error.time or 0.0)
+        state = np.array(np.asarray(error.state)[: watch.width])
+        what = f"{reason} after t = {time:.12g}"
+        passages.errors[i] = motions.error(i, what, FEWER, time, state)
 
 
 def _strides(

@@ -24,11 +24,11 @@ from voronec.declaration.system import System, require_system
 from voronec.equations.motions import Motions
 from voronec.equations.program import Block, Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.errors import DefinitionError, IntegrationError, VoronecError
+from voronec.errors import DefinitionError, VoronecError
 from voronec.motion.batches import choose_lanes
 from voronec.motion.ensembles import ensemble
 from voronec.motion.inputs import drive
-from voronec.motion.motion_pool import Many, at_each, drifts, many
+from voronec.motion.motion_pool import Many, drifts, many
 from voronec.motion.one_by_one import DrivenPassages, SwitchedMotions, driven_passages, go_on_alone
 from voronec.motion.request import (
     Values,
@@ -47,6 +47,7 @@ from voronec.motion.section_passages import (
     pass_one_by_one,
 )
 from voronec.motion.soundness import JudgeOfMany
+from voronec.motion.state_probe import at_each
 from voronec.motion.steppers.event_states import with_parts
 from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.trajectory import Cost
@@ -380,7 +381,7 @@ def section(
     passages = SectionPassages.empty(len(motions), crossings, direction, until, progress)
     level = expr - sp.Rational(on_plane)
     cost = _follow(motions, passages, surface, on_plane, level, method, tol, began)
-    return _section(motions, passages, tuple(wanted), surface, on_plane, direction, cost)
+    return _section(motions, passages, tuple(wanted), surface, on_plane, cost)
 
 
 def _follow(
@@ -469,19 +470,15 @@ def _refuse_nothing(motions: Many, passages: SectionPassages, surface: str, valu
         return
     for error in passages.errors.values():
         raise error
+    system = motions.vocabulary.equations.system.name
     if np.isnan(passages.low).all():
         raise DefinitionError(
-            f"system '{motions.vocabulary.equations.system.name}': {surface} has no real value "
-            "along the motion; choose another plane"
+            f"system '{system}': {surface} has no real value along the motion; choose another plane"
         )
     nearest = int(np.nanargmin(np.maximum(passages.low, -passages.high)))
     low, high = passages.low[nearest] + value, passages.high[nearest] + value
-    which = (
-        f"start {nearest}, the nearest of {len(motions)}, stays"
-        if len(motions) > 1
-        else ("it stays")
-    )
-    system = motions.vocabulary.equations.system.name
+    several = len(motions) > 1
+    which = f"start {nearest}, the nearest of {len(motions)}, stays" if several else "it stays"
     way = {1: " upwards", -1: " downwards", 0: ""}[passages.direction]
     raise DefinitionError(
         f"system '{system}': no motion passes through {surface} = {value:g}{way}; up to t = "
@@ -504,25 +501,18 @@ def _cut_unsound(motions: Many, passages: SectionPassages, cost: Cost) -> None:
         found = judge.losses(t[None], states[None], motions.values[i][None], steps)
         breach = min((b for _, b in found), key=lambda b: b.row, default=None)
         if breach is not None:
-            name, time = own.system.name, float(t[breach.row])
+            time = float(t[breach.row])
             passages.cut(i, breach.row)
-            passages.errors[i] = IntegrationError(
-                f"system '{name}', start {i}: {breach.what} after t = {time:.12g}; end the run "
-                "before that, or use another chart",
-                time,
-                states[breach.row],
+            what = f"{breach.what} after t = {time:.12g}"
+            passages.errors[i] = motions.error(
+                i, what, "end the run before that", time, states[breach.row]
             )
 
 
 def _section(
-    motions: Many,
-    passages: SectionPassages,
-    outputs: tuple[str, ...],
-    surface: str,
-    value: float,
-    direction: int,
+    motions: Many, passages: SectionPassages, outputs: tuple[str, ...], surface: str, value: float,
     cost: Cost,
-) -> Section:
+) -> Section:  # fmt: skip
     start, t, states, speed = passages.join(motions.states.shape[1])
     names, values = motions.program.names, motions.values[start]
     found = at_each(motions.extras, names, t, states, values)
@@ -533,7 +523,7 @@ def _section(
         system=motions.vocabulary.equations.system,
         plane=surface,
         value=value,
-        direction=direction,
+        direction=passages.direction,
         outputs=outputs,
         points=points,
         t=t,

@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 import symengine as se
-import sympy as sp
 
 from voronec.algebra.verdicts import all_vanish
 from voronec.declaration.charts import Chart
@@ -24,7 +23,7 @@ from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import IntegrationError
 from voronec.motion.numeric_model import ProgrammedModel
 from voronec.motion.request import Event
-from voronec.motion.split_models import SplitGround, numbers
+from voronec.motion.split_models import SplitGround, numbers_of_chart
 from voronec.motion.state_probe import quantities, quiet
 from voronec.motion.steppers import Halt, Problem, Run
 
@@ -89,7 +88,7 @@ class PoleGuard:
             if _is_singular(equations, made, angles, start, constants, time)
         ]
         # not their product, which is positive where two bodies are at poles at once
-        found = {f"{POLE} {i}": d - near**2 for i, d in enumerate(levels) if d is not None}
+        found = {f"{NEAR_POLE} {i}": d - near**2 for i, d in enumerate(levels) if d is not None}
         if not found:
             return None
         return cls(
@@ -291,23 +290,11 @@ def open_beyond(rows: np.ndarray, blind: np.ndarray) -> np.ndarray:
 def _distances(ground: SplitGround, chart: Chart, wide: np.ndarray) -> tuple[float, float, Any]:
     """How far a wide state is from the singularities of the own coordinates and of a chart, 0 where
     the chart has no value, and df/dq."""
-    d, system = ground.home.definition, ground.home.system
-    values = chart.values(system)
-    images = dict(
-        zip(d.coordinates, (d.door.inward(values[q]) for q in system.coordinates), strict=True)
-    )
-    wanted = [d.door.inward(chart.singular), d.door.inward(chart.singular_there).xreplace(images)]
-    # slopes as sympy has them: x/(x^2 + y^2) of an arctangent is defined where x or y is zero
-    own = system.coordinates
-    wanted += [d.door.inward(sp.diff(values[q], x)) for q in own for x in own]
-    program = quantities(ground.wide, {str(i): se.sympify(e) for i, e in enumerate(wanted)})
-    try:
-        flat = numbers(
-            program, ground.time, wide.astype(float).tolist(), ground.values(program, ground.time)
-        )
-    except ArithmeticError:
+    found = numbers_of_chart(ground, chart, ground.time, wide.astype(float), slopes=True)
+    if found is None:
         return 1.0, 0.0, None
-    singular, there, *slopes = map(float, flat)
+    singular, there, *slopes = found
     if not np.isfinite(slopes).all():
         return abs(singular), 0.0, None
-    return abs(singular), abs(there), np.array(slopes).reshape(len(images), -1)
+    count = len(ground.home.definition.coordinates)
+    return abs(singular), abs(there), np.array(slopes).reshape(count, -1)

@@ -33,7 +33,7 @@ from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import VoronecError
 from voronec.motion.model.special import is_many_valued
 from voronec.motion.observables import evaluate_extras
-from voronec.motion.state_probe import usual_size
+from voronec.motion.state_probe import at_each, usual_size
 from voronec.motion.steppers.run import Run, Signals, values_along
 from voronec.motion.trajectory import Trajectory
 
@@ -514,7 +514,8 @@ class JudgeOfMany:
     ) -> Iterator[tuple[int, Breach]]:
         """The motions that lost an integral, with times (m, k) of their own."""
         each = np.broadcast_to(values[:, None, :], (*t.shape, values.shape[-1]))
-        series = _at(self.program, t, states, each)
+        extras = compile_program(self.program)[1]
+        series = at_each(extras, self.program.names, t, states, each)
         for name, key in self.integrals.items():
             change, size = np.abs(series[key] - series[key][:, :1]), np.abs(series[key][:, :1])
             allowed = LOOSE * max(self.tol, UNIT) * FREE * size
@@ -533,8 +534,11 @@ class JudgeOfMany:
         values: np.ndarray,
         steps: float,
     ) -> Breach | None:
+        function, names = compile_program(self.program)[1], self.program.names
+
         def extras(times: np.ndarray, rows: np.ndarray) -> Mapping[str, np.ndarray]:
-            return _at(self.program, times, rows, np.broadcast_to(values, (len(rows), len(values))))
+            each = np.broadcast_to(values, (len(rows), len(values)))
+            return at_each(function, names, times, rows, each)
 
         lost = ConservedQuantities({name: (key, key)}, extras).losses(
             t, states, self.tol, int(steps)
@@ -603,20 +607,6 @@ def _rates_of_one(program: Program, values: np.ndarray) -> Rates:
             return np.full(rows.shape, np.nan)
 
     return rates
-
-
-def _at(
-    program: Program, t: np.ndarray, states: np.ndarray, values: np.ndarray
-) -> dict[str, np.ndarray]:
-    """Extra quantities at times (...), states (..., n) and parameters (..., p)."""
-    with np.errstate(all="ignore"):
-        found = compile_program(program)[1](
-            t, list(np.moveaxis(states, -1, 0)), list(np.moveaxis(values, -1, 0))
-        )
-    return {
-        name: np.broadcast_to(np.asarray(x, dtype=float), t.shape)
-        for name, x in zip(program.names, found, strict=True)
-    }
 
 
 PER_STEP = 4

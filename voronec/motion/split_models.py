@@ -61,9 +61,9 @@ from voronec.motion.divisors import (
     without_factors,
 )
 from voronec.motion.observables import Watch, size_of_terms
-from voronec.motion.reactions import Multipliers
+from voronec.motion.reactions import Multipliers, conditions_of
 from voronec.motion.state_probe import quantities, usual_size
-from voronec.motion.steppers.run import Signals, in_kind
+from voronec.motion.steppers.run import Signals, constants_along
 
 __all__ = ["Geometry", "SplitGround", "SplitModel", "candidates", "divisor_program"]
 
@@ -95,21 +95,13 @@ def _geometry_entries(d: Definition) -> dict[str, Any]:
     """What ``Geometry.of`` takes, by name, as functions of the wide state: rows of the constraints
     and the relations, rows of the frame, each with its offset, and d2L/dw2; of a group also rows of
     the coordinates' rates."""
-    forms: list[tuple[Sequence[Any], Any]] = []
-    forms += zip(d.constraints.matrix, d.constraints.offset, strict=True)
-    forms += zip(d.differentiated.matrix, d.differentiated.offset, strict=True)
-    n = len(d.velocities)
-    own: list[tuple[Sequence[Any], Any]] = []
-    if d.frame is not None:
-        own += zip(d.frame.matrix, d.frame.offset, strict=True)
-    else:
-        unit = [[se.Integer(int(i == a)) for a in range(len(d.dots))] for i in range(n)]
-        own += [(row, se.Integer(0)) for row in unit]
-    rates = [] if d.group is None else [(row, se.Integer(0)) for row in d.group.fields]
+    forms = conditions_of(d)
+    count = len(forms) - len(d.velocities)
+    rates = [] if d.group is None else [(*row, 0) for row in d.group.fields]
     entries: dict[str, Any] = {}
-    for kind, rows in (("condition", forms), ("frame", own), ("rate", rates)):
-        for i, (row, offset) in enumerate(rows):
-            entries |= {f"{kind} {i},{a}": se.sympify(e) for a, e in enumerate((*row, offset))}
+    for kind, rows in (("condition", forms[:count]), ("frame", forms[count:]), ("rate", rates)):
+        for i, row in enumerate(rows):
+            entries |= {f"{kind} {i},{a}": se.sympify(e) for a, e in enumerate(row)}
     for a, w in enumerate(d.dots):
         slope = d.lagrangian.diff(w)
         entries |= {f"mass {a},{b}": slope.diff(u) for b, u in enumerate(d.dots[: a + 1])}
@@ -319,8 +311,7 @@ class SplitGround:
         if self.changing is None:
             return given
         times = np.asarray(time)
-        along = self.changing.along(np.atleast_1d(times))
-        found = {name: in_kind(x, times.dtype) for name, x in along.items()}
+        found = constants_along(self.changing, {}, np.atleast_1d(times))
         return {**given, **(found if times.ndim else {name: x[0] for name, x in found.items()})}
 
     @cached_property
@@ -804,20 +795,36 @@ def _best_in_charts(ground: SplitGround, time: float, wide: np.ndarray) -> tuple
 def _image(ground: SplitGround, chart: Chart, time: float, wide: np.ndarray) -> np.ndarray | None:
     """The place of a wide state in a chart, at rest; None where the own coordinates are regular or
     those of the chart singular."""
+    found = numbers_of_chart(ground, chart, time, wide)
+    if found is None:
+        return None
+    own, there, *place = found
+    if not (abs(own) < AT_POLE < abs(there) and np.isfinite(place).all()):
+        return None
+    return np.concatenate([place, np.zeros(len(ground.home.definition.dots))])
+
+
+def numbers_of_chart(
+    ground: SplitGround, chart: Chart, time: float, wide: np.ndarray, slopes: bool = False
+) -> list[float] | None:
+    """What vanishes where the own coordinates are singular, and where those of a chart are, and the
+    coordinates in the chart, or their ``slopes`` by the own ones, row by row; None where one of
+    these has no value."""
     d, values = ground.home.definition, chart.values(ground.home.system)
     outside = ground.home.system.coordinates
     images = {q: d.door.inward(values[x]) for q, x in zip(d.coordinates, outside, strict=True)}
     wanted = [d.door.inward(chart.singular), d.door.inward(chart.singular_there).xreplace(images)]
-    wanted += images.values()
-    program = quantities(ground.wide, {str(i): e for i, e in enumerate(wanted)})
-    values_at = ground.values(program, time)
+    # slopes as sympy has them: x/(x^2 + y^2) of an arctangent is defined where x or y is zero
+    wanted += (
+        [d.door.inward(sp.diff(values[q], x)) for q in outside for x in outside]
+        if slopes
+        else images.values()
+    )
+    program = quantities(ground.wide, {str(i): se.sympify(e) for i, e in enumerate(wanted)})
     try:
-        own, there, *place = map(float, numbers(program, time, wide.tolist(), values_at))
+        return [*map(float, numbers(program, time, wide.tolist(), ground.values(program, time)))]
     except ArithmeticError:
         return None
-    if not (abs(own) < AT_POLE < abs(there) and np.isfinite(place).all()):
-        return None
-    return np.concatenate([place, np.zeros(len(d.dots))])
 
 
 def _point(ground: SplitGround, time: float, wide: np.ndarray) -> dict[str, Any]:

@@ -460,9 +460,7 @@ class SplitRun:
         none = np.empty(0)
         states = np.stack([series.get(f"home {n}", none) for n in self._names], axis=-1)
         shown = {n: series.get(n, none) for n in self.watch.outputs}
-        for array in (times, states, *shown.values()):
-            array.flags.writeable = False
-        return Crossings(times, states, self._names, MappingProxyType(shown))
+        return Crossings.of(times, states, self._names, shown)
 
     def _inside(self, times: np.ndarray, cost: Cost) -> Trajectory:
         """The motion at any times reached."""

@@ -16,6 +16,7 @@ from voronec.motion.steppers.run import FAR, Halt, Signals, Suspect, values_alon
 
 __all__ = [
     "StateProbe",
+    "at_each",
     "mass_program",
     "quantities",
     "quiet",
@@ -55,6 +56,19 @@ def rates_along(right: Right, time: float, q: np.ndarray, v: np.ndarray) -> np.n
     width = v.shape[1]
     columns = [*np.repeat(q[:, None], width, axis=1), *v]
     return np.array([np.broadcast_to(r, (width,)) for r in right(time, columns)], dtype=float)
+
+
+def at_each(
+    function: Any, names: Sequence[str], t: Any, states: np.ndarray, values: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Quantities at states (..., n) with parameters (..., p), each an array of shape (...)."""
+    with np.errstate(all="ignore"):
+        results = function(t, list(np.moveaxis(states, -1, 0)), list(np.moveaxis(values, -1, 0)))
+    shape = states.shape[:-1]
+    return {
+        name: np.broadcast_to(np.asarray(r, dtype=float), shape)
+        for name, r in zip(names, results, strict=True)
+    }
 
 
 def usual_size(sizes: np.ndarray, otherwise: float = 0.0) -> float:

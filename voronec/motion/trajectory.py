@@ -99,6 +99,15 @@ class Crossings:
     names: tuple[str, ...]
     series: Mapping[str, np.ndarray]
 
+    @classmethod
+    def of(
+        cls, t: np.ndarray, state: np.ndarray, names: tuple[str, ...], series: dict[str, np.ndarray]
+    ) -> Crossings:
+        """Passages whose arrays nobody changes any more."""
+        for array in (t, state, *series.values()):
+            array.flags.writeable = False
+        return cls(t, state, names, MappingProxyType(series))
+
     def __getitem__(self, key: Any) -> np.ndarray:
         name = held_name(key, (*self.series, *self.names), "the crossings hold")
         if name in self.series:
@@ -278,6 +287,11 @@ class Trajectory:
         np.savez(path, **{name: _plain(array) for name, array in arrays.items()})
 
 
+def _late(name: str) -> Any:
+    """A field of a ``LateTrajectory`` that is read off ``everything``."""
+    return cached_property(lambda self: getattr(self._full, name))
+
+
 class LateTrajectory(Trajectory):
     """A trajectory that knows its outputs, and evaluates the rest when that is first read.
 
@@ -299,30 +313,11 @@ class LateTrajectory(Trajectory):
     def _full(self) -> Trajectory:
         return self.everything()
 
-    @cached_property
-    def state(self) -> np.ndarray:
-        """See ``Trajectory``."""
-        return self._full.state
-
-    @cached_property
-    def integrals(self) -> Mapping[str, np.ndarray]:
-        """See ``Trajectory``."""
-        return self._full.integrals
-
-    @cached_property
-    def drift(self) -> Mapping[str, float]:
-        """See ``Trajectory``."""
-        return self._full.drift
-
-    @cached_property
-    def residuals(self) -> Mapping[str, float]:
-        """See ``Trajectory``."""
-        return self._full.residuals
-
-    @cached_property
-    def notes(self) -> tuple[str, ...]:
-        """See ``Trajectory``."""
-        return self._full.notes
+    state = _late("state")
+    integrals = _late("integrals")
+    drift = _late("drift")
+    residuals = _late("residuals")
+    notes = _late("notes")
 
 
 def _write_column(column: np.ndarray) -> list[Any]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -197,10 +198,17 @@ def _in_closed_form(question: BenchMotion, needed: float) -> BenchReference | No
 
 
 def _ball_solution(question: BenchMotion) -> Mapping[str, np.ndarray]:
+    return _solution(question, "closed-form", DIGITS[0] + 5)
+
+
+def _solution(
+    question: BenchMotion, method: str, digits: int, besides: Sequence[str] = ()
+) -> Mapping[str, np.ndarray]:
+    """The outputs by a method of ours to so many digits, in a model that has others ``besides``."""
     trajectory = integrate(
-        question.equations, question.bare, times=question.grid, method="closed-form",
-        outputs=[question.expressions[n] for n in question.outputs],
-        tol=10.0 ** -(DIGITS[0] + 5),
+        question.equations, question.bare, times=question.grid, method=method,
+        outputs=[*(question.expressions[n] for n in question.outputs), *besides],
+        tol=10.0**-digits,
     )  # fmt: skip
     if trajectory.interrupted:
         raise KeyboardInterrupt
@@ -283,25 +291,15 @@ def _heyoka_route(at: BenchLevel, question: BenchMotion, digits: int) -> Route |
 
 def _flint_routes(question: BenchMotion, digits: int) -> list[Route]:
     """Runs by our own arbitrary-precision integrator: of the smallest model, of the full one."""
-
-    def run(full: bool, extra: int) -> Mapping[str, np.ndarray]:
-        names = tuple(question.initial) if full else ()
-        wanted = [question.expressions[n] for n in question.outputs]
-        trajectory = integrate(
-            question.equations, question.bare, times=question.grid, outputs=(*wanted, *names),
-            method="flint", tol=10.0 ** -(digits + extra),
-        )  # fmt: skip
-        if trajectory.interrupted:
-            raise KeyboardInterrupt
-        return {n: trajectory[n] for n in question.outputs}
-
     try:
         probe = replace(question, grid=question.grid[:1])
         integrate(probe.equations, probe.bare, times=probe.grid, method="flint", tol=1e-20)
     except (DefinitionError, EngineLimit):
         return []
-    say = "our Taylor method 'flint' with {} digits, on the {}"
+    say, state = "our Taylor method 'flint' with {} digits, on the {}", tuple(question.initial)
+    full = partial(_solution, question, "flint", digits, state)
+    small = partial(_solution, question, "flint", digits + 5)
     return [
-        (say.format(digits, "coordinates"), lambda: run(True, 0)),
-        (say.format(digits + 5, "smallest model"), lambda: run(False, 5)),
+        (say.format(digits, "coordinates"), full),
+        (say.format(digits + 5, "smallest model"), small),
     ]

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from voronec.accuracy.bench.level import BenchLevel, level
 from voronec.accuracy.bench.question import BenchMotion
 from voronec.errors import VoronecError
 
@@ -73,6 +74,16 @@ def time_fastest(run: Callable[[], Any]) -> tuple[Any, float]:
 def without(package: str) -> NotHere:
     """What is said where a package is missing."""
     return NotHere(f"not installed: {package}")
+
+
+def level_for(question: BenchMotion, own: str = "") -> BenchLevel:
+    """The question on a level of its own, or on the lowest there is; ``NotHere`` without one."""
+    for name in (own,) if own else ("invariants", "coordinates"):
+        try:
+            return level(question, name)
+        except VoronecError as refusal:
+            last = refusal
+    raise NotHere(str(last))
 
 
 def require_outputs(outputs: Sequence[str], offered: Sequence[str]) -> None:

@@ -23,16 +23,12 @@ def plot_work_precision(bench: Bench) -> Any:
     Our own methods are drawn thick, peers thin; the accuracy of the reference is a dashed line.
     Returns a matplotlib ``Figure``; ``DefinitionError`` where no run succeeded.
     """
-    from matplotlib import rc_context
-    from matplotlib.figure import Figure
-
-    from voronec.closed.pictures.style import SOFT, STYLE
+    from voronec.closed.pictures.style import SOFT, figure_in_style
 
     shown = [m for m in bench.methods if m.good]
     if not shown:
         raise DefinitionError("no run succeeded, so there is nothing to plot")
-    with rc_context(STYLE):
-        figure = Figure(figsize=SIZE, layout="constrained")
+    with figure_in_style(*SIZE) as figure:
         panel = figure.subplots()
         panel.set(xscale="log", yscale="log")
         for place, measured in enumerate(shown):
@@ -50,7 +46,6 @@ def plot_work_precision(bench: Bench) -> Any:
         figure.legend(loc="outside right upper", fontsize=7.5, frameon=False, handlelength=2.2)
         system = bench.question.system
         panel.set_title(f"{system.title or system.name}, T = {bench.question.span:g}", fontsize=10)
-        figure.draw_without_rendering()  # settles fonts while the style is in force
     return figure
 
 

@@ -147,15 +147,11 @@ def cells(trial: Trial) -> list[str]:
     if trial.verdict == "missed" and trial.worst:
         told += f" in {trial.worst}"
     numbers = (trial.error, trial.condition, trial.roundings, trial.drift)
-    return [method, *map(_short, numbers), _seconds(trial.seconds), told]
+    return [method, *(_show(x, ".1e") for x in numbers), _show(trial.seconds, ".2g"), told]
 
 
-def _short(x: float) -> str:
-    return "-" if x != x else f"{x:.1e}"
-
-
-def _seconds(x: float) -> str:
-    return "-" if x != x else f"{x:.2g}"
+def _show(x: float, digits: str) -> str:
+    return "-" if x != x else format(x, digits)
 
 
 def head(cases: Sequence[HardCase]) -> str:

@@ -111,12 +111,12 @@ class OnePeriod:
         width = passage.states.shape[1]
         result = np.empty(self.outputs.shape)
         for j, (turns, place) in enumerate(zip(self.turns, self.places, strict=True)):
-            whole = times(since[place], _power(since[-1], turns))
+            whole = times(since[place], np.linalg.matrix_power(since[-1], turns))
             slope = times(passage.gradients[place], whole[:width, width:])
             slope = slope + passage.by_parameters[place]
             made = np.zeros(len(scale))
             for back in {0, *(2**i for i in range(turns.bit_length()) if 2**i <= turns), turns}:
-                reach = times(since[place], _power(since[-1], back))[:width, :width]
+                reach = times(since[place], np.linalg.matrix_power(since[-1], back))[:width, :width]
                 reach = times(passage.gradients[place], reach)
                 made = np.maximum(made, np.abs(reach.astype(float)) @ size)
             data = np.abs(slope.astype(float)) @ constants
@@ -146,16 +146,6 @@ def _since_start(passage: PreciseMotion) -> list[np.ndarray]:
     return found
 
 
-def _power(matrix: np.ndarray, exponent: int) -> np.ndarray:
-    """A power by repeated squaring, no digit lost to doubles."""
-    result = np.eye(len(matrix), dtype=int).astype(object)
-    while exponent:
-        if exponent & 1:
-            result = times(result, matrix)
-        matrix, exponent = times(matrix, matrix), exponent >> 1
-    return result
-
-
 CHANGE = 1e-12
 """By what part of its size a datum is changed, either way: 25 digits leave 13 of the slope."""
 DIGITS = (1e-25, 1e-21)
@@ -172,7 +162,7 @@ def perturb(
             f"hard case '{case.name}' has no stored reference, and computing one takes heyoka, "
             "which is not installed; 'pip install heyoka'"
         )
-    first, second = (_perturbed_run(case, equations, tol=tol) for tol in DIGITS)
+    first, second = (_perturbed_run(case, equations, tol) for tol in DIGITS)
     values = {n: np.asarray(first[n], dtype=float) for n in first.outputs}
     size = {n: float(output_sizes(x[:, None])[0]) for n, x in values.items()}
     apart = max(_apart(first[n], second[n], size[n]) for n in values)
@@ -189,11 +179,9 @@ def slopes(case: HardCase, equations: VoronecEquations, by: str) -> dict[str, np
     asked = problem(case, equations)
     data = _data(asked)
     step = CHANGE * max(1.0, abs(float(data[by])))
-    constants = {str(p) for p in asked.program.parameters}
+    kind = "parameters" if by in map(str, asked.program.parameters) else "initial"
     ahead, behind = (
-        _perturbed_run(case, equations, parameters={by: x})
-        if by in constants
-        else _perturbed_run(case, equations, initial={by: x})
+        _perturbed_run(case, equations, DIGITS[0], **{kind: {by: x}})
         for x in (data[by] + step, data[by] - step)
     )
     return {n: np.asarray((ahead[n] - behind[n]) / (2 * step), dtype=float) for n in ahead.outputs}
@@ -220,16 +208,9 @@ def _weights(
 
 
 def _perturbed_run(
-    case: HardCase,
-    equations: VoronecEquations,
-    tol: float = DIGITS[0],
-    initial: Mapping[str, Any] | None = None,
-    parameters: Mapping[str, Any] | None = None,
+    case: HardCase, equations: VoronecEquations, tol: float, **data: Any
 ) -> Trajectory:
-    return integrate(
-        equations, scene=case.scene, times=case.grid, method="flint", tol=tol, initial=initial,
-        parameters=parameters,
-    )  # fmt: skip
+    return integrate(equations, scene=case.scene, times=case.grid, method="flint", tol=tol, **data)
 
 
 def _apart(first: np.ndarray, second: np.ndarray, size: float) -> float:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
-from voronec.closed.pictures.style import INK, MARK, STYLE
+from voronec.closed.pictures.style import INK, MARK, figure_in_style
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -86,13 +86,9 @@ def bifurcation_figure(
     note
         small words above the legend.
     """
-    from matplotlib import rc_context
-    from matplotlib.figure import Figure
-
     if not sets:
         raise DefinitionError("there is no bifurcation set to draw")
-    with rc_context(STYLE):
-        figure = Figure(figsize=(0.4 + 2.1 * len(sets), 3.4), layout="constrained")
+    with figure_in_style(0.4 + 2.1 * len(sets), 3.4) as figure:
         panels = figure.subplots(1, len(sets), squeeze=False)[0]
         for panel, (name, one) in zip(panels, sets.items(), strict=True):
             window = (windows or {}).get(name) or _window(one)
@@ -106,7 +102,6 @@ def bifurcation_figure(
         _legend(figure, bool(poles), note)
         if title:
             figure.suptitle(title, fontsize=10.5)
-        figure.draw_without_rendering()  # settles fonts while the style is in force
     return figure
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from voronec.closed.pictures.style import INK, MARK, SOFT, STYLE
+from voronec.closed.pictures.style import INK, MARK, SOFT, figure_in_style
 from voronec.errors import DefinitionError
 
 __all__ = ["PhaseLevel", "phase_figure", "phase_levels"]
@@ -147,13 +147,9 @@ def phase_figure(
     x
         the name of the variable, as mathtext.
     """
-    from matplotlib import rc_context
-    from matplotlib.figure import Figure
-
     if not levels:
         raise DefinitionError("there is no level to draw")
-    with rc_context(STYLE):
-        figure = Figure(figsize=(4.0, 4.5), layout="constrained")
+    with figure_in_style(4.0, 4.5) as figure:
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1, 1.6))
         _quartics(above, levels, x)
         order = ("other", "rest", "separatrix", "motion")
@@ -165,7 +161,6 @@ def phase_figure(
             figure.suptitle(title, fontsize=10.5)
         if note:
             figure.supxlabel(note, fontsize=8)
-        figure.draw_without_rendering()  # settles fonts while the style is in force
     return figure
 
 

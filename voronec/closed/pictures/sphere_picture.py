@@ -26,7 +26,7 @@ from voronec.closed.pictures.sphere_curves import (
     parallel,
     smooth_arcs,
 )
-from voronec.closed.pictures.style import INK, MARK, PALE, SOFT, STYLE
+from voronec.closed.pictures.style import INK, MARK, NO_SPACE, PALE, SOFT, figure_in_style
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -154,18 +154,14 @@ def traces_figure(
     columns, side
         spheres in a row (all of them, at most four, unless told), and the width of each in inches.
     """
-    from matplotlib import rc_context
-    from matplotlib.figure import Figure
-
     if not traces:
         raise DefinitionError("there is no trace to draw")
     columns = columns or min(len(traces), 4)
     rows = -(-len(traces) // columns)
     noted = any(t.note for t in traces)
     height = rows * (side + (0.34 if noted else 0.16)) + (0.3 if title else 0.0)
-    with rc_context(STYLE):
-        figure = Figure(figsize=(columns * side, height))
-        figure.set_layout_engine("constrained", w_pad=0.02, h_pad=0.02, wspace=0, hspace=0)
+    with figure_in_style(columns * side, height) as figure:
+        figure.get_layout_engine().set(**NO_SPACE)
         axes = figure.subplots(rows, columns, squeeze=False).ravel()
         for axis in axes:
             axis.set_axis_off()
@@ -173,7 +169,6 @@ def traces_figure(
             _draw_sphere(axis, trace, scale=side / 3.1)
         if title:
             figure.suptitle(title, fontsize=11 * (side / 3.1) ** 0.25)
-        figure.draw_without_rendering()  # settles fonts while the style is in force
     return figure
 
 

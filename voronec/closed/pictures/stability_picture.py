@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from voronec.closed.pictures.style import INK, MARK, STYLE
+from voronec.closed.pictures.style import INK, MARK, figure_in_style
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -45,14 +45,13 @@ def stability_figure(
     Unstable regions too small for the panel are shown once more in a corner, larger.
     """
     from matplotlib import rc_context
-    from matplotlib.figure import Figure
 
     if not charts:
         raise DefinitionError("there is no chart to draw")
     columns = min(columns, len(charts))
     rows = -(-len(charts) // columns)
-    with rc_context({**STYLE, "hatch.linewidth": 0.35}):
-        figure = Figure(figsize=(0.5 + 1.95 * columns, 0.8 + 2.2 * rows), layout="constrained")
+    size = (0.5 + 1.95 * columns, 0.8 + 2.2 * rows)
+    with rc_context({"hatch.linewidth": 0.35}), figure_in_style(*size) as figure:
         panels = figure.subplots(rows, columns, squeeze=False)
         for panel in panels.ravel()[len(charts) :]:
             panel.set_axis_off()
@@ -67,7 +66,6 @@ def stability_figure(
         _legend(figure, note)
         if title:
             figure.suptitle(title, fontsize=10.5)
-        figure.draw_without_rendering()  # settles fonts while the style is in force
     return figure
 
 

@@ -5,11 +5,15 @@ Figures are made without pyplot, so no window opens and no global state is touch
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from itertools import pairwise
 from typing import Any
 
-__all__ = ["FAINT", "INK", "MARK", "PALE", "SOFT", "STYLE", "WIDTH", "draw_arrow"]
+__all__ = [
+    "FAINT", "INK", "MARK", "NO_SPACE", "PALE", "SOFT", "STYLE", "WIDTH", "draw_arrow",
+    "figure_in_style",
+]  # fmt: skip
 
 INK, PALE, SOFT, FAINT, MARK = "#1b3a5c", "#a9b7c6", "#8a97a6", "#dfe4ea", "#b3361e"
 STYLE: Any = {
@@ -29,6 +33,20 @@ STYLE: Any = {
 }
 WIDTH = 6.4
 """Inches: the text width of a page."""
+NO_SPACE = {"w_pad": 0.02, "h_pad": 0.02, "wspace": 0, "hspace": 0}
+"""Of the layout of panels that are as close to each other as may be."""
+
+
+@contextmanager
+def figure_in_style(width: float, height: float, layout: Any = "constrained") -> Iterator[Any]:
+    """A matplotlib ``Figure`` of so many inches, to be drawn on while the style is in force."""
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
+    with rc_context(STYLE):
+        figure = Figure(figsize=(width, height), layout=layout)
+        yield figure
+        figure.draw_without_rendering()  # settles fonts while the style is in force
 
 
 def draw_arrow(

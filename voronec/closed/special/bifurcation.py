@@ -189,16 +189,13 @@ def _limits(
 
     def points(w: Fraction) -> np.ndarray:
         with precise(512):
-            columns = [function([_hull(*pair), ball(w)]) for pair in strip.places_at(w)]
+            places = [ball(low).union(ball(high)) for low, high in strip.places_at(w)]
+            columns = [function([place, ball(w)]) for place in places]
             return np.array([[float(v) for v in column] for column in columns])
 
     at, near = points(end), points(end + (strip.inside - end) / 2**60)
     settled = np.abs(at - near) < 1e-6 * (1 + np.abs(near))
     return [p if fixed.all() else None for p, fixed in zip(at, settled, strict=True)]
-
-
-def _hull(low: Fraction, high: Fraction) -> Any:
-    return ball(low).union(ball(high))
 
 
 def _vertical(
@@ -245,12 +242,9 @@ def _plain(value: Any) -> Fraction:
 def _map_points(
     family: Precessions, axes: tuple[sp.Symbol, sp.Symbol], x: np.ndarray, w: np.ndarray
 ) -> np.ndarray:
-    columns = [_value(family, family.constants[c], x, w) for c in axes]
+    own = (family.place, family.rate)
+    columns = [sp.lambdify(own, family.constants[c], "numpy")(x, w) for c in axes]
     return np.column_stack([np.broadcast_to(c, x.shape) for c in columns])
-
-
-def _value(family: Precessions, value: sp.Expr, x: Any, w: Any) -> Any:
-    return sp.lambdify((family.place, family.rate), value, "numpy")(x, w)
 
 
 def _points(

@@ -35,13 +35,11 @@ then closer to each other than doubles tell."""
 @dataclass(frozen=True)
 class Strip:
     """An interval of w without a critical value: its exact ``ends`` lie hard beside the critical
-    values or the edges of the window, and ``inside`` between them; the curves are the graphs of
-    ``count`` functions there."""
+    values or the edges of the window, and ``inside`` between them; the curves are graphs there."""
 
     ends: tuple[Fraction, Fraction]
     inside: Fraction
     polys: tuple[sp.Poly, ...]
-    count: int
 
     def places(self) -> list[Fraction]:
         """Rational values of x, one between any two neighbouring curves at ``inside``."""
@@ -84,11 +82,7 @@ def strips(
     """The decomposition for the curves ``polys``; ``cuts`` vanish at further critical values."""
     curves = [sp.Poly(p, x, w) for p in _factors(polys) if p.has(x)]
     values = critical(curves, x, w, [*cuts, *(p for p in _factors(polys) if not p.has(x))])
-    found = []
-    for ends, inside in _intervals(values, window):
-        count = sum(len(_isolate_roots(p, inside)) for p in curves)
-        found.append(Strip(ends, inside, tuple(curves), count))
-    return found
+    return [Strip(ends, inside, tuple(curves)) for ends, inside in _intervals(values, window)]
 
 
 def critical(

@@ -68,7 +68,8 @@ def scene_of(
     here = {velocity(angle): -aside / sine, family.place: x, **constants, **turning, **at}
     state: dict[Any, Any] = {angle: sp.acos(x)}
     for name, expr in quadratures.velocities.items():
-        state[name] = _plain(expr.subs({sp.cos(angle): x, sp.sin(angle): sine}).xreplace(here))
+        value = expr.subs({sp.cos(angle): x, sp.sin(angle): sine}).xreplace(here)
+        state[name] = sp.expand(value)  # so that what is zero reads so
     if quadratures.space is not None:
         state |= upright(quadratures.space, {**state, **at}, angle, x, sine)
     own = {p.symbol: at[p.symbol] for p in family.system.parameters if p.symbol in at}
@@ -88,12 +89,7 @@ def upright(
     """Coordinates in space for which the vector lies along the third axis, upwards."""
     known = {k: v for k, v in state.items() if k != angle}
     vector = space.vector.subs({sp.cos(angle): cosine, sp.sin(angle): sine}).xreplace(known)
-    return turned_upright(space, vector.applyfunc(_plain))
-
-
-def _plain(value: Any) -> sp.Expr:
-    """A number in its expanded form, so that what is zero reads so."""
-    return sp.expand(value)
+    return turned_upright(space, vector.applyfunc(sp.expand))
 
 
 def essential_rates(family: Precessions) -> dict[Any, sp.Expr]:
@@ -297,13 +293,9 @@ def precessions(system: System, parameters: Mapping[Any, Any] | None = None) -> 
             continue
         steps = _solve_constants(inside, expr.xreplace(values) - rate, quadratures.x, constants)
         if steps is not None:
-            found, coefficient, rest, last = steps
+            found, *linear = steps
             branches = _branches_of(
-                expr.xreplace(values) - rate,
-                inside,
-                quadratures.x,
-                found,
-                (coefficient, rest, last),
+                expr.xreplace(values) - rate, inside, quadratures.x, found, linear
             )
             return Precessions(
                 system, quadratures, angle, rate, MappingProxyType(found), branches,
@@ -455,7 +447,7 @@ def _branches_of(
     quartic: sp.Expr,
     x: sp.Symbol,
     found: Mapping[sp.Symbol, sp.Expr],
-    linear: tuple[sp.Expr, sp.Expr, sp.Symbol],
+    linear: Sequence[sp.Expr],
 ) -> tuple[Branch, ...]:
     """Where the coefficient of the last constant vanishes with the rest of its equation."""
     slope, rest, last = linear

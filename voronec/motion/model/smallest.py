@@ -18,12 +18,10 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.typeset import html_table
-from voronec.algebra.verdicts import all_vanish
 from voronec.declaration.system import System
 from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.motions import Motions
 from voronec.equations.program import Program
-from voronec.errors import EngineLimit
 from voronec.motion.model.level import (
     Level,
     coordinates_level,
@@ -40,6 +38,7 @@ from voronec.motion.model.special import (
     by_integrals,
     constants,
     level_of,
+    vanish,
     without_parameters,
 )
 from voronec.motion.model.variables import momenta_level, relative_level
@@ -282,7 +281,8 @@ def _cut_down(motions: Motions, full: Level, level: Level, known: _Particular | 
     level, told = _without_integrals(level, full, known or _Particular({}), note)
     _note_cycles(level, note)
     for name, angle in level.angles.items():
-        roles.setdefault(name, Role(name, "read off", _angle_words(angle)))
+        words = f"atan2({angle.sine}, {angle.cosine}), up to the branch"
+        roles.setdefault(name, Role(name, "read off", words))
     needed = {x for x in full.variables if x in roles and roles[x].kind != "dropped"}
     d = motions.equations.definition
     for x, holders in absent(full, needed, (*d.coordinates, *d.velocities)):
@@ -340,10 +340,6 @@ def _note_cycles(level: Level, note: Note) -> None:
             note(x, "quadrature", "follows from others, which do not depend on it")
 
 
-def _angle_words(angle: Any) -> str:
-    return f"atan2({angle.sine}, {angle.cosine}), up to the branch"
-
-
 def _at_start(level: Level, start: Mapping[Any, float]) -> dict[Any, float]:
     """Numbers of the level's own variables, of the parameters and the time."""
     given = _Particular(start)
@@ -369,14 +365,7 @@ def _is_integral(level: Level, name: str) -> bool:
         if any(level.mass[i][j] != 0 for j in range(len(level.velocities)) if j != i):
             return False
         slopes.append(integral.diff(level.velocities[i]) * level.force[i] / level.mass[i][i])
-    total = se.Add(*slopes)
-    stages = dict(level.stages)
-    while total.free_symbols & stages.keys():
-        total = total.xreplace(stages)
-    try:
-        return all_vanish([total], level.relations)
-    except EngineLimit:
-        return False
+    return vanish([se.Add(*slopes)], level)
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ __all__ = [
     "constants",
     "is_many_valued",
     "level_of",
+    "vanish",
     "without_parameters",
 ]
 
@@ -79,25 +80,24 @@ def _steps(level: Level, among: list[Any]) -> set[Any]:
 def _rests(level: Level, x: Any, chosen: list[Any]) -> bool:
     """Whether the rate of a variable vanishes where all the chosen ones do."""
     if x in level.positions:
-        return _vanishes([level.rates[level.positions.index(x)]], level)
+        return vanish([level.rates[level.positions.index(x)]], level)
     i = level.velocities.index(x)
     others = [j for j, v in enumerate(level.velocities) if v not in chosen]
-    return _vanishes([level.force[i], *(level.mass[i][j] for j in others)], level)
+    return vanish([level.force[i], *(level.mass[i][j] for j in others)], level)
 
 
-def _vanishes(exprs: list[Any], level: Level) -> bool:
+def vanish(exprs: list[Any], level: Level) -> bool:
+    """Whether expressions are proved to vanish on the level, its stages opened."""
     stages = dict(level.stages)
-    opened = [_open_stages(e, stages) for e in exprs]
+    opened = []
+    for expr in exprs:
+        while expr.free_symbols & stages.keys():
+            expr = expr.xreplace(stages)
+        opened.append(expr)
     try:
         return all_vanish(opened, level.relations)
     except EngineLimit:
         return False
-
-
-def _open_stages(expr: Any, stages: Mapping[Any, Any]) -> Any:
-    while expr.free_symbols & stages.keys():
-        expr = expr.xreplace(dict(stages))
-    return expr
 
 
 def constants(level: Level) -> list[Any]:

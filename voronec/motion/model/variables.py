@@ -200,7 +200,8 @@ def _relative_angles(level: Level) -> tuple[dict[Any, Any], dict[Any, Any]] | No
         square = flint.fmpz_mat(list(map(list, rows)))
         if abs(int(square.det())) == 1:
             names = [dot(form, angles) for form in basis]
-            fresh = {_variable_of(e): e for e in names}
+            # a form that is one angle is that angle, another a variable called by the form
+            fresh = {e if e.is_Symbol else se.Symbol(str(e)): e for e in names}
             variables = [*fresh, *(angles[k] for k in kept)]
             inverse = square.inv()
             turned = {
@@ -256,18 +257,15 @@ def _independent(forms: Iterable[_Form]) -> list[_Form]:
     return found
 
 
-def _variable_of(form: Any) -> Any:
-    """The variable that a linear form is: of one angle that angle, else one called by the form."""
-    return form if form.is_Symbol else se.Symbol(str(form))
-
-
 def _rewrite_level(level: Level, fresh: Mapping[Any, Any], turned: Mapping[Any, Any]) -> Level:
     """The level in new variables: ``fresh`` as forms in the angles, ``turned`` the angles that are
     given up, in the new ones."""
     rate = dict(zip(level.positions, level.rates, strict=True))
     new = [x for x in fresh if x not in rate]
     kept = [q for q in level.positions if q not in turned]
-    moving = [_form_rate(fresh[x], rate) for x in new] + [rate[q] for q in kept]
+    forms = [fresh[x] for x in new]
+    moving = [se.Add(*[e.diff(q) * rate[q] for q in e.free_symbols]) for e in forms]
+    moving += [rate[q] for q in kept]
     width = len(level.velocities)
     flat = [*moving, *level.force, *(e for row in level.mass for e in row)]
     flat = canonical([e.xreplace(dict(turned)) for e in flat], level.relations)
@@ -283,11 +281,6 @@ def _rewrite_level(level: Level, fresh: Mapping[Any, Any], turned: Mapping[Any, 
         outputs={name: _plain(e, turned, level) for name, e in level.outputs.items()},
         integrals={name: _plain(e, turned, level) for name, e in level.integrals.items()},
     )
-
-
-def _form_rate(form: Any, rate: Mapping[Any, Any]) -> Any:
-    """The rate of a linear form."""
-    return se.Add(*[form.diff(q) * rate[q] for q in form.free_symbols])
 
 
 def _plain(expr: Any, turned: Mapping[Any, Any], level: Level) -> Any:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from voronec.algebra.typeset import symbol_latex
-from voronec.closed.pictures.style import FAINT, INK, PALE, SOFT, STYLE, draw_arrow
+from voronec.closed.pictures.style import FAINT, INK, PALE, SOFT, draw_arrow, figure_in_style
 from voronec.motion.model import Model
 from voronec.motion.model.level import Level, dependence
 from voronec.motion.pictures.layered_layout import Layout, layered_layout
@@ -195,8 +195,6 @@ Place = tuple[float, float]
 def model_figure(model: Model) -> Any:
     """A matplotlib figure of what a model keeps, what follows, and what is dropped."""
     import networkx as nx
-    from matplotlib import rc_context
-    from matplotlib.figure import Figure
 
     found, edges = boxes(model)
     graph = nx.DiGraph()
@@ -204,8 +202,7 @@ def model_figure(model: Model) -> Any:
     graph.add_edges_from(edges)
     layout = layered_layout(graph)
     places, bends, (width, height) = _places(layout, found)
-    with rc_context(STYLE):
-        figure = Figure(figsize=(width, height))
+    with figure_in_style(width, height, layout=None) as figure:
         axes = figure.add_axes((0, 0, 1, 1))
         axes.set(xlim=(0, width), ylim=(0, height))
         axes.set_axis_off()
@@ -213,7 +210,6 @@ def model_figure(model: Model) -> Any:
             _arrow(axes, found, places, pair, bends.get(pair, ()))
         for key, box in found.items():
             _draw(axes, box, places[key])
-        figure.draw_without_rendering()  # settles fonts while the style is in force
     return figure
 
 

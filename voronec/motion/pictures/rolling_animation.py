@@ -18,7 +18,7 @@ import numpy as np
 
 from voronec.algebra.symbols import plain_name
 from voronec.closed.pictures.sphere_curves import View, best_view, on_sphere
-from voronec.closed.pictures.style import INK, MARK, STYLE
+from voronec.closed.pictures.style import INK, MARK, NO_SPACE, STYLE, figure_in_style
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -270,7 +270,7 @@ def film(
     """
     from matplotlib import rc_context
 
-    writer = _writer(target, rate)
+    writer, dated = _writer(target, rate), {"Date": None} if target.suffix == ".svg" else None
     with rc_context({**STYLE, "svg.hashsalt": "voronec"}):
         figure, panel = _stage(rolling)
         view = _rolling_view(rolling)
@@ -284,16 +284,12 @@ def film(
                 writer.grab_frame()
             else:
                 written.append(target.with_stem(f"{target.stem}-{number + 1:04d}"))
-                figure.savefig(written[-1], metadata=_fixed_date(target))
+                figure.savefig(written[-1], metadata=dated)
             if progress:
                 progress((number + 1) / len(chosen))
         if writer:
             writer.finish()
     return tuple(written)
-
-
-def _fixed_date(target: Path) -> dict[str, Any] | None:
-    return {"Date": None} if target.suffix == ".svg" else None
 
 
 def _writer(target: Path, rate: int) -> Any:
@@ -315,20 +311,15 @@ def _writer(target: Path, rate: int) -> Any:
 
 def film_strip(rolling: Rolling, instants: Sequence[int], columns: int = 3) -> Any:
     """Some frames side by side as one matplotlib ``Figure``, for print."""
-    from matplotlib import rc_context
-    from matplotlib.figure import Figure
-
     rows = -(-len(instants) // columns)
-    with rc_context(STYLE):
-        figure = Figure(figsize=(2.15 * columns, 2.35 * rows))
-        figure.set_layout_engine("constrained", w_pad=0.02, h_pad=0.02, wspace=0, hspace=0)
+    with figure_in_style(2.15 * columns, 2.35 * rows) as figure:
+        figure.get_layout_engine().set(**NO_SPACE)
         panels = figure.subplots(rows, columns, squeeze=False).ravel()
         for panel in panels:
             panel.set_axis_off()
         view = _rolling_view(rolling)
         for panel, place in zip(panels, instants, strict=False):
             _draw_rolling(panel, rolling, view, place, width=0.7)
-        figure.draw_without_rendering()
     return figure
 
 

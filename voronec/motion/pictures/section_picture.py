@@ -10,7 +10,7 @@ import sympy as sp
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import read_sympy_text
 from voronec.algebra.typeset import symbol_latex
-from voronec.closed.pictures.style import INK, MARK, STYLE
+from voronec.closed.pictures.style import INK, MARK, figure_in_style
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -31,14 +31,10 @@ def plot_section(section: Section) -> Any:
     Where there is only one output, it is drawn against the same output at the crossing before, the
     map of returns.
     """
-    from matplotlib import rc_context
-    from matplotlib.figure import Figure
-
     x, y, labels = _axes(section)
     starts = np.unique(section.start)
     size = float(np.clip(120.0 / np.sqrt(max(len(section), 1)), 1.0, 4.0))
-    with rc_context(STYLE):
-        figure = Figure(figsize=(5.6, 5.2), layout="constrained")
+    with figure_in_style(5.6, 5.2) as figure:
         panel = figure.subplots()
         for k, start in enumerate(starts):
             mine = section.start == start
@@ -50,7 +46,6 @@ def plot_section(section: Section) -> Any:
         panel.margins(0.04)
         panel.spines[["top", "right"]].set_visible(False)
         panel.set_title(_title(section), fontsize=10)
-        figure.draw_without_rendering()  # settles fonts while the style is in force
     return figure
 
 

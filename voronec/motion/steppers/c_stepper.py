@@ -86,17 +86,13 @@ def _sources(texts: Sequence[str], program: Program, levels: Program | None) -> 
     """Files of C by name: the loop with the right side, and functions of events apart."""
     n, m = len(program.state), len(levels.names) if levels is not None else 0
     right = re.sub(r"^void ", "static void ", texts[0], flags=re.MULTILINE)
-    body = _in_c(stepping_source(n, m), max(n, m))
+    tree = ast.parse(stepping_source(n, m))
+    functions = [f for f in tree.body if isinstance(f, ast.FunctionDef)]
+    body = "\n".join(_Function(f, max(n, m)).text() for f in functions)
     found = {"drive.c": right + HEAD.format(n=n) + body}
     if levels is not None:  # its own rates are not wanted
         found["levels.c"] = "#define rhs rates_of_levels\n#define extras levels\n" + texts[1]
     return found
-
-
-def _in_c(source: str, room: int) -> str:
-    """Functions of the stepping, in C."""
-    functions = [f for f in ast.parse(source).body if isinstance(f, ast.FunctionDef)]
-    return "\n".join(_Function(f, room).text() for f in functions)
 
 
 class _Function:
@@ -111,7 +107,8 @@ class _Function:
     def text(self) -> str:
         """The function in C."""
         body = [row for line in self.tree.body for row in self.statement(line)]
-        names = sorted(self._target_names() - set(self.given) - self.local.keys())
+        targets = {name for name, _ in self._targets()}
+        names = sorted(targets - set(self.given) - self.local.keys())
         declared = [*self.local.values(), f"double answers[{max(self.room, 1)}];"]
         declared += [f"{'integer' if n in self.whole else 'double'} {n} = 0;" for n in names]
         arguments = [PARAMETERS.get(n, f"double {n}") for n in self.given]
@@ -135,9 +132,6 @@ class _Function:
                 for target, value in _pairs(node):
                     if isinstance(target, ast.Name):
                         yield target.id, value
-
-    def _target_names(self) -> set[str]:
-        return {name for name, _ in self._targets()}
 
     def _integers(self) -> set[str]:
         """Names that are only given integers, found by taking away."""

@@ -88,17 +88,14 @@ def _is_smooth(expr: Any, moving: set[Any], uneven: set[Any]) -> bool:
             return False
         if not node.args or not node.free_symbols & moving:
             continue
-        power = isinstance(node, se.Pow)
-        if power and node.args[0] != se.E and not _is_natural(node.args[1]):
-            return False
-        if not power and not isinstance(node, SMOOTH):
+        if isinstance(node, se.Pow):
+            base, exponent = node.args
+            if base != se.E and not (isinstance(exponent, se.Integer) and exponent > 0):
+                return False
+        elif not isinstance(node, SMOOTH):
             return False
         waiting += node.args
     return True
-
-
-def _is_natural(exponent: Any) -> bool:
-    return isinstance(exponent, se.Integer) and exponent > 0
 
 
 def make_with_event_states(make: Any, problem: Problem) -> Stepper:

@@ -202,10 +202,8 @@ def _integrator(problem: Problem, log: Log, winding: TurnCount, hy: Any) -> Any:
             continue  # a constant passes through nothing, and heyoka takes none
         expr = functions[event.name] + (GRAIN if event.name in problem.walls else SPECK)
         watched.append(expr)
-        if event.stop:
-            kinds["t_events"].append(_terminal(event, expr, log, winding, hy))
-        else:
-            kinds["nt_events"].append(_passing_event(event, expr, log, winding, hy))
+        kind = kinds["t_events" if event.stop else "nt_events"]
+        kind.append(_event_of(event, expr, log, winding, hy))
     system = taylor_system(program, units)
     count = parameter_count([e for _, e in system] + watched, hy)
     return hy.taylor_adaptive(
@@ -241,24 +239,21 @@ def _moving_extras(levels: Program) -> set[str]:
     return {name for name, expr in pairs if se.sympify(expr).free_symbols & moving}
 
 
-def _direction(event: Event, hy: Any) -> Any:
+def _event_of(event: Event, expr: Any, log: Log, winding: TurnCount, hy: Any) -> Any:
+    """heyoka's own event, which writes into the log."""
     kinds = hy.event_direction
-    return {1: kinds.positive, -1: kinds.negative, 0: kinds.any}[event.direction]
+    direction = {1: kinds.positive, -1: kinds.negative, 0: kinds.any}[event.direction]
 
-
-def _passing_event(event: Event, expr: Any, log: Log, winding: TurnCount, hy: Any) -> Any:
     def note(integrator: Any, time: float, _sign: int) -> None:
         integrator.update_d_output(time)
         log.enter(event, time, winding.whole(integrator.d_output))
 
-    return hy.nt_event(expr, callback=note, direction=_direction(event, hy))
-
-
-def _terminal(event: Event, expr: Any, log: Log, winding: TurnCount, hy: Any) -> Any:
-    def note(integrator: Any, _sign: int) -> bool:
+    def note_end(integrator: Any, _sign: int) -> bool:
         return not log.enter(event, float(integrator.time), winding.whole(integrator.state))
 
-    return hy.t_event(expr, callback=note, direction=_direction(event, hy))
+    if event.stop:
+        return hy.t_event(expr, callback=note_end, direction=direction)
+    return hy.nt_event(expr, callback=note, direction=direction)
 
 
 @dataclass
@@ -308,7 +303,7 @@ class _Drive:
     def first_step(self) -> float:
         """The length of the first step where heyoka's own would be too long, else infinite."""
         ta, self.log.silent = self.integrator, True
-        time, state = ta.time, ta.state.copy()
+        moment, state = ta.dtime, ta.state.copy()
         span = float(self.grid[-1] - self.grid[0])
         taken = ta.step(max_delta_t=span, write_tc=True)[1] if span else 0.0
         # where the right side is not defined no step is taken, and the run says so
@@ -316,10 +311,15 @@ class _Drive:
         self.early = self.half_of_return(taken) if well and taken else np.inf
         parts = PARTS if abs(taken) >= abs(span) else 1
         length = reach(ta, self.right_side, taken, parts) if well else np.inf
-        ta.time, ta.state[:], self.log.silent = time, state, False
-        if ta.with_events:
-            ta.reset_cooldowns()
+        self.log.silent = False
+        self.return_to(moment, state)
         return length
+
+    def return_to(self, moment: tuple[float, float], state: np.ndarray) -> None:
+        """Take the integrator back to a moment, as if it had not gone on."""
+        self.integrator.dtime, self.integrator.state[:] = moment, state
+        if self.integrator.with_events:
+            self.integrator.reset_cooldowns()
 
     def half_of_return(self, taken: float) -> float:
         """Less than half of the time after which a function of an event that is zero at the start
@@ -439,9 +439,10 @@ class _Drive:
                 break
             before = abs(length)
         self.log.silent = False
-        ta.dtime, ta.state[:] = (moment, state) if found else (end, there)
-        if found and ta.with_events:
-            ta.reset_cooldowns()
+        if found:
+            self.return_to(moment, state)
+        else:
+            ta.dtime, ta.state[:] = end, there
         return found
 
     def blind(self, moment: tuple[float, float], state: np.ndarray) -> tuple[int, float] | None:
@@ -458,9 +459,7 @@ class _Drive:
             if allowed < np.inf:
                 found = k, allowed
                 self.size = LEAST
-                ta.dtime, ta.state[:] = moment, state
-                if ta.with_events:
-                    ta.reset_cooldowns()
+                self.return_to(moment, state)
                 break
         return found
 

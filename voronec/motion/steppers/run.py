@@ -40,6 +40,8 @@ __all__ = [
     "Signals",
     "Stepper",
     "Ticker",
+    "constants_along",
+    "crossing_arrays",
     "cut_at_singularity",
     "in_kind",
     "in_pieces",
@@ -279,12 +281,20 @@ class Log:
 
     def arrays(self, events: Sequence[Event], dtype: Any) -> dict[str, tuple[Any, Any]]:
         """Times (k,) and states (k, n) by name."""
-        result = {}
-        for event in events:
-            rows = self.rows.get(event.name, [])
-            states = np.array([s for _, s in rows], dtype=dtype).reshape(len(rows), self.width)
-            result[event.name] = np.array([t for t, _ in rows], dtype=dtype), states
-        return result
+        return crossing_arrays(self.rows, events, self.width, dtype)
+
+
+def crossing_arrays(
+    found: Mapping[str, Sequence[tuple[Any, np.ndarray]]], events: Sequence[Event], width: int,
+    dtype: Any,
+) -> dict[str, tuple[np.ndarray, np.ndarray]]:  # fmt: skip
+    """Times (k,) and states (k, n) of each event, from pairs of a time and a state (n,)."""
+    result = {}
+    for event in events:
+        rows = found.get(event.name, [])
+        states = np.array([s for _, s in rows], dtype=dtype).reshape(len(rows), width)
+        result[event.name] = np.array([t for t, _ in rows], dtype=dtype), states
+    return result
 
 
 @dataclass
@@ -497,6 +507,16 @@ class Signals:
         for signal in self.signals:
             found |= signal.along(np.asarray(times, dtype=float))
         return found
+
+
+def constants_along(
+    changing: Signals | None, constants: Mapping[str, Any], times: np.ndarray
+) -> Mapping[str, Any]:
+    """Parameters by name, those that change as they are at times (k,), in numbers of that kind."""
+    if changing is None:
+        return constants
+    along = changing.along(times)
+    return {**constants, **{name: in_kind(x, times.dtype) for name, x in along.items()}}
 
 
 def values_along(

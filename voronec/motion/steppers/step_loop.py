@@ -30,6 +30,7 @@ __all__ = [
     "Stretch",
     "Stride",
     "Walker",
+    "crosses",
     "crossings",
     "early_looks",
     "early_returns",
@@ -99,7 +100,7 @@ def crossings(
             values[values[:, column] == 0, column] = GRAIN
     touches, found = _may_touch(values), []
     brackets = _early_brackets(levels, stride, times[1], walls, events) if first else []
-    for i, column in np.argwhere(touches | _change_sign(values)).tolist():
+    for i, column in np.argwhere(touches | crosses(values[:-1], values[1:])).tolist():
         pair = [(times[i], values[i, column]), (times[i + 1], values[i + 1, column])]
         brackets.append((column, pair, bool(touches[i, column])))
     for column, bracket, is_touch in brackets:
@@ -114,7 +115,7 @@ def crossings(
         if is_touch and (turn := _turn(level, *bracket)):
             bracket.insert(1, turn)
         for (a, before), (b, after) in pairwise(bracket):
-            if _crosses(before, after, event.direction if end > start else -event.direction):
+            if crosses(before, after, event.direction if end > start else -event.direction):
                 time = root(level, a, before, b, after)
                 # at a pole the sign changes as well
                 height = abs(level(time))
@@ -146,17 +147,11 @@ def _early_brackets(
     ]
 
 
-def _crosses(before: Any, after: Any, direction: int) -> bool:
-    """A zero counts for the part of a step that it ends."""
-    upwards = before < 0 <= after and direction >= 0
-    downwards = before > 0 >= after and direction <= 0
-    return bool(upwards or downwards)
-
-
-def _change_sign(values: np.ndarray) -> np.ndarray:
-    """Whether functions (k + 1, m) come to zero, or beyond, between looks (k, m)."""
-    upwards = (values[:-1] < 0) & (values[1:] >= 0)
-    return upwards | ((values[:-1] > 0) & (values[1:] <= 0))
+def crosses(before: Any, after: Any, direction: int = 0) -> Any:
+    """Whether functions pass zero between looks, numbers or arrays of them, in a direction, or in
+    any: a zero counts for the part of a step that it ends."""
+    upwards, downwards = (before < 0) & (after >= 0), (before > 0) & (after <= 0)
+    return upwards | downwards if direction == 0 else upwards if direction > 0 else downwards
 
 
 def _may_touch(values: np.ndarray) -> np.ndarray:

@@ -39,13 +39,11 @@ if TYPE_CHECKING:
 
 __all__ = ["LARGEST", "Page", "PageView", "check_shapes", "view_of"]
 
-POSE = 15
-"""How many numbers place a shape: centre, attitude row by row, contact."""
-
 
 def page_program(vocabulary: Vocabulary, shapes: Sequence[Shape]) -> Program:
-    """The whole equations on coordinates and velocities; its extra quantities are ``POSE`` numbers
-    for each shape, then integrals, the sizes of their terms, and ``quartic_parts``."""
+    """The whole equations on coordinates and velocities; its extra quantities place each
+    shape by fifteen numbers, centre, attitude row by row and contact, and then are integrals, the
+    sizes of their terms, and ``quartic_parts``."""
     placed = {
         f"shape {i} {k}": vocabulary.inward(e)
         for i, shape in enumerate(shapes)

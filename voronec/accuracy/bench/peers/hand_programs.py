@@ -18,15 +18,14 @@ from voronec.accuracy.bench.contender import (
     NotHere,
     Outcome,
     Run,
+    level_for,
     require_outputs,
     time_fastest,
     without,
 )
-from voronec.accuracy.bench.level import BenchLevel, level
 from voronec.accuracy.bench.peers.numba_dop853 import TOLERANCES as COMPILED
 from voronec.accuracy.bench.peers.numba_dop853 import stepper_source, unroll
 from voronec.accuracy.bench.question import BenchMotion
-from voronec.errors import VoronecError
 
 __all__ = [
     "BY_HAND",
@@ -163,18 +162,9 @@ BY_HAND: dict[str, Callable[[Values], HandProgram]] = {
 
 def start_values(question: BenchMotion) -> dict[str, float]:
     """Coordinates, velocities and invariants at the start, by name."""
-    at = _level(question)
+    at = level_for(question)
     named = dict(zip(map(str, at.field.variables), map(float, at.state), strict=True))
     return {**question.initial, **named}
-
-
-def _level(question: BenchMotion) -> BenchLevel:
-    for name in ("invariants", "coordinates"):
-        try:
-            return level(question, name)
-        except VoronecError as refusal:
-            last = refusal
-    raise NotHere(str(last))
 
 
 Rows = Callable[[float], tuple[int, int, np.ndarray]]
@@ -191,7 +181,7 @@ def _prepare(
     except ImportError:
         raise without("heyoka") from None
     require_outputs(question.outputs, program.outputs)
-    start, at, grid = program.start(start_values(question)), _level(question), question.grid
+    start, at, grid = program.start(start_values(question)), level_for(question), question.grid
     whole = {str(s) for s in at.field.variables} <= set(program.outputs)
     rows_at = by(program, start, grid)
 

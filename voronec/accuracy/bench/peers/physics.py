@@ -21,13 +21,13 @@ from voronec.accuracy.bench.contender import (
     NotHere,
     Outcome,
     Run,
+    level_for,
     require_outputs,
     time_fastest,
     without,
 )
-from voronec.accuracy.bench.level import BenchLevel, level
+from voronec.accuracy.bench.level import BenchLevel
 from voronec.accuracy.bench.question import BenchMotion
-from voronec.errors import VoronecError
 
 __all__ = ["BEST", "PHYSICS", "Setting", "model_text"]
 
@@ -98,12 +98,7 @@ def _prepare(question: BenchMotion, setting: Setting) -> Run:
         raise without("mujoco") from None
     if question.grid[0] != 0 or question.grid[-1] < 0:
         raise NotHere("runs forward from time 0 only")
-    try:
-        at = level(question, "invariants")
-    except VoronecError as refusal:
-        raise NotHere(str(refusal)) from None
-
-    return partial(_simulate, mujoco, question, setting, at)
+    return partial(_simulate, mujoco, question, setting, level_for(question, "invariants"))
 
 
 def _simulate(

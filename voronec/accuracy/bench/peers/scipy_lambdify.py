@@ -15,12 +15,18 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, time_fastest
-from voronec.accuracy.bench.level import BenchLevel, level
+from voronec.accuracy.bench.contender import (
+    Contender,
+    NotHere,
+    Outcome,
+    Run,
+    level_for,
+    time_fastest,
+)
+from voronec.accuracy.bench.level import BenchLevel
 from voronec.accuracy.bench.question import BenchMotion
 from voronec.algebra.text import as_expression
 from voronec.equations.vector_field import VectorField
-from voronec.errors import VoronecError
 
 __all__ = ["BY_LAMBDIFY"]
 
@@ -32,10 +38,7 @@ RightSide = Callable[[float, np.ndarray], Any]
 
 
 def _prepare(question: BenchMotion, method: str, name: str, kind: str) -> Run:
-    try:
-        at = level(question, name)
-    except VoronecError as refusal:
-        raise NotHere(str(refusal)) from None
+    at = level_for(question, name)
     right = RIGHT_SIDES[kind](at)
     start = at.state
 
