@@ -25,7 +25,7 @@ t = vo.time
 
 @dataclass(frozen=True)
 class Case:
-    """A system, values of its parameters, and how large its starts are."""
+    """A system, values of its parameters, how large its starts are, and around what place."""
 
     system: vo.System
     parameters: Mapping[str, float] = field(default_factory=dict)
@@ -33,6 +33,7 @@ class Case:
     span: float = 10.0
     singular: tuple[str, ...] = ()
     inputs: Mapping[str, sp.Expr] = field(default_factory=dict)
+    centre: Mapping[str, float] = field(default_factory=dict)
 
 
 def dot(q: sp.Symbol) -> sp.Expr:
@@ -179,6 +180,33 @@ def bowl(dice: Random) -> Case:
     return Case(_system("pendulum", (theta, phi), (), L, (), {}))
 
 
+def far(dice: Random) -> Case:
+    """A particle or a sleigh near a place far off, with forces that are powers of the distance from
+    there: sums of powers of the coordinates would be rounding."""
+    c, d = (dice.choice((20, 300, 5000)) + above(dice) for _ in range(2))
+    a, b = x - c, y - d
+    potential = dice.choice(
+        [
+            a**4 / 4 + b**2 / 2,
+            (a**2 + b**2) ** 2 / 4,
+            sp.sqrt(1 + a**2 + b**2) ** 3,
+            -3 / (1 + a**2 + 2 * b**2) ** 2,
+            a**6 / 6 + a * b / 3 + b**4 / 4 + x / 10,
+            (a - b) ** 4 / 4 + (x - c - 1) ** 2 * b**2,
+        ]
+    )
+    L = (dot(x) ** 2 + above(dice) * dot(y) ** 2) / 2 - potential
+    centre = {"x": float(c), "y": float(d)}
+    if dice.random() < 0.5:
+        forces = {x: -(a**3) * b**2 / 4} if dice.random() < 0.5 else {}
+        system = _system("far", (x, y), (), L, (), forces)
+        return Case(system, size=0.5, span=5.0, centre=centre)
+    L += above(dice) * dot(phi) ** 2 / 2
+    blade = dot(x) * sp.sin(phi) - dot(y) * sp.cos(phi)
+    system = _system("far-blade", (x, phi), (y,), L, (blade,), {})
+    return Case(system, size=0.5, span=5.0, singular=("phi",), centre=centre)
+
+
 def rough(dice: Random) -> Case:
     """One or two oscillators, a sleigh or a carriage, with forces that are not smooth."""
     chance = dice.random()
@@ -300,7 +328,7 @@ def _system(
 
 
 KINDS_OF_MECHANICS: Mapping[str, tuple[Callable[[Random], Case], ...]] = {
-    "smooth": (generic, blade, trailers, racer, top, bowl),
+    "smooth": (generic, blade, trailers, racer, top, bowl, far),
     "singular": (blade, trailers, racer, top, bowl),
     "nonsmooth": (rough,),
     "inputs": (driven_mechanics,),

@@ -147,6 +147,8 @@ def _draw(dice: Random, bench: _Bench, kind: str) -> Scene | None:
     size = bench.made.size if bench.made else 1.0
     initial = {n: round(dice.gauss(0, size), 3) for n in mechanics.coordinates}
     initial |= {n: round(dice.gauss(0, size), 3) for n in mechanics.velocities}
+    for name, place in (bench.made.centre if bench.made else {}).items():
+        initial[name] += place
     scenes = list(system.scenes.values())
     if scenes and dice.random() < 0.7:
         own = _scene_start(dice.choice(scenes), system, parameters)

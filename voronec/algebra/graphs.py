@@ -10,7 +10,7 @@ import symengine as se
 from voronec.algebra.numeric_functions import numeric_name
 from voronec.errors import EngineLimit
 
-__all__ = ["derivative_at", "is_atom", "is_flat", "nodes", "rebuild"]
+__all__ = ["bases", "derivative_at", "is_atom", "is_flat", "nodes", "rebuild"]
 
 
 def is_flat(expr: Any) -> bool:
@@ -35,6 +35,19 @@ def nodes(exprs: Iterable[Any]) -> Iterator[Any]:
             seen.add(node)
             yield node
             waiting += () if is_atom(node) else node.args
+
+
+def bases(exprs: Iterable[Any]) -> Iterator[Any]:
+    """The bases of negative powers, and what tangents divide by."""
+    for node in nodes(map(se.sympify, exprs)):
+        if isinstance(node, se.Pow):
+            base, exponent = node.args
+            if exponent.is_Number and exponent.is_negative:
+                yield base
+        elif isinstance(node, se.tan):
+            yield se.cos(node.args[0])
+        elif isinstance(node, se.cot):
+            yield se.sin(node.args[0])
 
 
 def rebuild(node: Any, arguments: Sequence[Any]) -> Any:

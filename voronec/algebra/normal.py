@@ -15,6 +15,7 @@ from voronec.algebra.generators import TRIGONOMETRIC, holds_far_multiples
 from voronec.algebra.graphs import nodes
 from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import expand_element, expression
+from voronec.algebra.stand_ins import StandIns
 from voronec.errors import EngineLimit
 
 __all__ = ["canonical", "canonical_for_numbers", "quotient", "shorten", "shortest"]
@@ -74,16 +75,19 @@ def _with_short_arguments(
     return [se.sympify(e).xreplace(short) for e in exprs]
 
 
-def canonical_for_numbers(exprs: Sequence[Any], relations: Sequence[Any] = ()) -> list[Any]:
-    """The same, with what loses digits as it stands: sines and cosines of many-fold angles, which
-    are expanded in those of the angle."""
+def canonical_for_numbers(exprs: Sequence[Any], ground: Any) -> list[Any]:
+    """The same on a ``ground``, as ``StandIns.of`` takes it, with what loses digits as it stands:
+    powers of sums of places, and sines and cosines of many-fold angles, which are expanded in those
+    of the angle."""
+    letters, relations = StandIns.of(exprs, ground), ground.relations
+    exprs = [letters.hide(e) for e in exprs]
     if not holds_far_multiples(exprs):
-        return canonical(exprs, relations)
+        return [letters.show(e) for e in canonical(exprs, relations)]
     angles = sorted(set().union(*(e.atoms(*TRIGONOMETRIC) for e in exprs)), key=str)
     folds = {node: se.Symbol(f"fold {i}") for i, node in enumerate(angles)}
     found = canonical([e.xreplace(folds) for e in exprs], relations)
     back = {name: node for node, name in folds.items()}
-    return [e.xreplace(back) for e in found]
+    return [letters.show(e.xreplace(back)) for e in found]
 
 
 def quotient(expr: Any, relations: Sequence[Any] = ()) -> tuple[Any, Any]:

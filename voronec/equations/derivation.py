@@ -9,7 +9,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -17,6 +17,7 @@ import symengine as se
 
 from voronec.algebra.bounded_exponentials import bound_all_exponentials
 from voronec.algebra.normal import canonical, shortest
+from voronec.algebra.stand_ins import StandIns
 from voronec.declaration.reading import quote
 from voronec.equations.connection import (
     EhresmannConnection,
@@ -91,6 +92,19 @@ class Derivation:
         d = self.definition
         found = bound_all_exponentials(exprs) if d.exponential else list(exprs)
         return shortest(found, d.relations, d.velocities) if self.exact else found
+
+    @cached_property
+    def _lettered(self) -> tuple[Derivation, StandIns] | None:
+        """The same with letters for sums of places of which powers are declared; None where there
+        are none."""
+        d = self.definition
+        letters = StandIns.of((d.lagrangian, *d.forces), d)
+        if not self.exact or not letters.meaning:
+            return None
+        hidden = replace(
+            d, lagrangian=letters.hide(d.lagrangian), forces=tuple(map(letters.hide, d.forces))
+        )
+        return Derivation(hidden, exact=True), letters
 
     @cached_property
     def fibre(self) -> FibreSolution:
@@ -226,6 +240,9 @@ class Derivation:
         """d2Lc/dv2, less what forces hold of the accelerations: mass * vdot = force, shape (n, n)
         [Theory, eq. (11)]."""
         vs = self.definition.velocities
+        if self._lettered is not None:
+            hidden, letters = self._lettered
+            return [[letters.show(e) for e in row] for row in hidden.mass]
         n = len(vs)
         upper = [(i, j) for i in range(n) for j in range(i, n)]
         own = [self.quasi_momenta[i].diff(vs[j]) for i, j in upper]
@@ -295,6 +312,9 @@ class Derivation:
     @cached_property
     def force(self) -> list[Any]:
         """mass * vdot = force."""
+        if self._lettered is not None:
+            hidden, letters = self._lettered
+            return [letters.show(e) for e in hidden.force]
         raw = [r - d for r, d in zip(self.right, self.inertial, strict=True)]
         return self.polish(raw)
 

@@ -42,7 +42,7 @@ import numpy as np
 import symengine as se
 
 from voronec.algebra.cardinal import cardinal_all
-from voronec.algebra.graphs import is_atom
+from voronec.algebra.graphs import bases
 from voronec.declaration.system import System
 from voronec.equations.definition import read
 from voronec.equations.derivation import Derivation
@@ -62,7 +62,6 @@ __all__ = [
     "are_dependent",
     "are_infinite",
     "around",
-    "bases",
     "crossing_divisors",
     "divisors",
     "guard_events",
@@ -133,25 +132,6 @@ def divisors(form: Any, changing: tuple[Any, ...] = ()) -> tuple[Any, ...]:
         if base.free_symbols & moving:
             found[base] = None
     return tuple(found)
-
-
-def bases(exprs: Iterable[Any]) -> Iterable[Any]:
-    """The bases of negative powers, and what tangents divide by."""
-    seen, stack = set(), [se.sympify(e) for e in exprs]
-    while stack:
-        node = stack.pop()
-        if node in seen or is_atom(node):
-            continue
-        seen.add(node)
-        if isinstance(node, se.Pow):
-            base, exponent = node.args
-            if exponent.is_Number and exponent.is_negative:
-                yield base
-        elif isinstance(node, se.tan):
-            yield se.cos(node.args[0])
-        elif isinstance(node, se.cot):
-            yield se.sin(node.args[0])
-        stack.extend(node.args)
 
 
 def without_factors(function: Any, factors: Iterable[Any]) -> Any:

@@ -149,7 +149,7 @@ class Modes:
         if found == expr:
             return expr
         try:
-            return canonical_for_numbers([found], self.form.relations)[0]
+            return canonical_for_numbers([found], self.form)[0]
         except EngineLimit:
             return found
 

@@ -143,13 +143,23 @@ def watch_of(
 
 
 def size_of_terms(expr: Any, done: dict[Any, Any] | None = None) -> Any:
-    """The expression with every term of its sums taken positive: what it is without cancelling."""
+    """How large the terms are that an expression is made of: its rounding is of that size.
+
+    The terms of sums are taken positive.  A factor beside others, as in a power, counts by its
+    terms once, the others by their values: (x - c)^4 is (|x| + |c|) |x - c|^3.
+    """
     known: dict[Any, Any] = {} if done is None else done
     if expr not in known:
-        if isinstance(expr, se.Add | se.Mul):
-            known[expr] = type(expr)(*[size_of_terms(a, known) for a in expr.args])
+        if isinstance(expr, se.Add):
+            known[expr] = se.Add(*[size_of_terms(a, known) for a in expr.args])
+        elif isinstance(expr, se.Mul):
+            sizes = {a: size_of_terms(a, known) for a in expr.args}
+            loose = [a for a, size in sizes.items() if size != se.Abs(a)]
+            products = [sizes[a] * se.Mul(*[se.Abs(b) for b in sizes if b != a]) for a in loose]
+            known[expr] = se.Add(*products) if loose else se.Abs(expr)
         elif isinstance(expr, se.Pow) and isinstance(expr.args[1], se.Integer) and expr.args[1] > 0:
-            known[expr] = se.Pow(size_of_terms(expr.args[0], known), expr.args[1])
+            base, exponent = expr.args
+            known[expr] = size_of_terms(base, known) * se.Abs(base) ** (exponent - 1)
         else:
             known[expr] = se.Abs(expr)
     return known[expr]

@@ -27,6 +27,7 @@ import numpy as np
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.graphs import bases
 from voronec.algebra.normal import canonical
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.terms import factors_of
@@ -50,7 +51,6 @@ from voronec.motion.divisors import (
     are_dependent,
     are_infinite,
     around,
-    bases,
     crossing_divisors,
     divisors,
     has_limit,

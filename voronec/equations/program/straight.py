@@ -20,6 +20,7 @@ from voronec.algebra.normal import shortest
 from voronec.algebra.numeric_functions import formula
 from voronec.algebra.stable import stable_all
 from voronec.algebra.stages import needed_stages
+from voronec.algebra.stand_ins import StandIns
 from voronec.algebra.terms import factors_of, summands
 from voronec.equations.program.choices import choose_sides, holds_choices, holds_walls
 from voronec.equations.program.low_rank import (
@@ -519,8 +520,10 @@ def _choose_entries(form: FirstOrderForm, given: FirstOrderForm) -> FirstOrderFo
         smooth = se.Add(*[t for t in terms if t not in chosen])
         if not chosen or divides_sines_of_sums([smooth]):
             return se.Add(smooth, *chosen) if chosen else entry
+        letters = StandIns.of([smooth], form)
         try:
-            return se.Add(*chosen, *shortest([smooth], form.relations))
+            (short,) = shortest([letters.hide(smooth)], form.relations)
+            return se.Add(letters.show(short), *chosen)
         except EngineLimit:
             return se.Add(smooth, *chosen)
 

@@ -1,0 +1,123 @@
+"""Forces that are powers of the distance from a place far off.
+
+A motion does not know where the origin is: moved by c it has to be the same, but for the rounding
+of its coordinates.  Written out in powers of x, (x - c)^5 loses all digits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import symengine as se
+import sympy as sp
+
+import voronec as vo
+from voronec import velocity
+from voronec.algebra.stand_ins import StandIns
+from voronec.motion.observables import size_of_terms
+
+x, y, phi = sp.symbols("x y phi")
+v, t = velocity(x), vo.time
+FAR = 5000
+
+
+def line(force: Any = 0, potential: Any = 0, mass: Any = 1) -> vo.System:
+    """A particle on a line."""
+    return vo.System(
+        name="line",
+        fibration=vo.Fibration(base=(x,), fibre=()),
+        lagrangian=mass * v**2 / 2 - potential,
+        forces={x: force} if force != 0 else {},
+    )
+
+
+def sleigh(potential: Any) -> vo.System:
+    """A blade on a plane, with the energy for an integral."""
+    kinetic = (v**2 + velocity(y) ** 2 + velocity(phi) ** 2) / 2
+    return vo.System(
+        name="sleigh",
+        fibration=vo.Fibration(base=(x, phi), fibre=(y,)),
+        lagrangian=kinetic - potential,
+        constraints=(v * sp.sin(phi) - velocity(y) * sp.cos(phi),),
+        integrals={"energy": kinetic + potential},
+    )
+
+
+SYSTEMS: dict[str, Callable[[Any], vo.System]] = {
+    "a potential": lambda a: line(potential=a**4 / 4),
+    "beside a pull": lambda a: line(-(a**5) - a / 3 - sp.Rational(1, 10)),
+    "poles": lambda a: line(12 * ((a + 2) ** -13 - (a + 2) ** -7)),
+    "a bump": lambda a: line(30 / (1 + 10**4 * a**4)),
+    "two places": lambda a: line(-(a**3) * (a + 1) ** 2),
+    "friction": lambda a: line(-(a**3) - sp.sign(v) / 100 - a**2 / 7),
+    "corners": lambda a: line(-sp.Abs(a) * a - sp.Max(0, a) ** 3),
+    "a mass": lambda a: line(mass=1 + a**2, potential=a**4 / 4 + a / 10),
+    "a distance": lambda a: line(potential=sp.sqrt(1 + a**2) ** 3 + a / 5),
+    "a blade": lambda a: sleigh(a**4 / 4 + phi**2 + a / 10),
+    "a blade in a bowl": lambda a: sleigh((a**2 + y**2) ** 2 / 4),
+}
+
+
+@pytest.mark.parametrize("method", ["auto", "scipy"])
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_a_motion_far_away_is_that_at_the_origin(name: str, method: str) -> None:
+    near, far = SYSTEMS[name](x), SYSTEMS[name](x - FAR)
+    turning = {velocity(phi): sp.Rational(1, 2)} if phi in near.coordinates else {}
+    start = {v: sp.Rational(1, 5), **turning}
+    truth = vo.integrate(near, initial={x: 1, **start}, times=[0, 4])
+    found = vo.integrate(far, initial={x: FAR + 1, **start}, times=[0, 4], method=method)
+    for key in truth.outputs:
+        moved = FAR if key == "x" else 0
+        assert found[key][-1] - moved == pytest.approx(truth[key][-1], abs=3e-10), key
+    assert all(drift < 1e-9 for drift in found.drift.values())
+
+
+def test_time_is_a_place_too() -> None:
+    near, far = (line(-((t - late) ** 5) - x) for late in (0, FAR))
+    truth = vo.integrate(near, initial={x: 1}, times=[0, 2])
+    found = vo.integrate(far, initial={x: 1}, times=[FAR, FAR + 2])
+    assert found["x"][-1] == pytest.approx(truth["x"][-1], abs=1e-11)
+
+
+@pytest.mark.parametrize("form", ["python", "c"])
+def test_printed_programs_keep_the_distance(form: str) -> None:
+    text = getattr(vo.derive(line(-((x - FAR) ** 5) - x / 3)), form)()
+    assert str(FAR**2) not in text and str(FAR) in text
+
+
+def test_an_energy_that_is_rounding_is_no_integral_that_stays() -> None:
+    """Its terms as they stand are 1e-4 of the powers of x."""
+    system = sleigh((x - FAR) ** 4 / 4)
+    run = vo.integrate(system, initial={x: FAR + 1, velocity(phi): 1}, times=[0, 4])
+    series = run.integrals["energy"]
+    assert np.ptp(series) / abs(series[0]) < 10 * run.drift["energy"] + 1e-15
+
+
+def test_a_power_is_as_large_as_its_sum_makes_it() -> None:
+    a, b, c = se.symbols("a b c")
+    values = {a: 1001.0, b: -1000.0, c: 2.0}
+
+    def size(expr: Any) -> float:
+        return float(size_of_terms(expr).subs(values).n(53, real=True))
+
+    assert size((a + b) ** 4) == pytest.approx(2001)
+    assert size(c * (a + b) ** 2) == pytest.approx(2 * 2001)
+    assert size((a + b) * (a + c)) == pytest.approx(2001 * 1003 + 1003)
+    assert size(a - c) == pytest.approx(1003)
+
+
+def test_letters_stand_for_sums_of_places_alone() -> None:
+    a, b, w, s = se.symbols("a b w t")
+
+    class Ground:
+        coordinates, parameters, relations, time = (a, b), (se.Symbol("k"),), (), s
+
+    expr = (a - 7) ** 3 + (a * w - b) ** 2 + se.sin(a) ** 2 + (a - 7) * (b - s) + 5 * (b - 2)
+    letters = StandIns.of([expr], Ground)
+    assert {*letters.meaning.values()} == {a - 7, b - s}
+    assert letters.show(letters.hide(expr)) == expr
+    slope = letters.show(letters.hide(expr).diff(a))
+    assert se.expand(slope - expr.diff(a)) == 0
