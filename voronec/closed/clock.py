@@ -32,6 +32,7 @@ from voronec.closed.ratio import (
     ratios,
     rounded_constants,
 )
+from voronec.elliptic.doubles import LATEST
 from voronec.elliptic.many_times import Sample
 from voronec.errors import EngineLimit
 
@@ -299,7 +300,7 @@ def clock_of(form: InvertedMotion) -> Clock:
 
 def pieces(value: Any) -> list[float]:
     """Doubles whose sum is the number: the first three short, so that products with whole numbers
-    below 2^27 are exact."""
+    below 2^27, and such times a power of two, are exact."""
     found, rest = [], value
     for _ in range(3):
         size = float(rest)
@@ -332,11 +333,22 @@ def whole_turns_off(rate: Any, grid: np.ndarray) -> np.ndarray:
 
 
 def _reduce_by_periods(times: np.ndarray, parts: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
-    """Times less whole periods, the nearest; and how many these are."""
+    """Times less whole periods, the nearest; and how many these are.
+
+    Raises:
+        EngineLimit: a time is too many periods away.
+    """
     count = np.rint(times / sum(parts))
+    if not (np.abs(count) < 2.0**LATEST).all():
+        raise EngineLimit(
+            f"t = {np.abs(times).max():.17g} is more than 2^{LATEST} periods away; "
+            "enclose that time instead"
+        )
+    low = np.fmod(count, 2.0 ** (LATEST / 2))  # products of either half with a piece are exact
     rest = times.copy()
     for part in parts:
-        rest -= count * part
+        rest -= (count - low) * part
+        rest -= low * part
     return count, rest
 
 
@@ -453,7 +465,7 @@ class PeriodGrid:
         """What the slope of a place adds: nothing where x has come back."""
         start, x = float(self.form.problem.place(FINE)), self.sample.x
         a, b, c = rounded_constants(self.form).slides[i]
-        moved = x - start
+        moved = self.sample.affine(*rounded_constants(self.form).from_start)
         total = moved * (a + b * (x + start) / 2 + c * (x * x + x * start + start**2) / 3)
         for place, residues in self.form.problem.others(FINE):
             residue = residues[len(self.form.problem.prepared.rates) + i]

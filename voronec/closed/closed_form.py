@@ -381,12 +381,17 @@ class UprightView:
             self.coordinate(coordinates[n]) if n in coordinates else self.velocities[n]
             for n in plain
         ]
-        # continuous angles have lost digits late; those that start small are of one period only
-        near = self if self.in_first_turn else UprightView(self.form, self.at, False)
         for q in circles:
-            angle = near.coordinate(q)
+            angle = self._near.coordinate(q)
             found += [np.cos(angle), np.sin(angle)]
         return found
+
+    @cached_property
+    def _near(self) -> UprightView:
+        """The view whose angles have sines and cosines with all digits: continuous angles have lost
+        some late; those that start small are of one period only."""
+        whole = self.whole and not self.in_first_turn
+        return UprightView(self.form, self.at, False) if whole else self
 
     def coordinate(self, q: Any) -> np.ndarray:
         """An angle that is an integral, a colatitude, or a place on a plane."""
@@ -413,10 +418,10 @@ class UprightView:
         form, plane, x = self.form, self.form.quadratures.plane, self.at.x
         assert plane is not None
         start, origin, direction = rounded_constants(form).place
-        moved = []
+        gone, moved = self.at.affine(*rounded_constants(form).from_start), []
         for i, (a, b, c) in enumerate(rounded_constants(form).slides):
             whole = self.at.integral(len(form.quadratures.angles) + i)
-            rest = (x - start) * (a + b * (x + start) / 2 + c * (x * x + x * start + start**2) / 3)
+            rest = gone * (a + b * (x + start) / 2 + c * (x * x + x * start + start**2) / 3)
             moved.append(whole + rest)
         return plane.at(origin, direction, moved)
 
@@ -433,7 +438,7 @@ class UprightView:
                 values += [sine, offset + slope * x, -slope * self.at.rate / sine]
         rates = rounded_constants(form).rates(self.at, self._weights)
         values += rates[: len(form.quadratures.angles)]
-        values += [self.coordinate(q) for q in reading_of(own).coordinates]
+        values += [self._near.coordinate(q) for q in reading_of(own).coordinates]
         values += [evaluate_form(p, *self._weights) for p in rounded_constants(form).polynomials]
         with np.errstate(all="ignore"):
             found = velocities_in_doubles(own)(*values)
