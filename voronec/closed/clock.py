@@ -430,14 +430,16 @@ class PeriodGrid:
 
     def value(self, q: Any) -> np.ndarray:
         """A coordinate as it is asked for."""
-        found, plane = self.coordinate(q, self.whole), self.form.quadratures.plane
-        if self.whole or (plane is not None and q in plane.place):
+        found = self.coordinate(q, self.whole)
+        if self.whole or q in self.form.quadratures.lengths:
             return found
         return np.asarray(found - TURN * np.ceil(found / TURN - 0.5))
 
     def coordinate(self, q: Any, whole: bool) -> np.ndarray:
-        """A colatitude, an angle that is an integral, or a place."""
+        """The variable, a colatitude, an angle that is an integral, or a place."""
         motion = self.form.quadratures
+        if q == motion.meaning:
+            return np.asarray(self.sample.x)
         for i, trace in enumerate(motion.traces):
             if trace.colatitude == q:
                 side, turns = self.form.branch(i)
@@ -482,6 +484,7 @@ class PeriodGrid:
         clock, angles = clock_of(form), len(form.quadratures.angles)
         pace = clock.paces(self.sample)
         values: list[Any] = [*(float(c) for c in form.problem.level(FINE)), x]
+        values.append(self.sample.rate / pace)
         with np.errstate(all="ignore"):
             for i in range(len(form.quadratures.traces)):
                 south, north = (self._evaluate(e) for e in clock.reach[i])

@@ -127,8 +127,7 @@ def _where_it_rests(
     """Coordinates and velocities; angles continuous (``whole``) or modulo a turn."""
     system, problem = form.system, form.problem
     given = dict(zip(problem.prepared.inputs, problem.start_balls(SHARP), strict=True))
-    plane, found = form.quadratures.plane, {}
-    straight = plane.place if plane is not None else ()
+    straight, found = form.quadratures.lengths, {}
     for q, rate in zip(system.coordinates, steady_rates(form, SHARP), strict=True):
         if whole or q in straight:
             found[plain_name(q)] = float(given[q]) + float(rate) * grid
@@ -321,8 +320,7 @@ def _state_at_rest(
     found = _where_it_rests(form, grid, names, whole)
     if whole:
         return found
-    plane = form.quadratures.plane
-    straight = plane.place if plane is not None else ()
+    straight = form.quadratures.lengths
     turning = {plain_name(q) for q in form.system.coordinates if q not in straight}
     return {n: _wrap_angle(x) if n in turning else x for n, x in found.items()}
 
@@ -394,8 +392,10 @@ class UprightView:
         return UprightView(self.form, self.at, False) if whole else self
 
     def coordinate(self, q: Any) -> np.ndarray:
-        """An angle that is an integral, a colatitude, or a place on a plane."""
+        """An angle that is an integral, a colatitude, the variable, or a place on a plane."""
         form, angles = self.form, self.form.quadratures.angles
+        if q == form.quadratures.meaning:
+            return np.asarray(self.at.x)
         if q in angles:
             j = angles.index(q)
             whole, part = rounded_constants(form).starts[j]
@@ -429,7 +429,7 @@ class UprightView:
     def velocities(self) -> dict[str, np.ndarray]:
         """The velocities of the equations, accurate relative to their size near the poles."""
         form, own, x = self.form, self.form.problem.prepared, self.at.x
-        values: list[Any] = [*rounded_constants(form).level, x]
+        values: list[Any] = [*rounded_constants(form).level, x, self.at.rate]
         for i in range(len(form.quadratures.traces)):
             south, north = (self.at.affine(*ends) for ends in rounded_constants(form).reach[i])
             offset, slope = rounded_constants(form).cosines[i]
