@@ -32,6 +32,9 @@ _SHALLOW, _FEW = 2, 24
 search grows with the power of the number of variables."""
 _MOST_POLYNOMIALS = 3_000
 """How many polynomials the search for one certificate may lead to."""
+_LONG = 300
+"""How many terms one of these may have that others are to rest on: squares of long ones, seldom of
+one sign, take minutes to be factored."""
 _KINDS = {1: ("nonnegative", "positive"), -1: ("nonpositive", "negative")}
 """What a generator is by the sign it is known to have: not strictly, and strictly."""
 _ONE_SIGN = {"positive": 1, "nonnegative": 1, "negative": -1, "nonpositive": -1}
@@ -162,6 +165,8 @@ class Signs:
 
     def of_polynomial(self, poly: Any, depth: int = 0) -> Sign | None:
         """The sign of a polynomial, by its factors."""
+        if depth and len(poly) > _LONG:
+            return None
         key = str(poly)
         sign, tried = self.known.get(key, (None, _DEPTH + 1))
         if sign is None and depth < tried and len(self.known) < _MOST_POLYNOMIALS:
