@@ -150,3 +150,11 @@ def test_no_certificate_is_looked_for_in_squares_of_long_polynomials(monkeypatch
     given = sp.Piecewise((first, x > sp.Rational(1, 2)), (second, True))
     assert prove_inequality(given, "<=", x, positive=(b,)).undecided
     assert sum(seen) < 200_000
+
+
+def test_polynomials_of_high_degree_have_their_roots_isolated():
+    # Sturm's chain took ten seconds at degree 76; one with a root is not positive
+    x = sp.Symbol("x")
+    hard = sum(((-1) ** k * (k**2 + 7) * x**k for k in range(100)), sp.Integer(0)) + 10**9 * x**100
+    assert prove_inequality(hard + 10**6, ">", 0).proved
+    assert prove_inequality(hard - 10**6, ">", 0).refuted

@@ -13,7 +13,6 @@ from typing import Any
 
 import flint
 import symengine as se
-import sympy as sp
 
 from voronec.algebra.conditions import comparisons, split_hypotheses
 from voronec.algebra.factors import irreducible_factors
@@ -306,15 +305,14 @@ class Signs:
             return None
         (place,) = places
         powers = {e[place]: c for e, c in poly.to_dict().items()}
-        terms = [powers.get(i, 0) for i in range(max(powers), -1, -1)]
-        exact = [sp.Rational(int(flint.fmpq(c).p), int(flint.fmpq(c).q)) for c in terms]
+        one = flint.fmpq_poly([flint.fmpq(powers.get(i, 0)) for i in range(max(powers) + 1)])
         side = _ONE_SIGN.get(self.kinds[place], 0)
-        one = sp.Poly(exact, sp.Symbol("x"))
-        if one.count_roots(0 if side > 0 else None, 0 if side < 0 else None):
+        roots = [root.real for root, _ in one.complex_roots() if root.imag == 0]
+        if not all(side * root < 0 for root in roots):  # balls, each of one root alone
             return None
         at = side or 1
-        text = f"{self.spell(poly)} has no root there (Sturm), and its sign at {at}"
-        return Sign(1 if one.eval(at) > 0 else -1, True, text)
+        text = f"{self.spell(poly)} has no root there (all were isolated), and its sign at {at}"
+        return Sign(1 if one(at) > 0 else -1, True, text)
 
     def _by_coefficients(self, poly: Any, place: int, depth: int) -> Sign | None:
         """Collected in one variable, all coefficients have one sign."""
