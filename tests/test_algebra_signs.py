@@ -7,6 +7,7 @@ from fractions import Fraction
 import pytest
 import sympy as sp
 
+from voronec.algebra import certificates
 from voronec.algebra.signs import prove_inequality
 from voronec.errors import DefinitionError
 
@@ -134,3 +135,26 @@ def test_symbols_that_are_not_real_are_refused() -> None:
 
 def test_a_root_beyond_a_branch_point_is_no_point() -> None:
     assert prove_inequality(p + q * y + 1 / sp.sqrt(x), ">=", 0, POSITIVE).refuted
+
+
+def test_no_certificate_is_looked_for_in_squares_of_long_polynomials(monkeypatch):
+    # two minutes went into the factors of polynomials of up to 100 000 terms
+    seen = []
+    factors = certificates.irreducible_factors
+    monkeypatch.setattr(
+        certificates, "irreducible_factors", lambda poly: seen.append(len(poly)) or factors(poly)
+    )
+    x, b, n = sp.symbols("x b n")
+    first = sp.log(-4 * b**2 / 3 - b)
+    second = sp.Min(2 * n**2, sp.sqrt(-(b**2) * n**2 / 3 + 2 * b * n + n**2))
+    given = sp.Piecewise((first, x > sp.Rational(1, 2)), (second, True))
+    assert prove_inequality(given, "<=", x, positive=(b,)).undecided
+    assert sum(seen) < 200_000
+
+
+def test_polynomials_of_high_degree_have_their_roots_isolated():
+    # Sturm's chain took ten seconds at degree 76; one with a root is not positive
+    x = sp.Symbol("x")
+    hard = sum(((-1) ** k * (k**2 + 7) * x**k for k in range(100)), sp.Integer(0)) + 10**9 * x**100
+    assert prove_inequality(hard + 10**6, ">", 0).proved
+    assert prove_inequality(hard - 10**6, ">", 0).refuted

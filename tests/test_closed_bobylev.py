@@ -196,3 +196,52 @@ def test_an_advance_that_is_no_turn_at_all_is_shown_as_zero():
 
     turn = _turn(arb(-2.9e-77))
     assert turn == vo.closed.Turn(0.0, Fraction(0))
+
+
+def off_from_enclosures(form, t, wrap):
+    """By how much doubles miss balls: coordinates by their size, velocities by the largest one."""
+    found, exact = (form.modulo if wrap else form.at)([t]), form.enclose(t, 25)
+    fastest = max(abs(float(exact[f"omega{i}"])) for i in (1, 2, 3))
+    off = {}
+    for name, x in exact.items():
+        size = max(1.0, fastest if name.startswith("omega") else abs(float(x)))
+        with ctx.workprec(150):
+            gap = arb(float(found[name][0])) - x
+            if wrap and name in ("v", "theta"):
+                gap -= 2 * arb.pi() * round(float(gap / (2 * arb.pi())))
+                size = 1.0
+        off[name] = abs(float(gap)) / size
+    return off
+
+
+@pytest.mark.parametrize("name", ["zhukovsky-ball", "bobylev-ball"])
+@pytest.mark.parametrize("late", [12345.678, 1e9, -1e9 / 3])
+def test_late_states_have_all_digits_however_many_turns(name, late):
+    start = {**START, "omega1": R(700), "omega2": R(-900), "omega3": R(400)}
+    form = vo.closed_form(vo.load(name), initial=start)
+    assert 1e9 / form.period > 2**27  # whole periods times 26 bits are no longer exact
+    assert max(off_from_enclosures(form, late, False).values()) < 1e-14
+    assert max(off_from_enclosures(form, late, True).values()) < 1e-14
+
+
+def test_more_periods_than_doubles_count_are_refused(ball):
+    form = vo.closed_form(ball, initial=START)
+    with pytest.raises(vo.EngineLimit, match="enclose that time"):
+        form.at([1e14])
+
+
+@pytest.mark.parametrize("name", ["zhukovsky-ball", "bobylev-ball"])
+@pytest.mark.parametrize("small", ["1e-4", "1e-9", "1e-14"])
+def test_places_where_the_vector_in_the_plane_nearly_vanishes(name, small):
+    system = vo.load(name)
+    start = {"u": R("1.1"), "v": R(0), "theta": R(7, 10), "x": R(1, 2), "y": -R(1, 3)}
+    known = {**start, **{str(p.symbol): p.value for p in system.parameters}, "omega3": 1}
+    # linear in the rest: two of the velocities are left to be found
+    vector = [sp.N(e.subs(known)) for e in system.motion.plane.direction]
+    (turn,) = sp.linsolve(vector, *sp.symbols("omega1 omega2"))
+    turning = {f"omega{i + 1}": R(float(x)) for i, x in enumerate(turn)}
+    turning["omega1"] += R(small)
+    form = vo.closed_form(system, initial={**start, **turning, "omega3": R(1)})
+    assert 0.1 < form.constants["H"] / float(small) < 10
+    for t in (0.3 * form.period, -1.7 * form.period, 1e6):
+        assert max(off_from_enclosures(form, t, False).values()) < 1e-13

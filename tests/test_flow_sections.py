@@ -390,3 +390,29 @@ def test_a_surface_far_away_is_reached_by_a_motion_that_is_even(method):
     assert found.t == pytest.approx([1e5], rel=1e-14)
     with pytest.raises(vo.DefinitionError, match="no motion passes through x = -1"):
         vo.section(free, x, ("x",), value=-1, starts=[start], crossings=1, method=method)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("kind", ["formula", "table"])
+def test_a_section_begins_where_its_scene_does(method, kind):
+    # a table begins there, too: it went from t = 0 where the input is a formula
+    u = sp.Symbol("u")
+    driven = vo.System(
+        name="driven", fibration=vo.Fibration(base=(x,)), lagrangian=xdot**2 / 2 - x**2 / 2,
+        forces={x: u}, inputs=(u,),
+    )  # fmt: skip
+    value = vo.time / 3 if kind == "formula" else vo.Table([0, 60], [0, 20])
+    found = vo.section(
+        driven, "x - t/3", ("x",), scene=vo.Scene({x: 0, xdot: 0}, (6, 10)), crossings=3,
+        direction=0, until=30, inputs={u: value}, method=method,
+    )  # fmt: skip
+    # x = t/3 - 2 cos(t - 6) - sin(t - 6)/3
+    expected = 6 + np.pi - np.arctan(6) + np.pi * np.arange(3)
+    assert found.t == pytest.approx(expected, abs=1e-9)
+    assert found.points[:, 0] == pytest.approx(expected / 3, abs=1e-9)
+
+
+@pytest.mark.parametrize("until", [0, -3])
+def test_a_section_that_ends_before_it_begins_is_refused(oscillator, until):
+    with pytest.raises(vo.DefinitionError, match="sections go forwards in time"):
+        vo.section(oscillator, "x", until=until)

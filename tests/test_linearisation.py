@@ -336,3 +336,31 @@ def test_a_corner_times_what_vanishes_has_a_slope(force: Any, slopes: Any) -> No
     )
     found = vo.linearise(vo.derive(system), {"x": 0, "xdot": 0})
     assert sp.Matrix([[0, 1], slopes]) == found.A
+
+
+AT_CORNERS = {
+    "(p**2 - 2)*xdot**2/2 - x**2/2": (0, sp.sqrt(2), 0, "mass matrix is singular"),
+    "cos(p)*xdot**2/2 - x**2/2": (0, sp.pi / 2, 0, "mass matrix is singular"),
+    "slope of sign": (sp.pi, sp.pi, "-sign(x - p)*x", "a corner or a step"),
+    "slope of floor": (sp.sqrt(2), sp.sqrt(2), "floor(x/p)", "a corner or a step"),
+    "slope of a case": (sp.sqrt(2), sp.sqrt(2), "Abs(x - p)", "a corner or a step"),
+    "slope of a remainder": (2 * sp.sqrt(2), sp.sqrt(2), "Mod(x, p)", "a corner or a step"),
+    "infinite": (0, sp.pi, "x/(p - pi)", "no finite value"),
+    "0/0": (0, 0, "sin(p*x)/p", "no finite value"),
+}
+
+
+@pytest.mark.parametrize("case", AT_CORNERS)
+def test_corners_and_infinities_are_seen_at_irrational_parameters_too(case):
+    """Zero was the slope of 0/0, and parameters such as pi were put in after corners were looked
+    for: slopes without a word, or a traceback."""
+    at, value, force, words = AT_CORNERS[case]
+    x, p = sp.symbols("x p")
+    speed = vo.velocity(x)
+    form = case if not force else "xdot**2/2"
+    system = vo.System(
+        name="corner", fibration=vo.Fibration(base=(x,)), parameters=(p,),
+        lagrangian=sp.sympify(form, {"xdot": speed}), forces={x: sp.sympify(force)},
+    )  # fmt: skip
+    with pytest.raises(vo.DefinitionError, match=words):
+        vo.linearise(vo.derive(system), {x: at, speed: 0, p: value})

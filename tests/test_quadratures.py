@@ -139,6 +139,15 @@ def test_a_motion_that_does_not_fit_the_system_is_refused(changes, words):
         system(motion=motion(**{**good, **changes}))
 
 
+def test_a_velocity_is_not_read_off_a_place_that_may_be_turned():
+    # the rates of longitudes in space hold for upright data alone
+    demchenko = vo.load("demchenko")
+    v1, speed = sp.Symbol("v1"), demchenko.velocities[0]
+    wrong = {**demchenko.motion.velocities, speed: vo.velocity(v1)}
+    with pytest.raises(vo.DefinitionError, match="holds 'v1' or its rate, a place in space"):
+        replace(demchenko, motion=replace(demchenko.motion, velocities=wrong))
+
+
 def test_a_motion_is_of_the_right_kind():
     with pytest.raises(vo.DefinitionError, match="motion is '3'; write Quadratures"):
         system(motion=3)

@@ -9,6 +9,8 @@ import pytest
 import sympy as sp
 
 import voronec as vo
+from voronec.equations.motions import Motions
+from voronec.proof.quadratures import check_motion
 
 pytestmark = pytest.mark.slow
 
@@ -121,3 +123,42 @@ def test_the_contact_moves_over_the_plane_as_declared(position):
     expected = inner(vector / of(plane.length)) * (forward + 1j * left)
     assert np.abs(moved).max() > 0.1
     assert np.abs(moved - expected).max() < 1e-6
+
+
+def point_on_a_line(clock):
+    """A point whose place is the variable itself; a direction turns with it, at a pole beyond."""
+    x, q, z, E0 = sp.symbols("x q z E0")
+    pace = clock.subs(z, x)
+    return vo.System(
+        name="point",
+        fibration=vo.Fibration(base=(x,), fibre=(q,)),
+        lagrangian=pace**2 * vo.velocity(x) ** 2 / 2 - 8 * x**2,
+        constraints=(vo.velocity(q) * pace - 40 / (x - 9),),
+        motion=vo.Quadratures(
+            variable={z: x},
+            constants={E0: pace**2 * vo.velocity(x) ** 2 + 16 * x**2},
+            quartic=E0 - 16 * z**2,
+            integrals={q: 40 / (z - 9)},
+            others=(9,),
+            clock=clock,
+        ),
+    )
+
+
+@pytest.mark.parametrize("clock", [sp.Integer(1), 1 + sp.Symbol("z") ** 2 / 100])
+@pytest.mark.parametrize("start", [{"x": 5, "q": 1, "xdot": -3}, {"x": 0, "q": 1, "xdot": 0}])
+def test_the_variable_may_be_a_coordinate_itself(clock, start):
+    system, names = point_on_a_line(clock), ("x", "q", "xdot")
+    claims = [*check_motion(Motions.of(system))]
+    assert claims and all(c.verdict.proved for c in claims)
+    run = vo.integrate(system, times=[0, 2], initial=start, outputs=names, tol=1e-22)
+    form = vo.closed_form(system, initial=start)
+    rough, wrapped, exact = form.at([2]), form.modulo([2]), form.enclose(2, 25)
+    for name in names:
+        truth = float(run[name][-1])
+        assert rough[name][0] == pytest.approx(truth, abs=2e-14)
+        assert float(exact[name]) == pytest.approx(truth, abs=1e-15)
+        turns = 2 * np.pi * round(truth / 2 / np.pi) if name == "q" else 0  # a length has none
+        assert wrapped[name][0] == pytest.approx(truth - turns, abs=2e-14)
+    long = vo.integrate(system, times=[0, 1000], initial=start, outputs=names)
+    assert long.cost.method == "closed-form"

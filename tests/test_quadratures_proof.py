@@ -70,6 +70,26 @@ def test_a_wrong_quartic_is_refuted(name):
         assert refuted(name, wrong, [f"rate of {motion.x}"])
 
 
+@pytest.mark.parametrize(
+    "variable", ["cos(x)", "Abs(cos(x))", "sqrt(cos(x)**2)", "Max(cos(x), -cos(x))"]
+)
+def test_a_variable_that_bounces_is_not_proved(variable):
+    """|cos(x)| obeys the quartic of cos(x), and turns back where the closed form goes on."""
+    x, y, z, c = sp.symbols("x y z c")
+    value = sp.sympify(variable)
+    system = vo.System(
+        name="bounce", fibration=vo.Fibration(base=(x,), fibre=(y,)),
+        lagrangian=vo.velocity(x) ** 2 / 2, constraints=(vo.velocity(y) - value,),
+        motion=vo.Quadratures(
+            variable={z: value}, constants={c: vo.velocity(x)}, quartic=c**2 * (1 - z**2),
+            integrals={x: c, y: z},
+        ),
+    )  # fmt: skip
+    ground = QuadratureGround(Motions.of(system).on_coordinates, system.motion)
+    found = dict(statements(ground))["rate of z"]()
+    assert found.proved == (variable == "cos(x)"), found.method
+
+
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_a_wrong_rate_is_refuted(name):
     motion = bare(name).motion

@@ -13,7 +13,6 @@ from typing import Any
 
 import flint
 import symengine as se
-import sympy as sp
 
 from voronec.algebra.conditions import comparisons, split_hypotheses
 from voronec.algebra.factors import irreducible_factors
@@ -32,6 +31,9 @@ _SHALLOW, _FEW = 2, 24
 search grows with the power of the number of variables."""
 _MOST_POLYNOMIALS = 3_000
 """How many polynomials the search for one certificate may lead to."""
+_LONG = 300
+"""How many terms one of these may have that others are to rest on: squares of long ones, seldom of
+one sign, take minutes to be factored."""
 _KINDS = {1: ("nonnegative", "positive"), -1: ("nonpositive", "negative")}
 """What a generator is by the sign it is known to have: not strictly, and strictly."""
 _ONE_SIGN = {"positive": 1, "nonnegative": 1, "negative": -1, "nonpositive": -1}
@@ -162,6 +164,8 @@ class Signs:
 
     def of_polynomial(self, poly: Any, depth: int = 0) -> Sign | None:
         """The sign of a polynomial, by its factors."""
+        if depth and len(poly) > _LONG:
+            return None
         key = str(poly)
         sign, tried = self.known.get(key, (None, _DEPTH + 1))
         if sign is None and depth < tried and len(self.known) < _MOST_POLYNOMIALS:
@@ -301,15 +305,14 @@ class Signs:
             return None
         (place,) = places
         powers = {e[place]: c for e, c in poly.to_dict().items()}
-        terms = [powers.get(i, 0) for i in range(max(powers), -1, -1)]
-        exact = [sp.Rational(int(flint.fmpq(c).p), int(flint.fmpq(c).q)) for c in terms]
+        one = flint.fmpq_poly([flint.fmpq(powers.get(i, 0)) for i in range(max(powers) + 1)])
         side = _ONE_SIGN.get(self.kinds[place], 0)
-        one = sp.Poly(exact, sp.Symbol("x"))
-        if one.count_roots(0 if side > 0 else None, 0 if side < 0 else None):
+        roots = [root.real for root, _ in one.complex_roots() if root.imag == 0]
+        if not all(side * root < 0 for root in roots):  # balls, each of one root alone
             return None
         at = side or 1
-        text = f"{self.spell(poly)} has no root there (Sturm), and its sign at {at}"
-        return Sign(1 if one.eval(at) > 0 else -1, True, text)
+        text = f"{self.spell(poly)} has no root there (all were isolated), and its sign at {at}"
+        return Sign(1 if one(at) > 0 else -1, True, text)
 
     def _by_coefficients(self, poly: Any, place: int, depth: int) -> Sign | None:
         """Collected in one variable, all coefficients have one sign."""

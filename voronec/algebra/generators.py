@@ -16,11 +16,17 @@ import flint
 import symengine as se
 
 from voronec.algebra.exponents import DEGREE, ExponentBasis
-from voronec.algebra.graphs import is_atom, is_flat
+from voronec.algebra.graphs import is_atom, is_flat, nodes
 from voronec.algebra.terms import summands
 from voronec.errors import EngineLimit
 
-__all__ = ["Generators", "holds_far_multiples", "linear_terms", "prime_factors"]
+__all__ = [
+    "Generators",
+    "holds_far_multiples",
+    "linear_terms",
+    "prime_factors",
+    "splits_curved_angles",
+]
 
 TRIGONOMETRIC = (se.sin, se.cos, se.tan, se.cot, se.sec, se.csc)
 HYPERBOLIC = (se.sinh, se.cosh, se.tanh, se.coth)
@@ -73,6 +79,37 @@ def holds_far_multiples(exprs: Iterable[Any]) -> bool:
     except EngineLimit:
         return False
     return any(fold > FOLDS for fold in found.folds.values())
+
+
+def splits_curved_angles(exprs: Iterable[Any], moving: Iterable[Any]) -> bool:
+    """Whether a normal form splits the sine of a sum in which powers or products of what moves
+    stand, as cos(t^2 - 2 t): it is exact, but both angles run far ahead of their sum, and series of
+    their products have no digits left where it hardly moves."""
+    symbols = {*moving}
+    return any(
+        isinstance(node, TRIGONOMETRIC)
+        and isinstance(node.args[0], se.Add | se.Mul)
+        and _is_curved_sum(node.args[0], symbols)
+        for node in nodes(exprs)
+    )
+
+
+def _is_curved_sum(angle: Any, moving: set[Any]) -> bool:
+    try:
+        terms = [term for term in linear_terms(angle) if term.free_symbols & moving]
+    except EngineLimit:
+        return True  # too long to be split, for normal forms too
+    return len(terms) > 1 and any(_degree(term, moving) > 1 for term in terms)
+
+
+def _degree(term: Any, moving: set[Any]) -> int:
+    """Of a product, in the symbols that move."""
+    degree = 0
+    for factor in term.args if isinstance(term, se.Mul) else (term,):
+        base, exponent = factor.args if isinstance(factor, se.Pow) else (factor, se.Integer(1))
+        if base in moving and isinstance(exponent, se.Integer):
+            degree += int(exponent)
+    return degree
 
 
 def prime_factors(n: int) -> dict[int, int]:

@@ -91,8 +91,9 @@ def _state_in_motion(
     pace = ratios(own)[-1].value(problem, x, bits) if timed else ball(1)
     rates = [rate / pace for rate in _rates(own, table, shares, x)[: len(own.motion.angles)]]
     angles = dict(zip(own.motion.angles, form.begin(bits), strict=True))
-    found = {q: a + at.integrals[j] for j, (q, a) in enumerate(angles.items())}
-    values = [*problem.level(bits), x]
+    found = {own.motion.meaning: x}
+    found |= {q: a + at.integrals[j] for j, (q, a) in enumerate(angles.items())}
+    values = [*problem.level(bits), x, at.rate / pace]
     for i, trace in enumerate(own.motion.traces):
         south, north, cosine, fall = (_values_at_ratio if timed else _straight)(
             form, table, i, at, bits
@@ -230,7 +231,7 @@ def resting_values(form: InvertedMotion, moved: Mapping[Any, Any], bits: int) ->
     """Values of the symbols of a ``Reading`` where the variable rests, with coordinates that have
     moved."""
     own, x = form.problem.prepared, form.problem.place(bits)
-    read, values = reading_of(own), [*form.problem.level(bits), x]
+    read, values = reading_of(own), [*form.problem.level(bits), x, ball(0)]
     rates = dict(zip(form.system.coordinates, steady_rates(form, bits), strict=True))
     with precise(bits):
         for trace in form.quadratures.traces:

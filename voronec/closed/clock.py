@@ -32,6 +32,7 @@ from voronec.closed.ratio import (
     ratios,
     rounded_constants,
 )
+from voronec.elliptic.doubles import LATEST
 from voronec.elliptic.many_times import Sample
 from voronec.errors import EngineLimit
 
@@ -292,7 +293,7 @@ def clock_of(form: InvertedMotion) -> Clock:
 
 def pieces(value: Any) -> list[float]:
     """Doubles whose sum is the number: the first three short, so that products with whole numbers
-    below 2^27 are exact."""
+    below 2^27, and such times a power of two, are exact."""
     found, rest = _short_pieces(value, 3)
     return [*found, float(rest)]
 
@@ -323,11 +324,22 @@ def whole_turns_off(rate: Any, grid: np.ndarray) -> np.ndarray:
 
 
 def _reduce_by_periods(times: np.ndarray, parts: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
-    """Times less whole periods, the nearest; and how many these are."""
+    """Times less whole periods, the nearest; and how many these are.
+
+    Raises:
+        EngineLimit: a time is too many periods away.
+    """
     count = np.rint(times / sum(parts))
+    if not (np.abs(count) < 2.0**LATEST).all():
+        raise EngineLimit(
+            f"t = {np.abs(times).max():.17g} is more than 2^{LATEST} periods away; "
+            "enclose that time instead"
+        )
+    low = np.fmod(count, 2.0 ** (LATEST / 2))  # products of either half with a piece are exact
     rest = times.copy()
     for part in parts:
-        rest -= count * part
+        rest -= (count - low) * part
+        rest -= low * part
     return count, rest
 
 
@@ -409,14 +421,16 @@ class PeriodGrid:
 
     def value(self, q: Any) -> np.ndarray:
         """A coordinate as it is asked for."""
-        found, plane = self.coordinate(q, self.whole), self.form.quadratures.plane
-        if self.whole or (plane is not None and q in plane.place):
+        found = self.coordinate(q, self.whole)
+        if self.whole or q in self.form.quadratures.lengths:
             return found
         return np.asarray(found - TURN * np.ceil(found / TURN - 0.5))
 
     def coordinate(self, q: Any, whole: bool) -> np.ndarray:
-        """A colatitude, an angle that is an integral, or a place."""
+        """The variable, a colatitude, an angle that is an integral, or a place."""
         motion = self.form.quadratures
+        if q == motion.meaning:
+            return np.asarray(self.sample.x)
         for i, trace in enumerate(motion.traces):
             if trace.colatitude == q:
                 side, turns = self.form.branch(i)
@@ -444,7 +458,7 @@ class PeriodGrid:
         """What the slope of a place adds: nothing where x has come back."""
         start, x = float(self.form.problem.place(FINE)), self.sample.x
         a, b, c = rounded_constants(self.form).slides[i]
-        moved = x - start
+        moved = self.sample.affine(*rounded_constants(self.form).from_start)
         total = moved * (a + b * (x + start) / 2 + c * (x * x + x * start + start**2) / 3)
         for place, residues in self.form.problem.others(FINE):
             residue = residues[len(self.form.problem.prepared.rates) + i]
@@ -461,6 +475,7 @@ class PeriodGrid:
         clock, angles = clock_of(form), len(form.quadratures.angles)
         pace = clock.paces(self.sample)
         values: list[Any] = [*(float(c) for c in form.problem.level(FINE)), x]
+        values.append(self.sample.rate / pace)
         with np.errstate(all="ignore"):
             for i in range(len(form.quadratures.traces)):
                 south, north = (self._evaluate(e) for e in clock.reach[i])

@@ -126,8 +126,7 @@ def _where_it_rests(
 ) -> dict[str, np.ndarray]:
     """Coordinates and velocities; angles continuous (``whole``) or modulo a turn."""
     system, given = form.system, form.problem.start_by_symbol(SHARP)
-    plane, found = form.quadratures.plane, {}
-    straight = plane.place if plane is not None else ()
+    straight, found = form.quadratures.lengths, {}
     for q, rate in zip(system.coordinates, steady_rates(form, SHARP), strict=True):
         if whole or q in straight:
             found[plain_name(q)] = float(given[q]) + float(rate) * grid
@@ -314,8 +313,7 @@ def _state_at_rest(
     found = _where_it_rests(form, grid, names, whole)
     if whole:
         return found
-    plane = form.quadratures.plane
-    straight = plane.place if plane is not None else ()
+    straight = form.quadratures.lengths
     turning = {plain_name(q) for q in form.system.coordinates if q not in straight}
     return {n: _wrap_angle(x) if n in turning else x for n, x in found.items()}
 
@@ -374,16 +372,23 @@ class UprightView:
             self.coordinate(coordinates[n]) if n in coordinates else self.velocities[n]
             for n in plain
         ]
-        # continuous angles have lost digits late; those that start small are of one period only
-        near = self if self.in_first_turn else UprightView(self.form, self.at, False)
         for q in circles:
-            angle = near.coordinate(q)
+            angle = self._near.coordinate(q)
             found += [np.cos(angle), np.sin(angle)]
         return found
 
+    @cached_property
+    def _near(self) -> UprightView:
+        """The view whose angles have sines and cosines with all digits: continuous angles have lost
+        some late; those that start small are of one period only."""
+        whole = self.whole and not self.in_first_turn
+        return UprightView(self.form, self.at, False) if whole else self
+
     def coordinate(self, q: Any) -> np.ndarray:
-        """An angle that is an integral, a colatitude, or a place on a plane."""
+        """An angle that is an integral, a colatitude, the variable, or a place on a plane."""
         form, angles = self.form, self.form.quadratures.angles
+        if q == form.quadratures.meaning:
+            return np.asarray(self.at.x)
         if q in angles:
             j = angles.index(q)
             whole, part = rounded_constants(form).starts[j]
@@ -406,10 +411,10 @@ class UprightView:
         form, plane, x = self.form, self.form.quadratures.plane, self.at.x
         assert plane is not None
         start, origin, direction = rounded_constants(form).place
-        moved = []
+        gone, moved = self.at.affine(*rounded_constants(form).from_start), []
         for i, (a, b, c) in enumerate(rounded_constants(form).slides):
             whole = self.at.integral(len(form.quadratures.angles) + i)
-            rest = (x - start) * (a + b * (x + start) / 2 + c * (x * x + x * start + start**2) / 3)
+            rest = gone * (a + b * (x + start) / 2 + c * (x * x + x * start + start**2) / 3)
             moved.append(whole + rest)
         return plane.at(origin, direction, moved)
 
@@ -417,7 +422,7 @@ class UprightView:
     def velocities(self) -> dict[str, np.ndarray]:
         """The velocities of the equations, accurate relative to their size near the poles."""
         form, own, x = self.form, self.form.problem.prepared, self.at.x
-        values: list[Any] = [*rounded_constants(form).level, x]
+        values: list[Any] = [*rounded_constants(form).level, x, self.at.rate]
         for i in range(len(form.quadratures.traces)):
             south, north = (self.at.affine(*ends) for ends in rounded_constants(form).reach[i])
             offset, slope = rounded_constants(form).cosines[i]
@@ -426,7 +431,7 @@ class UprightView:
                 values += [sine, offset + slope * x, -slope * self.at.rate / sine]
         rates = rounded_constants(form).rates(self.at, self._weights)
         values += rates[: len(form.quadratures.angles)]
-        values += [self.coordinate(q) for q in reading_of(own).coordinates]
+        values += [self._near.coordinate(q) for q in reading_of(own).coordinates]
         values += [evaluate_form(p, *self._weights) for p in rounded_constants(form).polynomials]
         with np.errstate(all="ignore"):
             found = velocities_in_doubles(own)(*values)

@@ -280,8 +280,8 @@ def _example(raw: CompiledMotion) -> list[Any]:
 class Reading:
     """The velocities of the equations, to be evaluated along a motion.
 
-    ``symbols`` are the level's, then ``x``, then for each trace sine and cosine of its colatitude
-    and the colatitude's velocity, then the velocity of each angle, then ``coordinates``, then
+    ``symbols`` are the level's, then ``x`` and its rate, then for each trace sine and cosine of its
+    colatitude and the velocity of that, then the velocity of each angle, then ``coordinates``, then
     what stands for ``polynomials`` in x; ``expressions`` in these, in the order of ``velocities``.
     """
 
@@ -298,8 +298,11 @@ def reading_of(own: CompiledMotion) -> Reading:
 
 
 def _make_reading(own: CompiledMotion) -> Reading:
-    motion, symbols = own.motion, [*own.level, own.motion.x]
+    motion, change = own.motion, sp.Dummy("rate of the variable")
+    symbols = [*own.level, motion.x, change]
     meaning: dict[Any, Any] = {}
+    if motion.meaning in own.system.coordinates:
+        meaning |= {motion.meaning: motion.x, velocity(motion.meaning): change}
     for i, trace in enumerate(motion.traces):
         sine, cosine, rate = sp.symbols(f"sine{i} cosine{i} colatitude_rate{i}", cls=sp.Dummy)
         meaning |= {sp.sin(trace.colatitude): sine, sp.cos(trace.colatitude): cosine,

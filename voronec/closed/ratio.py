@@ -212,6 +212,15 @@ class RoundedConstants:
         return float(self.form.problem.place(FINE)), origin, direction
 
     @cached_property
+    def from_start(self) -> tuple[float, float]:
+        """The variable less its value at the start, at both ends: what it goes is known to its own
+        last bit, however short its way."""
+        with precise(FINE):
+            constants = self.form.solution.constants(FINE)
+            place = self.form.problem.place(FINE)
+            return float(constants.base - place), float(constants.other - place)
+
+    @cached_property
     def reach(self) -> list[tuple[tuple[float, float], tuple[float, float]]]:
         """Of each trace: 1 - cosine and 1 + cosine at both ends."""
         found = []

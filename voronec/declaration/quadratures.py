@@ -261,6 +261,21 @@ class Quadratures:
         return tuple(self.integrals)
 
     @property
+    def lengths(self) -> frozenset[sp.Expr]:
+        """What is no angle of the coordinates: the variable, where it is one, and the place on a
+        plane."""
+        return frozenset({self.meaning} | ({*self.plane.place} if self.plane else set()))
+
+    @property
+    def plain_coordinates(self) -> frozenset[sp.Expr]:
+        """The coordinates whose velocities follow from the variable, however the motion lies in
+        space."""
+        turned = {*self.space.coordinates} if self.space is not None else set()
+        return frozenset(
+            {self.meaning, *self.integrals, *(t.colatitude for t in self.traces)} - turned
+        )
+
+    @property
     def rates(self) -> Mapping[str, sp.Expr]:
         """Everything that is integrated, by name: angles, the clock, the place in a plane."""
         found = {plain_name(q): rate for q, rate in self.integrals.items()}

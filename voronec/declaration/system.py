@@ -788,9 +788,19 @@ def check_motion(system: System) -> None:
         if q not in system.motion.known_coordinates:
             raise DefinitionError(f"motion gives no value to the coordinate '{plain_name(q)}'")
     for w in system.velocities:
-        dotted = w in {velocity(q) for q in system.coordinates}
+        dotted = w in {
+            velocity(q) for q in system.coordinates if q in system.motion.plain_coordinates
+        }
         if w not in system.motion.velocities and not dotted:
             raise DefinitionError(f"motion gives no value to the velocity '{plain_name(w)}'")
+    left = [q for q in system.coordinates if q not in system.motion.plain_coordinates]
+    for w, value in system.motion.velocities.items():
+        for q in left:
+            if value.has(q, velocity(q)):
+                raise DefinitionError(
+                    f"motion: the velocity '{plain_name(w)}' holds '{plain_name(q)}' or its rate, "
+                    "a place in space; write it with angles, colatitudes and the variable"
+                )
 
 
 def _check_symbols(system: System, motion: Quadratures) -> None:

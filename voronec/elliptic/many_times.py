@@ -72,7 +72,7 @@ def strain_part(doubles: Doubles, place: int, number: int, z: np.ndarray) -> np.
             if math.isfinite(period):
                 value -= log.imag * _gain(doubles, angle, whole.imag) / period * z
         if zeta:
-            value += (zeta * _zeta(doubles, image - sign * 1j * whole.imag)).real
+            value += zeta.real * _zeta(doubles, image - sign * 1j * whole.imag)
             value += zeta.real * _wave(doubles) * count
     if log.real and constants.kind == "hyperbolic" and not math.isfinite(period):
         # |z - a| - |z + a|, which ``_size`` leaves out: it is bounded, and they are not
@@ -135,16 +135,36 @@ def _size(doubles: Doubles, z: np.ndarray, count: np.ndarray, alpha: float) -> n
 
 
 def _zeta(doubles: Doubles, z: np.ndarray) -> np.ndarray:
-    """``s'/s`` at complex z."""
+    """The real part of ``s'/s`` at complex z."""
+    if doubles.constants.kind == "trigonometric":
+        return _trigonometric_zeta(doubles, z)
     if doubles.constants.kind in ("hyperbolic", "exponential"):
         rising = _second_term_ratio(doubles, z)
         value = np.sign(z.real) * (1 + 2 * rising / (1 + rising))
         near = np.abs(z.real) < FAR
         sums = _sums(doubles, z[near])
         value[near] = sums[1] / sums[0]
-        return value
+        return np.asarray(value.real)
     value, slope = _sums(doubles, z)
-    return slope / value
+    return np.asarray((slope / value).real)
+
+
+def _trigonometric_zeta(doubles: Doubles, z: np.ndarray) -> np.ndarray:
+    """The real part of ``s'/s``, from products of the terms ``c_k sin(k z)`` of s.
+
+    Far from the axis it is small beside the imaginary part, and would be lost in its rounding.
+    With z = x + i y two terms, k < n, have in ``Re s' conj(s)`` the share
+    c_k c_n ((n + k) sin((n + k) x) cosh((n - k) y) - (n - k) sin((n - k) x) cosh((n + k) y))/2,
+    and one with itself c_k^2 k sin(2 k x)/2.
+    """
+    terms = _terms(doubles, float(np.max(np.abs(z.imag), initial=0.0)))
+    x, y, total = z.real, z.imag, np.zeros(z.shape)
+    for i, (k, one) in enumerate(terms):
+        total += one * one * k / 2 * np.sin(2 * k * x)
+        for n, other in terms[i + 1 :]:
+            sums = (n + k) * np.sin((n + k) * x) * np.cosh((n - k) * y)
+            total += one * other / 2 * (sums - (n - k) * np.sin((n - k) * x) * np.cosh((n + k) * y))
+    return np.asarray(total / np.abs(_sums(doubles, z)[0]) ** 2)
 
 
 def _second_term_ratio(doubles: Doubles, z: np.ndarray) -> np.ndarray:
@@ -162,16 +182,24 @@ def _sums(doubles: Doubles, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return z, np.ones_like(z)
     trigonometric = kind == "trigonometric"
     sine, cosine = (np.sin, np.cos) if trigonometric else (np.sinh, np.cosh)
-    nome = float(doubles.constants.nome.mid())
     growth = float(np.max(np.abs(z.imag if trigonometric else z.real), initial=0.0))
     value, slope = np.zeros_like(z), np.zeros_like(z)
+    for order, power in _terms(doubles, growth):
+        value += power * sine(order * z)
+        slope += power * order * cosine(order * z)
+    return value, slope
+
+
+def _terms(doubles: Doubles, growth: float) -> list[tuple[int, float]]:
+    """(k, c_k) of the terms of s that count as far as ``growth`` from the axis."""
+    nome = float(doubles.constants.nome.mid())
+    found: list[tuple[int, float]] = []
     for n in range(12):
         order, power = 2 * n + 1, (-1) ** n * nome ** (n * (n + 1) // 2)
         if n and (power == 0.0 or math.log(abs(power)) + (order + 1) * growth < -FAR):
             break
-        value += power * sine(order * z)
-        slope += power * order * cosine(order * z)
-    return value, slope
+        found.append((order, power))
+    return found
 
 
 TURN = 2 * math.pi

@@ -17,7 +17,7 @@ import sympy as sp
 
 from voronec.algebra.cardinal import divides_sines_of_sums
 from voronec.algebra.door import Door
-from voronec.algebra.generators import holds_far_multiples
+from voronec.algebra.generators import holds_far_multiples, splits_curved_angles
 from voronec.algebra.memo import Memo
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
@@ -111,7 +111,13 @@ class DerivedEquations:
     def is_large(self) -> bool:
         """Whether numbers are better computed from the straight-line form."""
         form = self.raw.form
-        if holds_far_multiples(form.expressions) or self._divides_sines:
+        own = self.definition
+        moving = (own.time, *own.coordinates, *own.velocities)
+        if (
+            holds_far_multiples(form.expressions)
+            or self._divides_sines
+            or splits_curved_angles(form.expressions, moving)
+        ):
             return True
         if self.system.invariants:
             return False

@@ -67,9 +67,10 @@ def expand(
 def _expand(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, Any]) -> FirstOrder:
     found = known.get(expr)
     if found is None:
-        found = known[expr] = _first_order(expr, known, point)
+        found = _first_order(expr, known, point)
         if any(part in _NOT_FINITE for part in (found[0], *found[0].args)):
             raise EngineLimit(f"'{expr}' has no finite value at the point")
+        known[expr] = found
     return found
 
 
@@ -341,7 +342,10 @@ def _about(
     inputs = [u for u in jets(equations.system).values() if u in own.inputs or _holds(form, u)]
     variables = [*own.coordinates, *own.velocities, *inputs]
     mass = [e for row in form.mass for e in row]
-    rows = expand([*form.rates, *form.force, *mass, *own.relations], variables, point)
+    exprs = [*form.rates, *form.force, *mass, *own.relations]
+    if late:  # corners and infinite values are seen by the values alone
+        expand(exprs, variables, {**point, **late})
+    rows = expand(exprs, variables, point)
     k, n, width = len(own.coordinates), len(own.velocities), len(variables)
     table = [rows[k + n + i * n : k + n + (i + 1) * n] for i in range(n)]
     _require_relations(equations, [value.xreplace(late) for value, _ in rows[k + n + n * n :]])
@@ -351,7 +355,10 @@ def _about(
     chained += [_chain_slopes(row, spread, k) for row in slopes]
     values = [*(rows[i][0] for i in kept), *vdot]
     flat = _tidy([e for row in chained for e in row] + values, point, own.relations)
-    out = [equations.door.outward(se.sympify(e).xreplace(late)) for e in flat]
+    flat = [se.sympify(e).xreplace(late) for e in flat]
+    if any(part in _NOT_FINITE for e in flat for part in (e, *e.args)):
+        raise EngineLimit("the mass matrix is singular there")
+    out = [equations.door.outward(e) for e in flat]
     size = len(values)
     full = sp.Matrix(size, size + len(inputs), out[: len(out) - size])
     return Linearisation(

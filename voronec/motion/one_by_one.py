@@ -32,7 +32,7 @@ from voronec.motion.integration import integrate
 from voronec.motion.methods import METHODS
 from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
 from voronec.motion.motion_pool import Many
-from voronec.motion.request import Event, Values, label
+from voronec.motion.request import Event, Values, begin_of, label
 from voronec.motion.section_passages import PATIENCE, SectionPassages, SectionWatch
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run
@@ -284,9 +284,15 @@ def driven_passages(
         chosen = {k: x[i] if isinstance(x, np.ndarray) else x for k, x in parameters.items()}
         try:
             run = integrate(
-                system, times=[_begin(options), until], initial=start, parameters=chosen,
-                outputs=[*outputs, level], events=(event,), dense=True, **options,
-            )  # fmt: skip
+                system,
+                times=[begin_of(options.get("scene")), until],
+                initial=start,
+                parameters=chosen,
+                outputs=[*outputs, level],
+                events=(event,),
+                dense=True,
+                **options,
+            )
         except KeyboardInterrupt:
             found.interrupted = True
             break
@@ -299,11 +305,6 @@ def driven_passages(
         if progress is not None:
             progress((i + 1) / len(starts))
     return found
-
-
-def _begin(options: Mapping[str, Any]) -> float:
-    scene = options.get("scene")
-    return 0.0 if scene is None else float(scene.times[0])
 
 
 def _note(

@@ -38,6 +38,7 @@ __all__ = [
     "StartData",
     "Values",
     "Vocabulary",
+    "begin_of",
     "grid_of",
     "held_name",
     "label",
@@ -125,6 +126,11 @@ def quantity(vocabulary: Vocabulary, key: Any, role: str = "output") -> tuple[st
             )
         meaning[symbol] = known[str(symbol)]
     return label(given), expr.xreplace(meaning)
+
+
+def begin_of(scene: Scene | None) -> float:
+    """Where motions begin that no span of time is given for."""
+    return 0.0 if scene is None else number(scene.times[0], "the span's beginning")
 
 
 def scene_of(

@@ -33,6 +33,7 @@ from voronec.motion.one_by_one import DrivenPassages, SwitchedMotions, driven_pa
 from voronec.motion.request import (
     Values,
     Vocabulary,
+    begin_of,
     held_name,
     number,
     outputs_of,
@@ -89,7 +90,7 @@ def starts_alike(
             f"system '{system.name}' declares no integral, so no starts alike are known; "
             "give starts as arrays of initial values"
         )
-    motions = many(equations, scene, [initial], parameters, {}, 0.0)
+    motions = many(equations, scene, [initial], parameters, {}, begin_of(scene))
     if motions.wrong:
         raise motions.wrong[0]
     names = [plain_name(x) for x in (*system.coordinates, *system.velocities)]
@@ -340,8 +341,8 @@ def section(
         number: that many starts around the one of ``scene`` and ``initial``, on which all
         integrals of the system have the same values.
     scene, parameters, method, tol, progress, inputs
-        as for ``ensemble``; with tables and functions for inputs motions are followed one by one,
-        up to ``until``, which must be given.
+        as for ``ensemble``; motions begin where the scene does, else at t = 0.  With tables and
+        functions for inputs they are followed one by one, up to ``until``, which must be given.
 
     Each crossing is found on the Taylor polynomial of its step (with scipy, on the interpolant) and
     polished to rounding; motions that pass a pole or a singular split are followed once more alone,
@@ -362,6 +363,12 @@ def section(
     surface, expr = quantity(vocabulary, plane, "plane")
     on_plane = number(value, "the value of the plane")
     keys = outputs_of(None, outputs) or _whole(equations, expr)
+    begin = begin_of(chosen_scene)
+    if until is not None and number(until, "until") <= begin:
+        raise DefinitionError(
+            f"until = {float(until):g} does not lie after t = {begin:g}, where the motions begin; "
+            "sections go forwards in time"
+        )
     if driven.changing is not None:
         single, columns = _starts(equations, chosen_scene, starts, initial, parameters)
         found = driven_passages(
@@ -374,7 +381,7 @@ def section(
     wanted = dict(quantity(vocabulary, key) for key in keys)
     single, columns = _starts(equations, chosen_scene, starts, initial, parameters)
     motions = many(
-        equations, chosen_scene, single, columns, {**wanted, f"plane {surface}": expr}, 0.0
+        equations, chosen_scene, single, columns, {**wanted, f"plane {surface}": expr}, begin
     )
     if len(motions.wrong) == len(motions):
         raise motions.wrong[0]

@@ -323,7 +323,11 @@ def _constant(ground: QuadratureGround, symbol: sp.Symbol) -> Verdict:
 
 def _quartic(ground: QuadratureGround) -> Verdict:
     found = ground.zero([("", ground.run**2 - ground.on_level(ground.motion.quartic))])
-    variable = [("the variable", ground.field.read(ground.motion.meaning))]
+    # what bounces, as |cos(u)| does, obeys the quartic on both sides, and the closed form goes on
+    variable = [
+        ("the variable", ground.field.read(ground.motion.meaning)),
+        ("its rate", ground.run),
+    ]
     back = _where_time_runs_back(ground) if found.proved else None
     if back is not None:
         return back

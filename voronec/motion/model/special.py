@@ -9,7 +9,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.graphs import nodes
-from voronec.algebra.normal import canonical
+from voronec.algebra.normal import canonical, canonical_for_numbers
 from voronec.algebra.verdicts import all_vanish
 from voronec.errors import EngineLimit
 from voronec.motion.model.level import (
@@ -186,7 +186,7 @@ def _tidy(level: Level) -> Level:
         return level
     flat = [*level.rates, *level.force, *(e for row in level.mass for e in row)]
     try:
-        flat = canonical(flat, level.relations)
+        flat = canonical_for_numbers(flat, level.form)
     except EngineLimit:
         return level
     n, k = len(level.velocities), len(level.rates)
