@@ -158,3 +158,20 @@ def test_polynomials_of_high_degree_have_their_roots_isolated():
     hard = sum(((-1) ** k * (k**2 + 7) * x**k for k in range(100)), sp.Integer(0)) + 10**9 * x**100
     assert prove_inequality(hard + 10**6, ">", 0).proved
     assert prove_inequality(hard - 10**6, ">", 0).refuted
+
+
+def test_a_function_does_not_take_any_value() -> None:
+    # a "witness" set cos(exp(2 a y)) itself to 5/6, where it is 0.395
+    a, b = sp.symbols("a b", positive=True)
+    left = sp.cos(sp.exp(2 * a * sp.Symbol("y")))
+    found = prove_inequality(left, "!=", b / 2)
+    assert not found.proved
+    if found.witness is not None:
+        at = {sp.Symbol(n): sp.sympify(v) for n, v in found.witness.point.items()}
+        assert abs((left - b / 2).subs({a: at[sp.Symbol("a")], b: at[sp.Symbol("b")]} | at)) < 1e-9
+
+
+def test_values_beyond_doubles_are_no_small_ratios() -> None:
+    # an OverflowError of Fraction
+    b = sp.Symbol("b", positive=True)
+    assert not prove_inequality(-sp.sin(sp.sinh(4 * b + sp.Rational(5, 3))), "!=", 0).proved

@@ -400,12 +400,14 @@ class Signs:
         return text if len(text) <= 120 else f"a polynomial of {len(poly)} terms"
 
     def linear_zeros(self, poly: Any) -> list[tuple[Any, Any]]:
-        """(variable, value): where factors that are linear in a variable vanish."""
+        """(symbol, value): where factors that are linear in a symbol vanish.  A function does not
+        take any value: it is no unknown."""
         found = []
         for factor, _ in irreducible_factors(poly)[1] if poly != 0 else ():
             for place in self._generators_of(factor):
                 parts = self._coefficients(factor, place)
-                if max(parts) == 1 and not self._is_bound(place):
+                is_free = self.ring.meaning[place].is_Symbol and not self._is_bound(place)
+                if max(parts) == 1 and is_free:
                     above, below = parts.get(0, self.ring.field.zero), parts[1]
                     value = -self.ring.polynomial(above) / self.ring.polynomial(below)
                     found.append((self.ring.meaning[place], value))

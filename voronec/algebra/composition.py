@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import product
-from math import lcm
+from math import isfinite, lcm
 from typing import Any
 
 import flint
@@ -670,10 +670,11 @@ def _ratio(above: Sequence[Any], below: Sequence[Any]) -> Any:
     """The small rational number that all quotients of values may be; else None."""
     found: set[Fraction] = set()
     for u, v in zip(above, below, strict=True):
-        if v.contains(0):
-            return None
         quotient = u / v
-        near = Fraction(float(quotient.mid())).limit_denominator(LARGEST_RATIO)
+        size = float(quotient.mid())
+        if v.contains(0) or not isfinite(size):
+            return None
+        near = Fraction(size).limit_denominator(LARGEST_RATIO)
         if not 0 < abs(near.numerator) <= LARGEST_RATIO or len(found | {near}) > 1:
             return None
         if not quotient.contains(flint.fmpq(near.numerator, near.denominator)):
