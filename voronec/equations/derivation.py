@@ -94,7 +94,7 @@ class Derivation:
         return shortest(found, d.relations, d.velocities) if self.exact else found
 
     @cached_property
-    def _lettered(self) -> tuple[Derivation, StandIns] | None:
+    def _in_letters(self) -> tuple[Derivation, StandIns] | None:
         """The same with letters for sums of places of which powers are declared; None where there
         are none."""
         d = self.definition
@@ -240,8 +240,8 @@ class Derivation:
         """d2Lc/dv2, less what forces hold of the accelerations: mass * vdot = force, shape (n, n)
         [Theory, eq. (11)]."""
         vs = self.definition.velocities
-        if self._lettered is not None:
-            hidden, letters = self._lettered
+        if self._in_letters is not None:
+            hidden, letters = self._in_letters
             return [[letters.show(e) for e in row] for row in hidden.mass]
         n = len(vs)
         upper = [(i, j) for i in range(n) for j in range(i, n)]
@@ -312,8 +312,8 @@ class Derivation:
     @cached_property
     def force(self) -> list[Any]:
         """mass * vdot = force."""
-        if self._lettered is not None:
-            hidden, letters = self._lettered
+        if self._in_letters is not None:
+            hidden, letters = self._in_letters
             return [letters.show(e) for e in hidden.force]
         raw = [r - d for r, d in zip(self.right, self.inertial, strict=True)]
         return self.polish(raw)
