@@ -82,6 +82,18 @@ def test_time_is_a_place_too() -> None:
     assert found["x"][-1] == pytest.approx(truth["x"][-1], abs=1e-11)
 
 
+@pytest.mark.parametrize("power", [3, 5])
+def test_a_speed_beside_a_constant_is_no_sum_of_powers(power: int) -> None:
+    """The drag of a belt that runs at 300 is that of one at rest, seen from it."""
+    belt = 300
+    rest = line(-(v**power) - x / 10)
+    moved = line(-((v - belt) ** power) - (x - belt * t) / 10)
+    truth = vo.integrate(rest, initial={x: 0, v: 1}, times=[0, 5])
+    found = vo.integrate(moved, initial={x: 0, v: belt + 1}, times=[0, 5])
+    assert found["x"][-1] - 5 * belt == pytest.approx(truth["x"][-1], abs=1e-10)
+    assert found["xdot"][-1] - belt == pytest.approx(truth["xdot"][-1], abs=1e-11)
+
+
 @pytest.mark.parametrize("form", ["python", "c"])
 def test_printed_programs_keep_the_distance(form: str) -> None:
     text = getattr(vo.derive(line(-((x - FAR) ** 5) - x / 3)), form)()
@@ -118,6 +130,10 @@ def test_letters_stand_for_sums_of_places_alone() -> None:
     expr = (a - 7) ** 3 + (a * w - b) ** 2 + se.sin(a) ** 2 + (a - 7) * (b - s) + 5 * (b - 2)
     letters = StandIns.of([expr], Ground)
     assert {*letters.meaning.values()} == {a - 7, b - s}
+    belt = StandIns.of([(w - 3) ** 2 + (w - a * w) ** 2 + (w + b) ** 3], Ground, [w])
+    assert {*belt.meaning.values()} == {w - 3, w + b, w - a * w}
+    bent = belt.hide((w - 3) ** 2).xreplace({w: a * w})
+    assert belt.show(bent) == (a * w - 3) ** 2
     assert letters.show(letters.hide(expr)) == expr
     slope = letters.show(letters.hide(expr).diff(a))
     assert se.expand(slope - expr.diff(a)) == 0

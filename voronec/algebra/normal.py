@@ -79,7 +79,7 @@ def canonical_for_numbers(exprs: Sequence[Any], ground: Any) -> list[Any]:
     """The same on a ``ground``, as ``StandIns.of`` takes it, with what loses digits as it stands:
     powers of sums of places, and sines and cosines of many-fold angles, which are expanded in those
     of the angle."""
-    letters, relations = StandIns.of(exprs, ground), ground.relations
+    letters, relations = StandIns.of(exprs, ground, ground.velocities), ground.relations
     exprs = [letters.hide(e) for e in exprs]
     if not holds_far_multiples(exprs):
         return [letters.show(e) for e in canonical(exprs, relations)]

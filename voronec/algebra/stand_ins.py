@@ -24,21 +24,26 @@ class StandIns:
     meaning: Mapping[Any, Any]
 
     @classmethod
-    def of(cls, exprs: Iterable[Any], ground: Any) -> StandIns:
-        """Those for the sums in ``exprs`` with a place for a term, of which there are powers or
-        products.
+    def of(cls, exprs: Iterable[Any], ground: Any, speeds: Iterable[Any] = ()) -> StandIns:
+        """Those for the sums in ``exprs`` of which there are powers or products, and which hold a
+        place for a term, or a speed beside a constant.
 
         Places are the coordinates and the time of the ``ground``, a definition or a form; sums hold
-        these and parameters alone.  Redundant coordinates have normal forms of their own.
+        these, ``speeds`` and parameters alone.  Redundant coordinates have normal forms of their
+        own.
         """
         bound = set().union(*(r.free_symbols for r in ground.relations))
-        among = [x for x in (*ground.coordinates, ground.time) if x not in bound]
-        still = {*ground.parameters}
+        places = [x for x in (*ground.coordinates, ground.time) if x not in bound]
+        among = [*places, *speeds]
+        known = {*among, *ground.parameters}
 
         def is_far(expr: Any) -> bool:
-            if not (isinstance(expr, se.Add) and _stands(expr, among)):
+            if not isinstance(expr, se.Add) or not expr.free_symbols <= known:
                 return False
-            return all(s in among or s in still for s in expr.free_symbols)
+            moving = [t for t in expr.args if _stands(t, among)]
+            if not moving or not expr.free_symbols.isdisjoint(places):
+                return any(_stands(t, places) for t in moving)
+            return len(moving) < len(expr.args)
 
         found: dict[Any, None] = {}
         for node in nodes(map(se.sympify, exprs)):
@@ -48,9 +53,12 @@ class StandIns:
                 sums = [factor for factor in node.args if is_far(factor)]
                 found |= dict.fromkeys(sums if len(sums) > 1 else ())
         return cls({
-            se.Function(f"sum {i}")(*[x for x in among if x in total.free_symbols]): total
-            for i, total in enumerate(sorted(found, key=str))
+            se.Function(f"sum {total}")(*[x for x in among if x in total.free_symbols]): total
+            for total in found
         })  # fmt: skip
+
+    def __or__(self, other: StandIns) -> StandIns:
+        return StandIns({**self.meaning, **other.meaning})
 
     def hide(self, expr: Any) -> Any:
         """An expression with the functions in powers and products of their sums."""
@@ -68,15 +76,29 @@ class StandIns:
         return read(se.sympify(expr))
 
     def show(self, expr: Any) -> Any:
-        """The sums again, and their slopes for those of the functions."""
-        slopes = {}
-        for node in nodes([expr]):
+        """The sums again, of what the functions are taken of by now, and their slopes."""
+        meaning = {name.get_name(): (name.args, total) for name, total in self.meaning.items()}
+        known: dict[Any, Any] = {}
+
+        def read(node: Any) -> Any:
+            if node not in known:
+                known[node] = spell(node)
+            return known[node]
+
+        def spell(node: Any) -> Any:
             if isinstance(node, se.Derivative) and node.args[0] in self.meaning:
                 slope = self.meaning[node.args[0]]
                 for place in node.args[1:]:
                     slope = slope.diff(place)
-                slopes[node] = slope
-        return expr.xreplace(slopes).xreplace(dict(self.meaning))
+                return slope
+            if isinstance(node, se.FunctionSymbol) and node.get_name() in meaning:
+                letters, total = meaning[node.get_name()]
+                return total.xreplace(dict(zip(letters, map(read, node.args), strict=True)))
+            if is_atom(node) or not node.args:
+                return node
+            return rebuild(node, [*map(read, node.args)])
+
+        return read(se.sympify(expr)) if meaning else expr
 
 
 def _stands(term: Any, places: list[Any]) -> bool:

@@ -98,7 +98,8 @@ class Derivation:
         """The same with letters for sums of places of which powers are declared; None where there
         are none."""
         d = self.definition
-        letters = StandIns.of((d.lagrangian, *d.forces), d)
+        speeds = (*d.dots, *d.velocities)
+        letters = StandIns.of([d.lagrangian], d) | StandIns.of(d.forces, d, speeds)
         if not self.exact or not letters.meaning:
             return None
         hidden = replace(

@@ -374,7 +374,7 @@ def _solved_form(equations: DerivedEquations) -> FirstOrderForm | None:
     if equations.is_large or not equations.in_normal_form or equations.operations > SHORT:
         return None
     form, field = equations.exact.form, on_coordinates(equations)
-    letters = StandIns.of(form.expressions, form)
+    letters = StandIns.of(form.expressions, form, form.velocities)
     hidden = replace(
         field,
         mass=tuple(tuple(map(letters.hide, row)) for row in field.mass),

@@ -520,7 +520,7 @@ def _choose_entries(form: FirstOrderForm, given: FirstOrderForm) -> FirstOrderFo
         smooth = se.Add(*[t for t in terms if t not in chosen])
         if not chosen or divides_sines_of_sums([smooth]):
             return se.Add(smooth, *chosen) if chosen else entry
-        letters = StandIns.of([smooth], form)
+        letters = StandIns.of([smooth], form, form.velocities)
         try:
             (short,) = shortest([letters.hide(smooth)], form.relations)
             return se.Add(letters.show(short), *chosen)
