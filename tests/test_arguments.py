@@ -329,3 +329,37 @@ def test_a_tower_of_exponentials_is_no_finite_number() -> None:
     tower = sp.exp(sp.exp(sp.Integer(700_000_000)))
     with pytest.raises(vo.DefinitionError, match="is not a finite real number"):
         vo.integrate(vo.load("sleigh"), tol=tower)
+
+
+def _nested(innermost: sp.Expr) -> sp.Expr:
+    """3000 sines of sines."""
+    expr = innermost
+    for _ in range(3000):
+        expr = sp.sin(expr, evaluate=False)
+    return expr
+
+
+LINE = vo.Fibration(base=sp.Symbol("x"))
+SPEED = vo.velocity(sp.Symbol("x"))
+FREE = vo.System("free", LINE, SPEED**2 / 2)
+DEEP = _nested(sp.Symbol("x"))
+
+
+@pytest.mark.parametrize(
+    "read",
+    [
+        lambda: vo.System("deep", LINE, SPEED**2 / 2, forces={sp.Symbol("x"): DEEP}),
+        lambda: vo.System("deep", LINE, DEEP),
+        lambda: vo.System("deep", LINE, SPEED**2 / 2, constraints=(DEEP,)),
+        lambda: vo.System("deep", vo.Fibration(sp.Symbol("x"), relations=(DEEP,)), SPEED**2 / 2),
+        lambda: vo.integrate(FREE, initial={"x": 1}, times=[0, 1], outputs=(DEEP,)),
+        lambda: vo.integrate(FREE, initial={"x": 1}, times=[0, 1], events=(vo.Event(DEEP),)),
+        lambda: vo.integrate(FREE, times=[0, 1], initial={"x": DEEP}),
+        lambda: vo.section(FREE, DEEP, initial={"x": 1}),
+        lambda: vo.prove_equal(DEEP, 0),
+    ],
+)
+def test_what_is_nested_too_deeply_is_refused_in_one_line(read) -> None:
+    with pytest.raises(DefinitionError, match="nested too deeply") as caught:
+        read()
+    assert "\n" not in str(caught.value)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import dataclasses
 import sys
+from dataclasses import replace
 from importlib.util import find_spec
 from typing import Any
 
@@ -211,6 +212,30 @@ def test_an_integral_that_starts_at_zero_has_a_meaningful_drift() -> None:
         oscillator(integrals={"p": Dx}), times=GRID, initial={x: 0}, parameters={k: 8}
     )
     assert at_rest.drift["p"] == 0
+
+
+@pytest.mark.parametrize("unit", [1, 10**9])
+@both
+def test_rounding_beside_rounding_is_no_drift(method: str, unit: int) -> None:
+    system = replace(oscillator(), parameters=(m, k, a), integrals={"shade": m * Dx * sp.cos(a)})
+    start = {"initial": {x: unit}, "times": GRID, "method": method}
+    lost = vo.integrate(system, **start, parameters={m: 2, k: 8, a: sp.pi / 2})
+    assert 0 < np.abs(lost["shade"]).max() < 1e-14 * unit and lost.drift["shade"] < 1e-14
+    for small in (1e-3, 1e-8):  # such terms are there, and change altogether
+        seen = vo.integrate(system, **start, parameters={m: 2, k: 8, a: np.pi / 2 - small})
+        assert seen.drift["shade"] > 0.9
+
+
+@pytest.mark.parametrize("method", ["scipy", "closed-form"])
+@pytest.mark.parametrize("tol", [1e-13, 1e-7])
+def test_momenta_that_vanish_throughout_do_not_drift(method: str, tol: float) -> None:
+    start = {"u": 1, "v": 0.3, "theta": sp.pi / 2, "u1": 1, "v1": 0.2, "s": 0, "tau": 1, "n": 0}
+    found = vo.integrate(
+        vo.load("demchenko"), initial=start, parameters={"k": 0}, times=[0, 20], method=method,
+        tol=tol,
+    )  # fmt: skip
+    assert 0 < np.abs(found["momentum z"]).max() < 1e-6
+    assert max(found.drift.values()) < 10 * tol
 
 
 @both

@@ -361,3 +361,50 @@ def test_a_start_at_which_constraints_divide_by_zero_is_refused(method: str, tol
     )
     with pytest.raises(vo.DefinitionError, match="not defined at the initial point"):
         vo.integrate(system, initial={x: 0, "xdot": 1}, times=[0, 1], method=method, tol=tol)
+
+
+def _racers() -> tuple[vo.System, vo.System]:
+    """The roller racer with the frame (v, phi'), singular where a cos(phi) + b = 0, and its own."""
+    racer = vo.load("roller-racer")
+    x, y, theta, phi, v, f = sp.symbols("x y theta phi v f")
+    along = velocity(x) * sp.cos(theta) + velocity(y) * sp.sin(theta)
+    handle = vo.System(
+        "handle", vo.Fibration(base=(x, phi), fibre=(y, theta)), racer.lagrangian,
+        constraints=racer.constraints, parameters=racer.parameters,
+        frame=vo.Frame.quasi({v: along, f: velocity(phi)}),
+    )  # fmt: skip
+    return handle, racer
+
+
+def _rolling(phi: float, v: float, w: float) -> dict[str, float]:
+    """A start of the roller racer, a = 1, b = 3/10, that meets its constraints."""
+    turn = (v * np.sin(phi) - (np.cos(phi) + 0.3) * w) / 0.3
+    dots = {"xdot": v * np.cos(0.4), "ydot": v * np.sin(0.4), "thetadot": w, "phidot": turn}
+    return {"theta": 0.4, "phi": phi, **dots}
+
+
+def test_velocities_that_fit_are_not_said_to_be_moved() -> None:
+    start = _rolling(float(np.arccos(-0.3)), 0.7, 1.3)
+    runs = [
+        vo.integrate(system, initial=start, times=[0, 6], project=True, outputs=("x", "phi"))
+        for system in _racers()
+    ]
+    assert runs[0].notes == runs[1].notes == ()
+    assert all(abs(runs[0][name][-1] - runs[1][name][-1]) < 1e-11 for name in ("x", "phi"))
+
+
+@pytest.mark.parametrize("offset", [0.0, -0.3, -1.0])
+def test_the_run_starts_where_its_note_says(offset: float) -> None:
+    """Also in another split: where it is singular, and where the motion comes there later."""
+    start = {**_rolling(float(np.arccos(-0.3)) + offset, 0.7, 1.3), "xdot": 2.0}
+    for system in _racers():
+        dots = ("xdot", "ydot", "thetadot", "phidot")
+        run = vo.integrate(system, initial=start, times=[0, 6], project=True, outputs=dots)
+        (note,) = run.notes
+        assert "velocities were moved" in note
+        for name in dots:
+            told = [part.split(" to ")[1].rstrip(")") for part in note.split(", ") if name in part]
+            assert abs(float(told[0] if told else start[name]) - run[name][0]) < 1e-5
+        first = {k: float(run[k][0]) for k in dots}
+        again = vo.integrate(system, initial={**start, **first}, times=[0, 6], outputs=dots)
+        assert max(abs(again[k][-1] - run[k][-1]) for k in dots) < 1e-9

@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 import pytest
 import sympy as sp
 from command_line import refused
+from sympy.physics.mechanics import dynamicsymbols
 
 import voronec as vo
 from voronec.audit.lessons.lesson import LessonStep, _Work
@@ -45,6 +46,37 @@ def _values(name: str, title: str) -> dict[str, sp.Expr]:
 def test_the_steps_add_up(name: str) -> None:
     """The terms of (9), each computed by its own formula, are mass * vdot - force: proved."""
     assert told(name).verdict.proved
+
+
+q, phi, v, w = dynamicsymbols("q phi v w")
+ANGLE = vo.System("angle", vo.Fibration(base=q), q.diff() ** 2 / 2 + sp.cos(q))
+SPEEDS = vo.System(
+    "speeds", vo.Fibration(base=(q, phi)), (q.diff() ** 2 + phi.diff() ** 2) / 2,
+    frame=vo.Frame.quasi({v: q.diff() / sp.cos(phi), w: phi.diff()}),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("system", [ANGLE, SPEEDS])
+def test_functions_of_time_have_steps_too(system: vo.System) -> None:
+    """Coordinates and velocities may be ``dynamicsymbols``: their rates are accelerations."""
+    assert vo.lesson(system).verdict.proved
+
+
+@pytest.mark.parametrize(
+    ("system", "text", "status"),
+    [
+        (ANGLE, r"\ddot q = -\sin q", "proved"),
+        (ANGLE, r"\ddot q = \sin q", "refuted"),
+        (SPEEDS, r"\dot w = 0", "proved"),
+        (SPEEDS, r"\dot v = v w \tan(phi)", "proved"),
+        (SPEEDS, r"\dot v = 0", "refuted"),
+    ],
+)
+def test_equations_in_functions_of_time_are_judged(
+    system: vo.System, text: str, status: str
+) -> None:
+    """In a fresh system each: whoever asks first must be answered."""
+    assert vo.judge(replace(system, name="fresh"), text).verdict.status == status
 
 
 def test_a_wrong_step_is_found() -> None:

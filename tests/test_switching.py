@@ -408,6 +408,21 @@ def test_ensembles_and_sections_go_motion_by_motion(method):
     assert "on either side" in str(lost.errors[0]) and abs(lost["xdot"][1, -1] - 2) < 1e-11
 
 
+@pytest.mark.parametrize("method", ["auto", "heyoka", "scipy"])
+def test_an_ensemble_whose_first_start_goes_nowhere_says_why(method):
+    friction, back = mass_point(-sp.sign(Dx)), {"times": [0, -1], "method": method}
+    for speeds in ([0], [0, 0], [0, 1], [1, 0]):
+        found = vo.ensemble(friction, starts={Dx: speeds}, **back)
+        assert list(found.errors) == [i for i, v in enumerate(speeds) if v == 0]
+        assert all("the past is not determined" in str(e) for e in found.errors.values())
+        assert (
+            np.abs(found["xdot"][[i for i, v in enumerate(speeds) if v], -1] - 2).max(initial=0)
+            < 1e-11
+        )
+        if any(speeds):
+            assert found.cost.method == ("heyoka" if method == "auto" else method)
+
+
 def test_roots_that_vanish_on_a_wall():
     with mp.workdps(30):
         quarter = mp.quad(lambda s: 1 / mp.sqrt(mp.mpf(4) / 3 * (1 - s**1.5)), [0, 0.5, 1])

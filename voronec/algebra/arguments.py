@@ -6,7 +6,8 @@ import inspect
 import math
 import numbers
 import os
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from fractions import Fraction
 from functools import wraps
@@ -161,6 +162,18 @@ def require_arguments(place: str, given: Iterable[str], known: Collection[str]) 
             raise TypeError(f"{place}() got an unexpected argument '{name}'{hint}")
 
 
+@contextmanager
+def _shallow(place: str) -> Iterator[None]:
+    """Refuse what is nested more deeply than Python, or SymPy in it, can follow."""
+    try:
+        yield
+    except RecursionError:
+        raise DefinitionError(
+            f"{place}: an expression is nested too deeply to be read; give its parts names of "
+            "their own, or write it shorter"
+        ) from None
+
+
 def takes_fields(cls: Class) -> Class:
     """Let a dataclass refuse arguments that are none of its fields, with those that are near."""
     make, known = cls.__dict__["__init__"], {f.name for f in fields(cls) if f.init}
@@ -168,7 +181,8 @@ def takes_fields(cls: Class) -> Class:
     @wraps(make)
     def check(self: Any, *args: Any, **options: Any) -> None:
         require_arguments(cls.__name__, options, known)
-        make(self, *args, **options)
+        with _shallow(cls.__name__):
+            make(self, *args, **options)
 
     setattr(cls, make.__name__, check)
     return cls
@@ -200,7 +214,8 @@ def accepts(**kinds: Kind) -> Callable[[Function], Function]:
                     options[name] = value
                 else:
                     given[places[name]] = value
-            return function(*given, **options)
+            with _shallow(function.__name__):
+                return function(*given, **options)
 
         return cast(Function, check)
 

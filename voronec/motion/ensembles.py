@@ -413,7 +413,8 @@ def _run(filled: _ResultRows, lanes: Lanes | None, tol: float, jobs: int, progre
     sound = np.array(filled.motions.sound, dtype=int)
     if lanes:  # those that go side by side wait for the slowest
         sound = sound[np.argsort(filled.motions.paces[sound], kind="stable")]
-    size = BATCHES * lanes.width if lanes else TOGETHER if METHODS[filled.single].loop else 1
+    compiled = filled.switched is None and METHODS[filled.single].loop
+    size = BATCHES * lanes.width if lanes else TOGETHER if compiled else 1
     blocks = [sound[i : i + size] for i in range(0, len(sound), size)]
     jobs = max(1, min(jobs, len(blocks))) if lanes else 1
     workers: SimpleQueue[Lanes | None] = SimpleQueue()

@@ -30,14 +30,15 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CONSISTENT",
+    "NO_VELOCITIES",
     "NoFrame",
     "Rates",
     "Relations",
     "Start",
-    "changes",
     "coordinates_of",
     "independent",
     "meet_conditions",
+    "note_of_velocities",
     "numbers_of",
     "parameter_values",
     "start_of",
@@ -300,10 +301,16 @@ def meet_conditions(
         if abs(result[own.index(name)] - conditions[name]) <= ROUNDING * abs(conditions[name]):
             result[own.index(name)] = conditions[name]
     wanted, excess = np.array([conditions[name] for name in order]), rows @ result - right
-    return result, [
-        f"the initial velocities were moved by {np.linalg.norm(excess):.3g} onto the constraints "
-        f"({changes(order, wanted, wanted + excess)})"
-    ]
+    return result, [note_of_velocities(order, wanted, wanted + excess)]
+
+
+def note_of_velocities(names: Sequence[str], old: np.ndarray, new: np.ndarray) -> str:
+    """What is to be said of velocities that were moved on request."""
+    far = np.linalg.norm(new - old)
+    return (
+        f"the initial velocities were moved by {far:.3g} onto the constraints "
+        f"({changes(names, old, new)})"
+    )
 
 
 def _pose_conditions(

@@ -20,6 +20,7 @@ import numpy as np
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.arguments import CALLABLE, FLAG, REAL, SEVERAL, TEXT, VALUES, accepts
+from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import as_expression
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
@@ -237,7 +238,13 @@ class _Request:
         made = whole(vocabulary, self.outputs, self.functions)
         ground = self.outset.ground(vocabulary.equations, float(self.grid[0]))
         framed = self.outset.state if self.outset.framed and not exact else None
-        start = WideStart.of(vocabulary, ground, self.given, self.project, framed)
+        given = self.given
+        if self.outset.notes and self.outset.framed:  # what was moved is not moved elsewhere
+            system = vocabulary.equations.system
+            names = map(plain_name, (*system.coordinates, *system.velocities))
+            moved = dict(zip(names, self.outset.state.tolist(), strict=True))
+            given = replace(given, scene_initial={}, initial=moved)
+        start = WideStart.of(vocabulary, ground, given, self.project, framed)
         return SplitRun(
             vocabulary, replace(ground, framed=start.framed), made.watch, made.event_functions,
             start, self.grid,

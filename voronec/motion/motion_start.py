@@ -34,10 +34,12 @@ from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion.divisors import NEAR
 from voronec.motion.initial_conditions import (
     CONSISTENT,
+    NO_VELOCITIES,
     NoFrame,
     Rates,
     Start,
     coordinates_of,
+    note_of_velocities,
     numbers_of,
     parameter_values,
     start_of,
@@ -125,6 +127,14 @@ def _is_frame(ground: SplitGround, wide: np.ndarray) -> bool:
         return ground.geometry(ground.time, wide).quality > NEAR
     except np.linalg.LinAlgError:
         return True
+
+
+def _require_frame(ground: SplitGround, state: np.ndarray) -> None:
+    """Refuse a start on coordinates and velocities v that are no frame there, but for poles."""
+    d = ground.home.definition
+    wide = np.concatenate([state[: len(d.coordinates)], np.zeros(len(d.dots))])
+    if not blind_directions(ground, wide).shape[1] and not _is_frame(ground, wide):
+        raise NoFrame(NO_VELOCITIES.format(ground.home.system.name))
 
 
 def _only_angles_fail(ground: SplitGround, wide: np.ndarray) -> bool:
@@ -218,6 +228,8 @@ class Outset:
                 vocabulary, given.scene_initial, given.initial, constants, rates, time, project
             )
             require_inertia(equations, constants, start.state, time)
+            if start.notes:  # velocities that are no frame lie off what they are, and were "moved"
+                _require_frame(SplitGround(equations, constants, time), start.state)
         except (DefinitionError, IntegrationError) as error:
             ground = SplitGround(equations, constants, time)
             rest = _at_rest(vocabulary, ground, given)
@@ -226,7 +238,7 @@ class Outset:
             if known and not isinstance(error, NoFrame) and _is_frame(ground, rest):
                 raise
             wide = WideStart.of(vocabulary, ground, given, project)
-            start, framed = Start(wide.home), _only_angles_fail(ground, wide.wide)
+            start, framed = Start(wide.home, wide.notes), _only_angles_fail(ground, wide.wide)
         exactly = Exactly(
             vocabulary, _rates_program(equations, form), time, given, start.state,
             bool(start.notes),
@@ -246,6 +258,7 @@ class WideStart:
 
     ``targets`` are the names of velocities that have the values given.  ``framed`` (n,) is a start
     on coordinates and velocities v that no finite w have, as at poles; w is not a number then.
+    ``notes`` say what was moved on request.
     """
 
     vocabulary: Vocabulary
@@ -254,6 +267,7 @@ class WideStart:
     wide: np.ndarray
     targets: tuple[str, ...]
     framed: np.ndarray | None = None
+    notes: tuple[str, ...] = ()
 
     @classmethod
     def of(
@@ -270,7 +284,8 @@ class WideStart:
             numbers_of(vocabulary, part, ground.constants)
             for part in (given.scene_initial, given.initial)
         )
-        q, _ = coordinates_of(vocabulary, {**old, **new}, ground.constants, ground.time, project)
+        values = {**old, **new}
+        q, notes = coordinates_of(vocabulary, values, ground.constants, ground.time, project)
         system = ground.home.system
         names = {plain_name(x) for x in system.coordinates}
         later = {k: x for k, x in new.items() if k not in names}
@@ -280,10 +295,7 @@ class WideStart:
         found = _Conditions.at(ground, q)
         found.require_motion(ground, q)
         w = found.solve(later, earlier)
-        wide = np.concatenate([q, w])
-        all_given = {**old, **later}
-        held = tuple(k for k in all_given if k not in names and found.holds(k, all_given[k], w))
-        missed = [k for k in later if k not in held]
+        missed = [k for k, x in later.items() if not found.holds(k, x, w)]
         if missed and not project and found.blind.shape[1] and missed[0] in own:
             if framed is not None:
                 return cls(vocabulary, ground, given, np.append(q, np.nan * w), (), framed)
@@ -299,8 +311,16 @@ class WideStart:
                 f"{found.residual(missed[0], later[missed[0]], w):.3g}); correct '{missed[0]}' "
                 "or leave it out, or give project=True"
             )
+        if missed:
+            w, wanted = found.nearest(later), np.array([*later.values()])
+            moved = wanted + [found.excess(k, x, w) for k, x in later.items()]
+            notes.append(note_of_velocities([*later], wanted, moved))
+            w = found.solve(dict(zip(later, moved.tolist(), strict=True)), earlier)
+        all_given = {**old, **later}
+        held = tuple(k for k in all_given if k not in names and found.holds(k, all_given[k], w))
+        wide = np.concatenate([q, w])
         spare = tuple(k for k in own if k not in held and found.holds(k, 0.0, w))
-        return cls(vocabulary, ground, given, wide, (*held, *spare))
+        return cls(vocabulary, ground, given, wide, (*held, *spare), notes=tuple(notes))
 
     @property
     def home(self) -> np.ndarray:
@@ -325,6 +345,17 @@ class WideStart:
             w = [mpmath.mpf(float(x)) for x in self.wide[len(names) :]]
             found = _Conditions.at(ground, np.array(q, dtype=object), constants)
             return np.array([*q, *found.refine(w, self.targets, given)], dtype=object), constants
+
+
+def _least_squares(
+    left: np.ndarray, right: np.ndarray, further: np.ndarray, wanted: np.ndarray
+) -> np.ndarray:
+    """The w with left w = right, and, as far as this leaves it open, further w = wanted."""
+    found = np.linalg.pinv(left, LEAST_SINGULAR_VALUE) @ right
+    _, sizes, basis = np.linalg.svd(left)
+    free_ways = basis[int((sizes > LEAST_SINGULAR_VALUE * sizes.max(initial=0.0)).sum()) :].T
+    rest = np.linalg.pinv(further @ free_ways, LEAST_SINGULAR_VALUE) @ (wanted - further @ found)
+    return np.asarray(found + free_ways @ rest)
 
 
 @dataclass(frozen=True)
@@ -402,13 +433,13 @@ class _Conditions:
                 "at the initial point, and do not determine the motion; give velocities of "
                 f"{others}, such as '{free}'"
             )
-        found = np.linalg.pinv(left, LEAST_SINGULAR_VALUE) @ right
-        _, sizes, basis = np.linalg.svd(left)
-        free_ways = basis[int((sizes > LEAST_SINGULAR_VALUE * sizes.max(initial=0.0)).sum()) :].T
-        rest = np.linalg.pinv(further @ free_ways, LEAST_SINGULAR_VALUE) @ (
-            wanted - further @ found
-        )
-        return np.asarray(found + free_ways @ rest)
+        return _least_squares(left, right, further, wanted)
+
+    def nearest(self, given: Mapping[str, float]) -> np.ndarray:
+        """The w on the constraints that come nearest to what is given, which contradicts them."""
+        left, right = self._pose(self.conditions, {})
+        further, wanted = self._pose(self.conditions[:0], given)
+        return _least_squares(left, right, further, wanted)
 
     def _pose(self, first: np.ndarray, given: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray]:
         """Rows of unit length and right sides: left w = right."""
@@ -418,10 +449,14 @@ class _Conditions:
         sizes[sizes == 0] = 1.0
         return rows[:, :-1] / sizes[:, None], right / sizes
 
-    def residual(self, name: str, value: float, w: np.ndarray) -> float:
-        """How far a given velocity is from that of w."""
+    def excess(self, name: str, value: float, w: np.ndarray) -> float:
+        """How far the velocity of w is beyond a given one."""
         row = self.row(name)
-        return float(abs(row[:-1].astype(float) @ w + float(row[-1]) - value))
+        return float(row[:-1].astype(float) @ w + float(row[-1]) - value)
+
+    def residual(self, name: str, value: float, w: np.ndarray) -> float:
+        """The size of that."""
+        return abs(self.excess(name, value, w))
 
     def holds(self, name: str, value: float, w: np.ndarray) -> bool:
         """Whether w has the velocity given."""

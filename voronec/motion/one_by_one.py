@@ -118,6 +118,11 @@ class SwitchedMotions:
         if switched is None:
             return None
         require_method(method)
+        for i in motions.sound[1:]:
+            if switched.corner is not None:  # else nothing moves, and no method was chosen
+                break
+            values = motions.values[i].tolist()
+            switched = switched.elsewhere(motions.time, motions.states[i], values)
         reason = f"{switched.chosen['reason']}; not smooth, so one by one"
         return cls(motions, str(switched.chosen["method"]), tol, reason, switched)
 

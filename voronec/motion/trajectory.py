@@ -42,6 +42,10 @@ CANCELLATION = 1e-6
 SMALL, ROUNDING, NOTHING = 1e-9, 1e-12, 1e-3
 """Terms of an integral that stay below the first may be rounding: they are, below the third part of
 what they are where no state is less than the second."""
+LOOSE, UNIT = 1e3, 2.0**-52
+"""Integrators hold their tolerance, at least the spacing of doubles, up to such a factor."""
+NUDGE, ROWS = 1e-6, 9
+"""How far arguments are moved to see slopes, in units of their sizes, and at how many instants."""
 
 FEW = 12
 """So many outputs are named where a trajectory is shown in short."""
@@ -131,7 +135,9 @@ class Trajectory:
     at which I has a value, t0 the first of them.  Let S be the
     largest value along the motion of I with all its terms taken positive.  Where I starts at zero
     (below a millionth of S), the change is relative to S instead; where S is rounding, below a
-    thousandth of what it is with no state below 1e-12, relative to that.  ``residuals`` maps each
+    thousandth of what it is with no state below 1e-12, relative to that; and where S is less than
+    the tolerance, a thousand times over, leaves of terms that vanish there, as of cos(theta) at
+    pi/2, relative to what these would change by if their slopes went on.  ``residuals`` maps each
     relation between redundant coordinates to its largest value.
 
     ``events`` maps each event to its ``Crossings``; ``stopped`` names the one that ended the run,
@@ -353,7 +359,7 @@ def make_trajectory(
     names = tuple(map(str, program.state))
     return assemble_trajectory(
         vocabulary, watch, t, names, states, series, constants, cost, interrupted,
-        lambda: _largest(watch, program, t, states, values),
+        _TermSizes(watch, program, t, states, values),
     )  # fmt: skip
 
 
@@ -367,11 +373,11 @@ def assemble_trajectory(
     constants: Mapping[str, float],
     cost: Cost,
     interrupted: bool = False,
-    usual: Callable[[], Mapping[str, float]] = dict,
+    sizes: _TermSizes | None = None,
 ) -> Trajectory:
     """The trajectory of states (k, n) called ``names`` and of everything watched along them.
 
-    ``usual`` gives the terms of integrals where no state is rounding, as far as that is known.
+    ``sizes`` tells how large the terms of integrals would usually be, if that is known.
     """
     system = vocabulary.equations.system
     own = [plain_name(x) for x in (*system.coordinates, *system.velocities)]
@@ -392,7 +398,7 @@ def assemble_trajectory(
         series=MappingProxyType({n: series[n] for n in (*watch.outputs, *watch.besides)}),
         integrals=MappingProxyType({n: series[key] for n, key in watch.integrals.items()}),
         parameters=MappingProxyType({n: x for n, x in constants.items() if n in known}),
-        drift=MappingProxyType(_drifts(watch, series, usual)),
+        drift=MappingProxyType(_drifts(watch, series, cost.tolerance, sizes)),
         residuals=MappingProxyType(
             {r: float(np.abs(series[key]).max()) for r, key in watch.relations.items()}
         ),
@@ -402,9 +408,9 @@ def assemble_trajectory(
 
 
 def _drifts(
-    watch: Watch, series: Mapping[str, np.ndarray], usual: Callable[[], Mapping[str, float]]
+    watch: Watch, series: Mapping[str, np.ndarray], tol: float, usual: _TermSizes | None
 ) -> dict[str, float]:
-    """See ``Trajectory.drift``; ``usual`` gives integrals' terms where no state is rounding."""
+    """See ``Trajectory.drift``."""
     own = {}
     for name, key in watch.integrals.items():
         values, terms = series[key], series[watch.sizes[name]]
@@ -412,24 +418,63 @@ def _drifts(
         sound = np.isfinite(values.astype(float)) & np.isfinite(terms.astype(float))
         own[name] = (values[sound], terms[sound]) if sound.any() else (values, terms)
     sizes = {name: terms.max() for name, (_, terms) in own.items()}
-    least = usual() if any(size <= SMALL for size in sizes.values()) else {}
-    found = {}
+    least = usual.largest if usual and any(size <= SMALL for size in sizes.values()) else {}
+    found, left = {}, LOOSE * max(tol, UNIT)
     for name, (values, _) in own.items():
         size, start = sizes[name], abs(values[0])
         scale = start if start > CANCELLATION * size else size
         if size <= NOTHING * least.get(name, 0.0) or size == 0:
             scale = least.get(name, 1.0)
-        found[name] = float(np.abs(values - values[0]).max() / scale)
+        change = np.abs(values - values[0]).max()
+        if usual and change > SMALL * scale and size <= left * usual.slopes[name]:
+            scale = usual.slopes[name]
+        found[name] = float(change / scale)
     return found
 
 
-def _largest(
-    watch: Watch, program: Program, t: np.ndarray, states: np.ndarray, values: Sequence[Any]
-) -> dict[str, float]:
-    """The sizes of integrals with every state at its largest, and not below what rounding leaves
-    of states of size 1; 1 where that is no number."""
-    largest = np.abs(states.astype(float)).max(axis=0, initial=ROUNDING)[None, :]
-    plain = [float(x) if np.ndim(x) == 0 else x for x in values]
-    found = evaluate_extras(program, t[:1].astype(float), largest, plain)
-    sizes = {name: float(found[key][0]) for name, key in watch.sizes.items()}
-    return {name: x if np.isfinite(x) and x > 0 else 1.0 for name, x in sizes.items()}
+@dataclass(frozen=True)
+class _TermSizes:
+    """How large the terms of integrals would usually be along a motion, by name."""
+
+    watch: Watch
+    program: Program
+    t: np.ndarray
+    states: np.ndarray
+    values: Sequence[Any]
+
+    @cached_property
+    def largest(self) -> dict[str, float]:
+        """With every state at its largest, and not below what rounding leaves of states of size 1;
+        1 where that is no number."""
+        largest = np.abs(self.states.astype(float)).max(axis=0, initial=ROUNDING)[None, :]
+        plain = [float(x) if np.ndim(x) == 0 else x for x in self.values]
+        found = evaluate_extras(self.program, self.t[:1].astype(float), largest, plain)
+        sizes = {name: float(found[key][0]) for name, key in self.watch.sizes.items()}
+        return {name: x if np.isfinite(x) and x > 0 else 1.0 for name, x in sizes.items()}
+
+    @cached_property
+    def slopes(self) -> dict[str, float]:
+        """The slope of the terms by each state and each parameter, times its size, summed.
+
+        The size of a state is not below one unit, or the largest state if that is less: integrators
+        hold all states to what is left of these.  A slope is that to the steeper side, since terms
+        taken positive have a corner where they vanish.
+        """
+        rows = np.unique(np.linspace(0, len(self.t) - 1, ROWS).astype(int))
+        given = [np.broadcast_to(np.asarray(x, dtype=float), self.t.shape) for x in self.values]
+        states = self.states[rows].astype(float)
+        here = np.column_stack([states, *(x[rows] for x in given)])
+        units = np.abs(here).max(axis=0)
+        still = states.shape[1]
+        units[:still] = np.maximum(units[:still], min(1.0, units[:still].max(initial=0.0)))
+        steps = NUDGE * np.vstack([np.zeros_like(units), np.diag(units), -np.diag(units)])
+        moved = (here + steps[:, None, :]).reshape(-1, here.shape[1])
+        times = np.tile(self.t[rows].astype(float), len(steps))
+        found = evaluate_extras(self.program, times, moved[:, :still], [*moved[:, still:].T])
+        result = {}
+        for name, key in self.watch.sizes.items():
+            terms = found[key].reshape(len(steps), len(rows))
+            changes = np.nan_to_num(np.abs(terms[1:] - terms[0]), posinf=0.0) / NUDGE
+            steepest = changes.reshape(2, -1, len(rows)).max(axis=0)
+            result[name] = float(steepest.sum(axis=0).max())
+        return result

@@ -205,11 +205,10 @@ def _links(motions: Motions, sides: list[Any]) -> Iterator[tuple[Verdict, str]]:
 
 def _equal(motions: Motions, left: Any, right: Any) -> tuple[Verdict, str]:
     """First with arbitrary accelerations, which the constraints admit; then with the motion's."""
-    field = motions.on_coordinates
+    field, places = motions.on_coordinates, _places(motions)  # accelerations known to the door
     inside = [field.door.inward(side) for side in (left, right)]
     free = [field.express(side) for side in inside]
     found = decide_equal(free[0], free[1], field.hypotheses, pointwise=True)
-    places = _places(motions)
     moving = {symbol for side in free for symbol in side.free_symbols} & places.keys()
     if found.proved or not moving:
         return found, "constraints"

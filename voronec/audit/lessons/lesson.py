@@ -127,7 +127,7 @@ class _Work:
     def differences(self) -> Iterator[tuple[str, Any]]:
         """The sum of the terms of (9), less mass * vdot - force."""
         own, eqs = self.own, self.eqs
-        dots = [self.inward(velocity(v)) for v in eqs.velocities]
+        dots = [eqs.door.admit(velocity(v)) for v in eqs.velocities]
         for i in self.size:
             p = self.slopes[i]
             left = p.diff(own.time) - self.lifted[i] + self.turned[i] - self.pushed[i]
