@@ -204,3 +204,24 @@ def test_an_error_of_the_door_is_seen_by_the_referee(monkeypatch):
 def test_what_bends_an_acceleration_is_not_linear_in_it(bend):
     with pytest.raises(DefinitionError, match="not linear in the accelerations"):
         vo.derive(spring(forces={q: -bend(q.diff(time, 2))}))
+
+
+def test_accelerations_of_plain_symbols_are_called_so() -> None:
+    """As those of functions of time are; other unknown symbols are still to be declared."""
+    second, third = velocity(velocity(x)), velocity(velocity(velocity(x)))
+    for place in (
+        {"integrals": {"e": second}}, {"lagrangian": PLANE + x * second},
+        {"constraints": (second - y,)}, {"forces": {x: third}},
+    ):  # fmt: skip
+        with pytest.raises(DefinitionError, match=r"'xdotdot(dot)?', which is no velocity"):
+            plane(**place)
+    with pytest.raises(DefinitionError, match=r"'mdot', .*declare it in parameters"):
+        plane(parameters=(m,), integrals={"e": velocity(m)})
+
+
+def test_forces_that_take_all_inertia_away_are_named() -> None:
+    with pytest.raises(DefinitionError, match="accelerations in the forces take away") as caught:
+        vo.derive(plane(forces={x: velocity(velocity(x))}))
+    assert "gives 'xdot' no inertia; change these forces" in str(caught.value)
+    with pytest.raises(DefinitionError, match="the Lagrangian gives 'xdot' no inertia; add its"):
+        vo.derive(plane(lagrangian=velocity(y) ** 2 / 2))

@@ -101,6 +101,61 @@ def test_a_function_of_pythons_goes_by_scipy():
     assert ahead.events["tau - 0.9"].t == pytest.approx([math.asin(0.9), math.pi - math.asin(0.9)])
 
 
+def bell(t: float) -> float:
+    return math.exp(-(((t - 5.1234) / 0.01) ** 2)) / 0.01
+
+
+MASS = System(
+    name="mass", fibration=Fibration(x), lagrangian=DX**2 / 2, forces={x: tau}, inputs=(tau,)
+)
+SHORT_PUSHES = {
+    "a bell": (bell, math.sqrt(math.pi)),
+    "a bell of arrays": (lambda t: 100 * np.exp(-(((t - 5.1234) / 0.01) ** 2)),
+                         math.sqrt(math.pi)),
+    "a short push": (lambda t: 100.0 if 5 < t < 5.01 else 0.0, 1.0),
+    "a beat": (lambda t: math.sin(50 * t) if 3 < t < 3.5 else 0.0,
+               (math.cos(150) - math.cos(175)) / 50),
+    "one of small size beside a slow one": (lambda t: math.sin(t) + bell(t) / 1000,
+                                            1 - math.cos(10) + math.sqrt(math.pi) / 1000),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("method", ["auto", "lsoda"])
+@pytest.mark.parametrize("push", SHORT_PUSHES)
+def test_a_short_push_by_a_function_is_not_stepped_over(push, method):
+    function, gained = SHORT_PUSHES[push]
+    for times in ([0, 10], np.linspace(0, 10, 101), np.linspace(0, 10, 1001), [10, 0]):
+        run = vo.integrate(
+            MASS, times=times, initial={x: 0, DX: 0}, inputs={tau: function}, method=method
+        )
+        sign = 1 if times[-1] > 0 else -1
+        assert abs(run["xdot"][-1] - sign * gained) < 1e-10 and run.notes == ()
+    seen = vo.integrate(
+        MASS, times=[0, 10], initial={x: 0}, inputs={tau: bell}, events=(vo.Event(tau - 50),)
+    )
+    half = 0.01 * math.sqrt(math.log(2))
+    assert seen.events["tau - 50"].t == pytest.approx([5.1234 - half, 5.1234 + half], abs=1e-12)
+
+
+def test_an_input_that_is_sampled_too_coarsely_says_so():
+    rough = np.random.default_rng(0).normal(size=1001)
+    noise = {tau: lambda t: float(np.interp(t, np.linspace(0, 10, 1001), rough))}
+    run = vo.integrate(MASS, times=[0, 10], initial={x: 0}, inputs=noise)
+    assert any("'tau' changes faster than it is sampled, every 0.00244" in n for n in run.notes)
+    assert abs(run["xdot"][-1] - np.trapezoid(rough, dx=0.01)) < 1e-6
+    short = vo.integrate(MASS, times=[0, 0.1], initial={x: 0}, inputs=noise)
+    assert short.notes == ()
+
+
+def test_a_function_is_asked_only_where_the_run_comes():
+    """Beyond an event that stops the run it may have no value; what it shows there is not told."""
+    run = vo.integrate(
+        MASS, times=[0, 10], initial={x: 0, DX: 0}, inputs={tau: lambda t: 1 / math.sqrt(4 - t)},
+        events=(vo.Event(x - 1, stop=True),),
+    )  # fmt: skip
+    assert run.stopped and run.t[-1] < 4
+
+
 def test_an_input_in_a_force_may_hold_the_state():
     run = moved("-2*xdot")
     truth = np.exp(-np.array(TIMES)) * (1 + np.array(TIMES))

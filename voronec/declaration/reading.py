@@ -13,7 +13,7 @@ import mpmath
 import numpy as np
 import sympy as sp
 
-from voronec.algebra.symbols import names_in, plain_name
+from voronec.algebra.symbols import names_in, plain_name, velocity
 from voronec.algebra.text import NOT_REAL, as_expression, exact_number, formula, in_doubles
 from voronec.errors import DefinitionError, quote
 
@@ -215,6 +215,10 @@ def require_known(
     first = unknown[0]
     if isinstance(first, sp.Derivative) and first.expr in known:
         raise DefinitionError(f"{place} contains {_derivative_hint(first)}")
+    dots = {velocity(x) for x in known if isinstance(x, sp.Symbol)}
+    accelerations = {velocity(x) for x in dots & known}
+    if first in accelerations | {velocity(x) for x in accelerations}:
+        raise DefinitionError(f"{place} contains '{first}', {NO_VELOCITY}")
     hint = " (a different symbol of that name is declared: use one symbol object)"
     same = any(str(first) in (str(k), plain_name(k)) for k in known)
     raise DefinitionError(
@@ -230,10 +234,13 @@ def _derivative_hint(derivative: sp.Derivative) -> str:
             f"'{derivative}', the derivative of a plain symbol, which vanishes; write "
             f"voronec.velocity({derivative.expr})"
         )
-    return (
-        f"'{derivative}', which is no velocity: only forces may hold accelerations, and no higher "
-        "derivative; write it out with the equations of motion, or as part of the Lagrangian"
-    )
+    return f"'{derivative}', {NO_VELOCITY}"
+
+
+NO_VELOCITY = (
+    "which is no velocity: only forces may hold accelerations, and no higher derivative; write it "
+    "out with the equations of motion, or as part of the Lagrangian"
+)
 
 
 def _scalar(read: Any, thing: Any, place: str) -> sp.Expr:

@@ -241,10 +241,12 @@ def check_inertia(raw: Derivation) -> None:
         return
     names = [plain_name(v) for v in raw.definition.system.velocities]
     empty = [names[i] for i in range(n) if all(e == 0 for e in raw.mass[i])]
-    where = f"the Lagrangian gives '{empty[0]}' no inertia" if empty else (
+    taken = ", less what accelerations in the forces take away," if raw.definition.added else ""
+    where = f"the Lagrangian{taken} gives '{empty[0]}' no inertia" if empty else (
         f"no inertia resists some combination of {', '.join(names)}"
     )  # fmt: skip
     raise DefinitionError(
-        f"system '{raw.definition.system.name}': the mass matrix is singular: {where}; add its "
-        "kinetic energy, or remove the coordinate"
+        f"system '{raw.definition.system.name}': the mass matrix is singular: {where}; "
+        + ("change these forces, " if taken else "")
+        + "add its kinetic energy, or remove the coordinate"
     )

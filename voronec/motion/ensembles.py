@@ -163,9 +163,8 @@ def ensemble(
     chosen_scene = scene_of(declared, scene, starts is None, "starts")
     single, columns = spread_starts(starts, parameters or {})
     grid = grid_of(declared, chosen_scene, times)
-    driven = drive(system, inputs, chosen_scene)
     begin, end = float(grid[0]), float(grid[-1])
-    driven.require_span(begin, end)
+    driven = drive(system, inputs, chosen_scene).over(begin, end)
     equations, columns = driven.equations, {**columns, **driven.parameters(begin, end)}
     vocabulary = Vocabulary.of(equations, driven.meaning)
     keys, own = outputs_of(chosen_scene, outputs), equations.system

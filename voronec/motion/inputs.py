@@ -31,6 +31,7 @@ from voronec.declaration.system import System
 from voronec.declaration.table_file import KINDS, require_table
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, did_you_mean
+from voronec.motion.input_samples import SAMPLES, breaks
 from voronec.motion.steppers.run import Signal, Signals
 
 __all__ = ["Drive", "Table", "drive"]
@@ -42,7 +43,7 @@ class Drive:
 
     ``original`` is the system as it was declared; ``meaning`` what stands for each input and its
     rates; ``constants`` the values of inputs that are numbers; ``changing`` the parameters that
-    change in time, None where none does.
+    change in time, None where none does; ``notes`` tell of functions that change too fast.
     """
 
     original: System
@@ -50,15 +51,19 @@ class Drive:
     meaning: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
     constants: Mapping[str, Any] = field(default_factory=dict)
     changing: Signals | None = None
+    notes: tuple[str, ...] = ()
 
     def parameters(self, start: float, end: float) -> dict[str, Any]:
         """Values of the parameters that stand for inputs, where a motion starts."""
         changing = {} if self.changing is None else self.changing.on(start, end)
         return {**self.constants, **changing}
 
-    def require_span(self, start: float, end: float) -> None:
-        """Refuse times at which a table has no value."""
-        for signal in self.changing.signals if self.changing is not None else ():
+    def over(self, start: float, end: float) -> Drive:
+        """The same for a span, on which functions of Python's are asked where they change fast;
+        times at which a table has no value are refused."""
+        if self.changing is None:
+            return self
+        for signal in self.changing.signals:
             low, high = min(start, end), max(start, end)
             if low < signal.first or high > signal.last:
                 raise DefinitionError(
@@ -66,6 +71,22 @@ class Drive:
                     f"from t = {signal.first:g} to {signal.last:g}, the motion from {low:g} to "
                     f"{high:g}; give a longer table, or other times"
                 )
+        signals, notes = [], []
+        for signal in self.changing.signals:
+            found = [breaks(f, start, end) for f in signal.functions]
+            if None in found:
+                notes.append(
+                    f"the input '{signal.name}' changes faster than it is sampled, every "
+                    f"{abs(end - start) / SAMPLES:.3g}; what happens between may be lost: give an "
+                    "expression or a table, or run over shorter spans"
+                )
+            elif found:
+                known = [one for one in found if one is not None]
+                knots = sorted({Fraction(t) for instants, _ in known for t in instants})
+                sharp = sorted({part for _, parts in known for part in parts})
+                signal = replace(signal, instants=tuple(knots), sharp=tuple(sharp))
+            signals.append(signal)
+        return replace(self, changing=Signals(tuple(signals)), notes=tuple(notes))
 
 
 def drive(

@@ -151,9 +151,8 @@ def integrate(
     began = perf_counter()
     declared = system.system if isinstance(system, VoronecEquations) else require_system(system)
     chosen = scene_of(declared, scene, initial is None)
-    driven = drive(system, inputs, chosen)
     asked, grid = outputs_of(chosen, outputs), grid_of(declared, chosen, times)
-    driven.require_span(float(grid[0]), float(grid[-1]))
+    driven = drive(system, inputs, chosen).over(float(grid[0]), float(grid[-1]))
     equations = driven.equations
     _refuse_unknown_functions(equations.system)
     vocabulary = Vocabulary.of(equations, driven.meaning)
@@ -183,7 +182,7 @@ def integrate(
     )  # fmt: skip
     ways = (request.in_smallest, request.otherwise, request.on_coordinates)
     found = first_success(request.in_any_split(ways), float(grid[0]))
-    notes = (*found.notes, *_notes_of_cost(found.cost, tol))
+    notes = (*driven.notes, *found.notes, *_notes_of_cost(found.cost, tol))
     return replace(found, system=declared, notes=notes)
 
 

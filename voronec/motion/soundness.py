@@ -92,6 +92,15 @@ class Windows:
             starts = np.append(starts, size - WIDTH)
         return cls(starts[:, None] + np.arange(WIDTH))
 
+    def beside(self, t: np.ndarray, changing: Signals | None) -> Windows:
+        """Those in which no function of Python's jumps: to integrate over a jump tells nothing."""
+        sharp = [
+            part for s in (changing.signals if changing is not None else ()) for part in s.sharp
+        ]
+        ends = np.sort(t[self.rows[:, [0, -1]]], axis=1)
+        meets = [(a <= ends[:, 1]) & (b >= ends[:, 0]) for a, b in sharp]
+        return Windows(self.rows[~np.any(meets, axis=0)]) if meets else self
+
     def doubtful(self, t: np.ndarray, states: np.ndarray, rates: Rates) -> list[int]:
         """The windows whose states seem not to obey the equations, worst first; what the grid does
         not resolve is in no doubt here.
@@ -250,7 +259,7 @@ class Judge:
         """What went wrong first, if anything did, and what is to be said of mere claims."""
         found, notes = self._losses(t, states)
         rates = program_rates(self.program, self.at)
-        found += disobedient(t, states, rates, self.tol, MOST)
+        found += disobedient(t, states, rates, self.tol, MOST, self.changing)
         return min(found, key=lambda b: b.row, default=None), notes
 
     def check_integrals(
@@ -273,7 +282,7 @@ class Judge:
         rates = original_rates(self.equations, constants, self.changing)
         if rates is None:
             return None
-        found = disobedient(t, states, rates, self.tol, FEW)
+        found = disobedient(t, states, rates, self.tol, FEW, self.changing)
         return min(found, key=lambda b: b.row, default=None)
 
     def _losses(self, t: np.ndarray, states: np.ndarray) -> tuple[list[Breach], tuple[str, ...]]:
@@ -323,11 +332,12 @@ class Judge:
 
 
 def disobedient(
-    t: np.ndarray, states: np.ndarray, rates: Rates, tol: float, most: int
-) -> list[Breach]:
+    t: np.ndarray, states: np.ndarray, rates: Rates, tol: float, most: int,
+    changing: Signals | None = None,
+) -> list[Breach]:  # fmt: skip
     """Windows of the grid, among so many, whose states do not obey the equations; what seems not to
     is integrated again."""
-    windows = Windows.spread(len(t), most)
+    windows = Windows.spread(len(t), most).beside(t, changing)
     found = []
     for i in windows.doubtful(t, states, rates)[:WORST]:
         rows = windows.rows[i]

@@ -386,7 +386,8 @@ class Signal:
     those of the input and of its rates up to ``degree``, and then, above degree 0, the instant.
 
     Either ``instants`` begin ``pieces``, each with its coefficients, or ``functions`` of the time
-    give them at every instant.  Values are known from ``first`` to ``last``; ``kind`` says in words
+    give them at every instant; then steps end at ``instants``, and in the spans that are ``sharp``
+    a function jumps or bends.  Values are known from ``first`` to ``last``; ``kind`` says in words
     what it was given as.
     """
 
@@ -399,6 +400,7 @@ class Signal:
     instants: tuple[Fraction, ...] = ()
     pieces: tuple[tuple[Fraction, ...], ...] = ()
     functions: tuple[Callable[[float], Any], ...] = ()
+    sharp: tuple[tuple[float, float], ...] = ()
 
     @classmethod
     def of_functions(cls, name: str, functions: tuple[Callable[[float], Any], ...]) -> Signal:
@@ -643,7 +645,8 @@ class _ChangesOfSign:
         step = near if end >= first else -near
         sides = (changing.on(first, end), changing.on(end, ahead[0] if ahead else self.last))
         for values, moment in zip(sides, (-step, step), strict=True):
-            known = {name: float(x) for name, x in {**own, **values}.items()}
+            there = {**own, **values, **changing.values_at(end + moment)}
+            known = {name: float(x) for name, x in there.items()}
             here = [known[str(name)] for name in problem.program.parameters]
             at = state.astype(float)
             with np.errstate(all="ignore"):
