@@ -21,6 +21,7 @@ from voronec.motion.atlas import (
     whole_turns,
 )
 from voronec.motion.methods import choose_regular, is_exact
+from voronec.motion.singular_coordinates import PoleNotes, passage_notes
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
 from voronec.motion.steppers.run import DISTANT, crossing_arrays, part_at
 
@@ -44,6 +45,7 @@ def through_charts(
     equations: VoronecEquations,
     functions: Mapping[str, Any],
     form: FirstOrderForm | None = None,
+    turning: bool = False,
 ) -> tuple[Stepper, dict[str, Any]]:
     """The integrator of a problem, and what ``Cost`` says of it, as ``choose`` gives them.
 
@@ -51,13 +53,16 @@ def through_charts(
     the problem's events, by name, inside the door; ``form`` are the equations that the problem's
     program is made of, by default those of the system.  Where no chart of the system maps the
     variables of the form among themselves, this is what ``choose`` gives.  So it is in high
-    precision: the maps are made for doubles, and there steps may be as short as they like.
+    precision: the maps are made for doubles, and there steps may be as short as they like.  Where
+    somebody looks at coordinates that are ``turning``, passages through poles are noted then too.
     """
     form = form or equations.form
     none = not equations.system.charts or is_exact(method, problem.tol)
     charts = () if none else kept_charts(equations, form)
     if not charts:
-        return choose_regular(method, problem, grid)
+        poles = PoleNotes.of(equations, problem.program.state if turning else ())
+        stepper, chosen = choose_regular(method, poles.watch(problem, form, functions), grid)
+        return lambda times: poles.with_notes(stepper(times)), chosen
     atlas = Atlas(method, problem, grid, form, charts, functions)
     own = atlas.place(HOME)
     return lambda times: _Journey(atlas, times).run(), dict(own.chosen)
@@ -253,14 +258,7 @@ class _Journey:
             "and the value given no effect"
             for name in self.still
         )
-        if not self.touched:
-            return said
-        often = f", the first of {len(self.touched)} times" if len(self.touched) > 1 else ""
-        return (
-            *said,
-            f"at t = {self.touched[0]:.12g}{often} the motion passes through a pole of the "
-            "coordinates: angles after it are known up to whole turns",
-        )
+        return (*said, *passage_notes(self.touched))
 
     def result(self, halt: Halt | None = None, interrupted: bool = False, stopped: str = "") -> Run:
         t, states = self.grid[: self.done], np.vstack(self.rows)[: self.done]

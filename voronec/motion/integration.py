@@ -519,7 +519,9 @@ class _Job:
         problem, functions = self._under_watch(problem, guard, watched)
         if not equations.system.charts:
             return choose_regular(method, problem, self.grid)
-        return through_charts(method, problem, self.grid, equations, functions, made.form)
+        coordinates = {*map(plain_name, equations.system.coordinates)}
+        turning = not coordinates.isdisjoint(made.watch.outputs)
+        return through_charts(method, problem, self.grid, equations, functions, made.form, turning)
 
     def _watch_divisors(self, state: np.ndarray, values: Sequence[Any]) -> tuple[Divisor, ...]:
         """The divisors to watch; ``NearDivisor`` where one is near zero at the start."""

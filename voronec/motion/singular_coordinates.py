@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import symengine as se
 
+from voronec.algebra.terms import factors_of
 from voronec.algebra.verdicts import all_vanish
 from voronec.declaration.charts import Chart
 from voronec.equations.attitudes import EulerAngles, euler_angles
@@ -32,11 +33,13 @@ __all__ = [
     "POLE",
     "NearPole",
     "PoleGuard",
+    "PoleNotes",
     "blind_directions",
     "carried_directions",
     "charted_directions",
     "idle_directions",
     "open_beyond",
+    "passage_notes",
     "polar_directions",
 ]
 
@@ -46,6 +49,8 @@ NEAR_POLE = "a pole of the angles is near"
 LAST = se.Rational(1, 10**6)
 """No run passes a pole nearer than this in coordinates that are singular there: what is lost in
 digits is the inverse of such a number."""
+PASSAGE = "a pole of the coordinates is passed"
+"""The name of an event that nobody asked for, and that stops nothing."""
 BEYOND = f"the motion comes within {float(LAST):g} of a pole of its angles, where no chart leads on"
 LARGE = 1e12
 """Rates beyond this, for a state of ordinary size, are a division by zero."""
@@ -53,6 +58,58 @@ LARGE = 1e12
 
 class NearPole(IntegrationError):
     """A motion has come, or starts, near a pole of angles at which its equations are singular."""
+
+
+@dataclass(frozen=True)
+class PoleNotes:
+    """Looks where a run passes through poles at which its own equations are regular, as those of a
+    special motion may be: angles change by half a turn there, or go on, and nothing tells which.
+
+    ``levels`` are the factors of what vanishes at the poles of charts, on the model, by name.
+    """
+
+    levels: Mapping[str, Any]
+
+    @classmethod
+    def of(cls, equations: VoronecEquations, variables: Iterable[Any]) -> PoleNotes:
+        """Nothing to look at where the model does not hold the coordinates among its variables."""
+        held, found = {*variables}, set()
+        for chart in equations.system.charts.values():
+            found |= {*factors_of(equations.door.inward(chart.singular))}
+        known = [e for e in sorted(found, key=str) if e.free_symbols and e.free_symbols <= held]
+        return cls({f"{PASSAGE} {i}": e for i, e in enumerate(known)})
+
+    def watch(self, problem: Problem, form: Any, functions: Mapping[str, Any]) -> Problem:
+        """The problem, with the poles among its events."""
+        if not self.levels:
+            return problem
+        return replace(
+            problem,
+            events=(*problem.events, *(Event(name, name) for name in self.levels)),
+            levels=quantities(form, {**functions, **self.levels}),
+            coarse=problem.coarse | self.levels.keys(),
+        )
+
+    def with_notes(self, run: Run) -> Run:
+        """The run as if nobody had looked, with a note."""
+        if not self.levels:
+            return run
+        times = [float(t) for name in self.levels for t in run.crossings.get(name, ((),))[0]]
+        order = 1 if run.t[-1] >= run.t[0] else -1
+        passages = sorted((t for t in times if t != run.t[0]), key=lambda t: order * t)
+        run = run.without({*self.levels})
+        return replace(run, notes=(*run.notes, *passage_notes(passages)))
+
+
+def passage_notes(times: Sequence[float]) -> tuple[str, ...]:
+    """What is to be said of a run that passes through poles of its coordinates."""
+    if not times:
+        return ()
+    often = f", the first of {len(times)} times" if len(times) > 1 else ""
+    return (
+        f"at t = {times[0]:.12g}{often} the motion passes through a pole of the coordinates: "
+        "angles after it are known up to whole turns",
+    )
 
 
 @dataclass(frozen=True)
