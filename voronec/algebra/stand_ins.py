@@ -102,7 +102,9 @@ class StandIns:
 
 
 def _stands(term: Any, places: list[Any]) -> bool:
-    """Whether a place stands in a term outside of functions."""
+    """Whether a place stands in a term outside of functions, such as the exponential is one."""
     if isinstance(term, se.Symbol):
         return term in places
-    return isinstance(term, se.Add | se.Mul | se.Pow) and any(_stands(a, places) for a in term.args)
+    if isinstance(term, se.Pow):
+        return bool(term.args[1].is_Number) and _stands(term.args[0], places)
+    return isinstance(term, se.Add | se.Mul) and any(_stands(a, places) for a in term.args)

@@ -142,12 +142,22 @@ def watch_of(
     )
 
 
+ROUNDING = se.Integer(2) ** -52
+"""By so much of its terms a sum of doubles is off."""
+
+
 def size_of_terms(expr: Any, done: dict[Any, Any] | None = None) -> Any:
     """How large the terms are that an expression is made of: its rounding is of that size.
 
     The terms of sums are taken positive.  A factor beside others, as in a power, counts by its
-    terms once, the others by their values: (x - c)^4 is (|x| + |c|) |x - c|^3.
+    terms once, the others by their values and what rounding adds to these: (x - c)^4 is
+    (|x| + |c|) |x - c|^3, but where x - c is rounding.
     """
+
+    def value(part: Any) -> Any:
+        size = size_of_terms(part, known)
+        return size if size == se.Abs(part) else se.Abs(part) + ROUNDING * size
+
     known: dict[Any, Any] = {} if done is None else done
     if expr not in known:
         if isinstance(expr, se.Add):
@@ -155,11 +165,11 @@ def size_of_terms(expr: Any, done: dict[Any, Any] | None = None) -> Any:
         elif isinstance(expr, se.Mul):
             sizes = {a: size_of_terms(a, known) for a in expr.args}
             loose = [a for a, size in sizes.items() if size != se.Abs(a)]
-            products = [sizes[a] * se.Mul(*[se.Abs(b) for b in sizes if b != a]) for a in loose]
+            products = [sizes[a] * se.Mul(*[value(b) for b in sizes if b != a]) for a in loose]
             known[expr] = se.Add(*products) if loose else se.Abs(expr)
         elif isinstance(expr, se.Pow) and isinstance(expr.args[1], se.Integer) and expr.args[1] > 0:
             base, exponent = expr.args
-            known[expr] = size_of_terms(base, known) * se.Abs(base) ** (exponent - 1)
+            known[expr] = size_of_terms(base, known) * value(base) ** (exponent - 1)
         else:
             known[expr] = se.Abs(expr)
     return known[expr]
