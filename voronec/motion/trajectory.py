@@ -44,6 +44,9 @@ SMALL, ROUNDING, NOTHING = 1e-9, 1e-12, 1e-3
 what they are where no state is less than the second."""
 LOOSE, UNIT = 1e3, 2.0**-52
 """Integrators hold their tolerance, at least the spacing of doubles, up to such a factor."""
+LOST, FAR_LARGER = 1e-3, 1e6
+"""An integral has no value in doubles where its rounding is more than the first part of it, and its
+terms are so many times larger than at another instant."""
 NUDGE, ROWS = 1e-6, 9
 """How far arguments are moved to see slopes, in units of their sizes, and at how many instants."""
 
@@ -131,7 +134,10 @@ class Trajectory:
     name, symbol or expression; integrals, coordinates and velocities are there as far as the model
     knows them.
 
-    ``drift`` maps each integral I of the system to max |I(t) - I(t0)| / |I(t0)|, over the instants
+    ``integrals`` has each integral of the system at every instant, nan where it has no value in
+    doubles: in velocities that are no frame there.
+
+    ``drift`` maps each integral I to max |I(t) - I(t0)| / |I(t0)|, over the instants
     at which I has a value, t0 the first of them.  Let S be the
     largest value along the motion of I with all its terms taken positive.  Where I starts at zero
     (below a millionth of S), the change is relative to S instead; where S is rounding, below a
@@ -389,14 +395,17 @@ def assemble_trajectory(
     still = {n: x for n, x in constants.items() if np.ndim(x) == 0}  # others are inputs
     # what is no number is not equal to itself
     known = {n for n in system.parameter_names if n in still and still[n] == still[n]}
+    integrals = _integrals(watch, series)
     return Trajectory(
         system=system,
         t=t,
         state=states,
         names=names,
         outputs=watch.outputs,
-        series=MappingProxyType({n: series[n] for n in (*watch.outputs, *watch.besides)}),
-        integrals=MappingProxyType({n: series[key] for n, key in watch.integrals.items()}),
+        series=MappingProxyType(
+            {n: integrals.get(n, series[n]) for n in (*watch.outputs, *watch.besides)}
+        ),
+        integrals=MappingProxyType(integrals),
         parameters=MappingProxyType({n: x for n, x in constants.items() if n in known}),
         drift=MappingProxyType(_drifts(watch, series, cost.tolerance, sizes)),
         residuals=MappingProxyType(
@@ -405,6 +414,29 @@ def assemble_trajectory(
         cost=cost,
         interrupted=interrupted,
     )
+
+
+def _integrals(watch: Watch, series: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The integrals along the grid; nan at instants at which they are rounding, as in velocities
+    that are no frame there."""
+    found = {}
+    for name, key in watch.integrals.items():
+        values = series[key]
+        lost = _is_rounding(values, series[watch.sizes[name]])
+        found[name] = np.where(lost, np.nan, values) if lost.any() else values
+        found[name].flags.writeable = False
+    return found
+
+
+def _is_rounding(values: np.ndarray, terms: np.ndarray) -> np.ndarray:
+    """At which instants the terms of an integral are so much larger than at others that what is
+    left of them in doubles says nothing of its value."""
+    if values.dtype == object:
+        return np.zeros(values.shape, dtype=bool)
+    with np.errstate(all="ignore"):
+        least = np.min(terms, where=terms > 0, initial=np.inf)
+        lost = UNIT * terms > LOST * np.max(np.abs(values), where=np.isfinite(values), initial=0.0)
+        return np.asarray(lost & (terms > FAR_LARGER * least))
 
 
 def _drifts(
@@ -416,6 +448,7 @@ def _drifts(
         values, terms = series[key], series[watch.sizes[name]]
         # at a pole of coordinates, where a run may begin, an integral may have no value
         sound = np.isfinite(values.astype(float)) & np.isfinite(terms.astype(float))
+        sound &= ~_is_rounding(values, terms)
         own[name] = (values[sound], terms[sound]) if sound.any() else (values, terms)
     sizes = {name: terms.max() for name, (_, terms) in own.items()}
     least = usual.largest if usual and any(size <= SMALL for size in sizes.values()) else {}
