@@ -95,6 +95,9 @@ SYSTEMS: dict[str, Callable[[Any], vo.System]] = {
         ),
     ),
     "accelerations": lambda a: line(-(a**4) * velocity(v) - a**3 * v, mass=2),
+    "a constraint without poles": lambda a: blade(
+        velocity(y) - sp.sqrt(1 + a**2) * velocity(phi) / 9 - sp.log(2 + a**4) * v, a=a
+    ),
     "an arm": arm,
     "slopes that divide": lambda a: line(potential=a**2 - sp.atan(a**2)),
 }
@@ -112,6 +115,21 @@ def test_a_motion_far_away_is_that_at_the_origin(name: str, method: str) -> None
         moved = FAR if key == "x" else 0
         assert found[key][-1] - moved == pytest.approx(truth[key][-1], abs=3e-10), key
     assert all(drift < 1e-9 for drift in found.drift.values())
+
+
+def test_the_distance_of_two_places_is_one_in_constraints() -> None:
+    def pair(late: int) -> tuple[float, float]:
+        d, first = x - phi, {x: late + 1, phi: late, v: sp.Rational(1, 5)}
+        system = vo.System(
+            name="pair",
+            fibration=vo.Fibration(base=(x, phi), fibre=(y,)),
+            lagrangian=(v**2 + velocity(phi) ** 2 + velocity(y) ** 2 - d**2) / 2,
+            constraints=(velocity(y) - d**2 * v - d * velocity(phi),),
+        )
+        run = vo.integrate(system, initial=first, times=[0, 3])
+        return run["x"][-1] - late, run["y"][-1]
+
+    assert pair(3 * FAR) == pytest.approx(pair(0), abs=1e-10)
 
 
 def test_time_is_a_place_too() -> None:
@@ -172,6 +190,7 @@ def test_letters_stand_for_sums_of_places_alone() -> None:
     turned = (w - se.Symbol("k") * (7 - a)) ** 2 * (3 - 2 * a + w * b)
     distances = StandIns.of_distances([turned], Ground)
     assert {*distances.meaning.values()} == {a - 7, a - se.Rational(3, 2)}
+    assert {*StandIns.of_distances([(b - a) * w, a + b], Ground).meaning.values()} == {a - b}
     assert se.expand(distances.show(distances.hide(turned)) - turned) == 0
     hidden = distances.hide(turned).xreplace(dict.fromkeys(distances.meaning, se.Integer(0)))
     assert hidden == w**2 * w * b

@@ -33,15 +33,17 @@ class PlaceSymbols:
         return cls(tuple(symbols), frozenset(ground.parameters))
 
     def split(self, total: Any) -> tuple[Any, Any, Any]:
-        """The distance in a sum, a constant beside terms that are linear in places, as a number and
-        what it is a multiple of, c - x of x - c; and the rest.  Zeros where there is none."""
+        """The distance in a sum, as a number and what it is a multiple of, c - x of x - c; and the
+        rest.  Zeros where there is none: linear in places, it holds a constant, or stays where the
+        origin moves, as x - y does."""
         zero = se.Integer(0)
         terms = total.args if isinstance(total, se.Add) else ()
         constant = [t for t in terms if t.free_symbols <= self.constants]
         linear = [t for t in terms if self._is_linear(t)]
-        if not constant or not linear:
-            return zero, zero, total
         part = se.Add(*constant, *linear)
+        moved = part.xreplace(dict.fromkeys(self.symbols, se.Integer(1)))
+        if not linear or not (constant or se.expand(moved) == 0):
+            return zero, zero, total
         slope = part.diff(next(x for x in self.symbols if x in part.free_symbols))
         scale = slope if slope.is_Number else se.Integer(1)
         rest = [t for t in terms if t not in constant and t not in linear]
