@@ -19,7 +19,7 @@ from voronec import velocity
 from voronec.algebra.stand_ins import StandIns
 from voronec.motion.observables import size_of_terms
 
-x, y, phi = sp.symbols("x y phi")
+x, y, phi, along, turn = sp.symbols("x y phi along turn")
 v, t = velocity(x), vo.time
 FAR = 5000
 
@@ -46,6 +46,29 @@ def sleigh(potential: Any) -> vo.System:
     )
 
 
+def blade(constraint: Any, **more: Any) -> vo.System:
+    """A point on a plane with a wheel, held by a constraint for ydot, in a valley along x = a."""
+    a = more.pop("a")
+    return vo.System(
+        name="blade",
+        fibration=vo.Fibration(base=(x, phi), fibre=(y,)),
+        lagrangian=(v**2 + velocity(y) ** 2 + velocity(phi) ** 2 - a**2) / 2,
+        constraints=(constraint,),
+        **more,
+    )
+
+
+def arm(a: Any) -> vo.System:
+    """A particle on a plane that turns about a = 0, with a speed beside each place."""
+    w = velocity(phi)
+    kinetic = (v - y * w) ** 2 + (velocity(y) + a * w) ** 2 + w**2
+    return vo.System(
+        name="arm",
+        fibration=vo.Fibration(base=(x, y, phi), fibre=()),
+        lagrangian=kinetic / 2 - y**2 - a / 3,
+    )
+
+
 SYSTEMS: dict[str, Callable[[Any], vo.System]] = {
     "a potential": lambda a: line(potential=a**4 / 4),
     "beside a pull": lambda a: line(-(a**5) - a / 3 - sp.Rational(1, 10)),
@@ -58,6 +81,25 @@ SYSTEMS: dict[str, Callable[[Any], vo.System]] = {
     "a distance": lambda a: line(potential=sp.sqrt(1 + a**2) ** 3 + a / 5),
     "a blade": lambda a: sleigh(a**4 / 4 + phi**2 + a / 10),
     "a blade in a bowl": lambda a: sleigh((a**2 + y**2) ** 2 / 4),
+    "a constraint": lambda a: blade(velocity(y) - a**3 * velocity(phi), a=a),
+    "a quotient": lambda a: blade(velocity(y) * (1 + a**2) - 2 * a * velocity(phi), a=a),
+    "a constraint that moves": lambda a: blade(velocity(y) - a**2 * velocity(phi) - a * t, a=a),
+    "quasi-velocities": lambda a: blade(
+        velocity(y) * sp.cos(phi) - v * sp.sin(phi),
+        a=a,
+        frame=vo.Frame.quasi(
+            {
+                along: (1 + a**2) * (v * sp.cos(phi) + velocity(y) * sp.sin(phi)),
+                turn: velocity(phi) + (a - 3) * v,
+            }
+        ),
+    ),
+    "accelerations": lambda a: line(-(a**4) * velocity(v) - a**3 * v, mass=2),
+    "a constraint without poles": lambda a: blade(
+        velocity(y) - sp.sqrt(1 + a**2) * velocity(phi) / 9 - sp.log(2 + a**4) * v, a=a
+    ),
+    "an arm": arm,
+    "slopes that divide": lambda a: line(potential=a**2 - sp.atan(a**2)),
 }
 
 
@@ -65,14 +107,29 @@ SYSTEMS: dict[str, Callable[[Any], vo.System]] = {
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_a_motion_far_away_is_that_at_the_origin(name: str, method: str) -> None:
     near, far = SYSTEMS[name](x), SYSTEMS[name](x - FAR)
-    turning = {velocity(phi): sp.Rational(1, 2)} if phi in near.coordinates else {}
-    start = {v: sp.Rational(1, 5), **turning}
+    turning = {near.velocities[-1]: sp.Rational(1, 2)} if phi in near.coordinates else {}
+    start = {near.velocities[0]: sp.Rational(1, 5), **turning}
     truth = vo.integrate(near, initial={x: 1, **start}, times=[0, 4])
     found = vo.integrate(far, initial={x: FAR + 1, **start}, times=[0, 4], method=method)
     for key in truth.outputs:
         moved = FAR if key == "x" else 0
         assert found[key][-1] - moved == pytest.approx(truth[key][-1], abs=3e-10), key
     assert all(drift < 1e-9 for drift in found.drift.values())
+
+
+def test_the_distance_of_two_places_is_one_in_constraints() -> None:
+    def pair(late: int) -> tuple[float, float]:
+        d, first = x - phi, {x: late + 1, phi: late, v: sp.Rational(1, 5)}
+        system = vo.System(
+            name="pair",
+            fibration=vo.Fibration(base=(x, phi), fibre=(y,)),
+            lagrangian=(v**2 + velocity(phi) ** 2 + velocity(y) ** 2 - d**2) / 2,
+            constraints=(velocity(y) - d**2 * v - d * velocity(phi),),
+        )
+        run = vo.integrate(system, initial=first, times=[0, 3])
+        return run["x"][-1] - late, run["y"][-1]
+
+    assert pair(3 * FAR) == pytest.approx(pair(0), abs=1e-10)
 
 
 def test_time_is_a_place_too() -> None:
@@ -94,9 +151,10 @@ def test_a_speed_beside_a_constant_is_no_sum_of_powers(power: int) -> None:
     assert found["xdot"][-1] - belt == pytest.approx(truth["xdot"][-1], abs=1e-11)
 
 
+@pytest.mark.parametrize("system", [line(-((x - FAR) ** 5) - x / 3), arm(x - FAR)])
 @pytest.mark.parametrize("form", ["python", "c"])
-def test_printed_programs_keep_the_distance(form: str) -> None:
-    text = getattr(vo.derive(line(-((x - FAR) ** 5) - x / 3)), form)()
+def test_printed_programs_keep_the_distance(form: str, system: vo.System) -> None:
+    text = getattr(vo.derive(system), form)()
     assert str(FAR**2) not in text and str(FAR) in text
 
 
@@ -129,6 +187,13 @@ def test_letters_stand_for_sums_of_places_alone() -> None:
 
     expr = (a - 7) ** 3 + (a * w - b) ** 2 + se.sin(a) ** 2 + (a - 7) * (b - s) + 5 * (b - 2)
     letters = StandIns.of([expr], Ground)
+    turned = (w - se.Symbol("k") * (7 - a)) ** 2 * (3 - 2 * a + w * b)
+    distances = StandIns.of_distances([turned], Ground)
+    assert {*distances.meaning.values()} == {a - 7, a - se.Rational(3, 2)}
+    assert {*StandIns.of_distances([(b - a) * w, a + b], Ground).meaning.values()} == {a - b}
+    assert se.expand(distances.show(distances.hide(turned)) - turned) == 0
+    hidden = distances.hide(turned).xreplace(dict.fromkeys(distances.meaning, se.Integer(0)))
+    assert hidden == w**2 * w * b
     assert {*letters.meaning.values()} == {a - 7, b - s}
     belt = StandIns.of([(w - 3) ** 2 + (w - a * w) ** 2 + (w + b) ** 3], Ground, [w])
     assert {*belt.meaning.values()} == {w - 3, w + b, w - a * w}

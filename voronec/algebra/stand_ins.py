@@ -6,15 +6,62 @@ in doubles it is rounding.  With a function a(x) in the place of x - 1000 it sta
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import symengine as se
 
 from voronec.algebra.graphs import is_atom, nodes, rebuild
+from voronec.algebra.terms import factors_of
 
 __all__ = ["StandIns"]
+
+
+@dataclass(frozen=True)
+class PlaceSymbols:
+    """Places, and the constants beside which they stand in distances: x - c."""
+
+    symbols: tuple[Any, ...]
+    constants: frozenset[Any]
+
+    @classmethod
+    def of(cls, ground: Any) -> PlaceSymbols:
+        """The coordinates and the time of a ground; redundant coordinates are no places."""
+        bound = set().union(*(r.free_symbols for r in ground.relations))
+        symbols = (x for x in (*ground.coordinates, ground.time) if x not in bound)
+        return cls(tuple(symbols), frozenset(ground.parameters))
+
+    def split(self, total: Any) -> tuple[Any, Any, Any]:
+        """The distance in a sum, as a number and what it is a multiple of, c - x of x - c; and the
+        rest.  Zeros where there is none: linear in places, it holds a constant, or stays where the
+        origin moves, as x - y does."""
+        zero = se.Integer(0)
+        terms = total.args if isinstance(total, se.Add) else ()
+        constant = [t for t in terms if t.free_symbols <= self.constants]
+        linear = [t for t in terms if self._is_linear(t)]
+        part = se.Add(*constant, *linear)
+        moved = part.xreplace(dict.fromkeys(self.symbols, se.Integer(1)))
+        if not linear or not (constant or se.expand(moved) == 0):
+            return zero, zero, total
+        slope = part.diff(next(x for x in self.symbols if x in part.free_symbols))
+        scale = slope if slope.is_Number else se.Integer(1)
+        rest = [t for t in terms if t not in constant and t not in linear]
+        return scale, se.expand(part / scale), se.Add(*rest)
+
+    def _is_linear(self, term: Any) -> bool:
+        moving = [f for f in factors_of(term) if not f.free_symbols <= self.constants]
+        return len(moving) == 1 and moving[0] in self.symbols
+
+    def distances(self, exprs: Iterable[Any]) -> dict[Any, None]:
+        """The distances in sums, as these stand in one another outside of functions."""
+        found, waiting = dict[Any, None](), [*exprs]
+        while waiting:
+            node = waiting.pop()
+            scale, distance, _ = self.split(node)
+            found |= {distance: None} if scale != 0 else {}
+            waiting += node.args if isinstance(node, se.Add | se.Mul | se.Pow) else ()
+        return found
 
 
 @dataclass(frozen=True)
@@ -22,6 +69,7 @@ class StandIns:
     """Functions of places, and the sums that they stand for."""
 
     meaning: Mapping[Any, Any]
+    places: PlaceSymbols = PlaceSymbols((), frozenset())
 
     @classmethod
     def of(cls, exprs: Iterable[Any], ground: Any, speeds: Iterable[Any] = ()) -> StandIns:
@@ -29,11 +77,11 @@ class StandIns:
         place for a term, or a speed beside a constant.
 
         Places are the coordinates and the time of the ``ground``, a definition or a form; sums hold
-        these, ``speeds`` and parameters alone.  Redundant coordinates have normal forms of their
-        own.
+        these, ``speeds`` and parameters alone.  Of sums that hold more, the distances have letters:
+        y - c in (xdot - w (y - c))^2.  Redundant coordinates have normal forms of their own.
         """
-        bound = set().union(*(r.free_symbols for r in ground.relations))
-        places = [x for x in (*ground.coordinates, ground.time) if x not in bound]
+        ours = PlaceSymbols.of(ground)
+        places = [*ours.symbols]
         among = [*places, *speeds]
         known = {*among, *ground.parameters}
 
@@ -47,33 +95,59 @@ class StandIns:
 
         found: dict[Any, None] = {}
         for node in nodes(map(se.sympify, exprs)):
-            if isinstance(node, se.Pow) and node.args[1].is_Number and is_far(node.args[0]):
-                found[node.args[0]] = None
+            if isinstance(node, se.Pow) and node.args[1].is_Number:
+                sums = [node.args[0]]
             elif isinstance(node, se.Mul):
-                sums = [factor for factor in node.args if is_far(factor)]
-                found |= dict.fromkeys(sums if len(sums) > 1 else ())
-        return cls({
-            se.Function(f"sum {total}")(*[x for x in among if x in total.free_symbols]): total
-            for total in found
-        })  # fmt: skip
+                sums = [factor for factor in node.args if isinstance(factor, se.Add)]
+            else:
+                continue
+            far = dict.fromkeys(total for total in sums if is_far(total))
+            far |= ours.distances(total for total in sums if total not in far)
+            if len(far) > 1 or isinstance(node, se.Pow):
+                found |= far
+        return cls._by_name(found, among, ours)
+
+    @classmethod
+    def of_distances(cls, exprs: Iterable[Any], ground: Any) -> StandIns:
+        """Those for all distances in ``exprs``, of which products will be taken."""
+        places = PlaceSymbols.of(ground)
+        return cls._by_name(places.distances(map(se.sympify, exprs)), places.symbols, places)
+
+    @classmethod
+    def _by_name(cls, sums: Iterable[Any], among: Sequence[Any], places: PlaceSymbols) -> StandIns:
+        """With a function for each of the sums, of those symbols ``among`` some that it holds."""
+        names = {}
+        for total in sums:
+            _, distance, rest = places.split(total)
+            whole = distance if rest == 0 else total
+            held = [x for x in among if x in whole.free_symbols]
+            names[se.Function(f"sum {whole}")(*held)] = whole
+        return cls(names, places)
 
     def __or__(self, other: StandIns) -> StandIns:
-        return StandIns({**self.meaning, **other.meaning})
+        return StandIns({**self.meaning, **other.meaning}, self.places)
 
-    def hide(self, expr: Any) -> Any:
-        """An expression with the functions in powers and products of their sums."""
+    def hide(self, expr: Any, alone: bool = False) -> Any:
+        """An expression with the functions in powers and products of their sums; ``alone``: where
+        it is such a sum itself, too."""
         names = {total: name for name, total in self.meaning.items()}
         known: dict[Any, Any] = {}
 
         def read(node: Any) -> Any:
             if node not in known:
+                product = isinstance(node, se.Mul | se.Pow)
                 known[node] = node if is_atom(node) or not node.args else rebuild(
-                    node, [names[a] if a in names and isinstance(node, se.Mul | se.Pow) else read(a)
-                           for a in node.args]
+                    node, [factor(a) if product else read(a) for a in node.args]
                 )  # fmt: skip
             return known[node]
 
-        return read(se.sympify(expr))
+        def factor(node: Any) -> Any:
+            if node in names:
+                return names[node]
+            scale, distance, rest = self.places.split(node)
+            return scale * names[distance] + read(rest) if distance in names else read(node)
+
+        return (factor if alone else read)(se.sympify(expr)) if names else expr
 
     def show(self, expr: Any) -> Any:
         """The sums again, of what the functions are taken of by now, and their slopes."""

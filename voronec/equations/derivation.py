@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import symengine as se
@@ -78,6 +78,7 @@ class Derivation:
 
     definition: Definition
     exact: bool
+    given_lift: tuple[tuple[Any, ...], ...] | None = None
 
     def tidy(self, exprs: Sequence[Any]) -> list[Any]:
         """Bring intermediate results into normal form, or leave them, as this derivation does."""
@@ -95,17 +96,38 @@ class Derivation:
 
     @cached_property
     def _in_letters(self) -> tuple[Derivation, StandIns] | None:
-        """The same with letters for sums of places of which powers are declared; None where there
-        are none."""
+        """The same with letters for sums of places of which powers are declared, and for distances
+        in the lift, products of which are momenta; None where there are none."""
         d = self.definition
-        speeds = (*d.dots, *d.velocities)
-        letters = StandIns.of([d.lagrangian], d) | StandIns.of(d.forces, d, speeds)
-        if not self.exact or not letters.meaning:
+        if not self.exact or self.given_lift is not None:
+            return None
+        lift = coordinate_lift(d.fibre, d.base) if d.frame is None else self._framed_lift
+        applied = [*d.forces, *(e for row in d.added for e in row)]
+        letters = (
+            StandIns.of([d.lagrangian], d)
+            | StandIns.of(applied, d, (*d.dots, *d.velocities))
+            | StandIns.of_distances((e for row in lift for e in row), d)
+        )
+        if not letters.meaning:
             return None
         hidden = replace(
-            d, lagrangian=letters.hide(d.lagrangian), forces=tuple(map(letters.hide, d.forces))
+            d,
+            lagrangian=letters.hide(d.lagrangian),
+            forces=tuple(map(letters.hide, d.forces)),
+            added=tuple(tuple(map(letters.hide, row)) for row in d.added),
         )
-        return Derivation(hidden, exact=True), letters
+        given = tuple(
+            tuple(map(partial(_hide, letters), row, short))
+            for row, short in zip(lift, self.connection.lift, strict=True)
+        )
+        return Derivation(hidden, True, given), letters
+
+    def _out_of_letters(self, stage: str) -> list[Any] | None:
+        """A stage of the derivation in letters, with the sums again; None without letters."""
+        if self._in_letters is None:
+            return None
+        hidden, letters = self._in_letters
+        return [letters.show(e) for e in getattr(hidden, stage)]
 
     @cached_property
     def fibre(self) -> FibreSolution:
@@ -131,7 +153,12 @@ class Derivation:
 
     def _connect(self, framed: bool) -> EhresmannConnection:
         d = self.definition
-        lift = self._framed_lift() if framed else coordinate_lift(self.fibre, d.base)
+        if self.given_lift is not None:
+            lift = self._tidy_rows(self.given_lift)
+        elif framed:
+            lift = self._tidy_rows(self._framed_lift)
+        else:
+            lift = coordinate_lift(self.fibre, d.base)
         connection = EhresmannConnection(
             coordinates=d.coordinates,
             base=d.base,
@@ -152,18 +179,21 @@ class Derivation:
             )
         return connection
 
+    def _tidy_rows(self, rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
+        flat = iter(self.tidy([e for row in rows for e in row]))
+        return [[next(flat) for _ in row] for row in rows]
+
+    @cached_property
     def _framed_lift(self) -> list[list[Any]]:
+        """The lift as constraints and definitions of velocities were solved for it."""
         d = self.definition
         assert d.frame is not None
         try:
-            lift = framed_lift(
+            return framed_lift(
                 d.constraints, d.frame, d.differentiated, d.relations, d.near, d.share
             )
         except UndeterminedVelocities as error:
             raise _frame_error(d, error) from None
-        flat = self.tidy([e for row in lift for e in row])
-        width = len(d.velocities) + 1
-        return [flat[a * width : (a + 1) * width] for a in range(len(lift))]
 
     @cached_property
     def dual(self) -> list[list[Any]]:
@@ -178,15 +208,16 @@ class Derivation:
     @cached_property
     def dot_rates(self) -> list[Any]:
         """The velocities in which the Lagrangian is written, in terms of q, v, t."""
-        return self.tidy(self.connection.rates)
+        return self._out_of_letters("dot_rates") or self.tidy(self.connection.rates)
 
     @cached_property
     def rates(self) -> list[Any]:
         """qdot in terms of q, v, t."""
         group = self.definition.group
-        return (
-            self.dot_rates if group is None else self.tidy(group.coordinate_rates(self.dot_rates))
-        )
+        if group is None:
+            return self.dot_rates
+        found = self._out_of_letters("rates")
+        return found or self.tidy(group.coordinate_rates(self.dot_rates))
 
     @property
     def dependent(self) -> tuple[tuple[Any, Any], ...]:
@@ -227,6 +258,8 @@ class Derivation:
     @cached_property
     def quasi_momenta(self) -> list[Any]:
         """dLc/dv."""
+        if found := self._out_of_letters("quasi_momenta"):
+            return found
         if not self.exact:
             lift = self.connection.lift
             return [
@@ -242,8 +275,7 @@ class Derivation:
         [Theory, eq. (11)]."""
         vs = self.definition.velocities
         if self._in_letters is not None:
-            hidden, letters = self._in_letters
-            return [[letters.show(e) for e in row] for row in hidden.mass]
+            return [[*row] for row in self.form.mass]
         n = len(vs)
         upper = [(i, j) for i in range(n) for j in range(i, n)]
         own = [self.quasi_momenta[i].diff(vs[j]) for i, j in upper]
@@ -314,8 +346,7 @@ class Derivation:
     def force(self) -> list[Any]:
         """mass * vdot = force."""
         if self._in_letters is not None:
-            hidden, letters = self._in_letters
-            return [letters.show(e) for e in hidden.force]
+            return [*self.form.force]
         raw = [r - d for r, d in zip(self.right, self.inertial, strict=True)]
         return self.polish(raw)
 
@@ -339,6 +370,16 @@ class Derivation:
     def form(self) -> FirstOrderForm:
         """The first-order form."""
         d = self.definition
+        if self._in_letters is not None:
+            hidden, letters = self._in_letters
+            form = hidden.form
+            return replace(
+                form,
+                rates=tuple(map(letters.show, form.rates)),
+                mass=tuple(tuple(map(letters.show, row)) for row in form.mass),
+                force=tuple(map(letters.show, form.force)),
+                dependent=tuple((name, letters.show(e)) for name, e in form.dependent),
+            )
         return FirstOrderForm(
             coordinates=d.coordinates,
             velocities=d.velocities,
@@ -354,6 +395,12 @@ class Derivation:
             positive=d.positive,
             inputs=d.inputs,
         )
+
+
+def _hide(letters: StandIns, entry: Any, short: Any) -> Any:
+    """An entry of the lift in letters; its normal form, where that holds less: nothing, perhaps."""
+    hidden = letters.hide(entry, alone=True)
+    return short if short.free_symbols < hidden.free_symbols else hidden
 
 
 def _frame_error(d: Definition, error: UndeterminedVelocities) -> DefinitionError:

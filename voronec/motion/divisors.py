@@ -177,12 +177,14 @@ def crossing_divisors(
         if count:
             zeros = onto(_between(values, i, below[:, :count], above[:, :count]))
         else:
-            low = np.argsort(np.abs(row))[:DESCENTS]
-            zeros = _downhill(values, i, places[:, low[np.abs(row[low]) < LOW * scale]], onto)
+            first = np.argsort(np.abs(row))[:DESCENTS]
+            first = first[np.abs(row[first]) < LOW * scale]
+            zeros = _downhill(values, i, places[:, first], onto)
         if not zeros.size:
             continue
         # a change of sign through infinity is no zero, nor is one off the relations
-        true = np.abs(values(zeros)[i]) < (TRUE if count else TOUCH) * scale
+        low = TRUE * scale if count else TOUCH * min(scale, _size_around(values, i, zeros, onto))
+        true = np.abs(values(zeros)[i]) < low
         usual = usual_size(soundness(places[:, :FEW])) if usual < 0 else usual
         if (true & (soundness(zeros) > POLE * usual)).any():
             found.append(Divisor(function, scale))
@@ -214,6 +216,15 @@ def _downhill(values: Field, i: int, places: np.ndarray, onto: Field) -> np.ndar
             move = 2 * size * slope / (slope**2).sum(axis=0)
         places = onto(places - np.where(np.isfinite(move), move, 0.0))
     return places
+
+
+def _size_around(values: Field, i: int, zeros: np.ndarray, onto: Field) -> float:
+    """How large the i-th of some functions usually is around the lowest of its zeros, in units of
+    one: 1 + (x - c)^4 is so large over places of the size of c that its one passes for nothing."""
+    dice = Random(0)
+    ways = np.array([dice.uniform(-REACH, REACH) for _ in range(len(zeros) * FEW)])
+    lowest = zeros[:, [np.argmin(np.abs(values(zeros)[i]))]]
+    return _middle_size(np.abs(values(onto(lowest + ways.reshape(-1, FEW)))[i]))
 
 
 def _middle_size(sizes: np.ndarray) -> float:

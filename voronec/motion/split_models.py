@@ -499,10 +499,13 @@ class SplitGround:
 
     @property
     def _others(self) -> set[Any]:
-        """Divisors that are none of a split: those of forces, and poles of charts."""
+        """Divisors that are none of a split: those of forces and of the slopes of the Lagrangian,
+        and poles of charts."""
         d = self.home.definition
+        slopes = (d.lagrangian.diff(x) for x in (*d.coordinates, *d.dots))
         return self.home.memo.once(
-            "divisors of no split", lambda: {*self._poles, *bases((d.lagrangian, *d.forces))}
+            "divisors of no split",
+            lambda: {*self._poles, *bases((d.lagrangian, *slopes, *d.forces))},
         )
 
     @cached_property

@@ -34,7 +34,7 @@ import symengine as se
 
 from voronec.algebra.generators import linear_terms
 from voronec.algebra.matrices import dot
-from voronec.algebra.normal import canonical, shortest
+from voronec.algebra.normal import canonical, canonical_for_numbers, shortest
 from voronec.algebra.ring import sparse_terms
 from voronec.algebra.roots import ring_over
 from voronec.algebra.terms import rational
@@ -126,7 +126,7 @@ def _split(
             return None
         chosen = {pair: a for pair, a in zip(pairs, numbers, strict=True) if a != 0}
         rest = change - se.Add(*[a * products[pairs.index(jk)] for jk, a in chosen.items()])
-        found.append((chosen, canonical([rest], level.relations)[0]))
+        found.append((chosen, canonical_for_numbers([rest], level.form)[0]))
     return found
 
 
@@ -268,7 +268,7 @@ def _rewrite_level(level: Level, fresh: Mapping[Any, Any], turned: Mapping[Any, 
     moving += [rate[q] for q in kept]
     width = len(level.velocities)
     flat = [*moving, *level.force, *(e for row in level.mass for e in row)]
-    flat = canonical([e.xreplace(dict(turned)) for e in flat], level.relations)
+    flat = canonical_for_numbers([e.xreplace(dict(turned)) for e in flat], level.form)
     rows = flat[len(moving) + width :]
     return replace(
         level,
@@ -289,6 +289,6 @@ def _plain(expr: Any, turned: Mapping[Any, Any], level: Level) -> Any:
         return expr
     moved = expr.xreplace(dict(turned))
     try:
-        return canonical([moved], level.relations)[0]
+        return canonical_for_numbers([moved], level.form)[0]
     except EngineLimit:
         return moved
