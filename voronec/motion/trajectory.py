@@ -44,7 +44,7 @@ SMALL, ROUNDING, NOTHING = 1e-9, 1e-12, 1e-3
 what they are where no state is less than the second."""
 LOOSE, UNIT = 1e3, 2.0**-52
 """Integrators hold their tolerance, at least the spacing of doubles, up to such a factor."""
-GARBLE, FAR_LARGER = 1e-3, 1e6
+WORTH, FAR_LARGER = 1e-3, 1e6
 """An integral has no value in doubles where its rounding is more than the first part of it, and its
 terms are so many times larger than at another instant."""
 NUDGE, ROWS = 1e-6, 9
@@ -435,7 +435,7 @@ def _is_rounding(values: np.ndarray, terms: np.ndarray) -> np.ndarray:
         return np.zeros(values.shape, dtype=bool)
     with np.errstate(all="ignore"):
         least = np.min(terms, where=terms > 0, initial=np.inf)
-        lost = UNIT * terms > GARBLE * np.max(np.abs(values), where=np.isfinite(values), initial=0.0)
+        lost = UNIT * terms > WORTH * np.max(np.abs(values), where=np.isfinite(values), initial=0.0)
         return np.asarray(lost & (terms > FAR_LARGER * least))
 
 
