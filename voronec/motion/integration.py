@@ -151,8 +151,9 @@ def integrate(
     began = perf_counter()
     declared = system.system if isinstance(system, VoronecEquations) else require_system(system)
     chosen = scene_of(declared, scene, initial is None)
+    driven = drive(system, inputs, chosen)  # a system that makes no sense is refused before times
     asked, grid = outputs_of(chosen, outputs), grid_of(declared, chosen, times)
-    driven = drive(system, inputs, chosen).over(float(grid[0]), float(grid[-1]))
+    driven = driven.over(float(grid[0]), float(grid[-1]))
     equations = driven.equations
     _refuse_unknown_functions(equations.system)
     vocabulary = Vocabulary.of(equations, driven.meaning)
