@@ -8,6 +8,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.numeric_functions import numeric_name
+from voronec.algebra.terms import subexpressions
 from voronec.errors import EngineLimit
 
 __all__ = ["bases", "derivative_at", "is_atom", "is_flat", "nodes", "rebuild"]
@@ -28,13 +29,7 @@ def is_atom(expr: Any) -> bool:
 
 def nodes(exprs: Iterable[Any]) -> Iterator[Any]:
     """Every node of expression graphs once; unknown functions as they stand."""
-    seen, waiting = set[Any](), list(exprs)
-    while waiting:
-        node = waiting.pop()
-        if node not in seen:
-            seen.add(node)
-            yield node
-            waiting += () if is_atom(node) else node.args
+    return subexpressions(exprs, is_atom)
 
 
 def bases(exprs: Iterable[Any]) -> Iterator[Any]:

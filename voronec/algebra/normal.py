@@ -81,9 +81,8 @@ def canonical_for_numbers(exprs: Sequence[Any], ground: Any) -> list[Any]:
     of the angle."""
     letters, relations = StandIns.of(exprs, ground, ground.velocities), ground.relations
     exprs = [letters.hide(e) for e in exprs]
-    if not holds_far_multiples(exprs):
-        return [letters.show(e) for e in canonical(exprs, relations)]
-    angles = sorted(set().union(*(e.atoms(*TRIGONOMETRIC) for e in exprs)), key=str)
+    far = holds_far_multiples(exprs)
+    angles = sorted(set().union(*(e.atoms(*TRIGONOMETRIC) for e in exprs)), key=str) if far else []
     folds = {node: se.Symbol(f"fold {i}") for i, node in enumerate(angles)}
     found = canonical([e.xreplace(folds) for e in exprs], relations)
     back = {name: node for node, name in folds.items()}

@@ -1,8 +1,8 @@
-"""Expressions of symengine in parts: nodes of a graph, terms, factors, rational numbers."""
+"""Expressions of symengine in parts: all of them, terms, factors, rational numbers."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import symengine as se
@@ -18,16 +18,18 @@ def rational(number: Any) -> Any:
     return se.Integer(int(number.p)) / se.Integer(int(number.q))
 
 
-def subexpressions(exprs: Iterable[Any]) -> Iterator[Any]:
+def subexpressions(
+    exprs: Iterable[Any], is_leaf: Callable[[Any], bool] = lambda _: False
+) -> Iterator[Any]:
     """Every part of expressions, and of what stands inside of derivatives, each once: written out,
-    graphs that share parts are too large."""
+    graphs that share parts are too large.  Nothing is looked for inside of a leaf."""
     seen, waiting = set[Any](), list(exprs)
     while waiting:
         node = waiting.pop()
         if node not in seen:
             seen.add(node)
             yield node
-            waiting += node.args
+            waiting += () if is_leaf(node) else node.args
 
 
 def summands(expr: Any) -> tuple[Any, ...]:

@@ -151,12 +151,17 @@ def without_factors(function: Any, factors: Iterable[Any]) -> Any:
 
 def around(start: np.ndarray) -> np.ndarray:
     """Places (n, k) at random around a start (n,)."""
-    dice = Random(0)  # NumPy's generators load slowly
-    ways = np.array([dice.uniform(-REACH, REACH) for _ in range(start.size * SAMPLES)])
     found: np.ndarray = (
-        start[:, None] + ways.reshape(-1, SAMPLES) * np.maximum(1.0, np.abs(start))[:, None]
+        start[:, None] + _ways(start.size, SAMPLES) * np.maximum(1.0, np.abs(start))[:, None]
     )
     return found
+
+
+def _ways(size: int, count: int) -> np.ndarray:
+    """Ways (size, count) at random, the same every time."""
+    dice = Random(0)  # NumPy's generators load slowly
+    ways = np.array([dice.uniform(-REACH, REACH) for _ in range(size * count)])
+    return ways.reshape(size, count)
 
 
 def crossing_divisors(
@@ -221,10 +226,8 @@ def _downhill(values: Field, i: int, places: np.ndarray, onto: Field) -> np.ndar
 def _size_around(values: Field, i: int, zeros: np.ndarray, onto: Field) -> float:
     """How large the i-th of some functions usually is around the lowest of its zeros, in units of
     one: 1 + (x - c)^4 is so large over places of the size of c that its one passes for nothing."""
-    dice = Random(0)
-    ways = np.array([dice.uniform(-REACH, REACH) for _ in range(len(zeros) * FEW)])
     lowest = zeros[:, [np.argmin(np.abs(values(zeros)[i]))]]
-    return _middle_size(np.abs(values(onto(lowest + ways.reshape(-1, FEW)))[i]))
+    return _middle_size(np.abs(values(onto(lowest + _ways(len(zeros), FEW)))[i]))
 
 
 def _middle_size(sizes: np.ndarray) -> float:

@@ -35,6 +35,7 @@ from voronec.motion.model.special import is_many_valued
 from voronec.motion.observables import evaluate_extras
 from voronec.motion.state_probe import at_each, usual_size
 from voronec.motion.steppers.run import Run, Signals, values_along
+from voronec.motion.tolerances import LOOSE, UNIT
 from voronec.motion.trajectory import Trajectory
 
 __all__ = [
@@ -202,9 +203,6 @@ def _signs(count: int) -> np.ndarray:
     return np.where(np.arange(count) % 2, -1.0, 1.0)
 
 
-LOOSE = 1000.0
-"""An integral may change by so many tolerances in a step, in units of what its terms, or its slopes
-times the state, are: integrators hold their tolerance only roughly."""
 FREE = 10
 """So many steps are allowed to everybody."""
 ROWS = 200
@@ -214,8 +212,6 @@ LONG = 100_000
 to make them ready would take longer than a run."""
 REGULAR = 1e12
 """The condition number of a mass matrix below which accelerations mean something."""
-UNIT = 2.0**-52
-"""The relative spacing of doubles."""
 MOST, FEW, EACH = 128, 12, 4
 """Windows in which the equations that were integrated are looked at, and the original ones, and
 those of each of many motions."""

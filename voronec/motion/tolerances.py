@@ -4,12 +4,17 @@ Steps err with the same sign for long: what is asked for is that of a run, and a
 part of it alone.
 """
 
-__all__ = ["EXACT", "FINEST", "dop853_tolerance", "taylor_tolerance"]
+__all__ = ["EXACT", "FINEST", "LOOSE", "UNIT", "dop853_tolerance", "taylor_tolerance"]
 
 EXACT = 1e-16
 """Doubles have nothing to offer below this tolerance."""
 FINEST = 2.3e-14
 """scipy refuses finer relative tolerances."""
+LOOSE = 1000.0
+"""An integral may change by so many tolerances in a step, in units of what its terms, or its slopes
+times the state, are: integrators hold their tolerance only roughly."""
+UNIT = 2.0**-52
+"""The relative spacing of doubles."""
 SHARE, ROUNDING = 0.1, 5e-14
 """The part of the tolerance that a step of DOP853 may use up: the errors of a thousand steps add up
 to some ten times the tolerance. Below the other, rounding of a right side that cancels may keep any

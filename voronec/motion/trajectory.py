@@ -24,6 +24,7 @@ from voronec.equations.program import Program
 from voronec.errors import DefinitionError
 from voronec.motion.observables import Watch, evaluate_extras, evaluate_watch
 from voronec.motion.request import Vocabulary, held_name
+from voronec.motion.tolerances import LOOSE, UNIT
 
 if TYPE_CHECKING:
     from voronec.motion.viewer.page import PageView
@@ -42,8 +43,6 @@ CANCELLATION = 1e-6
 SMALL, ROUNDING, NOTHING = 1e-9, 1e-12, 1e-3
 """Terms of an integral that stay below the first may be rounding: they are, below the third part of
 what they are where no state is less than the second."""
-LOOSE, UNIT = 1e3, 2.0**-52
-"""Integrators hold their tolerance, at least the spacing of doubles, up to such a factor."""
 WORTH, FAR_LARGER = 1e-3, 1e6
 """An integral has no value in doubles where its rounding is more than the first part of it, and its
 terms are so many times larger than at another instant."""
@@ -493,7 +492,7 @@ class _TermSizes:
         hold all states to what is left of these.  A slope is that to the steeper side, since terms
         taken positive have a corner where they vanish.
         """
-        rows = np.unique(np.linspace(0, len(self.t) - 1, ROWS).astype(int))
+        rows = np.linspace(0, len(self.t) - 1, ROWS).astype(int)
         given = [np.broadcast_to(np.asarray(x, dtype=float), self.t.shape) for x in self.values]
         states = self.states[rows].astype(float)
         here = np.column_stack([states, *(x[rows] for x in given)])
