@@ -16,7 +16,10 @@ import sympy as sp
 
 import voronec as vo
 from voronec import velocity
+from voronec.algebra.normal import canonical, shortest
+from voronec.algebra.points import sample_point
 from voronec.algebra.stand_ins import StandIns
+from voronec.algebra.tape import Tape
 from voronec.motion.observables import size_of_terms
 
 x, y, phi, along, turn = sp.symbols("x y phi along turn")
@@ -115,6 +118,72 @@ def test_a_motion_far_away_is_that_at_the_origin(name: str, method: str) -> None
         moved = FAR if key == "x" else 0
         assert found[key][-1] - moved == pytest.approx(truth[key][-1], abs=3e-10), key
     assert all(drift < 1e-9 for drift in found.drift.values())
+
+
+def ring(a: Any, drive: Any = 0, **more: Any) -> vo.System:
+    """A bead on a circle about a = 0 in redundant coordinates, that drives a third one."""
+    w = sp.Symbol("w")
+    potential = more.pop("potential", y)
+    kinetic = (v**2 + velocity(y) ** 2 + velocity(phi) ** 2) / 2
+    return vo.System(
+        name="ring",
+        fibration=vo.Fibration(base=(x, y), fibre=(phi,), relations=(a**2 + y**2 - 1,)),
+        lagrangian=kinetic - potential,
+        constraints=(velocity(phi) - drive,),
+        frame=vo.Frame.quasi({w: a * velocity(y) - y * v}),
+        integrals={"energy": kinetic + potential},
+        **more,
+    )
+
+
+RINGS: dict[str, Callable[[Any], vo.System]] = {
+    "a drive": lambda a: ring(a, a * v),
+    "powers": lambda a: ring(a, a**2 * v - y * velocity(y) + (1 + a) ** 3 * velocity(y)),
+    "a root": lambda a: ring(a, potential=sp.sqrt(2 + a * y) + sp.exp(a)),
+    "a function": lambda a: ring(a, potential=sp.cos(a) + a**4 + y, drive=y * v),
+}
+
+
+@pytest.mark.parametrize("method", ["auto", "scipy", "flint"])
+@pytest.mark.parametrize("name", RINGS)
+def test_relations_keep_the_distance(name: str, method: str) -> None:
+    start = {y: sp.Rational(4, 5), "w": -1, phi: 0}
+    truth = vo.integrate(RINGS[name](x), initial={x: 0.6, **start}, times=[0, 3])
+    far = RINGS[name](x - FAR)
+    found = vo.integrate(far, initial={x: FAR + 0.6, **start}, times=[0, 3], method=method)
+    for key in truth.outputs:
+        moved = FAR if key == "x" else 0
+        assert float(found[key][-1]) - moved == pytest.approx(truth[key][-1], abs=1e-10), key
+    assert found.drift["energy"] < 1e-10
+
+
+def test_a_centre_may_be_a_parameter() -> None:
+    c = sp.Symbol("c")
+    system = ring(x - c, (x - c) ** 3 * v, parameters=(c,))
+    ends = [
+        vo.integrate(
+            system,
+            parameters={c: place},
+            initial={x: place + 0.6, y: sp.Rational(4, 5), "w": -1, phi: 0},
+            times=[0, 3],
+        )["phi"][-1]
+        for place in (0, FAR)
+    ]
+    assert ends[1] == pytest.approx(ends[0], abs=1e-10)
+
+
+def test_normal_forms_and_points_on_relations_far_away() -> None:
+    a, b, c, d = se.symbols("a b c d")
+    relations = [(a - FAR) ** 2 + b**2 - 1, (a - c) ** 2 + d**2 - 4]
+    power = (a - FAR) ** 4 + (a - c) ** 2 * b + se.cos(a)
+    (short,) = shortest([power], relations)
+    assert str(FAR**2) not in str(short)
+    assert canonical([short - power], relations) == [0]
+    assert canonical([b**4 - 2 * b**2 + 1 - (a - FAR) ** 4], relations) == [0]
+    mixed = [(a - 1) ** 2 + se.cos(a) + b**2 - 3, (a - 1) * (c - a) - d]
+    for held in (relations, mixed):
+        point = sample_point([a, b, c, d], held)
+        assert all(abs(r) < 1e-30 for r in Tape(held).arb(point, 160))
 
 
 def test_the_distance_of_two_places_is_one_in_constraints() -> None:

@@ -184,6 +184,8 @@ def far(dice: Random) -> Case:
     """A particle or a sleigh near a place far off, with forces that are powers of the distance from
     there: sums of powers of the coordinates would be rounding."""
     c, d = (dice.choice((20, 300, 5000)) + above(dice) for _ in range(2))
+    if dice.random() < 0.3:
+        return _far_ring(dice)
     a, b = x - c, y - d
     potential = dice.choice(
         [
@@ -205,6 +207,25 @@ def far(dice: Random) -> Case:
     blade = dot(x) * sp.sin(phi) - dot(y) * sp.cos(phi)
     system = _system("far-blade", (x, phi), (y,), L, (blade,), {})
     return Case(system, size=0.5, span=5.0, singular=("phi",), centre=centre)
+
+
+def _far_ring(dice: Random) -> Case:
+    """A bead on an ellipse about a place far off, in redundant coordinates, that drives a third
+    one.  Much farther away steps, whose tolerance is relative to x, would be what is seen."""
+    c, k, w = dice.choice((20, 300)) + above(dice), above(dice), sp.Symbol("w")
+    a = x - c
+    lifts = dice.choice([0, a, a**2, a * y, (1 + a) ** 3])
+    drive = dot(z) - lifts * dot(x) - some(dice) * y * dot(y)
+    L = (dot(x) ** 2 + dot(y) ** 2 + dot(z) ** 2) / 2
+    L -= dice.choice([y, a / 3 + y, a**4, a * y, sp.sqrt(2 + a**2), x / 5])
+    system = vo.System(
+        name="far-ring",
+        fibration=vo.Fibration(base=(x, y), fibre=(z,), relations=(a**2 + k * y**2 - 1,)),
+        lagrangian=L,
+        constraints=(drive,),
+        frame=vo.Frame.quasi({w: a * dot(y) - k * y * dot(x)}),
+    )
+    return Case(system, size=0.5, span=5.0, centre={"x": float(c)})
 
 
 def rough(dice: Random) -> Case:
@@ -348,7 +369,7 @@ def source_of(system: vo.System) -> str:
         "t = vo.time",
         *(f"{u.func} = Function({str(u.func)!r})" for u in system.inputs),
         f"system = vo.System(name={system.name!r}, fibration=vo.Fibration(base={fibration.base}, "
-        f"fibre={fibration.fibre}),",
+        f"fibre={fibration.fibre}, relations={fibration.relations}),",
         f"    lagrangian={system.lagrangian},",
         f"    constraints={system.constraints}, forces={{{forces}}},",
         f"    parameters={tuple(p.symbol for p in system.parameters)},",

@@ -15,7 +15,7 @@ from voronec.algebra.generators import TRIGONOMETRIC, holds_far_multiples
 from voronec.algebra.graphs import nodes
 from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import expand_element, expression
-from voronec.algebra.stand_ins import StandIns
+from voronec.algebra.stand_ins import OriginShift, StandIns
 from voronec.errors import EngineLimit
 
 __all__ = ["canonical", "canonical_for_numbers", "quotient", "shorten", "shortest"]
@@ -35,8 +35,11 @@ def shortest(
     ``EngineLimit`` where the normal form is beyond the work limit.
     """
     exprs = _with_short_arguments(exprs, relations, work_limit)
-    ring = ring_over([*exprs, *group], relations, work_limit)
-    found = [expression(ring, ring.field.absorb(ring.fraction(e)), group) for e in exprs]
+    shift = OriginShift.of(relations)
+    inside = [shift.hide(e) for e in exprs]
+    ring = ring_over([*inside, *group], [shift.hide(r) for r in relations], work_limit)
+    short = [expression(ring, ring.field.absorb(ring.fraction(e)), group) for e in inside]
+    found = [shift.show(e) for e in short]
     return [_shorter(e, f) for e, f in zip(exprs, found, strict=True)]
 
 
@@ -54,8 +57,11 @@ def canonical(
 ) -> list[Any]:  # fmt: skip
     """Each symengine expression as an expanded fraction: what ``shortest`` starts from."""
     exprs = _with_short_arguments(exprs, relations, work_limit)
-    ring = ring_over(exprs, relations, work_limit, split)
-    return [expand_element(ring, ring.field.absorb(ring.fraction(e))) for e in exprs]
+    shift = OriginShift.of(relations)
+    inside = [shift.hide(e) for e in exprs]
+    ring = ring_over(inside, [shift.hide(r) for r in relations], work_limit, split)
+    short = [expand_element(ring, ring.field.absorb(ring.fraction(e))) for e in inside]
+    return [shift.show(e) for e in short]
 
 
 def _with_short_arguments(

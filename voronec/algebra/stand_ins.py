@@ -15,7 +15,7 @@ import symengine as se
 from voronec.algebra.graphs import is_atom, nodes, rebuild
 from voronec.algebra.terms import factors_of
 
-__all__ = ["StandIns"]
+__all__ = ["OriginShift", "StandIns"]
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class PlaceSymbols:
         zero = se.Integer(0)
         terms = total.args if isinstance(total, se.Add) else ()
         constant = [t for t in terms if t.free_symbols <= self.constants]
-        linear = [t for t in terms if self._is_linear(t)]
+        linear = [t for t in terms if self.is_linear(t)]
         part = se.Add(*constant, *linear)
         moved = part.xreplace(dict.fromkeys(self.symbols, se.Integer(1)))
         if not linear or not (constant or se.expand(moved) == 0):
@@ -49,7 +49,8 @@ class PlaceSymbols:
         rest = [t for t in terms if t not in constant and t not in linear]
         return scale, se.expand(part / scale), se.Add(*rest)
 
-    def _is_linear(self, term: Any) -> bool:
+    def is_linear(self, term: Any) -> bool:
+        """Whether a term is a place times constants."""
         moving = [f for f in factors_of(term) if not f.free_symbols <= self.constants]
         return len(moving) == 1 and moving[0] in self.symbols
 
@@ -182,3 +183,62 @@ def _stands(term: Any, places: list[Any]) -> bool:
     if isinstance(term, se.Pow):
         return bool(term.args[1].is_Number) and _stands(term.args[0], places)
     return isinstance(term, se.Add | se.Mul) and any(_stands(a, places) for a in term.args)
+
+
+@dataclass(frozen=True)
+class OriginShift:
+    """Letters for the distances in relations, d for x - c in (x - c)^2 + y^2 - 1, and what symbols
+    are in these, x = d + c.
+
+    Polynomials on the relations are reduced in d, and with x - c in its place keep their digits far
+    from the origin.  A symbol is left as it stands inside of functions, and so is every polynomial
+    where relations hold no power and no product of a distance.
+    """
+
+    meaning: Mapping[Any, Any]
+    values: Mapping[Any, Any]
+    places: PlaceSymbols
+
+    @classmethod
+    def of(cls, relations: Sequence[Any]) -> OriginShift:
+        """The shift to the distances of which ``relations`` hold powers and products."""
+        held = [se.sympify(r) for r in relations]
+        products = [n for n in nodes(held) if isinstance(n, se.Mul | se.Pow)]
+        sums = {a for n in products for a in n.args if isinstance(a, se.Add)}
+        symbols = sorted(set().union(*(total.free_symbols for total in sums)), key=str)
+        places = PlaceSymbols(tuple(symbols), frozenset())
+        meaning, values = dict[Any, Any](), dict[Any, Any]()
+        for distance in sorted(places.distances(sums), key=str):
+            own = distance.xreplace(values)
+            fixed = set().union(*(e.free_symbols for e in values.values()))
+            free = [x for x in symbols if x in own.free_symbols and x not in fixed]
+            if free:
+                letter = se.Symbol(f"distance {distance}")
+                meaning[letter] = distance
+                slope = own.diff(free[0])
+                values[free[0]] = se.expand(free[0] + (letter - own) / slope)
+        return cls(meaning, values, places)
+
+    def hide(self, expr: Any) -> Any:
+        """An expression in the distances."""
+        known: dict[Any, Any] = {}
+
+        def read(node: Any) -> Any:
+            if node not in known:
+                known[node] = spell(node)
+            return known[node]
+
+        def spell(node: Any) -> Any:
+            if isinstance(node, se.Add):  # c of x = d + c and of x - c are to cancel
+                linear = [t for t in node.args if self.places.is_linear(t)]
+                rest = [read(t) for t in node.args if t not in linear]
+                return se.Add(se.expand(se.Add(*linear).xreplace(self.values)), *rest)
+            if isinstance(node, se.Mul) or (isinstance(node, se.Pow) and node.args[1].is_Number):
+                return rebuild(node, [*map(read, node.args)])
+            return self.values.get(node, node)
+
+        return read(se.sympify(expr)) if self.values else expr
+
+    def show(self, expr: Any) -> Any:
+        """The expression again, with the distances as they are."""
+        return expr.xreplace(self.meaning) if self.meaning else expr
