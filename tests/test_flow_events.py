@@ -323,3 +323,39 @@ def test_events_that_happen_more_often_than_steps_are_taken_are_all_found(method
         assert found == pytest.approx(truth[truth <= 30], abs=1e-9)
     assert run["x"].astype(float) == pytest.approx([0.1, 15.1, 30.1], abs=1e-11)
     assert float(run.at([7.25])["x"][0]) == pytest.approx(7.35, abs=1e-11)
+
+
+@doubles
+@pytest.mark.parametrize("place", [0, 10_000])
+def test_zeros_of_third_order_are_passed_once(method: str, place: int) -> None:
+    """Series have three zeros or none there, off by the cube root of rounding: each passage was
+    told twice or thrice, or not at all."""
+    far = x - place
+    spring = vo.System(name="spring", fibration=vo.Fibration(x), lagrangian=Dx**2 / 2 - far**2 / 2)
+    functions = {
+        "cube": (far**3, 1e-10),
+        "seventh": (-2 * far**7, 1e-10),
+        "factors": (far**3 * (Dx**2 + 1) ** 2, 1e-10),
+        "sines": (far * sp.sin(far) * sp.tan(far), 1e-10),
+        "difference": (sp.sin(far) - far, 1e-7),
+    }
+    if not place:  # far off the function is zero itself where it touches
+        functions["touches"] = far**3 + far**2 * Dx / 100, 1e-9
+    places = np.array([0.5, 1.5, 2.5]) * np.pi
+    shifted = places - np.arctan(0.01)
+    for name, (function, error) in functions.items():
+        for tol in (1e-13, 1e-16):
+            run = vo.integrate(
+                spring,
+                initial={x: place + 1},
+                times=[0, 10],
+                events=(vo.Event(function, name=name),),
+                method=method,
+                tol=tol,
+            )
+            found, true = run.events[name].t, shifted if name == "touches" else places
+            assert len(found) == 3, (name, found)
+            assert np.abs(found - true).max() < error, name
+    down = vo.Event(sp.sin(far) - far, name="down", direction=-1, stop=True)
+    run = vo.integrate(spring, initial={x: place + 1}, times=[0, 10], events=down, method=method)
+    assert run.stopped == "down" and abs(run.t[-1] - 1.5 * np.pi) < 1e-7

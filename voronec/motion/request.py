@@ -561,5 +561,18 @@ def name_events(vocabulary: Vocabulary, events: Any) -> tuple[tuple[Event, ...],
                 "give Event(..., name=)"
             )
         named.append(Event(event.function, name, event.direction, event.stop))
-        inside[name] = function
+        inside[name] = _simple(function)
     return tuple(named), inside
+
+
+def _simple(function: Any) -> Any:
+    """A function of the same sign with simple zeros, where the given one is a product of powers:
+    roots of series are known to a part of their digits where they are multiple."""
+    simple, touches = sp.S.One, True
+    for factor in sp.Mul.make_args(sp.sympify(function)):
+        base, exponent = factor.as_base_exp()
+        if exponent.is_Integer and exponent > 1:
+            factor = base if exponent % 2 else sp.S.One
+        simple *= factor
+        touches = touches and factor.is_number
+    return function if touches else simple

@@ -8,6 +8,7 @@ programs); by default it lets them grow to 20 GB.
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -46,9 +47,11 @@ from voronec.motion.steppers.series_reach import (
     reach,
 )
 from voronec.motion.steppers.step_loop import (
+    crosses,
     early_looks,
     early_returns,
     level_function,
+    root,
 )
 from voronec.motion.steppers.units import CHUNK, LEAST, SHORT, TurnCount, natural_units
 
@@ -79,6 +82,9 @@ GRAIN = 1e-26
 by less than the square of that."""
 COMPACT = 60.0
 """Above this weight heyoka compiles in its compact mode: seconds sooner, then half as fast."""
+NARROW, WIDE, WIDER = 1e-12, 1e-2, 8.0
+"""About a zero of a series its function is looked at this part of a step before and after, and ever
+farther off by the third, up to the second, until its signs differ."""
 IDLE = 16
 """So many integrators wait for another run; one of a large system takes some megabytes."""
 
@@ -122,6 +128,7 @@ class _Machine:
         self.fit_units(anew=True)
         log.rows, log.stopped, log.silent = {}, "", False
         log.start, log.span = float(grid[0]), float(np.ptp(grid))
+        log.levels = level_function(problem) if problem.events else None
 
     def fit_units(self, anew: bool = False) -> None:
         """Measure states that left their units in others; units are parameters, behind those of the
@@ -198,12 +205,12 @@ def _integrator(problem: Problem, log: Log, winding: TurnCount, hy: Any) -> Any:
     watched: list[Any] = []
     kinds: dict[str, list[Any]] = {"nt_events": [], "t_events": []}
     for event in problem.events:
-        if event.name not in moving:
+        if levels is None or event.name not in moving:
             continue  # a constant passes through nothing, and heyoka takes none
         expr = functions[event.name] + (GRAIN if event.name in problem.walls else SPECK)
         watched.append(expr)
         kind = kinds["t_events" if event.stop else "nt_events"]
-        kind.append(_event_of(event, expr, log, winding, hy))
+        kind.append(_event_of(event, levels.names.index(event.name), expr, log, winding, hy))
     system = taylor_system(program, units)
     count = parameter_count([e for _, e in system] + watched, hy)
     return hy.taylor_adaptive(
@@ -239,21 +246,58 @@ def _moving_extras(levels: Program) -> set[str]:
     return {name for name, expr in pairs if se.sympify(expr).free_symbols & moving}
 
 
-def _event_of(event: Event, expr: Any, log: Log, winding: TurnCount, hy: Any) -> Any:
-    """heyoka's own event, which writes into the log."""
+def _event_of(event: Event, column: int, expr: Any, log: Log, winding: TurnCount, hy: Any) -> Any:
+    """heyoka's own event, which writes into the log; ``column`` is that of its function."""
     kinds = hy.event_direction
     direction = {1: kinds.positive, -1: kinds.negative, 0: kinds.any}[event.direction]
 
+    def enter(integrator: Any, time: float) -> bool:
+        def level(moment: float) -> float:
+            integrator.update_d_output(moment)
+            states = winding.whole(integrator.d_output)[None, :]
+            assert log.levels is not None
+            return float(log.levels(np.array([moment]), states)[0, column])
+
+        is_wall, step = event.name in log.walls, abs(integrator.last_h)
+        passed = time if is_wall else _passage(level, time, step, event.direction)
+        if passed is None or log.holds(event, passed, NARROW * step):
+            return False
+        integrator.update_d_output(passed)
+        return log.enter(event, passed, winding.whole(integrator.d_output))
+
     def note(integrator: Any, time: float, _sign: int) -> None:
-        integrator.update_d_output(time)
-        log.enter(event, time, winding.whole(integrator.d_output))
+        enter(integrator, time)
 
     def note_end(integrator: Any, _sign: int) -> bool:
-        return not log.enter(event, float(integrator.time), winding.whole(integrator.state))
+        return not enter(integrator, float(integrator.time))
 
     if event.stop:
         return hy.t_event(expr, callback=note_end, direction=direction)
     return hy.nt_event(expr, callback=note, direction=direction)
+
+
+def _passage(
+    level: Callable[[float], float], time: float, step: float, direction: int
+) -> float | None:
+    """When a function of the time passes zero in a direction, about a zero of its series in a
+    ``step``; None where it only touches zero.
+
+    Where a function has a zero of third order, its series, whose coefficients are rounded, has one
+    or three, off by the cube root of the rounding: the function itself is asked.
+    """
+    reach = least = max(NARROW * step, 4 * float(np.spacing(abs(time))))
+    while reach <= max(WIDE * step, least):
+        before, after = level(time - reach), level(time + reach)
+        if not np.isfinite([before, after]).all():
+            return time
+        if crosses(before, after) and after != 0:
+            if not crosses(before, after, direction):
+                return None
+            if reach == least:
+                return time
+            return float(root(level, time - reach, before, time + reach, after))
+        reach *= WIDER
+    return None
 
 
 @dataclass

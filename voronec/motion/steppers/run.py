@@ -263,6 +263,12 @@ class Log:
     stopped: str = ""
     silent: bool = False
     walls: frozenset[str] = frozenset()
+    levels: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None
+
+    def holds(self, event: Event, time: float, near: float) -> bool:
+        """Whether the crossing that was kept last of an event is as near as that."""
+        rows = self.rows.get(event.name, [])
+        return any(abs(kept - time) <= near for kept, _ in rows[-1:])
 
     def enter(self, event: Event, time: Any, state: np.ndarray) -> bool:
         """Keep a crossing; whether it ends the run."""
