@@ -418,6 +418,7 @@ _CONNECTIVES: dict[Any, Callable[[list[Any]], sp.Expr]] = {
     sp.And: sp.prod,
     sp.Or: lambda given: 1 - sp.prod([1 - x for x in given]),
     sp.Not: lambda given: 1 - given[0],
+    sp.ITE: lambda given: given[0] * given[1] + (1 - given[0]) * given[2],
     sp.Xor: lambda given: reduce(lambda a, b: a + b - 2 * a * b, given),
 }
 _RULES: dict[str, Callable[[Any], sp.Expr]] = {

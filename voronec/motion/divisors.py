@@ -43,9 +43,12 @@ import symengine as se
 
 from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.graphs import bases
+from voronec.algebra.normal import canonical
 from voronec.declaration.system import System
 from voronec.equations.definition import read
 from voronec.equations.derivation import Derivation
+from voronec.equations.program.walls import Sides, plain_roots
+from voronec.errors import EngineLimit
 from voronec.motion.request import Event, Vocabulary
 from voronec.motion.state_probe import usual_size
 from voronec.motion.steppers import Run
@@ -128,10 +131,35 @@ def divisors(form: Any, changing: tuple[Any, ...] = ()) -> tuple[Any, ...]:
     moving = {*form.coordinates, *form.velocities, form.time, *(name for name, _ in form.stages)}
     moving |= {*changing}
     found: dict[Any, None] = {}
-    for base in bases(cardinal_all([*form.expressions, *(e for _, e in form.stages)])):
+    exprs = cardinal_all([*form.expressions, *(e for _, e in form.stages)])
+    for base in bases(exprs):
         if base.free_symbols & moving:
             found[base] = None
-    return tuple(found)
+    still = frozenset(form.parameters)
+    return tuple(b for b in found if form.stages or not _is_slope_of_corner(b, exprs, still))
+
+
+def _is_slope_of_corner(base: Any, exprs: Sequence[Any], still: frozenset[Any]) -> bool:
+    """Whether expressions divide by the function of a wall, or its square, that they do not divide
+    by on either side, as sqrt(x^2)/x does, the slope of |x|."""
+    plain = [plain_roots(e, still) for e in exprs]
+    for side in (lambda _: 1, lambda _: -1):
+        change = Sides(side, lambda _: se.Integer(0), still)
+        made = [change(e) for e in plain]
+        try:
+            wall = next((w.function for w in change.walls if _is_power_of(base, w.function)), None)
+            if wall is None or any(_is_power_of(b, wall) for b in bases(canonical(made))):
+                return False
+        except EngineLimit:
+            return False
+    return True
+
+
+def _is_power_of(base: Any, function: Any) -> bool:
+    """Whether a divisor is a function, or its square, up to a number."""
+    return base.free_symbols == function.free_symbols and any(
+        canonical([base / function**k])[0].is_Number for k in (1, 2)
+    )
 
 
 def without_factors(function: Any, factors: Iterable[Any]) -> Any:

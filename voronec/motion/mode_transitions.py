@@ -60,6 +60,8 @@ CANCELLATION = 1e-12
 """Fields on the sides cancel where so much is left of them, in units of the largest: rounding."""
 NEGLIGIBLE = 1e-3
 """A push of less than this part of what it is a moment later, some 1e-8, vanishes just there."""
+NOWHERE: Mapping[LevelSurface, int] = {}
+"""Beside no surface."""
 NO_VALUE = (ZeroDivisionError, ValueError, TypeError)
 """What mpmath raises where a function has no value, or none that is real."""
 SENSELESS = "the equations, or what switches in them, are not defined"
@@ -190,9 +192,9 @@ class Crossroads:
                 )
             )
         ]
-        different = {corner for corner, _ in leaving}
+        different = {(corner, frozenset(values.items())) for corner, values in leaving}
         names = " and ".join(map(str, met))
-        if len(leaving) == 1 or (leaving and len(different) == 1):
+        if len(different) == 1:
             return self._mode((leaving[0][0],), leaving[0][1], ())
         if leaving:
             return (FREE if self.order > 0 else PAST).format(names)
@@ -212,27 +214,39 @@ class Crossroads:
         while True:
             corners = {}
             more: list[LevelSurface] = []
+            walls = {s.wall for s in met}
+            # beyond a floor other floors and signs of it are others
+            kept = {w: n for w, n in sides.items() if walls.isdisjoint(self.modes.inner_walls(w))}
             for above in product((1, -1), repeat=len(met)):
-                given = {s.wall: s.value(side) for s, side in zip(met, above, strict=True)}
-                corner, values = self._corner(time, state, {**sides, **given})
+                beside = dict(zip(met, above, strict=True))
+                corner, values = self._corner(time, state, kept, beside)
                 corners[above] = corner, values
                 for wall in corner.walls:
-                    if wall not in given and wall not in {s.wall for s in more}:
-                        more += self._touched_surfaces(wall, time, state, values)
+                    if wall not in walls or wall.floors:
+                        found = self._touched_surfaces(wall, time, state, values)
+                        more += [s for s in found if s not in (*met, *more)]
             if not more or len(met) > MOST:
                 return met, corners
             met += more
 
     def _corner(
-        self, time: Any, state: np.ndarray, given: Mapping[Wall, int]
-    ) -> tuple[Corner, dict[Wall, int]]:
+        self, time: Any, state: np.ndarray, given: Mapping[Wall, int],
+        beside: Mapping[LevelSurface, int] = NOWHERE,
+    ) -> tuple[Corner, dict[Wall, int]]:  # fmt: skip
+        """The equations, and the sides of all walls: those ``given``, and above (1) or below (-1)
+        the surfaces ``beside`` which the state lies."""
         values: dict[Wall, int] = {}
 
         def number(wall: Wall) -> Any:
+            for inner in self.modes.inner_walls(wall):
+                number(inner)
             if wall not in values:
-                values[wall] = (
-                    given[wall] if wall in given else self._value(wall, time, state, values)
-                )
+                near = [
+                    s.value(side) for s, side in beside.items()
+                    if s.wall == wall and self._is_near(s, time, state, values)
+                ]  # fmt: skip
+                known = [*near, *([given[wall]] if wall in given else [])]
+                values[wall] = known[0] if known else self._value(wall, time, state, values)
             return values[wall]
 
         corner = self.modes.corner(number)
@@ -244,12 +258,23 @@ class Crossroads:
         g = self._measure(wall, time, state, values)[0]
         if wall.whole:
             return int(mpmath.floor(g))
-        return 1 if g >= 0 else -1
+        return int(mpmath.sign(g)) if wall.fixed else 1 if g >= 0 else -1
+
+    def _is_near(
+        self, surface: LevelSurface, time: Any, state: np.ndarray, values: Mapping[Wall, int]
+    ) -> bool:
+        """Whether a state that lay on a surface does so with other values of the floors in it."""
+        if not surface.wall.floors:
+            return True
+        g, size = self._value_and_reach(surface.wall, time, state, values)
+        return bool(abs(g - surface.level) <= CLEAR * size)
 
     def _touched_surfaces(
         self, wall: Wall, time: Any, state: np.ndarray, values: Mapping[Wall, int]
     ) -> list[LevelSurface]:
         """The surface of a wall on which a state lies, to rounding."""
+        if wall.fixed:
+            return []
         g, size = self._value_and_size(wall, time, state, values)
         level = int(mpmath.nint(g)) if wall.whole else 0
         if abs(g - level) > size * mpmath.mpf(2) ** (NEAR - self.bits):
@@ -312,7 +337,7 @@ class Crossroads:
             return [0] * len(surfaces)
         found = []
         for surface in surfaces:
-            if surface.wall not in sides:
+            if surface.wall not in sides or not self._is_near(surface, time, state, sides):
                 found.append(0)
                 continue
             a = self._measure(surface.wall, time, state, sides)[0]
@@ -384,7 +409,8 @@ class Crossroads:
                 return corners[tuple(sides)]
 
             chosen = [at(None), *(at(s) for s in along)]
-            if any(s.wall not in chosen[0][1] for s in along):
+            there = chosen[0][1]
+            if any(s.wall not in there or not self._is_near(s, time, state, there) for s in along):
                 continue
             mode = self._mode(tuple(c for c, _ in chosen), chosen[0][1], along)
             weights = None if mode is None else self._weights(mode, time, state)
@@ -574,7 +600,7 @@ class Crossroads:
     ) -> dict[str, tuple[LevelSurface, ...]]:
         watch: dict[str, tuple[LevelSurface, ...]] = {}
         for i, wall in enumerate(corner.walls):
-            if self.modes.is_held(wall, along):
+            if wall.fixed or self.modes.is_held(wall, along):
                 continue
             if wall.whole:
                 watch[f"wall {i} below"] = (LevelSurface(wall, sides[wall]),)
@@ -590,7 +616,7 @@ class Crossroads:
         """What falls through zero where a mode ends, by the names of ``_watched_surfaces``."""
         levels = {}
         for i, wall in enumerate(corner.walls):
-            if self.modes.is_held(wall, along):
+            if wall.fixed or self.modes.is_held(wall, along):
                 continue
             if wall.whole:
                 floor = self.modes.floor(wall)

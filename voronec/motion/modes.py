@@ -113,6 +113,11 @@ class Modes:
         """The parameter that stands for a floor."""
         return self._floors.setdefault(wall, se.Symbol(f"floor {len(self._floors) + 1}"))
 
+    def inner_walls(self, wall: Wall) -> list[Wall]:
+        """The walls of the floors in the function of a wall, inner ones first."""
+        found = [w for w, symbol in self._floors.items() if symbol in wall.floors]
+        return [inner for w in found for inner in (*self.inner_walls(w), w)]
+
     def corner(self, side: Callable[[Wall], int]) -> Corner:
         """The equations on given sides of the walls."""
         for known in self._corners:

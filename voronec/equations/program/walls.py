@@ -62,10 +62,16 @@ _ROUGH = (
 
 @dataclass(frozen=True)
 class Wall:
-    """Where ``function`` vanishes, or, of a floor (``whole``), where it is any whole number."""
+    """Where ``function`` vanishes, or, of a floor (``whole``), where it is any whole number.
+
+    One that is ``fixed`` holds nothing that moves but ``floors``, symbols of other walls: it is
+    nowhere met, and its sign may be zero.
+    """
 
     function: Any
     whole: bool = False
+    floors: frozenset[Any] = frozenset()
+    fixed: bool = False
 
 
 @dataclass
@@ -87,6 +93,7 @@ class Sides:
     saturated: Any = SATURATION
     walls: dict[Wall, None] = field(default_factory=dict)
     _known: dict[Any, Any] = field(default_factory=dict)
+    _floors: set[Any] = field(default_factory=set)
 
     def __call__(self, expr: Any) -> Any:
         """The expression on the sides."""
@@ -105,9 +112,10 @@ class Sides:
             side = self._side(args[0])
             return side if isinstance(expr, se.sign) else side * args[0]
         if isinstance(expr, se.floor) and not args[0].free_symbols <= self.still:
-            wall = Wall(args[0], True)
-            self.walls.setdefault(wall)
-            return self.number(wall)
+            wall = self._wall(args[0], True)
+            floor = self.number(wall)
+            self._floors |= floor.free_symbols
+            return floor
         if isinstance(expr, se.atan2):
             return self._angle(*args)
         if isinstance(expr, se.Pow) and expr.args[0] in self.cusps and _is_root(expr):
@@ -154,11 +162,21 @@ class Sides:
         if isinstance(function, se.Pow) and isinstance(function.args[1], se.Rational):
             below, exponent = function.args
             return self._side(below) if exponent.p % 2 and exponent.q % 2 else se.Integer(1)
+        if isinstance(function, se.Add) and int(se.count_ops(function)) <= LONG:
+            flat = function.expand()  # min(x, 1) - 1 is zero where x is greater
+            if flat.free_symbols <= self.still:
+                return se.sign(flat)
         if (factors := wall_factors(function)) is not None:
             return se.Mul(*map(self._side, factors))
-        wall = Wall(function)
+        return se.Integer(self.side(self._wall(function)))
+
+    def _wall(self, function: Any, whole: bool = False) -> Wall:
+        """A wall that is met, with the floors in it."""
+        moving = function.free_symbols - self.still
+        floors = frozenset(moving & self._floors)
+        wall = Wall(function, whole, floors, floors == moving)
         self.walls.setdefault(wall)
-        return se.Integer(self.side(wall))
+        return wall
 
     def _angle(self, y: Any, x: Any) -> Any:
         """atan2(y, x), which jumps where y = 0 > x: there it is +-pi + atan2(-y, -x)."""
