@@ -338,9 +338,8 @@ def test_zeros_of_third_order_are_passed_once(method: str, place: int) -> None:
         "factors": (far**3 * (Dx**2 + 1) ** 2, 1e-10),
         "sines": (far * sp.sin(far) * sp.tan(far), 1e-10),
         "difference": (sp.sin(far) - far, 1e-7),
+        "touches": (far**3 + far**2 * Dx / 100, 1e-9),
     }
-    if not place:  # far off the function is zero itself where it touches
-        functions["touches"] = far**3 + far**2 * Dx / 100, 1e-9
     places = np.array([0.5, 1.5, 2.5]) * np.pi
     shifted = places - np.arctan(0.01)
     for name, (function, error) in functions.items():
@@ -356,6 +355,9 @@ def test_zeros_of_third_order_are_passed_once(method: str, place: int) -> None:
             found, true = run.events[name].t, shifted if name == "touches" else places
             assert len(found) == 3, (name, found)
             assert np.abs(found - true).max() < error, name
+    touch = vo.Event(-(far**2), name="touch")  # far off it is zero itself there
+    run = vo.integrate(spring, initial={x: place + 1}, times=[0, 10], events=touch, method=method)
+    assert len(run.events["touch"].t) == 0
     down = vo.Event(sp.sin(far) - far, name="down", direction=-1, stop=True)
     run = vo.integrate(spring, initial={x: place + 1}, times=[0, 10], events=down, method=method)
     assert run.stopped == "down" and abs(run.t[-1] - 1.5 * np.pi) < 1e-7

@@ -76,3 +76,28 @@ def test_a_choice_between_conditions_is_a_condition():
     run = vo.integrate(system, initial={x: 0.5, Dx: 1}, times=[0, 1, 3])
     # it is braked until it stands, at t = 1, and then holds still where x > 0
     assert abs(run["x"][1] - 1) < 1e-12 and abs(run["x"][2] - 1) < 1e-12
+
+
+@pytest.mark.parametrize("method", ["auto", "heyoka", "scipy"])
+def test_the_sign_of_a_sawtooth_is_that_of_its_sine(method):
+    """|asin(sin a)| has corners where its wall, asin(sin a), has corners of its own: heyoka's steps
+    collapsed there."""
+    saw, bend = sp.asin(sp.sin(3 * x + 1)), sp.sin(3 * x + 1) * sp.sign(sp.cos(3 * x + 1))
+    both = sp.atan2(bend, sp.Abs(sp.cos(3 * x + 1)))
+    for given, equal in ((sp.Abs(saw), sp.sign(sp.sin(3 * x + 1)) * saw), (sp.sign(both), None)):
+        equal = sp.sign(bend) if equal is None else equal
+        ends = [
+            vo.integrate(
+                vo.System(
+                    name="sawtooth",
+                    fibration=vo.Fibration(base=(x,)),
+                    lagrangian=Dx**2 / 2 - x**2,
+                    forces={x: -force / 6},
+                ),
+                initial={x: -1, Dx: sp.Rational(1, 2)},
+                times=[0, 3],
+                method=how,
+            )["x"][-1]
+            for force, how in ((given, method), (equal, "scipy"))
+        ]
+        assert ends[0] == pytest.approx(ends[1], abs=1e-11)

@@ -47,7 +47,7 @@ from voronec.algebra.normal import canonical
 from voronec.declaration.system import System
 from voronec.equations.definition import read
 from voronec.equations.derivation import Derivation
-from voronec.equations.program.walls import Sides, plain_roots
+from voronec.equations.program.walls import Sides, is_rough, plain_roots
 from voronec.errors import EngineLimit
 from voronec.motion.request import Event, Vocabulary
 from voronec.motion.state_probe import usual_size
@@ -99,6 +99,8 @@ split is good enough.  What is lost in digits is the square of such a number at 
 
 EDGE = 1.01
 """A divisor so close to its level is at it: a passage at the start is not seen."""
+CORNER_WORK = 60_000
+"""Term products for quotients that are short where one is the slope of a corner."""
 GAIN = 4.0
 """A split is left for another only where that is so many times better."""
 
@@ -135,30 +137,37 @@ def divisors(form: Any, changing: tuple[Any, ...] = ()) -> tuple[Any, ...]:
     for base in bases(exprs):
         if base.free_symbols & moving:
             found[base] = None
-    still = frozenset(form.parameters)
-    return tuple(b for b in found if form.stages or not _is_slope_of_corner(b, exprs, still))
+    if form.stages or not is_rough((), exprs, form.parameters):
+        return tuple(found)
+    slopes = _slopes_of_corners(found, exprs, frozenset(form.parameters))
+    return tuple(b for b in found if b not in slopes)
 
 
-def _is_slope_of_corner(base: Any, exprs: Sequence[Any], still: frozenset[Any]) -> bool:
-    """Whether expressions divide by the function of a wall, or its square, that they do not divide
-    by on either side, as sqrt(x^2)/x does, the slope of |x|."""
-    plain = [plain_roots(e, still) for e in exprs]
-    for side in (lambda _: 1, lambda _: -1):
+def _slopes_of_corners(
+    divisors: Iterable[Any], exprs: Sequence[Any], still: frozenset[Any]
+) -> set[Any]:
+    """Those of divisors, each the function of a wall or its square, by which expressions do not
+    divide on either side of the wall, as sqrt(x^2)/x does not, the slope of |x|."""
+    slopes = set(divisors)
+    for side in (lambda _: 1), (lambda _: -1):
         change = Sides(side, lambda _: se.Integer(0), still)
-        made = [change(e) for e in plain]
+        made = [change(plain_roots(e, still)) for e in exprs]
+        functions = [wall.function for wall in change.walls]
+        walls = {b: f for b in slopes for f in functions if _is_power(b, f)}
+        slopes = {*walls}
+        held = [m for e, m in zip(exprs, made, strict=True) if slopes.intersection(bases([e]))]
         try:
-            wall = next((w.function for w in change.walls if _is_power_of(base, w.function)), None)
-            if wall is None or any(_is_power_of(b, wall) for b in bases(canonical(made))):
-                return False
+            left = [*bases(canonical(held, work_limit=CORNER_WORK))]
         except EngineLimit:
-            return False
-    return True
+            return set()
+        slopes = {b for b in slopes if not any(_is_power(d, walls[b]) for d in left)}
+    return slopes
 
 
-def _is_power_of(base: Any, function: Any) -> bool:
+def _is_power(divisor: Any, function: Any) -> bool:
     """Whether a divisor is a function, or its square, up to a number."""
-    return base.free_symbols == function.free_symbols and any(
-        canonical([base / function**k])[0].is_Number for k in (1, 2)
+    return divisor.free_symbols == function.free_symbols and any(
+        canonical([divisor / function**k])[0].is_Number for k in (1, 2)
     )
 
 

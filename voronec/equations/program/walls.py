@@ -54,6 +54,8 @@ LITTLE = 1e-6
 """A number beside squares is seen from far where it is larger than this part of their largest."""
 LONG = 100
 """Radicands of more operations are not searched for squares."""
+WITH_SIGN = (se.asin, se.atan, se.atan2, se.tanh, se.sinh, se.asinh)
+"""Functions that have the sign of their argument, an angle of y that of atan2(y, x)."""
 _ROUGH = (
     se.sign, se.Abs, se.floor, se.atan2, se.tanh, se.sinh, se.cosh, se.Derivative, se.Subs,
     se.asin, se.acos, se.acosh, se.atan, se.acot,
@@ -159,6 +161,8 @@ class Sides:
             return se.sign(function)
         if isinstance(function, se.Mul):
             return se.Mul(*map(self._side, function.args))
+        if isinstance(function, WITH_SIGN):
+            return self._side(function.args[0])
         if isinstance(function, se.Pow) and isinstance(function.args[1], se.Rational):
             below, exponent = function.args
             return self._side(below) if exponent.p % 2 and exponent.q % 2 else se.Integer(1)

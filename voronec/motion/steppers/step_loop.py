@@ -98,6 +98,8 @@ def crossings(
             values[0, column] = GRAIN
             # what stays at zero, as a push that is just what friction bears, does not fall
             values[values[:, column] == 0, column] = GRAIN
+        elif event.name not in walls:
+            _leave_touches(values[:, column])
     touches, found = _may_touch(values), []
     brackets = _early_brackets(levels, stride, times[1], walls, events) if first else []
     for i, column in np.argwhere(touches | crosses(values[:-1], values[1:])).tolist():
@@ -112,7 +114,7 @@ def crossings(
             moment = np.array([time], dtype=times.dtype)
             return levels(moment, stride.at(moment))[0, column]
 
-        if is_touch and (turn := _turn(level, *bracket)):
+        if is_touch and (turn := _turn(level, bracket, event.name in walls)):
             bracket.insert(1, turn)
         for (a, before), (b, after) in pairwise(bracket):
             if crosses(before, after, event.direction if end > start else -event.direction):
@@ -176,15 +178,26 @@ def _may_touch(values: np.ndarray) -> np.ndarray:
     return touches
 
 
-def _turn(function: Callable[[Any], Any], start: Any, end: Any) -> Any:
-    """A point between two where the function has the other sign, or None where it keeps its own."""
-    (a, value), (b, _) = start, end
+def _leave_touches(values: np.ndarray) -> None:
+    """Give zeros at looks (k + 1,) between values of one sign that sign: there may be no passage,
+    or two."""
+    before, here, after = values[:-2], values[1:-1], values[2:]
+    for i in np.flatnonzero((here == 0) & (before * after > 0)).tolist():
+        here[i] = GRAIN if before[i] > 0 else -GRAIN
+
+
+def _turn(
+    function: Callable[[Any], Any], bracket: Sequence[tuple[Any, Any]], or_zero: bool
+) -> tuple[Any, Any] | None:
+    """A point between two, and the value there, where the function has the other sign, ``or_zero``;
+    None where it keeps its own."""
+    (a, value), (b, _) = bracket
     sign = 1 if value > 0 else -1
     c, d = a + (b - a) * GOLDEN, b - (b - a) * GOLDEN
     low, high = function(c), function(d)
     for _ in range(NARROWINGS):
         for place, level in ((c, low), (d, high)):
-            if sign * level <= 0:
+            if sign * level < 0 or (or_zero and level == 0):
                 return place, level
         if sign * low < sign * high:
             b, d, high = d, c, low
