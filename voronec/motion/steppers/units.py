@@ -271,8 +271,9 @@ class TurnCount:
 
     def __post_init__(self) -> None:
         self.high, self.low = np.zeros(self.units.shape), np.zeros(self.units.shape)
-        self.small = np.union1d(self.quadratures, self.angles)
-        self.others = np.setdiff1d(np.arange(len(self.units)), self.small)
+        is_small = np.zeros(self.units.shape, dtype=bool)
+        is_small[self.quadratures] = is_small[self.angles] = True
+        self.small, self.others = np.flatnonzero(is_small), np.flatnonzero(~is_small)
         self.bounds, self.peaks = np.ones(self.units.shape), np.ones(self.units.shape)
         self.measure(self.units.copy())
 
