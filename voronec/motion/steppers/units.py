@@ -271,9 +271,9 @@ class TurnCount:
 
     def __post_init__(self) -> None:
         self.high, self.low = np.zeros(self.units.shape), np.zeros(self.units.shape)
-        is_small = np.zeros(self.units.shape, dtype=bool)
-        is_small[self.quadratures] = is_small[self.angles] = True
-        self.small, self.others = np.flatnonzero(is_small), np.flatnonzero(~is_small)
+        small = {*self.quadratures.tolist(), *self.angles.tolist()}
+        self.small = np.array(sorted(small), dtype=int)
+        self.others = np.array([i for i in range(len(self.units)) if i not in small], dtype=int)
         self.bounds, self.peaks = np.ones(self.units.shape), np.ones(self.units.shape)
         self.measure(self.units.copy())
 
