@@ -688,3 +688,19 @@ def test_one_less_a_sine_has_its_corners_where_the_sine_is_one(root, pull, speed
     work = mp.quad(f, [sides[0], *inner, sides[1]]) * (1 if place > 1.5 else -1)
     gained = sp.integrate(pull, x).subs(x, place) - sp.integrate(pull, x).subs(x, 1.5)
     assert abs(rate**2 / 2 - speed**2 / 2 - work - float(gained)) < 1e-11
+
+
+def test_a_section_of_a_motion_that_friction_holds_ends():
+    """From 1 the body turns at 4/5, 3/5, ..., then stays at 0: what comes no more is not waited for
+    up to t = 1e12 in small steps."""
+    dry = vo.System(
+        name="dry",
+        fibration=vo.Fibration(base=(x,)),
+        lagrangian=(Dx**2 - x**2) / 2,
+        forces={x: -sp.sign(Dx) / 10},
+    )
+    turns = vo.section(dry, "xdot", initial={x: 1}, crossings=6, direction=0, outputs=("x",))
+    assert np.abs(turns["x"] - [-0.8, 0.6, -0.4, 0.2, 0]).max() < 1e-12
+    assert np.abs(turns.t - np.pi * np.arange(1, 6)).max() < 1e-12
+    with pytest.raises(DefinitionError, match=r"no motion passes through x = 10 upwards"):
+        vo.section(dry, "x", value=10, initial={x: 1})
