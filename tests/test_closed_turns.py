@@ -158,6 +158,19 @@ def test_through_a_pole_an_angle_has_no_number_of_turns(ball, theta, instant):
         assert float(late["v1"][-1]) == pytest.approx(across)
 
 
+@pytest.mark.parametrize("extra", [{}, {"dense": True}, {"tol": 1e-20}, {"outputs": ("v",)}])
+def test_where_some_angles_have_lost_their_turns_the_others_keep_theirs(ball, extra):
+    """Along the ball's equator v falls evenly; the contact passes the poles of the sphere."""
+    equator = {"u": sp.pi / 2, "v": R(1, 3), "theta": 0, "u1": sp.pi / 2, "v1": 0,
+               "s": -1, "tau": 0, "n": 0}  # fmt: skip
+    times = [0, 4, 20, 40]
+    run = vo.integrate(ball, initial=equator, times=times, method="closed-form", **extra)
+    assert run.notes[0].startswith("v1 and theta have no number of whole turns beyond t = 4.712388")
+    at = run.at(times) if extra.get("dense") else run
+    assert np.abs(at["v"].astype(float) - (1 / 3 - np.array(times) / 1.5)).max() < 1e-13
+    assert np.abs(run.state[:, 1].astype(float) - at["v"].astype(float)).max() < 1e-13
+
+
 def test_beside_a_pole_it_has_one(ball):
     form = vo.closed_form(ball, parameters={"k": 0}, initial={**STRAIGHT, "theta": R(1, 10**9)})
     before, after = (form.at([t], ["v1"])["v1"][0] for t in (31, 32))

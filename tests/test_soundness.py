@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from typing import Any
 
 import numpy as np
@@ -305,3 +306,13 @@ def test_an_output_without_a_value_is_noted(method: str) -> None:
     )
     (note,) = run.notes
     assert note == "the output 'log(x)' has no finite value at 2 of 4 instants, first at t = 2"
+
+
+@pytest.mark.parametrize("method", ["auto", "scipy"])
+def test_a_state_beyond_doubles_ends_a_run_in_words_alone(method):
+    """Squares of 1e160 are infinite, and so are the integrals."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(vo.IntegrationError, match=r"no longer finite|collapsed") as caught:
+            vo.integrate(vo.load("suslov"), initial={"omega1": 1e160}, times=[0, 1], method=method)
+    assert "\n" not in str(caught.value)

@@ -209,6 +209,30 @@ def test_friction_in_the_plane_ends_where_the_direction_of_slip_does(method):
     assert abs(line["x"][-1] - 0.5) < 1e-12 and line["xdot"][-1] == 0
 
 
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "flint", "python"])
+def test_a_speed_that_only_multiplies_ends_nothing(method):
+    """Drag -v - 3 v |v|/10 brings a body to rest for ever; thrown up it turns, or nearly rests."""
+    speed = sp.sqrt(Dx**2 + Dy**2)
+    drag = {x: -Dx * (1 + 3 * speed / 10), y: -Dy * (1 + 3 * speed / 10)}
+    base, energy = vo.Fibration(base=(x, y)), (Dx**2 + Dy**2) / 2
+    slow = vo.System(name="slow", fibration=base, lagrangian=energy, forces=drag)
+    how = {"method": method, "tol": PRECISION.get(method, 1e-13)}
+    run = vo.integrate(slow, initial={Dx: 0.6, Dy: 0.8}, times=[0, 40], **how)
+    way = np.log(1.3) / 0.3  # the integral of v/(v + 3 v^2/10) over the speeds from 0 to 1
+    assert abs(run["x"][-1] - 0.6 * way) < 1e-12 and abs(run["y"][-1] - 0.8 * way) < 1e-12
+    push = {
+        x: sp.Rational(-3, 5) - 3 * Dx * speed / 10,
+        y: sp.Rational(-4, 5) - 3 * Dy * speed / 10,
+    }
+    up = vo.System(name="up", fibration=base, lagrangian=energy, forces=push)
+    root = np.sqrt(0.3)
+    height = np.log(1.3) / 0.6 - np.log(np.cosh(3 * root - np.arctan(root))) / 0.3
+    for aside in (0, 1e-12):  # at its highest it rests, or passes rest by that
+        start = {Dx: 0.6 - 0.8 * aside, Dy: 0.8 + 0.6 * aside}
+        run = vo.integrate(up, initial=start, times=[0, 3], **how)
+        assert abs(0.6 * run["x"][-1] + 0.8 * run["y"][-1] - height) < 1e-11
+
+
 def test_two_bodies_with_friction_between_them_stop_together_and_apart():
     """Two blocks, one on the other: both slide, stick to each other, and stop."""
     system = vo.System(
@@ -664,3 +688,19 @@ def test_one_less_a_sine_has_its_corners_where_the_sine_is_one(root, pull, speed
     work = mp.quad(f, [sides[0], *inner, sides[1]]) * (1 if place > 1.5 else -1)
     gained = sp.integrate(pull, x).subs(x, place) - sp.integrate(pull, x).subs(x, 1.5)
     assert abs(rate**2 / 2 - speed**2 / 2 - work - float(gained)) < 1e-11
+
+
+def test_a_section_of_a_motion_that_friction_holds_ends():
+    """From 1 the body turns at 4/5, 3/5, ..., then stays at 0: what comes no more is not waited for
+    up to t = 1e12 in small steps."""
+    dry = vo.System(
+        name="dry",
+        fibration=vo.Fibration(base=(x,)),
+        lagrangian=(Dx**2 - x**2) / 2,
+        forces={x: -sp.sign(Dx) / 10},
+    )
+    turns = vo.section(dry, "xdot", initial={x: 1}, crossings=6, direction=0, outputs=("x",))
+    assert np.abs(turns["x"] - [-0.8, 0.6, -0.4, 0.2, 0]).max() < 1e-12
+    assert np.abs(turns.t - np.pi * np.arange(1, 6)).max() < 1e-12
+    with pytest.raises(DefinitionError, match=r"no motion passes through x = 10 upwards"):
+        vo.section(dry, "x", value=10, initial={x: 1})

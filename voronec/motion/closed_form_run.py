@@ -151,8 +151,6 @@ class _ClosedSight:
 
         def everything() -> Trajectory:
             _, states, notes = self.states(t, None)
-            for name, row in found.items():  # continuous, where others have lost their turns
-                states[:, self.names.index(name)] = row
             return replace(self.observe(t, states, cost), notes=(*self.outset.notes, *notes))
 
         return LateTrajectory.of(
@@ -171,29 +169,32 @@ class _ClosedSight:
     ) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
         """The instants, as far as the keyboard let them come, the states there, and what is to be
         said of them."""
-        try:
-            t, states = self._states(grid, progress, True)
-        except NoWholeTurns as error:
-            t, states = self._states(grid, progress, False)
-            lost = turnless_message(error.names, error.time, self.start)
-            return t, states, (f"{lost}; they are given modulo a turn",)
-        passed = passed_poles(self.form, grid - self.start).items()
-        return t, states, tuple(
+        told = tuple(
             f"{turnless_message(names, time, self.start)}; half a turn is counted there"
-            for time, names in passed
-        )  # fmt: skip
+            for time, names in passed_poles(self.form, grid - self.start).items()
+        )
+        try:
+            return *self._states(grid, progress, ()), told
+        except NoWholeTurns as error:
+            lost = turnless_message(error.names, error.time, self.start)
+            turnless = [*map(plain_name, error.names)]
+            told = (f"{lost}; they are given modulo a turn", *told)
+            return *self._states(grid, progress, turnless), told
 
     def _states(
-        self, grid: np.ndarray, progress: Callable[[float], Any] | None, whole: bool
+        self, grid: np.ndarray, progress: Callable[[float], Any] | None, turnless: Sequence[str]
     ) -> tuple[np.ndarray, np.ndarray]:
+        """Instants and states, those angles modulo a turn and all others continuous."""
         if self.tol >= EXACT:
-            value = self.form.at if whole else self.form.modulo
-            found = value(grid - self.start, self.names)
+            times = grid - self.start
+            found = self.form.at(times, [n for n in self.names if n not in turnless])
+            if turnless:
+                found |= self.form.modulo(times, turnless)
             return grid.copy(), np.stack([found[n] for n in self.names]).T
         rows = []
         try:
             for i, t in enumerate(grid):
-                rows.append(self._row(t, whole))
+                rows.append(self._row(t, not turnless))
                 if progress is not None and i % OFTEN == 0:
                     progress(i / len(grid))
         except KeyboardInterrupt:

@@ -18,7 +18,6 @@ import mpmath
 import numpy as np
 import symengine as se
 
-from voronec.algebra.numeric_functions import HYPOT, numeric_name
 from voronec.algebra.stable import stable_all
 from voronec.equations.program import Block, Program
 from voronec.equations.program.jacobian import flow_derivative
@@ -27,7 +26,7 @@ from voronec.equations.program.walls import Wall
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.motion.atlas import Progress
 from voronec.motion.methods import choose, choose_regular
-from voronec.motion.modes import Corner, LevelSurface, Modes, motion_along_surfaces
+from voronec.motion.modes import Corner, LevelSurface, Modes, is_length, motion_along_surfaces
 from voronec.motion.request import Event
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run, Stepper, cut_at_singularity
@@ -632,7 +631,7 @@ class Crossroads:
         """What falls through zero where a radicand of velocities has vanished; of a sum of squares,
         which may be beyond doubles, by its root."""
         (root,) = stable_all([se.sqrt(base)])
-        power = 2 if numeric_name(root) == HYPOT else 1
+        power = 2 if is_length(root) else 1
         measure = root if power == 2 else base
         program = quantities(corner.form, {"size": measure})
         begin = self.grid[0]

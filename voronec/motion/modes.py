@@ -7,7 +7,7 @@ that g stays zero, and of several walls with one such a for each, where the fiel
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any
@@ -15,8 +15,11 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.door import Door
+from voronec.algebra.graphs import bases, nodes
 from voronec.algebra.normal import canonical, canonical_for_numbers, quotient
+from voronec.algebra.numeric_functions import HYPOT, numeric_name
 from voronec.algebra.signs import prove_inequality
+from voronec.algebra.stable import stable_all
 from voronec.equations.program import Block, Program
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.straight import with_plain_roots, without_stages
@@ -31,7 +34,10 @@ from voronec.equations.program.walls import (
 from voronec.errors import EngineLimit
 from voronec.motion.state_probe import quantities
 
-__all__ = ["Corner", "LevelSurface", "Modes", "motion_along_surfaces"]
+__all__ = ["Corner", "LevelSurface", "Modes", "is_length", "motion_along_surfaces"]
+
+STEEP = (se.log, se.asin, se.acos, se.acosh, se.atan2)
+"""Functions whose slopes have no bound."""
 
 LONG = 2_000
 """Pushes of more operations, spelled out, are divided by as they are."""
@@ -234,10 +240,32 @@ def rims(form: Any, exprs: Sequence[Any]) -> tuple[Any, ...]:
     """The radicands in expressions that hold velocities and are not known to be positive.
 
     Such a root is not smooth where its radicand vanishes, as the speed of a body that comes to rest
-    while friction acts against its velocity.
+    while friction acts against its velocity.  A length that only multiplies, as the speed in the
+    drag k v |v| of the air, has a bounded slope and is none: the motion goes on.
     """
-    found = radicands(exprs, frozenset(form.velocities))
-    return tuple(base for base in found if not _is_positive(base, frozenset(form.positive)))
+    moving, positive = frozenset(form.velocities), frozenset(form.positive)
+    found = [b for b in radicands(exprs, moving) if not _is_positive(b, positive)]
+    steep = [b for b in _steep(exprs) if not _is_positive(b, positive)] if found else []
+    held = moving.intersection({x for b in steep for x in b.free_symbols})
+    return tuple(b for b in found if b.free_symbols & held or not is_length(se.sqrt(b)))
+
+
+def is_length(root: Any) -> bool:
+    """Whether a root is that of a sum of squares."""
+    return bool(numeric_name(stable_all([root])[0]) == HYPOT)
+
+
+def _steep(exprs: Sequence[Any]) -> Iterator[Any]:
+    """What has no bounded slope where it vanishes, or its function none: divisors, radicands of
+    higher roots, arguments of logarithms and of angles."""
+    yield from bases(exprs)
+    for node in nodes(map(se.sympify, exprs)):
+        if isinstance(node, se.Pow):
+            exponent = node.args[1]
+            if not (exponent.is_Number and exponent * 2 == int(exponent * 2)):
+                yield node.args[0]
+        elif isinstance(node, STEEP):
+            yield se.Add(*[a**2 for a in node.args])
 
 
 @lru_cache(maxsize=64)

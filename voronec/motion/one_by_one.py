@@ -53,7 +53,8 @@ Passes = Callable[[np.ndarray, np.ndarray], bool]
 PLANE = "the plane of the section"
 """The name of a section's event."""
 STRETCH, GROWTH, LONGEST = 16.0, 2.0, 1e6
-"""A section is sought over so many units of time scale at first, then over so many times more."""
+"""A section is sought over so many units of time scale at first, then over so many times more; over
+more than the last only while the motion rests, held by friction, and costs next to no steps."""
 LOOKS = 64
 """Points of a stretch at which the range of the plane's quantity is seen."""
 SLOPE = 1e-6
@@ -183,7 +184,8 @@ class SwitchedMotions:
                 passages.errors[i] = error
                 return
             time, state = float(run.t[-1]), run.states[-1]
-            length = min(GROWTH * length, LONGEST * unit)
+            longest = LONGEST * unit if run.steps > LOOKS else np.inf
+            length = min(GROWTH * length, longest)
 
     def _to_plane(
         self, i: int, grid: np.ndarray, state: np.ndarray, name: str, value: float, direction: int

@@ -438,6 +438,7 @@ def _is_rounding(values: np.ndarray, terms: np.ndarray) -> np.ndarray:
         return np.asarray(lost & (terms > FAR_LARGER * least))
 
 
+@np.errstate(all="ignore")  # what is beyond doubles ends the run, in words of its own
 def _drifts(
     watch: Watch, series: Mapping[str, np.ndarray], tol: float, usual: _TermSizes | None
 ) -> dict[str, float]:
