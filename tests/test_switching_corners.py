@@ -65,6 +65,23 @@ def test_a_corner_of_a_constraint_is_no_zero_of_a_divisor(slope, offset, method)
     assert abs(found - expected).max() < 1e-9
 
 
+def test_slopes_of_corners_are_told_beside_what_has_no_normal_form():
+    """Angles of many periods made the search for them give up: the motion was refused."""
+    wall = sp.Rational(1, 4) - 5 * x / 6 + y / 5
+    ends = []
+    for corner in (sp.Abs(wall), wall * sp.sign(wall)):
+        system = vo.System(
+            name="corners",
+            fibration=vo.Fibration(base=(x,), fibre=(y,)),
+            lagrangian=Dx**2 / 4 + Dy**2 / 4 - x**2 - y**2,
+            forces={y: -sp.Abs(sp.cos(Dx / 20 + 11 * Dy / 8 - sp.Rational(1, 15))) / 8},
+            constraints=(Dy - Dx - sp.cos(5 * x / 2 + y - sp.Rational(2, 3)) * corner / 4,),
+        )
+        run = vo.integrate(system, initial={x: 1, y: 0.26, Dx: 0.18}, times=[0, 2])
+        ends.append([run["x"][-1], run["y"][-1]])
+    assert ends[0] == pytest.approx(ends[1], abs=1e-11)
+
+
 def test_a_choice_between_conditions_is_a_condition():
     kept = sp.ITE(x > 0, Dx > 0, x < -1)
     system = vo.System(

@@ -48,7 +48,6 @@ from voronec.declaration.system import System
 from voronec.equations.definition import read
 from voronec.equations.derivation import Derivation
 from voronec.equations.program.walls import Sides, is_rough, plain_roots
-from voronec.errors import EngineLimit
 from voronec.motion.request import Event, Vocabulary
 from voronec.motion.state_probe import usual_size
 from voronec.motion.steppers import Run
@@ -99,8 +98,6 @@ split is good enough.  What is lost in digits is the square of such a number at 
 
 EDGE = 1.01
 """A divisor so close to its level is at it: a passage at the start is not seen."""
-CORNER_WORK = 60_000
-"""Term products for quotients that are short where one is the slope of a corner."""
 GAIN = 4.0
 """A split is left for another only where that is so many times better."""
 
@@ -154,13 +151,8 @@ def _slopes_of_corners(
         made = [change(plain_roots(e, still)) for e in exprs]
         functions = [wall.function for wall in change.walls]
         walls = {b: f for b in slopes for f in functions if _is_power(b, f)}
-        slopes = {*walls}
-        held = [m for e, m in zip(exprs, made, strict=True) if slopes.intersection(bases([e]))]
-        try:
-            left = [*bases(canonical(held, work_limit=CORNER_WORK))]
-        except EngineLimit:
-            return set()
-        slopes = {b for b in slopes if not any(_is_power(d, walls[b]) for d in left)}
+        left = [*bases(made)]
+        slopes = {b for b, f in walls.items() if not any(_is_power(d, f) for d in left)}
     return slopes
 
 
