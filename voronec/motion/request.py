@@ -569,7 +569,7 @@ def _simple(function: Any) -> Any:
     """A function of the same sign with simple zeros, where the given one is a product of powers:
     roots of series are known to a part of their digits where they are multiple."""
     simple, touches = sp.S.One, True
-    for factor in sp.Mul.make_args(sp.sympify(function)):
+    for factor in sp.Mul.make_args(function):
         base, exponent = factor.as_base_exp()
         if exponent.is_Integer and exponent > 1:
             factor = base if exponent % 2 else sp.S.One
