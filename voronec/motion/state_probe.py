@@ -128,8 +128,8 @@ class StateProbe:
         meaningless = self._meaningless()
         if meaningless:
             raise DefinitionError(
-                f"system '{self.name}': the equations are not defined for {meaningless}; change "
-                "these parameters"
+                f"system '{self.name}': the equations, or outputs, are not defined for "
+                f"{meaningless}; change these values"
             )
         rates = np.abs(np.array(slope, dtype=float))
         if not np.isfinite(rates).all() or self._is_infinite(start, rates):
@@ -230,8 +230,8 @@ class StateProbe:
         return values_along(self.changing, map(str, self.program.parameters), self.values, t)
 
     def _meaningless(self) -> str:
-        """The parameters, with their values, of which the equations hold an expression without a
-        value, such as the inverse of a sum that vanishes."""
+        """The parameters and velocities that stay, with their values, of which the equations or
+        outputs hold an expression without a value, such as the inverse of a sum that vanishes."""
         raised = hoist(self.program)
         given = list(map(float, self.values))
         values = raised.values(given)[len(given) :]
