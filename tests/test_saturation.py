@@ -52,6 +52,26 @@ def test_smooth_friction_brings_a_block_to_rest(force, method):
     assert vo.derive(system(force)).force[0] == -sp.tanh(K * v)
 
 
+RATIOS = {
+    "cosh": -sp.cosh(999 * v) / sp.cosh(K * v),
+    "sinh": -sp.sinh(999 * v) / sp.cosh(K * v),
+    "exponentials": -sp.exp(999 * v) / (1 + sp.exp(K * v)),
+}
+
+
+@METHODS
+@pytest.mark.parametrize("force", RATIOS.values(), ids=RATIOS)
+def test_ratios_of_high_powers_do_not_overflow(force, method):
+    """They are -exp(-|v|) for v > 0, but for 1e-400, and the last one nothing for v < 0."""
+    run = vo.integrate(system(force), times=[0, 0.5, 1], initial={v: 1}, method=method)
+    truth = [math.log(math.e - t) for t in (0, 0.5, 1)]
+    assert run["xdot"].astype(float) == pytest.approx(truth, abs=1e-12)
+    run = vo.integrate(system(force), times=[0, 1], initial={v: -9}, method=method)
+    change = {"cosh": -1, "sinh": 1, "exponentials": 0}
+    rate = next(change[name] for name, f in RATIOS.items() if f == force)
+    assert float(run["xdot"][-1]) == pytest.approx(-9 + rate * math.exp(-9), rel=1e-8)
+
+
 def test_saturation_in_many_digits():
     run = vo.integrate(system(FRICTION["tanh"]), times=[0, 1.005], initial={v: 1}, tol=1e-30)
     with mp.workdps(500):
@@ -157,6 +177,8 @@ EQUAL = [
     1 / (1 + sp.exp(-x)), sp.exp(-x) / (1 + sp.exp(-x)) ** 2, 1 / sp.cosh(x) ** 2,
     sp.cosh(x) / sp.cosh(2 * x), v * x / (v + 3 * sp.exp(2 * x)), sp.exp(2 * x) / (1 + sp.exp(x)),
     sp.sinh(x) / (v + sp.cosh(x)), (1 - sp.exp(-x)) / x, sp.exp(x) * sp.exp(v) / (1 + sp.exp(x)),
+    sp.cosh(9 * x) / sp.cosh(10 * x), (v * sp.sinh(x) + 3) / sp.cosh(7 * x),
+    (1 - v * sp.exp(4 * x)) / (2 + 2 * sp.exp(9 * x)),
 ]  # fmt: skip
 
 
