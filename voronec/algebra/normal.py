@@ -10,9 +10,10 @@ import sympy as sp
 
 from voronec.algebra.bounded_exponentials import holds_exponentials
 from voronec.algebra.door import Door
-from voronec.algebra.field import WORK_LIMIT
+from voronec.algebra.field import WORK_LIMIT, Fraction
 from voronec.algebra.generators import TRIGONOMETRIC, holds_far_multiples
 from voronec.algebra.graphs import nodes
+from voronec.algebra.ring import Ring
 from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import expand_element, expression
 from voronec.algebra.stand_ins import OriginShift, StandIns
@@ -35,11 +36,8 @@ def shortest(
     ``EngineLimit`` where the normal form is beyond the work limit.
     """
     exprs = _with_short_arguments(exprs, relations, work_limit)
-    shift = OriginShift.of(relations)
-    inside = [shift.hide(e) for e in exprs]
-    ring = ring_over([*inside, *group], [shift.hide(r) for r in relations], work_limit)
-    short = [expression(ring, ring.field.absorb(ring.fraction(e)), group) for e in inside]
-    found = [shift.show(e) for e in short]
+    shift, ring, elements = _fractions(exprs, relations, work_limit, group=group)
+    found = [shift.show(expression(ring, e, group)) for e in elements]
     return [_shorter(e, f) for e, f in zip(exprs, found, strict=True)]
 
 
@@ -57,11 +55,19 @@ def canonical(
 ) -> list[Any]:  # fmt: skip
     """Each symengine expression as an expanded fraction: what ``shortest`` starts from."""
     exprs = _with_short_arguments(exprs, relations, work_limit)
+    shift, ring, elements = _fractions(exprs, relations, work_limit, split=split)
+    return [shift.show(expand_element(ring, e)) for e in elements]
+
+
+def _fractions(
+    exprs: Sequence[Any], relations: Sequence[Any], work_limit: int,
+    split: bool = False, group: Sequence[Any] = (),
+) -> tuple[OriginShift, Ring, list[Fraction]]:  # fmt: skip
+    """The distances in relations, a ring over these, and the expressions as fractions in it."""
     shift = OriginShift.of(relations)
     inside = [shift.hide(e) for e in exprs]
-    ring = ring_over(inside, [shift.hide(r) for r in relations], work_limit, split)
-    short = [expand_element(ring, ring.field.absorb(ring.fraction(e))) for e in inside]
-    return [shift.show(e) for e in short]
+    ring = ring_over([*inside, *group], [shift.hide(r) for r in relations], work_limit, split)
+    return shift, ring, [ring.field.absorb(ring.fraction(e)) for e in inside]
 
 
 def _with_short_arguments(

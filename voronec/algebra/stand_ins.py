@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import symengine as se
@@ -132,15 +133,13 @@ class StandIns:
         """An expression with the functions in powers and products of their sums; ``alone``: where
         it is such a sum itself, too."""
         names = {total: name for name, total in self.meaning.items()}
-        known: dict[Any, Any] = {}
 
+        @cache
         def read(node: Any) -> Any:
-            if node not in known:
-                product = isinstance(node, se.Mul | se.Pow)
-                known[node] = node if is_atom(node) or not node.args else rebuild(
-                    node, [factor(a) if product else read(a) for a in node.args]
-                )  # fmt: skip
-            return known[node]
+            if is_atom(node) or not node.args:
+                return node
+            product = isinstance(node, se.Mul | se.Pow)
+            return rebuild(node, [factor(a) if product else read(a) for a in node.args])
 
         def factor(node: Any) -> Any:
             if node in names:
@@ -153,14 +152,9 @@ class StandIns:
     def show(self, expr: Any) -> Any:
         """The sums again, of what the functions are taken of by now, and their slopes."""
         meaning = {name.get_name(): (name.args, total) for name, total in self.meaning.items()}
-        known: dict[Any, Any] = {}
 
+        @cache
         def read(node: Any) -> Any:
-            if node not in known:
-                known[node] = spell(node)
-            return known[node]
-
-        def spell(node: Any) -> Any:
             if isinstance(node, se.Derivative) and node.args[0] in self.meaning:
                 slope = self.meaning[node.args[0]]
                 for place in node.args[1:]:
@@ -221,14 +215,9 @@ class OriginShift:
 
     def hide(self, expr: Any) -> Any:
         """An expression in the distances."""
-        known: dict[Any, Any] = {}
 
+        @cache
         def read(node: Any) -> Any:
-            if node not in known:
-                known[node] = spell(node)
-            return known[node]
-
-        def spell(node: Any) -> Any:
             if isinstance(node, se.Add):  # c of x = d + c and of x - c are to cancel
                 linear = [t for t in node.args if self.places.is_linear(t)]
                 rest = [read(t) for t in node.args if t not in linear]
