@@ -437,3 +437,28 @@ def test_a_special_motion_through_poles_at_which_it_is_regular_says_so(method: s
             assert f"at t = {said}" in run.notes[0] and "up to whole turns" in run.notes[0]
     turnless = vo.integrate(ball, times=[0, 20], outputs=("s", "tau"), **given)
     assert turnless.notes == ()
+
+
+@pytest.mark.parametrize("method", ["auto", "scipy", "flint"])
+@pytest.mark.parametrize("rubbing", [False, True])
+def test_a_body_that_tips_over_its_pole_in_a_plane_says_so(method: str, rubbing: bool) -> None:
+    """An ellipsoid on a plane, theta' < 0, and no other rate: phi and psi stay as they are, where
+    they might as well change by half a turn.  A motor that is cut off at theta = 1/5 is not
+    smooth."""
+    body = vo.load("ellipsoid-on-plane")
+    if rubbing:
+        theta = next(q for q in body.coordinates if q.name == "theta")
+        body = replace(
+            without_claims(body), forces={theta: -sp.Heaviside(theta - sp.Rational(1, 5)) / 100}
+        )
+    start = {"theta": 0.4, "thetadot": -1, "phidot": 0, "psidot": 0}
+    given = {"initial": start, "times": [0, 1], "method": method}
+    given |= {"tol": 1e-20} if method == "flint" else {}
+    run = vo.integrate(body, **given)
+    assert run["theta"][-1] < 0 and not run.events
+    (said,) = run.notes
+    passed = float(said.split("at t = ")[1].split()[0])
+    assert "up to whole turns" in said
+    before = vo.integrate(body, **(given | {"times": [0, passed]}))
+    assert abs(float(before["theta"][-1])) < 1e-9
+    assert vo.integrate(body, outputs=("omega1",), **given).notes == ()

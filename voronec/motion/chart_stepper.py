@@ -21,7 +21,7 @@ from voronec.motion.atlas import (
     whole_turns,
 )
 from voronec.motion.methods import choose_regular, is_exact
-from voronec.motion.singular_coordinates import PoleNotes, passage_notes
+from voronec.motion.singular_coordinates import passage_notes
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
 from voronec.motion.steppers.run import DISTANT, crossing_arrays, part_at
 
@@ -45,7 +45,6 @@ def through_charts(
     equations: VoronecEquations,
     functions: Mapping[str, Any],
     form: FirstOrderForm | None = None,
-    turning: bool = False,
 ) -> tuple[Stepper, dict[str, Any]]:
     """The integrator of a problem, and what ``Cost`` says of it, as ``choose`` gives them.
 
@@ -53,16 +52,12 @@ def through_charts(
     the problem's events, by name, inside the door; ``form`` are the equations that the problem's
     program is made of, by default those of the system.  Where no chart of the system maps the
     variables of the form among themselves, this is what ``choose`` gives.  So it is in high
-    precision: the maps are made for doubles, and there steps may be as short as they like.  Where
-    somebody looks at coordinates that are ``turning``, passages through poles are noted then too.
+    precision: the maps are made for doubles, and there steps may be as short as they like.
     """
     form = form or equations.form
-    none = not equations.system.charts or is_exact(method, problem.tol)
-    charts = () if none else kept_charts(equations, form)
+    charts = () if is_exact(method, problem.tol) else kept_charts(equations, form)
     if not charts:
-        poles = PoleNotes.of(equations, problem.program.state if turning else ())
-        stepper, chosen = choose_regular(method, poles.watch(problem, form, functions), grid)
-        return lambda times: poles.with_notes(stepper(times)), chosen
+        return choose_regular(method, problem, grid)
     atlas = Atlas(method, problem, grid, form, charts, functions)
     own = atlas.place(HOME)
     return lambda times: _Journey(atlas, times).run(), dict(own.chosen)

@@ -30,10 +30,11 @@ from voronec.equations.program.python import precision
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion.atlas import NEAR as CHANGE
+from voronec.motion.atlas import kept_charts
 from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import Divisor, NearDivisor, guard_events, without_guards
 from voronec.motion.inputs import drive
-from voronec.motion.methods import CLOSED_FORM, METHODS, choose_regular, is_exact
+from voronec.motion.methods import CLOSED_FORM, METHODS, is_exact
 from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
 from voronec.motion.motion_start import Outset, WideStart
 from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
@@ -47,7 +48,13 @@ from voronec.motion.request import (
     outputs_of,
     scene_of,
 )
-from voronec.motion.singular_coordinates import LAST, NearPole, PoleGuard, charted_directions
+from voronec.motion.singular_coordinates import (
+    LAST,
+    NearPole,
+    PoleGuard,
+    PoleNotes,
+    charted_directions,
+)
 from voronec.motion.soundness import Breach, Judge, Untold, require_branches
 from voronec.motion.split_models import divisor_program
 from voronec.motion.split_stepper import SplitRun
@@ -383,15 +390,17 @@ class _Job:
         equations = self.vocabulary.equations
         probe = made.probe(equations.system.name, values, time, outset.changing)
         guard = self._guard()
-        problem = self._problem(state, values, probe)
-        switched = self._switching_stepper(method, problem, guard, ())
+        poles = self._pole_notes(method, guard)
+        problem = poles.watch(self._problem(state, values, probe), made.form, made.event_functions)
+        functions = {**made.event_functions, **poles.levels}
+        switched = self._switching_stepper(method, problem, functions, guard, ())
         if switched is None and made.is_rough and equations.system.charts:
             guard = None
         if guard is not None:
             guard.check(state, values, time)
         watched = self._watch_divisors(state, values)
         if switched is not None and watched:
-            switched = self._switching_stepper(method, problem, guard, watched)
+            switched = self._switching_stepper(method, problem, functions, guard, watched)
         if switched is not None and switched.corner is not None:
             corner = switched.corner
             probe = replace(
@@ -403,9 +412,9 @@ class _Job:
         if switched is not None:
             stepper, chosen = switched.stepper, switched.chosen
         else:
-            stepper, chosen = self._smooth(method, problem, guard, watched)
+            stepper, chosen = self._smooth(method, problem, functions, guard, watched)
         ready, busy = perf_counter(), process_time()
-        run = stepper(self.grid)
+        run = poles.with_notes(stepper(self.grid))
         if watched:
             run = without_guards(run, watched, self.vocabulary)
         run = run if guard is None else guard.without_poles(run)
@@ -448,28 +457,38 @@ class _Job:
         )  # fmt: skip
 
     def _switching_stepper(
-        self, method: str, problem: Problem, guard: PoleGuard | None, watched: Sequence[Divisor]
+        self,
+        method: str,
+        problem: Problem,
+        functions: Mapping[str, Any],
+        guard: PoleGuard | None,
+        watched: Sequence[Divisor],
     ) -> SwitchedIntegrator | None:
         """The integrator of a problem that is not smooth, watched; None where it is smooth."""
-        problem, functions = self._under_watch(problem, guard, watched)
+        problem, functions = self._under_watch(problem, functions, guard, watched)
         if not problem.is_rough:
             return None
         return through_walls(method, problem, self.grid, self.made.moving_form, functions)
 
     def _under_watch(
-        self, problem: Problem, guard: PoleGuard | None, watched: Sequence[Divisor]
-    ) -> tuple[Problem, dict[str, Any]]:
-        """The problem, with poles and divisors among its events, and the functions of these."""
-        made = self.made
-        problem = problem if guard is None else guard.watch(problem, self.grid)
-        functions = {**made.event_functions, **({} if guard is None else guard.levels)}
+        self,
+        problem: Problem,
+        functions: Mapping[str, Any],
+        guard: PoleGuard | None,
+        watched: Sequence[Divisor],
+    ) -> tuple[Problem, Mapping[str, Any]]:
+        """The problem, with the poles that stop it and divisors among its events, and the
+        ``functions`` of its events with those of these."""
+        if guard is not None:
+            problem = guard.watch(problem, functions, self.grid)
+            functions = {**functions, **guard.levels}
         if watched:
             events, levels = guard_events(watched)
-            functions |= levels
+            functions = {**functions, **levels}
             problem = replace(
                 problem,
                 events=(*problem.events, *events),
-                levels=quantities(made.form, functions),
+                levels=quantities(self.made.form, functions),
                 coarse=problem.coarse | levels.keys(),
             )
         return problem, functions
@@ -513,16 +532,24 @@ class _Job:
         return breach, notes
 
     def _smooth(
-        self, method: str, problem: Problem, guard: PoleGuard | None, watched: Sequence[Divisor]
+        self,
+        method: str,
+        problem: Problem,
+        functions: Mapping[str, Any],
+        guard: PoleGuard | None,
+        watched: Sequence[Divisor],
     ) -> tuple[Stepper, dict[str, Any]]:
         """The integrator of a problem that is smooth, and what ``Cost`` says of it."""
+        problem, functions = self._under_watch(problem, functions, guard, watched)
+        equations, form = self.vocabulary.equations, self.made.form
+        return through_charts(method, problem, self.grid, equations, functions, form)
+
+    def _pole_notes(self, method: str, guard: PoleGuard | None) -> PoleNotes:
+        """What looks for poles at which the model is regular, unless a chart's stepper does."""
         made, equations = self.made, self.vocabulary.equations
-        problem, functions = self._under_watch(problem, guard, watched)
-        if not equations.system.charts:
-            return choose_regular(method, problem, self.grid)
-        coordinates = {*map(plain_name, equations.system.coordinates)}
-        turning = not coordinates.isdisjoint(made.watch.outputs)
-        return through_charts(method, problem, self.grid, equations, functions, made.form, turning)
+        exact = is_exact(method, self.tol)
+        charted = not (made.is_rough or exact) and bool(kept_charts(equations, made.form))
+        return PoleNotes.of(equations, made.program.state, made.watch.outputs, charted, guard)
 
     def _watch_divisors(self, state: np.ndarray, values: Sequence[Any]) -> tuple[Divisor, ...]:
         """The divisors to watch; ``NearDivisor`` where one is near zero at the start."""

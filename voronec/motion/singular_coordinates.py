@@ -15,10 +15,11 @@ from typing import Any
 import numpy as np
 import symengine as se
 
+from voronec.algebra.symbols import plain_name
 from voronec.algebra.terms import factors_of
 from voronec.algebra.verdicts import all_vanish
 from voronec.declaration.charts import Chart
-from voronec.equations.attitudes import EulerAngles, euler_angles
+from voronec.equations.attitudes import EulerAngles, angles_without_chart, euler_angles
 from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import IntegrationError
@@ -65,18 +66,31 @@ class PoleNotes:
     """Looks where a run passes through poles at which its own equations are regular, as those of a
     special motion may be: angles change by half a turn there, or go on, and nothing tells which.
 
-    ``levels`` are the factors of what vanishes at the poles of charts, on the model, by name.
+    ``levels`` are the factors of what vanishes at the poles of charts and of Euler's angles, on
+    the model, by name.
     """
 
     levels: Mapping[str, Any]
 
     @classmethod
-    def of(cls, equations: VoronecEquations, variables: Iterable[Any]) -> PoleNotes:
-        """Nothing to look at where the model does not hold the coordinates among its variables."""
-        held, found = {*variables}, set()
-        for chart in equations.system.charts.values():
-            found |= {*factors_of(equations.door.inward(chart.singular))}
-        known = [e for e in sorted(found, key=str) if e.free_symbols and e.free_symbols <= held]
+    def of(
+        cls,
+        equations: VoronecEquations,
+        variables: Iterable[Any],
+        outputs: Iterable[str],
+        charted: bool,
+        guard: PoleGuard | None = None,
+    ) -> PoleNotes:
+        """Nothing to look at where no coordinate is among the ``outputs``, or the model does not
+        hold the angle between poles among its variables; where a ``guard`` stops the run before a
+        pole, or where it is ``charted``, goes through the charts of the system, which look out for
+        their own."""
+        if {*outputs}.isdisjoint(map(plain_name, equations.system.coordinates)):
+            return cls({})
+        found = equations.memo.once(("poles", charted), lambda: _poles(equations, charted))
+        levels = () if guard is None else guard.levels.values()
+        held = {*variables}.difference(*(e.free_symbols for e in levels))
+        known = [e for e in found if e.free_symbols <= held]
         return cls({f"{PASSAGE} {i}": e for i, e in enumerate(known)})
 
     def watch(self, problem: Problem, form: Any, functions: Mapping[str, Any]) -> Problem:
@@ -101,6 +115,14 @@ class PoleNotes:
         return replace(run, notes=(*run.notes, *passage_notes(passages)))
 
 
+def _poles(equations: VoronecEquations, charted: bool) -> list[Any]:
+    """What vanishes at poles of coordinates, but those of charts where these are gone through."""
+    charts = () if charted else equations.system.charts.values()
+    found = {f for c in charts for f in factors_of(equations.door.inward(c.singular))}
+    found |= {angles.singular for angles in angles_without_chart(equations)}
+    return [e for e in sorted(found, key=str) if e.free_symbols]
+
+
 def passage_notes(times: Sequence[float]) -> tuple[str, ...]:
     """What is to be said of a run that passes through poles of its coordinates."""
     if not times:
@@ -120,7 +142,6 @@ class PoleGuard:
     name: str
     program: Program
     levels: Mapping[str, Any]
-    functions: Mapping[str, Any]
     form: Any
     near: Any
 
@@ -148,9 +169,7 @@ class PoleGuard:
         found = {f"{NEAR_POLE} {i}": d - near**2 for i, d in enumerate(levels) if d is not None}
         if not found:
             return None
-        return cls(
-            equations.system.name, made.program, found, made.event_functions, made.form, near
-        )
+        return cls(equations.system.name, made.program, found, made.form, near)
 
     def check(self, state: np.ndarray, values: Sequence[float], time: float) -> None:
         """Raise an error for a start that is near one: ``NearPole`` where charts are still to be
@@ -166,13 +185,13 @@ class PoleGuard:
             f"system '{self.name}': {BEYOND}, at the initial point; start elsewhere", time, state
         )
 
-    def watch(self, problem: Problem, grid: np.ndarray) -> Problem:
-        """The problem, with the poles among its events."""
+    def watch(self, problem: Problem, functions: Mapping[str, Any], grid: np.ndarray) -> Problem:
+        """The problem, with the poles among its events, whose ``functions`` go by name."""
         order = 1 if grid[-1] >= grid[0] else -1
         return replace(
             problem,
             events=(*problem.events, *(Event(n, n, -order, stop=True) for n in self.levels)),
-            levels=quantities(self.form, {**self.functions, **self.levels}),
+            levels=quantities(self.form, {**functions, **self.levels}),
             coarse=problem.coarse | self.levels.keys(),
         )
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from voronec.algebra.symbols import plain_name
 from voronec.errors import IntegrationError
+from voronec.motion.atlas import kept_charts
 from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import CLEAR, GAIN, NEAR, guard_events
 from voronec.motion.methods import is_exact
@@ -25,6 +26,7 @@ from voronec.motion.mode_stepper import through_walls
 from voronec.motion.motion_start import WideStart
 from voronec.motion.observables import Watch, evaluate_watch
 from voronec.motion.request import Event, Vocabulary
+from voronec.motion.singular_coordinates import PoleNotes
 from voronec.motion.soundness import Judge
 from voronec.motion.split_models import SplitGround, SplitModel, candidates
 from voronec.motion.state_probe import StateProbe, quantities
@@ -276,6 +278,9 @@ class SplitRun:
             frozenset(levels),
             brief=self._likely_length(split, ahead, time),
         )  # fmt: skip
+        poles = self._pole_notes(split)
+        problem = poles.watch(problem, split.bounded_form, functions)
+        functions |= poles.levels
         # a split has one program: stretches of ordinary size and others would have two
         units = self.units.setdefault(split, natural_units(problem))
         problem = replace(problem, units=units)
@@ -295,7 +300,15 @@ class SplitRun:
         self.methods.setdefault(chosen["method"])
         self.prepared += perf_counter() - began
         smooth = switched is None
-        return self.judge(split, stepper(times), smooth), smooth
+        return self.judge(split, poles.with_notes(stepper(times)), smooth), smooth
+
+    def _pole_notes(self, split: SplitModel) -> PoleNotes:
+        """What looks for poles at which a split is regular, unless a chart's stepper does."""
+        equations, form = split.equations, split.bounded_form
+        charted = (
+            not self.exact and not split.program.is_rough and bool(kept_charts(equations, form))
+        )
+        return PoleNotes.of(equations, split.program.state, self.watch.outputs, charted)
 
     def probe(self, split: SplitModel, time: float, values: Sequence[Any]) -> StateProbe:
         """Looks at single states of a split, from a time on."""
