@@ -138,9 +138,13 @@ def _equations_in(equations: VoronecEquations, name: str) -> VoronecEquations:
     return equations.memo.once(("chart", name), derive_chart)
 
 
-def _own_singular(charts: tuple[KeptChart, ...]) -> Any:
+def _own_factors(charts: tuple[KeptChart, ...]) -> tuple[Any, ...]:
     """What vanishes where the own chart is singular: all factors that charts name, each once."""
-    return se.Mul(*dict.fromkeys(f for chart in charts for f in chart.factors))
+    return tuple(dict.fromkeys(f for chart in charts for f in chart.factors))
+
+
+def _own_singular(charts: tuple[KeptChart, ...]) -> Any:
+    return se.Mul(*_own_factors(charts))
 
 
 def _is_root(expr: Any) -> bool:
@@ -252,11 +256,16 @@ class Atlas:
         return chosen, images[chosen]
 
     def distances(self, times: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        """How far states of the own chart are from its singularity."""
-        program = quantities(self.form, {HOME: _own_singular(self.charts)})
+        """How far states of the own chart are from its singularity, (k,)."""
+        return np.prod(self.distances_apart(times, rows), axis=0)
+
+    def distances_apart(self, times: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """The same for each of m poles by itself, (m, k)."""
+        factors = {f"{HOME} {i}": e for i, e in enumerate(_own_factors(self.charts))}
+        program = quantities(self.form, factors)
         with np.errstate(all="ignore"):
-            (found,) = compile_program(program)[1](times, list(rows.T), self._values(program))
-        return np.abs(np.broadcast_to(found, times.shape))
+            found = compile_program(program)[1](times, list(rows.T), self._values(program))
+        return np.abs([np.broadcast_to(size, times.shape) for size in found])
 
     def _distance(self, name: str, time: Any, state: np.ndarray) -> float:
         """How far a state in a chart is from its singularity; 0 where that is undefined."""

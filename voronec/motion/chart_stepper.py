@@ -240,10 +240,9 @@ class _Journey:
     def look(self, times: np.ndarray, rows: np.ndarray) -> None:
         """Note where a stretch passes through a singularity of the own chart, not where it sets
         out from one."""
-        there = self.atlas.distances(times, rows) < TOUCH
-        begins = there & ~np.roll(there, 1)
-        begins[0] = False
-        self.touched += times[begins].tolist()
+        there = self.atlas.distances_apart(times, rows) < TOUCH
+        begins = there[:, 1:] & ~there[:, :-1]
+        self.touched += times[1:][begins.any(axis=0)].tolist()
 
     @property
     def notes(self) -> tuple[str, ...]:

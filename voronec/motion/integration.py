@@ -50,10 +50,10 @@ from voronec.motion.request import (
 )
 from voronec.motion.singular_coordinates import (
     LAST,
+    CoordinatePole,
     NearPole,
     PoleGuard,
     PoleNotes,
-    charted_directions,
 )
 from voronec.motion.soundness import Breach, Judge, Untold, require_branches
 from voronec.motion.split_models import divisor_program
@@ -262,8 +262,6 @@ class _Request:
     def in_smallest(self, _: IntegrationError | None) -> Trajectory:
         """By the method asked for, in the smallest model; near poles of angles beyond them."""
         try:
-            if self._begins_at_chart:
-                return self._past_poles(None, CHANGE)
             return self._in_smallest(self.method, CHANGE)
         except NearPole:
             return first_success((self._beyond_poles, self._past_poles), float(self.grid[0]))
@@ -272,18 +270,6 @@ class _Request:
             if start and is_exact(self.method, self.tol) and self.outset.is_at_pole(own):
                 raise self._no_digits() from error
             raise
-
-    @property
-    def _begins_at_chart(self) -> bool:
-        """Whether the start is where declared charts begin, and the smallest model knows of none:
-        on invariants the rates of angles are rounding there."""
-        own = self.vocabulary.equations
-        if is_exact(self.method, self.tol) or not own.system.charts or self.smallest.model is None:
-            return False
-        ground = self.outset.ground(own, float(self.grid[0]))
-        rest = np.zeros(len(own.definition.dots))
-        wide = np.concatenate([self.outset.state[: len(own.definition.coordinates)], rest])
-        return bool(charted_directions(ground, wide).shape[1])
 
     def _no_digits(self) -> IntegrationError:
         """The error where digits are asked for at a pole of angles."""
@@ -389,8 +375,10 @@ class _Job:
         state, values = made.place(outset.state, outset.constants, time)
         equations = self.vocabulary.equations
         probe = made.probe(equations.system.name, values, time, outset.changing)
-        guard = self._guard()
-        poles = self._pole_notes(method, guard)
+        charted = not made.is_rough and self._is_charted(method)
+        guard = self._guard(method, charted)
+        outputs = made.watch.outputs
+        poles = PoleNotes.of(equations, made.program.state, outputs, charted, guard)
         problem = poles.watch(self._problem(state, values, probe), made.form, made.event_functions)
         functions = {**made.event_functions, **poles.levels}
         switched = self._switching_stepper(method, problem, functions, guard, ())
@@ -544,12 +532,10 @@ class _Job:
         equations, form = self.vocabulary.equations, self.made.form
         return through_charts(method, problem, self.grid, equations, functions, form)
 
-    def _pole_notes(self, method: str, guard: PoleGuard | None) -> PoleNotes:
-        """What looks for poles at which the model is regular, unless a chart's stepper does."""
-        made, equations = self.made, self.vocabulary.equations
-        exact = is_exact(method, self.tol)
-        charted = not (made.is_rough or exact) and bool(kept_charts(equations, made.form))
-        return PoleNotes.of(equations, made.program.state, made.watch.outputs, charted, guard)
+    def _is_charted(self, method: str) -> bool:
+        """Whether charts that the system declares lead on at their poles."""
+        equations, exact = self.vocabulary.equations, is_exact(method, self.tol)
+        return not exact and bool(kept_charts(equations, self.made.form))
 
     def _watch_divisors(self, state: np.ndarray, values: Sequence[Any]) -> tuple[Divisor, ...]:
         """The divisors to watch; ``NearDivisor`` where one is near zero at the start."""
@@ -564,8 +550,8 @@ class _Job:
             raise NearDivisor(self.vocabulary)
         return tuple(found)
 
-    def _guard(self) -> PoleGuard | None:
-        """What watches the poles of Euler's angles, where the model is singular there and no chart
+    def _guard(self, method: str, charted: bool) -> PoleGuard | None:
+        """What watches the poles of coordinates, where the model is singular there and no chart
         leads on."""
         outset, rough, equations = self.outset, self.made.is_rough, self.vocabulary.equations
         if self.near is None:
@@ -573,11 +559,15 @@ class _Job:
         # what is not smooth goes on in one chart alone
         near = LAST if rough and equations.system.charts else self.near
         angles_of = euler_angles if rough else angles_without_chart
-        triples = equations.memo.once(("guarded angles", rough), lambda: angles_of(equations))
-        if not triples:
+        poles = CoordinatePole.of_attitudes(angles_of(equations))
+        if self.made.model is not None and not (rough or charted or is_exact(method, self.tol)):
+            poles += CoordinatePole.of_charts(
+                equations
+            )  # the equations on the coordinates have charts
+        if not poles:
             return None
         return PoleGuard.of(
-            equations, self.made, outset.state, outset.constants, float(self.grid[0]), near, triples
+            equations, self.made, outset.state, outset.constants, float(self.grid[0]), near, poles
         )
 
     def _bits(self, states: np.ndarray) -> int:

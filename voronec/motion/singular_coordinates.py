@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from random import Random
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import symengine as se
@@ -32,6 +32,7 @@ from voronec.motion.steppers import Halt, Problem, Run
 __all__ = [
     "LAST",
     "POLE",
+    "CoordinatePole",
     "NearPole",
     "PoleGuard",
     "PoleNotes",
@@ -57,8 +58,46 @@ LARGE = 1e12
 """Rates beyond this, for a state of ordinary size, are a division by zero."""
 
 
+POLE = 1e-6
+"""At a pole of angles sines, and parts of unit vectors that vanish there, are below this."""
+
+
+FINE = se.Rational(1, 10**5)
+"""Nearer to poles beyond which declared charts lead, angles that are carried along on invariants
+lose more than 1e-11 by rounding, the inverse of this times that of doubles."""
+
+
 class NearPole(IntegrationError):
     """A motion has come, or starts, near a pole of angles at which its equations are singular."""
+
+
+class CoordinatePole(NamedTuple):
+    """Where an ``angle``, or a radius, has a ``value``, coordinates are singular; ``distance`` is
+    a function of it that vanishes there, and at other poles of that angle.  ``near`` is how small
+    it may be, where that is not left to the guard."""
+
+    angle: Any
+    value: float
+    distance: Any
+    near: Any = None
+
+    @classmethod
+    def of_charts(cls, equations: VoronecEquations) -> tuple[CoordinatePole, ...]:
+        """Those at which a declared chart of the system begins, for models without charts."""
+        charts = equations.system.charts.values()
+        found = {f for c in charts for f in factors_of(equations.door.inward(c.singular))}
+        return tuple(
+            cls(angle, value, factor, FINE)
+            for factor in sorted(found, key=str)
+            for angle in (factor.free_symbols if len(factor.free_symbols) == 1 else ())
+            for value in (0.0, np.pi / 2)
+            if abs(float(factor.subs({angle: value}))) < POLE
+        )
+
+    @classmethod
+    def of_attitudes(cls, triples: Iterable[EulerAngles]) -> tuple[CoordinatePole, ...]:
+        """Those of Euler's angles, or of longitude and colatitude."""
+        return tuple(cls(t.theta, -float(t.shift), t.singular) for t in triples)
 
 
 @dataclass(frozen=True)
@@ -87,10 +126,11 @@ class PoleNotes:
         their own."""
         if {*outputs}.isdisjoint(map(plain_name, equations.system.coordinates)):
             return cls({})
-        found = equations.memo.once(("poles", charted), lambda: _poles(equations, charted))
+        attitudes = CoordinatePole.of_attitudes(angles_without_chart(equations))
+        charts = () if charted else CoordinatePole.of_charts(equations)
         levels = () if guard is None else guard.levels.values()
         held = {*variables}.difference(*(e.free_symbols for e in levels))
-        known = [e for e in found if e.free_symbols <= held]
+        known = [p.distance for p in (*charts, *attitudes) if p.angle in held]
         return cls({f"{PASSAGE} {i}": e for i, e in enumerate(known)})
 
     def watch(self, problem: Problem, form: Any, functions: Mapping[str, Any]) -> Problem:
@@ -113,14 +153,6 @@ class PoleNotes:
         passages = sorted((t for t in times if t != run.t[0]), key=lambda t: order * t)
         run = run.without({*self.levels})
         return replace(run, notes=(*run.notes, *passage_notes(passages)))
-
-
-def _poles(equations: VoronecEquations, charted: bool) -> list[Any]:
-    """What vanishes at poles of coordinates, but those of charts where these are gone through."""
-    charts = () if charted else equations.system.charts.values()
-    found = {f for c in charts for f in factors_of(equations.door.inward(c.singular))}
-    found |= {angles.singular for angles in angles_without_chart(equations)}
-    return [e for e in sorted(found, key=str) if e.free_symbols]
 
 
 def passage_notes(times: Sequence[float]) -> tuple[str, ...]:
@@ -154,19 +186,21 @@ class PoleGuard:
         constants: Mapping[str, float],
         time: float,
         near: Any,
-        triples: Iterable[EulerAngles],
+        poles: Iterable[CoordinatePole],
     ) -> PoleGuard | None:
-        """None where no equation of the model is singular at a pole of any of the ``triples``.
+        """None where no equation of the model is singular at any of the ``poles``.
 
         ``start`` (n,) is on the coordinates.
         """
         levels = [
-            _distance(equations, made, angles)
-            for angles in triples
-            if _is_singular(equations, made, angles, start, constants, time)
+            (_distance(equations, made, pole), pole.near or near)
+            for pole in poles
+            if _is_singular(equations, made, pole, start, constants, time)
         ]
         # not their product, which is positive where two bodies are at poles at once
-        found = {f"{NEAR_POLE} {i}": d - near**2 for i, d in enumerate(levels) if d is not None}
+        found = {
+            f"{NEAR_POLE} {i}": d - own**2 for i, (d, own) in enumerate(levels) if d is not None
+        }
         if not found:
             return None
         return cls(equations.system.name, made.program, found, made.form, near)
@@ -215,17 +249,16 @@ class PoleGuard:
 
 
 def _distance(
-    equations: VoronecEquations, made: ProgrammedModel, angles: EulerAngles
+    equations: VoronecEquations, made: ProgrammedModel, pole: CoordinatePole
 ) -> Any | None:
-    """The square of the sine that vanishes at the poles, on a model; None where it has none."""
+    """The square of what vanishes at a pole, on a model; None where it has none."""
     variables = {*made.program.state, *made.program.parameters}
-    if angles.theta in variables:
-        return angles.singular**2
-    cosine = se.cos(angles.theta + angles.shift)
+    if pole.angle in variables:
+        return pole.distance**2
     for name, g in equations.system.invariants.items():
         own, symbol = equations.door.inward(g), se.Symbol(name)
-        alone = own.free_symbols == {angles.theta}
-        if symbol in variables and alone and all_vanish([own**2 - cosine**2]):
+        alone = own.free_symbols == {pole.angle}
+        if symbol in variables and alone and all_vanish([own**2 + pole.distance**2 - 1]):
             return 1 - symbol**2
     return None
 
@@ -233,25 +266,21 @@ def _distance(
 def _is_singular(
     equations: VoronecEquations,
     made: ProgrammedModel,
-    angles: EulerAngles,
+    pole: CoordinatePole,
     start: np.ndarray,
     constants: Mapping[str, float],
     time: float,
 ) -> bool:
     """Whether rates of a model are infinite at a pole, for a state that is arbitrary else."""
-    if not {*map(str, angles.symbols)} & {*map(str, made.program.state)}:
+    if not {*equations.definition.coordinates} & {*made.program.state}:
         return False
     dice = Random(0)
     state = np.array([dice.uniform(0.5, 1.5) for _ in start])
-    state[equations.definition.coordinates.index(angles.theta)] = -float(angles.shift)
+    state[equations.definition.coordinates.index(pole.angle)] = pole.value
     model, values = made.place(state, constants, time)
     rates = quiet(compile_program(made.program)[0], values)(time, list(model))
     sizes = np.abs(np.array(rates, dtype=float))
     return bool((~(sizes < LARGE)).any())
-
-
-POLE = 1e-6
-"""At a pole of angles sines, and parts of unit vectors that vanish there, are below this."""
 
 
 def blind_directions(ground: SplitGround, wide: np.ndarray) -> np.ndarray:
