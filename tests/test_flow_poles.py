@@ -475,3 +475,6 @@ def test_a_motion_through_a_pole_up_to_rounding_says_so(method: str, tol: float)
     (said,) = run.notes
     assert "pole of the coordinates" in said
     assert abs(float(said.split("at t = ")[1].split()[0])) < 1e-9
+    column = {**start, "u1": np.array([0.5, start["u1"]])}
+    together = vo.ensemble(ball, column, times=[-3, 3], tol=1e-13)
+    assert [*together.notes] == [1] and "pole of the coordinates" in together.notes[1][0]

@@ -56,7 +56,9 @@ class Ensemble:
     ``t`` has shape (k,); ``ensemble["u"]`` has shape (starts, k), by name, symbol or expression
     among ``outputs``.  What was not computed is not a number: a motion that failed keeps what came
     before, and ``errors`` tells by its position why it failed; one that the run did not come to is
-    missing in ``finished``, of shape (starts,).  ``parameters`` are arrays (starts,).
+    missing in ``finished``, of shape (starts,).  ``parameters`` are arrays (starts,).  ``notes``
+    has by position what is to be said of motions that were integrated alone, as in ``Trajectory``:
+    of those that passed a pole of their coordinates.
 
     ``drift`` maps each integral that the equations in use can express to its largest change
     along each motion, (starts,), relative to its start there; where it starts at zero, relative
@@ -75,6 +77,7 @@ class Ensemble:
     level: str
     cost: Cost
     interrupted: bool = False
+    notes: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
 
     def __getitem__(self, key: Any) -> np.ndarray:
         return self.series[held_name(key, self.series, "the ensemble holds")]
@@ -94,6 +97,7 @@ class Ensemble:
                 for name in self.outputs]  # fmt: skip
         rows += [(f"drift of {k}", _range_of(x, "{} to {}")) for k, x in self.drift.items()]
         rows += [(f"motion {i} failed", str(error)) for i, error in self.errors.items()]
+        rows += [(f"motion {i}", note) for i, notes in self.notes.items() for note in notes]
         return html_table(repr(self), [*rows[:FEW], ("cost", str(self.cost))])
 
 
@@ -275,6 +279,7 @@ class _ResultRows:
     steps: list[int] = field(default_factory=list)
     collapsed: list[int] = field(default_factory=list)
     alone: list[Cost] = field(default_factory=list)
+    notes: dict[int, tuple[str, ...]] = field(default_factory=dict)
 
     @classmethod
     def empty(
@@ -382,6 +387,8 @@ class _ResultRows:
             self.first[name][i] = values[0]
             self.changes[name][i] = np.abs(values - values[0]).max()
         self.alone.append(run.cost)
+        if run.notes:
+            self.notes[i] = run.notes
         self.finished[i] = True
         self.errors.pop(i, None)
 
@@ -404,6 +411,7 @@ class _ResultRows:
             level=self.motions.ground.level,
             cost=cost,
             interrupted=interrupted,
+            notes=MappingProxyType(self.notes),
         )
 
 
