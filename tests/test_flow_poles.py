@@ -478,3 +478,10 @@ def test_a_motion_through_a_pole_up_to_rounding_says_so(method: str, tol: float)
     column = {**start, "u1": np.array([0.5, start["u1"]])}
     together = vo.ensemble(ball, column, times=[-3, 3], tol=1e-13)
     assert [*together.notes] == [1] and "pole of the coordinates" in together.notes[1][0]
+
+
+def test_motions_of_an_ensemble_that_tip_over_a_pole_say_so() -> None:
+    starts = {"theta": np.array([0.4, 1.4]), "thetadot": -1, "psidot": np.array([0, 0.3])}
+    found = vo.ensemble(vo.load("ellipsoid-on-plane"), starts, times=[0, 1])
+    assert [*found.notes] == [0] and found.finished.all() and not found.errors
+    assert "at t = 0.363152379" in found.notes[0][0]

@@ -528,3 +528,5 @@ def _fill_judgements(
         for i, error in failed.items()
     }
     filled.put(where, rows, told)
+    # followed once more by ``integrate``, which tells what a pole leaves open
+    filled.collapsed.extend(where[filled.motions.across_poles(rows)].tolist())

@@ -21,6 +21,7 @@ from voronec.motion.initial_conditions import parameter_values, start_of, starts
 from voronec.motion.model import smallest_model
 from voronec.motion.motion_start import require_inertia
 from voronec.motion.request import Vocabulary, name_values
+from voronec.motion.singular_coordinates import CoordinatePole
 from voronec.motion.split_models import SplitGround
 from voronec.motion.state_probe import at_each, quantities, quiet, rates_along, rates_program
 
@@ -139,6 +140,29 @@ class Many:
             return bool(near.any() or (np.diff(np.sign(sizes), axis=1) != 0).any())
 
         return passes
+
+    @cached_property
+    def poles(self) -> tuple[CoordinatePole, ...]:
+        """The poles of coordinates that the equations hold, where turns about them are wanted."""
+        equations, state = self.vocabulary.equations, {*self.program.state}
+        angles = CoordinatePole.of_attitudes(euler_angles(equations))
+        held = [*angles, *CoordinatePole.of_charts(equations)]
+        coordinates = {*equations.definition.coordinates}
+        turning = any(coordinates & {*e.free_symbols} for e in self.ground.quantities.values())
+        return tuple(p for p in held if p.angle in state) if turning else ()
+
+    def across_poles(self, rows: np.ndarray) -> np.ndarray:
+        """Which motions (m,) with states (m, k, n) pass a pole of coordinates between instants: in
+        a plane that holds it, at which the equations are regular."""
+        if not self.poles:
+            return np.zeros(len(rows), dtype=bool)
+        names = [f"pole {i}" for i in range(len(self.poles))]
+        distances = dict(zip(names, (p.distance for p in self.poles), strict=True))
+        program = quantities(self.ground.form, distances)
+        none = np.zeros((*rows.shape[:2], len(program.parameters)))
+        sizes = at_each(compile_program(program)[1], names, 0.0, rows, none)
+        sides = [np.sign(size) for size in sizes.values()]
+        return np.any([(s[:, 1:] * s[:, :-1] < 0).any(axis=1) for s in sides], axis=0)
 
     @property
     def may_go_on(self) -> bool:
