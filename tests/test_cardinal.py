@@ -123,3 +123,28 @@ def test_quotients_are_recognised_and_equal(expr):
     found = cardinal_all([door.inward(expr)])[0]
     assert any(map(numeric_name, found.atoms(se.FunctionSymbol))) == bool(EQUAL[expr])
     assert vo.prove_equal(door.outward(elementary(found)), expr).proved
+
+
+@pytest.mark.parametrize(
+    ("potential", "slope"),
+    [
+        ((sp.cosh(2 * x) - 1) / x**2, 0),
+        ((sp.cosh(x) - 1) / x**2, 0),
+        (sp.tan(x) / x, 0),
+        (sp.log(1 + x) / x, -0.5),
+        (sp.atan(x) / x, 0),
+    ],
+)
+def test_slopes_of_quotients_have_values_where_these_have(potential, slope):
+    """Their forces were nan at zero."""
+    lagrangian = v**2 / 2 - potential
+    energy = {"energy": v**2 / 2 + potential}
+    well = System("well", Fibration(x), lagrangian, integrals=energy)
+    run = vo.integrate(well, times=[0.0, 0.1], initial={x: 0}, method="scipy")
+    assert abs(run["x"][-1] + slope * 0.005) < 1e-4 and run.drift["energy"] < 1e-12
+    rates, _ = compile_program(Program.of(vo.derive(well).form))
+    force = sp.lambdify(x, -potential.diff(x), "mpmath")
+    for place in (-0.25, -1e-3, 1e-9, 0.1):
+        with mp.workdps(60):
+            wanted = float(force(mp.mpf(place)))
+        assert abs(rates(0.0, [place, 0.0], [])[1] - wanted) < 1e-14

@@ -141,6 +141,18 @@ def test_long_stretches_are_cut_without_a_trace(oscillator, monkeypatch, grid):
     assert cut.finished.all()
 
 
+def test_what_was_not_run_since_the_set_up_was_stopped_says_so(oscillator, monkeypatch):
+    """It printed as an ensemble of motions like any other."""
+
+    def stop(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("voronec.motion.ensembles.many", stop)
+    found = vo.ensemble(oscillator, {"x": [0.5, 1.0]}, times=GRID)
+    assert found.interrupted and not found.finished.any() and np.isnan(found["x"]).all()
+    assert "2 not run: stopped by hand" in repr(found)
+
+
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_run_stopped_by_hand_keeps_the_finished_starts(oscillator, method, jobs):

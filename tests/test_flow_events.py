@@ -361,3 +361,19 @@ def test_zeros_of_third_order_are_passed_once(method: str, place: int) -> None:
     down = vo.Event(sp.sin(far) - far, name="down", direction=-1, stop=True)
     run = vo.integrate(spring, initial={x: place + 1}, times=[0, 10], events=down, method=method)
     assert run.stopped == "down" and abs(run.t[-1] - 1.5 * np.pi) < 1e-7
+
+
+@pytest.mark.parametrize("way", [1, -1])
+@pytest.mark.parametrize("method", [m for m in (*DOUBLES, "flint", "python") if m != "lsoda"])
+def test_a_zero_at_the_last_instant_counts(method: str, way: int) -> None:
+    """heyoka took it for the start of a step that never comes; lsoda ends 1e-16 before it."""
+    free = vo.System(name="free", fibration=vo.Fibration(base=(x,)), lagrangian=Dx**2 / 2)
+    level = x - sp.Rational(3, 4) * way
+    events = (
+        vo.Event(level, "up", direction=1), vo.Event(level, "down", direction=-1),
+        vo.Event(level, "end", stop=True), vo.Event(x - way, "later"),
+    )  # fmt: skip
+    for grid in ([0.0, 0.75 * way], np.linspace(0.0, 0.75 * way, 7)):
+        run = vo.integrate(free, times=grid, initial={Dx: 1}, events=events, method=method)
+        assert [len(run.events[e.name]) for e in events] == [1, 0, 1, 0] and run.stopped == "end"
+        assert close([run.events["up"].t[0], run.t[-1]], [0.75 * way] * 2)

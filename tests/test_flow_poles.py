@@ -481,7 +481,12 @@ def test_a_motion_through_a_pole_up_to_rounding_says_so(method: str, tol: float)
 
 
 def test_motions_of_an_ensemble_that_tip_over_a_pole_say_so() -> None:
-    starts = {"theta": np.array([0.4, 1.4]), "thetadot": -1, "psidot": np.array([0, 0.3])}
+    starts = {
+        "theta": np.array([0.4, 1.4]),
+        "thetadot": -1,
+        "phidot": 0,
+        "psidot": np.array([0, 0.3]),
+    }
     found = vo.ensemble(vo.load("ellipsoid-on-plane"), starts, times=[0, 1])
     assert [*found.notes] == [0] and found.finished.all() and not found.errors
     assert "at t = 0.363152379" in found.notes[0][0]

@@ -103,7 +103,11 @@ def _shell(line, **env):
 @pytest.mark.parametrize(
     ("line", "status", "word"),
     [
-        ("voronec cite sleigh >&-", 0, ""),
+        ("voronec cite sleigh >&-", 2, "write error: Bad file descriptor"),
+        ("voronec list --json <&- >&-", 2, "write error: Bad file descriptor"),
+        ("voronec --help >&-", 2, "write error: Bad file descriptor"),
+        ("voronec cite sleigh >&- 2>&-", 2, ""),
+        ("voronec cite sleigh 2>&-", 0, ""),
         ("voronec cite nobody 2>&-", 2, ""),
         ("voronec cite sleigh >/dev/full", 2, "No space left"),
         ("voronec --help >/dev/full", 2, "No space left"),

@@ -11,7 +11,9 @@ log(1 + w) and atan w are divided too, and all of them divide, as in w/sinh w.  
 slopes of such quotients is taken together:
 
     cos(w)/w - sin(w)/w^2,    cosh(w)/w - sinh(w)/w^2,    exp(w)/w - (exp(w) - 1)/w^2,
-    cot w - 1/w,              coth w - 1/w,             sin(w)/w^2 - 2 (1 - cos w)/w^3.
+    cot w - 1/w,              coth w - 1/w,             sin(w)/w^2 - 2 (1 - cos w)/w^3,
+
+and so are the slopes of tan(w)/w, atan(w)/w and log(1 + w)/w.
 """
 
 from __future__ import annotations
@@ -24,9 +26,11 @@ import symengine as se
 
 from voronec.algebra.numeric_functions import (
     ATAN_RATIO,
+    ATAN_RATIO_SLOPE,
     EXPREL,
     EXPREL_SLOPE,
     LOG_RATIO,
+    LOG_RATIO_SLOPE,
     QUOTIENTS,
     SINC,
     SINC_SLOPE,
@@ -43,7 +47,7 @@ from voronec.algebra.terms import (
     with_arguments,
 )
 
-__all__ = ["cardinal_all", "coefficient", "divides_sines_of_sums"]
+__all__ = ["cardinal_all", "coefficient", "divides_sines_of_sums", "loses_quotients"]
 
 
 SPREAD = 40
@@ -76,6 +80,24 @@ def divides_sines_of_sums(exprs: Iterable[Any]) -> bool:
         elif isinstance(node, se.Pow) and node.args[1].is_Number and node.args[1] < 0:
             below.add(node.args[0])
     return any(_ratio(w, u) is not None for w in sums for u in below)
+
+
+def loses_quotients(plain: Iterable[Any], short: Callable[[], Iterable[Any]]) -> bool:
+    """Whether ``short`` forms of ``plain`` expressions, made if need be, divide by what these, once
+    written as here, do not.  Normal forms have exponentials for hyperbolic functions: of what
+    vanishes nothing is seen, of cosh(2 x) - 1 at once, of others once they are spread."""
+    given = [se.sympify(e) for e in plain]
+    written = cardinal_all(given)
+    if written == given or not (cured := _divisors(given) - _divisors(written)):
+        return False
+    spread = any(isinstance(node, (se.cosh, se.sinh, se.tanh)) for node in subexpressions(given))
+    return spread or not cured.isdisjoint(_divisors(cardinal_all(short())))
+
+
+def _divisors(exprs: Iterable[Any]) -> set[Any]:
+    """What expressions divide by, letters and sums."""
+    powers = (n.args for n in subexpressions([*exprs]) if isinstance(n, se.Pow))
+    return {b for b, e in powers if e.is_Number and e < 0 and b.free_symbols}
 
 
 def cardinal_all(exprs: Iterable[Any]) -> list[Any]:
@@ -255,6 +277,7 @@ def _slopes_in(term: Any) -> dict[Any, tuple[Any, Any]]:
     powers = _factors(term)
     for base in powers:
         w: Any = base.args[0] if isinstance(base, _KINDS) else None
+        zero = _zero(base)
         if isinstance(base, se.sin):
             found[base] = w * se.cos(w), w**3 * se.Function(SINC_SLOPE)(w)
         elif isinstance(base, se.sinh):
@@ -263,17 +286,26 @@ def _slopes_in(term: Any) -> dict[Any, tuple[Any, Any]]:
             whole = base if isinstance(base, se.coth) else base / se.sinh(w)
             if whole == base or powers.get(se.sinh(w)) == -1:
                 found[whole] = 1 / w, w * se.Function(TANH_SHORTFALL)(w) / _tangent(w)
+        elif isinstance(base, se.tan):
+            cosine, quotient = se.cos(w), se.Function(SINC)(w) / se.cos(w)
+            slope = se.Function(SINC_SLOPE)(w) / cosine - quotient**2
+            found[base] = w * (1 + base**2), w**3 * slope
+        elif isinstance(base, se.atan):
+            found[base] = w / (1 + w**2), w**3 * se.Function(ATAN_RATIO_SLOPE)(w)
         elif isinstance(base, se.tanh):
             found[base] = w, -(w**3) * se.Function(TANH_SHORTFALL)(w)
         elif isinstance(base, (se.cot, se.cos)):
             whole = base if isinstance(base, se.cot) else base / se.sin(w)
             if whole == base or powers.get(se.sin(w)) == -1:
                 found[whole] = 1 / w, -w * se.Function(SINC_SLOPE)(w) / se.Function(SINC)(w)
-        elif (zero := _zero(base)) is not None and isinstance(base, se.Add):
+        elif zero is not None and isinstance(base, se.Add):
             w, order, _ = zero
             exponential = base + 1 if -1 in base.args else None
             if order == 1 and exponential == se.exp(w):
                 found[base] = w * se.exp(w), -(w**2) * se.Function(EXPREL_SLOPE)(w)
+        elif isinstance(base, se.log) and zero is not None:
+            w = zero[0]
+            found[base] = w / (1 + w), w**2 * se.Function(LOG_RATIO_SLOPE)(w)
     return found
 
 

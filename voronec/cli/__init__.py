@@ -39,7 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return _fail("stopped", 130)
     except OSError as error:
-        where = f"'{error.filename}': " if error.filename else ""
+        where = f"'{error.filename}': " if error.filename else "write error: "
         if not error.filename:  # the output itself: its end must not complain again
             _abandon_output()
         return _fail(f"{where}{error.strerror or error}; mend that, or choose another place", 2)
@@ -90,10 +90,11 @@ def _files_alone() -> Iterator[None]:
 
 
 def _print_any_letter() -> None:
-    """A terminal without Greek letters, or a closed output, costs letters, not the run."""
-    for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:  # closed before the start
-            setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_WRONLY), "w"))
+    """A terminal without Greek letters costs letters, not the run.  What was closed before the
+    start is a stream again: errors are lost then, while output that is lost is itself an error."""
+    for name, mode in (("stdout", os.O_RDONLY), ("stderr", os.O_WRONLY)):
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(os.open(os.devnull, mode), "w"))
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")

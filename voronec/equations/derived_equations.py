@@ -15,7 +15,7 @@ import flint
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.cardinal import divides_sines_of_sums
+from voronec.algebra.cardinal import divides_sines_of_sums, loses_quotients
 from voronec.algebra.door import Door
 from voronec.algebra.generators import holds_far_multiples, splits_curved_angles
 from voronec.algebra.memo import Memo
@@ -130,7 +130,10 @@ class DerivedEquations:
 
     @cached_property
     def _divides_sines(self) -> bool:
-        return divides_sines_of_sums(self.raw.form.expressions)
+        plain = self.raw.form.expressions
+        return divides_sines_of_sums(plain) or loses_quotients(
+            plain, lambda: self.best.form.expressions
+        )
 
     @cached_property
     def form(self) -> FirstOrderForm:

@@ -63,7 +63,8 @@ class Ensemble:
     ``drift`` maps each integral that the equations in use can express to its largest change
     along each motion, (starts,), relative to its start there; where it starts at zero, relative
     to the largest start of all.  ``level`` names the variables of these equations, as in
-    ``Model``.  ``interrupted`` says that the run was stopped by hand.
+    ``Model``.  ``interrupted`` says that the run was stopped by hand, and so does what is printed
+    of it.
     """
 
     system: System
@@ -88,6 +89,8 @@ class Ensemble:
     def __repr__(self) -> str:
         span = f"t={float(self.t[0]):.6g}..{float(self.t[-1]):.6g}, {len(self.t)} instants"
         failed = f", {len(self.errors)} failed" if self.errors else ""
+        left = len(self) - int(self.finished.sum()) - len(self.errors)
+        failed += f", {left} not run: stopped by hand" if self.interrupted else ""
         what = f"{len(self)} motions{failed}, {span}, outputs=({', '.join(self.outputs)})"
         return f"Ensemble({self.system.name!r}, {what})"
 

@@ -526,7 +526,7 @@ class Event:
     trajectory calls it (by default as the function reads).  ``direction`` 1 asks for passages where
     the function grows with time, -1 for those where it falls, 0 for both.  ``stop`` ends the run at
     the first one.  A zero at the start of the motion is none, nor is one that the function touches
-    without a change of sign.
+    without a change of sign; one at the last instant counts, whatever would come after it.
     """
 
     function: Any

@@ -291,6 +291,7 @@ class Section:
     def __repr__(self) -> str:
         plane = f"{self.plane} = {self.value:.6g}"
         points = f"{len(self)} points of {len(self.ends)} motions"
+        points += ", stopped by hand" if self.interrupted else ""
         what = f"{plane}, {points}, outputs=({', '.join(self.outputs)})"
         return f"Section({self.system.name!r}, {what})"
 

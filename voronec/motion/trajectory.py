@@ -203,7 +203,8 @@ class Trajectory:
     def __repr__(self) -> str:
         span = f"t={float(self.t[0]):.6g}..{float(self.t[-1]):.6g}, {len(self.t)} instants"
         names = ", ".join(self.outputs[:FEW]) + (", ..." if len(self.outputs) > FEW else "")
-        ends = (self.stopped and f"stopped by {self.stopped}", self.halted)
+        by_hand = "stopped by hand" if self.interrupted else ""
+        ends = (self.stopped and f"stopped by {self.stopped}", self.halted, by_hand)
         more = "".join(f", {word}" for word in ends if word)
         return f"Trajectory({self.system.name!r}, {span}, outputs=({names}){more})"
 

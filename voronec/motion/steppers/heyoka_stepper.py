@@ -85,6 +85,8 @@ COMPACT = 60.0
 NARROW, WIDE, WIDER = 1e-12, 1e-2, 8.0
 """About a zero of a series its function is looked at this part of a step before and after, and ever
 farther off by the third, up to the second, until its signs differ."""
+LATE = 1e-6
+"""This part of the last step before its end, a function is looked at that may be zero there."""
 IDLE = 16
 """So many integrators wait for another run; one of a large system takes some megabytes."""
 
@@ -407,7 +409,30 @@ class _Drive:
                 self.ticker(self.integrator.time)
         except KeyboardInterrupt:
             return self.result(interrupted=True)
+        if not self.log.stopped:
+            self.enter_last()
         return self.result()
+
+    def enter_last(self) -> None:
+        """Passages at the last instant: what ends a step heyoka takes for the start of the next."""
+        events, levels = self.problem.events, self.log.levels
+        time, state = self.standing
+        own = [event for event in events if event.name not in self.log.walls]
+        if not own or levels is None or time != self.grid[-1]:
+            return
+        names = self.problem.levels.names if self.problem.levels is not None else ()
+        near = max(LATE * abs(self.integrator.last_h), 4 * float(np.spacing(abs(time))))
+        order = 1 if time >= self.grid[0] else -1
+        self.integrator.update_d_output(time - order * near)
+        states = np.stack([self.winding.whole(self.integrator.d_output), state])
+        values = levels(np.array([time - order * near, time]), states)
+        for event in sorted(own, key=lambda event: event.stop):
+            before, after = values[:, names.index(event.name)]
+            passes = crosses(before, after, order * event.direction)
+            if passes and not self.log.holds(event, time, near) and self.log.enter(
+                event, time, state
+            ):  # fmt: skip
+                return
 
     def chunk(self) -> Halt | None:
         self.machine.fit_units()
