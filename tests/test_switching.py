@@ -233,6 +233,29 @@ def test_a_speed_that_only_multiplies_ends_nothing(method):
         assert abs(0.6 * run["x"][-1] + 0.8 * run["y"][-1] - height) < 1e-11
 
 
+@pytest.mark.parametrize("end", [1, -1])
+def test_a_speed_that_multiplies_has_a_series_from_rest_in_many_digits(end):
+    """v' = 5 - v |v| along a line: a tanh, before it a tan.  With a push that turns, by scipy."""
+    speed = sp.sqrt(Dx**2 + Dy**2)
+    base, energy = vo.Fibration(base=(x, y)), (Dx**2 + Dy**2) / 2
+    forces = {x: 3 - Dx * speed, y: 4 - Dy * speed}
+    fall = vo.System(name="fall", fibration=base, lagrangian=energy, forces=forces)
+    run = vo.integrate(fall, initial={Dx: 0}, times=[0, end / 4], method="flint", tol=1e-30)
+    with mp.workdps(40):
+        pace = mp.sqrt(5)
+        truth = pace * (mp.tanh if end > 0 else mp.tan)(pace * end / 4)
+        assert abs(run["xdot"][-1] - truth * 3 / 5) < 1e-28
+        assert abs(run["ydot"][-1] - truth * 4 / 5) < 1e-28
+    late = {x: t - Dx * speed**3, y: t**2 - Dy * speed}
+    turning = vo.System(name="turning", fibration=base, lagrangian=energy, forces=late)
+    found = [
+        vo.integrate(turning, initial={Dx: 0}, times=[0, end], method=method, tol=tol)
+        for method, tol in (("flint", 1e-20), ("scipy", 1e-13))
+    ]
+    for name in ("x", "y", "xdot", "ydot"):
+        assert abs(found[0][name][-1] - found[1][name][-1]) < 1e-12
+
+
 def test_two_bodies_with_friction_between_them_stop_together_and_apart():
     """Two blocks, one on the other: both slide, stick to each other, and stop."""
     system = vo.System(
