@@ -209,6 +209,32 @@ def test_friction_in_the_plane_ends_where_the_direction_of_slip_does(method):
     assert abs(line["x"][-1] - 0.5) < 1e-12 and line["xdot"][-1] == 0
 
 
+@pytest.mark.parametrize("method", ["auto", "scipy", "flint", "python"])
+def test_friction_in_the_plane_turns_a_motion_that_nearly_comes_to_rest(method):
+    """Under a push of 1 and friction of 1/2, s sin(a)/sqrt(tan(a/2)) = C stays for the speed s at
+    an angle a to the push: with p = tan(a/2), dt = -C p^(-3/2) (1 + p^2) dp/2."""
+    speed = 2 * sp.sqrt(Dx**2 + Dy**2)
+    base, energy = vo.Fibration(base=(x, y)), (Dx**2 + Dy**2) / 2
+    forces = {x: 1 - Dx / speed, y: -Dy / speed}
+    pushed = vo.System(name="pushed", fibration=base, lagrangian=energy, forces=forces)
+    tol = PRECISION.get(method, 1e-13)
+    aside = sp.Rational(1, 10**9 if method == "flint" else 10**4)
+    run = vo.integrate(pushed, initial={Dx: -1, Dy: aside}, times=[0, 3], method=method, tol=tol)
+    with mp.workdps(40):
+        slip = mp.mpf(1) / aside.q
+        first = (mp.sqrt(1 + slip**2) + 1) / slip
+        size = slip / mp.sqrt(first)
+
+        def way(p):
+            return size * (p ** mp.mpf(-0.5) - p ** mp.mpf(1.5) / 3)
+
+        left = way(first) + 3
+        p = mp.exp(mp.findroot(lambda q: way(mp.exp(q)) - left, [-90, 0], solver="ridder"))
+        ends = size * (1 - p**2) / (2 * mp.sqrt(p)), size * mp.sqrt(p)
+        assert abs(run["xdot"][-1] - ends[0]) < error(method)
+        assert abs(run["ydot"][-1] - ends[1]) < error(method)
+
+
 @pytest.mark.parametrize("method", ["heyoka", "scipy", "flint", "python"])
 def test_a_speed_that_only_multiplies_ends_nothing(method):
     """Drag -v - 3 v |v|/10 brings a body to rest for ever; thrown up it turns, or nearly rests."""

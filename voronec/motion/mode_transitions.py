@@ -47,8 +47,9 @@ FREE = "the motion is not determined: it may leave {} on either side"
 PAST = "the past is not determined: the motion may have come along {}, or from either side"
 TOUCH = "the motion is not determined: it touches {}, and may turn there or go on beyond"
 NO_WAY_ON = "all fields lead back to {}, and switches would follow one another ever faster"
-RIM = 1e-11
-"""A radicand of velocities that falls below this part of its value at the start has vanished."""
+RIM = 100.0
+"""A length or radicand of velocities that falls below so many times the tolerance, in units of its
+value at the start, has vanished: what is left of it is error."""
 GRAZE = 1e-9
 """A wall is touched where its function is smaller than this part of its terms, and turns."""
 CLEAR = 1e-4
@@ -631,13 +632,12 @@ class Crossroads:
         """What falls through zero where a radicand of velocities has vanished; of a sum of squares,
         which may be beyond doubles, by its root."""
         (root,) = stable_all([se.sqrt(base)])
-        power = 2 if is_length(root) else 1
-        measure = root if power == 2 else base
+        measure = root if is_length(root) else base
         program = quantities(corner.form, {"size": measure})
         begin = self.grid[0]
         values = self.values(program, sides, begin)
         size = compiled_digits(program)[1](begin, list(self.start), values)[0]
-        small = float(RIM ** (1 / power) * abs(size))
+        small = RIM * self.problem.tol * float(abs(size))
         return measure - se.Rational(*small.as_integer_ratio())
 
     def _make_mode(

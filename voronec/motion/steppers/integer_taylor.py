@@ -36,7 +36,8 @@ SHARES = 200
 """Bits of the share of a step that there is room for: beside a corner that is hardly rounded it is
 a millionth of the first guess."""
 SMALLEST, SHORTER = 1e-13, 1e-6
-"""A step below the one part of the span, and below the other of the longest, leads nowhere."""
+"""A step below the one part of the span, or the tolerance of it where that is less, and below the
+other of the longest, leads nowhere."""
 DOUBLE = 53
 """Bits of a double."""
 
@@ -163,7 +164,7 @@ class _Walker:
         self.expand = self.rules.expansion(self.problem.parameters, self.bits)
         self.state = [_units(x, self.bits) for x in self.problem.start]
         self.time, self.end = (_units(t, self.bits) for t in self.grid[[0, -1]])
-        self.least = SMALLEST * float(np.ptp(self.grid))
+        self.least = min(SMALLEST, self.problem.tol) * float(np.ptp(self.grid))
         self.guess = min(abs(self.end - self.time), 1 << self.bits)
 
     def _below_one(self) -> int:
