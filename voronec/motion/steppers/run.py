@@ -14,7 +14,7 @@ from fractions import Fraction
 from functools import cached_property
 from math import inf
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import mpmath
 import numpy as np
@@ -22,6 +22,9 @@ import numpy as np
 from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError
 from voronec.motion.request import Event
+
+if TYPE_CHECKING:
+    from voronec.motion.steppers.root_states import RootStates
 
 __all__ = [
     "COLLAPSE",
@@ -90,6 +93,7 @@ class Problem:
     for heavy programs, heyoka compile for longer.
     ``units`` (n,) are those in which the states are measured, by default their natural ones.
     Functions of events that are ``apart`` are not integrated beside the states.
+    ``roots`` are those of the right side that may vanish, for the method ``flint``.
     """
 
     program: Program
@@ -109,6 +113,7 @@ class Problem:
     units: np.ndarray | None = None
     brief: float | None = None
     apart: frozenset[str] = frozenset()
+    roots: RootStates | None = None
 
     @property
     def is_rough(self) -> bool:
