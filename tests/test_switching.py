@@ -312,6 +312,18 @@ def test_roots_that_vanish_are_passed_as_by_another_method(force):
     assert abs(runs[0]["xdot"][-1] - runs[1]["xdot"][-1]) < 1e-11
 
 
+@pytest.mark.parametrize("method", ["auto", "flint"])
+def test_a_body_at_rest_where_two_springs_meet_stays_there(method):
+    """Fields that vanish at a state, no faster than in proportion to the way from it, leave it
+    nowhere; one that does faster, as sqrt|x|, may."""
+    stiff = sp.Piecewise((-x, x < 0), (-4 * x, True))
+    for force in (stiff, -(sp.Abs(x) ** sp.Rational(3, 2)) * sp.sign(x), -(x**2) * sp.sign(x) - Dx):
+        run = motion(mass_point(force), (0, 0), 1, method)
+        assert run["x"][-1] == 0 == run["xdot"][-1]
+    with pytest.raises(IntegrationError, match="may leave x = 0 on either side"):
+        motion(mass_point(sp.sqrt(sp.Abs(x)) * sp.sign(x)), (0, 0), 1, method)
+
+
 def test_two_bodies_with_friction_between_them_stop_together_and_apart():
     """Two blocks, one on the other: both slide, stick to each other, and stop."""
     system = vo.System(

@@ -232,7 +232,10 @@ def _vanishes(expr: Any, functions: Sequence[Any], still: frozenset[Any]) -> boo
         linear = ((x, a) for x, a in slopes if a != 0 and x not in a.free_symbols)
         x, slope = next(linear, (None, None))
         if x is None:
-            expr = expr.xreplace({function: se.Integer(0)})
+            there = expr.xreplace({function: se.Integer(0)})
+            if there == expr or _is_positive(function, frozenset()):
+                return False
+            expr = there
             continue
         there = {x: x - function / slope}
         expr, left = expr.xreplace(there), [f.xreplace(there) for f in left]
