@@ -14,7 +14,7 @@ from fractions import Fraction
 from functools import cached_property
 from math import inf
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import mpmath
 import numpy as np
@@ -22,9 +22,6 @@ import numpy as np
 from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError
 from voronec.motion.request import Event
-
-if TYPE_CHECKING:
-    from voronec.motion.steppers.root_states import RootStates
 
 __all__ = [
     "COLLAPSE",
@@ -113,7 +110,7 @@ class Problem:
     units: np.ndarray | None = None
     brief: float | None = None
     apart: frozenset[str] = frozenset()
-    roots: RootStates | None = None
+    roots: Any = None
 
     @property
     def is_rough(self) -> bool:
