@@ -137,6 +137,25 @@ def test_a_short_push_by_a_function_is_not_stepped_over(push, method):
     assert seen.events["tau - 50"].t == pytest.approx([5.1234 - half, 5.1234 + half], abs=1e-12)
 
 
+@pytest.mark.parametrize("method", ["auto", "lsoda"])
+@pytest.mark.parametrize(("instant", "size"), [(math.sqrt(2), -1e9), (1.5, 1e6), (5e-324, 1e3)])
+def test_a_function_that_jumps_by_far_more_than_the_motion_is_met_at_the_jump(
+    method, instant, size
+):
+    jump = {tau: lambda t: size if t >= instant else 0.0}
+    times = [0, 1.5, 3]
+    run = vo.integrate(
+        SPRING, times=times, initial={x: 1, DX: 0}, inputs=jump, method=method,
+        events=(vo.Event(tau - size / 2),), dense=True,
+    )  # fmt: skip
+    late = np.maximum(np.array(times) - instant, 0)
+    truth = np.cos(times) + size * 2 * np.sin(late / 2) ** 2
+    assert np.abs(run["x"] - truth).max() < 1e-12 * abs(size)
+    assert np.abs(run.at(times)["x"] - truth).max() < 1e-12 * abs(size)
+    (crossed,) = run.events.values()
+    assert crossed.t == pytest.approx([instant] if instant > 1e-9 else [])
+
+
 def test_an_input_that_is_sampled_too_coarsely_says_so():
     rough = np.random.default_rng(0).normal(size=1001)
     noise = {tau: lambda t: float(np.interp(t, np.linspace(0, 10, 1001), rough))}

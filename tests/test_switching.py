@@ -209,6 +209,32 @@ def test_friction_in_the_plane_ends_where_the_direction_of_slip_does(method):
     assert abs(line["x"][-1] - 0.5) < 1e-12 and line["xdot"][-1] == 0
 
 
+@pytest.mark.parametrize("method", ["auto", "scipy", "flint", "python"])
+def test_friction_in_the_plane_turns_a_motion_that_nearly_comes_to_rest(method):
+    """Under a push of 1 and friction of 1/2, s sin(a)/sqrt(tan(a/2)) = C stays for the speed s at
+    an angle a to the push: with p = tan(a/2), dt = -C p^(-3/2) (1 + p^2) dp/2."""
+    speed = 2 * sp.sqrt(Dx**2 + Dy**2)
+    base, energy = vo.Fibration(base=(x, y)), (Dx**2 + Dy**2) / 2
+    forces = {x: 1 - Dx / speed, y: -Dy / speed}
+    pushed = vo.System(name="pushed", fibration=base, lagrangian=energy, forces=forces)
+    tol = PRECISION.get(method, 1e-13)
+    aside = sp.Rational(1, 10**9 if method == "flint" else 10**4)
+    run = vo.integrate(pushed, initial={Dx: -1, Dy: aside}, times=[0, 3], method=method, tol=tol)
+    with mp.workdps(40):
+        slip = mp.mpf(1) / aside.q
+        first = (mp.sqrt(1 + slip**2) + 1) / slip
+        size = slip / mp.sqrt(first)
+
+        def way(p):
+            return size * (p ** mp.mpf(-0.5) - p ** mp.mpf(1.5) / 3)
+
+        left = way(first) + 3
+        p = mp.exp(mp.findroot(lambda q: way(mp.exp(q)) - left, [-90, 0], solver="ridder"))
+        ends = size * (1 - p**2) / (2 * mp.sqrt(p)), size * mp.sqrt(p)
+        assert abs(run["xdot"][-1] - ends[0]) < error(method)
+        assert abs(run["ydot"][-1] - ends[1]) < error(method)
+
+
 @pytest.mark.parametrize("method", ["heyoka", "scipy", "flint", "python"])
 def test_a_speed_that_only_multiplies_ends_nothing(method):
     """Drag -v - 3 v |v|/10 brings a body to rest for ever; thrown up it turns, or nearly rests."""
@@ -231,6 +257,71 @@ def test_a_speed_that_only_multiplies_ends_nothing(method):
         start = {Dx: 0.6 - 0.8 * aside, Dy: 0.8 + 0.6 * aside}
         run = vo.integrate(up, initial=start, times=[0, 3], **how)
         assert abs(0.6 * run["x"][-1] + 0.8 * run["y"][-1] - height) < 1e-11
+
+
+@pytest.mark.parametrize("end", [1, -1])
+def test_a_speed_that_multiplies_has_a_series_from_rest_in_many_digits(end):
+    """v' = 5 - v |v| along a line: a tanh, before it a tan.  With a push that turns, by scipy."""
+    speed = sp.sqrt(Dx**2 + Dy**2)
+    base, energy = vo.Fibration(base=(x, y)), (Dx**2 + Dy**2) / 2
+    forces = {x: 3 - Dx * speed, y: 4 - Dy * speed}
+    fall = vo.System(name="fall", fibration=base, lagrangian=energy, forces=forces)
+    run = vo.integrate(fall, initial={Dx: 0}, times=[0, end / 4], method="flint", tol=1e-30)
+    with mp.workdps(40):
+        pace = mp.sqrt(5)
+        truth = pace * (mp.tanh if end > 0 else mp.tan)(pace * end / 4)
+        assert abs(run["xdot"][-1] - truth * 3 / 5) < 1e-28
+        assert abs(run["ydot"][-1] - truth * 4 / 5) < 1e-28
+    late = {x: t - Dx * speed**3, y: t**2 - Dy * speed}
+    turning = vo.System(name="turning", fibration=base, lagrangian=energy, forces=late)
+    found = [
+        vo.integrate(turning, initial={Dx: 0}, times=[0, end], method=method, tol=tol)
+        for method, tol in (("flint", 1e-20), ("scipy", 1e-13))
+    ]
+    for name in ("x", "y", "xdot", "ydot"):
+        assert abs(found[0][name][-1] - found[1][name][-1]) < 1e-12
+
+
+def test_roots_that_vanish_on_the_way_are_passed_in_many_digits():
+    """A spring -|x|^(3/2) sign x by the integral of its period; with friction sqrt|v| under a push
+    of 1 w = sqrt|v| goes from 1 to zero in 2 - 2 log 2, and to 1/2 in 2 log 2 - 1 more."""
+    with mp.workdps(40):
+        quarter = mp.beta(mp.mpf(2) / 5, mp.mpf(1) / 2) / mp.sqrt(5)
+        spring = mass_point(-(sp.Abs(x) ** sp.Rational(3, 2)) * sp.sign(x))
+        half = motion(spring, (1, 0), 2 * quarter, "flint", dense=True)
+        late = mp.mpf(float(2 * quarter)) - 2 * quarter  # its rate vanishes there
+        assert abs(half["x"][-1] + 1) < 1e-28 and abs(half["xdot"][-1] - late) < 1e-28
+        inside = half.at([0.7, 1.9])
+        energy = inside["xdot"] ** 2 / 2 + 2 * abs(inside["x"]) ** mp.mpf(2.5) / 5
+        assert max(abs(energy - mp.mpf(2) / 5)) < 1e-27
+        braked = mass_point(1 - sp.sqrt(sp.Abs(Dx)) * sp.sign(Dx))
+        assert abs(motion(braked, (0, -1), 1, "flint")["xdot"][-1] - mp.mpf(1) / 4) < 1e-28
+
+
+@pytest.mark.parametrize(
+    "force",
+    [
+        -x / 2 - sp.Max(x - sp.Rational(1, 3), 0) ** sp.Rational(4, 3),
+        -sp.sqrt(sp.Abs(sp.sin(x))) * sp.sign(sp.sin(x)) - Dx * sp.sqrt(sp.Abs(Dx)) / 3,
+        -x + sp.sqrt(sp.Abs(x - sp.sin(2 * t) / 2)),
+    ],
+)
+def test_roots_that_vanish_are_passed_as_by_another_method(force):
+    runs = [motion(mass_point(force), (1, 0), 4, method) for method in ("flint", "scipy")]
+    assert abs(runs[0]["x"][-1] - runs[1]["x"][-1]) < 1e-11
+    assert abs(runs[0]["xdot"][-1] - runs[1]["xdot"][-1]) < 1e-11
+
+
+@pytest.mark.parametrize("method", ["auto", "flint"])
+def test_a_body_at_rest_where_two_springs_meet_stays_there(method):
+    """Fields that vanish at a state, no faster than in proportion to the way from it, leave it
+    nowhere; one that does faster, as sqrt|x|, may."""
+    stiff = sp.Piecewise((-x, x < 0), (-4 * x, True))
+    for force in (stiff, -(sp.Abs(x) ** sp.Rational(3, 2)) * sp.sign(x), -(x**2) * sp.sign(x) - Dx):
+        run = motion(mass_point(force), (0, 0), 1, method)
+        assert run["x"][-1] == 0 == run["xdot"][-1]
+    with pytest.raises(IntegrationError, match="may leave x = 0 on either side"):
+        motion(mass_point(sp.sqrt(sp.Abs(x)) * sp.sign(x)), (0, 0), 1, method)
 
 
 def test_two_bodies_with_friction_between_them_stop_together_and_apart():
@@ -454,13 +545,13 @@ def test_roots_that_vanish_on_a_wall():
     for method in ("scipy", "auto", "lsoda"):
         found = motion(springs, (1, 0), 8 * quarter, method)
         assert abs(found["x"][-1] - 1) < 1e-9 and found.cost.switches == 4
-    for method in ("heyoka", "flint"):
-        with pytest.raises(EngineLimit, match="no Taylor series where it vanishes"):
-            motion(springs, (1, 0), 1, method)
+    with pytest.raises(EngineLimit, match="no Taylor series where it vanishes"):
+        motion(springs, (1, 0), 1, "heyoka")
     one_side = mass_point(sp.Piecewise((-sp.sqrt(x), x > 0), (-x, True)))
     round_trip = mp.pi + 2 * mp.mpf(0.75) ** (mp.mpf(1) / 6) * quarter
-    back = motion(one_side, (-1, 0), round_trip)
-    assert abs(back["x"][-1] + 1) < 1e-9 and back.cost.switches == 2
+    for method in ("auto", "flint"):
+        back = motion(one_side, (-1, 0), round_trip, method)
+        assert abs(back["x"][-1] + 1) < 1e-9 and back.cost.switches == 2
 
 
 BLOWS = [

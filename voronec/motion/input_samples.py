@@ -4,7 +4,9 @@ An integrator asks a function for its values at a dozen instants of a step, and 
 grow to the whole span: a pulse between these would be lost without a word.  So a function is asked
 beforehand, at ``SAMPLES`` + 1 instants over the span, and the span is halved until the samples in
 every part are a polynomial through a few of them, to ``RESOLUTION`` of the function's range: what
-the integrator sees of such a part is all that the samples tell.
+the integrator sees of such a part is all that the samples tell.  In a part that no halving resolves
+a jump is sought between two neighbours among the doubles: a step over a jump that is large beside
+the motion would be shorter than rounding.
 """
 
 from __future__ import annotations
@@ -33,8 +35,8 @@ PROBES = (0, 1, SAMPLES // 3, SAMPLES)
 def breaks(
     function: Callable[[Any], Any], start: float, end: float
 ) -> tuple[list[float], list[tuple[float, float]]] | None:
-    """The instants between the parts of a span, and those parts that the samples do not resolve, as
-    at a jump; None where there are more of these than a few."""
+    """The instants between the parts of a span, on both sides of a jump, and those parts that the
+    samples do not resolve, as at a jump; None where there are more of these than a few."""
     times = np.linspace(start, end, SAMPLES + 1)
     values = _samples(function, times)
     size = np.ptp(values[np.isfinite(values)]) if np.isfinite(values).any() else 0.0
@@ -54,7 +56,24 @@ def breaks(
         sharp.append((float(min(times[first], times[last])), float(max(times[first], times[last]))))
         if len(sharp) > MOST_SHARP:
             return None
-    return found, sharp
+    jumps = [t for low, high in sharp for t in _jump(function, low, high, RESOLUTION * size)]
+    return [*found, *jumps], sharp
+
+
+def _jump(function: Callable[[Any], Any], low: float, high: float, least: float) -> list[float]:
+    """The two doubles between which a function jumps by more than the ``least``; none where it does
+    not, or has no value."""
+    try:
+        below, above = float(function(low)), float(function(high))
+        while low < (middle := low + (high - low) / 2) < high:
+            value = float(function(middle))
+            if abs(value - below) > abs(above - value):
+                high, above = middle, value
+            else:
+                low, below = middle, value
+    except Exception:  # told where the run comes there
+        return []
+    return [low, high] if abs(above - below) > least else []
 
 
 def _samples(function: Callable[[Any], Any], times: np.ndarray) -> np.ndarray:

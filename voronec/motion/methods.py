@@ -149,8 +149,9 @@ def _lsoda(problem: Problem) -> Stepper:
 
 def _digits(problem: Problem) -> Stepper:
     from voronec.motion.steppers.integer_taylor import digits
+    from voronec.motion.steppers.root_states import digits_through_roots
 
-    return digits(problem)
+    return digits(problem) if problem.roots is None else digits_through_roots(problem)
 
 
 # fmt: off

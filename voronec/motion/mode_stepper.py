@@ -128,10 +128,10 @@ def _through_walls(
     modes = Modes.of(form, functions, _saturation(problem.tol, exact))
     if modes is None:
         return None
-    if modes.cusps and (exact or method == "heyoka"):
+    if modes.cusps and not exact and method == "heyoka":
         raise EngineLimit(
             f"the root of {min(map(str, modes.cusps))} in the equations has no Taylor series where "
-            "it vanishes; use method='scipy', with a tolerance for doubles"
+            "it vanishes; use method='scipy', or flint"
         )
     method = "scipy" if modes.cusps and method == "auto" else method
     bits = ceil(-log2(problem.tol)) + GUARD if exact else DOUBLE

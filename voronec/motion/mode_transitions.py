@@ -47,8 +47,9 @@ FREE = "the motion is not determined: it may leave {} on either side"
 PAST = "the past is not determined: the motion may have come along {}, or from either side"
 TOUCH = "the motion is not determined: it touches {}, and may turn there or go on beyond"
 NO_WAY_ON = "all fields lead back to {}, and switches would follow one another ever faster"
-RIM = 1e-11
-"""A radicand of velocities that falls below this part of its value at the start has vanished."""
+RIM = 100.0
+"""A length or radicand of velocities that falls below so many times the tolerance, in units of its
+value at the start, has vanished: what is left of it is error."""
 GRAZE = 1e-9
 """A wall is touched where its function is smaller than this part of its terms, and turns."""
 CLEAR = 1e-4
@@ -59,6 +60,9 @@ CANCELLATION = 1e-12
 """Fields on the sides cancel where so much is left of them, in units of the largest: rounding."""
 NEGLIGIBLE = 1e-3
 """A push of less than this part of what it is a moment later, some 1e-8, vanishes just there."""
+STEEP = 16.0
+"""Fields whose slopes grow by this from one place to another that is 2^20 times nearer to where
+they vanish have none there."""
 NOWHERE: Mapping[LevelSurface, int] = {}
 """Beside no surface."""
 NO_VALUE = (ZeroDivisionError, ValueError, TypeError)
@@ -196,7 +200,9 @@ class Crossroads:
         if len(different) == 1:
             return self._mode((leaving[0][0],), leaving[0][1], ())
         if leaving:
-            return (FREE if self.order > 0 else PAST).format(names)
+            still = self._is_still(time, state, corners)
+            rest = self._rest_mode(time, state, met, corners) if still else None
+            return rest or (FREE if self.order > 0 else PAST).format(names)
         for count in range(1, len(met) + 1):
             for along in combinations(met, count):
                 mode = self._along(time, state, met, along, corners)
@@ -446,8 +452,29 @@ class Crossroads:
             return None
         corner, sides = next(iter(corners.values()))
         zero = Block((), (se.Integer(0),) * len(state))
-        still = replace(corner, program=replace(corner.program, derivative=zero), walls=(), rims=())
+        program = replace(corner.program, derivative=zero)
+        still = replace(corner, program=program, walls=(), rims=(), roots=None)
         return self._mode((still,), sides, ())
+
+    def _is_still(
+        self, time: Any, state: np.ndarray,
+        corners: Mapping[tuple[int, ...], tuple[Corner, dict[Wall, int]]],
+    ) -> bool:  # fmt: skip
+        """Whether the fields on all sides vanish at a state, and none faster than in proportion to
+        the way from there: then nothing leaves it, as |x'| <= L |x|."""
+        ways = np.vstack([np.diag(self.units), -np.diag(self.units), self.units, -self.units])
+        for corner, sides in corners.values():
+            if any(self._rates(corner.program, sides, time, state)):
+                return False
+            for way in ways:
+                near, far = (
+                    max(map(abs, self._rates(corner.program, sides, time, state + way * part)))
+                    / part
+                    for part in (mpmath.mpf(2) ** -40, mpmath.mpf(2) ** -20)
+                )
+                if near > STEEP * max(far, 1):
+                    return False
+        return True
 
     def touches(
         self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Wall, int]
@@ -631,13 +658,12 @@ class Crossroads:
         """What falls through zero where a radicand of velocities has vanished; of a sum of squares,
         which may be beyond doubles, by its root."""
         (root,) = stable_all([se.sqrt(base)])
-        power = 2 if is_length(root) else 1
-        measure = root if power == 2 else base
+        measure = root if is_length(root) else base
         program = quantities(corner.form, {"size": measure})
         begin = self.grid[0]
         values = self.values(program, sides, begin)
         size = compiled_digits(program)[1](begin, list(self.start), values)[0]
-        small = float(RIM ** (1 / power) * abs(size))
+        small = RIM * self.problem.tol * float(abs(size))
         return measure - se.Rational(*small.as_integer_ratio())
 
     def _make_mode(
@@ -693,6 +719,7 @@ class Crossroads:
             exact=None, walls=frozenset(ends), suspect=None if along else given.suspect,
             progress=self.progress,
             apart=frozenset((*ends, *turns)),  # steps begin anew at each of them
+            roots=corner.roots if self.bits != DOUBLE and not along else None,
         )  # fmt: skip
 
     def _choose_stepper(self, problem: Problem) -> tuple[Any, dict[str, Any]]:

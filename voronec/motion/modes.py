@@ -33,6 +33,7 @@ from voronec.equations.program.walls import (
 )
 from voronec.errors import EngineLimit
 from voronec.motion.state_probe import quantities
+from voronec.motion.steppers.root_states import RootStates
 
 __all__ = ["Corner", "LevelSurface", "Modes", "is_length", "motion_along_surfaces"]
 
@@ -70,7 +71,8 @@ class Corner:
     """The equations on one side of every wall; floors are parameters of the ``program``.
 
     ``signs`` are the sides that were asked for, ``walls`` all that were met, ``functions`` those of
-    events.  ``rims`` are radicands of roots that velocities may bring to zero, all at once.
+    events.  ``rims`` are radicands of roots that velocities may bring to zero, all at once,
+    ``roots`` the program with roots that vanish on walls as states.
     """
 
     form: Any
@@ -79,6 +81,7 @@ class Corner:
     signs: Mapping[Wall, int]
     walls: tuple[Wall, ...]
     rims: tuple[Any, ...]
+    roots: RootStates | None = None
 
 
 @dataclass
@@ -148,8 +151,9 @@ class Modes:
         made = replace(made, parameters=(*form.parameters, *floors))
         exprs = made.expressions
         found = Corner(
-            made, Program.of(made), functions, asked, tuple(change.walls), rims(form, exprs)
-        )
+            made, Program.of(made), functions, asked, tuple(change.walls), rims(form, exprs),
+            RootStates.of(made, change.radicands) if self.cusps else None,
+        )  # fmt: skip
         self._corners.append(found)
         return found
 
@@ -219,7 +223,8 @@ def _zero(_wall: Wall) -> Any:
 
 
 def _vanishes(expr: Any, functions: Sequence[Any], still: frozenset[Any]) -> bool:
-    """Whether an expression vanishes where functions do, each linear in one of its symbols."""
+    """Whether an expression vanishes where functions do, each linear in one of its symbols, or seen
+    in the expression as a whole."""
     left = list(functions)
     while left:
         function = left.pop()
@@ -227,7 +232,11 @@ def _vanishes(expr: Any, functions: Sequence[Any], still: frozenset[Any]) -> boo
         linear = ((x, a) for x, a in slopes if a != 0 and x not in a.free_symbols)
         x, slope = next(linear, (None, None))
         if x is None:
-            return False
+            there = expr.xreplace({function: se.Integer(0)})
+            if there == expr or _is_positive(function, frozenset()):
+                return False
+            expr = there
+            continue
         there = {x: x - function / slope}
         expr, left = expr.xreplace(there), [f.xreplace(there) for f in left]
     try:

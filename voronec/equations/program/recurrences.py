@@ -133,7 +133,7 @@ class Coefficients:
     def quotient(self, above: tuple[str, str], b: str) -> str:
         """above / b."""
         name = f"a{self.count}"
-        self.divisors.append(b)
+        self.divisors.append(f"{b}[0]")
         first, later = above
         head = f"({later} << P) - " if later != "0" else "-"
         inner = f"sum(map(mul, {b}[1:], {name}[::-1]))"
@@ -146,7 +146,7 @@ class Coefficients:
         if p < 0:
             return self.quotient(("ONE", "0"), self.power(a, -p, q))
         name = f"a{self.count}"
-        self.divisors.append(a)
+        self.divisors.append(f"{a}[0]")
         if (p, q) == (1, 2):
             half = f"sum(map(mul, {name}[1:], {name}[:0:-1]))"
             return self.entry(f"isqrt({a}[0] << P)", f"(({a}[k] << P) - {half})//(2*{name}[0])")
@@ -255,15 +255,13 @@ class Coefficients:
         return self._quotient_of(name, args[0])
 
     def _length(self, sides: Sequence[Any]) -> str:
-        """c with c^2 = a^2 + b^2 + ...; squares keep twice the digits, so that none is lost."""
+        """The root of a^2 + b^2 + ...: ``_Length`` tells it where all of them vanish, too."""
         moving = [self.series(a) for a in sides if a.free_symbols & self.moving]
         still = [self.constant(a) for a in sides if not a.free_symbols & self.moving]
-        name = f"a{self.count}"
-        first = " + ".join([f"{a}[0]**2" for a in moving] + [f"{a}**2" for a in still])
-        later = " + ".join(f"sum(map(mul, {a}, {self.reverse(a)}))" for a in moving)
-        half = f"sum(map(mul, {name}[1:], {name}[:0:-1]))"
-        self.divisors.append(name)
-        return self.entry(f"isqrt({first})", f"({later} - {half})//(2*{name}[0])")
+        made = f"l_a{self.count}"
+        self.first.append(f"{made} = length([{', '.join(moving)}], [{', '.join(still)}])")
+        self.divisors.append(f"({made}.least or ONE)")
+        return self.entry(f"{made}.entry(0)", f"{made}.entry(k)")
 
     def _quotient_of(self, name: str, w: Any) -> str:
         """sin(w)/w and the like: ``Composed`` divides, or expands where |w| is small."""
@@ -351,7 +349,7 @@ class Coefficients:
         rows += ["        s.append(h if k == 1 else 0)"]
         rows += [f"        {line}" for line in self.later]
         rows += [f"        r{i} = {later}" for i, (_, later) in enumerate(results)]
-        least = ", ".join(["ONE", *(f"abs({d}[0])" for d in dict.fromkeys(self.divisors))])
+        least = ", ".join(["ONE", *(f"abs({d})" for d in dict.fromkeys(self.divisors))])
         states = ", ".join(f"y{i}" for i in range(n))
         return "\n".join([*rows, f"    return [{states}], min({least}, ONE)", ""])
 
@@ -405,6 +403,7 @@ class Recurrences:
         functions["power"] = _power_function(bits)
         functions["tangent"] = _tangent(bits)
         functions["composed"] = partial(_Composition, bits)
+        functions["length"] = _Length
         names = {"P": bits, "ONE": 1 << bits, **functions, **known}
         expand: Expansion = execute(self.source, "recurrences", names)["expand"]
         return expand
@@ -488,6 +487,37 @@ class _Composition:
             terms = (self.w[i] * lower[k - i] for i in range(1, k - j + 1))
             self.powers[j].append(sum(terms) >> self.bits)
         return sum(map(mul, self.slopes[1:], [p[k] for p in self.powers])) >> self.bits
+
+
+class _Length:
+    """Coefficients of c with c^2 = a^2 + b^2 + ... from those of the sides, as they come.
+
+    Squares keep twice the digits, so that none is lost.  Where all sides vanish as h^m, as those of
+    a body that starts from rest, c = h^m sqrt((a/h^m)^2 + ...) has a series as well, on the side to
+    which the step h leads.
+    """
+
+    def __init__(self, moving: Sequence[list[int]], still: Sequence[int]) -> None:
+        self.moving, self.still = moving, sum(a**2 for a in still)
+        self.found: list[int] = []
+        self.zeros = 0
+
+    def entry(self, k: int) -> int:
+        """The coefficient of order k; lower ones were asked for before."""
+        m, c = self.zeros, self.found
+        squares = sum(sum(map(mul, a[m:], a[: m - 1 if m else None : -1])) for a in self.moving)
+        if m == k:
+            c.append(isqrt(squares + (self.still if k == 0 else 0)))
+            self.zeros += c[k] == 0
+        else:
+            half = sum(map(mul, c[m + 1 :], c[:m:-1]))
+            c.append((squares - half) // (2 * c[m]))
+        return c[k]
+
+    @property
+    def least(self) -> int:
+        """What is divided by; zero where nothing is."""
+        return self.found[self.zeros] if self.zeros < len(self.found) else 0
 
 
 def _power_function(bits: int) -> Callable[[int, int, int], int]:

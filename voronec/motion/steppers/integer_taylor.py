@@ -20,7 +20,7 @@ from voronec.motion.steppers.series_reach import BLIND, FAITHFUL, HALVINGS, SHRI
 from voronec.motion.steppers.step_loop import IntegratorFailure, Levels, Stride, march
 from voronec.motion.steppers.units import SMALL, natural_units
 
-__all__ = ["digits"]
+__all__ = ["GUARD", "DigitsWalker", "digit_levels", "digits", "units_of"]
 
 GUARD = 64
 """Bits beyond those of the tolerance."""
@@ -36,7 +36,8 @@ SHARES = 200
 """Bits of the share of a step that there is room for: beside a corner that is hardly rounded it is
 a millionth of the first guess."""
 SMALLEST, SHORTER = 1e-13, 1e-6
-"""A step below the one part of the span, and below the other of the longest, leads nowhere."""
+"""A step below the one part of the span, or the tolerance of it where that is less, and below the
+other of the longest, leads nowhere."""
 DOUBLE = 53
 """Bits of a double."""
 
@@ -52,10 +53,10 @@ def digits(problem: Problem) -> Stepper:
     if problem.exact is not None:
         start, parameters = problem.exact(bits)
         problem = replace(problem, start=start, parameters=parameters)
-    levels = _levels(problem.levels, problem.parameters)
+    levels = digit_levels(problem.levels, problem.parameters)
 
     def run(grid: np.ndarray) -> Run:
-        walker = _Walker(rules, problem, grid, bits)
+        walker = DigitsWalker(rules, problem, grid, bits)
         with mpmath.workprec(bits):
             found = march(problem, grid, walker, levels)
             return replace(found, t=np.array([mpmath.mpf(t) for t in found.t], dtype=object))
@@ -63,7 +64,8 @@ def digits(problem: Problem) -> Stepper:
     return run
 
 
-def _levels(levels: Program | None, parameters: Sequence[Any]) -> Levels:
+def digit_levels(levels: Program | None, parameters: Sequence[Any]) -> Levels:
+    """The events' functions at times (k,) and states (k, n) of mpmath's numbers, (k, m)."""
     if levels is None:
         return lambda t, _states: np.empty((len(t), 0))
     _, extras = compiled_digits(levels)
@@ -93,7 +95,7 @@ def _alone(
         return mpmath.nan
 
 
-def _units(number: Any, bits: int) -> int:
+def units_of(number: Any, bits: int) -> int:
     """A number in units of 2^-bits."""
     with flint.ctx.workprec(bits + 128):
         return fixed_point(as_ball(number), bits)
@@ -138,13 +140,13 @@ class _Polynomial:
         states = np.empty((len(times), len(self.rows)), dtype=object)
         for i, time in enumerate(times):
             # a step to an end that is nearer than the last bit goes nowhere
-            place = ((_units(time, self.bits) - self.start) << self.bits) // (self.step or 1)
+            place = ((units_of(time, self.bits) - self.start) << self.bits) // (self.step or 1)
             states[i] = [_number(x, self.bits, self.kept) for x in self.state(place)]
         return states
 
 
 @dataclass
-class _Walker:
+class DigitsWalker:
     """The integrator under way; all its numbers are integers in units of 2^-bits."""
 
     rules: Recurrences
@@ -161,9 +163,9 @@ class _Walker:
         self.units = natural_units(self.problem)
         self.bits += self._below_one() + self._above_one()
         self.expand = self.rules.expansion(self.problem.parameters, self.bits)
-        self.state = [_units(x, self.bits) for x in self.problem.start]
-        self.time, self.end = (_units(t, self.bits) for t in self.grid[[0, -1]])
-        self.least = SMALLEST * float(np.ptp(self.grid))
+        self.state = [units_of(x, self.bits) for x in self.problem.start]
+        self.time, self.end = (units_of(t, self.bits) for t in self.grid[[0, -1]])
+        self.least = min(SMALLEST, self.problem.tol) * float(np.ptp(self.grid))
         self.guess = min(abs(self.end - self.time), 1 << self.bits)
 
     def _below_one(self) -> int:
@@ -192,7 +194,7 @@ class _Walker:
         self.time = self.time + (step * part >> bits)
         taken = abs(self.time - start)
         self.longest = max(self.longest, float(_number(taken, bits, DOUBLE)))
-        short = taken < _units(min(self.least, SHORTER * self.longest), bits)
+        short = taken < units_of(min(self.least, SHORTER * self.longest), bits)
         if short and self.time != self.end:
             raise IntegratorFailure(COLLAPSE)
         self.state = polynomial.state(part)
@@ -252,7 +254,7 @@ class _Walker:
 
     def sizes(self, rows: list[list[int]]) -> list[int]:
         """Of the variables at the start of a step: at least their units."""
-        units = [_units(u, self.bits) for u in self.units.tolist()]
+        units = [units_of(u, self.bits) for u in self.units.tolist()]
         return [max(u, abs(row[0])) for u, row in zip(units, rows, strict=True)]
 
     def room(self, rows: list[list[int]]) -> float:

@@ -90,6 +90,7 @@ class Problem:
     for heavy programs, heyoka compile for longer.
     ``units`` (n,) are those in which the states are measured, by default their natural ones.
     Functions of events that are ``apart`` are not integrated beside the states.
+    ``roots`` are those of the right side that may vanish, for the method ``flint``.
     """
 
     program: Program
@@ -109,6 +110,7 @@ class Problem:
     units: np.ndarray | None = None
     brief: float | None = None
     apart: frozenset[str] = frozenset()
+    roots: Any = None
 
     @property
     def is_rough(self) -> bool:
@@ -578,11 +580,12 @@ def _run_in_pieces(
     for end in [*problem.changing.knots(float(grid[0]), float(grid[-1])), float(grid[-1])]:
         inside = grid[(order * grid > order * time) & (order * grid < order * end)]
         times = [time, *inside, *([end] if end != time else [])]
-        part = on_piece(state, np.array(times))
+        jumps = problem.changing.python_signal and np.nextafter(float(time), end) == end
+        part = _stand(problem, state, times) if jumps else on_piece(state, np.array(times))
         if parts:
             part = _without_crossings(part, float(time), BESIDE * abs(end - float(time)))
         parts.append(part)
-        if end != float(grid[-1]):
+        if end != float(grid[-1]) and not jumps:
             parts[-1] = changes.at_end(parts[-1], float(time), end)
         last = parts[-1]
         if last.halt is not None or last.interrupted or last.stopped:
@@ -591,6 +594,18 @@ def _run_in_pieces(
         if problem.progress is not None:
             problem.progress(float((end - grid[0]) / ((grid[-1] - grid[0]) or 1.0)))
     return _join_runs(parts, grid, problem)
+
+
+def _stand(problem: Problem, state: np.ndarray, times: Sequence[Any]) -> Run:
+    """The run between two neighbours among the doubles, where a function of Python's jumps: no step
+    is shorter, and those at the jump itself would be."""
+    rows = np.repeat(state[None, :], len(times), axis=0)
+    nothing = crossing_arrays({}, problem.events, len(state), rows.dtype)
+
+    def inside(moments: np.ndarray) -> np.ndarray:
+        return np.repeat(state[None, :], len(moments), axis=0)
+
+    return Run(np.array(times), rows, 0, 0, nothing, inside=inside)
 
 
 def _without_crossings(part: Run, instant: float, near: float) -> Run:

@@ -328,6 +328,7 @@ class _March:
     done: int = 1
     steps: int = 0
     idle: int = 0
+    is_on_wall: bool = True
     last: Halt = field(init=False)
 
     def __post_init__(self) -> None:
@@ -373,9 +374,9 @@ class _March:
             if event.name not in self.problem.coarse or self.near(stride, i)
         }
         if fine:
-            first = self.steps <= 1
-            left = self.problem.walls if first else frozenset()
-            found = crossings(fine, self.levels, stride, left, first)
+            left = self.problem.walls if self.is_on_wall else frozenset()
+            found = crossings(fine, self.levels, stride, left, self.steps <= 1)
+            self.is_on_wall = self.is_on_wall and self.stays(stride, fine)
             stride, found = self.cut(stride, found, fine)
             for time, event in found:
                 state = stride.at(np.array([time], dtype=self.states.dtype))[0]
@@ -396,6 +397,15 @@ class _March:
             self.ends.append(float(stride.end))
         self.last = Halt(COLLAPSE, stride.end, stride.state)
         self.suspect(np.array([stride.end]), stride.state[None, :])
+
+    def stays(self, stride: Stride, events: Mapping[int, Event]) -> bool:
+        """Whether the function of a wall is zero where a step ends: short first steps may leave it
+        by less than rounding."""
+        walls = [i for i, event in events.items() if event.name in self.problem.walls]
+        if not walls:
+            return False
+        end = np.array([stride.end], dtype=self.states.dtype)
+        return bool((self.levels(end, stride.at(end))[0, walls] == 0).any())
 
     def cut(
         self, stride: Stride, found: list[tuple[Any, Event]], events: Mapping[int, Event]
