@@ -224,7 +224,8 @@ class _Metric:
         rows = [*d.constraints.matrix, *([r.diff(q) for q in d.coordinates] for r in d.relations)]
         entries += [x for row in rows for x in row]
         try:
-            return se.Lambdify(list(self._symbols), entries, cse=True)
+            # asked a few times: to compile it would take longer than all of them
+            return se.Lambdify(list(self._symbols), entries, cse=True, backend="lambda")
         except RuntimeError:  # an unknown function has no numbers
             return lambda _: np.full(len(entries), np.nan)
 

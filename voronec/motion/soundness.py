@@ -210,6 +210,8 @@ ROWS = 200
 LONG = 100_000
 """Operations, shared ones counted every time, above which the equations derived first are let be:
 to make them ready would take longer than a run."""
+HASTE = {"opt_level": 0}
+"""To have LLVM optimise what a run evaluates a few times takes three times as long as the rest."""
 REGULAR = 1e12
 """The condition number of a mass matrix below which accelerations mean something."""
 MOST, FEW, EACH = 128, 12, 4
@@ -414,7 +416,7 @@ def _scale(sizes: np.ndarray) -> np.ndarray:
 
 @lru_cache(maxsize=32)  # runs of one system have the same relations
 def _function(inputs: tuple[Any, ...], exprs: tuple[Any, ...]) -> Any:
-    return se.Lambdify(list(inputs), list(exprs))
+    return se.Lambdify(list(inputs), list(exprs), **HASTE)
 
 
 def is_proved(equations: VoronecEquations, integral: Any) -> bool:
@@ -486,7 +488,7 @@ def _evaluator(form: Any) -> Any:
         return None  # the form of a large system is the one that was integrated
     inputs = [form.time, *form.coordinates, *form.velocities, *form.parameters]
     try:
-        return se.Lambdify(inputs, [elementary(e) for e in cardinal_all(flat)], cse=True)
+        return se.Lambdify(inputs, [elementary(e) for e in cardinal_all(flat)], cse=True, **HASTE)
     except (RuntimeError, TypeError, ValueError, NotImplementedError):
         return None
 
