@@ -12,6 +12,8 @@ from scipy.integrate import DOP853
 
 import voronec as vo
 from voronec.errors import IntegrationError
+from voronec.motion import methods
+from voronec.motion.request import Vocabulary
 from voronec.motion.steppers.dop853_source import BENDS, FIFTH, NODES, STEP, THIRD, WEIGHTS
 
 SLOW = pytest.mark.slow
@@ -52,6 +54,22 @@ def test_the_choice_is_that_of_the_call_alone(monkeypatch: pytest.MonkeyPatch) -
 def test_where_heyoka_is_installed_it_integrates() -> None:
     pytest.importorskip("heyoka")
     assert vo.integrate(vo.load("ball-on-sphere"), times=10, tol=1e-11).cost.method == "heyoka"
+
+
+def test_a_short_run_of_a_heavy_program_is_not_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("heyoka")
+    monkeypatch.setattr(methods, "HEAVY", 1.0)
+    system, given = vo.load("ball-on-sphere"), {"times": 10, "tol": 1e-11}
+    cost = vo.integrate(system, **given).cost
+    assert cost.method == "python" and "compiling for heyoka" in cost.reason
+    monkeypatch.setattr(methods, "TINY", 1000)
+    assert vo.integrate(system, **given).cost.method == "heyoka"
+
+
+def test_outputs_are_read_once() -> None:
+    read = Vocabulary.of(vo.derive(vo.load("ball-on-sphere"))).read_condition
+    for key in ("u1", "energy", sp.Symbol("u1") + 1):
+        assert read(key) is read(key)
 
 
 @pytest.mark.parametrize(

@@ -266,11 +266,13 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
     if not problem.program.state:
         return "scipy", "nothing moves"
     there = METHODS["heyoka"].is_there
-    if not there and _is_short(problem, grid):
+    if not there and _is_short(problem, grid, LOAD_OPERATIONS):
         return "python", "heyoka is not installed, and the run is short"
     brief = problem.brief is not None
     if there and not (problem.tol >= FINEST and problem.program.weight > HEAVY):
         return "heyoka", "heyoka is installed"
+    if there and _is_short(problem, grid, TINY):
+        return "python", "the run takes less time than compiling for heyoka"
     compiled = "" if brief else compiled_method()
     if not there and not compiled:
         return "scipy", "heyoka is not installed"
@@ -292,15 +294,15 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
     return "heyoka", "heyoka is installed"
 
 
-def _is_short(problem: Problem, grid: np.ndarray) -> bool:
-    """Whether a run is smooth, and over in Python before another method is loaded."""
+def _is_short(problem: Problem, grid: np.ndarray, most: float) -> bool:
+    """Whether a run is smooth, and over in Python after no more than so many operations."""
     plain = problem.changing is None and problem.brief is None and not problem.walls
     plain = plain and all(e.name in problem.coarse for e in problem.events)
     if problem.tol < COARSE or not plain:
         return False
     from voronec.motion.steppers.python_stepper import operations_of_run
 
-    return operations_of_run(problem, grid, LOAD_OPERATIONS) <= LOAD_OPERATIONS
+    return operations_of_run(problem, grid, most) <= most
 
 
 def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Stepper, dict[str, Any]]:

@@ -13,6 +13,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.arguments import COUNT, FLAG, SEQUENCE, SEVERAL, TEXT, require, takes_fields
+from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
 from voronec.algebra.text import as_expression, in_doubles, name_or_formula
 from voronec.declaration.claims import right_of
@@ -350,6 +351,7 @@ class Vocabulary:
     symbols: Mapping[str, sp.Expr]
     claims: Mapping[str, sp.Expr]
     inputs: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
+    memo: Memo = field(default_factory=Memo, init=False, repr=False, compare=False)
 
     @classmethod
     def of(
@@ -391,7 +393,7 @@ class Vocabulary:
         own = (name for name in self.symbols if name not in constants)
         return tuple(dict.fromkeys((*own, *self.rate_names)))
 
-    @property
+    @cached_property
     def known(self) -> dict[str, sp.Expr]:
         """Everything that has a name, but for reactions and groups."""
         system = self.equations.system
@@ -399,7 +401,7 @@ class Vocabulary:
         driven = {plain_name(u): e for u, e in self.inputs.items()}
         return {**self.claims, **invariants, **self.symbols, **driven}
 
-    @property
+    @cached_property
     def reactions(self) -> dict[str, int]:
         """``reaction k`` is lambda_k of constraint k; positions count from 0.
 
@@ -408,7 +410,7 @@ class Vocabulary:
         """
         return {f"reaction {k + 1}": k for k in range(len(self.equations.system.constraints))}
 
-    @property
+    @cached_property
     def groups(self) -> dict[str, tuple[Any, ...]]:
         """Outputs that stand for several: the whole configuration, and each trace of a contact that
         the system draws."""
@@ -459,7 +461,15 @@ class Vocabulary:
         return name, self.inward(expr)
 
     def read_condition(self, key: Any) -> tuple[str, sp.Expr]:
-        """The same with the expression in the user's symbols, those of invariants among them."""
+        """The same with the expression in the user's symbols, those of invariants among them.
+
+        What was read before is known: to spell long expressions takes as long as a short run.
+        """
+        if isinstance(key, str | sp.Basic):
+            return self.memo.once((type(key), key), lambda: self._read_condition(key))
+        return self._read_condition(key)
+
+    def _read_condition(self, key: Any) -> tuple[str, sp.Expr]:
         system, known = self.equations.system, self.known
         if isinstance(key, str) and key not in (*known, *self.reactions, *self.groups):
             key = name_or_formula(key, f"system '{system.name}': an output")
