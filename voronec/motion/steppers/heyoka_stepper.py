@@ -645,9 +645,9 @@ def _join_stretches(stretches: list[Any], states: np.ndarray) -> Any:
     return lambda times: in_parts(ends, order, stretches, times, states)
 
 
-ROOM = 64 * 2**20
-"""So many bytes of compiled programs stay on disk, those of some 130 models; what nobody used for
-longest gives way."""
+ROOM = 24 * 2**20
+"""So many bytes of compiled programs stay on disk, those of some 80 models; what nobody used for
+longest gives way.  heyoka adds up all that is there when it opens it: 64 MiB take 20 ms."""
 
 
 def heyoka() -> Any:
