@@ -79,7 +79,8 @@ def calls(extent: Extent) -> Iterator[Row]:
             bool(first <= 0.4),
             "to start Python and import heyoka alone, which loads SymPy and NumPy itself, takes "
             "0.4 s on this machine; the rest is shared by the engine's modules and the system's "
-            "own declaration; heyoka takes machine code from its disk in less than a twentieth of a second",
+            "own declaration; heyoka takes machine code from its disk in less than a "
+            "twentieth of a second",
         )
 
 
