@@ -16,6 +16,7 @@ from voronec.equations.program import Block, Program, compile_program, hoist
 from voronec.motion import methods, soundness
 from voronec.motion import motion_pool as many_motions
 from voronec.motion.integration import first_success
+from voronec.motion.steppers import Halt
 from voronec.motion.steppers import heyoka_stepper as taylor
 
 pytestmark = pytest.mark.slow
@@ -103,14 +104,28 @@ def test_auto_goes_on_with_another_method_where_its_choice_fails(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     pytest.importorskip("heyoka")
-    monkeypatch.setattr(methods, "HEAVY", 0)  # so that scipy is chosen over so short a span
+    monkeypatch.setattr(methods, "HEAVY", 0)  # so that DOP853 is chosen over so short a span
+
+    make = methods.METHODS["python"].make
+    assert make is not None
+
+    def broken(problem: Any) -> Any:
+        def run(grid: np.ndarray) -> Any:
+            whole = make(problem)(grid)
+            halt = Halt("the step size collapsed", whole.t[1], whole.states[1])
+            return dataclasses.replace(whole, t=whole.t[:2], states=whole.states[:2], halt=halt)
+
+        return run
+
+    python = dataclasses.replace(methods.METHODS["python"], make=broken)
+    monkeypatch.setitem(methods.METHODS, "python", python)
     disc = vo.derive(vo.load("falling-disc"))
     start = {"theta": 1.2, "p": 0.3, "q": 1e-6, "s": 1e-6}
     wanted: dict[str, Any] = {"initial": start, "times": [0, 1, 2, 3], "outputs": ("theta", "p")}
     with pytest.raises(vo.IntegrationError):
-        vo.integrate(disc, method="scipy", **wanted)
+        vo.integrate(disc, method="python", **wanted)
     found = vo.integrate(disc, **wanted)
-    assert found.cost.method == "heyoka" and "scipy" in found.cost.reason
+    assert found.cost.method == "heyoka" and "python" in found.cost.reason
     exact = vo.integrate(disc, method="flint", tol=1e-25, **wanted)
     for name in ("theta", "p"):
         assert np.abs(found[name] - exact[name].astype(float)).max() < 1e-6

@@ -242,3 +242,14 @@ def test_the_slope_of_a_versed_sine_over_a_square_does_not_cancel(potential):
         with mp.workdps(60):
             value = float(exact(mp.mpf(place)))
         assert space["rhs"](0, [place, 0.0], [])[1] == pytest.approx(value, rel=1e-14)
+
+
+def test_a_sum_keeps_a_term_that_another_becomes():
+    """1 - cos x becomes 2 sin^2(x/2), and one of these was lost where both stood."""
+    whole, near = sp.sin(x / 2) ** 2 * 2, sp.Rational(1, 10**10)
+    door = Door()
+    both, apart = stable_all(
+        [door.inward(1 - sp.cos(x) + whole), door.inward(1 + near - sp.cos(x))]
+    )
+    assert float(both.subs({door.inward(x): 1}).n(53)) == pytest.approx(2 * (1 - np.cos(1)))
+    assert float(apart.subs({door.inward(x): 1e-5}).n(53)) == pytest.approx(1.5e-10, rel=1e-9)

@@ -30,6 +30,8 @@ from voronec.algebra.terms import factors_of, is_exponential, summands, with_arg
 
 __all__ = ["stable_all"]
 
+NEARBY = se.Rational(1, 8)
+"""Numbers that differ by less than this part lose three bits or more by subtraction."""
 MOST_ENDS = 4
 """The largest of so many exponentials is found by sizes of differences, nested."""
 _Terms = dict[int, Any]
@@ -244,8 +246,9 @@ def _with_differences(total: Any) -> Any:
 
 
 def _less_one(total: Any) -> Any:
-    """A sum in which c cos w - c, c cosh w - c and c sqrt(n + x) - c sqrt(n) do not cancel."""
-    left = dict.fromkeys(total.args)
+    """A sum in which c cos w - c, c cosh w - c and c sqrt(n + x) - c sqrt(n) do not cancel, nor
+    numbers that are nearly such a c: 1 + 1e-10 - cos w is 1e-10 + 2 sin^2(w/2)."""
+    left, written = [*total.args], list[Any]()
     for term in total.args:
         for factor in factors_of(term):
             found = _from_zero(factor)
@@ -253,11 +256,20 @@ def _less_one(total: Any) -> Any:
                 continue
             rest = term / factor
             other = -rest * found[0]
-            if term in left and other in left:
-                del left[term], left[other]
-                left[rest * found[1]] = None
+            near = next((n for n in left if _is_near(n, other)), None)
+            if term in left and near is not None:
+                left.remove(term)
+                left.remove(near)
+                written += [rest * found[1], near - other]
                 break
-    return se.Add(*left) if len(left) < len(total.args) else total
+    return se.Add(*left, *written) if written else total
+
+
+def _is_near(number: Any, other: Any) -> bool:
+    """Whether a term is another, or a number so near to it that their difference cancels."""
+    if number == other or not (number.is_Number and other.is_Number):
+        return bool(number == other)
+    return bool(abs(number - other) < NEARBY * abs(other))
 
 
 def _from_zero(factor: Any) -> tuple[Any, Any] | None:
