@@ -519,18 +519,6 @@ def test_an_end_that_is_too_far_away_is_named(method: str, tol: float) -> None:
             vo.integrate(system, times=[0, 1e14], initial=start, method=method, tol=tol)
 
 
-def test_one_short_step_is_no_reason_to_give_up() -> None:
-    """A disc with next to no spin falls through its flattest point, where a step is shortened to
-    1e-12; 280 lead through."""
-    pytest.importorskip("heyoka")
-    start = {"theta": 0.3, "q": 0, "s": 1e-8, "p": 0.5}
-    disc = {"initial": start, "times": [0, 2.8], "method": "heyoka", "outputs": ("phi", "theta")}
-    run = vo.integrate(vo.load("falling-disc"), tol=1e-16, **disc)
-    # of Taylor's method with 20 digits
-    assert abs(run["phi"][-1] - 7.02481490904083) < 1e-11
-    assert abs(run["theta"][-1] - 0.4215799883871296) < 1e-11
-
-
 def siren(rate: sp.Expr) -> vo.System:
     """x'' = sin(phi) while phi'' is given."""
     return vo.System(

@@ -73,7 +73,7 @@ LONG, WEIGHT = 250_000, 20.0
 """After four times so many steps, seconds of work, a run is asked whether it ends at all; after
 fewer, by as much as its program weighs more than the other."""
 CRAWL = 1e-9
-"""``CHUNK`` steps that cover less than this part of the span lead nowhere."""
+"""A chunk of steps that covers less than this part of the span leads nowhere."""
 SPECK = 1e-300
 """What functions of events are raised by: where one is zero at the start of a step, heyoka takes
 that for its zero in the step, and sees no other."""
@@ -317,7 +317,6 @@ class _Drive:
     steps: int = 0
     efforts: int = 0
     idle: int = 0
-    covered: tuple[float, int] = (0.0, 0)
     size: int = field(init=False)
     ahead: int = field(init=False)
     has_outgrown: bool = False
@@ -446,21 +445,14 @@ class _Drive:
         # heyoka does not count steps of length zero among those that it took
         limited = outcome == self.hy.taylor_outcome.step_limit
         reason = self.headway.distance(self.efforts, self.integrator.time)
-        reason = reason or (self.crawl(moved, taken) if limited else "")
+        if not reason and limited and moved <= CRAWL * size / CHUNK * self.span:
+            reason = self.headway.reason(moved / max(taken, 1))
         if reason:
             return self.halt(reason)
         if outcome == self.hy.taylor_outcome.err_nf_state:
             return self.last_good(before, state, taken)
         self.standing = self.integrator.time, self.winding.whole(self.integrator.state)
         return None
-
-    def crawl(self, moved: float, taken: int) -> str:
-        """Why steps that ``moved`` so far lead nowhere, empty where they do not or where they are
-        too few to tell: one that was made shorter than it was tells nothing of the next."""
-        way, steps = self.covered[0] + moved, self.covered[1] + max(taken, 1)
-        self.covered = (way, steps) if steps < CHUNK else (0.0, 0)
-        lost = steps >= CHUNK and way <= CRAWL * self.span
-        return self.headway.reason(way / steps) if lost else ""
 
     def overlong(
         self, moment: tuple[float, float], state: np.ndarray, taken: int
