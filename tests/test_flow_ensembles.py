@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.motion import batches
+from voronec.motion import batches, integration
 
 pytestmark = pytest.mark.slow
 
@@ -358,6 +358,24 @@ def test_motions_gone_over_alone_are_kept_when_stopped_by_hand():
     assert found.interrupted
     assert found.finished.tolist() == [True, False, False]
     assert (found["x"][0] == 1).all() and np.isnan(found["x"][2]).all()
+
+
+def test_starts_that_nobody_came_to_did_nothing_wrong(monkeypatch):
+    """Those at a pole of the angles go alone: stopped by hand before the second, or before the
+    first, the others are not told to be undefined there."""
+    starts = {"theta": np.zeros(3), "omega1": np.array([0.1, 0.2, 0.3]), "omega3": np.ones(3)}
+    alone, stops = integration.integrate, iter([False, True, True])
+
+    def stopped(*arguments, **options):
+        if next(stops):
+            raise KeyboardInterrupt
+        return alone(*arguments, **options)
+
+    monkeypatch.setattr(integration, "integrate", stopped)
+    ball = vo.load("chaplygin-ball")
+    for done in ([True, False, False], [False, False, False]):
+        found = vo.ensemble(ball, starts, times=[0, 1], outputs=("phi",))
+        assert found.interrupted and not found.errors and found.finished.tolist() == done
 
 
 def test_a_motion_that_leads_nowhere_does_not_keep_the_others_waiting() -> None:

@@ -162,6 +162,16 @@ def test_small_divisors_ask_for_more_bits() -> None:
     assert abs(run.states[-1, 0] - exact) < mpmath.mpf(10) ** -29
 
 
+def test_large_factors_ask_for_more_bits() -> None:
+    # exp(-500 a) has no digit among those of the tolerance, and cosh(500 a) would make one of it
+    run = digits.digits(_problem(2 * a * se.exp(-500 * a) * se.cosh(500 * a), 1e-25))(
+        np.array([0.0, 0.25])
+    )
+    with mpmath.workdps(25):
+        exact = mpmath.mpf(7) / 10 * mpmath.exp(0.25)  # a' = a, but for exp(-1000 a)
+    assert abs(run.states[-1, 0] - exact) < mpmath.mpf(10) ** -24
+
+
 def test_auto_says_what_it_chose_and_why(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("heyoka")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
 from queue import SimpleQueue
@@ -179,16 +179,15 @@ def ensemble(
     try:
         motions = many(equations, chosen_scene, single, columns, wanted, begin)
         switched, lanes, carrier, reason = _carriers(driven, motions, method, tol, grid)
+        finest = tol if lanes else max(tol, FINEST)
+        filled = _ResultRows.empty(motions, tuple(wanted), grid, switched, finest, carrier)
     except KeyboardInterrupt:
         return _empty_ensemble(own, tuple(wanted), grid, len(single), tol, perf_counter() - began)
     ready = perf_counter()
-    finest = tol if lanes else max(tol, FINEST)
-    filled = _ResultRows.empty(motions, tuple(wanted), grid, switched, finest, carrier)
     alone = _Alone(driven, inputs, single, chosen_scene, keys, method, tol, progress)
     interrupted = driven.changing is None and _run(filled, lanes, tol, jobs, progress)
-    if not interrupted:
-        interrupted = filled.go_on_alone(alone)
-    if not motions.sound and not filled.alone:
+    interrupted = filled.leave(motions.wrong) if interrupted else filled.go_on_alone(alone)
+    if not (motions.sound or filled.alone or interrupted):
         raise motions.wrong[0]
     steps = sum(filled.steps) + sum(cost.steps for cost in filled.alone)
     none_else = filled.alone and (driven.changing or not motions.sound)
@@ -341,6 +340,7 @@ class _ResultRows:
         """
         motions, changing = self.motions, alone.driven.changing is not None
         which = range(len(motions)) if changing else sorted({*self.errors, *self.collapsed})
+        count = 0
         try:
             for count, i in enumerate(which):
                 if i in self.errors and i not in motions.wrong and not motions.may_go_on:
@@ -354,12 +354,19 @@ class _ResultRows:
                 else:
                     self.replaces(i, run)
                     if run.interrupted:
-                        return True
+                        return self.leave(which[count:])
                 if changing and alone.progress is not None:
                     alone.progress((count + 1) / len(which))
         except KeyboardInterrupt:
-            return True
+            return self.leave(which[count:])
         return False
+
+    def leave(self, which: Iterable[int]) -> bool:
+        """Stopped by hand: starts that were to go alone, and did not, have done nothing wrong."""
+        for i in which:
+            if i in self.motions.wrong:
+                self.errors.pop(i, None)
+        return True
 
     def fails(self, i: int, error: VoronecError) -> None:
         """A motion that fails alone too: its first error stays, if it had one."""

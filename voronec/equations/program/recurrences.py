@@ -55,6 +55,7 @@ class Coefficients:
     first: list[str] = field(default_factory=list)
     later: list[str] = field(default_factory=list)
     divisors: list[str] = field(default_factory=list)
+    factors: dict[tuple[str, str], None] = field(default_factory=dict)
     helpers: dict[tuple[str, str], str] = field(default_factory=dict)
     count: int = 0
 
@@ -120,6 +121,7 @@ class Coefficients:
         a, b = sorted((a, b))
         name = self.helpers.get((a, b))
         if name is None:
+            self.factors[a, b] = None
             first = f"{a}[0]*{b}[0] >> P"
             if a == b:
                 r = self.reverse(a)
@@ -350,8 +352,11 @@ class Coefficients:
         rows += [f"        {line}" for line in self.later]
         rows += [f"        r{i} = {later}" for i, (_, later) in enumerate(results)]
         least = ", ".join(["ONE", *(f"abs({d})" for d in dict.fromkeys(self.divisors))])
+        pairs = ", ".join(f"({a}[0], {b}[0])" for a, b in self.factors if a != b)
         states = ", ".join(f"y{i}" for i in range(n))
-        return "\n".join([*rows, f"    return [{states}], min({least}, ONE)", ""])
+        return "\n".join(
+            [*rows, f"    return [{states}], min({least}, ONE), magnification([{pairs}])", ""]
+        )
 
 
 def _total(terms: Sequence[str]) -> str:
@@ -374,9 +379,9 @@ def _slope(kind: type, x: Any) -> Any | None:
     return rule(x) if rule else None
 
 
-Expansion = Callable[[Sequence[int], int, int, int], tuple[list[list[int]], int]]
-"""``f(state, t, h, order)``: rows of c_k h^k, k = 0 .. order, for every variable of the state, and
-the least absolute value of what was divided by."""
+Expansion = Callable[[Sequence[int], int, int, int], tuple[list[list[int]], int, int]]
+"""``f(state, t, h, order)``: rows of c_k h^k, k = 0 .. order, for every variable of the state, the
+least absolute value of what was divided by, and the bits before the point of the largest factor."""
 
 
 @dataclass(frozen=True)
@@ -402,6 +407,7 @@ class Recurrences:
         functions: dict[str, Any] = {"mul": mul, "isqrt": isqrt, "apply": _ball_function(bits)}
         functions["power"] = _power_function(bits)
         functions["tangent"] = _tangent(bits)
+        functions["magnification"] = partial(_magnification, bits)
         functions["composed"] = partial(_Composition, bits)
         functions["length"] = _Length
         names = {"P": bits, "ONE": 1 << bits, **functions, **known}
@@ -518,6 +524,13 @@ class _Length:
     def least(self) -> int:
         """What is divided by; zero where nothing is."""
         return self.found[self.zeros] if self.zeros < len(self.found) else 0
+
+
+def _magnification(bits: int, pairs: Sequence[tuple[int, int]]) -> int:
+    """Bits before the point of the largest number that multiplies one below 1, whose last digits
+    it makes so much larger."""
+    mixed = (max(abs(a), abs(b)) for a, b in pairs if min(abs(a), abs(b)) >> bits == 0)
+    return max(0, max(mixed, default=0).bit_length() - bits)
 
 
 def _power_function(bits: int) -> Callable[[int, int, int], int]:

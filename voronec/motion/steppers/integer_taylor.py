@@ -25,7 +25,7 @@ __all__ = ["GUARD", "DigitsWalker", "digit_levels", "digits", "units_of"]
 GUARD = 64
 """Bits beyond those of the tolerance."""
 NARROW = 24
-"""A divisor that costs more bits than this asks for as many more."""
+"""A divisor or a factor that costs more bits than this asks for as many more."""
 WIDEST = 4096
 """More guard bits than these are not asked for."""
 ORDER = 0.6
@@ -205,13 +205,13 @@ class DigitsWalker:
         )  # fmt: skip
 
     def expand_step(self, step: int) -> list[list[int]]:
-        """The coefficients; with more bits, where a small divisor has eaten them."""
+        """The coefficients; with more bits, where a small divisor or a large factor ate them."""
         try:
-            rows, least = self.expand(self.state, self.time, step, self.order)
+            rows, least, grown = self.expand(self.state, self.time, step, self.order)
         except (ValueError, ZeroDivisionError, OverflowError):
             raise IntegratorFailure(INFINITE) from None
         self.evaluations += 1
-        eaten = 2 * (self.bits - least.bit_length())
+        eaten = max(2 * (self.bits - least.bit_length()), grown)
         if eaten <= NARROW + self.wider or self.wider >= WIDEST:
             return rows
         more = eaten - self.wider
@@ -242,7 +242,7 @@ class DigitsWalker:
         """log2 of by how much the slope of a series misses the right side at the end of a part."""
         state, bits, step = polynomial.state(part), self.bits, polynomial.step
         try:
-            right, _ = self.expand(state, polynomial.start + (step * part >> bits), step, 1)
+            right, *_ = self.expand(state, polynomial.start + (step * part >> bits), step, 1)
         except (ValueError, ZeroDivisionError, OverflowError):
             return inf
         slopes = polynomial.slopes(part)
