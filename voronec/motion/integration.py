@@ -34,7 +34,7 @@ from voronec.motion.atlas import kept_charts
 from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import Divisor, NearDivisor, guard_events, without_guards
 from voronec.motion.inputs import drive
-from voronec.motion.methods import CLOSED_FORM, METHODS, is_exact
+from voronec.motion.methods import CLOSED_FORM, METHODS, choose_regular, is_exact
 from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
 from voronec.motion.motion_start import Outset, WideStart
 from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
@@ -375,12 +375,11 @@ class _Job:
         state, values = made.place(outset.state, outset.constants, time)
         equations = self.vocabulary.equations
         probe = made.probe(equations.system.name, values, time, outset.changing)
-        charted = not made.is_rough and self._is_charted(method)
-        guard = self._guard(method, charted)
-        outputs = made.watch.outputs
-        poles = PoleNotes.of(equations, made.program.state, outputs, charted, guard)
-        problem = poles.watch(self._problem(state, values, probe), made.form, made.event_functions)
-        functions = {**made.event_functions, **poles.levels}
+        guard, notes = self._pole_watch(method)
+        problem, functions = self._problem(state, values, probe), made.event_functions
+        if notes is not None:
+            problem = notes.watch(problem, made.form, functions)
+            functions = {**functions, **notes.levels}
         switched = self._switching_stepper(method, problem, functions, guard, ())
         if switched is None and made.is_rough and equations.system.charts:
             guard = None
@@ -402,7 +401,8 @@ class _Job:
         else:
             stepper, chosen = self._smooth(method, problem, functions, guard, watched)
         ready, busy = perf_counter(), process_time()
-        run = poles.with_notes(stepper(self.grid))
+        run = stepper(self.grid)
+        run = run if notes is None else notes.with_notes(run)
         if watched:
             run = without_guards(run, watched, self.vocabulary)
         run = run if guard is None else guard.without_poles(run)
@@ -530,12 +530,9 @@ class _Job:
         """The integrator of a problem that is smooth, and what ``Cost`` says of it."""
         problem, functions = self._under_watch(problem, functions, guard, watched)
         equations, form = self.vocabulary.equations, self.made.form
+        if not equations.system.charts:
+            return choose_regular(method, problem, self.grid)
         return through_charts(method, problem, self.grid, equations, functions, form)
-
-    def _is_charted(self, method: str) -> bool:
-        """Whether charts that the system declares lead on at their poles."""
-        equations, exact = self.vocabulary.equations, is_exact(method, self.tol)
-        return not exact and bool(kept_charts(equations, self.made.form))
 
     def _watch_divisors(self, state: np.ndarray, values: Sequence[Any]) -> tuple[Divisor, ...]:
         """The divisors to watch; ``NearDivisor`` where one is near zero at the start."""
@@ -550,6 +547,18 @@ class _Job:
             raise NearDivisor(self.vocabulary)
         return tuple(found)
 
+    def _pole_watch(self, method: str) -> tuple[PoleGuard | None, PoleNotes | None]:
+        """What stops a run at poles of coordinates, and what looks for those that it passes."""
+        made, equations = self.made, self.vocabulary.equations
+        charts = equations.system.charts
+        if not charts and not equations.memo.once("triples", lambda: euler_angles(equations)):
+            return None, None
+        alone = made.is_rough or is_exact(method, self.tol)
+        charted = not alone and bool(kept_charts(equations, made.form))
+        guard = self._guard(method, charted)
+        outputs = made.watch.outputs
+        return guard, PoleNotes.of(equations, made.program.state, outputs, charted, guard)
+
     def _guard(self, method: str, charted: bool) -> PoleGuard | None:
         """What watches the poles of coordinates, where the model is singular there and no chart
         leads on."""
@@ -561,9 +570,8 @@ class _Job:
         angles_of = euler_angles if rough else angles_without_chart
         poles = CoordinatePole.of_attitudes(angles_of(equations))
         if self.made.model is not None and not (rough or charted or is_exact(method, self.tol)):
-            poles += CoordinatePole.of_charts(
-                equations
-            )  # the equations on the coordinates have charts
+            # the equations on the coordinates have charts
+            poles += CoordinatePole.of_charts(equations)
         if not poles:
             return None
         return PoleGuard.of(

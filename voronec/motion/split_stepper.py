@@ -305,9 +305,8 @@ class SplitRun:
     def _pole_notes(self, split: SplitModel) -> PoleNotes:
         """What looks for poles at which a split is regular, unless a chart's stepper does."""
         equations, form = split.equations, split.bounded_form
-        charted = (
-            not self.exact and not split.program.is_rough and bool(kept_charts(equations, form))
-        )
+        alone = self.exact or split.program.is_rough
+        charted = not alone and bool(kept_charts(equations, form))
         return PoleNotes.of(equations, split.program.state, self.watch.outputs, charted)
 
     def probe(self, split: SplitModel, time: float, values: Sequence[Any]) -> StateProbe:
