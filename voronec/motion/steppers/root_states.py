@@ -5,8 +5,8 @@ variable s in which the time goes by as t' = q r^(q - 1), everything has one,
 
     x' = q r^(q - 1) f(x, r),    r' = dg/dt(x, r),
 
-and r passes zero at the pace of g: in the time the motion is a series in powers of 1/q [Puiseux1850].
-Steps are taken in s, end where r vanishes, and are looked at in the time.
+and r passes zero at the pace of g: in the time the motion is a series in powers of 1/q
+[Puiseux1850].  Steps are taken in s, end where r vanishes, and are looked at in the time.
 """
 
 from __future__ import annotations
