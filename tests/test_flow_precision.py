@@ -234,3 +234,16 @@ def test_a_step_from_a_special_state_on_the_way_is_not_too_long(dense: bool) -> 
     truth = vo.integrate(system, method="flint", tol=1e-25, **run)
     assert motion["x"] == pytest.approx(truth["x"].astype(float), abs=1e-12)
     assert len(motion.events["x"].t) <= 1
+
+
+def test_one_step_that_is_made_short_does_not_end_a_run() -> None:
+    """A disc with hardly any spin turns over at its flattest point within 1e-8: a step to there was
+    too long, and the one in its place was measured as if it were two hundred."""
+    pytest.importorskip("heyoka")
+    disc, start = vo.load("falling-disc"), {"theta": 0.3, "s": 1e-8, "p": 0.5}
+    fine, usual = (
+        vo.integrate(disc, initial=start, times=[0, 2.8], outputs=("theta",), tol=tol)
+        for tol in (1e-16, 1e-13)
+    )
+    assert fine.cost.method == "heyoka"
+    assert fine["theta"][-1] == pytest.approx(usual["theta"][-1], abs=1e-6)

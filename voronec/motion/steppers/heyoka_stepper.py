@@ -470,7 +470,7 @@ class _Drive:
         # heyoka does not count steps of length zero among those that it took
         limited = outcome == self.hy.taylor_outcome.step_limit
         reason = self.headway.distance(self.efforts, self.integrator.time)
-        if not reason and limited and moved <= CRAWL * size / CHUNK * self.span:
+        if not reason and limited and moved <= CRAWL * max(taken, 1) / CHUNK * self.span:
             reason = self.headway.reason(moved / max(taken, 1))
         if reason:
             return self.halt(reason)
