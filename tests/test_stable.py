@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import shutil
+from random import Random
 
 import mpmath as mp
 import numpy as np
 import pytest
+import symengine as se
 import sympy as sp
 from test_program import c_function
 
@@ -253,3 +255,36 @@ def test_a_sum_keeps_a_term_that_another_becomes():
     )
     assert float(both.subs({door.inward(x): 1}).n(53)) == pytest.approx(2 * (1 - np.cos(1)))
     assert float(apart.subs({door.inward(x): 1e-5}).n(53)) == pytest.approx(1.5e-10, rel=1e-9)
+
+
+def random_sum(dice, depth=1):
+    """A sum of products of what is written otherwise, with what it would cancel against."""
+    a, b, c = (se.Symbol(name) for name in "xyc")
+    w = dice.choice([a, 2 * a, a / 2, a * b, a**2])
+    known = [
+        se.cos(w), se.cosh(w), se.exp(w), se.exp(-w), se.sin(w), se.sinh(w), se.tanh(w), se.tan(w),
+        se.sqrt(1 + w**2), se.sqrt(4 + w**2), se.log(1 + w**2), se.sin(w / 2) ** 2, w * se.sin(w),
+        w * se.cos(w), w * se.exp(w), w * se.cosh(w), se.atan(w), w, 1 / (1 + se.exp(w)),
+    ]  # fmt: skip
+    factor = dice.choice([1, -1, 2, -2, c, -c, b, 2 * c, c * a, 1 / a, 1 / a**2])
+    if depth and dice.random() < 0.35:
+        return factor * random_sum(dice, depth - 1)
+    terms = [factor * dice.choice([1, dice.choice(known)]) for _ in range(dice.randint(2, 4))]
+    return se.Add(*terms, dice.choice([0, -factor, factor]))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_sum_beside_what_it_becomes_keeps_its_value(seed):
+    """What is written otherwise may stand in the sum as well: then one was lost."""
+    dice = Random(seed)
+    place = {"x": sp.Rational(7312, 10000), "y": sp.Rational(3, 7), "c": sp.Rational(13, 11)}
+
+    def value(expr):
+        return sp.N(sp.sympify(elementary(expr)).subs(place), 30)
+
+    for _ in range(60):
+        given = random_sum(dice)
+        given = given.diff(se.Symbol("x")) if dice.random() < 0.3 else given
+        (written,) = stable_all([given])
+        both = given.expand() + dice.choice([1, 2, -2]) * written
+        assert abs(value(stable_all([both])[0]) - value(both)) < 1e-20 * (1 + abs(value(both)))

@@ -198,16 +198,17 @@ def _with_slopes(total: Any) -> Any:
         found = _exponential_slope([part for term in total.args for part in _spread(term)])
     if found is not None:
         return found
-    left = dict.fromkeys(total.args)
+    left, written = [*total.args], list[Any]()
     for term in total.args:
         for function, (partner, slope) in _slopes_in(term).items():
             rest = term / function
             other = -rest * partner
             if term in left and other in left and term != other:
-                del left[term], left[other]
-                left[rest * slope] = None
+                left.remove(term)
+                left.remove(other)
+                written.append(rest * slope)
                 break
-    return se.Add(*left) if len(left) < len(total.args) else total
+    return se.Add(*left, *written) if written else total
 
 
 def _is_spread(term: Any) -> bool:
