@@ -267,9 +267,8 @@ def _less_one(total: Any) -> Any:
 
 def _is_near(number: Any, other: Any) -> bool:
     """Whether a term is another, or a number so near to it that their difference cancels."""
-    if number == other or not (number.is_Number and other.is_Number):
-        return bool(number == other)
-    return bool(abs(number - other) < NEARBY * abs(other))
+    numbers = number.is_Number and other.is_Number
+    return bool(number == other or (numbers and abs(number - other) < NEARBY * abs(other)))
 
 
 def _from_zero(factor: Any) -> tuple[Any, Any] | None:

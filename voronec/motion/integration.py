@@ -380,14 +380,17 @@ class _Job:
         if notes is not None:
             problem = notes.watch(problem, made.form, functions)
             functions = {**functions, **notes.levels}
-        switched = self._switching_stepper(method, problem, functions, guard, ())
+        seen = self._under_watch(problem, functions, guard, ())
+        switched = self._switching_stepper(method, *seen)
         if switched is None and made.is_rough and equations.system.charts:
             guard = None
         if guard is not None:
             guard.check(state, values, time)
         watched = self._watch_divisors(state, values)
+        if switched is None or watched:
+            seen = self._under_watch(problem, functions, guard, watched)
         if switched is not None and watched:
-            switched = self._switching_stepper(method, problem, functions, guard, watched)
+            switched = self._switching_stepper(method, *seen)
         if switched is not None and switched.corner is not None:
             corner = switched.corner
             probe = replace(
@@ -399,7 +402,7 @@ class _Job:
         if switched is not None:
             stepper, chosen = switched.stepper, switched.chosen
         else:
-            stepper, chosen = self._smooth(method, problem, functions, guard, watched)
+            stepper, chosen = self._smooth(method, *seen)
         ready, busy = perf_counter(), process_time()
         run = stepper(self.grid)
         run = run if notes is None else notes.with_notes(run)
@@ -445,15 +448,9 @@ class _Job:
         )  # fmt: skip
 
     def _switching_stepper(
-        self,
-        method: str,
-        problem: Problem,
-        functions: Mapping[str, Any],
-        guard: PoleGuard | None,
-        watched: Sequence[Divisor],
+        self, method: str, problem: Problem, functions: Mapping[str, Any]
     ) -> SwitchedIntegrator | None:
         """The integrator of a problem that is not smooth, watched; None where it is smooth."""
-        problem, functions = self._under_watch(problem, functions, guard, watched)
         if not problem.is_rough:
             return None
         return through_walls(method, problem, self.grid, self.made.moving_form, functions)
@@ -520,15 +517,9 @@ class _Job:
         return breach, notes
 
     def _smooth(
-        self,
-        method: str,
-        problem: Problem,
-        functions: Mapping[str, Any],
-        guard: PoleGuard | None,
-        watched: Sequence[Divisor],
+        self, method: str, problem: Problem, functions: Mapping[str, Any]
     ) -> tuple[Stepper, dict[str, Any]]:
-        """The integrator of a problem that is smooth, and what ``Cost`` says of it."""
-        problem, functions = self._under_watch(problem, functions, guard, watched)
+        """The integrator of a problem that is smooth, watched, and what ``Cost`` says of it."""
         equations, form = self.vocabulary.equations, self.made.form
         if not equations.system.charts:
             return choose_regular(method, problem, self.grid)
@@ -551,7 +542,7 @@ class _Job:
         """What stops a run at poles of coordinates, and what looks for those that it passes."""
         made, equations = self.made, self.vocabulary.equations
         charts = equations.system.charts
-        if not charts and not equations.memo.once("triples", lambda: euler_angles(equations)):
+        if not (charts or euler_angles(equations)):
             return None, None
         alone = made.is_rough or is_exact(method, self.tol)
         charted = not alone and bool(kept_charts(equations, made.form))

@@ -56,12 +56,8 @@ PASSAGE = "a pole of the coordinates is passed"
 BEYOND = f"the motion comes within {float(LAST):g} of a pole of its angles, where no chart leads on"
 LARGE = 1e12
 """Rates beyond this, for a state of ordinary size, are a division by zero."""
-
-
 POLE = 1e-6
 """At a pole of angles sines, and parts of unit vectors that vanish there, are below this."""
-
-
 FINE = se.Rational(1, 10**5)
 """Nearer to poles beyond which declared charts lead, angles that are carried along on invariants
 lose more than 1e-11 by rounding, the inverse of this times that of doubles."""
@@ -84,15 +80,19 @@ class CoordinatePole(NamedTuple):
     @classmethod
     def of_charts(cls, equations: VoronecEquations) -> tuple[CoordinatePole, ...]:
         """Those at which a declared chart of the system begins, for models without charts."""
-        charts = equations.system.charts.values()
-        found = {f for c in charts for f in factors_of(equations.door.inward(c.singular))}
-        return tuple(
-            cls(angle, value, factor, FINE)
-            for factor in sorted(found, key=str)
-            for angle in (factor.free_symbols if len(factor.free_symbols) == 1 else ())
-            for value in (0.0, np.pi / 2)
-            if abs(float(factor.subs({angle: value}))) < POLE
-        )
+
+        def make() -> tuple[CoordinatePole, ...]:
+            charts = equations.system.charts.values()
+            found = {f for c in charts for f in factors_of(equations.door.inward(c.singular))}
+            return tuple(
+                cls(angle, value, factor, FINE)
+                for factor in sorted(found, key=str)
+                for angle in (factor.free_symbols if len(factor.free_symbols) == 1 else ())
+                for value in (0.0, np.pi / 2)
+                if abs(float(factor.subs({angle: value}))) < POLE
+            )
+
+        return equations.memo.once("poles of charts", make)
 
     @classmethod
     def of_attitudes(cls, triples: Iterable[EulerAngles]) -> tuple[CoordinatePole, ...]:

@@ -486,8 +486,8 @@ def _evaluator(form: Any) -> Any:
     """Rates, mass matrix and force of a form as a function of arrays; None where there is none."""
     flat = [*form.rates, *(e for row in form.mass for e in row), *form.force]
     # counted one by one: where the first are long enough, the rest would take milliseconds
-    is_long = any(count > LONG for count in accumulate(map(se.count_ops, flat)))
-    if form.stages or not flat or is_long:
+    counts = accumulate(map(se.count_ops, flat))
+    if form.stages or not flat or any(count > LONG for count in counts):
         return None  # the form of a large system is the one that was integrated
     inputs = [form.time, *form.coordinates, *form.velocities, *form.parameters]
     try:

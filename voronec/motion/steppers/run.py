@@ -599,13 +599,12 @@ def _run_in_pieces(
 def _stand(problem: Problem, state: np.ndarray, times: Sequence[Any]) -> Run:
     """The run between two neighbours among the doubles, where a function of Python's jumps: no step
     is shorter, and those at the jump itself would be."""
-    rows = np.repeat(state[None, :], len(times), axis=0)
-    nothing = crossing_arrays({}, problem.events, len(state), rows.dtype)
 
-    def inside(moments: np.ndarray) -> np.ndarray:
+    def inside(moments: Sequence[Any] | np.ndarray) -> np.ndarray:
         return np.repeat(state[None, :], len(moments), axis=0)
 
-    return Run(np.array(times), rows, 0, 0, nothing, inside=inside)
+    nothing = crossing_arrays({}, problem.events, len(state), state.dtype)
+    return Run(np.array(times), inside(times), 0, 0, nothing, inside=inside)
 
 
 def _without_crossings(part: Run, instant: float, near: float) -> Run:
