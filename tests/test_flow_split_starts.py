@@ -39,6 +39,26 @@ def test_a_start_where_the_velocities_are_no_frame() -> None:
         vo.integrate(ball, times=times, initial={**equator, "omega1": 0.5})
 
 
+@pytest.mark.parametrize("away", [1e-7, 5e-9, 1e-12])
+def test_velocities_beside_a_place_where_they_are_no_frame_determine_the_motion(
+    away: float,
+) -> None:
+    """They were refused up to 1e-6 of it.  A digit of omega is one of omega3 gamma3."""
+    for name in ("rubber-ball-on-plane", "gyroscopic-rubber-ball-on-plane"):
+        place = {"u": np.pi / 2 + away, "v": 0.5}
+        rates = {"udot": 0.5, "vdot": 0.25}
+        given = {"outputs": (*rates, "omega1", "omega2"), "method": "scipy", "times": [0.0, 0.25]}
+        first = vo.integrate(vo.load(name), initial={**place, **rates}, **given)
+        own = {k: float(first[k][0]) for k in ("omega1", "omega2")}
+        run = vo.integrate(vo.load(name), initial={**place, **own}, **given)
+        assert all(np.abs(run[k] - first[k]).max() < 1e-15 / away for k in rates)
+        sharp = vo.integrate(vo.load(name), initial={**place, **own}, **{**given, "tol": 1e-20,
+                             "method": "auto"})  # fmt: skip
+        assert all(np.abs(sharp[k].astype(float) - run[k]).max() < 1e-9 for k in rates)
+        with pytest.raises(vo.DefinitionError, match=r"almost no frame .* ask for"):
+            vo.integrate(vo.load(name), initial={**place, "omega1": 0.5}, **given)
+
+
 def test_one_instant_where_the_velocities_are_no_frame_is_the_start() -> None:
     start = {"u": sp.pi / 2, "v": 0.5, "udot": 0.5, "vdot": 0.25}
     for options in ({}, {"method": "scipy"}, {"tol": 1e-25}, {"dense": True}):

@@ -15,9 +15,9 @@ A parameter that is zero may leave a velocity without inertia, whose acceleratio
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NoReturn
 
 import mpmath
 import numpy as np
@@ -294,7 +294,10 @@ class WideStart:
         earlier = {**{k: x for k, x in own.items() if k not in later}, **earlier}
         found = _Conditions.at(ground, q)
         found.require_motion(ground, q)
-        w = found.solve(later, earlier)
+        if found.is_open(later, earlier):
+            w = _sharp_velocities(vocabulary, ground, given, q, later, earlier)
+        else:
+            w = found.solve(later, earlier)
         missed = [k for k, x in later.items() if not found.holds(k, x, w)]
         if missed and not project and found.blind.shape[1] and missed[0] in own:
             if framed is not None:
@@ -335,16 +338,59 @@ class WideStart:
     def exact(self, bits: int) -> tuple[np.ndarray, Mapping[str, Any]]:
         """The same, and the parameters by name, as mpmath's numbers."""
         with mpmath.workprec(bits):
-            ground, vocabulary = self.ground, self.vocabulary
-            constants = {name: mpmath.mpf(x) for name, x in ground.constants.items()}
-            constants |= _exact_constants(vocabulary, self.given, bits)
-            all_given = {**self.given.scene_initial, **self.given.initial}
-            given = _exact_values(vocabulary, all_given, constants, bits)
-            names = [plain_name(x) for x in ground.home.system.coordinates]
-            q = [given.get(name, mpmath.mpf(0)) for name in names]
-            w = [mpmath.mpf(float(x)) for x in self.wide[len(names) :]]
-            found = _Conditions.at(ground, np.array(q, dtype=object), constants)
+            constants, given, q = _exact_place(self.vocabulary, self.ground, self.given, bits)
+            w = [mpmath.mpf(float(x)) for x in self.wide[len(q) :]]
+            found = _Conditions.at(self.ground, q, constants)
             return np.array([*q, *found.refine(w, self.targets, given)], dtype=object), constants
+
+
+def _exact_place(
+    vocabulary: Vocabulary, ground: SplitGround, given: StartData, bits: int
+) -> tuple[dict[str, Any], dict[str, Any], np.ndarray]:
+    """The parameters and all that is given by name, and the coordinates, as mpmath's numbers."""
+    constants = {name: mpmath.mpf(x) for name, x in ground.constants.items()}
+    constants |= _exact_constants(vocabulary, given, bits)
+    values = _exact_values(
+        vocabulary, {**given.scene_initial, **given.initial}, constants, bits
+    )  # fmt: skip
+    names = [plain_name(x) for x in ground.home.system.coordinates]
+    q = np.array([values.get(name, mpmath.mpf(0)) for name in names], dtype=object)
+    return constants, values, q
+
+
+SHARP = 300
+"""Bits in which velocities are told near a place where they are no frame."""
+ULPS = 1e-15
+"""Nearer to such a place than this the doubles of the coordinates are rounding alone."""
+FAST = 1e3
+"""A start beside such a place that moves so much faster than what is given, or than one a unit of
+time, is a slip: velocities of a moderate motion, rounded elsewhere, ask for no such speed."""
+
+
+def _sharp_velocities(
+    vocabulary: Vocabulary,
+    ground: SplitGround,
+    given: StartData,
+    q: np.ndarray,
+    later: Mapping[str, float],
+    earlier: Mapping[str, float],
+) -> np.ndarray:
+    """The w that meet the constraints and what is given, ``later`` before ``earlier``, in so many
+    digits that velocities beside a place where they are no frame determine it."""
+    with mpmath.workprec(SHARP):
+        constants, values, place = _exact_place(vocabulary, ground, given, SHARP)
+        if np.abs(place.astype(float) - q).max(initial=0.0) > ULPS * (1 + np.abs(q).max()):
+            place = np.array([mpmath.mpf(x) for x in q], dtype=object)  # moved on request
+        found = _Conditions.at(ground, place, constants)
+        w = found.sharp([*later, *earlier], values)
+    most = int(np.argmax(np.abs(w)))
+    if abs(w[most]) > FAST * max(1.0, *(abs(x) for x in [*later.values(), *earlier.values()])):
+        raise DefinitionError(
+            f"system '{found.system.name}': the velocities {', '.join(found.own)} are almost no "
+            f"frame at the initial point, where those given ask for '{found.dots[most]}' = "
+            f"{w[most]:.3g}; give '{found.dots[most]}', or start farther from that point"
+        )
+    return w
 
 
 def _least_squares(
@@ -419,21 +465,46 @@ class _Conditions:
         found[self.dots.index(name)] = 1.0
         return found
 
+    def is_open(self, *given: Mapping[str, float]) -> bool:
+        """Whether the constraints and what is given leave a motion open, as doubles tell."""
+        rows = np.vstack([self.conditions, *(self.row(k)[None, :] for part in given for k in part)])
+        ways = open_beyond(rows[:, :-1].astype(float), self.blind)
+        return bool(np.abs(ways).max(initial=0.0) > POLE)
+
     def solve(self, given: Mapping[str, float], otherwise: Mapping[str, float]) -> np.ndarray:
         """The w that meet the constraints and what is given, and, as far as these leave it open,
         the rest."""
         left, right = self._pose(self.conditions, given)
-        further, wanted = self._pose(self.conditions[:0], otherwise)
-        ways = open_beyond(np.vstack([left, further]), self.blind)
-        if np.abs(ways).max(initial=0.0) > POLE:
-            free = self.dots[int(np.argmax(np.abs(ways).max(axis=1)))]
-            others = "the group" if self.system.on_group else "coordinates"
-            raise DefinitionError(
-                f"system '{self.system.name}': the velocities {', '.join(self.own)} are no frame "
-                "at the initial point, and do not determine the motion; give velocities of "
-                f"{others}, such as '{free}'"
-            )
-        return _least_squares(left, right, further, wanted)
+        return _least_squares(left, right, *self._pose(self.conditions[:0], otherwise))
+
+    def sharp(self, names: Sequence[str], given: Mapping[str, Any]) -> np.ndarray:
+        """The same for conditions of mpmath's numbers, the first ``names`` before others, where
+        rows may be dependent but for a hair; velocities that are not given are zero."""
+        rows = np.vstack([self.conditions, *(self.row(k)[None, :] for k in names)])
+        values = [0] * len(self.conditions) + [given.get(k, 0) for k in names]
+        right = np.array(values, dtype=object) - rows[:, -1]
+        basis, found = self.blind.T.astype(object), np.zeros(len(self.dots), dtype=object)
+        for row, wanted in zip(rows[:, :-1], right, strict=True):
+            new = row - basis.T.dot(basis.dot(row))
+            new = new - basis.T.dot(basis.dot(new))  # once more: the first leaves rounding
+            size = mpmath.sqrt(new.dot(new))
+            if size > ULPS * mpmath.sqrt(row.dot(row)):
+                found = found + new * ((wanted - row.dot(found)) / size**2)
+                basis = np.vstack([basis, new / size])
+        if len(basis) < len(self.dots):
+            self._refuse(basis)
+        return found.astype(float)
+
+    def _refuse(self, basis: np.ndarray) -> NoReturn:
+        """Say what such directions, which alone are known, leave open."""
+        known = basis.astype(float)
+        lost = 1.0 - (known**2).sum(axis=0)
+        others = "the group" if self.system.on_group else "coordinates"
+        raise DefinitionError(
+            f"system '{self.system.name}': the velocities {', '.join(self.own)} are no frame "
+            "at the initial point, and do not determine the motion; give velocities of "
+            f"{others}, such as '{self.dots[int(np.argmax(lost))]}'"
+        )
 
     def nearest(self, given: Mapping[str, float]) -> np.ndarray:
         """The w on the constraints that come nearest to what is given, which contradicts them."""
