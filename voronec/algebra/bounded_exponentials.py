@@ -103,7 +103,7 @@ def _quotient(expr: Any) -> Any | None:
     unit = gcd(*(k - low for k in (*top, *bottom)))  # exp(w) may occur in whole powers alone
     degree = (high - low) // unit
     if degree > DEGREE:
-        bounded = _over_cosine(top, bottom, argument)
+        bounded = _over_two_ends(top, bottom, argument)
         return None if bounded is None else se.Mul(*bound_all_exponentials(rest), bounded)
     tangent = se.tanh(unit * argument / 2)
     numerator, denominator = (
@@ -113,15 +113,16 @@ def _quotient(expr: Any) -> Any | None:
     return se.Mul(*bound_all_exponentials(rest), numerator) / denominator
 
 
-def _over_cosine(top: _Laurent, bottom: _Laurent, argument: Any) -> Any | None:
-    """The quotient over c y^m (y^h + y^-h) = 2 c y^m cosh(h w), whatever h is; None over another.
+def _over_two_ends(top: _Laurent, bottom: _Laurent, argument: Any) -> Any | None:
+    """The quotient over c y^m (y^h +- y^-h) = 2 c y^m cosh(h w), or 2 c y^m sinh(h w), whatever h
+    is; None over another.
 
     With T = tanh(n w), S = tanh((h - n) w/2) and 0 <= n <= h, where T and S have the same sign,
 
         cosh(n w)/cosh(h w) = (1 - S^2)/(1 + S^2 + 2 T S),    sinh(n w) = T cosh(n w).
     """
     (low, c), (high, d) = min(bottom.items()), max(bottom.items())
-    if len(bottom) != 2 or c != d:
+    if len(bottom) != 2 or c not in (d, -d):
         return None
     half, argument = high - low, argument / 2
     terms = {2 * k - low - high: e for k, e in top.items()}
@@ -131,7 +132,7 @@ def _over_cosine(top: _Laurent, bottom: _Laurent, argument: Any) -> Any | None:
         up, down = (terms.get(k, se.Integer(0)) for k in (n, -n))
         both = (up + down if n else up) + (up - down) * t
         total += both * (1 - s**2) / (1 + s**2 + 2 * t * s)
-    return total / (2 * c)
+    return total / (2 * d) / (1 if c == d else se.tanh(half * argument))
 
 
 def _is_power(expr: Any) -> bool:

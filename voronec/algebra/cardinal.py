@@ -7,8 +7,8 @@ tan w = sin(w)/cos(w) are divided likewise, and so is tanh, which is even but fo
 
     tanh(w)/w = 2 exprel(-2|w|)/(1 + exp(-2|w|)).
 
-log(1 + w) and atan w are divided too, and all of them divide, as in w/sinh w.  What cancels in the
-slopes of such quotients is taken together:
+log(1 + w) and atan w are divided too, and all of them divide, as in w/sinh w and tanh(2 w)/tanh w.
+What cancels in the slopes of such quotients is taken together:
 
     cos(w)/w - sin(w)/w^2,    cosh(w)/w - sinh(w)/w^2,    exp(w)/w - (exp(w) - 1)/w^2,
     cot w - 1/w,              coth w - 1/w,             sin(w)/w^2 - 2 (1 - cos w)/w^3,
@@ -18,7 +18,7 @@ and so are the slopes of tan(w)/w, atan(w)/w and log(1 + w)/w.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import ceil, comb
 from typing import Any
 
@@ -128,14 +128,27 @@ _KINDS = (se.sin, se.cos, se.tan, se.sinh, se.cosh, se.tanh, se.coth, se.cot, se
 
 
 def _divides(product: Any) -> bool:
-    """Whether what vanishes with w divides a product that holds a power of w, as in w/sinh w."""
+    """Whether what vanishes with w divides a product that holds a power of w, as in w/sinh w, or
+    another function that vanishes with w, as in tanh(2 w)/tanh w."""
     powers = _factors(product)
     for base, exponent in powers.items():
         if isinstance(exponent, se.Integer) and exponent < 0:
             zero = _zero(base)
             if zero is not None and any(powers.get(u, 0) > 0 for u in _factors(zero[0])):
                 return True
-    return False
+    return _pair(powers) is not None
+
+
+def _pair(powers: Mapping[Any, Any]) -> tuple[Any, Any] | None:
+    """(f/g, the same divided at zero) of functions in a product that vanish with w and with r w."""
+    zeros = {b: z for b, e in powers.items() if isinstance(e, se.Integer) and (z := _zero(b))}
+    for f, (w, p, above) in zeros.items():
+        for g, (u, q, below) in zeros.items():
+            if powers[f] > 0 > powers[g]:
+                ratio = u / w if (u / w).is_Number else _ratio(u, w)
+                if ratio is not None:
+                    return f / g, above(w) * w ** (p - q) / below(ratio * w) / ratio**q
+    return None
 
 
 def _factors(expr: Any) -> dict[Any, Any]:
@@ -333,6 +346,8 @@ def _quotient(product: Any, spread: bool = True) -> Any:
             times = min(abs(int(exponent)), ceil(abs(e) / (order * held)))
             whole = value(argument) * argument**order / base
             return _quotient(product * (whole if exponent > 0 else 1 / whole) ** times, spread)
+    if (pair := _pair(powers)) is not None:
+        return _quotient(product / pair[0] * pair[1], spread)
     for base, exponent in powers.items() if spread else ():
         if isinstance(base, se.Add) and exponent == 1:
             vanish = _zeros(base) if below else set()

@@ -44,7 +44,7 @@ def shortest(
 def _shorter(before: Any, after: Any) -> Any:
     """An expression with exponentials as it was, where that is shorter: sums of quotients, brought
     over one denominator, lose the digits of what is small, and leave doubles."""
-    if not holds_exponentials(se.sympify(before)):
+    if not holds_exponentials(se.sympify(before), after):
         return after
     return before if se.count_ops(before) < se.count_ops(after) else after
 
