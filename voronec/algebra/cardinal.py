@@ -50,6 +50,8 @@ from voronec.algebra.terms import (
 __all__ = ["cardinal_all", "coefficient", "divides_sines_of_sums", "loses_quotients"]
 
 
+_Zero = tuple[Any, int, Callable[[Any], Any]]
+"""(w, p, c) of a function that is c(w) w^p."""
 SPREAD = 40
 """Sums of more terms are not spread out to look for what cancels."""
 
@@ -131,23 +133,27 @@ def _divides(product: Any) -> bool:
     """Whether what vanishes with w divides a product that holds a power of w, as in w/sinh w, or
     another function that vanishes with w, as in tanh(2 w)/tanh w."""
     powers = _factors(product)
-    for base, exponent in powers.items():
-        if isinstance(exponent, se.Integer) and exponent < 0:
-            zero = _zero(base)
-            if zero is not None and any(powers.get(u, 0) > 0 for u in _factors(zero[0])):
-                return True
-    return _pair(powers) is not None
+    below = _zeros_below(powers)
+    held = (any(powers.get(u, 0) > 0 for u in _factors(w)) for w, _, _ in below.values())
+    return any(held) or _pair(powers, below) is not None
 
 
-def _pair(powers: Mapping[Any, Any]) -> tuple[Any, Any] | None:
+def _zeros_below(powers: Mapping[Any, Any]) -> dict[Any, _Zero]:
+    """The divisors that vanish with some w, with what ``_zero`` says of them."""
+    divisors = (b for b, e in powers.items() if isinstance(e, se.Integer) and e < 0)
+    return {b: zero for b in divisors if (zero := _zero(b)) is not None}
+
+
+def _pair(powers: Mapping[Any, Any], below: Mapping[Any, _Zero]) -> tuple[Any, Any] | None:
     """(f/g, the same divided at zero) of functions in a product that vanish with w and with r w."""
-    zeros = {b: z for b, e in powers.items() if isinstance(e, se.Integer) and (z := _zero(b))}
-    for f, (w, p, above) in zeros.items():
-        for g, (u, q, below) in zeros.items():
-            if powers[f] > 0 > powers[g]:
+    for g, (u, q, under) in below.items():
+        for f, exponent in powers.items():
+            zero = _zero(f) if isinstance(exponent, se.Integer) and exponent > 0 else None
+            if zero is not None:
+                w, p, above = zero
                 ratio = u / w if (u / w).is_Number else _ratio(u, w)
                 if ratio is not None:
-                    return f / g, above(w) * w ** (p - q) / below(ratio * w) / ratio**q
+                    return f / g, above(w) * w ** (p - q) / under(ratio * w) / ratio**q
     return None
 
 
@@ -346,7 +352,7 @@ def _quotient(product: Any, spread: bool = True) -> Any:
             times = min(abs(int(exponent)), ceil(abs(e) / (order * held)))
             whole = value(argument) * argument**order / base
             return _quotient(product * (whole if exponent > 0 else 1 / whole) ** times, spread)
-    if (pair := _pair(powers)) is not None:
+    if (pair := _pair(powers, _zeros_below(powers))) is not None:
         return _quotient(product / pair[0] * pair[1], spread)
     for base, exponent in powers.items() if spread else ():
         if isinstance(base, se.Add) and exponent == 1:
@@ -383,7 +389,7 @@ def _distribute(above: Any, rest: Any, u: Any) -> Any | None:
     return se.Add(*clear) if clear and is_clear(clear[-1]) else None
 
 
-def _zero(factor: Any) -> tuple[Any, int, Callable[[Any], Any]] | None:
+def _zero(factor: Any) -> _Zero | None:
     """(w, p, c) with c(w) w^p equal to a factor that vanishes with w; None for any other."""
     if isinstance(factor, (se.sin, se.sinh)):
         name = SINC if isinstance(factor, se.sin) else SINHC
