@@ -113,3 +113,37 @@ def test_friction_in_other_units(name: str, method: str) -> None:
     # half a turn takes 2 * 3/10 from the amplitude: 2, -1.4, 0.8, -0.2, and there it rests
     assert abs(end(-x / time**2, 2, 20) + 0.2) < 1e-11
     assert end(unit * FRICTION * sp.sin(t / time), 0, 10) == 0
+
+
+y = sp.Symbol("y")
+
+
+def hopper(stiffness: int) -> vo.System:
+    """A body that bounces, while the ground, where it is touched, rubs; a spring holds it."""
+    load = 400 * sp.Max(-y, 0)
+    return vo.System(
+        name="hopper", fibration=vo.Fibration(base=(x, y)),
+        lagrangian=(SPEED**2 + vo.velocity(y) ** 2) / 2 - 10 * y - stiffness * x**2 / 2,
+        forces={y: load, x: -FRICTION * load * sp.sign(SPEED)},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_without_a_load_friction_decides_nothing(method: str) -> None:
+    """In the air at rest along the ground: the fields on both sides are one."""
+    run = vo.integrate(
+        hopper(0), initial={y: R(1, 2), SPEED: R(1, 8)}, times=[0, 0.2, 3], method=method
+    )
+    assert run["xdot"][1] == 0.125 and abs(run["xdot"][2]) < 1e-30 and run.cost.switches > 2
+
+
+def test_two_walls_beside_which_nothing_changes_are_not_both_left_out() -> None:
+    """A force where x and y are negative: from where both are positive neither alone matters."""
+    force = -sp.Piecewise((1, x < 0), (0, True)) * sp.Piecewise((1, y < 0), (0, True))
+    pair = vo.System(
+        name="pair", fibration=vo.Fibration(base=(x, y)),
+        lagrangian=(SPEED**2 + vo.velocity(y) ** 2) / 2, forces={x: force},
+    )  # fmt: skip
+    start = {x: R(1, 2), y: 1, SPEED: -1, vo.velocity(y): -1}
+    run = vo.integrate(pair, initial=start, times=[0, 3])
+    assert abs(run["x"][-1] - (0.5 - 3 - 2**2 / 2)) < 1e-12

@@ -7,9 +7,10 @@ that g stays zero, and of several walls with one such a for each, where the fiel
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
+from itertools import combinations
 from typing import Any
 
 import symengine as se
@@ -39,6 +40,9 @@ __all__ = ["Corner", "LevelSurface", "Modes", "is_length", "motion_along_surface
 
 STEEP = (se.log, se.asin, se.acos, se.acosh, se.atan2)
 """Functions whose slopes have no bound."""
+
+MOST_IDLE = 4
+"""So many walls are left out of a mode at most: all their sides are compared."""
 
 LONG = 2_000
 """Pushes of more operations, spelled out, are divided by as they are."""
@@ -147,15 +151,52 @@ class Modes:
             mass=tuple(tuple(self._entry_on_sides(e, change) for e in row) for row in form.mass),
         )
         functions = {name: change(e) for name, e in self.functions.items()}
+        idle = self._idle_walls(change, asked)
+        signs = {wall: side for wall, side in asked.items() if wall not in idle}
         floors = [self.floor(wall) for wall in change.walls if wall.whole]
         made = replace(made, parameters=(*form.parameters, *floors))
         exprs = made.expressions
         found = Corner(
-            made, Program.of(made), functions, asked, tuple(change.walls), rims(form, exprs),
+            made, Program.of(made), functions, signs,
+            tuple(wall for wall in change.walls if wall not in idle), rims(form, exprs),
             RootStates.of(made, change.radicands) if self.cusps else None,
         )  # fmt: skip
         self._corners.append(found)
         return found
+
+    def _idle_walls(self, change: Sides, asked: Mapping[Wall, int]) -> list[Wall]:
+        """The walls of signs on both sides of which everything is the same, as it is at that of
+        friction while there is no load: they hold nothing, and nothing is to be decided there."""
+        exprs = [*self.form.expressions, *self.functions.values()]
+        found = [change(se.sympify(e)) for e in exprs]
+        again = replace(change, walls={}, radicands={}, _known={})
+        for expr in found:
+            again(expr)  # what only keeps a step from going over it is met once more
+        idle: list[Wall] = []
+        loose = [w for w in asked if not (w.fixed or w in again.walls)]
+        for wall in loose if len(asked) > 1 else ():
+            turned = [{wall, *kept} for n in range(len(idle) + 1) for kept in combinations(idle, n)]
+            if len(idle) < MOST_IDLE and all(
+                self._is_same(exprs, found, change, asked, walls) for walls in turned
+            ):
+                idle.append(wall)
+        return idle
+
+    @staticmethod
+    def _is_same(
+        exprs: Sequence[Any], found: Sequence[Any], change: Sides, asked: Mapping[Wall, int],
+        walls: Set[Wall],
+    ) -> bool:  # fmt: skip
+        """Whether expressions are those ``found`` on the other side of some walls, too."""
+
+        def side(wall: Wall) -> int:
+            return -asked[wall] if wall in walls else asked[wall]
+
+        other = replace(change, side=side, walls={}, radicands={}, _known={})
+        try:
+            return all(other(se.sympify(e)) == f for e, f in zip(exprs, found, strict=True))
+        except KeyError:  # there are other walls there
+            return False
 
     def _entry_on_sides(self, expr: Any, change: Sides) -> Any:
         """An entry on the sides, without the factors that vanish on a wall both above and below."""
