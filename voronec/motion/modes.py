@@ -23,7 +23,7 @@ from voronec.algebra.signs import prove_inequality
 from voronec.algebra.stable import stable_all
 from voronec.equations.program import Block, Program
 from voronec.equations.program.python import compiled_digits
-from voronec.equations.program.straight import with_plain_roots, without_stages
+from voronec.equations.program.straight import prune, with_plain_roots, without_stages
 from voronec.equations.program.walls import (
     SATURATION,
     Sides,
@@ -336,7 +336,10 @@ def motion_along_surfaces(
     lines: list[tuple[Any, Any]] = []
     fields = [_relabel(c.program.derivative, k, lines) for k, c in enumerate(corners)]
     program, above = corners[0].program, fields[0]
-    halves = [[(a - b) / 2 for a, b in zip(above, other, strict=True)] for other in fields[1:]]
+    halves = [
+        [(a - b) / 2 if a != b else se.Integer(0) for a, b in zip(above, other, strict=True)]
+        for other in fields[1:]
+    ]
 
     def name(expr: Any) -> Any:
         if expr.is_Number or expr.is_Symbol:
@@ -364,7 +367,7 @@ def motion_along_surfaces(
         _hold(rates, slopes, [-s.function.diff(program.time) for s in surfaces])
     weights = tuple(1 + share for share in shares)
     returns = tuple(pushes[i][i] for i in range(len(surfaces)))
-    made = replace(program, derivative=Block(tuple(lines), tuple(rates)))
+    made = replace(program, derivative=prune(lines, rates))
     return made, Block(tuple(lines), (*weights, *returns))
 
 
@@ -413,11 +416,15 @@ def _hold(rates: list[Any], slopes: list[list[Any]], wanted: list[Any]) -> None:
 
 
 def _relabel(block: Block, k: int, lines: list[tuple[Any, Any]]) -> list[Any]:
-    """The results of a block whose lines are added under names of their own."""
+    """The results of a block whose lines are added under names of their own, but for those that
+    are there: what is the same on two sides is to vanish from their difference."""
     names: dict[Any, Any] = {}
+    known = {expr: name for name, expr in lines}
     for old, expr in block.assignments:
-        names[old] = se.Symbol(f"side {k} {old}")
-        lines.append((names[old], expr.xreplace({x: y for x, y in names.items() if x != old})))
+        moved = expr.xreplace({x: y for x, y in names.items() if x != old})
+        names[old] = known.get(moved, se.Symbol(f"side {k} {old}"))
+        if moved not in known:
+            lines.append((names[old], moved))
     return [se.sympify(r).xreplace(names) for r in block.results]
 
 
