@@ -175,6 +175,23 @@ def test_a_function_is_asked_only_where_the_run_comes():
     assert run.stopped and run.t[-1] < 4
 
 
+RATED = System(
+    name="rated", fibration=Fibration(x), lagrangian=DX**2 / 2, forces={x: velocity(tau)},
+    inputs=(tau,),
+)  # fmt: skip
+STEP = sp.Piecewise((0, time < 2), (time, True))
+
+
+def test_what_the_equations_hold_a_rate_of_may_have_corners_but_no_jumps():
+    """The rate of a step is an impact, and nothing beside it."""
+    for value in (sp.Abs(time - 2), "abs(t - 2)", sp.Max(2 - time, time - 2)):
+        run = vo.integrate(RATED, initial={x: 0}, times=[0, 5], inputs={tau: value})
+        assert abs(run["xdot"][-1] - 1) < 1e-12
+    for value in (STEP, sp.sign(time - 2), sp.floor(time)):
+        with pytest.raises(DefinitionError, match="a rate of 'tau', which jumps"):
+            vo.integrate(RATED, initial={x: 0}, times=[0, 5], inputs={tau: value})
+
+
 def test_an_input_in_a_force_may_hold_the_state():
     run = moved("-2*xdot")
     truth = np.exp(-np.array(TIMES)) * (1 + np.array(TIMES))

@@ -113,3 +113,57 @@ def test_friction_in_other_units(name: str, method: str) -> None:
     # half a turn takes 2 * 3/10 from the amplitude: 2, -1.4, 0.8, -0.2, and there it rests
     assert abs(end(-x / time**2, 2, 20) + 0.2) < 1e-11
     assert end(unit * FRICTION * sp.sin(t / time), 0, 10) == 0
+
+
+y = sp.Symbol("y")
+
+
+def hopper(stiffness: int) -> vo.System:
+    """A body that bounces, while the ground, where it is touched, rubs; a spring holds it."""
+    load = 400 * sp.Max(-y, 0)
+    return vo.System(
+        name="hopper", fibration=vo.Fibration(base=(x, y)),
+        lagrangian=(SPEED**2 + vo.velocity(y) ** 2) / 2 - 10 * y - stiffness * x**2 / 2,
+        forces={y: load, x: -FRICTION * load * sp.sign(SPEED)},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_without_a_load_friction_decides_nothing(method: str) -> None:
+    """In the air at rest along the ground: the fields on both sides are one."""
+    run = vo.integrate(
+        hopper(0), initial={y: R(1, 2), SPEED: R(1, 8)}, times=[0, 0.2, 3], method=method
+    )
+    assert run["xdot"][1] == 0.125 and abs(run["xdot"][2]) < 1e-30 and run.cost.switches > 2
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_friction_holds_what_rests_where_its_load_sets_in(method: str) -> None:
+    """Dropped without a pull along the ground: how far friction is used is 0/0 as it lands."""
+    run = vo.integrate(hopper(30), initial={y: R(1, 10)}, times=[0, 0.1, 2.9], method=method)
+    fall, speed = np.sqrt(0.02), np.sqrt(2)
+    touch = (np.pi + 2 * np.arctan(1 / (2 * speed))) / 20  # half a swing about y = -1/40, and more
+    late = (2.9 - fall) % (touch + speed / 5) - touch  # in the air since then
+    assert late > 0 and run["x"][2] == 0
+    assert abs(float(run["y"][2]) - (speed * late - 5 * late**2)) < 1e-11
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+def test_friction_lets_go_just_before_its_load_is_gone(method: str) -> None:
+    """Bounce after bounce x falls to 1e-9, and so near are release and the start of the flight."""
+    start = {x: R(1, 20), y: R(1, 10)}
+    run = vo.integrate(hopper(30), initial=start, times=[0, 3], method=method)
+    # stretch after stretch by DOP853 at 3e-14
+    assert abs(run["x"][1] - 1.4924e-11) < 1e-13 and run["xdot"][1] == 0
+
+
+def test_two_walls_beside_which_nothing_changes_are_not_both_left_out() -> None:
+    """A force where x and y are negative: from where both are positive neither alone matters."""
+    force = -sp.Piecewise((1, x < 0), (0, True)) * sp.Piecewise((1, y < 0), (0, True))
+    pair = vo.System(
+        name="pair", fibration=vo.Fibration(base=(x, y)),
+        lagrangian=(SPEED**2 + vo.velocity(y) ** 2) / 2, forces={x: force},
+    )  # fmt: skip
+    start = {x: R(1, 2), y: 1, SPEED: -1, vo.velocity(y): -1}
+    run = vo.integrate(pair, initial=start, times=[0, 3])
+    assert abs(run["x"][-1] - (0.5 - 3 - 2**2 / 2)) < 1e-12

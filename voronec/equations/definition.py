@@ -33,7 +33,7 @@ from voronec.equations.group_frame import GroupFrame, read_group
 from voronec.equations.program.walls import plain_roots, radicands
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Definition", "read"]
+__all__ = ["Definition", "read", "require_continuous"]
 
 
 Enter = Callable[[sp.Expr, str], Any]
@@ -486,6 +486,13 @@ def _require_no_jump(place: Callable[[], str], expr: Any, conditions: Sequence[A
                 f"{place()} jumps where {wall} = 0, and velocities would with it; use a continuous "
                 "one, or end the motion there and start another"
             )
+
+
+def require_continuous(place: str, function: sp.Expr) -> None:
+    """Raise ``DefinitionError`` where a function of the time is proved to jump."""
+    door = Door()
+    inside = door.inward(function)
+    _require_no_jump(partial(str, place), inside, door.hypotheses)
 
 
 def _require_no_jump_of_lagrangian(

@@ -29,6 +29,7 @@ from voronec.declaration.reading import doubles, expression, fixed_mapping, quot
 from voronec.declaration.scene import Parameter
 from voronec.declaration.system import System
 from voronec.declaration.table_file import KINDS, require_table
+from voronec.equations.definition import require_continuous
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.motion.input_samples import SAMPLES, breaks
@@ -207,7 +208,7 @@ def _jet_of_expression(system: System, u: sp.Expr, value: sp.Expr) -> list[sp.Ex
     constants = {p.symbol for p in system.parameters}
     state = names_in(value) - constants - {time}
     if not state:
-        return [value, value.diff(time), value.diff(time, 2)]
+        return _jet_in_time(system, u, value)
     place = f"system '{system.name}': the input '{plain_name(u)}' = {quote(value)}"
     known = {*system.known_symbols()} - {*system.inputs}
     foreign = sorted(map(str, state - known))
@@ -227,6 +228,25 @@ def _jet_of_expression(system: System, u: sp.Expr, value: sp.Expr) -> list[sp.Ex
             "or with its rate: there it is a function of the time alone; write it into the system"
         )
     return [value]
+
+
+def _jet_in_time(system: System, u: sp.Expr, value: sp.Expr) -> list[sp.Expr]:
+    """A function of the time and its rates; what the equations hold a rate of may not jump.
+
+    The time is real, so that |t| has a slope, and beside where it jumps a step has none.
+    """
+    name = plain_name(u)
+    real = {s: sp.Dummy(s.name, real=True) for s in value.free_symbols if s.is_real is None}
+    back = {d: s for s, d in real.items()}
+    jet = [value.xreplace(real)]
+    for _ in range(2):
+        rate = jet[-1].diff(real.get(time, time))
+        jet.append(rate.replace(sp.DiracDelta, lambda *_: sp.Integer(0)))
+    jet = [e.xreplace(back) for e in jet]
+    for k in range(derive(system).orders.get(name, 0)):
+        place = f"system '{system.name}': the equations hold a rate of '{name + 'dot' * k}', which"
+        require_continuous(place, jet[k])
+    return jet
 
 
 def _rate_of(thing: sp.Expr, u: sp.Expr) -> bool:

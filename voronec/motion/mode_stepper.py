@@ -231,6 +231,9 @@ class _Passage:
     def stretch(self) -> Run:
         """Go on in a mode until it ends, or the grid does."""
         mode, roads = self.mode, self.roads
+        begin = roads.begin(mode, self.time, self.state)
+        if self.order * (begin[0] - self.grid[self.done]) < 0:
+            self.time, self.state = begin
         kind = object if self.exact else float
         times = np.array([self.time, *self.grid[self.done :]], dtype=kind)
         if roads.progress is not None:

@@ -63,6 +63,8 @@ NEGLIGIBLE = 1e-3
 STEEP = 16.0
 """Fields whose slopes grow by this from one place to another that is 2^20 times nearer to where
 they vanish have none there."""
+SHORTER = (1.0, 2.0**-6, 2.0**-12)
+"""Parts of a moment, for where the next wall is nearer than that."""
 NOWHERE: Mapping[LevelSurface, int] = {}
 """Beside no surface."""
 NO_VALUE = (ZeroDivisionError, ValueError, TypeError)
@@ -329,7 +331,7 @@ class Crossroads:
 
     def _sides_ahead(
         self, program: Program, time: Any, state: np.ndarray, sides: Mapping[Wall, int],
-        surfaces: Sequence[LevelSurface],
+        surfaces: Sequence[LevelSurface], along: Sequence[LevelSurface] = (),
     ) -> list[int]:  # fmt: skip
         """On which side of each surface a short motion along the run leads, 0 for none.
 
@@ -337,7 +339,7 @@ class Crossroads:
         followed with twice as many digits.
         """
         try:
-            later, there = self._follow(program, time, state, sides, self.order)
+            later, there = self._short_way(program, time, state, sides, (*surfaces, *along))
         except NO_VALUE:
             return [0] * len(surfaces)
         found = []
@@ -351,10 +353,24 @@ class Crossroads:
             found.append(0 if abs(b - a) <= tiny else 1 if b > a else -1)
         return found
 
+    def _short_way(
+        self, program: Program, time: Any, state: np.ndarray, sides: Mapping[Wall, int],
+        met: Sequence[LevelSurface],
+    ) -> tuple[Any, np.ndarray]:  # fmt: skip
+        """Time and state a moment along the run, or such a part of it later that no other wall than
+        those that are met is crossed: beyond one the equations are others."""
+        walls = {s.wall for s in met}
+        others = [w for w in sides if not w.fixed and w not in walls]
+        ways = (self._follow(program, time, state, sides, self.order * part) for part in SHORTER)
+        clear = (
+            way for way in ways if all(self._value(w, *way, sides) == sides[w] for w in others)
+        )
+        return next(clear, None) or self._follow(program, time, state, sides, self.order)
+
     def _follow(
-        self, program: Program, time: Any, state: np.ndarray, sides: Mapping[Wall, int], way: int
+        self, program: Program, time: Any, state: np.ndarray, sides: Mapping[Wall, int], way: float
     ) -> tuple[Any, np.ndarray]:
-        """Time and state a moment later (``way`` 1) or before."""
+        """Time and state a moment later (``way`` 1) or before, or a part of a moment."""
 
         def rates(t: Any, x: np.ndarray) -> np.ndarray:
             found = self._rates(program, sides, t, x)
@@ -425,7 +441,7 @@ class Crossroads:
                 or not self._affine(time, state, mode, weights, other, corners, met)
             ):
                 continue
-            moved = self._sides_ahead(mode.program, time, state, mode.sides, free)
+            moved = self._sides_ahead(mode.program, time, state, mode.sides, free, along)
             if all(s in (0, side) for s, side in zip(moved, rest, strict=True)):
                 return mode
         return None
@@ -557,17 +573,32 @@ class Crossroads:
         Where nothing pushes to a surface just now, as friction does not whose lever vanishes, the
         push of a moment later tells.
         """
-        try:
-            weights, returns = later = self._holds(mode, time, state)
-        except NO_VALUE:
-            return None
+        later = None
         with suppress(*NO_VALUE):
             later = self._holds(mode, *self.moment(mode, time, state, 1))
+        try:
+            weights, returns = self._holds(mode, time, state)
+        except NO_VALUE:  # 0/0, as where a load sets in
+            if later is None:
+                return None
+            weights, returns = later
+        later = later or (weights, returns)
         pairs = zip(returns, later[1], strict=True)
         pushes = [b if abs(a) < NEGLIGIBLE * abs(b) else a for a, b in pairs]
         if all(abs(w) <= 1 for w in weights) and all(self.order * r < 0 for r in pushes):
             return weights
         return None
+
+    def begin(self, mode: Mode, time: Any, state: np.ndarray) -> tuple[Any, np.ndarray]:
+        """Time and state from which a motion along surfaces is followed: a moment later where its
+        weights are 0/0."""
+        if not mode.along:
+            return time, state
+        try:
+            self._holds(mode, time, state)
+        except NO_VALUE:
+            return self.moment(mode, time, state, 1)
+        return time, state
 
     def _holds(self, mode: Mode, time: Any, state: np.ndarray) -> tuple[list[Any], list[Any]]:
         """Along surfaces, the weights of the sides, and how far the push of each leads back."""

@@ -7,9 +7,10 @@ that g stays zero, and of several walls with one such a for each, where the fiel
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
+from itertools import combinations
 from typing import Any
 
 import symengine as se
@@ -22,7 +23,7 @@ from voronec.algebra.signs import prove_inequality
 from voronec.algebra.stable import stable_all
 from voronec.equations.program import Block, Program
 from voronec.equations.program.python import compiled_digits
-from voronec.equations.program.straight import with_plain_roots, without_stages
+from voronec.equations.program.straight import prune, with_plain_roots, without_stages
 from voronec.equations.program.walls import (
     SATURATION,
     Sides,
@@ -39,6 +40,9 @@ __all__ = ["Corner", "LevelSurface", "Modes", "is_length", "motion_along_surface
 
 STEEP = (se.log, se.asin, se.acos, se.acosh, se.atan2)
 """Functions whose slopes have no bound."""
+
+MOST_IDLE = 4
+"""So many walls are left out of a mode at most: all their sides are compared."""
 
 LONG = 2_000
 """Pushes of more operations, spelled out, are divided by as they are."""
@@ -147,15 +151,52 @@ class Modes:
             mass=tuple(tuple(self._entry_on_sides(e, change) for e in row) for row in form.mass),
         )
         functions = {name: change(e) for name, e in self.functions.items()}
+        idle = self._idle_walls(change, asked)
+        signs = {wall: side for wall, side in asked.items() if wall not in idle}
         floors = [self.floor(wall) for wall in change.walls if wall.whole]
         made = replace(made, parameters=(*form.parameters, *floors))
         exprs = made.expressions
         found = Corner(
-            made, Program.of(made), functions, asked, tuple(change.walls), rims(form, exprs),
+            made, Program.of(made), functions, signs,
+            tuple(wall for wall in change.walls if wall not in idle), rims(form, exprs),
             RootStates.of(made, change.radicands) if self.cusps else None,
         )  # fmt: skip
         self._corners.append(found)
         return found
+
+    def _idle_walls(self, change: Sides, asked: Mapping[Wall, int]) -> list[Wall]:
+        """The walls of signs on both sides of which everything is the same, as it is at that of
+        friction while there is no load: they hold nothing, and nothing is to be decided there."""
+        exprs = [*self.form.expressions, *self.functions.values()]
+        found = [change(se.sympify(e)) for e in exprs]
+        again = replace(change, walls={}, radicands={}, _known={})
+        for expr in found:
+            again(expr)  # what only keeps a step from going over it is met once more
+        idle: list[Wall] = []
+        loose = [w for w in asked if not (w.fixed or w in again.walls)]
+        for wall in loose if len(asked) > 1 else ():
+            turned = [{wall, *kept} for n in range(len(idle) + 1) for kept in combinations(idle, n)]
+            if len(idle) < MOST_IDLE and all(
+                self._is_same(exprs, found, change, asked, walls) for walls in turned
+            ):
+                idle.append(wall)
+        return idle
+
+    @staticmethod
+    def _is_same(
+        exprs: Sequence[Any], found: Sequence[Any], change: Sides, asked: Mapping[Wall, int],
+        walls: Set[Wall],
+    ) -> bool:  # fmt: skip
+        """Whether expressions are those ``found`` on the other side of some walls, too."""
+
+        def side(wall: Wall) -> int:
+            return -asked[wall] if wall in walls else asked[wall]
+
+        other = replace(change, side=side, walls={}, radicands={}, _known={})
+        try:
+            return all(other(se.sympify(e)) == f for e, f in zip(exprs, found, strict=True))
+        except KeyError:  # there are other walls there
+            return False
 
     def _entry_on_sides(self, expr: Any, change: Sides) -> Any:
         """An entry on the sides, without the factors that vanish on a wall both above and below."""
@@ -295,7 +336,10 @@ def motion_along_surfaces(
     lines: list[tuple[Any, Any]] = []
     fields = [_relabel(c.program.derivative, k, lines) for k, c in enumerate(corners)]
     program, above = corners[0].program, fields[0]
-    halves = [[(a - b) / 2 for a, b in zip(above, other, strict=True)] for other in fields[1:]]
+    halves = [
+        [(a - b) / 2 if a != b else se.Integer(0) for a, b in zip(above, other, strict=True)]
+        for other in fields[1:]
+    ]
 
     def name(expr: Any) -> Any:
         if expr.is_Number or expr.is_Symbol:
@@ -323,7 +367,7 @@ def motion_along_surfaces(
         _hold(rates, slopes, [-s.function.diff(program.time) for s in surfaces])
     weights = tuple(1 + share for share in shares)
     returns = tuple(pushes[i][i] for i in range(len(surfaces)))
-    made = replace(program, derivative=Block(tuple(lines), tuple(rates)))
+    made = replace(program, derivative=prune(lines, rates))
     return made, Block(tuple(lines), (*weights, *returns))
 
 
@@ -372,11 +416,15 @@ def _hold(rates: list[Any], slopes: list[list[Any]], wanted: list[Any]) -> None:
 
 
 def _relabel(block: Block, k: int, lines: list[tuple[Any, Any]]) -> list[Any]:
-    """The results of a block whose lines are added under names of their own."""
+    """The results of a block whose lines are added under names of their own, but for those that
+    are there: what is the same on two sides is to vanish from their difference."""
     names: dict[Any, Any] = {}
+    known = {expr: name for name, expr in lines}
     for old, expr in block.assignments:
-        names[old] = se.Symbol(f"side {k} {old}")
-        lines.append((names[old], expr.xreplace({x: y for x, y in names.items() if x != old})))
+        moved = expr.xreplace({x: y for x, y in names.items() if x != old})
+        names[old] = known.get(moved, se.Symbol(f"side {k} {old}"))
+        if moved not in known:
+            lines.append((names[old], moved))
     return [se.sympify(r).xreplace(names) for r in block.results]
 
 
