@@ -55,13 +55,6 @@ def participle(name: str) -> str | None:
     return last if re.search("(ed|ing)$", last) and last not in NOUNS else None
 
 
-@cache
-def modules(folder: Path = PACKAGE) -> dict[str, ast.Module]:
-    """Every file of the package, or of another folder, read."""
-    files = sorted(folder.rglob("*.py"))
-    return {str(f.relative_to(folder)): ast.parse(f.read_text("utf-8")) for f in files}
-
-
 def definitions(node: ast.AST) -> Iterator[ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef]:
     """Functions and classes in a module, inner ones too; expressions hold none."""
     for inner in ast.iter_child_nodes(node):
@@ -80,13 +73,19 @@ def _constants(module: ast.Module) -> Iterator[str]:
             yield from (n.id for n in ast.walk(target) if isinstance(n, ast.Name))
 
 
-def names(folder: Path = PACKAGE) -> Iterator[tuple[str, str]]:
-    """(file, name) of every file, function, class and constant of a folder, but for names that
-    are Python's own."""
-    for place, module in modules(folder).items():
-        yield place, Path(place).stem
-        own = (*(node.name for node in definitions(module)), *_constants(module))
-        yield from ((place, name) for name in own if not re.fullmatch("__.*__", name))
+@cache
+def names(folder: Path) -> list[tuple[str, str, bool]]:
+    """(file, name, whether a class has it) of every file, function, class and constant of a folder,
+    but for names that are Python's own.  No tree is kept: millions of nodes would be searched for
+    garbage in all tests that follow."""
+    found = []
+    for path in sorted(folder.rglob("*.py")):
+        module = ast.parse(path.read_text("utf-8"))
+        own = [(node.name, isinstance(node, ast.ClassDef)) for node in definitions(module)]
+        own += [(name, False) for name in (path.stem, *_constants(module))]
+        place = str(path.relative_to(folder))
+        found += [(place, n, is_class) for n, is_class in own if not re.fullmatch("__.*__", n)]
+    return found
 
 
 @pytest.mark.parametrize(
@@ -105,19 +104,14 @@ def test_nouns_and_verbs_are_none(name):
 
 @pytest.mark.parametrize("folder", [PACKAGE, TOOLS], ids=lambda folder: folder.name)
 def test_nothing_is_named_by_a_participle(folder):
-    found = [(file, name) for file, name in names(folder) if participle(name)]
+    found = [(file, name) for file, name, _ in names(folder) if participle(name)]
     assert [one for one in found if one[1] not in WORDS_OF_THE_PUBLIC] == []
 
 
 def test_a_class_has_its_name_for_itself():
     """But for the sections of a paper and of motions, both of which users hold, and for parts of a
     formula, which messages call by the names of their classes."""
-    counts = Counter(
-        node.name
-        for module in modules().values()
-        for node in definitions(module)
-        if isinstance(node, ast.ClassDef)
-    )
+    counts = Counter(name for _, name, is_class in names(PACKAGE) if is_class)
     assert {name for name, count in counts.items() if count > 1} == {
         "Elementary",
         "Integral",

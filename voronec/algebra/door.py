@@ -176,7 +176,7 @@ class Door:
         own = self._inward.get(expr.expr, expr.expr)
         if time in expr.variables and isinstance(own, sp.Symbol | se.Symbol):
             raise DefinitionError(f"the derivative '{expr}' {_mend(expr)}")
-        meant = expr.doit()
+        meant = expr if _is_plain(expr) else expr.doit()
         if meant != expr:
             return self._enter(meant)
         if not isinstance(expr.expr, AppliedUndef):
@@ -206,9 +206,15 @@ class Door:
     def lost_conditions(self, expr: sp.Expr) -> list[Any]:
         """What an expression needs to be real, as it is written, where nothing inside tells it any
         more: sqrt(x)*sqrt(x), as SymPy may be told to keep it, is x inside."""
-        parts = [*sp.preorder_traversal(expr)]
-        if any(isinstance(n, sp.Piecewise | sp.Derivative | sp.Subs) for n in parts):
-            return []  # a piece need not be real where it is not taken
+        parts: dict[Any, None] = {}  # each once, however often it stands in the expression
+        ahead = [expr]
+        while ahead:
+            part = ahead.pop()
+            if isinstance(part, sp.Piecewise | sp.Derivative | sp.Subs):
+                return []  # a piece need not be real where it is not taken
+            if part not in parts:
+                parts[part] = None
+                ahead += reversed(part.args)
         kept = {*nodes([self._enter(expr)])}
         lost = (n for n in parts if self._enter(n) not in kept or self._is_other(n))
         needed = (_real_where(n, self._enter) for n in lost)
@@ -283,6 +289,18 @@ def _size(inner: Any) -> Any:
 
 def _is_even_root(exponent: Any) -> bool:
     return isinstance(exponent, se.Rational) and int(exponent.q) % 2 == 0
+
+
+def _is_plain(derivative: sp.Derivative) -> bool:
+    """Whether SymPy has nothing to do: an unknown function of symbols, differentiated by some of
+    them.  It takes long to find that out."""
+    of = derivative.expr
+    return (
+        isinstance(of, AppliedUndef)
+        and all(isinstance(a, sp.Symbol) for a in of.args)
+        and {*derivative.variables} <= {*of.args}
+        and len({*of.args}) == len(of.args)
+    )
 
 
 def _mend(derivative: sp.Derivative) -> str:

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from typing import Any
 
 import symengine as se
@@ -55,6 +56,7 @@ def _stable(expr: Any, known: dict[Any, Any]) -> Any:
     return found
 
 
+@lru_cache(2**14)  # programs of one system have their parts in common
 def _write(expr: Any) -> Any:
     if isinstance(expr, se.Pow):
         return _root(*expr.args) or _over_largest(expr)
@@ -296,6 +298,8 @@ def _exponential(term: Any) -> tuple[Any, Any]:
     """(c, w) with c exp(w) the term, and w = 0 where no exponential is in it."""
     factors = factors_of(term)
     powers = [*filter(is_exponential, factors)]
+    if not powers:
+        return term, se.Integer(0)
     w = se.Add(*[f.args[1] for f in powers])
     return se.Mul(*[f for f in factors if f not in powers]), w
 

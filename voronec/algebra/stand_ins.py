@@ -14,7 +14,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.graphs import is_atom, nodes, rebuild
-from voronec.algebra.terms import factors_of
+from voronec.algebra.terms import factors_of, subexpressions
 
 __all__ = ["OriginShift", "StandIns"]
 
@@ -39,11 +39,13 @@ class PlaceSymbols:
         origin moves, as x - y does."""
         zero = se.Integer(0)
         terms = total.args if isinstance(total, se.Add) else ()
-        constant = [t for t in terms if t.free_symbols <= self.constants]
         linear = [t for t in terms if self.is_linear(t)]
+        if not linear:
+            return zero, zero, total
+        constant = [t for t in terms if t.free_symbols <= self.constants]
         part = se.Add(*constant, *linear)
         moved = part.xreplace(dict.fromkeys(self.symbols, se.Integer(1)))
-        if not linear or not (constant or se.expand(moved) == 0):
+        if not (constant or se.expand(moved) == 0):
             return zero, zero, total
         slope = part.diff(next(x for x in self.symbols if x in part.free_symbols))
         scale = slope if slope.is_Number else se.Integer(1)
@@ -52,17 +54,17 @@ class PlaceSymbols:
 
     def is_linear(self, term: Any) -> bool:
         """Whether a term is a place times constants."""
-        moving = [f for f in factors_of(term) if not f.free_symbols <= self.constants]
-        return len(moving) == 1 and moving[0] in self.symbols
+        factors = factors_of(term)
+        places = [f for f in factors if f.is_Symbol and f in self.symbols]
+        rest = (f for f in factors if f not in places)
+        return len(places) == 1 and all(f.free_symbols <= self.constants for f in rest)
 
     def distances(self, exprs: Iterable[Any]) -> dict[Any, None]:
         """The distances in sums, as these stand in one another outside of functions."""
-        found, waiting = dict[Any, None](), [*exprs]
-        while waiting:
-            node = waiting.pop()
+        found, sums = dict[Any, None](), (se.Add, se.Mul, se.Pow)
+        for node in subexpressions(exprs, lambda part: not isinstance(part, sums)):
             scale, distance, _ = self.split(node)
             found |= {distance: None} if scale != 0 else {}
-            waiting += node.args if isinstance(node, se.Add | se.Mul | se.Pow) else ()
         return found
 
 

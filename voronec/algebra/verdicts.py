@@ -142,7 +142,7 @@ def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
         left, right = door.inward(a), door.inward(b)
         known = [*door.hypotheses, *door.lost_conditions(a), *door.lost_conditions(b)]
         verdict = decide_equal(left, right, [*ideal, *known], pointwise=True)
-        return _possible(_fill_witness(verdict, a, b), a.free_symbols | b.free_symbols)
+        return _possible(_fill_witness(verdict, a, b), a, b)
     except EngineLimit as limit:
         return Verdict("undecided", str(limit))
 
@@ -199,12 +199,12 @@ def _fits(symbol: Any, value: sp.Rational) -> bool:
     )
 
 
-def _possible(verdict: Verdict, symbols: Iterable[Any]) -> Verdict:
+def _possible(verdict: Verdict, a: sp.Expr, b: sp.Expr) -> Verdict:
     """The verdict, unless SymPy knows of a symbol what the number in the witness contradicts: that
     it is prime, or irrational."""
     if verdict.witness is None:
         return verdict
-    for symbol in symbols:
+    for symbol in a.free_symbols | b.free_symbols:
         value = verdict.witness.point.get(plain_name(symbol))
         if value is not None and not _fits(symbol, sp.Rational(value)):
             why = f"no witness was found with what is known of '{symbol}'"

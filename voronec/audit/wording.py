@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 import sympy as sp
@@ -273,9 +274,13 @@ def _without_arguments(part: Node, study: Study) -> Node:
 def _entry_or_column(value: Any, chain: Chain, study: Study) -> str:
     if not isinstance(value, sp.MatrixBase):
         return _print_latex(value, chain, study)
-    rows = " \\\\ ".join(_print_latex(entry, chain, study) for entry in value)
-    if value.cols > 1 or len(rows) > LONGEST // 5:
-        raise EngineLimit("a matrix, or a long vector, is not worth printing")
+    if value.cols > 1:
+        raise EngineLimit("a matrix is not worth printing")
+    rows = ""
+    for entry in value:
+        rows += (" \\\\ " if rows else "") + _print_latex(entry, chain, study)
+        if len(rows) > LONGEST // 5:
+            raise EngineLimit("a long vector is not worth printing")
     return f"\\begin{{pmatrix}} {rows} \\end{{pmatrix}}"
 
 
@@ -331,13 +336,18 @@ def _fold(value: sp.Expr, chain: Chain, study: Study) -> tuple[sp.Expr, dict[Any
         raw = _eliminable(meaning, shown, study)
         if raw is None or raw in rules:
             continue
-        solution = sp.solve(meaning - symbol, raw)
+        solution = _solutions(meaning - symbol, raw)
         if len(solution) != 1:
             continue
         rules = {o: n.xreplace({raw: solution[0]}) for o, n in rules.items()}
         rules[raw] = solution[0]
         symbols[symbol] = key
     return value.xreplace(rules), symbols
+
+
+@cache  # a constant is brought in wherever a formula uses it
+def _solutions(equation: sp.Expr, unknown: sp.Expr) -> list[sp.Expr]:
+    return list(sp.solve(equation, unknown))
 
 
 def _own_name(chain: Chain) -> str:

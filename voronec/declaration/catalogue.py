@@ -119,9 +119,16 @@ class Entry:
         return vars(_import(self.name, self.module, self.attribute))
 
     def _make_member(self, family: Any) -> Any:
-        """The member of a family; ``DefinitionError`` where its function fails."""
+        """The member of a family, made once: what is derived of it is kept with it;
+        ``DefinitionError`` where its function fails."""
+        place = (self.module, self.member)
         try:
-            return family[self.member]()
+            make = family[self.member]
+            if self.path:  # a file is read anew each time
+                return make()
+            if _MEMBERS.get(place, (None,))[0] is not make:
+                _MEMBERS[place] = (make, make())
+            return _MEMBERS[place][1]
         except Exception as error:
             what = failure(error, str(self.origin.parent if self.origin else self.module))
             raise DefinitionError(f"system '{self.name}' cannot be made: {what}") from error
@@ -173,6 +180,10 @@ class Entry:
                     f"{self.place}: entry {position + 1} of {title} is a {what}; {entry}"
                 )
         return tuple(found)
+
+
+_MEMBERS: dict[tuple[str, str], tuple[Any, Any]] = {}
+"""The functions that make members of families, by module and member, and what they made."""
 
 
 def entries() -> tuple[tuple[Entry, ...], tuple[str, ...]]:

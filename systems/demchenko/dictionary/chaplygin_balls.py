@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 import sympy as sp
@@ -24,7 +24,7 @@ from .verdicts import all_equal, worst
 u, v, theta, u1, v1 = sp.symbols("u v theta u1 v1")
 OMEGA = sp.Matrix(sp.symbols("omega1:4"))
 GAMMA = sp.Matrix(sp.symbols("gamma1:4"))
-KAPPA = sp.Matrix(sp.symbols("kappa1:4"))
+KAPPA = sp.ImmutableMatrix(sp.symbols("kappa1:4"))
 MOMENTS = sp.symbols("I1:4", positive=True)
 R1, R2, M = sp.symbols("R1 R2 M", positive=True)
 SIGNED = sp.Symbol("R")
@@ -76,18 +76,19 @@ class Ball:
     more: Mapping[str, sp.Expr] = field(default_factory=dict)
 
     @classmethod
-    def on(cls, fixed: Surface, kappa: sp.Matrix | None = None) -> Ball:
+    @cache  # dictionaries and sentences ask for the same few balls
+    def on(cls, fixed: Surface, kappa: sp.ImmutableMatrix | None = None) -> Ball:
         """Derive them."""
         still = sp.zeros(3, 1) if kappa is None else kappa
         return cls(vo.descend(system_of(rolling_ball(fixed), still)), still)
 
     @classmethod
-    def on_sphere(cls, radius: Any, kappa: sp.Matrix | None = None) -> Ball:
+    def on_sphere(cls, radius: Any, kappa: sp.ImmutableMatrix | None = None) -> Ball:
         """Rolling on a sphere; a negative radius as said above."""
         return cls.on(Surface.sphere(radius, u1, v1), kappa)
 
     @classmethod
-    def on_plane(cls, kappa: sp.Matrix | None = None) -> Ball:
+    def on_plane(cls, kappa: sp.ImmutableMatrix | None = None) -> Ball:
         """Rolling on a plane."""
         return cls.on(Surface.plane(u1, v1), kappa)
 

@@ -89,7 +89,7 @@ def is_demchenkos(system: vo.System, condition: sp.Expr) -> Verdict:
     pairs += zip(kappa[:2], (0, 0), strict=True)
     to_theirs = {R1: known["R1"], R2: known["R2"], M: known["M"]}
     to_theirs |= {**dict.fromkeys(MOMENTS, known["A"]), KAPPA[2]: known["k"]}
-    mine = Ball.on_sphere(R1, sp.Matrix([0, 0, KAPPA[2]])).reduced.system
+    mine = Ball.on_sphere(R1, sp.ImmutableMatrix([0, 0, KAPPA[2]])).reduced.system
     pairs += [(sp.sympify(mine.lagrangian).xreplace(to_theirs), system.lagrangian)]
     rows = zip(mine.constraints, system.constraints, strict=True)
     pairs += [(sp.sympify(a).xreplace(to_theirs), b) for a, b in rows]

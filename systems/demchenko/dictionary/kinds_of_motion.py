@@ -67,7 +67,7 @@ def at_state(value: Any, numbers: Mapping[Any, Any]) -> Any:
 
 def leading() -> Any:
     """The coefficient of x^4 in X."""
-    return sp.Poly(level().X, x).LC()
+    return level().quartic.LC()
 
 
 def leading_printed(_: Study) -> str:
@@ -154,7 +154,7 @@ def printed() -> list[tuple[str, str, Any, Any]]:
 
 def even_count(_: Study, __: Range) -> vo.Verdict:
     """Roots that are not real come in pairs; the degree is even unless a_0 = 0."""
-    if vo.prove_equal(leading(), 0).refuted and sp.Poly(level().X, x).degree() == 4:
+    if vo.prove_equal(leading(), 0).refuted and level().quartic.degree() == 4:
         return vo.Verdict("proved", "X has degree four unless a_0 = 0, and complex roots in pairs")
     return vo.Verdict("undecided", "X has not the degree four")
 

@@ -218,8 +218,17 @@ class Level:
 
     # -- dictionaries ---------------------------------------------------------------------
 
+    @cached_property
+    def quartic(self) -> sp.Poly:
+        """X as a polynomial."""
+        return sp.Poly(self.X, x)
+
     def names(self) -> dict[str, Any]:
         """What the paper's letters stand for; polynomials have x = cos u in them."""
+        return {**self._names}
+
+    @cached_property
+    def _names(self) -> dict[str, Any]:
         centre = _root(self.n, x)
         minus_area, slope, minus_b0 = reversed(sp.Poly(self.phi, x).all_coeffs())
         angles = {"u": u, "v": v, r"\vartheta": theta, "u_1": u1, "v_1": v1}
@@ -228,7 +237,7 @@ class Level:
         found |= {"C_5": C5, "h": h, r"\Gamma": GAMMA, "x": x, "x_0": centre}
         found |= {"P": self.P, "I": INERTIA, r"\mu": self.mu, r"\mu'": RATIO}
         found |= {"b_0": -minus_b0, "b_1": sp.cancel(slope / (2 * centre)), "b_2": self.pace * k}
-        found |= {r"\bar\Gamma": -minus_area, "a_0": sp.Poly(self.X, x).LC(), "h'": self.reach}
+        found |= {r"\bar\Gamma": -minus_area, "a_0": self.quartic.LC(), "h'": self.reach}
         found |= {"X": self.X, r"\phi": self.phi, r"\psi": self.psi}
         found |= {r"\theta": self.theta, "F": self.F}
         return {name: sp.sympify(value).subs(x, sp.cos(u)) for name, value in found.items()}

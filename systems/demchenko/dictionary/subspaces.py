@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import sympy as sp
@@ -35,6 +36,11 @@ def null_space(rows: sp.Matrix) -> sp.Matrix:
 
 
 def _echelon(rows: sp.Matrix) -> Any:
+    return _reduced(rows.as_immutable())
+
+
+@cache  # a dictionary names the same few subspaces again and again
+def _reduced(rows: sp.ImmutableMatrix) -> Any:
     return rows.rref(iszerofunc=_vanishes, simplify=False)
 
 

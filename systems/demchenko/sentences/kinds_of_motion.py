@@ -54,7 +54,8 @@ def body_of(where: Range, ratio: Any) -> dict[Any, Any]:
 
 
 def _roots(numbers: dict[Any, Any], constants: dict[Any, Any]) -> int:
-    return int(sp.Poly(level().X.xreplace(constants).xreplace(numbers), x).count_roots())
+    values = [c.xreplace(constants).xreplace(numbers) for c in level().quartic.all_coeffs()]
+    return int(sp.Poly(values, x).count_roots())
 
 
 def _double_root(where: Range) -> vo.Verdict:

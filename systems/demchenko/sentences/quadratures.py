@@ -26,7 +26,7 @@ POLYNOMIALS = {r"\phi": "phi", r"\psi": "psi", "F": "F", r"\theta": "theta", "X"
 
 def degree_of(study: Study, where: Range, *, degree: int, variable: tuple[str, ...]) -> vo.Verdict:
     """The coefficient of x^4 does not vanish, and there is no higher power."""
-    highest = int(sp.Poly(level().X, x).degree())
+    highest = int(level().quartic.degree())
     return all_of(
         agreed(variable, ("x",), "the variable"),
         agreed(degree, highest, "the degree"),

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import sympy as sp
@@ -106,9 +107,8 @@ def _solve_pairs(
     for value, wanted in pairs:
         if _equal(value.xreplace(moving), wanted, known):
             continue
-        unknown = sp.Dummy()
         for name in sorted({s.name for s in value.free_symbols} - {*found}):
-            root = _root(value.xreplace({**moving, sp.Symbol(name): unknown}), wanted, unknown)
+            root = _root(value.xreplace({**moving, sp.Symbol(name): UNKNOWN}), wanted)
             solution = None if root is None else _solve_pairs(pairs, {**found, name: root}, known)
             if solution is not None:
                 return solution
@@ -116,22 +116,34 @@ def _solve_pairs(
     return found
 
 
-def _root(value: sp.Expr, wanted: sp.Expr, unknown: sp.Dummy) -> sp.Expr | None:
+UNKNOWN = sp.Dummy()
+MEMORY = 4096
+"""So many answers are remembered: chains have their relations in common, and ask the same."""
+
+
+@lru_cache(MEMORY)
+def _root(value: sp.Expr, wanted: sp.Expr) -> sp.Expr | None:
     """Where a quotient of two linear functions of the unknown takes a value, else ``None``."""
     above, below = sp.fraction(sp.together(value))
     equation = sp.expand(above - wanted * below)
-    slope = equation.diff(unknown)
-    if slope.has(unknown) or _equal(slope, sp.Integer(0), ()):
+    slope = equation.diff(UNKNOWN)
+    if slope.has(UNKNOWN) or _equal(slope, sp.Integer(0), ()):
         return None
-    return sp.cancel(-equation.xreplace({unknown: sp.Integer(0)}) / slope)
+    return sp.cancel(-equation.xreplace({UNKNOWN: sp.Integer(0)}) / slope)
 
 
 def _equal(left: sp.Expr, right: sp.Expr, known: Sequence[Any]) -> bool:
     if left.has(sp.zoo, sp.nan) or right.has(sp.zoo, sp.nan):
         return bool(left == right)
+    return _is_proved(left, right, (*known,))
+
+
+@lru_cache(MEMORY)
+def _is_proved(left: sp.Expr, right: sp.Expr, known: tuple[Any, ...]) -> bool:
     return prove_equal(left, right, known).proved
 
 
+@lru_cache(MEMORY)
 def _at_zero(expr: sp.Expr, small: sp.Symbol) -> Any:
     """The value where the small parameter vanishes; ``zoo`` where it is infinite."""
     if small not in expr.free_symbols:
