@@ -17,9 +17,10 @@ import gc
 import os
 import pkgutil
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import cache
 from importlib import import_module
 from importlib.machinery import ModuleSpec
 from pathlib import Path
@@ -121,14 +122,9 @@ class Entry:
     def _make_member(self, family: Any) -> Any:
         """The member of a family, made once: what is derived of it is kept with it;
         ``DefinitionError`` where its function fails."""
-        place = (self.module, self.member)
         try:
             make = family[self.member]
-            if self.path:  # a file is read anew each time
-                return make()
-            if _MEMBERS.get(place, (None,))[0] is not make:
-                _MEMBERS[place] = (make, make())
-            return _MEMBERS[place][1]
+            return make() if self.path else _member_of(make)  # a file is read anew each time
         except Exception as error:
             what = failure(error, str(self.origin.parent if self.origin else self.module))
             raise DefinitionError(f"system '{self.name}' cannot be made: {what}") from error
@@ -182,8 +178,10 @@ class Entry:
         return tuple(found)
 
 
-_MEMBERS: dict[tuple[str, str], tuple[Any, Any]] = {}
-"""The functions that make members of families, by module and member, and what they made."""
+@cache
+def _member_of(make: Callable[[], Any]) -> Any:
+    """What the function of a family in an imported module makes."""
+    return make()
 
 
 def entries() -> tuple[tuple[Entry, ...], tuple[str, ...]]:

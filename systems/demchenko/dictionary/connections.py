@@ -7,10 +7,13 @@ Vector fields are given by their components along the coordinates; the brackets 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import sympy as sp
+
+from voronec.algebra.memo import Memo
 
 __all__ = ["Connection", "Field"]
 
@@ -40,7 +43,10 @@ class Connection:
 
     coordinates: tuple[sp.Symbol, ...]
     lift: sp.Matrix
-    _brackets: dict[tuple[int, int], sp.Matrix] = field(default_factory=dict, init=False)
+
+    @cached_property
+    def _memo(self) -> Memo:
+        return Memo()
 
     @property
     def base(self) -> int:
@@ -63,10 +69,12 @@ class Connection:
 
     def bracket(self, i: int, j: int) -> sp.Matrix:
         """The vertical part of [h_i, h_j], i and j from 1; h_i is the lift of d/dq_i."""
-        if (i, j) not in self._brackets:
+
+        def bracket() -> sp.Matrix:
             first, second = (self.field(list(self.lift[:, x - 1])) for x in (i, j))
-            self._brackets[i, j] = self.vertical(first.cross(second))
-        return self._brackets[i, j]
+            return self.vertical(first.cross(second))
+
+        return self._memo.once((i, j), bracket)
 
     def curvature(self, x: Any, y: Any) -> sp.Matrix:
         """sum X_i Y_j times the vertical part of [h_i, h_j]: what A makes of [X^h, Y^h]."""
