@@ -327,7 +327,7 @@ def test_a_tolerance_may_be_any_real_number() -> None:
 def test_a_tower_of_exponentials_is_no_finite_number() -> None:
     """SymPy would work out all of its digits before it says how large it is."""
     tower = sp.exp(sp.exp(sp.Integer(700_000_000)))
-    with pytest.raises(vo.DefinitionError, match="is not a finite real number"):
+    with pytest.raises(vo.DefinitionError, match=r"is not a (finite real )?number"):
         vo.integrate(vo.load("sleigh"), tol=tower)
 
 
