@@ -363,3 +363,9 @@ def test_what_is_nested_too_deeply_is_refused_in_one_line(read) -> None:
     with pytest.raises(DefinitionError, match="nested too deeply") as caught:
         read()
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("given", [5, None, "sleigh", system()])
+def test_what_is_linearised_are_equations(given: object) -> None:
+    with pytest.raises(vo.DefinitionError, match=r"not the equations that voronec\.derive gives"):
+        vo.linearise(given)
