@@ -799,3 +799,23 @@ def test_a_section_of_a_motion_that_friction_holds_ends():
     assert np.abs(turns.t - np.pi * np.arange(1, 6)).max() < 1e-12
     with pytest.raises(DefinitionError, match=r"no motion passes through x = 10 upwards"):
         vo.section(dry, "x", value=10, initial={x: 1})
+
+
+@pytest.mark.parametrize("tol", [0, -1, 2])
+def test_a_tolerance_that_is_none_is_refused_with_friction_too(tol):
+    rubbed = mass_point(-x - sp.sign(Dx) / 10)
+    for call in (
+        lambda: vo.integrate(rubbed, initial={x: 1}, times=[0, 1], tol=tol),
+        lambda: vo.section(rubbed, "x", initial={x: 1}, tol=tol),
+        lambda: vo.ensemble(rubbed, {x: [1.0]}, {}, [0, 1], tol=tol),
+    ):
+        with pytest.raises(DefinitionError, match="between 0 and 1"):
+            call()
+
+
+def test_many_motions_are_no_finer_than_doubles(recwarn):
+    """heyoka's series would only grow, and take minutes."""
+    for force in (-x - sp.sign(Dx) / 10, -x - Dx / 10):
+        found = vo.section(mass_point(force), "x", initial={x: 1}, crossings=20, tol=1e-320)
+        assert len(found["x"]) > 1 and found.cost.tolerance >= 1e-16
+    assert not [w for w in recwarn if issubclass(w.category, RuntimeWarning)]

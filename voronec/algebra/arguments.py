@@ -26,6 +26,7 @@ __all__ = [
     "SEQUENCE",
     "SEVERAL",
     "TEXT",
+    "TOLERANCE",
     "VALUES",
     "Kind",
     "accepts",
@@ -98,6 +99,7 @@ TEXT = Kind("a text", lambda x: isinstance(x, str))
 FLAG = Kind("True or False", lambda x: type(x).__name__ in ("bool", "bool_"))
 COUNT = Kind("a whole number", _is_count)
 REAL = Kind("a finite real number", lambda x: math.isfinite(in_float(x)))
+TOLERANCE = Kind("a number between 0 and 1, such as 1e-13", lambda x: 0 < in_float(x) < 1)
 CALLABLE = Kind("a function", callable, optional=True)
 VALUES = Kind("a mapping of values by name", lambda x: isinstance(x, Mapping), optional=True)
 POINT = Kind("a mapping of values by name", lambda x: isinstance(x, Mapping))
@@ -206,7 +208,7 @@ def accepts(**kinds: Kind) -> Callable[[Function], Function]:
                     continue
                 value = options[name] if named else given[places[name]]
                 require(function.__name__, name, value, kind)
-                if kind is REAL:
+                if kind in (REAL, TOLERANCE):
                     value = in_float(value)
                 if kind is CALLABLE:
                     value = callback(function.__name__, name, value)

@@ -501,8 +501,6 @@ def choose_lanes(
     ``grid`` are the times of all motions, where they are known.
     """
     require_method(method)
-    if not 0 < tol < 1:
-        raise DefinitionError(f"tol = {tol} must lie between 0 and 1, such as 1e-13")
     if method == "scipy" or (method != "auto" and METHODS[method].loop is not None):
         return None, _compile_method(method, program), "asked for"
     try:

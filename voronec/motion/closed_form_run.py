@@ -21,7 +21,6 @@ from voronec.algebra.symbols import plain_name
 from voronec.closed import ClosedForm
 from voronec.closed.winding import NoWholeTurns, passed_poles, turnless_message
 from voronec.equations.program import Program
-from voronec.errors import DefinitionError
 from voronec.motion.closed_form import closed_form_of_start
 from voronec.motion.motion_start import Outset
 from voronec.motion.numeric_model import whole
@@ -63,8 +62,6 @@ def evaluated_motion(
     are evaluated when they are first read; not by ``auto``, which goes another way where one of
     them cannot be.
     """
-    if not 0 < tol < 1:
-        raise DefinitionError(f"tol = {tol} must lie between 0 and 1, such as 1e-13")
     form = outset.memo.once("closed form", lambda: closed_form_of_start(vocabulary, given, outset))
     watch, program = _watch_program(vocabulary, asked, outset.memo)
     sight = _ClosedSight(vocabulary, form, watch, program, outset, float(grid[0]), tol)

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from voronec.algebra.arguments import CALLABLE, COUNT, REAL, SEVERAL, TEXT, VALUES, accepts
+from voronec.algebra.arguments import CALLABLE, COUNT, SEVERAL, TEXT, TOLERANCE, VALUES, accepts
 from voronec.algebra.typeset import html_table
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
@@ -37,6 +37,7 @@ from voronec.motion.request import (  # fmt: skip
 from voronec.motion.soundness import JudgeOfMany
 from voronec.motion.state_probe import at_each
 from voronec.motion.steppers.scipy_stepper import FINEST
+from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Trajectory
 
 __all__ = ["Ensemble", "ensemble"]
@@ -118,7 +119,7 @@ def _range_of(values: np.ndarray, words: str) -> str:
     parameters=VALUES,
     inputs=VALUES,
     method=TEXT,
-    tol=REAL,
+    tol=TOLERANCE,
     jobs=COUNT,
     progress=CALLABLE,
 )
@@ -165,7 +166,7 @@ def ensemble(
     every start is wrong, the first error is raised.
     Ctrl-C ends the run and keeps the motions that are done; none is while it is being set up.
     """
-    began = perf_counter()
+    began, tol = perf_counter(), max(tol, EXACT)  # many motions go in doubles
     declared = system.system if isinstance(system, VoronecEquations) else require_system(system)
     chosen_scene = scene_of(declared, scene, starts is None, "starts")
     single, columns = spread_starts(starts, parameters or {})

@@ -19,7 +19,7 @@ import mpmath
 import numpy as np
 from sympy.core.function import AppliedUndef
 
-from voronec.algebra.arguments import CALLABLE, FLAG, REAL, SEVERAL, TEXT, VALUES, accepts
+from voronec.algebra.arguments import CALLABLE, FLAG, SEVERAL, TEXT, TOLERANCE, VALUES, accepts
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import as_expression
 from voronec.declaration.scene import Scene
@@ -82,7 +82,7 @@ both are about equal at half of it for every system that declares one."""
     inputs=VALUES,
     initial=VALUES,
     method=TEXT,
-    tol=REAL,
+    tol=TOLERANCE,
     project=FLAG,
     dense=FLAG,
     progress=CALLABLE,

@@ -227,8 +227,6 @@ def choose(
         raise DefinitionError(f"there is no method '{method}'; methods are {known}")
     if method == CLOSED_FORM:
         raise DefinitionError(f"'{CLOSED_FORM}' takes no steps; it evaluates one motion at a time")
-    if not 0 < problem.tol < 1:
-        raise DefinitionError(f"tol = {problem.tol} must lie between 0 and 1, such as 1e-13")
     called = problem.changing.python_signal if problem.changing is not None else None
     symbolic = method in METHODS and METHODS[method].symbolic
     if called is not None and (symbolic or problem.tol < EXACT):

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from voronec.algebra.arguments import CALLABLE, COUNT, REAL, SEVERAL, TEXT, VALUES, accepts
+from voronec.algebra.arguments import CALLABLE, COUNT, SEVERAL, TEXT, TOLERANCE, VALUES, accepts
 from voronec.algebra.symbols import plain_name
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
@@ -51,6 +51,7 @@ from voronec.motion.soundness import JudgeOfMany
 from voronec.motion.state_probe import at_each
 from voronec.motion.steppers.event_states import with_parts
 from voronec.motion.steppers.scipy_stepper import FINEST
+from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost
 
 __all__ = [
@@ -302,7 +303,7 @@ class Section:
     inputs=VALUES,
     initial=VALUES,
     method=TEXT,
-    tol=REAL,
+    tol=TOLERANCE,
     crossings=COUNT,
     direction=COUNT,
     progress=CALLABLE,
@@ -351,7 +352,7 @@ def section(
     the surface; what breaks down later, or loses a proved integral, is in ``errors``.  Ctrl-C keeps
     the points that are there.
     """
-    began = perf_counter()
+    began, tol = perf_counter(), max(tol, EXACT)  # many motions go in doubles
     declared = system.system if isinstance(system, VoronecEquations) else require_system(system)
     if direction not in (-1, 0, 1) or crossings < 1:
         raise DefinitionError("direction must be 1, -1 or 0, and crossings at least 1")
