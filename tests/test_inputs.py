@@ -187,7 +187,10 @@ def test_what_the_equations_hold_a_rate_of_may_have_corners_but_no_jumps():
     for value in (sp.Abs(time - 2), "abs(t - 2)", sp.Max(2 - time, time - 2)):
         run = vo.integrate(RATED, initial={x: 0}, times=[0, 5], inputs={tau: value})
         assert abs(run["xdot"][-1] - 1) < 1e-12
-    for value in (STEP, sp.sign(time - 2), sp.floor(time)):
+    turned = vo.integrate(RATED, initial={x: 0}, times=[0, 5], inputs={tau: sp.acos(sp.cos(time))})
+    assert abs(turned["xdot"][-1] - (2 * np.pi - 5)) < 1e-12
+    angles = sp.atan(1 / (time - 2)), sp.atan2(sp.sin(time), sp.cos(time)), sp.acot(time - 2)
+    for value in (STEP, sp.sign(time - 2), sp.floor(time), *angles):
         with pytest.raises(DefinitionError, match="a rate of 'tau', which jumps"):
             vo.integrate(RATED, initial={x: 0}, times=[0, 5], inputs={tau: value})
 

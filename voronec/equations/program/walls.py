@@ -37,6 +37,7 @@ __all__ = [
     "is_rough",
     "plain_roots",
     "radicands",
+    "wall_factors",
     "write_roots_out",
 ]
 
