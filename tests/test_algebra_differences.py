@@ -6,10 +6,12 @@ import random
 from math import isclose
 
 import pytest
+import symengine as se
 import sympy as sp
 
 import voronec as vo
 from voronec.algebra.normal import shorten
+from voronec.algebra.terms import atoms
 
 a, b, c, d, k, r = sp.symbols("a b c d k r")
 
@@ -81,3 +83,12 @@ def test_the_equations_of_a_robot_with_trailers_are_short():
     headings = {sp.Symbol(f"theta{i}") for i in range(3)}
     bare = equations.force[0].atoms(sp.sin, sp.cos)
     assert all(len(f.args[0].free_symbols & headings) == 2 for f in bare)
+
+
+def test_parts_that_sums_share_are_looked_at_once():
+    """Written out there are 2^90 of them."""
+    nest = x = se.Symbol("x")
+    for _ in range(90):
+        nest = se.sin(nest) + se.cos(nest)
+    assert len(atoms([nest], se.sin)) == 90 and atoms([nest], se.sin, se.Symbol) > {x}
+    assert atoms([nest], se.Derivative) == set()

@@ -312,16 +312,16 @@ def test_events_that_happen_more_often_than_steps_are_taken_are_all_found(method
         vo.Event(1 / (2 + sp.sin(11 * x)) - sp.Rational(1, 2), "quotient"),
     )  # fmt: skip
     run = vo.integrate(
-        free, initial={x: sp.Rational(1, 10), Dx: 1}, times=[0, 15, 30], events=events,
+        free, initial={x: sp.Rational(1, 10), Dx: 1}, times=[0, 5, 10], events=events,
         method=method, dense=True,
     )  # fmt: skip
     for name, first, step in (
         ("often", 1, np.pi / 20), ("seldom", 0.5, np.pi), ("quotient", 1, np.pi / 11),
     ):  # fmt: skip
-        truth = np.arange(first, 31 / step) * step - 0.1
+        truth = np.arange(first, 11 / step) * step - 0.1
         found = run.events[name].t.astype(float)
-        assert found == pytest.approx(truth[truth <= 30], abs=1e-9)
-    assert run["x"].astype(float) == pytest.approx([0.1, 15.1, 30.1], abs=1e-11)
+        assert found == pytest.approx(truth[truth <= 10], abs=1e-9)
+    assert run["x"].astype(float) == pytest.approx([0.1, 5.1, 10.1], abs=1e-11)
     assert float(run.at([7.25])["x"][0]) == pytest.approx(7.35, abs=1e-11)
 
 

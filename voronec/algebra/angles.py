@@ -14,7 +14,7 @@ import symengine as se
 
 from voronec.algebra.graphs import rebuild
 from voronec.algebra.normal import canonical
-from voronec.algebra.terms import summands
+from voronec.algebra.terms import atoms, summands
 
 __all__ = ["Angles", "holds_angles"]
 
@@ -24,7 +24,7 @@ MOST = 6
 
 def holds_angles(exprs: Iterable[Any]) -> bool:
     """Whether one of some symengine expressions holds an atan2."""
-    return any(e.atoms(se.atan2) for e in map(se.sympify, exprs))
+    return bool(atoms(exprs, se.atan2))
 
 
 @dataclass(frozen=True)

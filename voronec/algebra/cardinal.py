@@ -19,6 +19,7 @@ and so are the slopes of tan(w)/w, atan(w)/w and log(1 + w)/w.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import lru_cache
 from math import ceil, comb
 from typing import Any
 
@@ -208,6 +209,7 @@ def _slopes_within(factor: Any) -> Any:
     return factor
 
 
+@lru_cache(2**14)  # a sum stands in many products, of the equations and of what is made of them
 def _with_slopes(total: Any) -> Any:
     """A sum in which terms that cancel at w = 0 are slopes of quotients."""
     found = _exponential_slope(total.args)
@@ -217,14 +219,13 @@ def _with_slopes(total: Any) -> Any:
         found = _exponential_slope([part for term in total.args for part in _spread(term)])
     if found is not None:
         return found
-    left, written = [*total.args], list[Any]()
+    left, written = dict.fromkeys(total.args), list[Any]()
     for term in total.args:
-        for function, (partner, slope) in _slopes_in(term).items():
+        for function, (partner, slope) in _slopes_in(term).items() if term in left else ():
             rest = term / function
             other = -rest * partner
-            if term in left and other in left and term != other:
-                left.remove(term)
-                left.remove(other)
+            if other in left and term != other:
+                del left[term], left[other]
                 written.append(rest * slope)
                 break
     return se.Add(*left, *written) if written else total

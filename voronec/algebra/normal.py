@@ -17,6 +17,7 @@ from voronec.algebra.ring import Ring
 from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import expand_element, expression
 from voronec.algebra.stand_ins import OriginShift, StandIns
+from voronec.algebra.terms import atoms
 from voronec.errors import EngineLimit
 
 __all__ = ["canonical", "canonical_for_numbers", "quotient", "shorten", "shortest"]
@@ -94,7 +95,7 @@ def canonical_for_numbers(exprs: Sequence[Any], ground: Any) -> list[Any]:
     letters, relations = StandIns.of(exprs, ground, ground.velocities), ground.relations
     exprs = [letters.hide(e) for e in exprs]
     far = holds_far_multiples(exprs)
-    angles = sorted(set().union(*(e.atoms(*TRIGONOMETRIC) for e in exprs)), key=str) if far else []
+    angles = sorted(atoms(exprs, *TRIGONOMETRIC), key=str) if far else []
     folds = {node: se.Symbol(f"fold {i}") for i, node in enumerate(angles)}
     found = canonical([e.xreplace(folds) for e in exprs], relations)
     back = {name: node for node, name in folds.items()}

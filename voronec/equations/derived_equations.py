@@ -24,6 +24,7 @@ from voronec.algebra.precision import GENERIC
 from voronec.algebra.shape import operations
 from voronec.algebra.symbols import velocity
 from voronec.algebra.tape import Tape
+from voronec.algebra.terms import atoms
 from voronec.algebra.verdicts import all_vanish
 from voronec.declaration.system import System
 from voronec.equations.curvature import (
@@ -253,8 +254,7 @@ class DerivedEquations:
     @cached_property
     def orders(self) -> dict[str, int]:
         """The highest derivative of each input, by name, that the equations hold."""
-        exprs = map(se.sympify, self.raw.form.expressions)
-        found = set().union(*(e.atoms(se.Derivative) for e in exprs))
+        found = atoms(self.raw.form.expressions, se.Derivative)
         functions = [f for f in self.definition.inputs if any(d.args[0] == f for d in found)]
         return {
             f.get_name(): max(len(d.args) - 1 for d in found if d.args[0] == f) for f in functions

@@ -33,6 +33,7 @@ from voronec.algebra.precision import GENERIC
 from voronec.algebra.rank import independent_rows
 from voronec.algebra.symbols import plain_name, time
 from voronec.algebra.tape import Tape
+from voronec.algebra.terms import atoms
 from voronec.algebra.typeset import plain_text
 from voronec.declaration.reading import expression, quote
 from voronec.equations.derivation import Derivation
@@ -397,7 +398,7 @@ def _chain_slopes(slopes: Sequence[Any], spread: Sequence[Sequence[Any]], k: int
 
 
 def _holds(form: Any, atom: Any) -> bool:
-    return any(atom in e.atoms(type(atom)) for e in map(se.sympify, form.expressions))
+    return atom in atoms(form.expressions, type(atom))
 
 
 def _is_rational(value: Any) -> bool:

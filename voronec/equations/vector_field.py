@@ -20,6 +20,7 @@ from voronec.algebra.elimination import solve_linear
 from voronec.algebra.matrices import determinant, is_product
 from voronec.algebra.normal import canonical
 from voronec.algebra.rank import generic_rows
+from voronec.algebra.terms import atoms
 from voronec.declaration.geometry import moving_names
 from voronec.declaration.system import System
 from voronec.equations.derivation import Derivation, FirstOrderForm
@@ -114,7 +115,7 @@ class VectorField(EquationsOfMotion):
         """The same where the determinant is raised to powers only: it is nowhere zero, and has no
         branches; else spelled out."""
         named = self.read_density(expr)
-        inside = [p for p in named.atoms(se.Pow) if self.determinant == p.args[0]]
+        inside = [p for p in atoms([named], se.Pow) if self.determinant == p.args[0]]
         rest = named.xreplace(dict.fromkeys(inside, se.Integer(1)))
         return self.read(expr) if self.determinant in rest.free_symbols else named
 

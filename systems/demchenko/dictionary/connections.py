@@ -13,8 +13,6 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.memo import Memo
-
 __all__ = ["Connection", "Field"]
 
 
@@ -44,10 +42,6 @@ class Connection:
     coordinates: tuple[sp.Symbol, ...]
     lift: sp.Matrix
 
-    @cached_property
-    def _memo(self) -> Memo:
-        return Memo()
-
     @property
     def base(self) -> int:
         """n, the dimension of the base."""
@@ -69,12 +63,12 @@ class Connection:
 
     def bracket(self, i: int, j: int) -> sp.Matrix:
         """The vertical part of [h_i, h_j], i and j from 1; h_i is the lift of d/dq_i."""
+        return self._brackets[i - 1][j - 1]
 
-        def bracket() -> sp.Matrix:
-            first, second = (self.field(list(self.lift[:, x - 1])) for x in (i, j))
-            return self.vertical(first.cross(second))
-
-        return self._memo.once((i, j), bracket)
+    @cached_property
+    def _brackets(self) -> list[list[sp.Matrix]]:
+        lifts = [self.field(list(self.lift[:, k])) for k in range(self.base)]
+        return [[self.vertical(a.cross(b)) for b in lifts] for a in lifts]
 
     def curvature(self, x: Any, y: Any) -> sp.Matrix:
         """sum X_i Y_j times the vertical part of [h_i, h_j]: what A makes of [X^h, Y^h]."""

@@ -21,7 +21,7 @@ from voronec.algebra.numeric_functions import formula
 from voronec.algebra.stable import stable_all
 from voronec.algebra.stages import needed_stages
 from voronec.algebra.stand_ins import StandIns
-from voronec.algebra.terms import factors_of, summands
+from voronec.algebra.terms import atoms, factors_of, summands
 from voronec.equations.program.choices import choose_sides, holds_choices, holds_walls
 from voronec.equations.program.low_rank import (
     MassElimination,
@@ -314,7 +314,7 @@ def _replace_functions(
         return form, extras, ()
     rows = (*form.mass, form.rates, form.force, form.definitions, (*extras.values(),))
     held = [e for row in rows for e in row] + [e for _, e in (*form.stages, *form.dependent)]
-    found = set().union(*(se.sympify(e).atoms(se.FunctionSymbol, se.Derivative) for e in held))
+    found = atoms(held, se.FunctionSymbol, se.Derivative)
     symbols: dict[Any, Any] = {}
     for function in form.inputs:
         name = function.get_name()

@@ -37,7 +37,7 @@ from voronec.algebra.matrices import dot
 from voronec.algebra.normal import canonical, canonical_for_numbers, shortest
 from voronec.algebra.ring import sparse_terms
 from voronec.algebra.roots import ring_over
-from voronec.algebra.terms import rational
+from voronec.algebra.terms import atoms, rational
 from voronec.equations.program import names_into, solve_mass
 from voronec.equations.program.straight import fresh_names
 from voronec.errors import EngineLimit
@@ -178,7 +178,7 @@ def _hints(level: Level) -> bool:
     others looked at."""
     exprs = [*level.force, *(e for row in level.mass for e in row)]
     own = {*level.positions}
-    turned = (node.args[0] for e in exprs for node in e.atoms(se.sin, se.cos))
+    turned = (node.args[0] for node in atoms(exprs, se.sin, se.cos))
     return any(len(argument.free_symbols & own) > 1 for argument in turned)
 
 

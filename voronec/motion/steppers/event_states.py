@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import symengine as se
 
+from voronec.algebra.terms import atoms
 from voronec.equations.program import Block, Program
 from voronec.equations.program.jacobian import flow_derivative
 from voronec.equations.program.straight import prune
@@ -46,7 +47,7 @@ def with_parts(program: Program, block: Block) -> Program:
     except EngineLimit:
         return program
     kept = prune(moved.assignments, (*program.derivative.results, *moved.results))
-    if any(e.atoms(se.Derivative, se.Subs) for e in kept.expressions):
+    if atoms(kept.expressions, se.Derivative, se.Subs):
         return program
     return program.beside(replace(moved, assignments=kept.assignments), "part")
 

@@ -32,6 +32,7 @@ from voronec.algebra.matrices import determinant, dot
 from voronec.algebra.normal import canonical
 from voronec.algebra.rank import generic_rank
 from voronec.algebra.symbols import plain_name
+from voronec.algebra.terms import atoms
 from voronec.algebra.typeset import html_table
 from voronec.algebra.verdicts import Verdict, decide_equal, decide_zero
 from voronec.declaration.claims import Equation, Measure, right_of
@@ -656,7 +657,5 @@ def _is_spanned(
 
 def _is_differentiated(statemap: StateMap, name: str) -> bool:
     target = statemap.target
-    inner = [
-        d for e in (*target.entries, *target.relations) for d in e.atoms(se.Derivative, se.Subs)
-    ]
+    inner = atoms((*target.entries, *target.relations), se.Derivative, se.Subs)
     return any(f.get_name() == name for d in inner for f in d.atoms(se.FunctionSymbol))
