@@ -319,13 +319,16 @@ def test_roots_that_vanish_are_passed_as_by_another_method(force):
 @pytest.mark.parametrize("method", ["auto", "flint"])
 def test_a_body_at_rest_where_two_springs_meet_stays_there(method):
     """Fields that vanish at a state, no faster than in proportion to the way from it, leave it
-    nowhere; one that does faster, as sqrt|x|, may."""
-    stiff = sp.Piecewise((-x, x < 0), (-4 * x, True))
-    for force in (stiff, -(sp.Abs(x) ** sp.Rational(3, 2)) * sp.sign(x), -(x**2) * sp.sign(x) - Dx):
+    nowhere, nor do those that lead back; one that does faster, and leads on, as sqrt|x|, may."""
+    stiff, root = sp.Piecewise((-x, x < 0), (-4 * x, True)), sp.sqrt(sp.Abs(x))
+    smooth = -(root**3) * sp.sign(x), -(x**2) * sp.sign(x) - Dx
+    drag = sp.sqrt(sp.Abs(Dx))
+    for force in (stiff, *smooth, -root * sp.sign(x), -drag * sp.sign(Dx)):
         run = motion(mass_point(force), (0, 0), 1, method)
         assert run["x"][-1] == 0 == run["xdot"][-1]
-    with pytest.raises(IntegrationError, match="may leave x = 0 on either side"):
-        motion(mass_point(sp.sqrt(sp.Abs(x)) * sp.sign(x)), (0, 0), 1, method)
+    for force, place in ((root * sp.sign(x), "x"), (root, "x"), (drag, "xdot")):
+        with pytest.raises(IntegrationError, match=f"may leave {place} = 0 on either side"):
+            motion(mass_point(force), (0, 0), 1, method)
 
 
 def test_two_bodies_with_friction_between_them_stop_together_and_apart():

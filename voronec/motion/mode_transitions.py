@@ -199,12 +199,16 @@ class Crossroads:
         ]
         different = {(corner, frozenset(values.items())) for corner, values in leaving}
         names = " and ".join(map(str, met))
+        still = self._vanish(time, state, corners)
+        if met and still and self._leads_away(time, state, corners):
+            return FREE.format(names)
+        rest = self._rest_mode(time, state, met, corners) if still and leaving else None
+        if rest is not None:
+            return rest
         if len(different) == 1:
             return self._mode((leaving[0][0],), leaving[0][1], ())
         if leaving:
-            still = self._is_still(time, state, corners)
-            rest = self._rest_mode(time, state, met, corners) if still else None
-            return rest or (FREE if self.order > 0 else PAST).format(names)
+            return (FREE if self.order > 0 else PAST).format(names)
         for count in range(1, len(met) + 1):
             for along in combinations(met, count):
                 mode = self._along(time, state, met, along, corners)
@@ -472,25 +476,43 @@ class Crossroads:
         still = replace(corner, program=program, walls=(), rims=(), roots=None)
         return self._mode((still,), sides, ())
 
-    def _is_still(
+    def _vanish(
         self, time: Any, state: np.ndarray,
         corners: Mapping[tuple[int, ...], tuple[Corner, dict[Wall, int]]],
     ) -> bool:  # fmt: skip
-        """Whether the fields on all sides vanish at a state, and none faster than in proportion to
-        the way from there: then nothing leaves it, as |x'| <= L |x|."""
+        """Whether the fields on all sides vanish at a state."""
+        rates = (self._rates(c.program, sides, time, state) for c, sides in corners.values())
+        return not any(map(any, rates))
+
+    def _leads_away(
+        self, time: Any, state: np.ndarray,
+        corners: Mapping[tuple[int, ...], tuple[Corner, dict[Wall, int]]],
+    ) -> bool:  # fmt: skip
+        """Whether fields that vanish at a state do so more slowly than in proportion to the way
+        from it, and push on: else nothing leaves it, as |x'| <= L |x|, or what is beside returns.
+
+        What moves is pushed by its own rate, or, where that is none, by the rate of its rate.
+        """
+        near, far = mpmath.mpf(2) ** -40, mpmath.mpf(2) ** -20
         ways = np.vstack([np.diag(self.units), -np.diag(self.units), self.units, -self.units])
-        for corner, sides in corners.values():
-            if any(self._rates(corner.program, sides, time, state)):
-                return False
-            for way in ways:
-                near, far = (
-                    max(map(abs, self._rates(corner.program, sides, time, state + way * part)))
-                    / part
-                    for part in (mpmath.mpf(2) ** -40, mpmath.mpf(2) ** -20)
-                )
-                if near > STEEP * max(far, 1):
-                    return False
-        return True
+        for (corner, sides), way in product(corners.values(), ways):
+            beside, here = state + way * near, way / self.units**2
+            if any(
+                self._value(w, time, beside, sides) != n for w, n in sides.items() if not w.fixed
+            ):
+                continue
+
+            def rates(there: np.ndarray, corner: Any = corner, sides: Any = sides) -> Any:
+                return np.array(self._rates(corner.program, sides, time, there), dtype=object)
+
+            moved = rates(beside)
+            usual = max(abs(rates(state + way * far))) / far
+            if max(abs(moved)) / near > STEEP * max(usual, 1):
+                push = here.dot(moved)
+                later = rates(beside + moved * near**2) - moved
+                if push > 0 or (push == 0 and here.dot(later) > 0):
+                    return True
+        return False
 
     def touches(
         self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Wall, int]

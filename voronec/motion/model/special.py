@@ -10,6 +10,7 @@ import symengine as se
 
 from voronec.algebra.graphs import nodes
 from voronec.algebra.normal import canonical, canonical_for_numbers
+from voronec.algebra.signs import known_sign
 from voronec.algebra.verdicts import all_vanish
 from voronec.errors import EngineLimit
 from voronec.motion.model.level import (
@@ -54,7 +55,8 @@ def at_zero(level: Level, zeros: Collection[Any]) -> list[Any]:
     """The largest set of variables, all zero at the start, that stay at zero for ever.
 
     On it every rate vanishes identically: an invariant subspace, proved.  What a sign or a floor
-    depends on is none of them: where it is zero the rate is not that of the motions nearby.
+    depends on is none of them: where it is zero the rate is not that of the motions nearby; nor is
+    what a root makes so steep that it may leave, where all is at rest.
     """
     chosen = [x for x in level.variables if x in zeros]
     steps = _steps(level, chosen)
@@ -71,10 +73,29 @@ def at_zero(level: Level, zeros: Collection[Any]) -> list[Any]:
 
 
 def _steps(level: Level, among: list[Any]) -> set[Any]:
-    """What signs and floors in the rates depend on."""
+    """What signs and floors in the rates depend on, and roots of sizes that vanish."""
     exprs = [e for _, e in level.stages] + [*level.rates, *level.force] if among else []
-    met = (n for n in nodes(map(se.sympify, exprs)) if isinstance(n, se.sign | se.floor))
+    zero = dict.fromkeys(among, se.Integer(0))
+    at_rest = zero.keys() >= {*level.velocities}
+
+    def is_abrupt(node: Any) -> bool:
+        is_root = at_rest and isinstance(node, se.Pow)
+        return isinstance(node, se.sign | se.floor) or (is_root and _is_steep_root(node, zero))
+
+    met = filter(is_abrupt, nodes(map(se.sympify, exprs)))
     return set().union(*(n.free_symbols for n in met))
+
+
+def _is_steep_root(base: Any, zero: Mapping[Any, Any]) -> bool:
+    """Whether a power is |h|^e, of infinite slope where h vanishes."""
+    exponent, is_size = se.Integer(1), False
+    while isinstance(base, se.Abs) or (isinstance(base, se.Pow) and base.args[1].is_Number):
+        power = base.args[1] if isinstance(base, se.Pow) else se.Integer(1)
+        is_size = is_size or isinstance(base, se.Abs) or power == 2
+        base, exponent = base.args[0], exponent * power
+    if not 0 < exponent < 1 or base.xreplace(zero) != 0:
+        return False
+    return is_size or bool(2 * exponent < 1 and known_sign(base) > 0)
 
 
 def _rests(level: Level, x: Any, chosen: list[Any]) -> bool:
