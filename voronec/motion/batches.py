@@ -423,13 +423,15 @@ def _one_interval(
     lanes: Lanes, ends: np.ndarray, longest: np.ndarray, stopped: Look, headway: _LanesHeadway
 ) -> tuple[dict[int, IntegrationError], int]:
     """From one point of the grid to the next, where that takes very many steps, none longer than
-    the lane's ``longest``."""
+    the lane's ``longest`` there, which is looked for again on the way."""
     hy = heyoka()
     ta, steps = lanes.integrator, 0
     while True:
         if stopped():
             raise StopRequest
         lanes.take()
+        if longest.min() < np.inf:  # steps were short where they began, and in other units
+            longest = lanes.first_steps(ends[-1] - ta.time)
         before, begin, state = ta.time.copy(), tuple(x.copy() for x in ta.dtime), ta.state.copy()
         lanes.go_to(float(ends[-1]), longest)
         steps += sum(r[3] for r in lanes.results)
