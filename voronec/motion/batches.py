@@ -384,23 +384,22 @@ def _pieces(
         if hy.taylor_outcome.err_nf_state in outcomes or not np.isfinite(ta.state).all():
             block[:, at : end + 1] = new
             return _broken_lanes(ta, block, grid), steps
-        if outcomes & {hy.taylor_outcome.step_limit, hy.taylor_outcome.cb_stop}:
-            if piece > 1:
-                ta.set_dtime(*begin)
-                ta.state[:] = state
-                piece = max(1, piece // 8)
-                continue
+        halfway = outcomes & {hy.taylor_outcome.step_limit, hy.taylor_outcome.cb_stop}
+        if halfway and piece > 1:
+            ta.set_dtime(*begin)
+            ta.state[:] = state
+            piece = max(1, piece // 8)
+            continue
+        lanes.look_back(begin, state, limits)
+        if collapsed := headway.errors(lanes):
+            return collapsed, steps
+        if halfway:
             ends = grid[at : end + 1]
-            lanes.look_back(begin, state, limits)
             collapsed, more = _one_interval(lanes, ends, limits, stopped, headway)
             taken, steps = taken + more, steps + more
             if collapsed:
                 return collapsed, steps
             new = np.stack([block[:, at], lanes.states], axis=1)
-        else:
-            lanes.look_back(begin, state, limits)
-            if collapsed := headway.errors(lanes):
-                return collapsed, steps
         block[:, at : end + 1] = new
         at = end
         piece = max(1, min(4 * piece, int(piece * lanes.size / (PART * max(taken, 1)))))
