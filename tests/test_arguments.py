@@ -365,6 +365,38 @@ def test_what_is_nested_too_deeply_is_refused_in_one_line(read) -> None:
     assert "\n" not in str(caught.value)
 
 
+LONG = 10**5000  # Python does not print it
+
+
+class Unread(Untold):
+    def __float__(self):
+        raise RuntimeError
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        (lambda: vo.linearise(vo.derive(system()), at=5), "at = 5 is not a mapping"),
+        (lambda: vo.linearise(vo.derive(system()), at=[1]), "at = .* is not a mapping"),
+        (lambda: vo.check_catalogue(5), "names = 5 is not a tuple"),
+        (lambda: vo.check_catalogue([1]), "a name = 1 is not a text"),
+        (lambda: vo.check_catalogue(""), "there is no system ''"),
+        (lambda: vo.check_catalogue("sleigh", jobs=0), "jobs = 0 is not a number of processes"),
+        (lambda: vo.Table([0, 1], [0, 1], kind=["held"]), r"of kind '\['held'\]'; kinds are"),
+        (lambda: vo.Table([0, 1], [0, 1], kind=LONG), "kinds are"),
+        (lambda: system(essential=None), "essential = None is not a tuple"),
+        (lambda: vo.integrate(system(), initial={x: LONG}), "'x'"),
+        (lambda: vo.integrate(system(), initial={x: Unread()}), "an object of kind Unread"),
+        (lambda: vo.section(system(), LONG, crossings=1), "the plane holds a number beyond"),
+        (lambda: vo.search_integrals(system(), degree=LONG), "lower a degree"),
+    ],
+)
+def test_what_no_door_can_read_is_refused_in_one_line(call, told) -> None:
+    with pytest.raises(VoronecError, match=told) as caught:
+        call()
+    assert "\n" not in str(caught.value)
+
+
 @pytest.mark.parametrize("given", [5, None, "sleigh", system()])
 def test_what_is_linearised_are_equations(given: object) -> None:
     with pytest.raises(vo.DefinitionError, match=r"not the equations that voronec\.derive gives"):

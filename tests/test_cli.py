@@ -260,6 +260,7 @@ def test_a_system_without_scenes_runs_where_times_are_given(call: Call) -> None:
         ("--times 0:1:99999999999", "from 2 to"),
         ("--times a:b", "'a' is not a number"),
         ("--times 1:1", "the same"),
+        ("--times=-1e308:1e308:3", "no double holds"),
         ("--times 1:2:3:4", "START"),
         ("--tol 0", "--tol 0"),
         ("--tol 2", "--tol 2"),

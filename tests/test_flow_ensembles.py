@@ -387,3 +387,21 @@ def test_a_motion_that_leads_nowhere_does_not_keep_the_others_waiting() -> None:
     assert set(found.errors) == {1}
     alone = vo.integrate(vo.load("falling-disc"), initial={"theta": 0.2, "s": 1}, times=[0, 1, 3])
     assert found["theta"][0] == pytest.approx(alone["theta"], abs=1e-9)
+
+
+def test_a_long_way_is_not_refused_for_steps_that_were_not_counted(oscillator, monkeypatch):
+    """The steps before the first look seemed to lead twice as far as those after it."""
+    monkeypatch.setattr("voronec.motion.batches.LONG", 10_000)
+    end = 4e5
+    found = vo.ensemble(oscillator, starts={"x": [1.0, 2.0], "xdot": 0.0}, times=[0, end])
+    assert not found.errors and found.finished.all()
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_motion_without_a_number_has_no_drift():
+    light = vo.System(
+        "light", vo.Fibration((x,)), w * xdot**2 / 2 - x**4 / 4, parameters=(w,),
+        integrals={"energy": w * xdot**2 / 2 + x**4 / 4},
+    )  # fmt: skip
+    found = vo.ensemble(light, {x: [0.5], xdot: 0}, {w: 1e-300}, times=[0, 1])
+    assert set(found.errors) == {0} and np.isnan(found.drift["energy"]).all()

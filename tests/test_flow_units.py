@@ -274,3 +274,16 @@ def test_slow_velocities_tell_no_length_where_the_body_turns(method: str, a: flo
     speeds = v + a * w**2 * t - 1j * v * (a * v * w / J) * t**2 / 2
     place = (weights * speeds * np.exp(1j * (first + w * t))).sum() * end / 2
     assert abs(complex(run["x"][-1], run["y"][-1]) - place) < 5e-13
+
+
+@pytest.mark.filterwarnings("error")
+def test_first_steps_that_are_short_in_their_units_do_not_keep_later_ones_short() -> None:
+    """A large place and a small speed, which is soon as large, in an ensemble."""
+    x = sp.Symbol("x")
+    rate = vo.velocity(x)
+    spring = vo.System("spring", vo.Fibration((x,)), (rate**2 - x**2) / 2)
+    runs = vo.ensemble(spring, {x: [0.0, 1e60], rate: 1.0}, times=[0, 1])
+    assert runs.cost.steps < 1000 and abs(runs["x"][1, -1] / 1e60 - np.cos(1)) < 1e-12
+    free = vo.System("free", vo.Fibration((x,)), rate**2 / 2)
+    far = vo.ensemble(free, {x: [1.0, 2.0], rate: 1.0}, times=[0, 1e308])
+    assert (far["x"][:, -1] == 1e308).all()

@@ -159,7 +159,7 @@ def as_expression(thing: Any, place: str = "an expression") -> Any:
             read = sp.sympify(thing, strict=True)
             if isinstance(read, sp.Basic):
                 return read
-    except (sp.SympifyError, AttributeError, TypeError, ValueError, OverflowError):
+    except Exception:  # of SymPy, or of somebody's own class
         pass
     kind = type(thing).__name__
     raise DefinitionError(f"{place} is '{quote(thing)}' of kind {kind}; write a sympy expression")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable
 from pathlib import Path
@@ -79,6 +80,8 @@ def instants(text: str | None) -> Any:
         raise DefinitionError(f"--times {text}: give from 2 to {MOST_INSTANTS} instants")
     if start == end:
         raise DefinitionError(f"--times {text}: start and end are the same")
+    if not math.isfinite(end - start):
+        raise DefinitionError(f"--times {text}: no double holds this span; use another unit")
     return np.linspace(start, end, int(count))
 
 

@@ -230,6 +230,7 @@ class System:
         entry = "'in words': condition"
         store("possible", fixed_mapping(self.possible, "possible", entry))
         store("undecided", fixed_mapping(self.undecided, "undecided", "'claim': 'reason'"))
+        store("essential", several(self.essential, "essential", "velocity"))
         store("references", several(self.references, "references", "'Key'"))
         for name, kind, entry in (
             ("charts", Chart, "Chart(state={...}, singular=...)"),

@@ -24,7 +24,7 @@ import mpmath as mp
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.arguments import Kind, accepts
+from voronec.algebra.arguments import VALUES, Kind, accepts
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.graphs import is_atom, is_flat
 from voronec.algebra.normal import shortest
@@ -292,7 +292,8 @@ class Linearisation:
 @accepts(
     equations=Kind(
         "the equations that voronec.derive gives", lambda x: isinstance(x, DerivedEquations)
-    )
+    ),
+    at=VALUES,
 )
 def linearise(equations: DerivedEquations, at: Mapping[Any, Any] | None = None) -> Linearisation:
     """The equations of motion to first order about a point or a motion: exact A and B.

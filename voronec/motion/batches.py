@@ -384,23 +384,22 @@ def _pieces(
         if hy.taylor_outcome.err_nf_state in outcomes or not np.isfinite(ta.state).all():
             block[:, at : end + 1] = new
             return _broken_lanes(ta, block, grid), steps
-        if outcomes & {hy.taylor_outcome.step_limit, hy.taylor_outcome.cb_stop}:
-            if piece > 1:
-                ta.set_dtime(*begin)
-                ta.state[:] = state
-                piece = max(1, piece // 8)
-                continue
+        halfway = outcomes & {hy.taylor_outcome.step_limit, hy.taylor_outcome.cb_stop}
+        if halfway and piece > 1:
+            ta.set_dtime(*begin)
+            ta.state[:] = state
+            piece = max(1, piece // 8)
+            continue
+        lanes.look_back(begin, state, limits)
+        if collapsed := headway.errors(lanes):
+            return collapsed, steps
+        if halfway:
             ends = grid[at : end + 1]
-            lanes.look_back(begin, state, limits)
             collapsed, more = _one_interval(lanes, ends, limits, stopped, headway)
             taken, steps = taken + more, steps + more
             if collapsed:
                 return collapsed, steps
             new = np.stack([block[:, at], lanes.states], axis=1)
-        else:
-            lanes.look_back(begin, state, limits)
-            if collapsed := headway.errors(lanes):
-                return collapsed, steps
         block[:, at : end + 1] = new
         at = end
         piece = max(1, min(4 * piece, int(piece * lanes.size / (PART * max(taken, 1)))))
@@ -423,13 +422,15 @@ def _one_interval(
     lanes: Lanes, ends: np.ndarray, longest: np.ndarray, stopped: Look, headway: _LanesHeadway
 ) -> tuple[dict[int, IntegrationError], int]:
     """From one point of the grid to the next, where that takes very many steps, none longer than
-    the lane's ``longest``."""
+    the lane's ``longest`` there, which is looked for again on the way."""
     hy = heyoka()
     ta, steps = lanes.integrator, 0
     while True:
         if stopped():
             raise StopRequest
         lanes.take()
+        if longest.min() < np.inf:  # steps were short where they began, and in other units
+            longest = lanes.first_steps(ends[-1] - ta.time)
         before, begin, state = ta.time.copy(), tuple(x.copy() for x in ta.dtime), ta.state.copy()
         lanes.go_to(float(ends[-1]), longest)
         steps += sum(r[3] for r in lanes.results)

@@ -327,8 +327,8 @@ class _ResultRows:
         for name, array in self.changes.items():
             along_motion = found[f"integral {name}"]
             self.first[name][where] = along_motion[:, 0]
-            # a motion that failed has numbers up to there, the first one in any case
-            array[where] = np.nanmax(np.abs(along_motion - along_motion[:, :1]), axis=1)
+            # a motion that failed has numbers up to there, if any
+            array[where] = np.fmax.reduce(np.abs(along_motion - along_motion[:, :1]), axis=1)
         self.errors.update({int(where[i]): error for i, error in failed.items()})
         self.finished[[int(i) for i in where if int(i) not in self.errors]] = True
 

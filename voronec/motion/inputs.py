@@ -365,9 +365,9 @@ class Table:
     kind: str = "linear"
 
     def __post_init__(self) -> None:
-        if self.kind not in DEGREES:
+        if not isinstance(self.kind, str) or self.kind not in DEGREES:
             raise DefinitionError(
-                f"a table is of kind '{self.kind}'; kinds are {', '.join(DEGREES)}"
+                f"a table is of kind '{quote(self.kind)}'; kinds are {', '.join(DEGREES)}"
             )
         times = doubles(self.times, "the times of a table")
         values = doubles(self.values, "the values of a table")

@@ -96,10 +96,10 @@ class StartData:
 
 def _spelling(value: Any) -> Hashable | None:
     """A number or a formula, told from all others; None for what may change, or is none."""
-    if type(value) in (int, float, str, np.float64):
+    if type(value) in (float, str, np.float64):
         return type(value).__name__, repr(value)  # zeros differ in sign
     # equal numbers of SymPy may differ in their precision
-    exact = isinstance(value, sp.Expr) and not value.has(sp.Float)
+    exact = type(value) is int or (isinstance(value, sp.Expr) and not value.has(sp.Float))
     return (type(value).__name__, value) if exact else None
 
 
@@ -116,7 +116,7 @@ def quantity(vocabulary: Vocabulary, key: Any, role: str = "output") -> tuple[st
     if isinstance(key, str):
         name = vocabulary.name(key, known, role)
         return name, as_expression(known[name])
-    given = as_expression(key)
+    given = expression(key, f"system '{system.name}': the {role}")
     expr = given.xreplace(vocabulary.inputs)
     meaning = {}
     for symbol in sorted(expr.free_symbols, key=str):

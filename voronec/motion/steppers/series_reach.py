@@ -297,7 +297,8 @@ def overlong_lanes(
     cut = np.fmax(np.abs(integrator.last_h), span - (taken - 1) * longest)
     longest = np.where(taken > 1, np.fmax(longest, cut), longest)
     others = (span - longest) / np.maximum(taken - 1, 1)
-    usual = others * np.where(taken > BRIEF, stride, np.minimum(stride, BRIEF_STRIDE))
+    with np.errstate(over="ignore"):
+        usual = others * np.where(taken > BRIEF, stride, np.minimum(stride, BRIEF_STRIDE))
     found = np.zeros(len(span), dtype=bool)
     suspect = (taken > 1) & (longest > usual)
     if not suspect.any() or not np.isfinite(integrator.state).all():

@@ -398,6 +398,16 @@ def _wrong_square(square: Square, known: Mapping[str, _Declaration]) -> str:
     return ""
 
 
+def names_read(place: str, names: Iterable[str]) -> tuple[str, ...]:
+    """Names of systems, or one of them, as the function ``place`` was given them."""
+    from voronec.declaration.reading import several
+
+    read = several(names, "names", "name")
+    for name in read:
+        require(place, "a name", name, TEXT)
+    return read
+
+
 @accepts(names=SEVERAL)
 def graph(names: Iterable[str] = ()) -> Any:
     """The systems of the catalogue and their relations, as a networkx ``MultiDiGraph``.
@@ -405,11 +415,7 @@ def graph(names: Iterable[str] = ()) -> Any:
     An edge is keyed by the label of its relation, which is its attribute ``relation``.  ``names``
     keeps these systems and what stands in a relation with one of them.
     """
-    from voronec.declaration.reading import several
-
-    names = several(names, "names", "name")
-    for name in names:
-        require("graph", "a name", name, TEXT)
+    names = names_read("graph", names)
     stock = Inventory.of()
     chosen = {stock.entry(name).name for name in names}
     found = around(stock.graph, chosen) if chosen else stock.graph

@@ -14,9 +14,9 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from voronec.algebra.arguments import accepts
+from voronec.algebra.arguments import CALLABLE, COUNT, SEVERAL, Kind, accepts
 from voronec.errors import DefinitionError, quote
-from voronec.proof.check.inventory import Inventory, Trouble
+from voronec.proof.check.inventory import Inventory, Trouble, names_read
 from voronec.proof.check.record import Finding, Report, Result, mark_as_known
 from voronec.proof.check.unit import Unit, units_of
 from voronec.proof.verdict_store import Store
@@ -185,7 +185,12 @@ def known_results(stock: Inventory, names: Iterable[str] = ()) -> list[Result]:
     return [*_known(store, {u: u.key(files) for u in units_of(stock, [*names])}).values()]
 
 
-@accepts()
+@accepts(
+    names=SEVERAL,
+    stock=Kind("an inventory", lambda x: isinstance(x, Inventory), optional=True),
+    jobs=Kind("a number of processes", lambda x: COUNT.holds(x) and x > 0, optional=True),
+    progress=CALLABLE,
+)
 def check_catalogue(
     names: Sequence[str] = (),
     stock: Inventory | None = None,
@@ -205,6 +210,7 @@ def check_catalogue(
     Ctrl-C ends the check: the report then holds what is done and is marked ``stopped``.
     """
     begun = perf_counter()
+    names = names_read("check_catalogue", names)
     stock = Inventory.of() if stock is None else stock
     units = units_of(stock, names)
     files: dict[str, tuple[Path, ...]] = {}

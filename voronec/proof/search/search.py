@@ -264,7 +264,8 @@ def _classes(question: Question, limit: int) -> list[Array]:
     ansatz = question.ansatz
     if ansatz.count() > ENUMERATION * limit:
         raise EngineLimit(
-            f"the ansatz has {ansatz.count()} monomials; lower a degree, or leave letters out"
+            f"the ansatz has {quote(ansatz.count())} monomials; lower a degree, or leave letters "
+            "out"
         )
     exponents = ansatz.exponents()
     labels = Gradings(question.field, [x.value for x in ansatz.letters]).classes(exponents)
