@@ -137,6 +137,7 @@ def _report(found: Section, scene: str | None, files: list[Path], as_json: bool)
             "points": len(found), "starts": len(found.ends), "points_per_second": rate,
             "near_tangent": int(found.near_tangent.sum()), "touches": len(found.touches),
             "ends": list(found.ends), "errors": {str(i): str(e) for i, e in found.errors.items()},
+            "notes": {str(i): list(notes) for i, notes in found.notes.items()},
             "drift": drift, "level": found.level, "interrupted": found.interrupted,
             "method": cost.method, "reason": cost.reason, "tolerance": cost.tolerance,
             "setup_seconds": cost.setup, "run_seconds": cost.run, "steps": cost.steps,
@@ -158,8 +159,9 @@ def _report(found: Section, scene: str | None, files: list[Path], as_json: bool)
     if found.touches:
         print(f"{len(found.touches)} times a motion touched the surface and turned back")
     short = [[f"start {i}", end] for i, end in enumerate(found.ends) if end != "complete"]
+    short += [[f"start {i}", note] for i, notes in found.notes.items() for note in notes]
     for line in columns(short[:LONGEST_LIST]):
         print(line)
     if len(short) > LONGEST_LIST:
-        print(f"and {len(short) - LONGEST_LIST} further starts that are not complete")
+        print(f"and {len(short) - LONGEST_LIST} further lines of starts")
     print("wrote " + ", ".join(str(f) for f in files))

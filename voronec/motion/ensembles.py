@@ -58,8 +58,8 @@ class Ensemble:
     among ``outputs``.  What was not computed is not a number: a motion that failed keeps what came
     before, and ``errors`` tells by its position why it failed; one that the run did not come to is
     missing in ``finished``, of shape (starts,).  ``parameters`` are arrays (starts,).  ``notes``
-    has by position what is to be said of motions that were integrated alone, as in ``Trajectory``:
-    of those that passed a pole of their coordinates.
+    has by position what is to be said of motions, as in ``Trajectory``: that they passed a pole of
+    their coordinates, or that an integral drifts that is only claimed.
 
     ``drift`` maps each integral that the equations in use can express to its largest change
     along each motion, (starts,), relative to its start there; where it starts at zero, relative
@@ -526,8 +526,9 @@ def _fill_judgements(
         failed |= {int(at) + i: error for i, error in errors.items()}
     values, each = filled.motions.values[where], steps / len(where)
     smooth = filled.switched is None  # else the equations have more than one right side
-    breaches = filled.judge.breaches(filled.grid, rows, values, each) if smooth else {}
-    for i, breach in breaches.items():
+    judged = filled.judge.breaches(filled.grid, rows, values, each) if smooth else ({}, {})
+    filled.notes.update((int(where[i]), notes) for i, notes in judged[1].items())
+    for i, breach in judged[0].items():
         time, state = float(filled.grid[breach.row]), rows[i, breach.row].copy()
         failed[i] = IntegrationError(f"{breach.what} after t = {time:.12g}", time, state)
         rows[i, breach.row + 1 :] = np.nan

@@ -264,6 +264,7 @@ class DrivenPassages:
     fastest: list[float] = field(default_factory=list)
     ends: list[str] = field(default_factory=list)
     errors: dict[int, VoronecError] = field(default_factory=dict)
+    notes: dict[int, tuple[str, ...]] = field(default_factory=dict)
     drift: dict[str, list[float]] = field(default_factory=dict)
     cost: Cost | None = None
     steps: int = 0
@@ -341,6 +342,8 @@ def _note(
     found.ends.append("complete" if count == crossings else end)
     found.cost = run.cost
     found.steps += run.cost.steps
+    if run.notes:
+        found.notes[i] = run.notes
     for name, drift in run.drift.items():
         found.drift.setdefault(name, []).append(float(drift))
 
@@ -396,6 +399,8 @@ def _pass_alone(
             raise KeyboardInterrupt
         span *= LONGER
     del passages.errors[i]
+    if run.notes:
+        passages.notes[i] = run.notes
     passed, passages.parts[i] = run.events[PLANE], []
     passages.count[i], passages.idle[i] = 0, run.cost.steps
     t = np.asarray(passed.t, dtype=float)

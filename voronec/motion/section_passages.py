@@ -357,6 +357,7 @@ class SectionPassages:
     parts: dict[int, list[tuple[np.ndarray, np.ndarray, np.ndarray]]]
     touches: list[tuple[int, float]] = field(default_factory=list)
     errors: dict[int, VoronecError] = field(default_factory=dict)
+    notes: dict[int, tuple[str, ...]] = field(default_factory=dict)
     steps: list[int] = field(default_factory=lambda: [0])
     interrupted: list[bool] = field(default_factory=lambda: [False])
 

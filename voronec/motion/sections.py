@@ -8,7 +8,7 @@ are events on the way.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from time import perf_counter
 from types import MappingProxyType
@@ -257,7 +257,8 @@ class Section:
     came to the surface and turned back.
 
     ``ends`` says of each start how it ended: ``complete``, ``stopped by hand``, ``no more
-    crossings up to t = ...`` or ``failed``; ``errors`` has the failures by position.
+    crossings up to t = ...`` or ``failed``; ``errors`` has the failures by position, ``notes`` what
+    is to be said of motions, as in ``Ensemble``.
     ``drift`` maps the integrals that the equations in use can express to their largest change up to
     the last point, (starts,), relative as in ``Ensemble``; ``level`` names the variables of these
     equations.
@@ -281,6 +282,7 @@ class Section:
     level: str
     cost: Cost
     interrupted: bool = False
+    notes: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
 
     def __getitem__(self, key: Any) -> np.ndarray:
         name = held_name(key, self.outputs, "the section holds")
@@ -507,8 +509,10 @@ def _cut_unsound(motions: Many, passages: SectionPassages, cost: Cost) -> None:
             continue
         t = np.concatenate([[motions.time], *(part[0] for part in passages.parts[i])])
         states = np.vstack([motions.states[i], *(part[1] for part in passages.parts[i])])
-        found = judge.losses(t[None], states[None], motions.values[i][None], steps)
-        breach = min((b for _, b in found), key=lambda b: b.row, default=None)
+        found = [b for _, b in judge.losses(t[None], states[None], motions.values[i][None], steps)]
+        if notes := [b.what for b in found if b.claim]:
+            passages.notes[i] = (*passages.notes.get(i, ()), *notes)
+        breach = min((b for b in found if not b.claim), key=lambda b: b.row, default=None)
         if breach is not None:
             time = float(t[breach.row])
             passages.cut(i, breach.row)
@@ -547,6 +551,7 @@ def _section(
         level=motions.ground.level,
         cost=cost,
         interrupted=passages.interrupted[0],
+        notes=MappingProxyType(passages.notes),
     )
 
 
@@ -585,6 +590,7 @@ def _driven_section(
         level=found.cost.level,
         cost=replace(found.cost, steps=found.steps),
         interrupted=found.interrupted,
+        notes=MappingProxyType(found.notes),
     )
 
 

@@ -227,10 +227,19 @@ SLOPE = 6e-6
 
 @dataclass(frozen=True)
 class Breach:
-    """What went wrong, in words, and the last row of the grid before it was seen."""
+    """What went wrong, in words, and the last row of the grid before it was seen; what is wrong of
+    a ``claim`` alone is only to be told."""
 
     what: str
     row: int
+    claim: bool = False
+
+
+CLAIMED = "is only claimed"
+
+
+def _drift_note(name: str, why: str, time: float, amount: str) -> str:
+    return f"the integral '{name}' {why}, and drifts: at t = {time:.6g} it has changed {amount}"
 
 
 @dataclass(frozen=True)
@@ -298,11 +307,8 @@ class Judge:
             elif self._is_certain(name):
                 breaches.append(Breach(f"the integral '{name}' drifts {amount}", int(rows[i - 1])))
             else:
-                why = "jumps with the forces" if self.jumping else "is only claimed"
-                notes.append(
-                    f"the integral '{name}' {why}, and drifts: at t = {t[rows[i]]:.6g} "
-                    f"it has changed {amount}"
-                )
+                why = "jumps with the forces" if self.jumping else CLAIMED
+                notes.append(_drift_note(name, why, t[rows[i]], amount))
         return breaches, tuple(notes)
 
     def _is_certain(self, name: str) -> bool:
@@ -511,14 +517,16 @@ class JudgeOfMany:
 
     def breaches(
         self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float
-    ) -> dict[int, Breach]:
-        """What went wrong with which motion: states (m, k, n) at ``t`` (k,), parameters (m, p);
-        each took so many steps."""
-        found = self._disobedient(t, states, values, steps)
+    ) -> tuple[dict[int, Breach], dict[int, tuple[str, ...]]]:
+        """What went wrong with which motion, and what is to be said of mere claims: states
+        (m, k, n) at ``t`` (k,), parameters (m, p); each took so many steps."""
+        found, notes = self._disobedient(t, states, values, steps), dict[int, tuple[str, ...]]()
         for i, breach in self.losses(np.broadcast_to(t, states.shape[:2]), states, values, steps):
-            if i not in found or breach.row < found[i].row:
+            if breach.claim:
+                notes[i] = (*notes.get(i, ()), breach.what)
+            elif i not in found or breach.row < found[i].row:
                 found[i] = breach
-        return found
+        return found, notes
 
     def losses(
         self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float
@@ -554,10 +562,12 @@ class JudgeOfMany:
         lost = ConservedQuantities({name: (key, key)}, extras).losses(
             t, states, self.tol, int(steps)
         )
-        if name not in lost or not self._is_proved(name):
+        if name not in lost:
             return None
         row, change, allowed = lost[name]
         amount = f"by {change:.2g}, where the tolerance allows {allowed:.2g}"
+        if not self._is_proved(name):
+            return Breach(_drift_note(name, CLAIMED, t[row], amount), row, claim=True)
         return Breach(f"the integral '{name}' drifts {amount}", row - 1)
 
     def _is_proved(self, name: str) -> bool:

@@ -188,6 +188,7 @@ def known_results(stock: Inventory, names: Iterable[str] = ()) -> list[Result]:
 @accepts(
     names=SEVERAL,
     stock=Kind("an inventory", lambda x: isinstance(x, Inventory), optional=True),
+    store=Kind("a store of verdicts", lambda x: isinstance(x, Store), optional=True),
     jobs=Kind("a number of processes", lambda x: COUNT.holds(x) and x > 0, optional=True),
     progress=CALLABLE,
 )
