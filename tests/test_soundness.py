@@ -174,24 +174,24 @@ def test_a_tolerance_that_was_not_taken_is_told() -> None:
     assert held.notes == ()
 
 
-def test_claims_that_drift_are_told_of_many_motions(method: str = "scipy") -> None:
+def test_claims_that_drift_are_told_of_many_motions() -> None:
     """Of an ensemble, of a section in lanes, and of one that is followed by ``integrate``."""
     dot, u = vo.velocity(x), sp.Symbol("u")
     energy = dot**2 / 2 + x**2 / 2
     system = dataclasses.replace(OSCILLATOR, integrals={"energy": energy, "false": x + 2 * dot})
     starts = {x: np.array([1.0, 2.0])}
-    many = vo.ensemble(system, times=GRID, starts=starts, method=method)
-    passed = vo.section(system, plane="x", starts=starts, crossings=3, method=method)
+    many = vo.ensemble(system, times=GRID, starts=starts, method="scipy")
+    passed = vo.section(system, plane="x", starts=starts, crossings=3, method="scipy")
     driven = dataclasses.replace(system, forces={x: u}, inputs=(u,))
     table = vo.Table([0, 30], [0, 0])
     followed = vo.section(
-        driven, plane="x", starts=starts, crossings=3, until=20, method=method, inputs={u: table}
+        driven, plane="x", starts=starts, crossings=3, until=20, method="scipy", inputs={u: table}
     )
     for found in (many, passed, followed):
         assert {*found.notes} == {0, 1} and not found.errors
         assert all(any("'false' is only claimed, and drifts: at t = " in note for note in notes)
                    for notes in found.notes.values())  # fmt: skip
-    assert not vo.ensemble(OSCILLATOR, times=GRID, starts=starts, method=method).notes
+    assert not vo.ensemble(OSCILLATOR, times=GRID, starts=starts, method="scipy").notes
 
 
 def test_a_lost_integral_ends_a_run(monkeypatch: pytest.MonkeyPatch) -> None:

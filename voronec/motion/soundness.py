@@ -235,7 +235,7 @@ class Breach:
     claim: bool = False
 
 
-CLAIMED = "is only claimed"
+MERE_CLAIM = "is only claimed"
 
 
 def _drift_note(name: str, why: str, time: float, amount: str) -> str:
@@ -307,7 +307,7 @@ class Judge:
             elif self._is_certain(name):
                 breaches.append(Breach(f"the integral '{name}' drifts {amount}", int(rows[i - 1])))
             else:
-                why = "jumps with the forces" if self.jumping else CLAIMED
+                why = "jumps with the forces" if self.jumping else MERE_CLAIM
                 notes.append(_drift_note(name, why, t[rows[i]], amount))
         return breaches, tuple(notes)
 
@@ -567,7 +567,7 @@ class JudgeOfMany:
         row, change, allowed = lost[name]
         amount = f"by {change:.2g}, where the tolerance allows {allowed:.2g}"
         if not self._is_proved(name):
-            return Breach(_drift_note(name, CLAIMED, t[row], amount), row, claim=True)
+            return Breach(_drift_note(name, MERE_CLAIM, t[row], amount), row, claim=True)
         return Breach(f"the integral '{name}' drifts {amount}", row - 1)
 
     def _is_proved(self, name: str) -> bool:
