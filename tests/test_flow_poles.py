@@ -490,3 +490,25 @@ def test_motions_of_an_ensemble_that_tip_over_a_pole_say_so() -> None:
     found = vo.ensemble(vo.load("ellipsoid-on-plane"), starts, times=[0, 1])
     assert [*found.notes] == [0] and found.finished.all() and not found.errors
     assert "at t = 0.363152379" in found.notes[0][0]
+
+
+def test_angles_that_only_events_hold_keep_their_unit():
+    """phi is 5e-18 in the chart beyond the pole: heyoka had it in such units."""
+    rates = {"phidot": -0.6521612371516327, "thetadot": -0.6685498945274808}
+    rates["psidot"] = rates["phidot"]
+    start = {"phi": 0.043686266005180885, "theta": np.pi, "psi": np.pi / 2, **rates}
+    asked = {"initial": start, "times": [0, 1], "outputs": ("gamma1", "gamma2", "omega1")}
+    runs = [vo.integrate(vo.load("suslov"), method=m, **asked) for m in ("auto", "scipy")]
+    assert all(abs(runs[0][k][-1] - runs[1][k][-1]) < 1e-11 for k in runs[0].outputs)
+    assert abs(runs[0]["gamma2"][-1]) > 0.05
+
+
+def test_velocities_at_a_pole_are_not_lost_beside_rates_without_bound():
+    """n = phidot + psidot cos(theta); the plate turns, so phidot has terms of 1e15."""
+    start = {"theta": np.pi, "phi": -0.6, "psi": 0.5, "x": 0.8, "phidot": 0.75, "psidot": 0.78125}
+    rates = {"thetadot": 0.1, "xdot": -0.2, "ydot": 0.7}
+    run = vo.integrate(
+        vo.load("ball-on-turntable"), initial=start | rates, times=[0, 1], outputs=("n",),
+        project=True,
+    )  # fmt: skip
+    assert abs(run["n"][0] + 0.03125) < 1e-12

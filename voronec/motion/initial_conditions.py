@@ -24,6 +24,7 @@ from voronec.declaration.system import require_possible
 from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError
 from voronec.motion.request import Vocabulary, name_values, number
+from voronec.motion.tolerances import UNIT
 
 if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
@@ -291,8 +292,11 @@ def meet_conditions(
     result[involved] = np.linalg.solve(rows[chosen][:, involved], right[chosen])
     for name in set(own) & set(order):
         result[own.index(name)] = conditions[name]
-    excess = rows @ result - right
-    if np.abs(excess).max() <= CONSISTENT * (1.0 + max(map(abs, conditions.values()))):
+    excess, usual = rows @ result - right, 1.0 + max(map(abs, conditions.values()))
+    size = np.abs(rows) @ np.abs(result) + np.abs(right)
+    if UNIT * size.max() > CONSISTENT * usual:  # what is given is rounding beside such rates
+        raise NoFrame(NO_VELOCITIES.format(vocabulary.equations.system.name))
+    if np.abs(excess).max() <= CONSISTENT * usual:
         return result, []
     if not project:
         raise _inconsistent(vocabulary, order, conditions, excess)

@@ -275,7 +275,7 @@ class TurnCount:
         self.small = np.array(sorted(small), dtype=int)
         self.others = np.array([i for i in range(len(self.units)) if i not in small], dtype=int)
         self.bounds, self.peaks = np.ones(self.units.shape), np.ones(self.units.shape)
-        self.measure(self.units.copy())
+        self.measure(self.units)
 
     @classmethod
     def of(
@@ -307,7 +307,10 @@ class TurnCount:
         self.high[..., which] = self.low[..., which] = 0.0
 
     def measure(self, units: np.ndarray, which: Any = slice(None)) -> None:
-        """Measure states, or those of some lanes, in other units."""
+        """Measure states, or those of some lanes, in other units; angles that only functions of
+        events hold, which units of a program know nothing of, stay as they are."""
+        units = units.copy()
+        units[self.angles] = 1.0
         for sums in (self.high, self.low):
             sums[..., which] = sums[..., which] * self.units[..., which] / units
         self.units[..., which], self.peaks[..., which] = units, 1.0
