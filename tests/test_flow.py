@@ -307,7 +307,7 @@ def test_relations_are_checked_at_the_start_and_watched() -> None:
             {"method": "euler"},
             "no method 'euler'; methods are auto, heyoka, scipy, numba, c, python, lsoda, flint",
         ),
-        ({"tol": 0}, "tol = 0.0 must lie between"),
+        ({"tol": 0}, "tol = 0 is not a number between 0 and 1"),
     ],
 )
 def test_mistakes_are_named(mistake: dict[str, Any], message: str) -> None:
