@@ -326,6 +326,9 @@ def test_a_body_at_rest_where_two_springs_meet_stays_there(method):
     for force in (stiff, *smooth, -root * sp.sign(x), -drag * sp.sign(Dx)):
         run = motion(mass_point(force), (0, 0), 1, method)
         assert run["x"][-1] == 0 == run["xdot"][-1]
+    late = sp.Heaviside(vo.time - 3)  # what sets in later is not forgotten
+    with pytest.raises(IntegrationError, match="may leave x = 0 on either side"):
+        motion(mass_point(stiff + late), (0, 0), 4, method)
     for force, place in ((root * sp.sign(x), "x"), (root, "x"), (drag, "xdot")):
         with pytest.raises(IntegrationError, match=f"may leave {place} = 0 on either side"):
             motion(mass_point(force), (0, 0), 1, method)

@@ -202,13 +202,11 @@ class Crossroads:
         still = self._vanish(time, state, corners)
         if met and still and self._leads_away(time, state, corners):
             return FREE.format(names)
-        rest = self._rest_mode(time, state, met, corners) if still and leaving else None
-        if rest is not None:
-            return rest
         if len(different) == 1:
             return self._mode((leaving[0][0],), leaving[0][1], ())
         if leaving:
-            return (FREE if self.order > 0 else PAST).format(names)
+            rest = self._rest_mode(time, state, met, corners) if still else None
+            return rest or (FREE if self.order > 0 else PAST).format(names)
         for count in range(1, len(met) + 1):
             for along in combinations(met, count):
                 mode = self._along(time, state, met, along, corners)
@@ -457,10 +455,10 @@ class Crossroads:
         """The state of rest, where the fields on the sides cancel and hold no time."""
         rows = []
         for corner, sides in corners.values():
-            held = corner.program.derivative.symbols
-            if corner.program.time in held or any(
-                s.wall.function.has(corner.program.time) for s in met
-            ):
+            clock, walls = corner.program.time, (*corner.walls, *(s.wall for s in met))
+            if clock in corner.program.derivative.symbols or self.problem.changing is not None:
+                return None
+            if any(w.function.has(clock) for w in walls):  # something may set in later
                 return None
             rows.append([float(x) for x in self._rates(corner.program, sides, time, state)])
         from scipy.optimize import nnls
