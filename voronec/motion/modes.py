@@ -170,11 +170,14 @@ class Modes:
         friction while there is no load: they hold nothing, and nothing is to be decided there."""
         exprs = [*self.form.expressions, *self.functions.values()]
         found = [change(se.sympify(e)) for e in exprs]
+        again = replace(change, walls={}, radicands={}, _known={})
+        for expr in found:
+            again(expr)  # what only keeps a step from going over it is met once more
         met = (n.args[0] for n in nodes(map(se.sympify, exprs)) if isinstance(n, se.sign | se.Abs))
         signs = {f for g in met for f in (g, *factors_of(g))}
         idle: list[Wall] = []
-        # others keep a step from going over what it does not see
-        loose = [w for w in asked if not w.fixed and {w.function, -w.function} & signs]
+        alone = (w for w in asked if not (w.fixed or w in again.walls))
+        loose = [w for w in alone if {w.function, -w.function} & signs]
         for wall in loose if len(asked) > 1 else ():
             turned = [{wall, *kept} for n in range(len(idle) + 1) for kept in combinations(idle, n)]
             if len(idle) < MOST_IDLE and all(
