@@ -168,6 +168,8 @@ class Modes:
     def _idle_walls(self, change: Sides, asked: Mapping[Wall, int]) -> list[Wall]:
         """The walls of signs on both sides of which everything is the same, as it is at that of
         friction while there is no load: they hold nothing, and nothing is to be decided there."""
+        if len(asked) < 2:  # a wall is idle beside others alone
+            return []
         exprs = [*self.form.expressions, *self.functions.values()]
         found = [change(se.sympify(e)) for e in exprs]
         again = replace(change, walls={}, radicands={}, _known={})
@@ -178,7 +180,7 @@ class Modes:
         idle: list[Wall] = []
         alone = (w for w in asked if not (w.fixed or w in again.walls))
         loose = [w for w in alone if {w.function, -w.function} & signs]
-        for wall in loose if len(asked) > 1 else ():
+        for wall in loose:
             turned = [{wall, *kept} for n in range(len(idle) + 1) for kept in combinations(idle, n)]
             if len(idle) < MOST_IDLE and all(
                 self._is_same(exprs, found, change, asked, walls) for walls in turned
