@@ -153,7 +153,7 @@ def corrupted(monkeypatch: pytest.MonkeyPatch, time: float, jump: np.ndarray) ->
     def wrong(self: Any) -> Any:
         before = self.t
         message = step(self)
-        if before < time <= self.t and not done:
+        if min(before, self.t) < time <= max(before, self.t) and not done:
             done.append(self.t)
             self.y = self.y + jump
             self.f = self.fun(self.t, self.y)
@@ -223,6 +223,21 @@ def test_an_integral_that_begins_without_a_value_is_followed(
     corrupted(monkeypatch, 4.0, np.array([1e-6, 0.0]))
     with pytest.raises(vo.IntegrationError, match="the integral 'ratio' drifts by"):
         vo.integrate(system, times=GRID, initial=start, method="scipy")
+
+
+@pytest.mark.parametrize("times", [[0, 10], [0, 3, 10], [20, 10]])
+def test_a_coarse_grid_is_looked_at_between_its_instants(
+    monkeypatch: pytest.MonkeyPatch, times: list[float]
+) -> None:
+    """Before some of them, in windows that resolve the motion; nobody sees those."""
+    good = vo.integrate(OSCILLATOR, times=times, initial={x: 1}, method="scipy")
+    assert good.t.tolist() == times
+    assert np.abs(good["x"] - np.cos(good.t - times[0])).max() < 1e-11
+    late = 9.9 if times[0] == 0 else 10.1
+    corrupted(monkeypatch, late, np.array([0.0, 1e-4]))
+    with pytest.raises(vo.IntegrationError, match="do not obey the equations") as caught:
+        vo.integrate(OSCILLATOR, times=times, initial={x: 1}, method="scipy")
+    assert caught.value.trajectory.t.tolist() == times[:-1]
 
 
 def test_states_that_do_not_obey_the_equations_end_a_run(monkeypatch: pytest.MonkeyPatch) -> None:

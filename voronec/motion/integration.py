@@ -55,7 +55,13 @@ from voronec.motion.singular_coordinates import (
     PoleGuard,
     PoleNotes,
 )
-from voronec.motion.soundness import Breach, Judge, Untold, require_branches
+from voronec.motion.soundness import (
+    Breach,
+    Judge,
+    LookGrid,
+    Untold,
+    require_branches,
+)
 from voronec.motion.split_models import divisor_program
 from voronec.motion.split_stepper import SplitRun
 from voronec.motion.state_probe import StateProbe, quantities
@@ -403,8 +409,10 @@ class _Job:
             stepper, chosen = switched.stepper, switched.chosen
         else:
             stepper, chosen = self._smooth(method, *seen)
+        plain = switched is not None or is_exact(method, self.tol)
+        looks = LookGrid(self.grid) if plain else LookGrid.of(problem, self.grid)
         ready, busy = perf_counter(), process_time()
-        run = stepper(self.grid)
+        run = stepper(looks.whole)
         run = run if notes is None else notes.with_notes(run)
         if watched:
             run = without_guards(run, watched, self.vocabulary)
@@ -415,13 +423,13 @@ class _Job:
             run=perf_counter() - ready - run.prepared, cpu=process_time() - busy,
             steps=run.steps, evaluations=run.evaluations, switches=run.switches, level=made.level,
         )  # fmt: skip
-        trajectory, halt = self._outcome(run, values, cost, switched is None)
+        trajectory, halt = self._outcome(run, values, cost, switched is None, looks)
         if halt is not None:
             raise probe.failure(state, halt, trajectory)
         return trajectory
 
     def _outcome(
-        self, run: Run, values: Sequence[float], cost: Cost, smooth: bool
+        self, run: Run, values: Sequence[float], cost: Cost, smooth: bool, looks: LookGrid
     ) -> tuple[Trajectory, Halt | None]:
         """The motion of a run as far as it is sound, and what ended it before its end."""
         sight = self._sight(run, values, cost)
@@ -429,10 +437,11 @@ class _Job:
         trajectory = replace(sight.trajectory(run), notes=told)
         if run.halt is None and not run.interrupted:
             require_branches(trajectory, self.made.watch.branches, run)
-        breach, notes = self.judge(trajectory, run, values, smooth)
+        breach, notes = self.judge(trajectory, run, values, smooth, looks.ends)
         if breach is not None:
             run = run.until(breach.row, breach.what)
-            trajectory = replace(sight.trajectory(run), notes=told)
+        if breach is not None or len(looks.added):
+            trajectory = replace(sight.trajectory(looks.without_looks(run)), notes=told)
         if run.halt is not None:
             return trajectory, run.halt
         whole = (*told, *notes, *_outputs_without_value(trajectory))
@@ -490,8 +499,9 @@ class _Job:
         )
 
     def judge(
-        self, trajectory: Trajectory, run: Run, values: Sequence[Any], smooth: bool
-    ) -> tuple[Breach | None, tuple[str, ...]]:
+        self, trajectory: Trajectory, run: Run, values: Sequence[Any], smooth: bool,
+        looks: np.ndarray,
+    ) -> tuple[Breach | None, tuple[str, ...]]:  # fmt: skip
         """What went wrong with a run that came to its end, if anything did, and notes.
 
         Where the right side is not smooth, only what does not jump with it is looked at.
@@ -501,7 +511,7 @@ class _Job:
         judge = Judge(
             equations, made.program, [float(x) for x in values], trajectory.cost.tolerance,
             run.steps, watch.integrals_to_follow(smooth), watch.relations, made.relations,
-            self.outset.changing,
+            self.outset.changing, looks=looks,
         )  # fmt: skip
         t, states = run.t.astype(float), run.states.astype(float)
         breach, notes = judge.breach(t, states) if smooth else judge.check_integrals(t, states)

@@ -16,7 +16,7 @@ Angles that are read off on a grid have to be certain of their branches.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import accumulate
 from typing import Any
@@ -35,7 +35,8 @@ from voronec.errors import VoronecError
 from voronec.motion.model.special import is_many_valued
 from voronec.motion.observables import evaluate_extras
 from voronec.motion.state_probe import at_each, usual_size
-from voronec.motion.steppers.run import Run, Signals, values_along
+from voronec.motion.steppers.run import Problem, Run, Signals, values_along
+from voronec.motion.steppers.units import natural_units
 from voronec.motion.tolerances import LOOSE, UNIT
 from voronec.motion.trajectory import Trajectory
 
@@ -44,6 +45,7 @@ __all__ = [
     "Breach",
     "Judge",
     "JudgeOfMany",
+    "LookGrid",
     "Rates",
     "Untold",
     "Windows",
@@ -57,6 +59,12 @@ WIDTH = 9
 RELATIVE, ROUNDING = 1e-6, 1e-7
 """A defect is looked into where it is larger than these parts of the way that a variable goes in
 the window, and of the state's size: less than a tenth of the first of the size counts never."""
+RESOLUTION = 0.25
+"""Of the time in which a motion changes by as much as it is, a window is to be this part."""
+FAR_APART = 2.0**16
+"""A window of so many roundings of the time holds instants that are apart."""
+LOOKS = 3
+"""So many windows are added to a grid that is too coarse to have any."""
 DOUBT = 2.0
 """A defect counts where it is so many times larger than what the last two coefficients contribute;
 the coefficients that are left out are of their size."""
@@ -94,6 +102,16 @@ class Windows:
             starts = np.append(starts, size - WIDTH)
         return cls(starts[:, None] + np.arange(WIDTH))
 
+    @classmethod
+    def of(cls, t: np.ndarray, most: int, instants: np.ndarray) -> Windows:
+        """Those of a grid, and those that end at some of its ``instants``, beginning among what was
+        added to it."""
+        ends = np.flatnonzero(np.isin(t, instants))
+        looks = ends[ends >= WIDTH - 1, None] + np.arange(1 - WIDTH, 1)
+        own = np.ones(len(t), dtype=bool)
+        own[looks[:, :-1]] = False
+        return cls(np.vstack([np.flatnonzero(own)[cls.spread(int(own.sum()), most).rows], looks]))
+
     def beside(self, t: np.ndarray, changing: Signals | None) -> Windows:
         """Those in which no function of Python's jumps: to integrate over a jump tells nothing."""
         sharp = [
@@ -127,6 +145,49 @@ class Windows:
         allowed += ROUNDING * np.maximum(1.0, np.abs(values[good]).max(axis=(1, 2)))[:, None]
         worst = (defect / allowed).max(axis=1)
         return [int(kept[i]) for i in np.argsort(-worst) if worst[i] > 1]
+
+
+@dataclass(frozen=True)
+class LookGrid:
+    """A grid that is run on: the ``own`` one with instants ``added`` before some of its ``ends``,
+    at which the equations are looked at."""
+
+    own: np.ndarray
+    added: np.ndarray = field(default_factory=lambda: np.empty(0))
+    ends: np.ndarray = field(default_factory=lambda: np.empty(0))
+
+    @classmethod
+    def of(cls, problem: Problem, grid: np.ndarray) -> LookGrid:
+        """So near to each other are those added that a motion which changes as fast as it does at
+        the start is resolved where the grid is too coarse for it; none where it is not."""
+        if not len(problem.start):
+            return cls(grid)
+        rates = program_rates(problem.program, lambda _: list(problem.parameters))
+        slopes = rates(grid[:1].astype(float), problem.start[None, :].astype(float))[0]
+        with np.errstate(all="ignore"):
+            pace = np.min(natural_units(problem) / np.abs(slopes))
+        ahead = np.diff(grid)
+        coarse = 1 + np.flatnonzero(np.abs(ahead) > RESOLUTION * pace)
+        if not len(coarse) or not RESOLUTION * pace > FAR_APART * np.spacing(np.abs(grid).max()):
+            return cls(grid)
+        ends = grid[coarse[_spread(len(coarse), LOOKS)]]
+        step = np.copysign(RESOLUTION * pace / (WIDTH - 1), ahead[0])
+        return cls(grid, (ends[:, None] - step * np.arange(1, WIDTH)).ravel(), ends)
+
+    @property
+    def whole(self) -> np.ndarray:
+        """All instants, in order."""
+        if not len(self.added):
+            return self.own
+        order = np.sign(self.own[-1] - self.own[0])
+        return order * np.sort(order * np.concatenate([self.own, self.added]))
+
+    def without_looks(self, run: Run) -> Run:
+        """The run on its own grid."""
+        if not len(self.added):
+            return run
+        kept = ~np.isin(run.t, self.added)
+        return replace(run, t=run.t[kept], states=run.states[kept])
 
 
 def _spread(size: int, most: int) -> np.ndarray:
@@ -249,7 +310,8 @@ class Judge:
     ``integrals`` and ``relations`` name extra quantities of the program, and those that give the
     size of the terms; ``vanishing`` are further relations, expressions in the program's symbols;
     parameters that are ``changing`` are those of the start among the ``values``; of integrals that
-    are ``jumping`` with the forces no proof holds across the jumps.
+    are ``jumping`` with the forces no proof holds across the jumps.  Before the instants ``looks``
+    the grid has more, for the equations' sake.
     """
 
     equations: VoronecEquations
@@ -262,12 +324,15 @@ class Judge:
     vanishing: Sequence[Any] = ()
     changing: Signals | None = None
     jumping: bool = False
+    looks: np.ndarray = field(default_factory=lambda: np.empty(0))
 
     def breach(self, t: np.ndarray, states: np.ndarray) -> tuple[Breach | None, tuple[str, ...]]:
         """What went wrong first, if anything did, and what is to be said of mere claims."""
         found, notes = self._losses(t, states)
         rates = program_rates(self.program, self.at)
-        found += disobedient(t, states, rates, self.tol, MOST, self.changing)
+        found += disobedient(
+            t, states, rates, self.tol, Windows.of(t, MOST, self.looks), self.changing
+        )
         return min(found, key=lambda b: b.row, default=None), notes
 
     def check_integrals(
@@ -290,7 +355,9 @@ class Judge:
         rates = original_rates(self.equations, constants, self.changing)
         if rates is None:
             return None
-        found = disobedient(t, states, rates, self.tol, FEW, self.changing)
+        found = disobedient(
+            t, states, rates, self.tol, Windows.of(t, FEW, self.looks), self.changing
+        )
         return min(found, key=lambda b: b.row, default=None)
 
     def _losses(self, t: np.ndarray, states: np.ndarray) -> tuple[list[Breach], tuple[str, ...]]:
@@ -337,12 +404,12 @@ class Judge:
 
 
 def disobedient(
-    t: np.ndarray, states: np.ndarray, rates: Rates, tol: float, most: int,
+    t: np.ndarray, states: np.ndarray, rates: Rates, tol: float, among: Windows,
     changing: Signals | None = None,
 ) -> list[Breach]:  # fmt: skip
-    """Windows of the grid, among so many, whose states do not obey the equations; what seems not to
-    is integrated again."""
-    windows = Windows.spread(len(t), most).beside(t, changing)
+    """Windows of the grid, ``among`` some, whose states do not obey the equations; what seems not
+    to is integrated again."""
+    windows = among.beside(t, changing)
     found = []
     for i in windows.doubtful(t, states, rates)[:WORST]:
         rows = windows.rows[i]
