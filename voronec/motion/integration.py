@@ -355,7 +355,7 @@ class _Request:
         job = _Job(
             self.vocabulary, made, self.outset, self.grid if times is None else times, self.tol,
             self.events, self.dense, self.progress if whole_way else None,
-            None if is_exact(method, self.tol) else near,
+            None if is_exact(method, self.tol) else near, not whole_way,
         )  # fmt: skip
         return job.trajectory(method, self.began)
 
@@ -363,7 +363,7 @@ class _Request:
 @dataclass(frozen=True)
 class _Job:
     """A model to be integrated, and how; ``near`` is how near to poles of angles, if that is to be
-    watched."""
+    watched; ``in_part`` says that the grid is only the beginning of what is wanted."""
 
     vocabulary: Vocabulary
     made: ProgrammedModel
@@ -374,6 +374,7 @@ class _Job:
     dense: bool
     progress: Callable[[float], Any] | None
     near: Any = None
+    in_part: bool = False
 
     def trajectory(self, method: str, began: float) -> Trajectory:
         """Integrate, and look at what is wanted; ``IntegrationError`` where it cannot be done."""
@@ -409,7 +410,7 @@ class _Job:
             stepper, chosen = switched.stepper, switched.chosen
         else:
             stepper, chosen = self._smooth(method, *seen)
-        plain = switched is not None or is_exact(method, self.tol)
+        plain = switched is not None or is_exact(method, self.tol) or self.in_part
         looks = LookGrid(self.grid) if plain else LookGrid.of(problem, self.grid)
         ready, busy = perf_counter(), process_time()
         run = stepper(looks.whole)

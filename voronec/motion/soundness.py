@@ -64,7 +64,7 @@ RESOLUTION = 0.25
 FAR_APART = 2.0**16
 """A window of so many roundings of the time holds instants that are apart."""
 LOOKS = 3
-"""So many windows are added to a grid that is too coarse to have any."""
+"""So many windows are added to a grid that has none."""
 DOUBT = 2.0
 """A defect counts where it is so many times larger than what the last two coefficients contribute;
 the coefficients that are left out are of their size."""
@@ -158,21 +158,21 @@ class LookGrid:
 
     @classmethod
     def of(cls, problem: Problem, grid: np.ndarray) -> LookGrid:
-        """So near to each other are those added that a motion which changes as fast as it does at
-        the start is resolved where the grid is too coarse for it; none where it is not."""
-        if not len(problem.start):
+        """Where a grid has fewer instants than a window, a part of the time before some of them in
+        which the motion changes by as much as it is, at the start."""
+        if not len(problem.start) or not 1 < len(grid) < WIDTH:
             return cls(grid)
         rates = program_rates(problem.program, lambda _: list(problem.parameters))
         slopes = rates(grid[:1].astype(float), problem.start[None, :].astype(float))[0]
         with np.errstate(all="ignore"):
             pace = np.min(natural_units(problem) / np.abs(slopes))
         ahead = np.diff(grid)
-        coarse = 1 + np.flatnonzero(np.abs(ahead) > RESOLUTION * pace)
-        if not len(coarse) or not RESOLUTION * pace > FAR_APART * np.spacing(np.abs(grid).max()):
+        before = _spread(len(ahead), LOOKS)
+        length = np.minimum(RESOLUTION * pace, np.abs(ahead[before]) / 2)
+        if not length.min() > FAR_APART * np.spacing(np.abs(grid).max()):
             return cls(grid)
-        ends = grid[coarse[_spread(len(coarse), LOOKS)]]
-        step = np.copysign(RESOLUTION * pace / (WIDTH - 1), ahead[0])
-        return cls(grid, (ends[:, None] - step * np.arange(1, WIDTH)).ravel(), ends)
+        steps, ends = np.copysign(length, ahead[before]) / (WIDTH - 1), grid[before + 1]
+        return cls(grid, (ends[:, None] - np.outer(steps, np.arange(1, WIDTH))).ravel(), ends)
 
     @property
     def whole(self) -> np.ndarray:
