@@ -250,9 +250,10 @@ def test_a_value_that_is_rounding_tells_no_time() -> None:
     rates = (se.sin(phi) * spin, -turn * spin, spin + turn, 3 * turn + spin)
     nothing = Block((), ())
     program = Program(se.Symbol("t"), state, (), (), Block((), rates), (), nothing)
-    for small, unit in ((1.4e-17, 1.0), (0.0, 1.0)):
-        problem = Problem(program, np.array([small, 0.57, 0.6, 0.1]), [], 1e-13)
-        assert (natural_units(problem) == unit).all()
+    # the last changes another rate by 4e-15 of it
+    for small, fast in ((1.4e-17, 0.57), (0.0, 0.57), (3e-17, 0.0077)):
+        problem = Problem(program, np.array([small, fast, 0.6, 0.1]), [], 1e-13)
+        assert (natural_units(problem) == 1.0).all()
     # what is as small and moves the others is no rounding
     spring = Program(se.Symbol("t"), (turn, spin), (), (), Block((), (spin, -turn)), (), nothing)
     small = natural_units(Problem(spring, np.array([1.4e-17, 0.3e-17]), [], 1e-13))

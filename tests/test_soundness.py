@@ -13,7 +13,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.equations.program import Block, Program, compile_program, hoist
-from voronec.motion import methods, soundness
+from voronec.motion import methods, residual_windows
 from voronec.motion import motion_pool as many_motions
 from voronec.motion.integration import first_success
 from voronec.motion.steppers import Halt
@@ -155,7 +155,7 @@ def corrupted(monkeypatch: pytest.MonkeyPatch, time: float, jump: np.ndarray) ->
         message = step(self)
         if min(before, self.t) < time <= max(before, self.t) and not done:
             done.append(self.t)
-            self.y = self.y + jump
+            self.y = self.y + np.pad(jump, (0, len(self.y) - len(jump)))
             self.f = self.fun(self.t, self.y)
         return message
 
@@ -225,7 +225,7 @@ def test_an_integral_that_begins_without_a_value_is_followed(
         vo.integrate(system, times=GRID, initial=start, method="scipy")
 
 
-@pytest.mark.parametrize("times", [[0, 10], [0, 3, 10], [20, 10]])
+@pytest.mark.parametrize("times", [[0, 10], [0, 3, 10], [20, 10], [*range(10), 12]])
 def test_a_coarse_grid_is_looked_at_between_its_instants(
     monkeypatch: pytest.MonkeyPatch, times: list[float]
 ) -> None:
@@ -233,11 +233,33 @@ def test_a_coarse_grid_is_looked_at_between_its_instants(
     good = vo.integrate(OSCILLATOR, times=times, initial={x: 1}, method="scipy")
     assert good.t.tolist() == times
     assert np.abs(good["x"] - np.cos(good.t - times[0])).max() < 1e-11
-    late = 9.9 if times[0] == 0 else 10.1
+    late = times[-1] - 0.1 if times[0] == 0 else 10.1
     corrupted(monkeypatch, late, np.array([0.0, 1e-4]))
     with pytest.raises(vo.IntegrationError, match="do not obey the equations") as caught:
         vo.integrate(OSCILLATOR, times=times, initial={x: 1}, method="scipy")
     assert caught.value.trajectory.t.tolist() == times[:-1]
+
+
+@pytest.mark.parametrize("times", [[0, 2.9], np.linspace(0, 2.9, 100), [0, 9], [0, 5, 6, 9]])
+def test_what_is_not_smooth_is_looked_at_on_both_sides_of_its_switches(
+    monkeypatch: pytest.MonkeyPatch, times: Any
+) -> None:
+    """A block on a spring slides to rest after half a period and is held; a clock swings on."""
+    dot, clock = vo.velocity(x), sp.Symbol("y")
+    system = vo.System(
+        name="block and clock",
+        fibration=vo.Fibration(base=(x, clock)),
+        lagrangian=(dot**2 - x**2 + vo.velocity(clock) ** 2 - 9 * clock**2) / 2,
+        forces={x: -2 * sp.sign(dot) / 5},
+    )
+    start = {x: 1, clock: 1}
+    good = vo.integrate(system, times=times, initial=start, method="scipy")
+    still = np.minimum(good.t, np.pi)
+    assert np.abs(good["x"] - 0.4 - 0.6 * np.cos(still)).max() < 1e-10
+    assert np.abs(good["y"] - np.cos(3 * good.t)).max() < 1e-10 and len(good) == len(times)
+    corrupted(monkeypatch, times[-1] - 0.15, np.array([0.0, 0.0, 0.0, 1e-4]))
+    with pytest.raises(vo.IntegrationError, match="do not obey the equations"):
+        vo.integrate(system, times=times, initial=start, method="scipy")
 
 
 def test_states_that_do_not_obey_the_equations_end_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -315,6 +337,17 @@ def test_a_motion_of_an_ensemble_that_goes_wrong_is_marked(monkeypatch: pytest.M
         assert not again.errors and np.array_equal(again["x"][1], found["x"][1])
 
 
+def test_coarse_grids_of_ensembles_are_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    driven = dataclasses.replace(OSCILLATOR, forces={x: sp.Rational(1, 10)})
+    sound = vo.ensemble(driven, {"x": [1.0, 2.0]}, times=[0, 10], method="scipy")
+    assert not sound.errors and sound["x"].shape == (2, 2)
+    assert np.abs(sound["x"][:, 1] - 0.1 - np.array([0.9, 1.9]) * np.cos(10)).max() < 1e-10
+    corrupted(monkeypatch, 9.5, np.array([0.0, 1e-4]))
+    found = vo.ensemble(driven, {"x": [1.0, 2.0]}, times=[0, 10], method="scipy")
+    assert set(found.errors) == {0} and found.errors[0].time > 8
+    assert np.array_equal(found["x"][1], sound["x"][1]) and np.isnan(found["x"][0, 1])
+
+
 def test_a_section_keeps_the_points_before_an_integral_is_lost(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -336,10 +369,10 @@ def test_what_the_budget_cannot_reach_is_not_integrated_again() -> None:
         asked.append(t)
         return np.stack([states[:, 1], -states[:, 0]], axis=-1)
 
-    t = np.linspace(0, 8, soundness.WIDTH)
+    t = np.linspace(0, 8, residual_windows.WIDTH)
     states = np.stack([np.cos(t), -np.sin(t)], axis=-1)
-    assert soundness.again(rates, t, states, 1e-10, steps=1e4) is None and not asked
-    off = soundness.again(rates, t, states, 1e-10, steps=30)
+    assert residual_windows.again(rates, t, states, 1e-10, steps=1e4) is None and not asked
+    off = residual_windows.again(rates, t, states, 1e-10, steps=30)
     assert off is not None and off.max() < 1 and asked
 
 

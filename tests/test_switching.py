@@ -295,6 +295,9 @@ def test_roots_that_vanish_on_the_way_are_passed_in_many_digits():
         half = motion(spring, (1, 0), 2 * quarter, "flint", dense=True)
         late = mp.mpf(float(2 * quarter)) - 2 * quarter  # its rate vanishes there
         assert abs(half["x"][-1] + 1) < 1e-28 and abs(half["xdot"][-1] - late) < 1e-28
+        # an instant of the grid that is that of the switch as a double, and comes after it
+        beside = motion(spring, (1, 0), 2 * quarter, "flint", points=3)
+        assert abs(beside["xdot"][-1] - late) < 1e-28
         inside = half.at([0.7, 1.9])
         energy = inside["xdot"] ** 2 / 2 + 2 * abs(inside["x"]) ** mp.mpf(2.5) / 5
         assert max(abs(energy - mp.mpf(2) / 5)) < 1e-27

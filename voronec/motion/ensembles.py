@@ -34,6 +34,7 @@ from voronec.motion.request import (  # fmt: skip
     scene_of,
     spread_starts,
 )
+from voronec.motion.residual_windows import LookGrid
 from voronec.motion.soundness import JudgeOfMany
 from voronec.motion.state_probe import at_each
 from voronec.motion.steppers.scipy_stepper import FINEST
@@ -271,6 +272,7 @@ class _ResultRows:
 
     motions: Many
     grid: np.ndarray
+    looks: LookGrid
     series: dict[str, np.ndarray]
     changes: dict[str, np.ndarray]
     first: dict[str, np.ndarray]
@@ -301,6 +303,7 @@ class _ResultRows:
         return cls(
             motions=motions,
             grid=grid,
+            looks=_look_grid(motions, grid) if switched is None else LookGrid.plain(grid),
             series={name: nothing(count, len(grid)) for name in outputs},
             changes={name: nothing(count) for name in integrals},
             first={name: nothing(count) for name in integrals},
@@ -426,6 +429,13 @@ class _ResultRows:
         )
 
 
+def _look_grid(motions: Many, grid: np.ndarray) -> LookGrid:
+    """The grid of many motions, with a window before its last instant where it is coarse for half
+    of them."""
+    paces = motions.paces[np.isfinite(motions.paces) & (motions.paces > 0)]
+    return LookGrid.of(grid, 1 / float(np.median(paces)) if len(paces) else np.nan, most=1)
+
+
 def _run(filled: _ResultRows, lanes: Lanes | None, tol: float, jobs: int, progress: Any) -> bool:
     """All motions, block by block; whether it was stopped by hand."""
     sound = np.array(filled.motions.sound, dtype=int)
@@ -493,13 +503,15 @@ def _block(
                 rows, failed = rows[None], {} if error is None else {0: error}
             elif lanes is None:
                 rows, error, steps, short = along_one(
-                    filled.single, motions.program, states[0], values[0], filled.grid, tol,
+                    filled.single, motions.program, states[0], values[0], filled.looks.whole, tol,
                     motions.divisor_watch(values[0]),
                 )  # fmt: skip
                 filled.collapsed.extend(where[:short].tolist())
                 rows, failed = rows[None], {} if error is None else {0: error}
             else:
-                rows, failed, steps, near = along(lanes, states, values, filled.grid, halt.is_set)
+                rows, failed, steps, near = along(
+                    lanes, states, values, filled.looks.whole, halt.is_set
+                )
                 filled.collapsed.extend(where[near].tolist())
             taken += steps
             over.append((where, rows, failed))
@@ -524,14 +536,17 @@ def _fill_judgements(
         np.cumsum([0, *(len(w) for w, _, _ in over)]), over, strict=False
     ):
         failed |= {int(at) + i: error for i, error in errors.items()}
-    values, each = filled.motions.values[where], steps / len(where)
+    values, each, looks = filled.motions.values[where], steps / len(where), filled.looks
     smooth = filled.switched is None  # else the equations have more than one right side
-    judged = filled.judge.breaches(filled.grid, rows, values, each) if smooth else ({}, {})
+    judged = (
+        filled.judge.breaches(looks.whole, rows, values, each, looks.ends) if smooth else ({}, {})
+    )
     filled.notes.update((int(where[i]), notes) for i, notes in judged[1].items())
     for i, breach in judged[0].items():
-        time, state = float(filled.grid[breach.row]), rows[i, breach.row].copy()
+        time, state = float(looks.whole[breach.row]), rows[i, breach.row].copy()
         failed[i] = IntegrationError(f"{breach.what} after t = {time:.12g}", time, state)
         rows[i, breach.row + 1 :] = np.nan
+    rows = rows[:, looks.own]
     filled.steps.append(steps)
     told: dict[int, VoronecError] = {
         i: filled.motions.error(

@@ -48,6 +48,7 @@ from voronec.motion.request import (
     outputs_of,
     scene_of,
 )
+from voronec.motion.residual_windows import LookGrid, pace_of
 from voronec.motion.singular_coordinates import (
     LAST,
     CoordinatePole,
@@ -55,13 +56,7 @@ from voronec.motion.singular_coordinates import (
     PoleGuard,
     PoleNotes,
 )
-from voronec.motion.soundness import (
-    Breach,
-    Judge,
-    LookGrid,
-    Untold,
-    require_branches,
-)
+from voronec.motion.soundness import Breach, Judge, Untold, require_branches
 from voronec.motion.split_models import divisor_program
 from voronec.motion.split_stepper import SplitRun
 from voronec.motion.state_probe import StateProbe, quantities
@@ -410,8 +405,8 @@ class _Job:
             stepper, chosen = switched.stepper, switched.chosen
         else:
             stepper, chosen = self._smooth(method, *seen)
-        plain = switched is not None or is_exact(method, self.tol) or self.in_part
-        looks = LookGrid(self.grid) if plain else LookGrid.of(problem, self.grid)
+        pace = np.nan if self.in_part else pace_of(problem, float(self.grid[0]))
+        looks = LookGrid.of(self.grid, pace)
         ready, busy = perf_counter(), process_time()
         run = stepper(looks.whole)
         run = run if notes is None else notes.with_notes(run)
@@ -433,15 +428,15 @@ class _Job:
         self, run: Run, values: Sequence[float], cost: Cost, smooth: bool, looks: LookGrid
     ) -> tuple[Trajectory, Halt | None]:
         """The motion of a run as far as it is sound, and what ended it before its end."""
-        sight = self._sight(run, values, cost)
-        told = self.outset.notes + run.notes
-        trajectory = replace(sight.trajectory(run), notes=told)
+        sight, told = self._sight(run, values, cost), self.outset.notes + run.notes
+        own = looks.without_looks(run)
+        trajectory = replace(sight.trajectory(own), notes=told)
         if run.halt is None and not run.interrupted:
             require_branches(trajectory, self.made.watch.branches, run)
-        breach, notes = self.judge(trajectory, run, values, smooth, looks.ends)
+        seen = trajectory if own is run else sight.observe(run.t, run.states)
+        breach, notes = self.judge(seen, run, values, smooth, looks.ends)
         if breach is not None:
             run = run.until(breach.row, breach.what)
-        if breach is not None or len(looks.added):
             trajectory = replace(sight.trajectory(looks.without_looks(run)), notes=told)
         if run.halt is not None:
             return trajectory, run.halt
@@ -501,21 +496,21 @@ class _Job:
 
     def judge(
         self, trajectory: Trajectory, run: Run, values: Sequence[Any], smooth: bool,
-        looks: np.ndarray,
+        looks: Sequence[int],
     ) -> tuple[Breach | None, tuple[str, ...]]:  # fmt: skip
         """What went wrong with a run that came to its end, if anything did, and notes.
 
-        Where the right side is not smooth, only what does not jump with it is looked at.
+        Where the right side is not smooth, what jumps with it is not looked at.
         """
         made, equations = self.made, self.vocabulary.equations
         watch = made.watch
         judge = Judge(
             equations, made.program, [float(x) for x in values], trajectory.cost.tolerance,
             run.steps, watch.integrals_to_follow(smooth), watch.relations, made.relations,
-            self.outset.changing, looks=looks,
+            self.outset.changing, looks=looks, spans=run.spans,
         )  # fmt: skip
         t, states = run.t.astype(float), run.states.astype(float)
-        breach, notes = judge.breach(t, states) if smooth else judge.check_integrals(t, states)
+        breach, notes = judge.breach(t, states)
         rest = watch.integrals_to_follow(True).items() - judge.integrals.items()
         if rest:
             jumping = replace(judge, integrals=dict(rest), jumping=True)

@@ -30,8 +30,15 @@ from voronec.motion.mode_transitions import (
 )
 from voronec.motion.modes import Corner, LevelSurface, Modes
 from voronec.motion.request import Event
+from voronec.motion.residual_windows import program_rates
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
-from voronec.motion.steppers.run import crossing_arrays, in_parts, in_pieces, until
+from voronec.motion.steppers.run import (
+    SmoothSpan,
+    crossing_arrays,
+    in_parts,
+    in_pieces,
+    until,
+)
 
 __all__ = ["SwitchedIntegrator", "through_walls"]
 
@@ -182,6 +189,7 @@ class _Passage:
     stretches: list[_ModeStretch] = field(default_factory=list)
     recent: list[Any] = field(default_factory=list)
     held: bool = False
+    spans: list[SmoothSpan] = field(default_factory=list)
     lingers: int = 0
 
     def __post_init__(self) -> None:
@@ -243,11 +251,12 @@ class _Passage:
         values = roads.values(mode.program, mode.sides, self.time)
         if not self.exact:
             values = list(map(float, values))
-        self.held = self.held or bool(mode.along)
         part = mode.run(self.number(self.state), values, times)
         if mode.stepper is not None and self.strays(part):
             part = mode.run_by("scipy", self.number(self.state), values, times)
         part = self.cut(part)
+        self.enter_span(part.t[-1])
+        self.held = self.held or bool(mode.along)
         self.steps += part.steps
         self.evaluations += part.evaluations
         count = int(sum(self.order * (t - part.t[-1]) <= 0 for t in self.grid[self.done :]))
@@ -265,6 +274,20 @@ class _Passage:
         self.time = part.t[-1]
         self.state = np.array(list(map(mpmath.mpf, part.states[-1])), dtype=object)
         return part
+
+    def enter_span(self, last: Any) -> None:
+        """From here to another instant the right side is that of the mode."""
+        roads, mode = self.roads, self.mode
+
+        def at(times: np.ndarray) -> list[Any]:
+            rows = [list(map(float, roads.values(mode.program, mode.sides, t))) for t in times]
+            return list(np.array(rows).reshape(len(times), -1).T)
+
+        def rates(times: np.ndarray, states: np.ndarray) -> np.ndarray:
+            return program_rates(mode.program, at)(times, states)
+
+        low, high = sorted((float(self.time), float(last)))
+        self.spans.append(SmoothSpan(low, high, rates))
 
     def strays(self, part: Run) -> bool:
         """Whether a stretch by heyoka is beyond a wall where it was looked at: heyoka gives up
@@ -388,7 +411,7 @@ class _Passage:
         return Run(
             t.copy(), np.array(rows, dtype=kind), self.steps, self.evaluations, crossings, halt,
             interrupted, stopped, self.inside if self.roads.problem.dense else None,
-            switches=self.switches, held=self.held,
+            switches=self.switches, held=self.held, spans=tuple(self.spans),
         )  # fmt: skip
 
     def inside(self, times: np.ndarray) -> np.ndarray:

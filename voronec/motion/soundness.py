@@ -2,13 +2,7 @@
 
 Integrals that are proved and relations between redundant coordinates must stay as far as the
 tolerance allows, after as many steps; states must obey the equations that were integrated, and
-coordinates those that were derived first, in another form and by other code.
-
-    defect = x(t_8) - x(t_0) - integral of f(t, x(t)) dt
-
-over nine neighbouring instants t_0, ..., t_8.  The integral is that of the polynomial through the
-nine rates; how fast the coefficients of its expansion in Legendre polynomials fall says how far it
-can be trusted.  Nothing of the integrator that found the states is used.
+coordinates those that were derived first, in another form and by other code (``residual_windows``).
 
 Angles that are read off on a grid have to be certain of their branches.
 """
@@ -16,7 +10,7 @@ Angles that are read off on a grid have to be certain of their branches.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import accumulate
 from typing import Any
@@ -34,235 +28,23 @@ from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import VoronecError
 from voronec.motion.model.special import is_many_valued
 from voronec.motion.observables import evaluate_extras
+from voronec.motion.residual_windows import (
+    WIDTH,
+    WORST,
+    Rates,
+    Windows,
+    again,
+    disobedient,
+    is_affordable,
+    program_rates,
+    spread,
+)
 from voronec.motion.state_probe import at_each, usual_size
-from voronec.motion.steppers.run import Problem, Run, Signals, values_along
-from voronec.motion.steppers.units import natural_units
+from voronec.motion.steppers.run import Run, Signals, SmoothSpan, values_along
 from voronec.motion.tolerances import LOOSE, UNIT
 from voronec.motion.trajectory import Trajectory
 
-__all__ = [
-    "WIDTH",
-    "Breach",
-    "Judge",
-    "JudgeOfMany",
-    "LookGrid",
-    "Rates",
-    "Untold",
-    "Windows",
-    "again",
-    "require_branches",
-]
-
-
-WIDTH = 9
-"""Instants in a window."""
-RELATIVE, ROUNDING = 1e-6, 1e-7
-"""A defect is looked into where it is larger than these parts of the way that a variable goes in
-the window, and of the state's size: less than a tenth of the first of the size counts never."""
-RESOLUTION = 0.25
-"""Of the time in which a motion changes by as much as it is, a window is to be this part."""
-FAR_APART = 2.0**16
-"""A window of so many roundings of the time holds instants that are apart."""
-LOOKS = 3
-"""So many windows are added to a grid that has none."""
-DOUBT = 2.0
-"""A defect counts where it is so many times larger than what the last two coefficients contribute;
-the coefficients that are left out are of their size."""
-ILL, SAME = 1e4, 1e-9
-"""Nodes that magnify rates by more tell nothing; nodes that differ by less are the same."""
-BUDGET = 3000
-"""Evaluations that integrating a window again may take."""
-TWICE = 24
-"""Evaluations of a step of DOP853, made from two starts."""
-NEARBY, FINE, MARGIN = 1e-7, 1e-11, 1e3
-"""How far from the first another start is, the tolerance from there, and how many tolerances the
-state may be off."""
-
-Rates = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""Times (k,) and states (k, n) to the rates (k, n) of the variables; nan where undefined."""
-
-
-@dataclass(frozen=True)
-class Windows:
-    """Rows of a grid, in windows: ``rows`` has shape (windows, WIDTH)."""
-
-    rows: np.ndarray
-
-    @classmethod
-    def spread(cls, size: int, most: int) -> Windows:
-        """As many windows as cover a grid of some size, side by side, or as may be, evenly spread;
-        none where the grid is too small."""
-        whole = (size - 1) // (WIDTH - 1)
-        if whole < 1:
-            return cls(np.empty((0, WIDTH), dtype=int))
-        starts = np.arange(whole) * (WIDTH - 1)
-        if whole > most:
-            starts = starts[_spread(whole, most)]
-        elif starts[-1] + WIDTH < size:
-            starts = np.append(starts, size - WIDTH)
-        return cls(starts[:, None] + np.arange(WIDTH))
-
-    @classmethod
-    def of(cls, t: np.ndarray, most: int, instants: np.ndarray) -> Windows:
-        """Those of a grid, and those that end at some of its ``instants``, beginning among what was
-        added to it."""
-        ends = np.flatnonzero(np.isin(t, instants))
-        looks = ends[ends >= WIDTH - 1, None] + np.arange(1 - WIDTH, 1)
-        own = np.ones(len(t), dtype=bool)
-        own[looks[:, :-1]] = False
-        return cls(np.vstack([np.flatnonzero(own)[cls.spread(int(own.sum()), most).rows], looks]))
-
-    def beside(self, t: np.ndarray, changing: Signals | None) -> Windows:
-        """Those in which no function of Python's jumps: to integrate over a jump tells nothing."""
-        sharp = [
-            part for s in (changing.signals if changing is not None else ()) for part in s.sharp
-        ]
-        ends = np.sort(t[self.rows[:, [0, -1]]], axis=1)
-        meets = [(a <= ends[:, 1]) & (b >= ends[:, 0]) for a, b in sharp]
-        return Windows(self.rows[~np.any(meets, axis=0)]) if meets else self
-
-    def doubtful(self, t: np.ndarray, states: np.ndarray, rates: Rates) -> list[int]:
-        """The windows whose states seem not to obey the equations, worst first; what the grid does
-        not resolve is in no doubt here.
-
-        ``states`` has shape (k, n), their times ``t`` (k,).
-        """
-        if not len(self.rows) or not states.shape[1]:
-            return []
-        used, where = np.unique(self.rows, return_inverse=True)
-        slopes = rates(t[used], states[used])[where.reshape(self.rows.shape)]
-        times, values = t[self.rows], states[self.rows]
-        half = (times[:, -1:] - times[:, :1]) / 2
-        inverse = _inverse_bases((times - times[:, :1]) / half - 1)
-        good = np.isfinite(slopes).all(axis=(1, 2)) & np.isfinite(values).all(axis=(1, 2))
-        good &= np.abs(inverse).max(axis=(1, 2)) < ILL
-        kept, half = np.flatnonzero(good), half[good]
-        shares = np.broadcast_to(inverse, (len(times), WIDTH, WIDTH))[good] @ slopes[good]
-        length = 2 * np.abs(half)
-        defect = np.abs(values[good, -1] - values[good, 0] - 2 * half * shares[:, 0])
-        allowed = DOUBT * length * np.abs(shares[:, -2:]).sum(axis=1)
-        allowed += RELATIVE * length * np.abs(slopes[good]).max(axis=1)
-        allowed += ROUNDING * np.maximum(1.0, np.abs(values[good]).max(axis=(1, 2)))[:, None]
-        worst = (defect / allowed).max(axis=1)
-        return [int(kept[i]) for i in np.argsort(-worst) if worst[i] > 1]
-
-
-@dataclass(frozen=True)
-class LookGrid:
-    """A grid that is run on: the ``own`` one with instants ``added`` before some of its ``ends``,
-    at which the equations are looked at."""
-
-    own: np.ndarray
-    added: np.ndarray = field(default_factory=lambda: np.empty(0))
-    ends: np.ndarray = field(default_factory=lambda: np.empty(0))
-
-    @classmethod
-    def of(cls, problem: Problem, grid: np.ndarray) -> LookGrid:
-        """Where a grid has fewer instants than a window, a part of the time before some of them in
-        which the motion changes by as much as it is, at the start."""
-        if not len(problem.start) or not 1 < len(grid) < WIDTH:
-            return cls(grid)
-        rates = program_rates(problem.program, lambda _: list(problem.parameters))
-        slopes = rates(grid[:1].astype(float), problem.start[None, :].astype(float))[0]
-        with np.errstate(all="ignore"):
-            pace = np.min(natural_units(problem) / np.abs(slopes))
-        ahead = np.diff(grid)
-        before = _spread(len(ahead), LOOKS)
-        length = np.minimum(RESOLUTION * pace, np.abs(ahead[before]) / 2)
-        if not length.min() > FAR_APART * np.spacing(np.abs(grid).max()):
-            return cls(grid)
-        steps, ends = np.copysign(length, ahead[before]) / (WIDTH - 1), grid[before + 1]
-        return cls(grid, (ends[:, None] - np.outer(steps, np.arange(1, WIDTH))).ravel(), ends)
-
-    @property
-    def whole(self) -> np.ndarray:
-        """All instants, in order."""
-        if not len(self.added):
-            return self.own
-        order = np.sign(self.own[-1] - self.own[0])
-        return order * np.sort(order * np.concatenate([self.own, self.added]))
-
-    def without_looks(self, run: Run) -> Run:
-        """The run on its own grid."""
-        if not len(self.added):
-            return run
-        kept = ~np.isin(run.t, self.added)
-        return replace(run, t=run.t[kept], states=run.states[kept])
-
-
-def _spread(size: int, most: int) -> np.ndarray:
-    """As many of so many indices as may be, evenly spread, each once."""
-    found = np.linspace(0, size - 1, most).astype(int)
-    # numpy's unique loads its masked arrays
-    return found[np.diff(found, prepend=-1) > 0]
-
-
-def _inverse_bases(nodes: np.ndarray) -> np.ndarray:
-    """From values at nodes (windows, WIDTH) to shares of Legendre polynomials: matrices, one for
-    all windows where all have the same nodes."""
-    if np.abs(nodes - nodes[0]).max() < SAME:
-        nodes = nodes[:1]
-    basis = np.ones((*nodes.shape, WIDTH))
-    basis[..., 1] = nodes
-    for k in range(2, WIDTH):
-        basis[..., k] = (2 - 1 / k) * nodes * basis[..., k - 1] - (1 - 1 / k) * basis[..., k - 2]
-    found = np.full_like(basis, np.inf)
-    sound = np.linalg.det(basis) != 0
-    found[sound] = np.linalg.inv(basis[sound])
-    return found
-
-
-def _is_affordable(steps: Any, tol: float) -> Any:
-    """Whether windows that took so many steps can be integrated ``again`` within the budget."""
-    return TWICE * steps * min(1.0, (tol / FINE) ** (1 / 8)) <= BUDGET
-
-
-def again(
-    rates: Rates, t: np.ndarray, states: np.ndarray, tol: float, steps: float = 0.0
-) -> np.ndarray | None:
-    """The defect of the last state of a window, by variable, in units of what is allowed: the
-    motion is integrated again from the first state by a Runge-Kutta method.
-
-    Also from a start nearby, which tells how far what the tolerance leaves open grows.  None where
-    that cannot be done within the budget of evaluations.  ``steps`` are those that the motion took
-    in the window by a method of order 8 or more: this one takes no fewer, unless it may be coarser.
-    """
-    if not _is_affordable(steps, tol):
-        return None
-    from scipy.integrate import DOP853
-
-    size = np.maximum(1.0, np.abs(states).max(initial=0.0))
-    left = [BUDGET]
-
-    def single(time: float, state: np.ndarray) -> np.ndarray:
-        left[0] -= 1
-        if left[0] < 0:
-            raise _OverBudget
-        return rates(np.array([time]), state[None, :])[0]
-
-    ends = []
-    for start in (states[0], states[0] + NEARBY * size * _signs(states.shape[1])):
-        solver = DOP853(single, t[0], start, t[-1], rtol=FINE, atol=FINE)
-        try:
-            with np.errstate(all="ignore"):
-                while solver.status == "running":
-                    solver.step()
-        except (_OverBudget, ValueError):
-            return None
-        if solver.status != "finished" or not np.isfinite(solver.y).all():
-            return None
-        ends.append(solver.y)
-    grown = np.abs(ends[1] - ends[0]) / NEARBY
-    allowed = RELATIVE * size + MARGIN * max(tol, FINE) * grown
-    return np.asarray(np.abs(states[-1] - ends[0]) / allowed)
-
-
-class _OverBudget(Exception):
-    """More evaluations than there were to spend."""
-
-
-def _signs(count: int) -> np.ndarray:
-    return np.where(np.arange(count) % 2, -1.0, 1.0)
+__all__ = ["Breach", "Judge", "JudgeOfMany", "Untold", "require_branches"]
 
 
 FREE = 10
@@ -280,8 +62,6 @@ MOST, FEW, EACH = 128, 12, 4
 """Windows in which the equations that were integrated are looked at, and the original ones, and
 those of each of many motions."""
 DISOBEDIENT = "the states do not obey the equations"
-WORST = 3
-"""Windows in doubt, of each motion, that are integrated again."""
 SLOPE = 6e-6
 """The step of difference quotients: the cube root of the rounding."""
 
@@ -310,8 +90,9 @@ class Judge:
     ``integrals`` and ``relations`` name extra quantities of the program, and those that give the
     size of the terms; ``vanishing`` are further relations, expressions in the program's symbols;
     parameters that are ``changing`` are those of the start among the ``values``; of integrals that
-    are ``jumping`` with the forces no proof holds across the jumps.  Before the instants ``looks``
-    the grid has more, for the equations' sake.
+    are ``jumping`` with the forces no proof holds across the jumps.  Before its instants ``looks``
+    the grid has more, for the equations' sake; of what is not
+    smooth ``spans`` are those between its switches.
     """
 
     equations: VoronecEquations
@@ -324,16 +105,32 @@ class Judge:
     vanishing: Sequence[Any] = ()
     changing: Signals | None = None
     jumping: bool = False
-    looks: np.ndarray = field(default_factory=lambda: np.empty(0))
+    looks: Sequence[int] = ()
+    spans: Sequence[SmoothSpan] = ()
 
     def breach(self, t: np.ndarray, states: np.ndarray) -> tuple[Breach | None, tuple[str, ...]]:
         """What went wrong first, if anything did, and what is to be said of mere claims."""
         found, notes = self._losses(t, states)
-        rates = program_rates(self.program, self.at)
-        found += disobedient(
-            t, states, rates, self.tol, Windows.of(t, MOST, self.looks), self.changing
-        )
+        found += [Breach(DISOBEDIENT, row) for row in self._disobedient_rows(t, states)]
         return min(found, key=lambda b: b.row, default=None), notes
+
+    def _disobedient_rows(self, t: np.ndarray, states: np.ndarray) -> list[int]:
+        """First rows of windows whose states do not obey the equations that were integrated."""
+        if not self.spans:
+            rates = program_rates(self.program, self.at)
+            return disobedient(t, states, rates, self.tol, self._windows(t, MOST))
+        windows, found = self._windows(t, MOST), list[int]()
+        for span in self.spans:
+            own = windows.within(t, span.first, span.last)
+            if len(own.rows):
+                found += disobedient(t, states, span.rates, self.tol, own)
+        return found
+
+    def _windows(self, t: np.ndarray, most: int) -> Windows:
+        """Windows of the grid in which no function of Python's jumps."""
+        inputs = self.changing.signals if self.changing is not None else ()
+        jumps = (span for signal in inputs for span in signal.sharp)
+        return Windows.of(len(t), most, self.looks).beside(t, jumps)
 
     def check_integrals(
         self, t: np.ndarray, states: np.ndarray
@@ -355,13 +152,11 @@ class Judge:
         rates = original_rates(self.equations, constants, self.changing)
         if rates is None:
             return None
-        found = disobedient(
-            t, states, rates, self.tol, Windows.of(t, FEW, self.looks), self.changing
-        )
-        return min(found, key=lambda b: b.row, default=None)
+        rows = disobedient(t, states, rates, self.tol, self._windows(t, FEW))
+        return Breach(DISOBEDIENT, min(rows)) if rows else None
 
     def _losses(self, t: np.ndarray, states: np.ndarray) -> tuple[list[Breach], tuple[str, ...]]:
-        rows = _spread(len(t), ROWS)
+        rows = spread(len(t), ROWS)
         relations = {name: (key, "") for name, key in self.relations.items()}
         relations |= {f"{e} = 0": (f"vanishing {e}", "") for e in self.vanishing}
         conserved = ConservedQuantities({**self.integrals, **relations}, self._extras())
@@ -401,22 +196,6 @@ class Judge:
             return found
 
         return extras
-
-
-def disobedient(
-    t: np.ndarray, states: np.ndarray, rates: Rates, tol: float, among: Windows,
-    changing: Signals | None = None,
-) -> list[Breach]:  # fmt: skip
-    """Windows of the grid, ``among`` some, whose states do not obey the equations; what seems not
-    to is integrated again."""
-    windows = among.beside(t, changing)
-    found = []
-    for i in windows.doubtful(t, states, rates)[:WORST]:
-        rows = windows.rows[i]
-        off = again(rates, t[rows], states[rows], tol)
-        if off is not None and off.max() > 1:
-            found.append(Breach(DISOBEDIENT, int(rows[0])))
-    return found
 
 
 @dataclass(frozen=True)
@@ -506,18 +285,6 @@ def is_proved(equations: VoronecEquations, integral: Any) -> bool:
         return False
 
 
-def program_rates(program: Program, at: Callable[[np.ndarray], list[Any]]) -> Rates:
-    """The right-hand side that was integrated, ``at`` giving its parameters at times (k,)."""
-    rhs = compile_program(program)[0]
-
-    def rates(t: np.ndarray, states: np.ndarray) -> np.ndarray:
-        with np.errstate(all="ignore"):
-            found = rhs(t, list(states.T), at(t))
-        return np.stack([np.broadcast_to(np.asarray(r, float), t.shape) for r in found], axis=-1)
-
-    return rates
-
-
 def original_rates(
     equations: VoronecEquations, constants: Mapping[str, Any], changing: Signals | None
 ) -> Rates | None:
@@ -583,11 +350,15 @@ class JudgeOfMany:
     _proofs: dict[str, bool] = field(default_factory=dict)
 
     def breaches(
-        self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float
-    ) -> tuple[dict[int, Breach], dict[int, tuple[str, ...]]]:
+        self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float,
+        looks: Sequence[int] = (),
+    ) -> tuple[dict[int, Breach], dict[int, tuple[str, ...]]]:  # fmt: skip
         """What went wrong with which motion, and what is to be said of mere claims: states
-        (m, k, n) at ``t`` (k,), parameters (m, p); each took so many steps."""
-        found, notes = self._disobedient(t, states, values, steps), dict[int, tuple[str, ...]]()
+        (m, k, n) at ``t`` (k,), parameters (m, p); each took so many steps.  Before its instants
+        ``looks`` the grid has more, for the equations' sake."""
+        single = Windows.of(len(t), EACH, looks).rows
+        found = self._disobedient(t, states, values, steps, single)
+        notes = dict[int, tuple[str, ...]]()
         for i, breach in self.losses(np.broadcast_to(t, states.shape[:2]), states, values, steps):
             if breach.claim:
                 notes[i] = (*notes.get(i, ()), breach.what)
@@ -644,15 +415,15 @@ class JudgeOfMany:
         return self._proofs[name]
 
     def _disobedient(
-        self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float
-    ) -> dict[int, Breach]:
-        """Motions whose states do not obey the equations, in a few windows of each, such as can be
-        integrated again; to the windows they are one long motion, and the parameters variables at
-        rest."""
+        self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float,
+        single: np.ndarray,
+    ) -> dict[int, Breach]:  # fmt: skip
+        """Motions whose states do not obey the equations, in windows ``single`` of each, such as
+        can be integrated again; to the windows they are one long motion, and the parameters
+        variables at rest."""
         count, size, n = states.shape
-        single = Windows.spread(size, EACH).rows
         parts = np.ptp(t[single], axis=1) / (np.ptp(t) or 1.0)
-        single = single[_is_affordable(steps * parts, self.tol)]
+        single = single[is_affordable(steps * parts, self.tol)]
         if not len(single):
             return {}
         windows = Windows((size * np.arange(count)[:, None, None] + single).reshape(-1, WIDTH))

@@ -26,8 +26,9 @@ from voronec.motion.mode_stepper import through_walls
 from voronec.motion.motion_start import WideStart
 from voronec.motion.observables import Watch, evaluate_watch
 from voronec.motion.request import Event, Vocabulary
+from voronec.motion.residual_windows import LookGrid, pace_of
 from voronec.motion.singular_coordinates import PoleNotes
-from voronec.motion.soundness import Judge, LookGrid
+from voronec.motion.soundness import Judge
 from voronec.motion.split_models import SplitGround, SplitModel, candidates
 from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Halt, Problem, Run
@@ -300,8 +301,7 @@ class SplitRun:
         self.methods.setdefault(chosen["method"])
         self.prepared += perf_counter() - began
         smooth = switched is None
-        plain = times.dtype == object or not smooth
-        looks = LookGrid(times) if plain else LookGrid.of(problem, times)
+        looks = LookGrid.of(times, pace_of(problem, float(times[0])))
         run = self.judge(split, poles.with_notes(stepper(looks.whole)), smooth, looks.ends)
         return looks.without_looks(run), smooth
 
@@ -330,7 +330,7 @@ class SplitRun:
         finer = max(NEAR * self.tol, EXACT) if split.guards else self.tol
         return min(self.tol, finer)
 
-    def judge(self, split: SplitModel, part: Run, smooth: bool, looks: np.ndarray) -> Run:
+    def judge(self, split: SplitModel, part: Run, smooth: bool, looks: Sequence[int]) -> Run:
         """A stretch up to where it went wrong, if it did; what is to be said is noted."""
         watch, home = split.watch, self.ground.home
         watch.require_reactions(part.held, home.system.name)
@@ -339,10 +339,10 @@ class SplitRun:
             home, split.program,
             [float(x) for x in self.ground.values(split.program, float(part.t[0]))],
             self.chosen["tolerance"], part.steps, integrals, watch.relations,
-            changing=self.ground.changing, looks=looks,
+            changing=self.ground.changing, looks=looks, spans=part.spans,
         )  # fmt: skip
         t, states = part.t.astype(float), part.states.astype(float)
-        breach, notes = judge.breach(t, states) if smooth else judge.check_integrals(t, states)
+        breach, notes = judge.breach(t, states)
         self.told += [note for note in notes if note not in self.told]
         return part if breach is None else part.until(breach.row, breach.what)
 

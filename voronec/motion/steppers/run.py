@@ -38,6 +38,7 @@ __all__ = [
     "Run",
     "Signal",
     "Signals",
+    "SmoothSpan",
     "Stepper",
     "Ticker",
     "constants_along",
@@ -212,6 +213,16 @@ def _log_growth(left: float, fading: float) -> float:
 
 
 @dataclass(frozen=True)
+class SmoothSpan:
+    """A span between two switches of a motion, in which its right side is one smooth function:
+    times (k,) and states (k, n) to the ``rates`` (k, n)."""
+
+    first: float
+    last: float
+    rates: Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+
+@dataclass(frozen=True)
 class Run:
     """States at ``t``: the first points of the grid, and the crossing that ended the run, or where
     it stood when it was stopped by hand, far from the last of these points.
@@ -220,7 +231,8 @@ class Run:
     run; ``inside``, of dense runs, gives states at any times reached; ``held`` says
     that it was kept on a wall, along which no single right side holds; ``switches`` counts changes
     of chart, and ``prepared`` are the seconds of the run that making integrators for them took;
-    ``notes`` are lines for the user; ``ends``, where a problem asks for them, the ends of steps.
+    ``spans`` are those between switches of side, of what is not smooth; ``notes`` are lines for the
+    user; ``ends``, where a problem asks for them, the ends of steps.
     """
 
     t: np.ndarray
@@ -235,6 +247,7 @@ class Run:
     switches: int = 0
     prepared: float = 0.0
     held: bool = False
+    spans: tuple[SmoothSpan, ...] = ()
     notes: tuple[str, ...] = ()
     ends: tuple[float, ...] = ()
 
@@ -702,6 +715,7 @@ def _join_runs(parts: Sequence[Run], grid: np.ndarray, problem: Problem) -> Run:
         crossings=crossings,
         switches=sum(part.switches for part in parts),
         held=any(part.held for part in parts),
+        spans=tuple(span for part in parts for span in part.spans),
         prepared=sum(part.prepared for part in parts),
         notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
         inside=_inside(parts) if problem.dense else None,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -383,7 +384,7 @@ class _March:
                 if self.log.enter(event, time, state):
                     end = time
                     break
-        reached = int(np.searchsorted(self.forward, float(self.order * end), side="right"))
+        reached = self.reached(end)
         self.idle += 1
         if reached > self.done:
             self.idle = 0
@@ -397,6 +398,11 @@ class _March:
             self.ends.append(float(stride.end))
         self.last = Halt(COLLAPSE, stride.end, stride.state)
         self.suspect(np.array([stride.end]), stride.state[None, :])
+
+    def reached(self, time: Any) -> int:
+        """How many points of the grid a time is not before; of two that are one as doubles, one of
+        many digits tells which is first."""
+        return bisect_right(self.forward, self.order * time)
 
     def stays(self, stride: Stride, events: Mapping[int, Event]) -> bool:
         """Whether the function of a wall is zero where a step ends: short first steps may leave it
@@ -472,7 +478,7 @@ class _March:
         if found is None:
             return None
         time, state = times[max(found - 1, 0)], states[max(found - 1, 0)]
-        reached = int(np.searchsorted(self.forward, float(self.order * time), side="right"))
+        reached = self.reached(time)
         self.done = min(self.done, max(reached, 1))
         return Halt(SINGULAR, time, state, singular=True)
 

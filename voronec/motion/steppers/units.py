@@ -48,7 +48,8 @@ __all__ = [
 SMALL, ORDINARY = 2.0**-24, 2.0**10
 """Sizes between these are ordinary: their unit is 1."""
 STILL = 2.0**-40
-"""A rate below this part of the largest is mostly rounding, and tells no time."""
+"""A rate below this part of the largest is mostly rounding, and tells no time; so is what changes a
+rate by less than this part of it."""
 
 Slopes = Callable[[np.ndarray], np.ndarray]
 """Rates (s, n) of states (s, n)."""
@@ -160,7 +161,7 @@ def _are_felt(
     for j in np.flatnonzero(small.any(axis=0)):
         without = states.copy()
         without[:, j] = 0.0
-        changed = (np.abs(slopes(without) - now) > NUDGE * size) & sound
+        changed = (np.abs(slopes(without) - now) > STILL * size) & sound
         felt[:, j] = ~small[:, j] | changed.any(axis=1)
     return felt
 
