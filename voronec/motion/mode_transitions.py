@@ -120,7 +120,7 @@ class Mode:
         beside = np.array([mpmath.mpf(x) for x in found], dtype=object).astype(state.dtype)
         return np.concatenate([state, beside])
 
-    def check_followed(self, time: Any, state: np.ndarray, values: Sequence[Any]) -> None:
+    def check_rates(self, time: Any, state: np.ndarray, values: Sequence[Any]) -> None:
         """Raise one of ``NO_VALUE`` where what is followed beside the state has no rate."""
         if self.followed is not None:
             wide = self._widen(state, values, time)
@@ -665,7 +665,7 @@ class Crossroads:
             return time, state
         try:
             self._holds(mode, time, state)
-            mode.check_followed(time, state, self.values(mode.program, mode.sides, time))
+            mode.check_rates(time, state, self.values(mode.program, mode.sides, time))
         except NO_VALUE:
             return self.moment(mode, time, state, 1)
         return time, state
