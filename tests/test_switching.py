@@ -330,11 +330,56 @@ def test_a_body_at_rest_where_two_springs_meet_stays_there(method):
         run = motion(mass_point(force), (0, 0), 1, method)
         assert run["x"][-1] == 0 == run["xdot"][-1]
     late = sp.Heaviside(vo.time - 3)  # what sets in later is not forgotten
-    with pytest.raises(IntegrationError, match="may leave x = 0 on either side"):
-        motion(mass_point(stiff + late), (0, 0), 4, method)
+    pushed = motion(mass_point(stiff + late), (0, 0), 4, method)
+    assert abs(pushed["x"][-1] - (1 - mp.cos(2)) / 4) < 1e-12
     for force, place in ((root * sp.sign(x), "x"), (root, "x"), (drag, "xdot")):
         with pytest.raises(IntegrationError, match=f"may leave {place} = 0 on either side"):
             motion(mass_point(force), (0, 0), 1, method)
+
+
+@pytest.mark.parametrize("method", ["auto", "flint"])
+def test_what_rests_goes_on_where_only_the_time_meets_a_wall(method):
+    """At an instant of a wall only the side that comes matters: friction that fades at t = 1, a
+    push that sets in at t = 2, and one that begins with the motion."""
+    freed = -sp.sign(Dx) * sp.Max(0, 1 - t) + sp.Max(0, t - 2)
+    run = motion(mass_point(freed), (0, 0), 3, method)
+    assert abs(run["x"][-1] - mp.mpf(1) / 6) < 1e-14 and abs(run["xdot"][-1] - 0.5) < 1e-14
+    stiff = sp.Piecewise((-x, x < 0), (-4 * x, True))
+    run = motion(mass_point(stiff + sp.floor(t)), (0, 0), 2, method)
+    assert abs(run["x"][-1] - (1 - mp.cos(2)) / 4) < 1e-14
+    pushed = vo.System(
+        "pushed", vo.Fibration(base=(x,)), lagrangian=Dx**2 / 2, forces={x: stiff + y}, inputs=(y,)
+    )
+    ramp = {y: vo.Table([0, 1, 2], [0, 0, 1], "linear")}
+    run = motion(pushed, (0, 0), 2, method, inputs=ramp)
+    assert abs(run["x"][-1] - (1 - mp.sin(2) / 2) / 4) < 1e-14
+
+
+@pytest.mark.parametrize("method", ["auto", "flint"])
+def test_a_body_rests_where_two_springs_meet_while_another_moves(method):
+    pair = vo.System(
+        "pair", vo.Fibration(base=(x, y)), lagrangian=(Dx**2 + Dy**2) / 2,
+        forces={x: -x, y: -sp.Max(y, Dy / 2) + sp.Heaviside(t - 2)},
+    )  # fmt: skip
+    start = {"initial": {x: 1}, "method": method, "tol": PRECISION.get(method, 1e-13)}
+    rest = vo.integrate(pair, times=[0, 2, 2.5], **start)
+    assert rest["y"][1] == 0 and rest["x"][2] == pytest.approx(np.cos(2.5), abs=1e-12)
+    assert rest["y"][2] == pytest.approx(4 * np.exp(-0.25) - 3, abs=1e-9)
+    steep = vo.System(
+        "pair", pair.fibration, lagrangian=pair.lagrangian, forces={y: sp.sqrt(sp.Abs(y))}
+    )
+    with pytest.raises(IntegrationError, match="may leave y = 0 on either side"):
+        vo.integrate(steep, times=[0, 1], **start | {"initial": {Dx: 1}})
+
+
+@pytest.mark.parametrize("method", ["scipy", "python", "flint"])
+def test_friction_holds_a_body_where_a_root_of_its_place_has_no_slope(method):
+    """At x = 0 under -sqrt|x|: python looked for a step for ever, others lost the state."""
+    root = -sp.sqrt(sp.Abs(x)) * sp.sign(x)
+    held = motion(mass_point(root - sp.sign(Dx) / 2), (0, 0), 3, method)
+    assert held["x"][-1] == 0 == held["xdot"][-1]
+    carried = motion(mass_point(root - 2 * sp.sign(Dx - sp.sin(t))), (0, 0), 1, method)
+    assert abs(carried["x"][-1] - (1 - mp.cos(1))) < 1e-11
 
 
 def test_two_bodies_with_friction_between_them_stop_together_and_apart():

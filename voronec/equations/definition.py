@@ -11,7 +11,7 @@ velocities jump too, and the equations between the walls do not say how far.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -23,19 +23,15 @@ from voronec.algebra.bounded_exponentials import bound_exponentials, holds_expon
 from voronec.algebra.conditions import condition
 from voronec.algebra.door import Door
 from voronec.algebra.elimination import independent_columns, solve_linear
-from voronec.algebra.graphs import nodes
-from voronec.algebra.normal import canonical
 from voronec.algebra.symbols import is_symbolic_name, names_in, plain_name, time, velocity
-from voronec.algebra.terms import factors_of
-from voronec.algebra.verdicts import decide_zero
 from voronec.declaration.reading import quote
 from voronec.declaration.system import System, require_system
 from voronec.equations.connection import AffineForms, FibreSolution, solve_fibre
 from voronec.equations.group_frame import GroupFrame, read_group
-from voronec.equations.program.walls import plain_roots, radicands, wall_factors
-from voronec.errors import DefinitionError, EngineLimit
+from voronec.equations.jumps import require_no_jump, require_no_jump_of_lagrangian
+from voronec.errors import DefinitionError
 
-__all__ = ["Definition", "read", "require_continuous"]
+__all__ = ["Definition", "read"]
 
 
 Enter = Callable[[sp.Expr, str], Any]
@@ -217,14 +213,14 @@ def _require_continuity(
     """Steps are for forces: what velocities depend on may have kinks only."""
     lagrangian = enter(system.lagrangian, "the Lagrangian")
     place = f"system '{system.name}'"
-    _require_no_jump_of_lagrangian(place, lagrangian, dots, variables, known)
+    require_no_jump_of_lagrangian(place, lagrangian, dots, variables, known)
     for i, constraint in enumerate(system.constraints):
         name = partial(_constraint, system, i)  # printed where it is refused: that takes long
-        _require_no_jump(name, enter(constraint, f"constraint {i + 1}"), known, variables)
+        require_no_jump(name, enter(constraint, f"constraint {i + 1}"), known, variables)
     if system.frame is not None and not system.on_group:
         for v, expr in zip(system.frame.velocities, system.frame.expressions, strict=True):
             title = f"{place}: the quasi-velocity '{plain_name(v)}'"
-            _require_no_jump(partial(str, title), enter(expr, title), known, variables)
+            require_no_jump(partial(str, title), enter(expr, title), known, variables)
 
 
 def _read_forces(
@@ -477,95 +473,3 @@ def _working_split(
     chosen = independent_columns(constraints.matrix, order, ideal)
     names = [plain_name(q) for q in velocities]
     return [names[i] for i in range(total) if i not in chosen], [names[i] for i in chosen]
-
-
-def _require_no_jump(
-    place: Callable[[], str], expr: Any, conditions: Sequence[Any], variables: Iterable[Any] = ()
-) -> None:
-    """Raise ``DefinitionError`` where an expression is proved to jump at a state at which
-    conditions hold; ``place`` says what it is."""
-    for wall, jump in _jumps(expr, variables):
-        if _differs(jump, wall, conditions):
-            raise DefinitionError(
-                f"{place()} jumps where {wall} = 0, and velocities would with it; use a continuous "
-                "one, or end the motion there and start another"
-            )
-
-
-def require_continuous(place: str, function: sp.Expr) -> None:
-    """Raise ``DefinitionError`` where a function of the time is proved to jump."""
-    door = Door()
-    inside = door.inward(function)
-    _require_no_jump(partial(str, place), inside, door.hypotheses)
-
-
-def _require_no_jump_of_lagrangian(
-    place: str,
-    lagrangian: Any,
-    velocities: Sequence[Any],
-    variables: Sequence[Any],
-    conditions: Sequence[Any],
-) -> None:
-    """The same of a Lagrangian, which may jump in time, and of its momenta, which may not.
-
-    ``variables`` are the coordinates and velocities.
-    """
-    for wall, jump in _jumps(lagrangian, variables):
-        moving = bool(wall.free_symbols & {*variables})
-        momenta = [jump.diff(v) for v in velocities]
-        jumping = [*([jump] if moving else []), *momenta]
-        if any(_differs(e, wall, conditions) for e in jumping):
-            raise DefinitionError(
-                f"{place}: the Lagrangian jumps where {wall} = 0, which is an impact; use a "
-                "continuous one, or a force of finite size"
-            )
-
-
-def _jumps(expr: Any, variables: Iterable[Any] = ()) -> Iterator[tuple[Any, Any]]:
-    """Walls of an expression with what it differs by on their sides.
-
-    Angles of what holds ``variables`` are no walls: atan(y/x) is meant on one side of x = 0.  Time
-    goes on, and passes the cuts of its own.
-    """
-    expr = se.sympify(expr)
-    plain = plain_roots(expr) if radicands([expr], frozenset(expr.free_symbols)) else expr
-    held = {*variables}
-    arcs = [n for n in nodes([plain]) if isinstance(n, _ARCS) and not n.free_symbols & held]
-    plain = plain.xreplace({arc: plain_roots(arc) for arc in arcs})
-    for node in nodes([plain]):
-        if isinstance(node, se.sign):
-            sides = (plain.xreplace({node: se.Integer(s)}) for s in (1, -1))
-            jump = next(sides) - next(sides)
-            yield from ((wall, jump) for wall in _changes_of_sign(node.args[0]))
-        elif isinstance(node, se.floor):
-            above = plain.xreplace({node: node.args[0]})
-            wall = se.sin(se.pi * node.args[0])
-            yield wall, above - plain.xreplace({node: node.args[0] - 1})
-        elif isinstance(node, se.atan2) and not node.free_symbols & held:
-            y, x = node.args
-            half = se.pi * (1 - se.sign(x)) / 2  # atan2(y, x) = +-pi where y = 0 > x
-            jump = plain.xreplace({node: half}) - plain.xreplace({node: -half})
-            yield from ((wall, jump) for wall in _changes_of_sign(y))
-
-
-_ARCS = (se.asin, se.acos, se.atan, se.acot, se.atan2)
-
-
-def _changes_of_sign(function: Any) -> Iterator[Any]:
-    """The factors of a function where it changes its sign."""
-    for factor in wall_factors(function) or factors_of(function):
-        base, exponent = factor.args if isinstance(factor, se.Pow) else (factor, se.Integer(1))
-        is_even = isinstance(exponent, se.Integer) and exponent % 2 == 0
-        if base.free_symbols and not (is_even or isinstance(base, (se.Abs, se.sign))):
-            yield base
-
-
-def _differs(jump: Any, wall: Any, conditions: Sequence[Any]) -> bool:
-    if jump == 0:
-        return False
-    relations = [] if wall.has(se.pi) and isinstance(wall, se.sin) else [wall]
-    try:
-        jump = canonical([jump])[0]  # 2 sin(u)/sin(u) is 2 beside u = 0
-        return bool(decide_zero(jump, [*relations, *conditions]).refuted)
-    except EngineLimit:
-        return False

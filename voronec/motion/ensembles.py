@@ -19,6 +19,7 @@ from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
+from voronec.motion.angle_cuts import CutWatch
 from voronec.motion.batches import Lanes, StopRequest, along, choose_lanes, require_method
 from voronec.motion.inputs import Drive, drive
 from voronec.motion.methods import METHODS
@@ -161,7 +162,8 @@ def ensemble(
         the motions are integrated one by one.
 
     Motions that start at poles of coordinates, or pass near one or near a singular split of the
-    velocities, are integrated again alone, as by ``integrate``.
+    velocities, and those that might reach the cut of an angle in a Lagrangian, are integrated again
+    alone, as by ``integrate``.
     A start or a parameter from which no motion goes, and a motion that breaks down, loses a proved
     integral or does not obey the equations, is noted in ``errors``, and the others go on; where
     every start is wrong, the first error is raised.
@@ -188,6 +190,8 @@ def ensemble(
     ready = perf_counter()
     alone = _Alone(driven, inputs, single, chosen_scene, keys, method, tol, progress)
     interrupted = driven.changing is None and _run(filled, lanes, tol, jobs, progress)
+    if CutWatch.of(vocabulary).cuts:
+        filled.collapsed.extend(motions.sound)
     interrupted = filled.leave(motions.wrong) if interrupted else filled.go_on_alone(alone)
     if not (motions.sound or filled.alone or interrupted):
         raise motions.wrong[0]

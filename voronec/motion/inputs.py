@@ -29,7 +29,7 @@ from voronec.declaration.reading import doubles, expression, fixed_mapping, quot
 from voronec.declaration.scene import Parameter
 from voronec.declaration.system import System
 from voronec.declaration.table_file import KINDS, require_table
-from voronec.equations.definition import require_continuous
+from voronec.equations.jumps import require_continuous
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.motion.input_samples import SAMPLES, breaks

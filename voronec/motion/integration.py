@@ -29,6 +29,7 @@ from voronec.equations.program import Program
 from voronec.equations.program.python import precision
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
+from voronec.motion.angle_cuts import CutWatch
 from voronec.motion.atlas import NEAR as CHANGE
 from voronec.motion.atlas import kept_charts
 from voronec.motion.chart_stepper import through_charts
@@ -185,12 +186,19 @@ def integrate(
                 vocabulary, asked, given, outset, grid, tol, dense, progress, began, method
             )
     followed = dense or bool(happenings) or not asked or len(grid) < FEW
-    request = _Request(
-        vocabulary, asked, functions, happenings, outset, grid, tol, dense, progress, followed,
-        method, began, given, project,
-    )  # fmt: skip
-    ways = (request.in_smallest, request.otherwise, request.on_coordinates)
-    found = first_success(request.in_any_split(ways), float(grid[0]))
+
+    def go(
+        outputs: tuple[Any, ...], functions: Mapping[str, Any], events: tuple[Event, ...],
+        grid: np.ndarray,
+    ) -> Trajectory:  # fmt: skip
+        request = _Request(
+            vocabulary, outputs, functions, events, outset, grid, tol, dense, progress, followed,
+            method, began, given, project,
+        )  # fmt: skip
+        ways = (request.in_smallest, request.otherwise, request.on_coordinates)
+        return first_success(request.in_any_split(ways), float(grid[0]))
+
+    found = CutWatch.of(vocabulary).motion(go, asked, functions, happenings, grid)
     notes = (*driven.notes, *found.notes, *_notes_of_cost(found.cost, tol))
     return replace(found, system=declared, notes=notes)
 

@@ -120,6 +120,12 @@ class Mode:
         beside = np.array([mpmath.mpf(x) for x in found], dtype=object).astype(state.dtype)
         return np.concatenate([state, beside])
 
+    def check_rates(self, time: Any, state: np.ndarray, values: Sequence[Any]) -> None:
+        """Raise one of ``NO_VALUE`` where what is followed beside the state has no rate."""
+        if self.followed is not None:
+            wide = self._widen(state, values, time)
+            compiled_digits(self.problem.program)[0](time, [*wide], values)
+
     def _narrow(self, run: Run, width: int) -> Run:
         """A run without what is followed beside the state."""
         return run if self.followed is None else narrow(run, width)
@@ -187,22 +193,23 @@ class Crossroads:
         met, corners = self._corners(time, state, sides, hit)
         if len(met) > MOST:
             return TOGETHER
-        leaving = [
-            (corner, values)
+        ways = {
+            above: tuple(self._sides_ahead(corner.program, time, state, values, met))
             for above, (corner, values) in corners.items()
-            if all(
-                s in (0, side)
-                for s, side in zip(
-                    self._sides_ahead(corner.program, time, state, values, met), above, strict=True
-                )
-            )
-        ]
+        }
+        open_ways = {
+            above: corners[above]
+            for above, way in ways.items()
+            if all(s in (0, side) for s, side in zip(way, above, strict=True))
+        }
+        leaving = [*open_ways.values()]
         different = {(corner, frozenset(values.items())) for corner, values in leaving}
         names = " and ".join(map(str, met))
         still = self._vanish(time, state, corners)
         if met and still and self._leads_away(time, state, corners):
             return FREE.format(names)
-        if len(different) == 1:
+        one_way = not still and len({ways[above] for above in open_ways}) == 1
+        if len(different) == 1 or (one_way and self._agree(time, state, open_ways)):
             return self._mode((leaving[0][0],), leaving[0][1], ())
         if leaving:
             rest = self._rest_mode(time, state, met, corners) if still else None
@@ -218,25 +225,41 @@ class Crossroads:
     def _corners(
         self, time: Any, state: np.ndarray, sides: Mapping[Wall, int], hit: Sequence[LevelSurface]
     ) -> tuple[list[LevelSurface], dict[tuple[int, ...], tuple[Corner, dict[Wall, int]]]]:
-        """The surfaces that meet at a state, and the equations on each side of all of them."""
-        met = list(hit)
+        """The surfaces that meet at a state, and the equations on each side of all of them.  Those
+        of the time alone are passed."""
+        met, ahead, more = [], dict[Wall, int](), list(hit)
         while True:
-            corners = {}
-            more: list[LevelSurface] = []
+            ahead |= {s.wall: self._side_after(s, time, state) for s in more if self._is_timed(s)}
+            met += [s for s in more if s.wall not in ahead]
+            corners, more = {}, []
             walls = {s.wall for s in met}
             # beyond a floor other floors and signs of it are others
-            kept = {w: n for w, n in sides.items() if walls.isdisjoint(self.modes.inner_walls(w))}
+            new = walls | ahead.keys()
+            kept = {w: n for w, n in sides.items() if new.isdisjoint(self.modes.inner_walls(w))}
             for above in product((1, -1), repeat=len(met)):
                 beside = dict(zip(met, above, strict=True))
-                corner, values = self._corner(time, state, kept, beside)
+                corner, values = self._corner(time, state, {**kept, **ahead}, beside)
                 corners[above] = corner, values
                 for wall in corner.walls:
-                    if wall not in walls or wall.floors:
+                    if wall not in ahead and (wall not in walls or wall.floors):
                         found = self._touched_surfaces(wall, time, state, values)
                         more += [s for s in found if s not in (*met, *more)]
             if not more or len(met) > MOST:
                 return met, corners
-            met += more
+
+    def _is_timed(self, surface: LevelSurface) -> bool:
+        """Whether a surface is an instant, whatever the state is."""
+        held = surface.wall.function.free_symbols - {*self.modes.form.parameters}
+        return held == {self.modes.form.time} and self.problem.changing is None
+
+    def _side_after(self, surface: LevelSurface, time: Any, state: np.ndarray) -> int:
+        """What stands for the wall of an instant a moment later along the run."""
+        unit = max(1, abs(time))
+        slope = self._measure(surface.wall, time, state, {})[1] * self.order
+        if abs(slope) * unit < mpmath.mpf(2) ** (-(self.bits // 4)):  # it may turn there
+            later = time + self.order * unit * mpmath.mpf(2) ** (-(self.bits // 2))
+            slope = self._measure(surface.wall, later, state, {})[0] - surface.level
+        return surface.value(1 if slope >= 0 else -1)
 
     def _corner(
         self, time: Any, state: np.ndarray, given: Mapping[Wall, int],
@@ -452,15 +475,21 @@ class Crossroads:
         self, time: Any, state: np.ndarray, met: Sequence[LevelSurface],
         corners: Mapping[tuple[int, ...], tuple[Corner, dict[Wall, int]]],
     ) -> Mode | None:  # fmt: skip
-        """The state of rest, where the fields on the sides cancel and hold no time."""
-        rows = []
-        for corner, sides in corners.values():
+        """The state of rest, where the fields on the sides cancel and hold no time, until a wall
+        that holds it is reached: something may set in there."""
+        first, sides = next(iter(corners.values()))
+        rows, later, own = [], dict[Wall, int](), dict[Wall, int]()
+        for corner, beside in corners.values():
             clock, walls = corner.program.time, (*corner.walls, *(s.wall for s in met))
-            if clock in corner.program.derivative.symbols or self.problem.changing is not None:
+            if self.problem.changing is not None or self._holds_time(corner.program, beside, time):
                 return None
-            if any(w.function.has(clock) for w in walls):  # something may set in later
+            timed = [w for w in walls if w.function.has(clock)]
+            strange = {w for w in timed if w.whole or w.floors}.difference(first.walls)
+            if strange or any(s.wall in timed for s in met):
                 return None
-            rows.append([float(x) for x in self._rates(corner.program, sides, time, state)])
+            later |= {w: beside[w] for w in timed if not w.fixed}
+            own |= beside
+            rows.append([float(x) for x in self._rates(corner.program, beside, time, state)])
         from scipy.optimize import nnls
 
         matrix = np.vstack([np.array(rows).T, np.ones(len(rows))])
@@ -468,11 +497,30 @@ class Crossroads:
         _, rest = nnls(matrix / scale, np.array([0.0] * len(state) + [1.0]) / scale)
         if rest > CANCELLATION:
             return None
-        corner, sides = next(iter(corners.values()))
         zero = Block((), (se.Integer(0),) * len(state))
-        program = replace(corner.program, derivative=zero)
-        still = replace(corner, program=program, walls=(), rims=(), roots=None)
-        return self._mode((still,), sides, ())
+        program = replace(first.program, derivative=zero)
+        still = replace(first, program=program, walls=(*later,), signs=later, rims=(), roots=None)
+        return self._mode((still,), {**own, **sides}, ())
+
+    def _holds_time(self, program: Program, sides: Mapping[Wall, int], time: Any) -> bool:
+        """Whether rates hold the time, other than times a parameter that is zero, as the slope of
+        an input is before its table begins to grow."""
+        pairs = zip(program.parameters, self.values(program, sides, time), strict=True)
+        nothing = {p: se.Integer(0) for p, value in pairs if value == 0}
+        rates = (se.sympify(e).xreplace(nothing) for e in program.derivative.expressions)
+        return any(program.time in e.free_symbols for e in rates)
+
+    def _agree(
+        self, time: Any, state: np.ndarray,
+        corners: Mapping[tuple[int, ...], tuple[Corner, dict[Wall, int]]],
+    ) -> bool:  # fmt: skip
+        """Whether the fields on some sides are one at a state that moves on along the walls between
+        them, and nothing leads away there: a body may rest on a wall while others move."""
+        fields = (self._rates(c.program, sides, time, state) for c, sides in corners.values())
+        rows = np.array([list(map(mpmath.mpf, field)) for field in fields], dtype=object)
+        rounding = mpmath.mpf(2) ** (NEAR - self.bits) * abs(rows).max()
+        same = bool((abs(rows - rows[0]) <= rounding).all())
+        return same and self.order > 0 and not self._leads_away(time, state, corners)
 
     def _vanish(
         self, time: Any, state: np.ndarray,
@@ -486,8 +534,8 @@ class Crossroads:
         self, time: Any, state: np.ndarray,
         corners: Mapping[tuple[int, ...], tuple[Corner, dict[Wall, int]]],
     ) -> bool:  # fmt: skip
-        """Whether fields that vanish at a state do so more slowly than in proportion to the way
-        from it, and push on: else nothing leaves it, as |x'| <= L |x|, or what is beside returns.
+        """Whether fields change beside a state more slowly than in proportion to the way from it,
+        and push on: else nothing leaves its way, as |x'| <= L |x|, or what is beside returns.
 
         What moves is pushed by its own rate, or, where that is none, by the rate of its rate.
         """
@@ -503,11 +551,12 @@ class Crossroads:
             def rates(there: np.ndarray, corner: Any = corner, sides: Any = sides) -> Any:
                 return np.array(self._rates(corner.program, sides, time, there), dtype=object)
 
-            moved = rates(beside)
-            usual = max(abs(rates(state + way * far))) / far
+            own = rates(state)
+            moved = rates(beside) - own
+            usual = max(abs(rates(state + way * far) - own)) / far
             if max(abs(moved)) / near > STEEP * max(usual, 1):
                 push = here.dot(moved)
-                later = rates(beside + moved * near**2) - moved
+                later = rates(beside + moved * near**2) - own - moved
                 if push > 0 or (push == 0 and here.dot(later) > 0):
                     return True
         return False
@@ -611,11 +660,12 @@ class Crossroads:
 
     def begin(self, mode: Mode, time: Any, state: np.ndarray) -> tuple[Any, np.ndarray]:
         """Time and state from which a motion along surfaces is followed: a moment later where its
-        weights are 0/0."""
+        weights are 0/0, or their rates have no value, as that of sqrt|x| where x sets out."""
         if not mode.along:
             return time, state
         try:
             self._holds(mode, time, state)
+            mode.check_rates(time, state, self.values(mode.program, mode.sides, time))
         except NO_VALUE:
             return self.moment(mode, time, state, 1)
         return time, state
@@ -747,7 +797,7 @@ class Crossroads:
             }
             levels = _with_turns(quantities(corner.form, functions), program, turns, functions)
         problem = self._problem_of_mode(corner, program, levels, sides, along, turns)
-        problem, followed = _follow_events(problem) if along else (problem, None)
+        problem, followed = _follow_events(problem, along) if along else (problem, None)
         stepper, chosen = self._choose_stepper(problem)
         lasting = stepper if chosen["method"] == "heyoka" else None
         return Mode(
@@ -811,14 +861,20 @@ def _with_turns(
     return replace(levels, names=(*levels.names, *turns), extras=block)
 
 
-def _follow_events(problem: Problem) -> tuple[Problem, Program | None]:
+def _follow_events(
+    problem: Problem, along: Sequence[LevelSurface]
+) -> tuple[Problem, Program | None]:
     """The problem with the functions of its events as further states, and what computes these: what
     is held stands still, and steps as long as that allows would pass over a release.  Without them,
     where nobody differentiates these."""
     program, levels = problem.program, problem.levels
     assert levels is not None  # a mode has events where it ends
+    held = _held_states(along, frozenset(program.state))
+    # the slope of a root may have no value where nothing moves
+    flow = tuple(se.sympify(r).xreplace(held) for r in program.derivative.results)
+    lines = program.derivative.assignments
     try:
-        moved = flow_derivative(program, levels.extras)
+        moved = flow_derivative(replace(program, derivative=Block(lines, flow)), levels.extras)
     except EngineLimit:
         return problem, None
     pairs = zip(levels.names, levels.extras.results, moved.results, strict=True)
@@ -830,6 +886,20 @@ def _follow_events(problem: Problem) -> tuple[Problem, Program | None]:
     followed = replace(levels, names=names, extras=replace(levels.extras, results=functions))
     # they are there, and need not be put beside the states again
     return replace(widen(problem, wide), apart=frozenset(levels.names)), followed
+
+
+def _held_states(along: Sequence[LevelSurface], states: frozenset[Any]) -> dict[Any, Any]:
+    """What stands for a state on each of some surfaces, where that is linear in it."""
+    found: dict[Any, Any] = {}
+    for surface in along:
+        function = surface.function.xreplace(found)
+        for x in sorted(function.free_symbols & states, key=str):
+            slope = function.diff(x)
+            if slope in (1, -1):
+                there = {x: x - function / slope}
+                found = {k: e.xreplace(there) for k, e in found.items()} | there
+                break
+    return found
 
 
 def _of_events(levels: Program, given: Sequence[Event], ends: Sequence[str]) -> Program:

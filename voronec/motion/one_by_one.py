@@ -21,6 +21,7 @@ from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
 from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
+from voronec.motion.angle_cuts import CutWatch
 from voronec.motion.batches import (
     COLLAPSE_RATIO,
     SINGULAR_PLACE,
@@ -44,6 +45,7 @@ __all__ = [
     "along_one",
     "crossing_speeds",
     "driven_passages",
+    "end_at_cuts",
     "go_on_alone",
     "time_scale",
 ]
@@ -369,14 +371,37 @@ def go_on_alone(
         passages.interrupted[0] = True
 
 
+def end_at_cuts(motions: Many, passages: SectionPassages, method: str, tol: float) -> None:
+    """Of motions that reach the cut of an angle keep the passages before that, and say so."""
+    if not CutWatch.of(motions.vocabulary).cuts:
+        return
+    for i in (i for i in motions.sound if passages.parts[i]):
+        end = float(passages.parts[i][-1][0][-1])
+        try:
+            integrate(
+                motions.vocabulary.equations, Scene({}, (0.0, 1.0)), [motions.time, end],
+                *_alone(motions, i), method, tol,
+            )  # fmt: skip
+        except IntegrationError as error:
+            t = np.concatenate([part[0] for part in passages.parts[i]])
+            passages.cut(i, int((t < float(end if error.time is None else error.time)).sum()))
+            passages.errors[i] = error
+
+
+def _alone(motions: Many, i: int) -> tuple[list[sp.Expr], dict[str, float], dict[sp.Expr, Any]]:
+    """Outputs, parameters and start with which motion i is integrated whole."""
+    system = motions.vocabulary.equations.system
+    names = [*system.coordinates, *system.velocities]
+    constants = {name: float(x[i]) for name, x in motions.parameters.items()}
+    return names, constants, dict(zip(names, motions.full[i].tolist(), strict=True))
+
+
 def _pass_alone(
     motions: Many, watch: SectionWatch, passages: SectionPassages, level: sp.Expr, method: str,
     tol: float, i: int,
 ) -> None:  # fmt: skip
     equations = motions.vocabulary.equations
-    names = [*equations.system.coordinates, *equations.system.velocities]
-    constants = {name: float(x[i]) for name, x in motions.parameters.items()}
-    start = dict(zip(names, motions.full[i].tolist(), strict=True))
+    names, constants, start = _alone(motions, i)
     event = Event(level, PLANE, passages.direction)
     unit = time_scale(motions, motions.time, motions.states[i], motions.values[i])
     span, run = max(FIRST * unit, 2 * (passages.reached[i] - motions.time)), None

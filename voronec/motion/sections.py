@@ -29,7 +29,13 @@ from voronec.motion.batches import choose_lanes
 from voronec.motion.ensembles import ensemble
 from voronec.motion.inputs import drive
 from voronec.motion.motion_pool import Many, drifts, many
-from voronec.motion.one_by_one import DrivenPassages, SwitchedMotions, driven_passages, go_on_alone
+from voronec.motion.one_by_one import (
+    DrivenPassages,
+    SwitchedMotions,
+    driven_passages,
+    end_at_cuts,
+    go_on_alone,
+)
 from voronec.motion.request import (
     Values,
     Vocabulary,
@@ -410,6 +416,7 @@ def _follow(
     else:
         switched.passages(watch, passages, f"plane {surface}", value)
     go_on_alone(motions, watch, passages, level, method, tol)
+    end_at_cuts(motions, passages, method, tol)
     cost = Cost(
         method=used, reason=reason, tolerance=finest, setup=ready - began,
         run=perf_counter() - ready, steps=passages.steps[0], evaluations=passages.steps[0],

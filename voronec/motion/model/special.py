@@ -56,7 +56,7 @@ def at_zero(level: Level, zeros: Collection[Any]) -> list[Any]:
 
     On it every rate vanishes identically: an invariant subspace, proved.  What a sign or a floor
     depends on is none of them: where it is zero the rate is not that of the motions nearby; nor is
-    what a root makes so steep that it may leave, where all is at rest.
+    what a root makes so steep that it may leave.
     """
     chosen = [x for x in level.variables if x in zeros]
     steps = _steps(level, chosen)
@@ -76,10 +76,9 @@ def _steps(level: Level, among: list[Any]) -> set[Any]:
     """What signs and floors in the rates depend on, and roots of sizes that vanish."""
     exprs = [e for _, e in level.stages] + [*level.rates, *level.force] if among else []
     zero = dict.fromkeys(among, se.Integer(0))
-    at_rest = zero.keys() >= {*level.velocities}
 
     def is_abrupt(node: Any) -> bool:
-        is_root = at_rest and isinstance(node, se.Pow)
+        is_root = isinstance(node, se.Pow)
         return isinstance(node, se.sign | se.floor) or (is_root and _is_steep_root(node, zero))
 
     met = filter(is_abrupt, nodes(map(se.sympify, exprs)))

@@ -335,7 +335,7 @@ def drive(grid, rows, clock, counts, states, bend, times, ends, bends, scales, c
         least = 10.0*abs(np.nextafter(t, order*np.inf) - t)
         if not rejected:
             size = max(size, least)
-        if size < least:
+        if not size >= least:  # nor is a step that is no number
             outcome = 3
             break
         ahead = t + order*size

@@ -1,0 +1,163 @@
+"""Jumps of what velocities depend on: of a Lagrangian, its momenta, constraints and frames.
+
+Where one jumps, velocities jump too, and the equations between the walls do not say how far.  What
+is proved to jump is refused.  An angle of coordinates, as atan(1/(x - 2)), may be meant on one side
+of its cut: the places of such cuts are kept, for runs to end there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence, Set
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import symengine as se
+import sympy as sp
+
+from voronec.algebra.door import Door
+from voronec.algebra.graphs import nodes
+from voronec.algebra.normal import canonical
+from voronec.algebra.signs import known_sign
+from voronec.algebra.terms import factors_of
+from voronec.algebra.verdicts import decide_zero
+from voronec.equations.program.walls import plain_roots, radicands, wall_factors
+from voronec.errors import DefinitionError, EngineLimit
+
+__all__ = ["AngleCut", "angle_cuts", "require_continuous", "require_no_jump",
+           "require_no_jump_of_lagrangian"]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class AngleCut:
+    """Where an angle of coordinates in a ``place`` of a definition jumps: where the ``wall`` passes
+    zero, and, if there is one, the ``side`` is negative."""
+
+    place: str
+    wall: Any
+    side: Any = None
+
+    def __str__(self) -> str:
+        beside = "" if self.side is None else f" and {self.side} < 0"
+        return f"{self.wall} = 0{beside}"
+
+
+def angle_cuts(
+    places: Iterable[tuple[str, Any]], coordinates: Sequence[Any], velocities: Sequence[Any],
+    conditions: Sequence[Any],
+) -> tuple[AngleCut, ...]:  # fmt: skip
+    """The cuts of angles of ``coordinates`` at which an expression of ``places``, or its derivative
+    by a velocity, is proved to jump while conditions hold."""
+    held = {*coordinates}
+    found: dict[Any, AngleCut] = {}
+    for place, expr in places:
+        if not any(n.free_symbols & held for n in nodes([expr]) if isinstance(n, _ARCS)):
+            continue
+        for wall, jump, side in _jumps_of_angles(expr):
+            slopes = (jump.diff(v) for v in velocities)
+            if wall.free_symbols & held and any(
+                _differs(e, wall, conditions) for e in (jump, *slopes)
+            ):
+                found.setdefault((wall, side), AngleCut(place, wall, side))
+    return tuple(found.values())
+
+
+def require_no_jump(
+    place: Callable[[], str], expr: Any, conditions: Sequence[Any], variables: Iterable[Any] = ()
+) -> None:
+    """Raise ``DefinitionError`` where an expression is proved to jump at a state at which
+    conditions hold; ``place`` says what it is."""
+    for wall, jump in _jumps(expr, variables):
+        if _differs(jump, wall, conditions):
+            raise DefinitionError(
+                f"{place()} jumps where {wall} = 0, and velocities would with it; use a continuous "
+                "one, or end the motion there and start another"
+            )
+
+
+def require_continuous(place: str, function: sp.Expr) -> None:
+    """Raise ``DefinitionError`` where a function of the time is proved to jump."""
+    door = Door()
+    inside = door.inward(function)
+    require_no_jump(partial(str, place), inside, door.hypotheses)
+
+
+def require_no_jump_of_lagrangian(
+    place: str,
+    lagrangian: Any,
+    velocities: Sequence[Any],
+    variables: Sequence[Any],
+    conditions: Sequence[Any],
+) -> None:
+    """The same of a Lagrangian, which may jump in time, and of its momenta, which may not.
+
+    ``variables`` are the coordinates and velocities.
+    """
+    for wall, jump in _jumps(lagrangian, variables):
+        moving = bool(wall.free_symbols & {*variables})
+        momenta = [jump.diff(v) for v in velocities]
+        jumping = [*([jump] if moving else []), *momenta]
+        if any(_differs(e, wall, conditions) for e in jumping):
+            raise DefinitionError(
+                f"{place}: the Lagrangian jumps where {wall} = 0, which is an impact; use a "
+                "continuous one, or a force of finite size"
+            )
+
+
+def _jumps(expr: Any, variables: Iterable[Any] = ()) -> Iterator[tuple[Any, Any]]:
+    """Walls of an expression with what it differs by on their sides.
+
+    Angles of what holds ``variables`` are no walls: atan(y/x) is meant on one side of x = 0.  Time
+    goes on, and passes the cuts of its own.
+    """
+    for wall, jump, side in _jumps_of_angles(expr, {*variables}):
+        # atan2(y, x) = +-pi where y = 0 > x
+        yield wall, jump if side is None else jump * (1 - se.sign(side))
+
+
+def _jumps_of_angles(expr: Any, held: Set[Any] = frozenset()) -> Iterator[tuple[Any, Any, Any]]:
+    """Walls of an expression, what it differs by on their sides, and what is negative where it
+    does; None where that is all along the wall.  Angles of what is ``held`` are left alone."""
+    expr = se.sympify(expr)
+    plain = plain_roots(expr) if radicands([expr], frozenset(expr.free_symbols)) else expr
+    arcs = [n for n in nodes([plain]) if isinstance(n, _ARCS) and not n.free_symbols & held]
+    plain = plain.xreplace({arc: plain_roots(arc) for arc in arcs})
+    for node in nodes([plain]):
+        if isinstance(node, se.sign):
+            sides = (plain.xreplace({node: se.Integer(s)}) for s in (1, -1))
+            jump = next(sides) - next(sides)
+            yield from ((wall, jump, None) for wall in _changes_of_sign(node.args[0]))
+        elif isinstance(node, se.floor):
+            above = plain.xreplace({node: node.args[0]})
+            wall = se.sin(se.pi * node.args[0])
+            yield wall, above - plain.xreplace({node: node.args[0] - 1}), None
+        elif isinstance(node, se.atan2) and not node.free_symbols & held:
+            y, x = node.args
+            # x sign(x) has the sign of x/x
+            if known_sign(x.xreplace({n: 1 / n.args[0] for n in x.atoms(se.sign)})) > 0:
+                continue
+            jump = plain.xreplace({node: se.pi}) - plain.xreplace({node: -se.pi})
+            yield from ((wall, jump, x) for wall in _changes_of_sign(y))
+
+
+_ARCS = (se.asin, se.acos, se.atan, se.acot, se.atan2)
+
+
+def _changes_of_sign(function: Any) -> Iterator[Any]:
+    """The factors of a function where it changes its sign."""
+    for factor in wall_factors(function) or factors_of(function):
+        base, exponent = factor.args if isinstance(factor, se.Pow) else (factor, se.Integer(1))
+        is_even = isinstance(exponent, se.Integer) and exponent % 2 == 0
+        if base.free_symbols and not (is_even or isinstance(base, (se.Abs, se.sign))):
+            yield base
+
+
+def _differs(jump: Any, wall: Any, conditions: Sequence[Any]) -> bool:
+    if jump == 0:
+        return False
+    relations = [] if wall.has(se.pi) and isinstance(wall, se.sin) else [wall]
+    try:
+        jump = canonical([jump])[0]  # 2 sin(u)/sin(u) is 2 beside u = 0
+        return bool(decide_zero(jump, [*relations, *conditions]).refuted)
+    except EngineLimit:
+        return False
