@@ -61,7 +61,7 @@ NEARBY, FINE, MARGIN = 1e-7, 1e-11, 1e3
 """How far from the first another start is, the tolerance from there, and how many tolerances the
 state may be off."""
 ROUNDOFF = float(np.finfo(float).eps)
-ULPS, BENT, SWAYED = 4, 1e-3, 10.0
+ULPS, BEND, SWAY = 4, 1e-3, 10.0
 """How far from the first, in roundings, a third start is; how far in sizes of the state the motion
 from nearby ends up where there is no telling, and how many times as far as it the state may be off:
 through a pole of coordinates, and from it, the next double goes elsewhere."""
@@ -262,10 +262,10 @@ def again(
         here = end(0.0)
         gap = np.abs(end(NEARBY) - here)
         allowed = RELATIVE * size + MARGIN * max(tol, FINE) / NEARBY * gap
-        allowed += np.where(gap > BENT * size, SWAYED * gap, 0.0)
+        allowed += np.where(gap > BEND * size, SWAY * gap, 0.0)
         off = np.abs(states[-1] - here)
         if (off > allowed).any():
-            allowed += SWAYED * np.abs(end(max(tol, ULPS * ROUNDOFF)) - here)
+            allowed += SWAY * np.abs(end(max(tol, ULPS * ROUNDOFF)) - here)
     except (_OverBudget, ValueError):
         return None
     return np.asarray(off / allowed)

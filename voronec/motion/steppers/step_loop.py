@@ -384,7 +384,7 @@ class _March:
                 if self.log.enter(event, time, state):
                     end = time
                     break
-        reached = self.reached(end)
+        reached = self.count_until(end)
         self.idle += 1
         if reached > self.done:
             self.idle = 0
@@ -399,7 +399,7 @@ class _March:
         self.last = Halt(COLLAPSE, stride.end, stride.state)
         self.suspect(np.array([stride.end]), stride.state[None, :])
 
-    def reached(self, time: Any) -> int:
+    def count_until(self, time: Any) -> int:
         """How many points of the grid a time is not before; of two that are one as doubles, one of
         many digits tells which is first."""
         return bisect_right(self.forward, self.order * time)
@@ -478,7 +478,7 @@ class _March:
         if found is None:
             return None
         time, state = times[max(found - 1, 0)], states[max(found - 1, 0)]
-        reached = self.reached(time)
+        reached = self.count_until(time)
         self.done = min(self.done, max(reached, 1))
         return Halt(SINGULAR, time, state, singular=True)
 
