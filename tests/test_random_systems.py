@@ -179,10 +179,13 @@ shapes = st.fixed_dictionaries(
 
 SUMS_BESIDE_SUMS = {"base": 3, "fibre": 1, "framed": True, "bent": False, "moving": True}
 """A system whose sums were once expanded for every pair of them, for minutes."""
+LONG_EXPONENTS = {"base": 3, "fibre": 1, "framed": True, "bent": True, "moving": False}
+"""One whose exponents were written out, without end, in all the memory there was."""
 
 
 @settings(max_examples=40, deadline=None)
 @example(3833, SUMS_BESIDE_SUMS)
+@example(126798201, LONG_EXPONENTS)
 @given(st.integers(0, 10**9), shapes)
 def test_both_routes_agree_to_forty_digits(seed, shape):
     made = make(seed, **shape)

@@ -41,6 +41,7 @@ from voronec.algebra.numeric_functions import (
     TANH_SHORTFALL,
 )
 from voronec.algebra.terms import (
+    expand_short,
     factors_of,
     is_exponential,
     subexpressions,
@@ -178,7 +179,7 @@ def _ratio(one: Any, other: Any) -> Any | None:
         return None
     for term in other.args:
         ratio = one.args[0] / term
-        if ratio.is_Number and (one - ratio * other).expand() == 0:
+        if ratio.is_Number and expand_short(one - ratio * other) == 0:
             return ratio
     return None
 

@@ -27,7 +27,13 @@ import symengine as se
 from voronec.algebra.bounded_exponentials import exponential_sum
 from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.numeric_functions import EXPM1, HYPOT, LOG1P, SIZE, numeric_name
-from voronec.algebra.terms import factors_of, is_exponential, summands, with_arguments
+from voronec.algebra.terms import (
+    expand_short,
+    factors_of,
+    is_exponential,
+    summands,
+    with_arguments,
+)
 
 __all__ = ["stable_all"]
 
@@ -108,12 +114,12 @@ def _over(total: Any, ends: Sequence[Sequence[Any]], exponent: Any = 0) -> Any:
     terms = []
     for term in summands(total):
         c, w = _exponential(term)
-        w, shifts = (w + exponent).expand(), Counter[Any]()
+        w, shifts = expand_short(w + exponent), Counter[Any]()
         for several in ends:
             w, shift = _less_largest(w, several)
             shifts[shift] += 1
         # a multiple of a sum is written out: symengine's search for common parts loses some of it
-        w = se.Add(w, *[-s if n == 1 else (-n * s).expand() for s, n in shifts.items()])
+        w = se.Add(w, *[-s if n == 1 else expand_short(-n * s) for s, n in shifts.items()])
         terms.append(c * se.exp(w))
     return se.Add(*terms)
 
@@ -127,9 +133,9 @@ def _less_largest(w: Any, ends: Sequence[Any]) -> tuple[Any, Any]:
             largest = (largest + end + se.Function(SIZE)(end - largest)) / 2
         return w, largest
     a, b = ends
-    d = (b - a).expand()
+    d = expand_short(b - a)
     size = se.Function(SIZE)(d)
-    to_a, to_b = (w - a).expand(), (w - b).expand()
+    to_a, to_b = expand_short(w - a), expand_short(w - b)
     if _slope(to_b, d) < _slope(to_a, d):
         return to_b, (size - d) / 2
     return to_a, (size + d) / 2
@@ -154,7 +160,7 @@ def _ends(total: Any) -> Sequence[Any] | None:
         numeric_name(f) == SIZE for w in exponents for f in se.sympify(w).atoms(se.Function)
     ):
         return None  # nothing to choose, or done before
-    steps = [(w - exponents[0]).expand() for w in exponents]
+    steps = [expand_short(w - exponents[0]) for w in exponents]
     letters = {x for step in steps for x in _letters(step)}
     if len(letters) != 1:
         return exponents if letters and len(exponents) <= MOST_ENDS else None
@@ -364,7 +370,7 @@ def _without_root(terms: _Terms, end: int) -> _Terms | None:
         return None
     quotient, carried = {}, se.Integer(0)
     for k in range(max(terms) + 1):  # P = (1 - end T) Q, from the lowest power on
-        carried = (terms.get(k, se.Integer(0)) + end * carried).expand()
+        carried = expand_short(terms.get(k, se.Integer(0)) + end * carried)
         quotient[k] = carried
     if quotient.pop(max(terms)) != 0:
         return None

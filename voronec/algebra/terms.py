@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from math import inf
 from typing import Any
 
 import symengine as se
 from symengine.lib.symengine_wrapper import Boolean
 
 __all__ = [
-    "atoms", "factors_of", "is_exponential", "rational", "subexpressions", "summands",
-    "with_arguments",
+    "atoms", "expand_short", "factors_of", "is_exponential", "rational", "subexpressions",
+    "summands", "with_arguments",
 ]  # fmt: skip
 
 
@@ -47,6 +48,31 @@ def summands(expr: Any) -> tuple[Any, ...]:
 def factors_of(expr: Any) -> tuple[Any, ...]:
     """The factors of a product; anything else is its only factor."""
     return expr.args if isinstance(expr, se.Mul) else (expr,)
+
+
+MOST_TERMS = 2000
+"""Sums of more terms are not made of products: they take a tenth of a second, or never end."""
+
+
+def expand_short(expr: Any) -> Any:
+    """Products of sums written out, in functions too, where that does not make too many terms; else
+    the expression as it is."""
+    return expr.expand() if _spread_length(expr, MOST_TERMS) <= MOST_TERMS else expr
+
+
+def _spread_length(expr: Any, most: float) -> float:
+    """About how many terms there are with products of sums written out, and in functions."""
+    total, product = 0.0, 1.0
+    for arg in expr.args:
+        length = _spread_length(arg, most)
+        total, product = total + length, product * length
+        if total > most:
+            return inf
+    if isinstance(expr, se.Mul):
+        return max(total, product)
+    if isinstance(expr, se.Pow) and isinstance(expr.args[1], se.Integer) and total > 2:
+        return (total - 1) ** min(abs(int(expr.args[1])), 64)  # more is beyond all bounds
+    return max(total, 1.0)
 
 
 def is_exponential(expr: Any) -> bool:
