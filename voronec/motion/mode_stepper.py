@@ -19,15 +19,8 @@ from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.walls import FLAT, SATURATION
 from voronec.errors import EngineLimit
 from voronec.motion.methods import is_exact
-from voronec.motion.mode_transitions import (
-    DOUBLE,
-    GUARD,
-    NO_VALUE,
-    PAST,
-    TOUCH,
-    Crossroads,
-    Mode,
-)
+from voronec.motion.mode_set import DOUBLE, GUARD, Mode
+from voronec.motion.mode_transitions import NO_VALUE, PAST, TOUCH, Crossroads
 from voronec.motion.modes import Corner, LevelSurface, Modes
 from voronec.motion.request import Event
 from voronec.motion.residual_windows import program_rates

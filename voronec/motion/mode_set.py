@@ -1,0 +1,352 @@
+"""The modes of a problem that is not smooth: the smooth problem on one side of all walls, or along
+some, with what ends it, and the method that integrates it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Self
+
+import mpmath
+import numpy as np
+import symengine as se
+
+from voronec.algebra.stable import stable_all
+from voronec.equations.program import Block, Program
+from voronec.equations.program.jacobian import flow_derivative
+from voronec.equations.program.python import compiled_digits
+from voronec.equations.program.walls import Wall
+from voronec.errors import EngineLimit
+from voronec.motion.atlas import Progress
+from voronec.motion.methods import choose, choose_regular
+from voronec.motion.modes import Corner, LevelSurface, Modes, is_length, motion_along_surfaces
+from voronec.motion.request import Event
+from voronec.motion.state_probe import quantities
+from voronec.motion.steppers import Problem, Run, Stepper, cut_at_singularity
+from voronec.motion.steppers.event_states import narrow, widen
+
+__all__ = ["DOUBLE", "GUARD", "Mode", "ModeSet"]
+
+DOUBLE = 53
+"""Bits of a double."""
+GUARD = 64
+"""Bits beyond those of the tolerance, in high precision."""
+RIM = 100.0
+"""A length or radicand of velocities that falls below so many times the tolerance, in units of its
+value at the start, has vanished: what is left of it is error."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mode:
+    """One mode, ready to be integrated in: a ``corner``, or the motion along surfaces next to it.
+
+    ``sides`` has the sign or floor of every wall; ``along`` are the surfaces on which the motion is
+    held.  ``watch`` maps names of events to the surfaces at which the mode ends (none: at a rim),
+    ``turns`` others to the surfaces that the motion may touch.  ``followed`` computes what stands
+    behind the state in the problem: the functions of events, where these alone tell a time.
+    """
+
+    corner: Corner
+    program: Program
+    levels: Program
+    sides: Mapping[Wall, int]
+    along: tuple[LevelSurface, ...]
+    watch: Mapping[str, tuple[LevelSurface, ...]]
+    turns: Mapping[str, LevelSurface]
+    problem: Problem
+    chosen: Mapping[str, Any]
+    stepper: Stepper | None
+    followed: Program | None = None
+
+    def run(self, state: np.ndarray, values: Sequence[Any], times: np.ndarray) -> Run:
+        """The motion from a state on."""
+        if self.stepper is None:
+            return self.run_by(self.chosen["method"], state, values, times)
+        self.problem.start[:] = self._widen(state, values, times[0])
+        self.problem.parameters[:] = values  # type: ignore[index]
+        return self._narrow(cut_at_singularity(self.stepper(times), self.problem), len(state))
+
+    def run_by(
+        self, method: str, state: np.ndarray, values: Sequence[Any], times: np.ndarray
+    ) -> Run:
+        """The same by a method of its own."""
+        wide = self._widen(state, values, times[0])
+        problem = replace(self.problem, start=wide, parameters=list(values))
+        return self._narrow(choose_regular(method, problem, times)[0](times), len(state))
+
+    def _widen(self, state: np.ndarray, values: Sequence[Any], time: Any) -> np.ndarray:
+        """The state, and the functions of events that are followed."""
+        if self.followed is None:
+            return state
+        exactly = [*map(mpmath.mpf, state)]
+        found = compiled_digits(self.followed)[1](time, exactly, [*map(mpmath.mpf, values)])
+        beside = np.array([mpmath.mpf(x) for x in found], dtype=object).astype(state.dtype)
+        return np.concatenate([state, beside])
+
+    def check_rates(self, time: Any, state: np.ndarray, values: Sequence[Any]) -> None:
+        """Raise one of ``NO_VALUE`` where what is followed beside the state has no rate."""
+        if self.followed is not None:
+            wide = self._widen(state, values, time)
+            compiled_digits(self.problem.program)[0](time, [*wide], values)
+
+    def _narrow(self, run: Run, width: int) -> Run:
+        """A run without what is followed beside the state."""
+        return run if self.followed is None else narrow(run, width)
+
+    @property
+    def walls(self) -> frozenset[Wall]:
+        """The walls at which the mode ends."""
+        return frozenset(s.wall for hit in self.watch.values() for s in hit)
+
+
+@dataclass
+class ModeSet:
+    """All modes of a problem, each made ready when a run first comes to it."""
+
+    method: str
+    problem: Problem
+    grid: np.ndarray
+    modes: Modes
+    bits: int
+    known_modes: dict[Any, Mode] = field(default_factory=dict)
+    known: dict[str, Any] = field(init=False)
+    start: np.ndarray = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.order = 1 if self.grid[-1] >= self.grid[0] else -1
+        self.working = 2 * self.bits + GUARD
+        start, parameters = self.problem.start, self.problem.parameters
+        if self.bits != DOUBLE and self.problem.exact is not None:
+            start, parameters = self.problem.exact(self.bits)
+        self.start = np.array([mpmath.mpf(x) for x in start], dtype=object)
+        names = map(str, self.problem.program.parameters)
+        self.known = dict(zip(names, map(mpmath.mpf, parameters), strict=True))
+        self.progress = Progress(self.problem.progress) if self.problem.progress else None
+
+    def elsewhere(self, time: float, start: np.ndarray, parameters: Sequence[Any]) -> Self:
+        """The same modes for another start and other parameters; what a rim is depends on those."""
+        problem = replace(self.problem, start=start.copy(), parameters=list(parameters))
+        grid = np.array([time, time + (self.grid[-1] - self.grid[0])])
+        kept = {k: p for k, p in self.known_modes.items() if not p.corner.rims}
+        with mpmath.workprec(self.working):
+            return replace(self, problem=problem, grid=grid, known_modes=kept)
+
+    def name_parameters(self, values: Mapping[Wall, int], time: Any) -> dict[str, Any]:
+        """Parameters by name at a time, floors among them."""
+        floors = {str(self.modes.floor(w)): mpmath.mpf(n) for w, n in values.items() if w.whole}
+        if self.problem.changing is None:
+            return self.known | floors
+        called = self.problem.changing.values_at(float(time))
+        return self.known | floors | {name: mpmath.mpf(x) for name, x in called.items()}
+
+    def values(self, program: Program, sides: Mapping[Wall, int], time: Any) -> list[Any]:
+        """The parameters of a mode's program at a time."""
+        named = self.name_parameters(sides, time)
+        return [named[str(p)] for p in program.parameters]
+
+    def mode(
+        self,
+        corners: tuple[Corner, ...],
+        sides: Mapping[Wall, int],
+        along: tuple[LevelSurface, ...],
+    ) -> Any:
+        """The mode on ``sides`` of all walls, or ``along`` surfaces between ``corners``; None where
+        none is there."""
+        floors = tuple(s for s in along if s.wall.whole)
+        key = (corners, along, tuple(sides[s.wall] for s in floors))
+        found = self.known_modes.get(key)
+        if found is None:
+            found = self._make_mode(corners, sides, along)
+            if found is None:
+                return None
+            self.known_modes[key] = found
+        return replace(found, sides=sides, watch=self._watched_surfaces(corners[0], sides, along))
+
+    def _watched_surfaces(
+        self, corner: Corner, sides: Mapping[Wall, int], along: tuple[LevelSurface, ...]
+    ) -> dict[str, tuple[LevelSurface, ...]]:
+        watch: dict[str, tuple[LevelSurface, ...]] = {}
+        for i, wall in enumerate(corner.walls):
+            if wall.fixed or self.modes.is_held(wall, along):
+                continue
+            if wall.whole:
+                watch[f"wall {i} below"] = (LevelSurface(wall, sides[wall]),)
+                watch[f"wall {i} above"] = (LevelSurface(wall, sides[wall] + 1),)
+            else:
+                watch[f"wall {i}"] = (LevelSurface(wall),)
+        watch |= {f"rim {i}": () for i in range(len(corner.rims))}
+        return watch | {f"weight {i}": along for i in range(len(along))}
+
+    def _levels(
+        self, corner: Corner, sides: Mapping[Wall, int], along: tuple[LevelSurface, ...]
+    ) -> dict[str, Any]:
+        """What falls through zero where a mode ends, by the names of ``_watched_surfaces``."""
+        levels = {}
+        for i, wall in enumerate(corner.walls):
+            if wall.fixed or self.modes.is_held(wall, along):
+                continue
+            if wall.whole:
+                floor = self.modes.floor(wall)
+                levels[f"wall {i} below"] = wall.function - floor
+                levels[f"wall {i} above"] = floor + 1 - wall.function
+            else:
+                levels[f"wall {i}"] = corner.signs[wall] * wall.function
+        for i, base in enumerate(corner.rims):
+            levels[f"rim {i}"] = self._fall(base, corner, sides)
+        return levels
+
+    def _fall(self, base: Any, corner: Corner, sides: Mapping[Wall, int]) -> Any:
+        """What falls through zero where a radicand of velocities has vanished; of a sum of squares,
+        which may be beyond doubles, by its root."""
+        (root,) = stable_all([se.sqrt(base)])
+        measure = root if is_length(root) else base
+        program = quantities(corner.form, {"size": measure})
+        begin = self.grid[0]
+        values = self.values(program, sides, begin)
+        size = compiled_digits(program)[1](begin, list(self.start), values)[0]
+        small = RIM * self.problem.tol * float(abs(size))
+        return measure - se.Rational(*small.as_integer_ratio())
+
+    def _make_mode(
+        self,
+        corners: tuple[Corner, ...],
+        sides: Mapping[Wall, int],
+        along: tuple[LevelSurface, ...],
+    ) -> Mode | None:
+        """The smooth problem on ``sides`` of all walls, or along some; None where none is there."""
+        corner = corners[0]
+        functions = {**corner.functions, **self._levels(corner, sides, along)}
+        program, turns = corner.program, {}
+        if along:
+            below = [None, *along]
+            numbered = [
+                self._number_corner(c, s, along) for c, s in zip(corners, below, strict=True)
+            ]
+            found = motion_along_surfaces(numbered, along)
+            if found is None:
+                return None
+            program, weighing = found
+            kinds = [f"{w} {i}" for w in ("weight", "return") for i in range(len(along))]
+            block = Block(weighing.assignments, (*functions.values(), *weighing.results))
+            levels = replace(program, names=(*functions, *kinds), extras=block)
+        else:
+            turns = {
+                f"turn at {n}": s[0]
+                for n, s in self._watched_surfaces(corner, sides, along).items()
+                if s
+            }
+            levels = _with_turns(quantities(corner.form, functions), program, turns, functions)
+        problem = self._problem_of_mode(corner, program, levels, sides, along, turns)
+        problem, followed = _follow_events(problem, along) if along else (problem, None)
+        stepper, chosen = self._choose_stepper(problem)
+        lasting = stepper if chosen["method"] == "heyoka" else None
+        return Mode(
+            corner, program, levels, sides, along, {}, turns, problem, chosen, lasting, followed
+        )
+
+    def _problem_of_mode(
+        self, corner: Corner, program: Program, levels: Program, sides: Mapping[Wall, int],
+        along: tuple[LevelSurface, ...], turns: Mapping[str, Any],
+    ) -> Problem:  # fmt: skip
+        """What is to be integrated until a surface is met that the mode does not lie along."""
+        given, ends = self.problem, [*self._watched_surfaces(corner, sides, along)]
+        events = [Event(name, name, -self.order, stop=True) for name in ends]
+        events += [Event(name, name, 1) for name in turns]
+        watching = levels if not along else _of_events(levels, [*given.events], ends)
+        numbers = [*map(float, self.values(program, sides, self.grid[0]))]
+        return replace(
+            given, program=program, start=given.start.copy(), levels=watching,
+            events=(*given.events, *events), parameters=numbers,
+            exact=None, walls=frozenset(ends), suspect=None if along else given.suspect,
+            progress=self.progress,
+            apart=frozenset((*ends, *turns)),  # steps begin anew at each of them
+            roots=corner.roots if self.bits != DOUBLE and not along else None,
+        )  # fmt: skip
+
+    def _choose_stepper(self, problem: Problem) -> tuple[Any, dict[str, Any]]:
+        """The stepper of a mode, by the method of the first one; in many bits by flint."""
+        first = next(iter(self.known_modes.values()), None)
+        method = self.method if first is None else first.chosen["method"]
+        return choose("flint" if self.bits != DOUBLE else method, problem, self.grid)
+
+    def _number_corner(
+        self, corner: Corner, below: LevelSurface | None, along: Sequence[LevelSurface]
+    ) -> Corner:
+        """A corner with numbers for the floors along which the motion is held."""
+        floors = {
+            self.modes.floor(s.wall): se.Integer(s.value(-1 if s == below else 1))
+            for s in along if s.wall.whole
+        }  # fmt: skip
+        if not floors:
+            return corner
+        block = corner.program.derivative
+        lines = tuple((name, e.xreplace(floors)) for name, e in block.assignments)
+        results = tuple(se.sympify(r).xreplace(floors) for r in block.results)
+        return replace(corner, program=replace(corner.program, derivative=Block(lines, results)))
+
+
+def _with_turns(
+    levels: Program,
+    program: Program,
+    turns: Mapping[str, LevelSurface],
+    functions: Mapping[str, Any],
+) -> Program:
+    """The same quantities, and the rates of those of ``functions`` that turn."""
+    lines = program.derivative.assignments
+    fresh = {name: se.Symbol(f"level {i}") for i, (name, _) in enumerate(levels.extras.assignments)}
+    own = tuple((fresh[n], e.xreplace(fresh)) for n, e in levels.extras.assignments)
+    results = tuple(se.sympify(r).xreplace(fresh) for r in levels.extras.results)
+    moved = [program.rate(functions[name.removeprefix("turn at ")]) for name in turns]
+    block = Block((*lines, *own), (*results, *moved))
+    return replace(levels, names=(*levels.names, *turns), extras=block)
+
+
+def _follow_events(
+    problem: Problem, along: Sequence[LevelSurface]
+) -> tuple[Problem, Program | None]:
+    """The problem with the functions of its events as further states, and what computes these: what
+    is held stands still, and steps as long as that allows would pass over a release.  Without them,
+    where nobody differentiates these."""
+    program, levels = problem.program, problem.levels
+    assert levels is not None  # a mode has events where it ends
+    held = _held_states(along, frozenset(program.state))
+    # the slope of a root may have no value where nothing moves
+    flow = tuple(se.sympify(r).xreplace(held) for r in program.derivative.results)
+    lines = program.derivative.assignments
+    try:
+        moved = flow_derivative(replace(program, derivative=Block(lines, flow)), levels.extras)
+    except EngineLimit:
+        return problem, None
+    pairs = zip(levels.names, levels.extras.results, moved.results, strict=True)
+    moving = [(name, level, rate) for name, level, rate in pairs if rate != 0]
+    if not moving:
+        return problem, None
+    names, functions, rates = zip(*moving, strict=True)
+    wide = program.beside(replace(moved, results=rates), "event")
+    followed = replace(levels, names=names, extras=replace(levels.extras, results=functions))
+    # they are there, and need not be put beside the states again
+    return replace(widen(problem, wide), apart=frozenset(levels.names)), followed
+
+
+def _held_states(along: Sequence[LevelSurface], states: frozenset[Any]) -> dict[Any, Any]:
+    """What stands for a state on each of some surfaces, where that is linear in it."""
+    found: dict[Any, Any] = {}
+    for surface in along:
+        function = surface.function.xreplace(found)
+        for x in sorted(function.free_symbols & states, key=str):
+            slope = function.diff(x)
+            if slope in (1, -1):
+                there = {x: x - function / slope}
+                found = {k: e.xreplace(there) for k, e in found.items()} | there
+                break
+    return found
+
+
+def _of_events(levels: Program, given: Sequence[Event], ends: Sequence[str]) -> Program:
+    """What the events of a motion along surfaces look at: weights by how far they are from +-1."""
+    found = dict(zip(levels.names, levels.extras.results, strict=True))
+    results = [found[e.name] for e in given]
+    results += [1 - found[n] ** 2 if n.startswith("weight") else found[n] for n in ends]
+    names = (*(e.name for e in given), *ends)
+    return replace(levels, names=names, extras=replace(levels.extras, results=tuple(results)))
