@@ -54,6 +54,22 @@ def test_a_cut_is_one_on_its_side_alone(outputs):
     assert len(vo.integrate(even, initial={x: -5, y: -1, Dy: 2}, **more)) == 2
 
 
+def test_a_rate_that_jumps_across_its_own_cut_ends_nothing():
+    """The rate of a function of place and time that jumps by a constant feels no jump; along the
+    cut, or squared, it does."""
+    free = system(Dx**2 / 2 + 3 * Dx * sp.atan(1 / (x - 1)), x)
+    assert vo.integrate(free, initial={x: 0, Dx: 3}, times=[0, 2])["x"][-1] == pytest.approx(6)
+    place = x - y - vo.time
+    for rate, ends in ((Dx - Dy - 1, False), (Dx - Dy, True), ((Dx - Dy - 1) ** 2 / 9, True)):
+        plane = system((Dx**2 + Dy**2) / 2 + rate * sp.atan(1 / place), x, y)
+        run = {"initial": {x: -1, Dx: 4}, "times": [0, 1]}
+        if ends:
+            with pytest.raises(IntegrationError, match="angle that jumps"):
+                vo.integrate(plane, **run)
+        else:
+            assert vo.integrate(plane, **run)["x"][-1] == pytest.approx(3)
+
+
 def test_constraints_end_motions_at_cuts_as_well():
     bound = vo.System(
         "cut", vo.Fibration(base=(x,), fibre=(z,)), lagrangian=(Dx**2 + Dz**2) / 2,

@@ -90,6 +90,21 @@ def test_ctrl_c_between_distant_instants_keeps_where_the_run_stood(
     assert abs(float(traj["x"][1]) - np.cos(float(traj.t[1]))) < 1e-10
 
 
+@pytest.mark.parametrize(("method", "end"), [("scipy", 1000), ("flint", 60)])
+def test_ctrl_c_in_a_window_that_nobody_asked_for_keeps_where_the_run_stood(
+    method: str, end: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("voronec.motion.steppers.run.EVERY", 0.0)
+
+    def stop(fraction: float) -> None:
+        if fraction > 1 - 1.8 / end:
+            raise KeyboardInterrupt
+
+    traj = vo.integrate(OSCILLATOR, times=[0, end], initial={x: 1}, method=method, progress=stop)
+    assert traj.interrupted and len(traj) == 2 and end - 2 < traj.t[1] < end
+    assert abs(float(traj["x"][1]) - np.cos(float(traj.t[1]))) < 1e-9
+
+
 def test_ctrl_c_in_the_set_up_of_an_ensemble_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
     def stop(*_args: Any) -> Any:
         raise KeyboardInterrupt

@@ -873,3 +873,14 @@ def test_many_motions_are_no_finer_than_doubles(recwarn):
         found = vo.section(mass_point(force), "x", initial={x: 1}, crossings=20, tol=1e-320)
         assert len(found["x"]) > 1 and found.cost.tolerance >= 1e-16
     assert not [w for w in recwarn if issubclass(w.category, RuntimeWarning)]
+
+
+def test_a_wall_on_which_the_equations_are_0_over_0_ends_a_motion_of_many_digits():
+    """An angle acos(x/r) is |y|/r beside y = 0; there its slope is none."""
+    point = vo.System(
+        "point", vo.Fibration(base=(x, y)),
+        lagrangian=(Dx**2 + Dy**2) / 2 - sp.acos(x / sp.sqrt(x**2 + y**2)),
+    )  # fmt: skip
+    with pytest.raises(IntegrationError, match="not defined after") as error:
+        vo.integrate(point, times=[0, 0.1, 2], initial={x: 2, y: 1, Dy: -1}, tol=1e-25)
+    assert len(error.value.trajectory) == 2

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass
 from functools import partial
+from itertools import combinations
 from typing import Any
 
 import symengine as se
@@ -43,23 +44,34 @@ class AngleCut:
 
 
 def angle_cuts(
-    places: Iterable[tuple[str, Any]], coordinates: Sequence[Any], velocities: Sequence[Any],
-    conditions: Sequence[Any],
+    lagrangian: Any, forms: Iterable[tuple[str, Any]], coordinates: Sequence[Any],
+    velocities: Sequence[Any], time: Any, conditions: Sequence[Any],
 ) -> tuple[AngleCut, ...]:  # fmt: skip
-    """The cuts of angles of ``coordinates`` at which an expression of ``places``, or its derivative
-    by a velocity, is proved to jump while conditions hold."""
+    """The cuts of angles of ``coordinates`` at which a Lagrangian is proved to jump by more than
+    the rate of what is constant on either side, or one of ``forms``, named, or its derivative by a
+    velocity, to jump at all, while conditions hold."""
     held = {*coordinates}
     found: dict[Any, AngleCut] = {}
-    for place, expr in places:
+    for place, expr in (("the Lagrangian", lagrangian), *forms):
         if not any(n.free_symbols & held for n in nodes([expr]) if isinstance(n, _ARCS)):
             continue
         for wall, jump, side in _jumps_of_angles(expr):
-            slopes = (jump.diff(v) for v in velocities)
-            if wall.free_symbols & held and any(
-                _differs(e, wall, conditions) for e in (jump, *slopes)
-            ):
+            kicks = [jump, *(jump.diff(v) for v in velocities)]
+            if expr is lagrangian:
+                kicks = _kicks(jump, wall, (*coordinates, time), velocities)
+            if wall.free_symbols & held and any(_differs(e, wall, conditions) for e in kicks):
                 found.setdefault((wall, side), AngleCut(place, wall, side))
     return tuple(found.values())
+
+
+def _kicks(jump: Any, wall: Any, places: Sequence[Any], velocities: Sequence[Any]) -> list[Any]:
+    """What is zero where a jump of a Lagrangian leaves the velocities alone: the jumps of momenta
+    and of minus the energy are along the gradient of the wall, by coordinates and time, ``places``;
+    so it is for the rate of a function that jumps by a constant."""
+    momenta = [jump.diff(v) for v in velocities]
+    momenta.append(jump - sum(p * v for p, v in zip(momenta, velocities, strict=True)))
+    rows = zip(momenta, (wall.diff(q) for q in places), strict=True)
+    return [p * m - o * n for (p, n), (o, m) in combinations(rows, 2)]
 
 
 def require_no_jump(

@@ -41,9 +41,8 @@ class CutWatch:
 
         def find() -> dict[str, AngleCut]:
             forms = (("a constraint", d.constraints), ("a quasi-velocity", d.frame))
-            places = [("the Lagrangian", d.lagrangian)]
-            places += [(n, e) for n, f in forms if f is not None for e in f.expressions(d.dots)]
-            found = angle_cuts(places, d.coordinates, d.dots, d.conditions)
+            places = [(n, e) for n, f in forms if f is not None for e in f.expressions(d.dots)]
+            found = angle_cuts(d.lagrangian, places, d.coordinates, d.dots, d.time, d.conditions)
             return {f"{CUT} {i}": cut for i, cut in enumerate(found)}
 
         return cls(vocabulary, vocabulary.equations.memo.once("cuts of angles", find))

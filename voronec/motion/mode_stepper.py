@@ -298,12 +298,10 @@ class _Passage:
     def cut(self, part: Run) -> Run:
         """A stretch up to where it touches a wall along which it may have come, or, into the
         future, beyond which it may go on."""
-        forward = self.roads.order > 0
-        touches = self.roads.grazes if forward else self.roads.touches
-        reason = TOUCH if forward else PAST
+        reason = TOUCH if self.roads.order > 0 else PAST
         for name, surface in self.mode.turns.items():
             for time, state in zip(*part.crossings[name], strict=True):
-                if touches(time, state, surface, self.mode.sides):
+                if self.roads.is_open(time, state, surface, self.mode.sides):
                     kept = [self.order * (t - time) <= 0 for t in part.t]
                     return replace(
                         part, t=part.t[kept], states=part.states[kept], stopped="",
@@ -317,15 +315,12 @@ class _Passage:
         roads, before = self.roads, self.mode
         if not hit:
             return self.result(Halt(RIM, self.time, self.number(self.state)))
-        if roads.order < 0 and roads.touches(self.time, self.state, hit[0], before.sides):
-            return self.result(Halt(PAST.format(hit[0]), self.time, self.number(self.state)))
-        if (
-            roads.order > 0
-            and len(hit) == 1
-            and not before.along
-            and roads.grazes(self.time, self.state, hit[0], before.sides)
+        single = len(hit) == 1 and not before.along
+        if (single or roads.order < 0) and roads.is_open(
+            self.time, self.state, hit[0], before.sides
         ):
-            return self.result(Halt(TOUCH.format(hit[0]), self.time, self.number(self.state)))
+            reason = TOUCH if roads.order > 0 else PAST
+            return self.result(Halt(reason.format(hit[0]), self.time, self.number(self.state)))
         # what held the motion is met still, though the state may be some rounding beside it
         hit = tuple(dict.fromkeys((*hit, *before.along)))
         self.state = roads.on_surfaces(self.time, self.state, hit, before.sides)

@@ -442,6 +442,17 @@ class Crossroads(ModeSet):
                     return True
         return False
 
+    def is_open(
+        self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Wall, int]
+    ) -> bool:
+        """Whether a motion into the past ``touches`` a wall, or one into the future ``grazes`` it:
+        then it is open on which side it goes on.  What has no value there says nothing of it."""
+        look = self.grazes if self.order > 0 else self.touches
+        try:
+            return look(time, state, surface, sides)
+        except NO_VALUE:
+            return False
+
     def touches(
         self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Wall, int]
     ) -> bool:

@@ -182,8 +182,9 @@ class LookGrid:
         on = min(len(run.t), len(self.whole))
         kept = np.ones(len(run.t), dtype=bool)
         kept[:on] = self.own[:on]
-        # where a run was stopped between two instants it stands last, and is kept
-        kept[-1] |= bool(run.stopped) or len(run.t) > on or run.t[-1] != self.whole[on - 1]
+        # where a run was stopped, by an event or by hand, it stands last, and is kept
+        stands = run.interrupted or bool(run.stopped)
+        kept[-1] |= stands or len(run.t) > on or run.t[-1] != self.whole[on - 1]
         return replace(run, t=run.t[kept], states=run.states[kept])
 
 
