@@ -262,8 +262,7 @@ class _Alone:
             system, known = self.driven.original, {*self.driven.original.parameter_names}
             inputs = {**getattr(self.scene, "inputs", {}), **(inputs or {})}
         given = {name: float(x[i]) for name, x in motions.parameters.items() if name in known}
-        own = [*equations.system.coordinates, *equations.system.velocities]
-        start = dict(zip(own, motions.full[i].tolist(), strict=True)) if sound else self.starts[i]
+        start = motions.start_values(i) if sound else self.starts[i]
         return integrate(
             system, scene, grid, self.keys, given, start, self.method, self.tol,
             inputs=None if system is equations else inputs,

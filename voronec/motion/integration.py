@@ -441,7 +441,9 @@ class _Job:
         trajectory = replace(sight.trajectory(own), notes=told)
         if run.halt is None and not run.interrupted:
             require_branches(trajectory, self.made.watch.branches, run)
-        seen = trajectory if own is run else sight.observe(run.t, run.states)
+        # between the instants asked for only the first equations of what is smooth are looked at
+        plain = own is run or not smooth
+        seen = trajectory if plain else sight.observe(run.t, run.states)
         breach, notes = self.judge(seen, run, values, smooth, looks.ends)
         if breach is not None:
             run = run.until(breach.row, breach.what)
@@ -522,7 +524,7 @@ class _Job:
         rest = watch.integrals_to_follow(True).items() - judge.integrals.items()
         if rest:
             jumping = replace(judge, integrals=dict(rest), jumping=True)
-            notes = (*notes, *jumping.check_integrals(t, states)[1])
+            notes = (*notes, *jumping.drift_notes(t, states))
         form = equations.raw.form
         own = [str(x) for x in (*form.coordinates, *form.velocities)]
         if smooth and breach is None and {*own} <= {*trajectory.series, *trajectory.names}:

@@ -188,6 +188,12 @@ class Many:
         with np.errstate(all="ignore"):
             return np.linalg.norm(np.column_stack([*slopes, speeds]), axis=1)
 
+    def start_values(self, i: int) -> dict[sp.Expr, float]:
+        """The coordinates and velocities with which motion i starts."""
+        system = self.vocabulary.equations.system
+        own = [*system.coordinates, *system.velocities]
+        return dict(zip(own, self.full[i].tolist(), strict=True))
+
     def on_ground(self, i: int, times: np.ndarray, full: np.ndarray) -> np.ndarray:
         """States (k, n) of motion i at times (k,), from all its coordinates and velocities."""
         below = _below(self.vocabulary.equations, self.ground)

@@ -390,10 +390,8 @@ def end_at_cuts(motions: Many, passages: SectionPassages, method: str, tol: floa
 
 def _alone(motions: Many, i: int) -> tuple[list[sp.Expr], dict[str, float], dict[sp.Expr, Any]]:
     """Outputs, parameters and start with which motion i is integrated whole."""
-    system = motions.vocabulary.equations.system
-    names = [*system.coordinates, *system.velocities]
-    constants = {name: float(x[i]) for name, x in motions.parameters.items()}
-    return names, constants, dict(zip(names, motions.full[i].tolist(), strict=True))
+    start = motions.start_values(i)
+    return [*start], {name: float(x[i]) for name, x in motions.parameters.items()}, start
 
 
 def _pass_alone(

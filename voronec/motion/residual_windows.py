@@ -104,14 +104,18 @@ class Windows:
 
     def beside(self, t: np.ndarray, spans: Iterable[tuple[float, float]]) -> Windows:
         """Those that meet none of some spans: to integrate over a jump tells nothing."""
-        ends = np.sort(t[self.rows[:, [0, -1]]], axis=1)
-        meets = [(a <= ends[:, 1]) & (b >= ends[:, 0]) for a, b in spans]
+        low, high = self._ends(t)
+        meets = [(a <= high) & (b >= low) for a, b in spans]
         return Windows(self.rows[~np.any(meets, axis=0)]) if meets else self
 
     def within(self, t: np.ndarray, first: float, last: float) -> Windows:
         """Those that lie within a span."""
-        ends = np.sort(t[self.rows[:, [0, -1]]], axis=1)
-        return Windows(self.rows[(first <= ends[:, 0]) & (ends[:, 1] <= last)])
+        low, high = self._ends(t)
+        return Windows(self.rows[(first <= low) & (high <= last)])
+
+    def _ends(self, t: np.ndarray) -> np.ndarray:
+        """The earlier ends of the windows and the later ones, shape (2, windows)."""
+        return np.sort(t[self.rows[:, [0, -1]]], axis=1).T
 
     def doubtful(self, t: np.ndarray, states: np.ndarray, rates: Rates) -> list[int]:
         """The windows whose states seem not to obey the equations, worst first; what the grid does
@@ -232,9 +236,10 @@ def again(
     """The defect of the last state of a window, by variable, in units of what is allowed: the
     motion is integrated again from the first state by a Runge-Kutta method.
 
-    Also from a start nearby, which tells how far what the tolerance leaves open grows.  None where
-    that cannot be done within the budget of evaluations.  ``steps`` are those that the motion took
-    in the window by a method of order 8 or more: this one takes no fewer, unless it may be coarser.
+    Also from a start nearby, which tells how far what the tolerance leaves open grows, and, in
+    doubt, from one that is some roundings away.  None where that cannot be done within the budget
+    of evaluations.  ``steps`` are those that the motion took in the window by a method of order 8
+    or more: this one takes no fewer, unless it may be coarser.
     """
     if not is_affordable(steps, tol):
         return None

@@ -91,8 +91,8 @@ class Judge:
     size of the terms; ``vanishing`` are further relations, expressions in the program's symbols;
     parameters that are ``changing`` are those of the start among the ``values``; of integrals that
     are ``jumping`` with the forces no proof holds across the jumps.  Before its instants ``looks``
-    the grid has more, for the equations' sake; of what is not
-    smooth ``spans`` are those between its switches.
+    the grid has more, for the equations' sake; of what is not smooth ``spans`` are those between
+    its switches.
     """
 
     equations: VoronecEquations
@@ -132,12 +132,9 @@ class Judge:
         jumps = (span for signal in inputs for span in signal.sharp)
         return Windows.of(len(t), most, self.looks).beside(t, jumps)
 
-    def check_integrals(
-        self, t: np.ndarray, states: np.ndarray
-    ) -> tuple[Breach | None, tuple[str, ...]]:
-        """The same of integrals and relations alone."""
-        found, notes = self._losses(t, states)
-        return min(found, key=lambda b: b.row, default=None), notes
+    def drift_notes(self, t: np.ndarray, states: np.ndarray) -> tuple[str, ...]:
+        """What is to be said of integrals that need not stay."""
+        return self._losses(t, states)[1]
 
     def at(self, t: np.ndarray) -> list[Any]:
         """The values of the parameters at times (k,): doubles, or arrays of them."""
