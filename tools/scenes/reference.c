@@ -272,7 +272,8 @@ static void state_in(const double *hi, const double *lo, REAL *y)
 }
 
 /* The motion at the instants given; out holds high and low parts.  Returns how it ended;
- * report = (time reached, smallest pivot ratio, steps, evaluations, crossings, slides). */
+ * report = (time reached, smallest pivot ratio, steps, evaluations, crossings, slides, and the
+ * instant of the steps at which the velocities are largest). */
 int motion(const double *p, const double *hi, const double *lo, double t0, int count,
            const double *times, double tolerance, double longest, long budget,
            double *out, double *report)
@@ -290,7 +291,7 @@ int motion(const double *p, const double *hi, const double *lo, double t0, int c
     int direction = count && times[count - 1] < t0 ? -1 : 1;
     for (int k = 0; k < NG; k++) { mode[k] = 1; sliding[k] = 0; }
     outcome = choose(t, y, direction);
-    REAL dy[NY], fastest = 0;
+    REAL dy[NY], fastest = 0, speed = 0, swift = t0;
     field(t, y, dy);
     for (int i = 0; i < NY; i++) if (FABS(dy[i]) > fastest) fastest = FABS(dy[i]);
     h = direction * (REAL)0.1 / (1 + fastest);
@@ -350,6 +351,7 @@ int motion(const double *p, const double *hi, const double *lo, double t0, int c
         }
         t = last ? goal : t + now;
         memcpy(y, end, sizeof(y));
+        for (int i = NQ; i < NY; i++) if (FABS(y[i]) > speed) { speed = FABS(y[i]); swift = t; }
         if (!last || factor < 1) h = now * factor;
         if (longest > 0 && FABS(h) > longest) h = h > 0 ? longest : -longest;
     }
@@ -359,6 +361,7 @@ int motion(const double *p, const double *hi, const double *lo, double t0, int c
     report[3] = evaluations;
     report[4] = crossings;
     report[5] = slides;
+    report[6] = (double)swift;
     return outcome;
 }
 

@@ -199,7 +199,8 @@ class _Switches:
 
 @dataclass(frozen=True)
 class Motion:
-    """A motion at the instants asked for: rows (q, w), in mpmath; how it ended, and where."""
+    """A motion at the instants asked for: rows (q, w), in mpmath; how it ended, and where, and at
+    which instant it was fastest."""
 
     states: list[list[Any]]
     outcome: str
@@ -208,6 +209,7 @@ class Motion:
     steps: int
     crossings: int
     slides: int
+    fastest: float
 
 
 class Referee:
@@ -348,7 +350,7 @@ class Referee:
         library, size = self._library(precision), len(start)
         high = np.array([float(x) for x in start])
         low = np.array([float(x - mp.mpf(float(x))) for x in start])
-        out, report = np.zeros((len(times), size, 2)), np.zeros(6)
+        out, report = np.zeros((len(times), size, 2)), np.zeros(7)
         longest = 0.05 if self.switches.functions else 0.0
         code = library.motion(
             _doubles(p), _doubles(high), _doubles(low), ctypes.c_double(t0), len(times),
@@ -357,7 +359,8 @@ class Referee:
             report.ctypes.data_as(ctypes.c_void_p),
         )  # fmt: skip
         states = [[mp.mpf(hi) + mp.mpf(lo) for hi, lo in row] for row in out]
-        return Motion(states, OUTCOMES[code], report[0], report[1], *map(int, report[[2, 4, 5]]))
+        counts = map(int, report[[2, 4, 5]])
+        return Motion(states, OUTCOMES[code], report[0], report[1], *counts, fastest=report[6])
 
     def rate_rows(self, state: Sequence[Any], p: Sequence[float]) -> np.ndarray:
         """Rows by which the kinetic energy and the conditions see velocities, at time zero."""

@@ -8,8 +8,9 @@
 Systems are those of the catalogue and made ones (``mechanics.py``); parameters, starts, grids,
 outputs, methods and tolerances are drawn, near and at singular places of the coordinates among
 them.  The truth comes from ``reference.py``.  What the truth itself loses is known from a
-second resolution, what the motion makes of small errors from starts nearby: an answer is *wrong*
-where it is off by more than the larger of 1e-10 and 100 u times the condition of that output, and
+second resolution, what the motion makes of small errors from motions nearby, which leave it at the
+start, at some instants on the way, and where it is fastest: an answer is *wrong* where it is off by
+more than the larger of 1e-10 and 100 u times the condition of that output, and
 no error was raised; it is *refused* where an error was raised though the multiplier equations are
 well conditioned (under 1e8) all along.  Refusals of motions that are not smooth are not counted,
 nor are those of starts at which the coordinates themselves are singular: they are told apart.

@@ -389,7 +389,6 @@ def _truth(bench: _Bench, scene: Scene) -> Truth:
     dice = Random(repr(scene))
     count = len(scene.times)
     places = sorted({count - 1, *(dice.randrange(count) for _ in range(INSTANTS - 1))})
-    times, rows = _instants(scene, places)
     singular = _is_singular(referee, q, v, p, scene.times[0])
     note = "; compared with starts nearby, where the coordinates are not singular" * singular
     if singular:
@@ -398,6 +397,7 @@ def _truth(bench: _Bench, scene: Scene) -> Truth:
         start = referee.start(q, v, p, scene.times[0])
     except (ZeroDivisionError, ValueError, TypeError) as error:
         raise _NoTruth(f"no start: {error}") from None
+    times, rows = _instants(scene, places, _fastest(referee, start, p, scene))
     names = list(scene.outputs or _everything(bench))
     if singular:
         names = [n for n in names if n in m.velocities or n in bench.system.invariants]
@@ -415,14 +415,21 @@ def _truth(bench: _Bench, scene: Scene) -> Truth:
     )
 
 
-def _instants(scene: Scene, places: list[int]) -> tuple[list[float], list[int]]:
+def _fastest(referee: Any, start: Any, p: list[float], scene: Scene) -> list[float]:
+    """The instant at which the motion is fastest: there errors grow most, for a moment that others
+    drawn by chance miss."""
+    rough = referee.motion(start, p, scene.times[0], [scene.times[-1]], 1e-12, budget=400_000)
+    return [rough.fastest] if rough.outcome == "done" else []
+
+
+def _instants(scene: Scene, places: list[int], known: list[float]) -> tuple[list[float], list[int]]:
     """The instants at which the truth is computed, with some all along the way, where errors may
     begin that grow later on; and the rows of those that are compared."""
     dice, first, span = Random(f"between {scene!r}"), scene.times[0], np.ptp(scene.times)
     way = 1 if scene.times[-1] >= first else -1
     own = [scene.times[i] for i in places]
     between = (first + way * float(span) * (k + dice.random()) / SAMPLES for k in range(SAMPLES))
-    times = sorted({*own, *between}, key=lambda t: abs(t - first))
+    times = sorted({*own, *between, *known}, key=lambda t: abs(t - first))
     return times, [times.index(t) for t in own]
 
 
