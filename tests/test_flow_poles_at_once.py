@@ -76,6 +76,35 @@ def mixed() -> vo.VoronecEquations:
     return vo.derive(body_and_point())
 
 
+@pytest.mark.parametrize("places", [(-1e-8, 1e-8), (-1e-10, -1e-8), (3e-6, -1e-6)])
+def test_angles_near_two_poles_keep_their_sides(
+    pair: vo.VoronecEquations, places: tuple[float, float]
+) -> None:
+    start = {
+        "theta": places[0], "beta": places[1], "phi": 0.3, "psi": 0.2, "alpha": -0.4, "chi": 1.0,
+        "omega1": 0.5, "omega2": 0.7, "omega3": 0.4, "W1": 0.6, "W2": -0.3, "W3": 0.2,
+    }  # fmt: skip
+    found, exact = (
+        vo.integrate(pair, initial=start, times=[0, 1], tol=tol) for tol in (1e-13, 1e-18)
+    )
+    for name in map(str, (*FIRST, *SECOND)):
+        # at 1e-10 from a pole the side is known, and the angles to six digits
+        assert float(exact[name][-1]) == pytest.approx(found[name][-1], abs=1e-6), name
+
+
+@pytest.mark.parametrize("places", [(3e-8, 3e-8), (1e-9, 3e-8), (np.pi - 3e-7, 3e-7)])
+def test_a_ball_near_poles_of_both_spheres_turns_as_in_closed_form(
+    places: tuple[float, float],
+) -> None:
+    start = {"u": places[0], "u1": places[1], "s": -0.5, "tau": 0.3, "n": 0.4}
+    found, exact = (
+        vo.integrate(vo.load("demchenko"), initial=start, times=[0, 2], method=method)
+        for method in ("auto", "closed-form")
+    )
+    for name in ("u", "v", "theta", "u1", "v1"):
+        assert found[name][-1] == pytest.approx(exact[name][-1], abs=1e-6), name
+
+
 @pytest.mark.parametrize("places", [(0.0, 0.0), (0.0, np.pi), (np.pi, 1e-9), (1e-4, 0.0)])
 def test_two_bodies_start_at_poles_at_once(
     pair: vo.VoronecEquations, places: tuple[float, float]

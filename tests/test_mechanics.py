@@ -23,16 +23,19 @@ DIGITS = 30
 CLOSE = mp.mpf("1e-12")
 
 
-def numbers(method: Any, seed: str) -> dict[sp.Expr, Any]:
-    """Random values of what a model holds; dependent coordinates and speeds meet constraints."""
-    source = random.Random(zlib.crc32(seed.encode()))
+def moving_names(method: Any) -> list[sp.Expr]:
+    """What a model holds: constants, coordinates, speeds and rates of these."""
     exprs = [*method.mass_matrix_full, *method.forcing_full]
     exprs += [*(method._f_h if isinstance(method, me.KanesMethod) else method._hol_coneqs)]
     constants = set().union(*(sp.sympify(e).free_symbols for e in exprs)) - {t}
     given = set().union(*(me.find_dynamicsymbols(sp.sympify(e)) for e in exprs))
-    moving = {*method.q, *method.u, *sp.Matrix(method.u).diff(t)}
-    things = sorted({*constants, *given, *moving}, key=str)
-    return {s: mp.mpf(source.randint(300, 900)) / 601 for s in things}
+    return sorted({*constants, *given, *method.q, *method.u, *sp.Matrix(method.u).diff(t)}, key=str)
+
+
+def numbers(names: list[sp.Expr], seed: str) -> dict[sp.Expr, Any]:
+    """Random values, positive."""
+    source = random.Random(zlib.crc32(seed.encode()))
+    return {s: mp.mpf(source.randint(300, 900)) / 601 for s in names}
 
 
 def solved(exprs: Any, unknown: Any, point: dict[sp.Expr, Any]) -> dict[sp.Expr, Any]:
@@ -61,11 +64,14 @@ def is_closed(constraints: Any, point: dict[sp.Expr, Any]) -> bool:
 def kane_speeds(kane: Any, seed: str) -> tuple[dict[sp.Expr, Any], dict[sp.Expr, Any]]:
     """A point on the constraints, and the rates of all speeds there by SymPy."""
     kane.kanes_equations()
-    point = numbers(kane, seed)
+    names = moving_names(kane)
+    point = numbers(names, seed)
     while kane._qdep and not is_closed(kane._f_h, point):
         seed += "."
+        # smaller at each trial: four parameters of a turn are no larger than one
+        near = {q: x * mp.mpf("0.95") ** len(seed) for q, x in point.items() if q in kane.q}
         with contextlib.suppress(ValueError):  # links that are too short
-            point = solved(kane._f_h, [*kane._qdep], numbers(kane, seed))
+            point = solved(kane._f_h, [*kane._qdep], numbers(names, seed) | near)
     if kane._udep:
         point = solved(kane._k_nh * kane.u + kane._f_nh, [*kane._udep], point)
     rates = mp.lu_solve(valued(kane.mass_matrix, point), valued(kane.forcing, point))
@@ -97,7 +103,7 @@ def test_accelerations_are_those_of_lagranges_method(name: str) -> None:
     with mp.workdps(DIGITS):
         method = models.MODELS[name]()
         method.form_lagranges_equations()
-        point = numbers(method, name)
+        point = numbers(moving_names(method), name)
         if method._hol_coneqs:
             point = solved(method._hol_coneqs, [method.q[0]], point)
         rates = [*method.q.diff(t)]

@@ -221,13 +221,14 @@ def _scene_start(scene: Any, system: vo.System, parameters: Mapping[str, float])
 
 
 def _singular(dice: Random, bench: _Bench, initial: dict[str, float]) -> None:
-    """Put a coordinate at or near a multiple of a right angle, and perhaps stop a velocity."""
+    """Put a coordinate, sometimes two, at or near multiples of right angles, and perhaps stop a
+    velocity."""
     mechanics = bench.referee.mechanics
-    likely = bench.made.singular if bench.made else mechanics.coordinates
-    name = dice.choice(list(likely) or list(mechanics.coordinates))
-    place = dice.choice((0.0, 0.0, math.pi / 2, math.pi, -math.pi / 2))
-    off = dice.choice((0.0, 1e-12, 1e-9, 1e-7, 1e-5, 1e-4, 1e-3, 1e-2, 0.1))
-    initial[name] = place + dice.choice((-1, 1)) * off
+    likely = list((bench.made.singular if bench.made else ()) or mechanics.coordinates)
+    for name in dice.sample(likely, min(len(likely), dice.choice((1, 1, 2)))):
+        place = dice.choice((0.0, 0.0, math.pi / 2, math.pi, -math.pi / 2))
+        off = dice.choice((0.0, 1e-12, 1e-9, 1e-7, 1e-5, 1e-4, 1e-3, 1e-2, 0.1))
+        initial[name] = place + dice.choice((-1, 1)) * off
     if dice.random() < 0.3:
         initial[dice.choice(list(mechanics.velocities))] = dice.choice((0.0, 1e-8))
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
 
 __all__ = [
-    "HOME", "LEAVE", "RETURN", "SIDE", "Atlas", "ChartProblem", "KeptChart", "kept_charts",
+    "APART", "HOME", "LEAVE", "RETURN", "SIDE", "Atlas", "ChartProblem", "KeptChart", "kept_charts",
     "whole_turns",
 ]  # fmt: skip
 
@@ -166,6 +166,8 @@ DIFFERENCE = 1e-5
 """Of coordinates, in slopes of maps between charts."""
 BLIND = 1e-4
 """Slopes of a map below this part of the largest are zero."""
+APART = 1e-9
+"""A state nearer to a singularity is one on it: its angles there are known too badly."""
 LEAVE, RETURN = "the chart becomes singular", "the own chart is regular again"
 SIDE = "quadrant of an angle "
 """Begins the names of events at which an angle comes from one quadrant into another."""
@@ -256,8 +258,8 @@ class Atlas:
         return chosen, images[chosen]
 
     def distances(self, times: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        """How far states of the own chart are from its singularity, (k,)."""
-        return np.prod(self.distances_apart(times, rows), axis=0)
+        """How far states of the own chart are from the nearest of its poles, (k,)."""
+        return np.min(self.distances_apart(times, rows), axis=0)
 
     def distances_apart(self, times: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """The same for each of m poles by itself, (m, k)."""
@@ -275,9 +277,13 @@ class Atlas:
     def blind(self, name: str, time: Any, state: np.ndarray) -> np.ndarray:
         """The directions (k, n) in which the own coordinates at their singularity may change while
         a chart sees the same state: null vectors of its map, by differences, k > 1 where several
-        bodies are at poles; each is 1 where its largest entry is, and the others are 0 there."""
+        bodies are at poles; each is 1 where its largest entry is, and the others are 0 there.
+        What is only near a pole is not free: its slopes are as large as that is far."""
         _, sizes, rows = np.linalg.svd(self._slopes(name, time, state))
-        count = max(1, int((sizes < BLIND * sizes.max()).sum()))
+        poles = self.distances_apart(np.array([time]), state[None, :])
+        near = poles[poles >= APART].min(initial=np.inf)
+        least = min(BLIND * sizes.max(), max(near / 4, 4 * APART))
+        count = max(1, int((sizes < least).sum()))
         return np.where(self.angles, np.round(_reduce_rows(rows[-count:]), 6), 0)
 
     def idle(self, name: str, time: Any, state: np.ndarray) -> list[str]:

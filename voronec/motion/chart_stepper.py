@@ -10,6 +10,7 @@ import numpy as np
 
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.motion.atlas import (
+    APART,
     HOME,
     LEAVE,
     RETURN,
@@ -32,8 +33,6 @@ __all__ = ["through_charts"]
 
 TOUCH = 1e-12
 """So near to a singularity, doubles do not tell on which side of it a motion passes."""
-APART = 1e-9
-"""A start nearer to a singularity is one on it: its angles there are known too badly."""
 SOON = 1e-7
 """A motion that sets out from a singularity is looked at after this part of its span."""
 
@@ -200,7 +199,10 @@ class _Journey:
             for free in filter(np.any, blind):
                 which = int(np.argmax(np.abs(free)))
                 gap = without_turns(gap - gap[which] / free[which] * free)
-            return round(float(np.abs(gap[:seen]).max()), 6)  # of ways as near, the first
+            digits = 12 if polar else 6  # of ways as near, the first
+            return round(
+                float(np.abs(gap[:seen]).sum() / (1 + np.abs(self.last[:seen]).max())), digits
+            )
 
         return min(place.ways_home, key=off)
 
