@@ -114,20 +114,16 @@ class DerivedEquations:
         form = self.raw.form
         own = self.definition
         moving = (own.time, *own.coordinates, *own.velocities)
-        if (
-            holds_far_multiples(form.expressions)
-            or self._divides_sines
-            or splits_curved_angles(form.expressions, moving)
-        ):
+        if holds_far_multiples(form.expressions) or splits_curved_angles(form.expressions, moving):
             return True
-        if self.system.invariants:
-            return False
-        if _cost(self.raw.form) > LARGE:
-            short = _holds_in_vain(self.raw.form) and self.in_normal_form
-            return not (short and _cost(self.exact.form) <= SHORT)
-        return self.in_normal_form and _nodes(self.exact.form) > max(
-            SHORT, LONG * _nodes(self.raw.form)
-        )
+        costly = not self.system.invariants and _cost(form) > LARGE
+        if costly and not (
+            _holds_in_vain(form) and self.in_normal_form and _cost(self.exact.form) <= SHORT
+        ):
+            return True  # known at once: to look for quotients takes long in what is so large
+        if costly or self.system.invariants or self._divides_sines:
+            return self._divides_sines
+        return self.in_normal_form and _nodes(self.exact.form) > max(SHORT, LONG * _nodes(form))
 
     @cached_property
     def _divides_sines(self) -> bool:
@@ -144,7 +140,7 @@ class DerivedEquations:
         """
         if not self.is_large and self.in_normal_form and _cost(self.exact.form) <= SHORT:
             return self.exact.form
-        if self._divides_sines and _cost(self.raw.form) <= SHORT:
+        if _cost(self.raw.form) <= SHORT and self._divides_sines:
             return self.raw.form  # stages would hide the quotients
         try:
             lean = lean_form(self.raw)
