@@ -359,8 +359,10 @@ class Referee:
             report.ctypes.data_as(ctypes.c_void_p),
         )  # fmt: skip
         states = [[mp.mpf(hi) + mp.mpf(lo) for hi, lo in row] for row in out]
-        counts = map(int, report[[2, 4, 5]])
-        return Motion(states, OUTCOMES[code], report[0], report[1], *counts, fastest=report[6])
+        steps, crossings, slides = map(int, report[[2, 4, 5]])
+        return Motion(
+            states, OUTCOMES[code], report[0], report[1], steps, crossings, slides, report[6]
+        )
 
     def rate_rows(self, state: Sequence[Any], p: Sequence[float]) -> np.ndarray:
         """Rows by which the kinetic energy and the conditions see velocities, at time zero."""
