@@ -139,7 +139,7 @@ def plugin_door(dice: Random, place: Path) -> Door:
 
 
 def _cut(dice: Random, text: str) -> str:
-    return text[: dice.randrange(len(text))]
+    return text[: dice.randrange(len(text) or 1)]
 
 
 def _swap(dice: Random, text: str) -> str:

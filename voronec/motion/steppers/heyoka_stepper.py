@@ -41,9 +41,11 @@ from voronec.motion.steppers.series_reach import (
     PARTS,
     STRIDE,
     Field,
+    TaylorStep,
     blind_reach,
     blind_steps,
     field_of,
+    first_overlong,
     reach,
 )
 from voronec.motion.steppers.step_loop import (
@@ -69,6 +71,8 @@ AHEAD = 100_000
 """Points of the grid that are handed over at a time, at most."""
 FEW = 1_000
 """Points that are handed over where chunks are short."""
+FIRST_LOOK = 4
+"""Steps that may be too long are looked at so many at a time, at first."""
 LONG, WEIGHT = 250_000, 20.0
 """After four times so many steps, seconds of work, a run is asked whether it ends at all; after
 fewer, by as much as its program weighs more than the other."""
@@ -494,25 +498,36 @@ class _Drive:
         usual = self.usual * (self.stride if taken > BRIEF else min(self.stride, BRIEF_STRIDE))
         if not taken or not longest > usual:
             return None
-        end, there, before = ta.dtime, ta.state.copy(), 0.0
+        end, there = ta.dtime, ta.state.copy()
         ta.dtime, ta.state[:], self.log.silent = moment, state, True
-        found = None
-        for k in range(taken):
-            length = ta.step(max_delta_t=float(self.grid[-1] - ta.time), write_tc=True)[1]
-            if abs(length) > min(GROWTH * before, usual):
-                allowed = reach(ta, self.right_side, length, PARTS if abs(length) > usual else 1)
-                if allowed < np.inf:
-                    found = k, allowed
-                    break
-            if not np.isfinite(ta.time):  # the look itself broke it, where coefficients overflow
-                break
-            before = abs(length)
+        found = self.first_overlong(taken, usual)
         self.log.silent = False
         if found:
             self.return_to(moment, state)
         else:
             ta.dtime, ta.state[:] = end, there
         return found
+
+    def first_overlong(self, taken: int, usual: float) -> tuple[int, float] | None:
+        """The same of so many steps from where the integrator stands; those that are longer than
+        the ``usual``, or grow fast, are looked at, more and more of them at a time."""
+        ta, end, most = self.integrator, float(self.grid[-1]), FIRST_LOOK
+        before, held = 0.0, dict[int, TaylorStep]()
+        for k in range(taken):
+            begin = ta.time
+            length = ta.step(max_delta_t=end - begin, write_tc=True)[1]
+            if abs(length) > min(GROWTH * before, usual):
+                held[k] = TaylorStep(length, begin, ta.tc.copy())
+            before = abs(length)
+            broken = not np.isfinite(ta.time)  # by the look itself, where coefficients overflow
+            if held and (len(held) == most or k == taken - 1 or broken):
+                found = first_overlong([*held.values()], self.right_side, ta.tol, usual)
+                if found:
+                    return [*held][found[0]], found[1]
+                held, most = {}, min(4 * most, MANY)
+            if broken:
+                break
+        return None
 
     def blind(self, moment: tuple[float, float], state: np.ndarray) -> tuple[int, float] | None:
         """The same where roots in the equations may have corners so little rounded that no series

@@ -29,10 +29,12 @@ __all__ = [
     "SHRINKS",
     "STRIDE",
     "Field",
+    "TaylorStep",
     "blind_lanes",
     "blind_reach",
     "blind_steps",
     "field_of",
+    "first_overlong",
     "openings",
     "overlong_lanes",
     "reach",
@@ -103,6 +105,33 @@ def reach(integrator: Any, field: Field, taken: float, parts: int = 1) -> float:
     begin = np.array([integrator.time - taken])
     series = _Series(field, coefficients[:, :, None], np.array([taken]), begin, parts, tol)
     return float(series.reach()[0])
+
+
+@dataclass(frozen=True)
+class TaylorStep:
+    """A step ``taken`` from the time ``begin``, with its ``coefficients`` (n, order + 1)."""
+
+    taken: float
+    begin: float
+    coefficients: np.ndarray
+
+
+def first_overlong(
+    steps: Sequence[TaylorStep], field: Field, tol: float, usual: float
+) -> tuple[int, float] | None:
+    """Which of many steps is the first that ``reach`` finds too long, and its length then; None
+    where there is none.  Those longer than the ``usual`` are looked at in parts."""
+    lengths = np.full(len(steps), np.inf)
+    for parts in (1, PARTS):
+        which = [i for i, s in enumerate(steps) if (abs(s.taken) > usual) == (parts > 1)]
+        if which:
+            taken, begin = np.array([(steps[i].taken, steps[i].begin) for i in which]).T
+            coefficients = np.stack([steps[i].coefficients for i in which], axis=2)
+            found = _lanes_reach(coefficients, taken, tol)
+            series = _Series(field, coefficients, taken, begin, parts, tol).reach()
+            lengths[which] = np.where(found < np.inf, found, series)
+    first = int(np.argmin(lengths == np.inf))
+    return (first, float(lengths[first])) if lengths[first] < np.inf else None
 
 
 def _leads_on(integrator: Any, series: np.ndarray, taken: Any) -> Any:
