@@ -179,7 +179,7 @@ def _add(dice: Random, text: str) -> str:
 
 
 def _add_noise(dice: Random, text: str) -> str:
-    at = dice.randrange(len(text))
+    at = dice.randrange(len(text) or 1)
     return (
         text[:at]
         + dice.choice(["\0", "\t", "(", '"""', "\ufeff", "é", "\\", "\r", "if", "0x"])
