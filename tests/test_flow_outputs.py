@@ -258,3 +258,19 @@ def test_reactions_next_to_a_pole(tilt: float) -> None:
     run, truth = vo.integrate(ball, **given), vo.integrate(ball, tol=1e-20, **given)
     for name in given["outputs"]:
         assert np.abs(run[name] - np.array(truth[name], dtype=float)).max() < 1e-10
+
+
+def test_an_output_is_fetched_by_the_text_it_was_asked_for_by() -> None:
+    motion = vo.integrate(vo.load("sleigh"), times=[0, 1], outputs=("x+5",))
+    assert np.array_equal(motion["x+5"], motion["x + 5"])
+    with pytest.raises(vo.DefinitionError, match=r"no 'x\+6'"):
+        motion["x+6"]
+
+
+@pytest.mark.parametrize("output", ["log(-1-x**2)", "sqrt(-2 - x**2)/2"])
+def test_an_output_without_real_values_is_told_at_rest_too(output: str) -> None:
+    x = sp.Symbol("x")
+    rest = vo.System("rest", vo.Fibration((x,)), vo.velocity(x) ** 2 / 2 - x**2 / 2)
+    motion = vo.integrate(rest, initial={x: 0}, times=[0, 1], outputs=(output,))
+    assert np.isnan(motion[output]).all()
+    assert any("has no finite value at 2 of 2 instants" in note for note in motion.notes)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite
@@ -312,8 +313,12 @@ def held_name(key: Any, held: Iterable[str], holder: str) -> str:
 
     ``DefinitionError`` where it is not there; ``holder`` begins the message: "the section holds".
     """
-    name = key if isinstance(key, str) else label(as_expression(key, "what is asked for"))
     known = list(held)
+    name = key if isinstance(key, str) else label(as_expression(key, "what is asked for"))
+    if isinstance(key, str) and key not in known:
+        with suppress(DefinitionError):  # "x+5" is "x + 5"
+            spelled = label(as_expression(key))
+            name = spelled if spelled in known else key
     if name not in known:
         raise DefinitionError(
             f"{holder} no '{quote(name)}', ask for it in outputs=(...){did_you_mean(name, known)}"

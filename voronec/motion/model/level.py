@@ -28,10 +28,11 @@ from typing import Any
 
 import symengine as se
 import sympy as sp
+from symengine.lib.symengine_wrapper import ComplexBase
 
 from voronec.algebra.graphs import nodes
 from voronec.algebra.normal import canonical, shortest
-from voronec.algebra.terms import factors_of, summands
+from voronec.algebra.terms import atoms, factors_of, summands
 from voronec.algebra.verdicts import all_vanish
 from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.motions import Motions
@@ -205,8 +206,11 @@ class Level(EquationsOfMotion):
 
 
 def is_finite(expr: Any) -> bool:
-    """Whether an expression holds no infinity, such as a division by zero leaves."""
-    return not any(expr == bad or expr.has(bad) for bad in INFINITE)
+    """Whether an expression holds no infinity, such as a division by zero leaves, and no complex
+    number, such as log(-1)."""
+    return not any(expr == bad or expr.has(bad) for bad in INFINITE) and not atoms(
+        [expr], ComplexBase
+    )
 
 
 def coordinates_level(
