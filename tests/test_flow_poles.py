@@ -512,3 +512,16 @@ def test_velocities_at_a_pole_are_not_lost_beside_rates_without_bound():
         project=True,
     )  # fmt: skip
     assert abs(run["n"][0] + 0.03125) < 1e-12
+
+
+@pytest.mark.parametrize("theta", [-1e-4, -1e-10])
+def test_the_side_of_a_pole_is_told_far_from_the_origin(theta: float) -> None:
+    """Angles do not depend on where the ball is, however far."""
+    ball = vo.derive(vo.load("chaplygin-ball"))
+    start = {"theta": theta, "phi": 0.3, "psi": 0.2, "omega1": 0.5, "omega2": 1, "omega3": 1}
+    here, there = (
+        vo.integrate(ball, initial={**start, "x": x}, times=[0, 2], outputs=()) for x in (0, 1e8)
+    )
+    for name in ("phi", "theta", "psi"):
+        assert there[name][-1] == pytest.approx(here[name][-1], abs=1e-9), name
+    assert here["theta"][-1] < 0

@@ -199,10 +199,11 @@ class _Journey:
             for free in filter(np.any, blind):
                 which = int(np.argmax(np.abs(free)))
                 gap = without_turns(gap - gap[which] / free[which] * free)
-            digits = 12 if polar else 6  # of ways as near, the first
-            return round(
-                float(np.abs(gap[:seen]).sum() / (1 + np.abs(self.last[:seen]).max())), digits
-            )
+            gaps = np.abs(gap[:seen])  # of ways as near, the first
+            if not polar:
+                return round(float(gaps.max()), 6)
+            # the side of a pole is told by a coordinate that is next to nothing, beside large ones
+            return round(float((gaps / (1 + np.abs(self.last[:seen]))).sum()), 12)
 
         return min(place.ways_home, key=off)
 
