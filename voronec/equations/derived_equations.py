@@ -116,14 +116,15 @@ class DerivedEquations:
         moving = (own.time, *own.coordinates, *own.velocities)
         if holds_far_multiples(form.expressions) or splits_curved_angles(form.expressions, moving):
             return True
-        costly = not self.system.invariants and _cost(form) > LARGE
-        if costly and not (
-            _holds_in_vain(form) and self.in_normal_form and _cost(self.exact.form) <= SHORT
-        ):
-            return True  # known at once: to look for quotients takes long in what is so large
-        if costly or self.system.invariants or self._divides_sines:
+        if self.system.invariants:
             return self._divides_sines
-        return self.in_normal_form and _nodes(self.exact.form) > max(SHORT, LONG * _nodes(form))
+        if _cost(form) > LARGE:
+            short = _holds_in_vain(form) and self.in_normal_form
+            # not short is large at once: to look for quotients takes long in what costs so much
+            return not (short and _cost(self.exact.form) <= SHORT) or self._divides_sines
+        return self._divides_sines or (
+            self.in_normal_form and _nodes(self.exact.form) > max(SHORT, LONG * _nodes(form))
+        )
 
     @cached_property
     def _divides_sines(self) -> bool:

@@ -45,7 +45,7 @@ from voronec.motion.steppers.series_reach import (
     blind_reach,
     blind_steps,
     field_of,
-    first_overlong,
+    first_reach,
     reach,
 )
 from voronec.motion.steppers.step_loop import (
@@ -521,7 +521,7 @@ class _Drive:
             before = abs(length)
             broken = not np.isfinite(ta.time)  # by the look itself, where coefficients overflow
             if held and (len(held) == most or k == taken - 1 or broken):
-                found = first_overlong([*held.values()], self.right_side, ta.tol, usual)
+                found = first_reach([*held.values()], self.right_side, ta.tol, usual)
                 if found:
                     return [*held][found[0]], found[1]
                 held, most = {}, min(4 * most, MANY)

@@ -34,7 +34,7 @@ __all__ = [
     "blind_reach",
     "blind_steps",
     "field_of",
-    "first_overlong",
+    "first_reach",
     "openings",
     "overlong_lanes",
     "reach",
@@ -116,7 +116,7 @@ class TaylorStep:
     coefficients: np.ndarray
 
 
-def first_overlong(
+def first_reach(
     steps: Sequence[TaylorStep], field: Field, tol: float, usual: float
 ) -> tuple[int, float] | None:
     """Which of many steps is the first that ``reach`` finds too long, and its length then; None
