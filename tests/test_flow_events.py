@@ -14,7 +14,7 @@ import voronec as vo
 from voronec.motion.steppers import heyoka_stepper as taylor
 from voronec.motion.steppers import run
 from voronec.motion.steppers import run as marching
-from voronec.motion.steppers.step_loop import root
+from voronec.motion.steppers.step_loop import Stride, crossings, root
 
 pytestmark = pytest.mark.slow
 
@@ -377,3 +377,26 @@ def test_a_zero_at_the_last_instant_counts(method: str, way: int) -> None:
         run = vo.integrate(free, times=grid, initial={Dx: 1}, events=events, method=method)
         assert [len(run.events[e.name]) for e in events] == [1, 0, 1, 0] and run.stopped == "end"
         assert close([run.events["up"].t[0], run.t[-1]], [0.75 * way] * 2)
+
+
+@pytest.mark.parametrize("ends", [(0.3, 1.0), (1.0, 1.7), (0.3, 1.7)])
+def test_a_pole_beside_the_end_of_a_step_is_no_passage(ends: tuple[float, float]) -> None:
+    event = {0: vo.Event(x, "level")}
+    passages = [lambda t: t - 1, lambda t: (t - 1) ** 3, lambda t: np.tanh(1e10 * (t - 1))]
+    jumps = [np.sign, lambda t: np.where(t < 0, -1, 5), lambda t: np.where(t < 0, -0.01, 5)]
+    poles = [lambda t: 1 / t, lambda t: np.cbrt(1 / t), lambda t: 1 / t**3 - t]
+    passages += [lambda t, jump=jump: jump(t - 1) for jump in jumps]
+
+    def found(level: Any, begin: float, end: float) -> list[Any]:
+        stride = Stride(begin, end, np.zeros(1), lambda times: np.zeros((len(times), 1)))
+        return crossings(event, lambda times, _: level(np.asarray(times))[:, None], stride)
+
+    # a step that begins or ends there does so one to four units in the last place beyond
+    for beyond in np.spacing(1.0) * np.arange(1, 5):
+        begin, end = (t if t != 1 else t + s for t, s in zip(ends, (-beyond, beyond), strict=True))
+        for level in passages:
+            times = [float(t) for t, _ in found(level, begin, end)]
+            assert times == pytest.approx([1], abs=1e-15)
+        with np.errstate(divide="ignore"):
+            for level in poles:  # which lie between two doubles
+                assert not found(lambda t, level=level: level(t - 1 - 1e-16), begin, end)

@@ -43,6 +43,15 @@ OPERATORS: dict[type, str] = {
     ast.Not: "!",
 }  # fmt: skip
 CALLS = {"abs": "fabs", "min": "smaller", "max": "larger", "nextafter": "nextafter"}
+SMALL = 60.0
+"""A right side up to this weight is written into each stage; it takes longer to compile."""
+BESIDE = "BESIDE"
+INLINE = f"""#if defined(__GNUC__)
+#define {BESIDE} static inline __attribute__((always_inline))
+#else
+#define {BESIDE} static
+#endif
+"""
 HEAD = """#include <math.h>
 #include <string.h>
 #define N {n}
@@ -85,11 +94,12 @@ def c_loop(program: Program, levels: Program | None = None) -> Callable[..., int
 def _sources(texts: Sequence[str], program: Program, levels: Program | None) -> dict[str, str]:
     """Files of C by name: the loop with the right side, and functions of events apart."""
     n, m = len(program.state), len(levels.names) if levels is not None else 0
-    right = re.sub(r"^void ", "static void ", texts[0], flags=re.MULTILINE)
+    kind = BESIDE if program.weight <= SMALL else "static"
+    right = re.sub(r"^void ", f"{kind} void ", texts[0], flags=re.MULTILINE)
     tree = ast.parse(stepping_source(n, m))
     functions = [f for f in tree.body if isinstance(f, ast.FunctionDef)]
     body = "\n".join(_Function(f, max(n, m)).text() for f in functions)
-    found = {"drive.c": right + HEAD.format(n=n) + body}
+    found = {"drive.c": INLINE + right + HEAD.format(n=n) + body}
     if levels is not None:  # its own rates are not wanted
         found["levels.c"] = "#define rhs rates_of_levels\n#define extras levels\n" + texts[1]
     return found

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import inspect
 import re
+from math import sqrt
 from textwrap import indent
 
 from voronec.equations.program import Program, hoist, scalar_source
@@ -111,12 +112,13 @@ def growth(factor, last, rejected):  # type: ignore[no-untyped-def]
     """By how much longer the next step is to be, from the factor that the error of this one allows,
     0.9 err^(-1/8), and from that of the one before.
 
-        f = 0.9 err^(-1/8 + 3b/4) err_last^b,  b = 0.04
+        f = 0.887 err^(-1/8 + b) err_last^b,  b = 1/32
 
     is control with an integral part [HairerNorsettWanner1993, sec. II.4]: few steps are rejected,
-    and errors settle at 0.15 of the tolerance, not at 0.43, so that less adds up over many steps.
+    and errors settle at 0.887^16 = 0.15 of the tolerance, not at 0.43, so that less adds up over
+    many steps.  Powers that roots give take a tenth of the time of others.
     """
-    found = 0.9 * (factor / 0.9) ** 0.76 / (min(last, 2.8) / 0.9) ** 0.32
+    found = 0.887 * sqrt(sqrt(factor * factor * factor / min(last, 2.8) / 0.81))
     return min(found, 1.0 if rejected else 10.0)
 
 
@@ -265,13 +267,13 @@ states[0, #], states[2, #] = y@, k0@"""
 _FIRST = """
 below, slope, steep = 0.0, 0.0, 0.0
 <slopes>
-below, slope = (below/{n})**0.5, (slope/{n})**0.5
+below, slope = sqrt(below/{n}), sqrt(slope/{n})
 size = 1e-6 if below < 1e-5 or slope < 1e-5 else 0.01*below/slope
 span = abs(last - t)
 size = min(size, span)
 <trial>
 <bend>
-steep = (steep/{n})**0.5/size
+steep = sqrt(steep/{n})/size
 evaluations += 2
 if slope <= 1e-15 and steep <= 1e-15:
     size = min(100.0*size, max(1e-6, size*1e-3), span)
@@ -350,13 +352,13 @@ def drive(grid, rows, clock, counts, states, bend, times, ends, bends, scales, c
         five, three = 0.0, 0.0
         <errors>
         wrong = five + 0.01*three
-        error = size*five/(wrong*{n})**0.5 if wrong > 0.0 else wrong
+        error = size*five/sqrt(wrong*{n}) if wrong > 0.0 else wrong
+        ease = 0.9/sqrt(sqrt(sqrt(error))) if error > 0.0 else 10.0
         if not error < 1.0:
-            size *= max(0.2, 0.9*error**-0.125) if error == error else 0.2
+            size *= max(0.2, ease) if error == error else 0.2
             rejected = True
             continue
-        factor = 10.0 if error == 0.0 else min(10.0, 0.9*error**-0.125)
-        factor = min(1.0, factor) if rejected else factor
+        factor = min(1.0 if rejected else 10.0, ease)
         size *= growth(factor, last_factor, rejected)
         last_factor, rejected, happening = factor, False, False
         steps += 1

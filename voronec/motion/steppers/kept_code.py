@@ -23,6 +23,7 @@ import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from hashlib import sha256
+from math import sqrt
 from pathlib import Path
 from typing import Any
 
@@ -146,7 +147,7 @@ def _compile(text: str, place: str, name: str, signature: str, keep: bool) -> An
         return numba.njit(signature, cache=keep, **options)(function)
 
     # numba keeps only functions of a module that can be imported
-    namespace: dict[str, Any] = {"np": np, "jit": jit, "__name__": __name__}
+    namespace: dict[str, Any] = {"np": np, "sqrt": sqrt, "jit": jit, "__name__": __name__}
     exec(compile(text, place, "exec"), namespace)
     return namespace[name]
 

@@ -36,10 +36,10 @@ from voronec.motion.tolerances import dop853_tolerance
 
 __all__ = ["PARTS", "Loop", "between", "compiled_dop853", "compiled_loop", "scales_of"]
 
-CHUNK = 10_000
-"""Steps between two looks at the keyboard."""
-TRIALS_WITH_STEPS = 1_000
-"""The same where ends of steps, or their dense output, are kept."""
+CHUNK = 4_000
+"""Steps between two looks at the keyboard; what more of them keep leaves the processor's cache."""
+DENSE_CHUNK = 1_000
+"""The same where their dense output is kept."""
 PARTS = 7
 """Coefficients of the dense output of a step."""
 _LINE, _TABLE, _TABLES = "float64[::1]", "float64[:,::1]", "float64[:,:,::1]"
@@ -152,7 +152,8 @@ class Loop:
             return self.stride(self.clock[[2, 0]], self.states[[3, 0]], self.bend.copy())
         problem, n = self.problem, len(self.problem.start)
         keep = problem.dense or problem.marked or problem.suspect is not None
-        room, bent = (TRIALS_WITH_STEPS if keep else 1), (TRIALS_WITH_STEPS if problem.dense else 1)
+        bent = DENSE_CHUNK if problem.dense else 1
+        room = bent if problem.dense else CHUNK if keep else 1
         times, ends, bends = np.empty((room, 2)), np.empty((room, 2, n)), np.empty((bent, PARTS, n))
         order = np.sign(self.grid[-1] - self.grid[0])
         done = int(np.searchsorted(order * self.grid, order * self.clock[0], side="right"))

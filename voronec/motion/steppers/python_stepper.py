@@ -71,7 +71,8 @@ def _loop(problem: Problem, grid: np.ndarray) -> Loop:
 def _drive_in_python(program: Program, levels: Program | None) -> Callable[..., int]:
     """The function ``drive`` of a program, and of functions of events, as ``Loop`` calls it."""
     sizes = {"rhs": len(program.state), "extras": len(levels.names) if levels else 0}
-    namespace: dict[str, Any] = {"np": _Arrays, "jit": _with_nan(sizes), "growth": growth}
+    known: dict[str, Any] = {"sqrt": math.sqrt, "growth": growth}
+    namespace = {"np": _Arrays, "jit": _with_nan(sizes), **known}
     exec(code(kernel_source(program, levels, whole=False), "<DOP853>"), namespace)
     drive = namespace["drive"]
 

@@ -52,6 +52,8 @@ RATIO, RATIOS, ROUNDINGS = 4.0, 26, 2e-15
 """Where a function is zero at the start of a run, it is looked at after so many spans, each so many
 times longer than the one before, too: it may be zero again soon. Less than the last, in units of
 the states, is rounding."""
+BESIDE, TALL = 1e-6, 100.0
+"""A pole is told by values so many times larger than at this part of a span from it."""
 TRIES = 200
 NARROWINGS = 40
 GOLDEN = 0.381966
@@ -120,13 +122,25 @@ def crossings(
         for (a, before), (b, after) in pairwise(bracket):
             if crosses(before, after, event.direction if end > start else -event.direction):
                 time = root(level, a, before, b, after)
-                # at a pole the sign changes as well
-                height = abs(level(time))
-                if event.name in walls or (
-                    height <= max(abs(before), abs(after)) and height < float("inf")
-                ):
+                if event.name in walls or not _is_pole(level, (a, before), time, (b, after)):
                     found.append((time, event))
     return sorted(found, key=lambda pair: abs(pair[0] - start))
+
+
+def _is_pole(
+    level: Callable[[Any], Any], begin: tuple[Any, Any], time: Any, end: tuple[Any, Any]
+) -> bool:
+    """Whether a function that changes its sign at a ``time`` between two is infinite there.
+
+    It is larger than at both, or, where one of them is beside the pole, than a little way off: on
+    the side of its own sign, since it may also jump, be it beyond that one.
+    """
+    (a, before), (b, after), value = begin, end, level(time)
+    height, sizes = abs(value), (abs(before), abs(after))
+    if not height < float("inf") or height > max(sizes):
+        return True
+    way = (b - a if (value > 0) == (after > 0) else a - b) * BESIDE
+    return bool(height > min(sizes) and height > TALL * abs(level(time + way)))
 
 
 Bracket = tuple[int, list[tuple[Any, Any]], bool]
@@ -473,7 +487,7 @@ class _March:
             return None
         times = np.concatenate([t for t, _ in self.recent])
         states = np.vstack([rows for _, rows in self.recent])
-        found = self.problem.suspect(times.astype(float), states.astype(float))
+        found = self.problem.suspect(np.asarray(times, float), np.asarray(states, float))
         self.recent, self.unseen = [(times[-1:], states[-1:])], 1
         if found is None:
             return None
