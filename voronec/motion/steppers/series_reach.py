@@ -80,10 +80,10 @@ Field = Callable[[np.ndarray, np.ndarray], np.ndarray]
 def field_of(program: Program, values: Sequence[Any], units: np.ndarray) -> Field:
     """The right side of a program for some values of its parameters, numbers or arrays (k,), with
     states in ``units`` (n,) or (n, k)."""
-    right = compile_program(program)[0]
     sizes = units if units.ndim > 1 else units[:, None]
 
     def rates(times: np.ndarray, states: np.ndarray) -> np.ndarray:
+        right = compile_program(program)[0]  # few runs ask for it
         with np.errstate(all="ignore"):
             found = right(times, [*np.moveaxis(states * sizes, 1, 0)], values)
             rows = [np.broadcast_to(np.asarray(r, dtype=float), times.shape) for r in found]
