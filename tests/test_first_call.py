@@ -82,7 +82,7 @@ def test_it_takes_the_steps_of_scipy_and_agrees_with_many_digits(name: str) -> N
         for method, tol in (("python", 1e-11), ("scipy", 1e-11), ("flint", 1e-18))
     )
     assert here.cost.method == "python" and "asked for" in here.cost.reason
-    # estimates of errors hold rounding, some 1e-3 of them, so that the last step may be next to none
+    # estimates of errors hold some 1e-3 of rounding: the last step may be next to none
     assert abs(here.cost.steps - there.cost.steps) <= 1
     assert abs(here.cost.evaluations - there.cost.evaluations) <= 15
     for output in here.outputs:

@@ -53,7 +53,6 @@ INLINE = f"""#if defined(__GNUC__)
 #endif
 """
 HEAD = """#include <math.h>
-#include <string.h>
 #define N {n}
 typedef long long integer;
 static double smaller(double a, double b) {{ return b < a ? b : a; }}
@@ -194,11 +193,6 @@ class _Function:
             self.local[ast.unparse(target)] = f"{kind} {ast.unparse(target)}{bounds} = {{0}};"
         if made:
             return []
-        if all(self.is_row(value) for _, value in pairs):
-            return [
-                f"memcpy({self.value(a)}, {self.value(b)}, sizeof({self.value(a)}));"
-                for a, b in pairs
-            ]
         if len(pairs) == 1:
             return [f"{self.value(pairs[0][0])} = {self.value(pairs[0][1])};"]
         rows = [f"const double next_{i} = {self.value(b)};" for i, (_, b) in enumerate(pairs)]
@@ -213,14 +207,6 @@ class _Function:
         rows.append(f"{name}({time}, here, {parameters}, answers);")
         rows += [f"{self.value(target)} = answers[{i}];" for i, (target, _) in enumerate(pairs)]
         return ["{", *rows, "}"]
-
-    def is_row(self, node: Any) -> bool:
-        """Whether it is a part of a table, or a whole table."""
-        base = node.value if isinstance(node, ast.Subscript) else node
-        if not isinstance(base, ast.Name) or base.id not in ARRAYS:
-            return False
-        indices = len(_indices(node)) if isinstance(node, ast.Subscript) else 0
-        return indices < 1 + ARRAYS[base.id].count("[")
 
     def value(self, node: Any) -> str:
         """An expression."""

@@ -139,7 +139,8 @@ def kernel_source(program: Program, levels: Program | None, whole: bool = True) 
 
 def stepping_source(n: int, m: int, whole: bool = True) -> str:
     """Source of ``drive`` and of what it calls but ``rhs`` and ``extras``, for a state of n numbers
-    and m functions of events.  ``c_stepper`` translates it too: it keeps to few words."""
+    and m functions of events.  ``c_stepper`` translates it too: it keeps to few words, and assigns
+    numbers alone: rows of arrays would cost numba two seconds more of compiling."""
     known = [inspect.getsource(growth)] if whole else []  # Python reads this file again for it
     return "\n\n".join([*known, _drive(n, m)])
 
@@ -369,9 +370,11 @@ def drive(grid, rows, clock, counts, states, bend, times, ends, bends, scales, c
         <looks>
         if keep and not happening:
             times[kept, 0], times[kept, 1] = t, ahead
-            ends[kept, 0], ends[kept, 1] = states[3], states[0]
-            if dense:
-                bends[kept] = bend
+            for i in range({n}):
+                ends[kept, 0, i], ends[kept, 1, i] = states[3, i], states[0, i]
+                if dense:
+                    for j in range(7):
+                        bends[kept, j, i] = bend[j, i]
             kept += 1
         clock[2] = t
         if happening:
@@ -379,7 +382,8 @@ def drive(grid, rows, clock, counts, states, bend, times, ends, bends, scales, c
             break
         while done < len(grid) and order*grid[done] <= order*ahead:
             if grid[done] == ahead:
-                rows[done] = states[0]
+                for i in range({n}):
+                    rows[done, i] = states[0, i]
             else:
                 between(bend, states, (grid[done] - t)/h, rows[done])
             done += 1
