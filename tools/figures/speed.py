@@ -12,7 +12,7 @@ import os
 import platform
 import sys
 from dataclasses import asdict
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -138,6 +138,8 @@ def main() -> int:
     unknown = [name for name in options.rows if name not in names]
     if unknown:
         parser.error(f"there is no row '{unknown[0]}'; rows are {', '.join(names)}")
+    if absent := _absent_packages():
+        parser.error(f"not installed: {', '.join(absent)}; install the extra 'bench'")
     rows: list[Row] = []
     for name in options.rows or names:
         found = rows_of(ROWS[name], extent) if name != CURVE else []
@@ -153,6 +155,16 @@ def main() -> int:
 def _plain(rows: list[Row]) -> dict[str, Any]:
     plain = [asdict(row) | {"verdict": row.verdict} for row in rows]
     return {"machine": _machine(), "rows": plain}
+
+
+def _absent_packages() -> list[str]:
+    absent = []
+    for name in PACKAGES:
+        try:
+            version(name)
+        except PackageNotFoundError:
+            absent.append(name)
+    return absent
 
 
 def _machine() -> str:
