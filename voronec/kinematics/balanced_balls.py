@@ -28,7 +28,7 @@ from voronec.kinematics.families import (
     rotor_words,
 )
 from voronec.kinematics.rubber import RubberMotion
-from voronec.kinematics.vectors import Vector, dot, three
+from voronec.kinematics.vectors import Vector, cross, dot, three
 
 __all__ = ["BalancedBall", "BallMotion", "SymmetricBallMotion"]
 
@@ -90,19 +90,19 @@ class BallMotion:
     def equations(self) -> dict[str, Equation]:
         """The equations of G and of gamma."""
         return {
-            "momentum": Equation(tuple(self.momentum), tuple(self.whole.cross(self.spin))),
-            "normal": Equation(GAMMA, tuple((self.epsilon * self.normal).cross(self.spin))),
+            "momentum": Equation(tuple(self.momentum), cross(self.whole, self.spin)),
+            "normal": Equation(GAMMA, cross(self.epsilon * self.normal, self.spin)),
         }
 
     @cached_property
     def integrals(self) -> dict[str, sp.Expr]:
         """The energy, the square of G + kappa, and on a plane its vertical component."""
         found = {
-            "energy": self.momentum.dot(self.spin) / 2,
+            "energy": dot(self.momentum, self.spin) / 2,
             "momentum squared": dot(self.whole, self.whole),
         }
         if self.epsilon == 1:
-            found["vertical momentum"] = self.whole.dot(self.normal)
+            found["vertical momentum"] = dot(self.whole, self.normal)
         return found
 
     @cached_property
@@ -129,7 +129,7 @@ class BallMotion:
         the ball without a gyroscope: {M_i, M_j} = -root (M_k - D (omega, gamma) gamma_k),
         {M_i, gamma_j} = -root gamma_k.
         """
-        root, along = self.density, self.spin.dot(self.normal)
+        root, along = self.density, dot(self.spin, self.normal)
         momenta, bracket = sp.symbols("M1:4"), {}
         for i, j, k in CYCLES:
             bracket[momenta[i], momenta[j]] = -root * (
@@ -140,7 +140,7 @@ class BallMotion:
         return Poisson(
             variables={**dict(zip(momenta, self.whole, strict=True)), **{g: g for g in GAMMA}},
             bracket=bracket,
-            hamiltonian=self.momentum.dot(self.spin) / 2,
+            hamiltonian=dot(self.momentum, self.spin) / 2,
             clock=1 / root,
         )
 
@@ -316,7 +316,7 @@ class SymmetricBallMotion:
     @cached_property
     def sigma(self) -> sp.Expr:
         """(omega, gamma), the spin about the normal."""
-        return self.ball.spin.dot(self.ball.normal)
+        return dot(self.ball.spin, self.ball.normal)
 
     @cached_property
     def b(self) -> sp.Expr:

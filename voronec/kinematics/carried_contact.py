@@ -16,7 +16,7 @@ from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
 from voronec.kinematics.balls import ZERO
-from voronec.kinematics.bodies import kinetic_energy
+from voronec.kinematics.bodies import kinetic_energy, point_velocity
 from voronec.kinematics.families import constants, join_declarations, moment_words, rotor_words
 from voronec.kinematics.forms import SurfaceForms
 from voronec.kinematics.meanings import (
@@ -29,7 +29,7 @@ from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
 from voronec.kinematics.sketches import carried_sketch
 from voronec.kinematics.surfaces import Surface
-from voronec.kinematics.vectors import three
+from voronec.kinematics.vectors import column, cross, dot, three
 
 __all__ = ["CarriedContact"]
 
@@ -101,12 +101,12 @@ class CarriedContact:
     def rates(self) -> dict[sp.Expr, sp.Expr]:
         """The velocities of the fibre, as functions of the fibre and of omega."""
         o, r, e, f = self.vectors
-        n = e.cross(f)
-        turned = self.contact.rolling_velocities([axis.dot(self.omega) for axis in (e, f, n)])
+        n = column(cross(e, f))
+        turned = self.contact.rolling_velocities([dot(axis, self.omega) for axis in (e, f, n)])
         known = {velocity(q): rate for q, rate in turned.items()}
         a, b, c = (as_expression(x).xreplace(known) for x in self.contact.body.frame_rates)
         pairs = (
-            (o, -self.omega.cross(r + o)),
+            (o, cross(r + o, self.omega)),
             (r, self.trace(known)),
             (e, c * f - b * n),
             (f, a * n - c * e),
@@ -128,15 +128,16 @@ class CarriedContact:
     def kinetic(self) -> sp.Expr:
         """The kinetic energy, by omega and the velocity of O."""
         place = self.vectors[0]
-        moved = sp.Matrix([velocity(q) for q in place]) + self.omega.cross(place)
+        moved = point_velocity([velocity(q) for q in place], self.omega, place)
         return kinetic_energy(self.mass, moved, self.inertia, self.omega)
 
     @property
     def momentum(self) -> sp.ImmutableMatrix:
         """G = I omega + m r x (omega x r), about the contact."""
         arm = self.vectors[1]
-        own = sp.diag(*self.inertia) * self.omega
-        return sp.ImmutableMatrix(own + self.mass * arm.cross(self.omega.cross(arm)))
+        carried = cross(arm, cross(self.omega, arm))
+        parts = zip(self.inertia, self.omega, carried, strict=True)
+        return column([i * w + self.mass * x for i, w, x in parts])
 
     def system(
         self, *, values: Mapping[Any, Any], rotor: Sequence[Any] = ZERO, **declared: Any
@@ -152,11 +153,11 @@ class CarriedContact:
         own = {
             "fibration": Fibration(self.base, tuple(self.rates)),
             "frame": Frame.quasi(self.spin),
-            "lagrangian": self.kinetic + self.omega.dot(sp.Matrix(kappa)),
+            "lagrangian": self.kinetic + dot(self.omega, kappa),
             "constraints": self.constraints,
             "parameters": constants(values, words),
             "equations": {"momentum": Equation(self.momentum, momentum)},
-            "integrals": {"energy": self.momentum.dot(self.omega) / 2},
+            "integrals": {"energy": dot(self.momentum, self.omega) / 2},
             "essential": (*lines, *self.contact.coordinates, *self.omega),
             "meanings": self._meanings,
             "sketch": self._sketch(kappa),
@@ -176,10 +177,10 @@ class CarriedContact:
     def momentum_rate(self, rotor: Sequence[Any] = (0, 0, 0)) -> sp.ImmutableMatrix:
         """dG/dt = (G + kappa) x omega + m dr/dt x (omega x r), kappa the momentum of a rotor."""
         arm = self.vectors[1]
-        moved = sp.Matrix([self.rates[q] for q in arm])
+        moved = [self.rates[q] for q in arm]
         whole = self.momentum + sp.Matrix(rotor)
-        turned = self.mass * moved.cross(self.omega.cross(arm))
-        return sp.ImmutableMatrix(whole.cross(self.omega) + turned)
+        turned = column(cross(moved, cross(self.omega, arm)))
+        return column(cross(whole, self.omega)) + self.mass * turned
 
 
 def carried_vectors(arm: Any, frame: sp.MatrixBase) -> dict[str, sp.Expr]:

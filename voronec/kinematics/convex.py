@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.declaration.reading import expression
-from voronec.kinematics.vectors import Vector, apply_matrix, three
+from voronec.kinematics.vectors import apply_matrix, column, cross, three
 
 __all__ = ["ConvexBody"]
 
@@ -44,22 +44,17 @@ class ConvexBody:
         r = -S gamma/height and H = S/height - S gamma gamma^T S/height^3.  ``height`` is that
         square root, or a symbol for it.
         """
-        gamma = _column(normal, "a normal")
+        gamma = three(normal, "a normal")
         squares = [x**2 for x in three(axes, "the semi-axes of an ellipsoid")]
         h = expression(height, "a height")
-        reach = sp.Matrix([s * g for s, g in zip(squares, gamma, strict=True)])
+        reach = [s * g for s, g in zip(squares, gamma, strict=True)]
 
         def radius(i: int, j: int) -> sp.Expr:
             own = squares[i] / h if i == j else sp.Integer(0)
             return own - reach[i] * reach[j] / h**3
 
-        radii = sp.Matrix(3, 3, radius)
-        return cls(
-            sp.ImmutableMatrix(gamma),
-            h,
-            sp.ImmutableMatrix(-reach / h),
-            sp.ImmutableMatrix(radii),
-        )
+        arm = column([-x / h for x in reach])
+        return cls(column(gamma), h, arm, sp.ImmutableMatrix(3, 3, radius))
 
     def rolling_rate(self, omega: Sequence[Any], sphere: Any = None) -> sp.ImmutableMatrix:
         """dgamma/dt of the rolling body: gamma x omega on a plane.
@@ -68,7 +63,7 @@ class ConvexBody:
         on vectors that are normal to gamma (R1 + H)^-1 = (R1 + k - H)/(R1^2 + R1 k + l), k the sum
         and l the product of the principal radii.
         """
-        turning = self.normal.cross(_column(omega, "an angular velocity"))
+        turning = column(cross(self.normal, three(omega, "an angular velocity")))
         if sphere is None:
             return sp.ImmutableMatrix(turning)
         radius = expression(sphere, "the radius of a sphere")
@@ -89,9 +84,9 @@ class ConvexBody:
 
         ``inertia`` are the principal moments about O, along the axes of the body.
         """
-        spin = _column(omega, "an angular velocity")
-        own = sp.diag(*three(inertia, "the moments of a body")) * spin
-        return sp.ImmutableMatrix(own + mass * self.arm.cross(spin.cross(self.arm)))
+        spin, moments = three(omega, "an angular velocity"), three(inertia, "the moments of a body")
+        carried = cross(self.arm, cross(spin, self.arm))
+        return column([i * w + mass * x for i, w, x in zip(moments, spin, carried, strict=True)])
 
     def momentum_rate(
         self, whole: Any, mass: Any, omega: Any, normal_rate: Any, weight: Any = 0
@@ -101,18 +96,13 @@ class ConvexBody:
         ``whole`` is G + kappa, with the momentum of a gyroscope; the middle term is there because
         the contact moves over the body; ``weight`` is a force along -gamma at O.
         """
-        spin = _column(omega, "an angular velocity")
-        moved = mass * self.arm_rate(normal_rate).cross(spin.cross(self.arm))
-        pulled = weight * self.arm.cross(self.normal)
-        return sp.ImmutableMatrix(sp.Matrix(whole).cross(spin) + moved + pulled)
+        spin = three(omega, "an angular velocity")
+        moved = cross(self.arm_rate(normal_rate), cross(spin, self.arm))
+        pulled = column(cross(self.arm, self.normal)) * weight
+        return column(cross(sp.Matrix(whole), spin)) + column(moved) * mass + pulled
 
 
 def _second(matrix: sp.ImmutableMatrix) -> sp.Expr:
     """The sum of the principal minors of order two."""
     pairs = ((0, 1), (0, 2), (1, 2))
     return sp.Add(*[matrix[i, i] * matrix[j, j] - matrix[i, j] * matrix[j, i] for i, j in pairs])
-
-
-def _column(entries: Sequence[Any], what: str) -> sp.Matrix:
-    found: Vector = three(entries, what)
-    return sp.Matrix(found)

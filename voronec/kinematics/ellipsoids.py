@@ -18,7 +18,7 @@ from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError
 from voronec.kinematics.balls import GAMMA, OMEGA, ZERO
-from voronec.kinematics.bodies import kinetic_energy
+from voronec.kinematics.bodies import kinetic_energy, point_velocity
 from voronec.kinematics.carried_contact import carried_vectors, form_values
 from voronec.kinematics.convex import ConvexBody
 from voronec.kinematics.families import (
@@ -42,7 +42,15 @@ from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
 from voronec.kinematics.sketches import carried_sketch, rolling_sketch, wheel_of
 from voronec.kinematics.surfaces import Surface
-from voronec.kinematics.vectors import Vector, apply_matrix, dot, three
+from voronec.kinematics.vectors import (
+    Vector,
+    apply_matrix,
+    column,
+    cross,
+    dot,
+    matrix_product,
+    three,
+)
 
 __all__ = ["RollingEllipsoid"]
 
@@ -105,8 +113,8 @@ class RollingEllipsoid:
         vertical = tuple(ROTATION.matrix.row(2))
         level = sp.sqrt(sum((q * n) ** 2 for q, n in zip(axes, vertical, strict=True)))
         placed = ConvexBody.ellipsoid(axes, vertical, level)
-        across = apply_matrix(-ROTATION.matrix, sp.Matrix(OMEGA).cross(placed.arm))
-        rising = -placed.arm.dot(placed.rolling_rate(OMEGA))
+        across = apply_matrix(-ROTATION.matrix, cross(OMEGA, placed.arm))
+        rising = -dot(placed.arm, placed.rolling_rate(OMEGA))
         reach = apply_matrix(ROTATION.matrix, placed.arm)
         body = ConvexBody.ellipsoid(axes, GAMMA, HEIGHT)
         return cls(
@@ -134,11 +142,12 @@ class RollingEllipsoid:
         *polar, support = fibre = sp.symbols("u v p")
         u, v = polar
         normal = (sp.sin(u) * sp.cos(v), sp.sin(u) * sp.sin(v), sp.cos(u))
-        down, along = sp.Matrix(normal).diff(u), sp.Matrix([-sp.sin(v), sp.cos(v), 0])
+        down = column([sp.diff(x, u) for x in normal])
+        along = column([-sp.sin(v), sp.cos(v), sp.Integer(0)])
         placed = ConvexBody.ellipsoid(axes, normal, support)
         rate = down * velocity(u) + along * sp.sin(u) * velocity(v)
         moved = sphere * rate - placed.arm_rate(rate)
-        moved += sp.Matrix(OMEGA).cross(sphere * placed.normal - placed.arm)
+        moved += column(cross(OMEGA, sphere * placed.normal - placed.arm))
         turned = placed.rolling_rate(OMEGA, sphere)
         body = ConvexBody.ellipsoid(axes, GAMMA, HEIGHT)
         square = sum((q * n) ** 2 for q, n in zip(axes, normal, strict=True))
@@ -151,7 +160,7 @@ class RollingEllipsoid:
             kinetic_energy(mass, moved, inertia, OMEGA),
             (velocity(u) - dot(turned, down), velocity(v) - dot(turned, along) / sp.sin(u)),
             _name_normal(normal, support),
-            tuple(ROTATION.matrix * sp.Matrix(normal)),
+            tuple(matrix_product(ROTATION.matrix, normal)),
             body.rolling_rate(OMEGA, sphere),
             axes=three(axes, "the semi-axes of an ellipsoid"),
             sphere=sphere,
@@ -170,17 +179,17 @@ class RollingEllipsoid:
         o, (u, v, u1, v1, theta) = sp.symbols("o1:4"), sp.symbols("u v u1 v1 theta")
         level = sp.sqrt((axes[0] * sp.sin(u)) ** 2 + (axes[1] * sp.cos(u)) ** 2)
         moving = Surface.sphere(1, u, v).frame
-        normal, omega = tuple(-moving.col(2)), sp.Matrix(OMEGA)
+        normal = tuple(-moving.col(2))
         radii = ((axes[0] * axes[1]) ** 2 / level**3, axes[0] ** 2 / level)
         contact = RollingContact(
             SurfaceForms.revolution(u, v, radii),
             SurfaceForms.revolution(u1, v1, (sphere, sphere)),
             theta,
         )
-        rolled = contact.rolling_velocities(moving.T * omega)
+        rolled = contact.rolling_velocities(apply_matrix(moving.T, OMEGA))
         whole = (axes[0], *axes)
         arm = ConvexBody.ellipsoid(whole, normal, level).arm
-        moved = sp.Matrix([velocity(q) for q in o]) + omega.cross(sp.Matrix(o))
+        moved = column(point_velocity([velocity(q) for q in o], OMEGA, o))
         body = ConvexBody.ellipsoid(whole, GAMMA, HEIGHT)
         return cls(
             body,
@@ -189,7 +198,10 @@ class RollingEllipsoid:
             (*o, *rolled),
             (),
             kinetic_energy(mass, moved, (inertia[0], *inertia), OMEGA),
-            (*(velocity(q) - rate for q, rate in rolled.items()), *(moved + omega.cross(arm))),
+            (
+                *(velocity(q) - rate for q, rate in rolled.items()),
+                *(moved + column(cross(OMEGA, arm))),
+            ),
             _name_normal(normal, level),
             tuple(Surface.sphere(1, u1, v1).position),
             body.rolling_rate(OMEGA, sphere),
@@ -270,7 +282,7 @@ class RollingEllipsoid:
         ground = Shape.plane()
         if self.sphere is not None:
             touched, ground = self.sphere * touched, Shape.ball(self.sphere, role="ground")
-        centre = touched - turned * self.body.arm.xreplace(named)
+        centre = touched - matrix_product(turned, self.body.arm.xreplace(named))
         placed = {"centre": centre, "attitude": turned, "contact": touched}
         return Shape.ellipsoid(self.axes, **placed), ground
 
@@ -306,13 +318,10 @@ class RollingEllipsoid:
         and gyroscope have an axis of symmetry there is a measure [BorisovMamaev2002].
         """
         kappa, weight = three(rotor, "the momentum of a rotor"), self.mass * gravity
-        omega = sp.Matrix(OMEGA)
         own = {
             "fibration": Fibration(self.base, self.fibre, self.relations),
             "frame": Frame.quasi(self.spin),
-            "lagrangian": self.kinetic
-            - weight * self.invariants["height"]
-            + sp.Matrix(kappa).dot(omega),
+            "lagrangian": self.kinetic - weight * self.invariants["height"] + dot(kappa, OMEGA),
             "constraints": self.constraints,
             "parameters": constants(values, self._words(kappa, gravity)),
             "invariants": self.invariants,
@@ -320,7 +329,7 @@ class RollingEllipsoid:
                 "momentum": Equation(self.momentum, self.momentum_rate(kappa, weight)),
                 "normal": Equation(GAMMA, self.turned),
             },
-            "integrals": {"energy": self.momentum.dot(omega) / 2 + weight * HEIGHT},
+            "integrals": {"energy": dot(self.momentum, OMEGA) / 2 + weight * HEIGHT},
             "charts": self.charts,
             "essential": (*self._equation_coordinates, *OMEGA),
             "meanings": self._meanings,
@@ -395,22 +404,22 @@ def _turned_poles(
     sphere's normal gamma carried along by gamma' + omega x gamma in space, all rates follow.
     """
     (u, v), (u1, v1), theta = contact.body.coordinates, contact.fixed.coordinates, contact.theta
-    turned, omega = HALF_TURN * Surface.sphere(1, u, v).frame, sp.Matrix(OMEGA)
+    turned = matrix_product(HALF_TURN, Surface.sphere(1, u, v).frame)
     down, across, outer = (turned.col(i) for i in range(3))
     level = sp.sqrt(sum((q * n) ** 2 for q, n in zip(axes, outer, strict=True)))
     placed = ConvexBody.ellipsoid(axes, tuple(-outer), level)
     rate = placed.rolling_rate(OMEGA, sphere)
-    swing = rate - omega.cross(outer)
+    swing = rate - column(cross(OMEGA, outer))
     x, y = dot(swing, down), dot(swing, across)
     around = -dot(rate, across) / sp.sin(u)
     other = (x * sp.cos(theta) + y * sp.sin(theta)) / sp.sin(u1)
-    moved = sp.Matrix([velocity(q) for q in o]) + omega.cross(sp.Matrix(o) + placed.arm)
+    moved = point_velocity([velocity(q) for q in o], OMEGA, sp.Matrix(o) + placed.arm)
     constraints = (
         velocity(u) + dot(rate, down),
         velocity(v) - around,
         velocity(u1) + x * sp.sin(theta) - y * sp.cos(theta),
         velocity(v1) - other,
-        velocity(theta) + dot(omega, outer) + around * sp.cos(u) + other * sp.cos(u1),
+        velocity(theta) + dot(OMEGA, outer) + around * sp.cos(u) + other * sp.cos(u1),
         *moved,
     )
     spheres = RollingContact(Surface.sphere(1, u, v), Surface.sphere(sphere, u1, v1), theta)

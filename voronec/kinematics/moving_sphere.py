@@ -29,7 +29,7 @@ from voronec.kinematics.families import (
 from voronec.kinematics.meanings import euler_meanings, vector_meanings
 from voronec.kinematics.rotations import Rotation
 from voronec.kinematics.sketches import rolling_sketch
-from voronec.kinematics.vectors import three
+from voronec.kinematics.vectors import column, cross, dot, matrix_product, three
 
 __all__ = ["BallOnMovingSphere"]
 
@@ -124,18 +124,18 @@ class BallOnMovingSphere:
     @cached_property
     def contact(self) -> sp.Matrix:
         """The direction of the contact from the centre of the sphere, in space."""
-        return self.rotation.matrix * sp.Matrix(PLACE)
+        return matrix_product(self.rotation.matrix, PLACE)
 
     def across(self, vector: sp.Matrix) -> sp.Matrix:
         """x_t, what is left of a vector without its part along gamma."""
         normal = sp.Matrix(GAMMA)
-        return vector - vector.dot(normal) * normal
+        return vector - dot(vector, normal) * normal
 
     @cached_property
     def momentum(self) -> sp.Matrix:
         """G, the momentum about the contact, without the gyroscope."""
         pace = 1 if self.is_free else self.rate
-        own = sp.diag(*self.inertia) * self.spin
+        own = sp.Matrix([i * w for i, w in zip(self.inertia, self.spin, strict=True)])
         own += self.mass * self.radius**2 * self.across(self.spin)
         return own + self.mass * self.fixed * self.radius * pace * self.across(self.swirl)
 
@@ -160,19 +160,19 @@ class BallOnMovingSphere:
     def _normal_rate(self, normal: Sequence[Any], swirl: sp.Matrix) -> tuple[sp.Expr, ...]:
         """dgamma/dt."""
         moved = swirl if self.is_free else self.rate * swirl
-        return tuple(self.epsilon * sp.Matrix(normal).cross(self.spin - moved))
+        return tuple(self.epsilon * column(cross(normal, self.spin - moved)))
 
     @property
     def equations(self) -> dict[str, Equation]:
         """Those of G and gamma; of N where the sphere is free, of zeta where it is kept turning."""
         spin = self.spin
-        found = {"momentum": Equation(tuple(self.momentum), tuple(self.whole.cross(spin)))}
+        found = {"momentum": Equation(tuple(self.momentum), cross(self.whole, spin))}
         if self.is_free:
-            driven = Equation(tuple(self.sphere_momentum), tuple(self.sphere_momentum.cross(spin)))
+            driven = Equation(tuple(self.sphere_momentum), cross(self.sphere_momentum, spin))
             found["momentum of the sphere"] = driven
         found["normal"] = Equation(GAMMA, self._normal_rate(GAMMA, self.swirl))
         if not self.is_free:
-            found["vertical"] = Equation(ZETA, tuple(self.swirl.cross(spin)))
+            found["vertical"] = Equation(ZETA, cross(self.swirl, spin))
         return found
 
     def system(self, *, values: Mapping[Any, Any], **declared: Any) -> System:
@@ -196,18 +196,18 @@ class BallOnMovingSphere:
         invariants = dict(zip(map(str, GAMMA), PLACE, strict=True))
         if self.is_free:
             turns, swirl = TURNS, self.swirl
-            frame |= zip(WHEEL, matrix.T * self.sphere.space_rates, strict=True)
+            frame |= zip(WHEEL, matrix_product(matrix.T, self.sphere.space_rates), strict=True)
         else:
             swirl = sp.Matrix(matrix.row(2)).T  # the vertical, in coordinates
             invariants |= zip(map(str, ZETA), swirl, strict=True)
         rates = sp.Matrix([velocity(n) for n in PLACE])
-        centre = (self.fixed + self.radius) * (rates + self.spin.cross(sp.Matrix(PLACE)))
+        centre = (self.fixed + self.radius) * (rates + column(cross(self.spin, PLACE)))
         kinetic = kinetic_energy(self.mass, centre, self.inertia, OMEGA)
-        turning = self.moment * swirl.dot(swirl) / 2
+        turning = self.moment * dot(swirl, swirl) / 2
         return {
             "fibration": Fibration((*ANGLES, *turns), PLACE, (sum(n**2 for n in PLACE) - 1,)),
             "frame": Frame.quasi(frame),
-            "lagrangian": kinetic + turning + sp.Matrix(self.rotor).dot(self.spin),
+            "lagrangian": kinetic + turning + dot(self.rotor, self.spin),
             "constraints": tuple(rates - sp.Matrix(self._normal_rate(PLACE, swirl))),
             "invariants": invariants,
         }

@@ -38,7 +38,7 @@ from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
 from voronec.kinematics.sketches import carried_sketch
 from voronec.kinematics.surfaces import Surface
-from voronec.kinematics.vectors import three
+from voronec.kinematics.vectors import column, cross, dot, matrix_product, three
 
 __all__ = ["BodyOfRevolution", "TorusOnEllipsoid"]
 
@@ -106,7 +106,7 @@ class BodyOfRevolution:
 
     def turning_momentum(self, omega: sp.Matrix) -> sp.Matrix:
         """I omega = A omega + (C - A)(omega, e) e."""
-        own = (self.axial - self.equatorial) * self.axis.dot(omega) * self.axis
+        own = (self.axial - self.equatorial) * dot(self.axis, omega) * self.axis
         return self.equatorial * omega + own
 
     @property
@@ -122,17 +122,16 @@ class BodyOfRevolution:
     @cached_property
     def momentum(self) -> sp.Matrix:
         """G, the angular momentum about the contact, without the gyroscope."""
-        omega, arm = sp.Matrix(SPINS), self.arm
-        return self.turning_momentum(omega) + self.mass * arm.cross(omega.cross(arm))
+        arm, own = self.arm, self.turning_momentum(sp.Matrix(SPINS))
+        return own + self.mass * column(cross(arm, cross(SPINS, arm)))
 
     @cached_property
     def momentum_rate(self) -> sp.Matrix:
         """The rates of the components of G along the moving frame."""
-        omega = sp.Matrix(SPINS)
         whole = self.momentum + self.rotor * self.axis
-        moved = self.mass * self.trace.cross(omega.cross(self.arm))
+        moved = self.mass * column(cross(self.trace, cross(SPINS, self.arm)))
         turning = self.carry(self.contact.body.frame_rates)
-        return whole.cross(omega) + moved - turning.cross(self.momentum)
+        return column(cross(whole, SPINS)) + moved - column(cross(turning, self.momentum))
 
     @property
     def as_any_body(self) -> tuple[dict[Any, Any], dict[str, Any]]:
@@ -141,7 +140,7 @@ class BodyOfRevolution:
         Its surface is explicit, and the state that of ``system``.
         """
         surface = self.contact.body
-        omega = surface.frame * sp.Matrix(SPINS)
+        omega = matrix_product(surface.frame, SPINS)
         same = (*ATTITUDE.coordinates, *PLACE, *self.contact.coordinates)
         state = {q: q for q in same} | carried_vectors(surface.position, surface.frame)
         return state | dict(zip(OMEGA, omega, strict=True)), form_values(self.contact)
@@ -156,7 +155,7 @@ class BodyOfRevolution:
         attitude = RollingContact(body, normal, self.contact.theta).attitude
         place = sp.Matrix(three(touched, "a place"))
         own = Shape.surface(body.coordinates, body.position, getattr(body, "ranges", None))
-        centre = place - attitude * sp.Matrix(body.position)
+        centre = place - matrix_product(attitude, body.position)
         return replace(own, centre=centre, attitude=attitude, contact=place), ground
 
     def system(
@@ -194,17 +193,17 @@ class BodyOfRevolution:
     def _declaration(self) -> dict[str, Any]:
         """Frame, Lagrangian and constraints of the body whose place and contact are carried."""
         place, surface = sp.Matrix(PLACE), self.contact.body
-        omega = surface.frame * sp.Matrix(SPINS)
-        moved = place.applyfunc(velocity) + omega.cross(place)
+        omega = matrix_product(surface.frame, SPINS)
+        moved = place.applyfunc(velocity) + column(cross(omega, place))
         inertia = (self.equatorial, self.equatorial, self.axial)
-        rotor = self.rotor * self.axis.dot(sp.Matrix(SPINS))
-        rates = surface.frame.T * ATTITUDE.body_rates
+        rotor = self.rotor * dot(self.axis, SPINS)
+        rates = matrix_product(surface.frame.T, ATTITUDE.body_rates)
         return {
             "frame": Frame.quasi(dict(zip(SPINS, rates, strict=True))),
             "lagrangian": kinetic_energy(self.mass, moved, inertia, omega) + rotor,
             "constraints": (
                 *(velocity(q) - rate for q, rate in self.rolling_velocities.items()),
-                *(moved + omega.cross(sp.Matrix(surface.position))),
+                *(moved + column(cross(omega, surface.position))),
             ),
         }
 
@@ -228,7 +227,7 @@ class BodyOfRevolution:
         return {
             "invariants": invariants,
             "equations": {"momentum": Equation(self.momentum.xreplace(named), rate)},
-            "integrals": {"energy": self.momentum.dot(sp.Matrix(SPINS)).xreplace(named) / 2},
+            "integrals": {"energy": dot(self.momentum, SPINS).xreplace(named) / 2},
             "essential": (*angles, *further.values(), *SPINS),
         }
 
@@ -275,7 +274,7 @@ class TorusOnEllipsoid:
     def ball_state(self) -> dict[Any, Any]:
         """The state of a symmetric ball on a sphere, by (u, v, theta, u1, v1) and omega along its
         axes, in the variables of this system: R = 0 and a = c."""
-        spin = self.body.contact.body.frame.T * sp.Matrix(OMEGA)
+        spin = matrix_product(self.body.contact.body.frame.T, OMEGA)
         spins = dict(zip(SPINS, spin, strict=True))
         return {**self.body.circular_invariants, "slant": 1, **spins}
 

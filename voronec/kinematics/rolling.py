@@ -25,7 +25,7 @@ from voronec.errors import DefinitionError
 from voronec.kinematics.forms import SurfaceForms, principal_forms
 from voronec.kinematics.rotations import distinct_names
 from voronec.kinematics.surfaces import Surface
-from voronec.kinematics.vectors import Vector, apply_matrix, cross, three
+from voronec.kinematics.vectors import Vector, apply_matrix, cross, matrix_product, three
 
 __all__ = ["RollingContact"]
 
@@ -74,7 +74,7 @@ class RollingContact:
     @cached_property
     def attitude(self) -> sp.ImmutableMatrix:
         """R = B1 Q B^T, body components to space components."""
-        return self.fixed.frame * self.turn * self.body.frame.T
+        return matrix_product(self.fixed.frame, self.turn, self.body.frame.T)
 
     @property
     def arm(self) -> Vector:
@@ -86,7 +86,7 @@ class RollingContact:
         """O = r1 - R r, the body's origin in space; (R1 + R2) n1 for a ball on a sphere."""
         turned = self._rotate(self.arm)
         reach = [a - b for a, b in zip(_support(self.fixed), turned, strict=True)]
-        return self.fixed.frame * sp.ImmutableMatrix(reach)
+        return matrix_product(self.fixed.frame, reach)
 
     @property
     def shapes(self) -> tuple[Shape, ...]:

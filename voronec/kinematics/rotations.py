@@ -12,7 +12,7 @@ import sympy as sp
 from voronec.algebra.symbols import is_symbolic_name, plain_name, velocity
 from voronec.declaration.shapes import turn_about
 from voronec.errors import DefinitionError
-from voronec.kinematics.vectors import column, cross, dot
+from voronec.kinematics.vectors import column, cross, dot, matrix_product
 
 __all__ = ["Rotation", "distinct_names"]
 
@@ -61,12 +61,12 @@ class Rotation:
         turns = [_turn(axis, angle) for axis, angle in zip(sequence, names, strict=True)]
         rates = [velocity(angle) for angle in names]
         axes = [_unit(axis) for axis in sequence]
-        matrix = turns[0] * turns[1] * turns[2]
-        body = axes[2] * rates[2] + turns[2].T * (axes[1] * rates[1])
-        body += turns[2].T * turns[1].T * (axes[0] * rates[0])
-        space = axes[0] * rates[0] + turns[0] * (axes[1] * rates[1])
-        space += turns[0] * turns[1] * (axes[2] * rates[2])
-        return cls(matrix, names, body, space)
+        steps = [axis * rate for axis, rate in zip(axes, rates, strict=True)]
+        twice, first, last = matrix_product(turns[0], turns[1]), turns[0], turns[2].T
+        body = steps[2] + matrix_product(last, steps[1])
+        body += matrix_product(last, turns[1].T, steps[0])
+        space = steps[0] + matrix_product(first, steps[1]) + matrix_product(twice, steps[2])
+        return cls(matrix_product(twice, turns[2]), names, body, space)
 
     @classmethod
     def quaternion(cls, q0: Any, q1: Any, q2: Any, q3: Any) -> Rotation:

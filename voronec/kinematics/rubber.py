@@ -22,7 +22,7 @@ from voronec.kinematics.balls import CYCLES, GAMMA, OMEGA, ZERO
 from voronec.kinematics.families import join_declarations
 from voronec.kinematics.meanings import vector_meanings
 from voronec.kinematics.sketches import particle_sketch
-from voronec.kinematics.vectors import Vector
+from voronec.kinematics.vectors import Vector, column, cross, dot, matrix_product
 
 __all__ = ["RubberMotion"]
 
@@ -68,7 +68,7 @@ class RubberMotion:
     @cached_property
     def momentum(self) -> sp.ImmutableMatrix:
         """G = J omega, about the contact, without the gyroscope."""
-        return self.tensor * self.spin
+        return matrix_product(self.tensor, self.spin)
 
     @cached_property
     def whole(self) -> sp.ImmutableMatrix:
@@ -83,7 +83,7 @@ class RubberMotion:
     @cached_property
     def torque(self) -> sp.ImmutableMatrix:
         """(G + kappa) x omega."""
-        return self.whole.cross(self.spin)
+        return column(cross(self.whole, self.spin))
 
     def multiplier(self, along: sp.MatrixBase) -> sp.Expr:
         """-(a, J^-1 ((G + kappa) x omega)) / Q: lambda, where ``along`` = a is gamma."""
@@ -97,7 +97,7 @@ class RubberMotion:
     @cached_property
     def equations(self) -> dict[str, Equation]:
         """The equations of G and of gamma."""
-        turned = self.epsilon * self.normal.cross(self.spin)
+        turned = self.epsilon * column(cross(self.normal, self.spin))
         return {
             "momentum": self.momentum_equation(self.multiplier(self.normal)),
             "normal": Equation(GAMMA, tuple(turned)),
@@ -106,14 +106,14 @@ class RubberMotion:
     @cached_property
     def energy(self) -> sp.Expr:
         """(G, omega)/2."""
-        return self.momentum.dot(self.spin) / 2
+        return dot(self.momentum, self.spin) / 2
 
     @cached_property
     def integrals(self) -> dict[str, sp.Expr]:
         """The energy, and where epsilon = 1 the square of the part of G + kappa across gamma."""
         found = {"energy": self.energy}
         if self.epsilon == 1:
-            across = self.whole.dot(self.whole) - self.whole.dot(self.normal) ** 2
+            across = dot(self.whole, self.whole) - dot(self.whole, self.normal) ** 2
             found["momentum across the normal"] = across
         return found
 
@@ -127,7 +127,7 @@ class RubberMotion:
         spread = sp.Add(
             *[(j[a] - j[b]) * (j[a] - j[c]) * (w * g) ** 2 for w, g, (a, b, c) in terms]
         )
-        return self.tensor.det() * self.spin.dot(self.spin) - spread / self.form
+        return self.tensor.det() * dot(self.spin, self.spin) - spread / self.form
 
     @property
     def root(self) -> sp.Expr:
@@ -154,9 +154,9 @@ class RubberMotion:
         g1, g2, g3 = GAMMA
         m1, m2 = sp.symbols("M1 M2")
         m3 = -(m1 * g1 + m2 * g2) / g3
-        level = self.momentum - self.momentum.dot(self.normal) * self.normal
+        level = self.momentum - dot(self.momentum, self.normal) * self.normal
         across = (self.reducer / self.epsilon) * level
-        field = -self.reducer * sp.Matrix(self.rotor).dot(self.normal) / self.epsilon**2
+        field = -self.reducer * dot(self.rotor, self.normal) / self.epsilon**2
         return Poisson(
             variables={m1: across[0], m2: across[1], **{g: g for g in GAMMA}},
             bracket={
@@ -182,21 +182,21 @@ class RubberMotion:
         vectors are.
         """
         place, names, weight = self.normal, self.velocities, self.form ** (1 / self.epsilon - 2)
-        spin = sp.Matrix([velocity(g) for g in place]).cross(place) / self.epsilon
+        spin = column(cross([velocity(g) for g in place], place)) / self.epsilon
         start = {GAMMA[0]: "12/13", GAMMA[2]: "5/13", names[0]: "1/20", names[1]: "1/5"}
         caption = f"The trace of the {end} on {whose}."
         own = {
             "sketch": particle_sketch(place),
-            "fibration": Fibration(place, (), (place.dot(place) - 1,)),
+            "fibration": Fibration(place, (), (dot(place, place) - 1,)),
             "frame": Frame.quasi(dict(zip(names, spin, strict=False))),
-            "lagrangian": weight * spin.dot(self.tensor * spin) / 2,
+            "lagrangian": weight * dot(spin, matrix_product(self.tensor, spin)) / 2,
             "meanings": {
                 **vector_meanings(place, "place of the particle on the unit sphere", whose),
                 **vector_meanings(names, "angular velocity in the new time", whose),
             },
             "parameters": parameters,
             "equations": {"normal": self.equations["normal"]},
-            "integrals": {"energy": weight * self.momentum.dot(self.spin) / 2},
+            "integrals": {"energy": weight * dot(self.momentum, self.spin) / 2},
             "measure": Measure(self.form ** (2 / self.epsilon - 3) / GAMMA[2], (*place, *names)),
             "scenes": {"default": Scene(start, (0.0, 10.0), {}, tuple(place), caption)},
             "shapes": (Shape.ball(0.1, centre=place, contact=place), Shape.ball(1, role="ground")),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import sympy as sp
@@ -10,14 +10,14 @@ import sympy as sp
 from voronec.algebra.text import as_expression
 from voronec.errors import DefinitionError, quote
 
-__all__ = ["Vector", "apply_matrix", "column", "cross", "dot", "three"]
+__all__ = ["Vector", "apply_matrix", "column", "cross", "dot", "matrix_product", "three"]
 
 Vector = tuple[Any, Any, Any]
 
 
-def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
-    """The scalar product a . b in an orthonormal frame."""
-    return _product(a[0], b[0]) + _product(a[1], b[1]) + _product(a[2], b[2])
+def dot(a: Iterable[Any], b: Iterable[Any]) -> Any:
+    """The scalar product a . b in an orthonormal frame, of two vectors of one length."""
+    return sum(map(_product, a, b))
 
 
 def cross(a: Sequence[Any], b: Sequence[Any]) -> Vector:
@@ -31,8 +31,19 @@ def cross(a: Sequence[Any], b: Sequence[Any]) -> Vector:
 
 def apply_matrix(matrix: Any, vector: Sequence[Any]) -> Vector:
     """A 3 x 3 matrix times a vector."""
-    x, y, z = (dot(matrix.row(i), vector) for i in range(3))
+    entries = [*vector]
+    x, y, z = (dot(row, entries) for row in matrix.tolist())
     return x, y, z
+
+
+def matrix_product(first: sp.MatrixBase, *others: Any) -> sp.ImmutableMatrix:
+    """The product of matrices, and of what stands for a column at the end: three expressions."""
+    rows = first.tolist()
+    for other in others:
+        right = other.tolist() if isinstance(other, sp.MatrixBase) else [[x] for x in other]
+        columns = [*zip(*right, strict=True)]
+        rows = [[dot(row, column) for column in columns] for row in rows]
+    return sp.ImmutableMatrix(rows)
 
 
 def _product(x: Any, y: Any) -> Any:
