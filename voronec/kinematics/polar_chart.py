@@ -15,10 +15,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 from typing import Any
 
+import symengine as se
 import sympy as sp
 
 from voronec.algebra.arguments import POINT, SEQUENCE, instance, require
-from voronec.algebra.normal import shorten
+from voronec.algebra.door import Door
+from voronec.algebra.matrices import determinant
+from voronec.algebra.normal import shorten, shortest
 from voronec.algebra.symbols import names_in, plain_name, velocity
 from voronec.declaration.charts import Chart
 from voronec.declaration.geometry import Frame
@@ -107,30 +110,36 @@ class _ChartImage:
 
     def _is_regular(self, expr: sp.Expr) -> bool:
         axis = {self.r: sp.Integer(0), self.phi: sp.Integer(0)}
-        below = sp.fraction(sp.together(expr))[1].xreplace(axis)
         # r itself, and its odd powers, have an edge or a jump in a slope there
         roots = (e.base for e in expr.atoms(sp.Pow) if not e.exp.is_integer)
-        if below == 0 or any(root.xreplace(axis) == 0 for root in roots):
+        if any(root.xreplace(axis) == 0 for root in roots):
             return False
+        # where a denominator vanishes, SymPy's value is infinite or none
         return not expr.xreplace(axis).has(sp.zoo, sp.nan, sp.oo)
 
     def solve(self, constraints: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
         """The constraints solved for velocities for which the solution is regular on the axis."""
-        rows = sp.Matrix([self._of(c) for c in constraints])
+        rows, door = [self._of(c) for c in constraints], Door()
+        inside = door.inward_all(rows)
+        axis = dict.fromkeys(door.inward_all((self.r, self.phi)), 0)
         for chosen in self._pivots(rows):
-            matrix = rows.jacobian(chosen)
-            rest = rows.xreplace(dict.fromkeys(chosen, sp.Integer(0)))
-            below, *above = shorten([matrix.det(), *(matrix.adjugate() * rest)])
-            if below == 0:
-                continue
-            found = shorten([x / below for x in above])
+            names = door.inward_all(chosen)
+            matrix = [[row.diff(x) for x in names] for row in inside]
+            rest = [row.xreplace(dict.fromkeys(names, 0)) for row in inside]
+            # by Cramer's rule
+            swapped = [_with_column(matrix, j, rest) for j in range(len(names))]
+            below, *above = shortest([determinant(m) for m in (matrix, *swapped)])
+            ends = [e.xreplace(axis) for e in (below, *above)]
+            if below == 0 or (ends[0] == 0 and any(e not in (0, se.nan) for e in ends[1:])):
+                continue  # the solution is infinite there
+            found = [door.outward(e) for e in shortest([x / below for x in above])]
             if all(map(self._is_regular, found)):
                 return tuple(v + x for v, x in zip(chosen, found, strict=True))
         raise DefinitionError(
             f"the constraints are singular where {self.r} = 0, in x and y as well"
         )
 
-    def _pivots(self, rows: sp.Matrix) -> Iterator[tuple[sp.Expr, ...]]:
+    def _pivots(self, rows: Sequence[sp.Expr]) -> Iterator[tuple[sp.Expr, ...]]:
         """Sets of as many velocities as there are constraints, but those of r and phi."""
         held = sorted(set().union(*map(names_in, rows)) - {*self.dots}, key=plain_name)
         dots = [x for x in held if plain_name(x).endswith("dot")]
@@ -142,6 +151,11 @@ class _ChartImage:
         return Frame.quasi(
             {v: e if e in self.dots else self.regular(e, f"the velocity '{v}'") for v, e in pairs}
         )
+
+
+def _with_column(rows: Sequence[Sequence[Any]], j: int, column: Sequence[Any]) -> list[list[Any]]:
+    """A matrix with another column in the place of one."""
+    return [[*row[:j], x, *row[j + 1 :]] for row, x in zip(rows, column, strict=True)]
 
 
 def _maps(r: sp.Expr, phi: sp.Expr, frame: Frame | None) -> tuple[dict[Any, Any], ...]:
