@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 import sympy as sp
@@ -10,7 +11,8 @@ from sympy.core.function import AppliedUndef
 from voronec.errors import DefinitionError, quote
 
 __all__ = [
-    "functions_of_time", "is_symbolic_name", "names_in", "plain_name", "time", "velocity",
+    "functions_of_time", "is_symbolic_name", "names_in", "parts_of", "plain_name", "time",
+    "velocity",
 ]  # fmt: skip
 
 time = sp.Symbol("t")
@@ -58,15 +60,32 @@ def velocity(coordinate: sp.Expr) -> sp.Expr:
 
 def functions_of_time(expr: Any) -> set[sp.Expr]:
     """The undefined functions x(t) in an expression, those under derivatives among them."""
-    return {f for f in expr.atoms(AppliedUndef) if f.args == (time,)}
+    return {f for f in parts_of(expr) if isinstance(f, AppliedUndef) and f.args == (time,)}
+
+
+def parts_of(expr: Any) -> Collection[Any]:
+    """Every subexpression, visited once; SymPy's ``atoms`` and ``has`` visit shared ones again and
+    again."""
+    found: dict[int, Any] = {}
+    stack = [expr]
+    while stack:
+        node = stack.pop()
+        if id(node) not in found:
+            found[id(node)] = node
+            stack.extend(node.args)
+    return found.values()
 
 
 def names_in(expr: Any) -> set[sp.Expr]:
     """The symbols, functions of time and their derivatives that occur in an expression."""
     found: set[sp.Expr] = set()
+    seen: dict[int, Any] = {}
     stack = [expr]
     while stack:
         node = stack.pop()
+        if id(node) in seen:
+            continue
+        seen[id(node)] = node  # kept, so that no other takes its place in memory
         if is_symbolic_name(node) or (
             isinstance(node, sp.Derivative) and set(node.variables) == {time}
         ):

@@ -29,6 +29,7 @@ __all__ = [
     "NOT_REAL",
     "NotAFormula",
     "as_expression",
+    "doubles_of_parts",
     "exact_number",
     "formula",
     "in_doubles",
@@ -407,6 +408,11 @@ def in_doubles(expr: Any) -> float | None:
     ``OverflowError`` where it, or a number in it, is beyond doubles: exact algebra and long
     precision would write such a number out.
     """
+    return doubles_of_parts(expr)[expr]
+
+
+def doubles_of_parts(expr: Any) -> dict[Any, float | None]:
+    """The same of every subexpression, each visited once."""
     values: dict[Any, float | None] = {}
     stack = [expr]
     while stack:
@@ -416,11 +422,14 @@ def in_doubles(expr: Any) -> float | None:
             stack += waiting
         else:
             stack.pop()
-            values[node] = _double_of(node, [values[part] for part in node.args])
-    return values[expr]
+            if node not in values:
+                values[node] = _double_of(node, [values[part] for part in node.args])
+    return values
 
 
 def _double_of(node: Any, parts: list[Any]) -> float | None:
+    if isinstance(node, sp.Symbol):
+        return None
     if not parts:
         known = getattr(node, "is_number", False) and node.is_real
         found = float(node) if known else None

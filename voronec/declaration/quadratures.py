@@ -205,7 +205,7 @@ class Quadratures:
         for name in ("quartic", "clock"):
             object.__setattr__(self, name, expression(getattr(self, name), f"the {name}"))
         given = fixed_mapping(self.poles, "poles", "place: weight").items()
-        poles = {expression(c, "a pole"): expression(w, f"the weight of {c}") for c, w in given}
+        poles = {expression(c, "a pole"): expression(w, "the weight of a pole") for c, w in given}
         object.__setattr__(self, "poles", MappingProxyType(poles))
         others = several(self.others, "others", "place", (int, float))
         object.__setattr__(self, "others", tuple(expression(c, "a pole") for c in others))
@@ -306,7 +306,7 @@ class Quadratures:
             yield f"the rate of '{plain_name(q)}'", e, "level"
         for place, weight in self.poles.items():
             yield "a pole", place, "level"
-            yield f"the weight of the pole '{quote(place)}'", weight, "level"
+            yield "the weight of a pole", weight, "level"
         for place in self.others:
             yield "a pole", place, "level"
         for trace in self.traces:

@@ -14,7 +14,14 @@ import numpy as np
 import sympy as sp
 
 from voronec.algebra.symbols import names_in, plain_name, velocity
-from voronec.algebra.text import NOT_REAL, as_expression, exact_number, formula, in_doubles
+from voronec.algebra.text import (
+    NOT_REAL,
+    as_expression,
+    doubles_of_parts,
+    exact_number,
+    formula,
+    in_doubles,
+)
 from voronec.errors import DefinitionError, quote
 
 __all__ = [
@@ -43,11 +50,10 @@ def expression(thing: Any, place: str) -> sp.Expr:
     """
     expr = _scalar(as_expression(thing, place), thing, place)
     try:
-        in_doubles(expr)
+        held = doubles_of_parts(expr)
     except OverflowError:
         # printing an expression evaluates its numbers, so this one is not quoted
         raise DefinitionError(f"{place} holds a number beyond doubles; use another unit") from None
-    held = _parts(expr)
     for number in NOT_REAL:
         if number in held:
             mend = (
@@ -57,18 +63,6 @@ def expression(thing: Any, place: str) -> sp.Expr:
                 f"{place} contains '{number}', which is not a real number; {mend}"
             )
     return expr
-
-
-def _parts(expr: sp.Expr) -> set[Any]:
-    """Every subexpression, visited once; SymPy's ``has`` visits shared ones again and again."""
-    found: set[Any] = set()
-    waiting: list[Any] = [expr]
-    while waiting:
-        part = waiting.pop()
-        if part not in found:
-            found.add(part)
-            waiting.extend(part.args)
-    return found
 
 
 def vanishing_expression(thing: Any, place: str) -> sp.Expr:

@@ -574,7 +574,7 @@ def check_claims(system: System) -> None:
                 raise DefinitionError(
                     f"case '{label}' gives a value to '{name}', which is no parameter"
                 )
-    claimed = {*claim_names(system)}
+    claimed = {*claim_names(system)} if system.undecided else set()
     for name in system.undecided:
         if name not in claimed:
             raise DefinitionError(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 from typing import Any
 
@@ -57,16 +58,7 @@ class Rotation:
             raise DefinitionError(
                 f"'{sequence}' is not an Euler sequence; use one of {', '.join(SEQUENCES)}"
             )
-        names = distinct_names(angles, 3, "Euler angles")
-        turns = [_turn(axis, angle) for axis, angle in zip(sequence, names, strict=True)]
-        rates = [velocity(angle) for angle in names]
-        axes = [_unit(axis) for axis in sequence]
-        steps = [axis * rate for axis, rate in zip(axes, rates, strict=True)]
-        twice, first, last = matrix_product(turns[0], turns[1]), turns[0], turns[2].T
-        body = steps[2] + matrix_product(last, steps[1])
-        body += matrix_product(last, turns[1].T, steps[0])
-        space = steps[0] + matrix_product(first, steps[1]) + matrix_product(twice, steps[2])
-        return cls(matrix_product(twice, turns[2]), names, body, space)
+        return _euler(sequence, distinct_names(angles, 3, "Euler angles"))
 
     @classmethod
     def quaternion(cls, q0: Any, q1: Any, q2: Any, q3: Any) -> Rotation:
@@ -130,6 +122,20 @@ def distinct_names(names: tuple[Any, ...], count: int, what: str) -> tuple[sp.Ex
             raise DefinitionError(f"{what}: the symbol '{name}' is used twice; rename one of them")
         seen.add(name)
     return names
+
+
+@lru_cache(maxsize=64)
+def _euler(sequence: str, names: tuple[sp.Expr, ...]) -> Rotation:
+    """The rotation by three turns, which bodies of a family share, and one body asks for twice."""
+    turns = [_turn(axis, angle) for axis, angle in zip(sequence, names, strict=True)]
+    rates = [velocity(angle) for angle in names]
+    axes = [_unit(axis) for axis in sequence]
+    steps = [axis * rate for axis, rate in zip(axes, rates, strict=True)]
+    twice, first, last = matrix_product(turns[0], turns[1]), turns[0], turns[2].T
+    body = steps[2] + matrix_product(last, steps[1])
+    body += matrix_product(last, turns[1].T, steps[0])
+    space = steps[0] + matrix_product(first, steps[1]) + matrix_product(twice, steps[2])
+    return Rotation(matrix_product(twice, turns[2]), names, body, space)
 
 
 def _unit(axis: str) -> sp.ImmutableMatrix:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import sympy as sp
@@ -74,11 +74,7 @@ class Surface:
         The frame is the same for every radius: n = (sin u cos v, sin u sin v, cos u), which is
         outward; with -R for the radius it is inward, and r = -R n.
         """
-        radius = expression(radius, "the radius of a sphere")
-        u, v = _angles(u, v)
-        reach = radius * sp.sin(u)
-        position = (reach * sp.cos(v), reach * sp.sin(v), radius * sp.cos(u))
-        return cls((u, v), position, (radius, reach), ranges=(HALF, WHOLE))
+        return _sphere(expression(radius, "the radius of a sphere"), *_angles(u, v))
 
     @classmethod
     def plane(cls, u: sp.Expr, v: sp.Expr) -> Surface:
@@ -205,6 +201,14 @@ class Surface:
         lengths = [None, None] if self.lengths is None else door.inward_all(self.lengths)
         area = None if self.area is None else door.inward(self.area)
         return _Shape.of(door, (u, v), r, lengths, area)
+
+
+@lru_cache(maxsize=64)
+def _sphere(radius: sp.Expr, u: sp.Expr, v: sp.Expr) -> Surface:
+    """A sphere, made once: a body that rolls asks for the same again and again."""
+    reach = radius * sp.sin(u)
+    position = (reach * sp.cos(v), reach * sp.sin(v), radius * sp.cos(u))
+    return Surface((u, v), position, (radius, reach), ranges=(HALF, WHOLE))
 
 
 @dataclass(frozen=True)

@@ -32,25 +32,35 @@ def cross(a: Sequence[Any], b: Sequence[Any]) -> Vector:
 def apply_matrix(matrix: Any, vector: Sequence[Any]) -> Vector:
     """A 3 x 3 matrix times a vector."""
     entries = [*vector]
-    x, y, z = (dot(row, entries) for row in matrix.tolist())
+    x, y, z = (dot(row, entries) for row in _rows(matrix))
     return x, y, z
 
 
-def matrix_product(first: sp.MatrixBase, *others: Any) -> sp.ImmutableMatrix:
-    """The product of matrices, and of what stands for a column at the end: three expressions."""
-    rows = first.tolist()
+def matrix_product(first: Any, *others: Any) -> sp.ImmutableMatrix:
+    """The product of matrices, or lists of rows, and of a column, or a list of expressions.
+
+    Equal to SymPy's, which asks of every entry whether it is finite before it takes 0 x for 0.
+    """
+    rows = _rows(first)
     for other in others:
-        right = other.tolist() if isinstance(other, sp.MatrixBase) else [[x] for x in other]
-        columns = [*zip(*right, strict=True)]
+        columns = [*zip(*_rows(other), strict=True)]
         rows = [[dot(row, column) for column in columns] for row in rows]
     return sp.ImmutableMatrix(rows)
 
 
+def _rows(matrix: Any) -> Sequence[Sequence[Any]]:
+    """The rows of a matrix, and of what stands for a column."""
+    if isinstance(matrix, sp.MatrixBase):
+        entries, width = matrix.flat(), matrix.cols
+        return [entries[i : i + width] for i in range(0, len(entries), width)]
+    return [x if isinstance(x, (list, tuple)) else (x,) for x in matrix]
+
+
 def _product(x: Any, y: Any) -> Any:
     """x y; SymPy asks whether y is finite before it takes 0 y for 0, which costs more than all."""
-    if x == 0:
+    if not x:  # as Python asks whether it is zero, which no expression but zero is
         return x
-    return y if y == 0 else x * y
+    return x * y if y else y
 
 
 def three(things: Any, what: str) -> Vector:
