@@ -15,6 +15,7 @@ from functools import partial
 import sympy as sp
 
 from voronec import Fibration, Frame, Parameter, Scene, Shape, Sketch, System, velocity
+from voronec.kinematics import cross, derivative, dot, matrix_product
 
 Vector = tuple[sp.Expr, sp.Expr, sp.Expr]
 ZERO = sp.Integer(0)
@@ -56,16 +57,6 @@ def about_z(angle: sp.Expr, a: Vector) -> Vector:
 def add(a: Vector, b: Vector) -> Vector:
     """a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
-
-
-def cross(a: Vector, b: Vector) -> Vector:
-    """a x b."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-def dot(a: Vector, b: Vector) -> sp.Expr:
-    """a . b."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 # Rolled frame (yaw, roll): its rate of turn, the rear frame's, down, and the rear wheel's centre.
@@ -160,7 +151,7 @@ constraints = (
     rolling_hub[0] * front_down[2] - rolling_hub[2] * front_down[0] + r_F * sine * front_spin,
     rolling_hub[1] + cross(front_omega, lowest)[1],
     # Downwards the rim moves at its lowest point as that point itself, whose place is known.
-    sp.Add(*[front_depth.diff(q) * velocity(q) for q in (z, phi, theta, delta)]),
+    sp.Add(*[derivative(front_depth, q) * velocity(q) for q in (z, phi, theta, delta)]),
 )
 
 SKETCH = (
@@ -189,11 +180,12 @@ upwards, axes = sp.diag(1, -1, -1), ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 rolled = [about_x(phi, about_z(psi, axis)) for axis in axes]
 head_frame = sp.Matrix([head(axis) for axis in rolled])
 forks = sp.Matrix([steer(head(axis)) for axis in rolled])
+head_up, forks_up = matrix_product(upwards, head_frame), matrix_product(upwards, forks)
 touched = sp.Matrix([x, y, z])
-rear = touched - sp.Matrix(rolled) * sp.Matrix([0, 0, r_R])
-pivot = rear + head_frame * sp.Matrix([offset, 0, 0])
-front = pivot + forks * sp.Matrix(hub)
-rider = rear + head_frame * sp.Matrix(body)
+rear = touched - matrix_product(rolled, (0, 0, r_R))
+pivot = rear + matrix_product(head_frame, (offset, 0, 0))
+front = pivot + matrix_product(forks, hub)
+rider = rear + matrix_product(head_frame, body)
 
 
 def wheel(angle: sp.Expr) -> sp.Matrix:
@@ -281,21 +273,31 @@ SYSTEM = System(
     shapes=(
         Shape.disc(
             r_R,
-            centre=upwards * rear,
-            attitude=upwards * head_frame * wheel(beta_R),
-            contact=upwards * touched,
+            centre=matrix_product(upwards, rear),
+            attitude=matrix_product(upwards, head_frame, wheel(beta_R)),
+            contact=matrix_product(upwards, touched),
         ),
         Shape.disc(
             r_F,
-            centre=upwards * front,
-            attitude=upwards * forks * wheel(beta_F),
-            contact=upwards * (front + forks * sp.Matrix(lowest)),
+            centre=matrix_product(upwards, front),
+            attitude=matrix_product(upwards, forks, wheel(beta_F)),
+            contact=matrix_product(upwards, front + matrix_product(forks, lowest)),
         ),
         Shape.box(
-            (w / 2, 0.06, 0.06), centre=upwards * (rear + pivot) / 2, attitude=upwards * head_frame
+            (w / 2, 0.06, 0.06),
+            centre=matrix_product(upwards, (rear + pivot) / 2),
+            attitude=head_up,
         ),
-        Shape.box((0.06, 0.4, r_F), centre=upwards * (pivot + front) / 2, attitude=upwards * forks),
-        Shape.ellipsoid((0.15, 0.2, 0.45), centre=upwards * rider, attitude=upwards * head_frame),
+        Shape.box(
+            (0.06, 0.4, r_F),
+            centre=matrix_product(upwards, (pivot + front) / 2),
+            attitude=forks_up,
+        ),
+        Shape.ellipsoid(
+            (0.15, 0.2, 0.45),
+            centre=matrix_product(upwards, rider),
+            attitude=head_up,
+        ),
         Shape.plane(),
     ),
     references=("Whipple1899", "Meijaard2007"),

@@ -19,6 +19,7 @@ from __future__ import annotations
 import sympy as sp
 
 from voronec import Limit, Plane, Quadratures, Relation, Square, Trace, kinematics, velocity
+from voronec.kinematics import matrix_product
 
 m, R, A, C, k, h = sp.symbols("m R A C k h")
 
@@ -45,12 +46,12 @@ whole_axial = k + excess * L
 N = C5 * F - whole_axial * z
 T = L * E - 2 * k * part * z**2
 body = ball.contact.body.frame
-s, tau, n = body.T * omega
+s, tau, n = matrix_product(body.T, omega)
 upward = sp.cos(u)
 axial = k + excess * omega[2]  # K
 rho = sp.sqrt(1 + 4 * beta * upward**2)
 in_ball = whole.xreplace(dict(zip(normal, ball.normal, strict=True)))
-horizontal = tuple(ball.contact.attitude[:2, :] * in_ball)
+horizontal = tuple(matrix_product(ball.contact.attitude[:2, :], in_ball))
 quartic = (
     (h2 - C5**2 / A - Q * L**2) / P
     + 2 * C5 * (Q * L + k) / (A * P) * z
@@ -83,7 +84,7 @@ MOTION = Quadratures(
     },
     others=(1 / sp.sqrt(beta), -1 / sp.sqrt(beta)),  # where rho is infinite
     traces=(Trace(u, v, z / E),),
-    velocities=dict(zip(omega, body * rolled, strict=True)),
+    velocities=dict(zip(omega, matrix_product(body, rolled), strict=True)),
     plane=Plane(
         place=(x, y),
         direction=horizontal,

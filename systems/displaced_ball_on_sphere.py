@@ -35,6 +35,7 @@ from voronec import (
     System,
     kinematics,
 )
+from voronec.kinematics import dot
 
 omega, gamma = sp.symbols("omega1:4"), sp.symbols("gamma1:4")
 R1, R2, m, A, C, shift, K = sp.symbols("R1 R2 m A C l K")
@@ -58,7 +59,7 @@ square = R2**2 + shift**2 + 2 * R2 * shift * gamma[2]  # |r|^2 where |gamma| = 1
 curve, level = m * (C - A), A * C + m * A * (R2**2 - shift**2)
 rho = sp.sqrt(A * C + m * A * square + curve * arm[2] ** 2)
 lean = curve * arm[2] - m * A * shift
-J, Z = momentum.dot(arm), rho * omega[2]
+J, Z = dot(momentum, arm), rho * omega[2]
 root = sp.sqrt(curve)
 growth = (root * rho + lean) ** ratio
 # Where C < A, -curve rho^2 = side^2 - lean^2.
@@ -89,7 +90,7 @@ SYSTEM = System(
             (ratio * m * J * R2 * turned[2] / rho, ratio * (C - A) * Z * R2 * turned[2] / rho),
         ),
     },
-    integrals={"energy": momentum.dot(spin) / 2 + potential},
+    integrals={"energy": dot(momentum, spin) / 2 + potential},
     measure=Measure((A + m * square) * rho, (*gamma, *omega)),
     cases={
         "oblate": Case(

@@ -30,6 +30,7 @@ from voronec import (
     kinematics,
     velocity,
 )
+from voronec.kinematics import cross, dot, matrix_product
 
 x, y, phi, theta, psi = sp.symbols("x y phi theta psi")
 gamma, omega, height = sp.symbols("gamma1:4"), sp.symbols("omega1:4"), sp.Symbol("height")
@@ -51,14 +52,16 @@ vertical = tuple(rotation.matrix.row(2))
 level = sp.sqrt(sum((q * n) ** 2 for q, n in zip(axes, vertical, strict=True)))
 placed = kinematics.ConvexBody.ellipsoid(axes, vertical, level)
 rates = rotation.body_rates
-across = -rotation.matrix * rates.cross(placed.arm)  # of the centre, where the contact rests
-rising = -placed.arm.dot(placed.rolling_rate(rates))
+# of the centre, where the contact rests
+across = matrix_product(-rotation.matrix, cross(rates, placed.arm))
+rising = -dot(placed.arm, placed.rolling_rate(rates))
 inertia = sp.diag(*moments) + product
 kinetic = kinematics.kinetic_energy(m, (velocity(x), velocity(y), rising), inertia, rates)
 
 # A ball of radius a, about its contact; D = m a^2.
 normal = sp.Matrix(gamma)
-share = m * a**2 * normal.dot((inertia + m * a**2 * sp.eye(3)).inv() * normal)
+bent = matrix_product((inertia + m * a**2 * sp.eye(3)).inv(), normal)
+share = m * a**2 * dot(normal, bent)
 
 SYSTEM = System(
     name="rattleback",
@@ -89,7 +92,7 @@ SYSTEM = System(
         Parameter(I12, "-1/4", meaning="product of inertia: the hand"),
     ),
     invariants={**dict(zip(map(str, gamma), vertical, strict=True)), "height": level},
-    integrals={"energy": momentum.dot(spin) / 2 + m * g * height},
+    integrals={"energy": dot(momentum, spin) / 2 + m * g * height},
     equations={
         "momentum": Equation(tuple(momentum), tuple(moving)),
         "normal": Equation(gamma, tuple(turned)),
@@ -99,8 +102,8 @@ SYSTEM = System(
         "round": Case(
             parameters={b: a, c: a},
             integrals={
-                "momentum squared": momentum.dot(momentum).xreplace({b: a, c: a, height: a}),
-                "vertical momentum": normal.dot(inertia * spin),
+                "momentum squared": dot(momentum, momentum).xreplace({b: a, c: a, height: a}),
+                "vertical momentum": dot(normal, inertia * spin),
             },
             measure=Measure(sp.sqrt(1 - share), (*gamma, height, *omega)),
             integrable="Euler-Jacobi",
@@ -121,7 +124,7 @@ SYSTEM = System(
             axes,
             centre=(x, y, level),
             attitude=rotation.matrix,
-            contact=sp.Matrix([x, y, level]) + rotation.matrix * placed.arm,
+            contact=sp.Matrix([x, y, level]) + matrix_product(rotation.matrix, placed.arm),
         ),
         Shape.plane(),
     ),

@@ -54,7 +54,7 @@ SYSTEM = rolling.system(
 )
 
 moments = {"I1": A, "I2": A, "I3": C}
-spins = kinematics.Surface.sphere(1, u, v).frame.T * sp.Matrix(omega)
+spins = kinematics.matrix_product(kinematics.Surface.sphere(1, u, v).frame.T, omega)
 state, functions = rolling.as_any_body
 RELATIONS = (
     Relation.of(

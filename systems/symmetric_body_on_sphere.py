@@ -33,6 +33,7 @@ from __future__ import annotations
 import sympy as sp
 
 from voronec import Equation, Fibration, Frame, Parameter, System, kinematics
+from voronec.kinematics import derivative, dot
 
 u, v, theta, u1, v1 = sp.symbols("u v theta u1 v1")
 s, tau, n = quasi = sp.symbols("s tau n")
@@ -51,7 +52,7 @@ contact = kinematics.RollingContact(surface, sphere, theta)
 body = kinematics.BodyOfRevolution(contact, m, A, C)
 
 spin, centre = sp.Matrix(contact.spin), sp.Matrix(contact.centre_velocity)
-kinetic = (m * centre.dot(centre) + body.turning_momentum(spin).dot(spin)) / 2
+kinetic = (m * dot(centre, centre) + dot(body.turning_momentum(spin), spin)) / 2
 
 # Where the body rolls: the momentum about the contact, and how it changes along (u, v, n).
 falling, momentum, arm = body.rolling_velocities[u], body.momentum, body.arm
@@ -65,17 +66,17 @@ height = P * sp.cos(u) - slope * sp.sin(u)  # r_3
 e = along * sp.sin(u) - reach
 rho = sp.sqrt(A * C + m * (A * (P**2 + slope**2) + (C - A) * height**2))
 wide = R1 * sp.sin(u) / reach + 1  # (R1 + r_v)/r_v
-Z, J = rho * (n * sp.cos(u) - s * sp.sin(u)), wide * momentum.dot(arm)
+Z, J = rho * (n * sp.cos(u) - s * sp.sin(u)), wide * dot(momentum, arm)
 b = m * e / (f * rho * wide)
 c = (C - A) * e - (across - along) * ((C - A) * height * sp.cos(u) + A * P) / reach
 c = c * wide / (f * rho)
 first = b * J
-second = sp.diff(b, u) * J + b * c * Z
+second = derivative(b, u) * J + b * c * Z
 
 # The density of a measure of u, s, tau, n, which with sin u1 is one of all variables; spread is
 # (R1 + r_u) (R1 + r_v) sin u.
 spread = (R1 + P + sp.diff(P, u, 2)) * (R1 * sp.sin(u) + reach)
-density = (A + m * arm.dot(arm)) * rho * spread
+density = (A + m * dot(arm, arm)) * rho * spread
 
 SYSTEM = System(
     name="symmetric-body-on-sphere",
@@ -105,7 +106,7 @@ SYSTEM = System(
         "linear": Equation((Z, J), (falling * b * J, falling * c * Z)),
         "second order": Equation((Z, first), (falling * first, falling * second)),
     },
-    integrals={"energy": momentum.dot(sp.Matrix(quasi)) / 2 + V},
+    integrals={"energy": dot(momentum, quasi) / 2 + V},
     measure=density * sp.sin(u1),
     charts=kinematics.turned_sphere(contact),
     essential=(u, s, tau, n),

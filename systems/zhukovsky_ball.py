@@ -15,6 +15,7 @@ from __future__ import annotations
 import sympy as sp
 
 from voronec import Limit, Plane, Quadratures, Relation, Square, Trace, kinematics, velocity
+from voronec.kinematics import matrix_product
 
 m, R, A, k, h = sp.symbols("m R A k h")
 
@@ -32,13 +33,13 @@ z = sp.Symbol("z")
 C5, S0, h2, H = sp.symbols("C5 S0 h2 H")
 P = A + D
 body = ball.contact.body.frame
-s, tau, n = body.T * omega
+s, tau, n = matrix_product(body.T, omega)
 S1, S2 = P * C5 / A, -k * (2 * A + D) / (2 * A)
 S = S0 + S1 * z + S2 * z**2
 N = C5 - k * z
 W = h2 - N**2 / A
 in_ball = whole.xreplace(dict(zip(normal, ball.normal, strict=True)))
-horizontal = tuple(ball.contact.attitude[:2, :] * in_ball)
+horizontal = tuple(matrix_product(ball.contact.attitude[:2, :], in_ball))
 rolled = sp.Matrix([sp.sin(u) * velocity(v), -velocity(u), N / A])  # (s, tau, n) again
 vertical = A * n + k * sp.cos(u)
 MOTION = Quadratures(
@@ -53,7 +54,7 @@ MOTION = Quadratures(
     integrals={v: S / (P * (1 - z**2)), theta: -N / A - z * S / (P * (1 - z**2))},
     poles={1: S.subs(z, 1) / (2 * P), -1: S.subs(z, -1) / (2 * P)},
     traces=(Trace(u, v, z),),
-    velocities=dict(zip(omega, body * rolled, strict=True)),
+    velocities=dict(zip(omega, matrix_product(body, rolled), strict=True)),
     plane=Plane(
         place=(x, y),
         direction=horizontal,

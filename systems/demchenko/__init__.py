@@ -30,6 +30,7 @@ from voronec import (
     kinematics,
     velocity,
 )
+from voronec.kinematics import dot, matrix_product
 
 u, v, theta, u1, v1 = sp.symbols("u v theta u1 v1")
 s, tau, n = sp.symbols("s tau n")
@@ -48,8 +49,8 @@ turned_rotor = kinematics.axial_rotor(k, contact.body.frame.row(0), contact.spin
 # rotor's part, along (u, v, n) and in space.
 P = M * R2**2 + A
 momentum = sp.Matrix([P * s, P * tau, A * n]) + k * axis.T
-along_contact = contact.fixed.frame * contact.turn  # (e_u, e_v, n) in space
-in_space = along_contact * momentum
+along_contact = matrix_product(contact.fixed.frame, contact.turn)  # (e_u, e_v, n) in space
+in_space = matrix_product(along_contact, momentum)
 energy = (P * (s**2 + tau**2) + A * n**2) / 2
 axial = A * n + k * (1 + R2 / R1) * sp.cos(u)
 # P s sin(u) is a quadratic function of cos(u) along each motion; this is its constant term.
@@ -77,7 +78,7 @@ upper, lower = (C5 - Gamma) / (k * ratio), (C5 + Gamma) / (k * ratio)
 E = sp.Matrix(3, 3, lambda i, j: sp.Symbol(f"E{i + 1}{j + 1}"))
 MOTION = Quadratures(
     variable={x: sp.cos(u)},
-    constants={C5: axial, S0: level, h2: 2 * energy, Gamma: sp.sqrt(momentum.dot(momentum))},
+    constants={C5: axial, S0: level, h2: 2 * energy, Gamma: sp.sqrt(dot(momentum, momentum))},
     quartic=((1 - x**2) * W / P - S**2 / P**2) / mu**2,
     integrals={
         v: v_rate,
@@ -110,7 +111,8 @@ def turning_point(
 ) -> dict[sp.Expr, object]:
     """Initial data at a turning point, u = 1, whose momentum lies along the fixed axis z."""
     values = {u: turn, s: spin, tau: 0, n: normal, R2: 1, M: 1, A: inertia, k: 3}
-    along_u, _, along_n = (sp.sympify(e).subs(values) for e in momentum)
+    exact = {q: sp.sympify(value) for q, value in values.items()}
+    along_u, _, along_n = momentum.xreplace(exact)
     side = 1 if along_u > 0 else -1  # keeps u1 between 0 and pi
     return {
         **{q: values[q] for q in (u, s, n)},

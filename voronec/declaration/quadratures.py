@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -344,7 +344,11 @@ class Quadratures:
             return self
         titles = {tuple(map(str, pair)): title for title, pair in drawing.items()}
         traces = tuple(replace(t, title=t.title or titles.get(_pair(t), "")) for t in self.traces)
-        return replace(self, traces=traces)
+        found = object.__new__(type(self))  # what is read already is not read again
+        for own in fields(self):
+            object.__setattr__(found, own.name, getattr(self, own.name))
+        object.__setattr__(found, "traces", traces)
+        return found
 
 
 def _pair(trace: Trace) -> tuple[str, str]:

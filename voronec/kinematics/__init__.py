@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from voronec.kinematics.bodies_in_rn import BodyInRn
     from voronec.kinematics.carried_contact import CarriedContact
     from voronec.kinematics.convex import ConvexBody
+    from voronec.kinematics.derivatives import derivative
     from voronec.kinematics.ellipsoids import RollingEllipsoid
     from voronec.kinematics.forms import SurfaceForms
     from voronec.kinematics.groups import (
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
     )
     from voronec.kinematics.sleighs import Sleigh
     from voronec.kinematics.surfaces import Surface
+    from voronec.kinematics.vectors import cross, dot, matrix_product
 
 __all__ = [
     "BalancedBall",
@@ -78,9 +80,13 @@ __all__ = [
     "cartesian_chart",
     "contact_meanings",
     "contact_momentum",
+    "cross",
+    "derivative",
     "disc_sketch",
+    "dot",
     "euler_meanings",
     "kinetic_energy",
+    "matrix_product",
     "moving_meanings",
     "particle_sketch",
     "pinned_sketch",
@@ -106,6 +112,7 @@ _HOME = {
     "bodies_in_rn": "BodyInRn",
     "carried_contact": "CarriedContact",
     "convex": "ConvexBody",
+    "derivatives": "derivative",
     "ellipsoids": "RollingEllipsoid",
     "forms": "SurfaceForms",
     "groups": "BodyVelocity skew skew_entries wedge_square",
@@ -122,6 +129,7 @@ _HOME = {
     "rolling_sketch sleigh_shapes sleigh_sketch",
     "sleighs": "Sleigh",
     "surfaces": "Surface",
+    "vectors": "cross dot matrix_product",
 }
 """Modules, and the names in them."""
 

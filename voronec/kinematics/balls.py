@@ -91,7 +91,7 @@ class RollingBall:
         """The coordinates of the contact on the fixed surface."""
         return self.contact.fixed.coordinates
 
-    @property
+    @cached_property
     def spin(self) -> Vector:
         """omega, the angular velocity."""
         return self._along_axes(self.contact.spin)

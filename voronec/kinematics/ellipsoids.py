@@ -21,6 +21,7 @@ from voronec.kinematics.balls import GAMMA, OMEGA, ZERO
 from voronec.kinematics.bodies import kinetic_energy, point_velocity
 from voronec.kinematics.carried_contact import carried_vectors, form_values
 from voronec.kinematics.convex import ConvexBody
+from voronec.kinematics.derivatives import derivative
 from voronec.kinematics.families import (
     FIXED_RADIUS,
     Words,
@@ -57,9 +58,12 @@ __all__ = ["RollingEllipsoid"]
 HEIGHT = sp.Symbol("height")
 SUPPORT = "distance of the centre from the tangent plane at the contact"
 ANGLES = sp.symbols("phi theta psi")
-ROTATION = Rotation.euler("zxz", *ANGLES)
 # Neumann's theta is no angle of Euler's.
-ROTATION_BESIDE_NEUMANN = Rotation.euler("zxz", *sp.symbols("phi chi psi"))
+ANGLES_BESIDE_NEUMANN = sp.symbols("phi chi psi")
+
+
+def _rotation() -> Rotation:
+    return Rotation.euler("zxz", *ANGLES)
 
 
 @dataclass(frozen=True)
@@ -100,7 +104,7 @@ class RollingEllipsoid:
     invariants: dict[str, sp.Expr]
     contact: tuple[sp.Expr, ...]
     turned: sp.ImmutableMatrix
-    rotation: Rotation = ROTATION
+    rotation: Rotation = field(default_factory=_rotation)
     charts: Mapping[str, Chart] = field(default_factory=dict)
     axes: Vector = ZERO
     sphere: Any = None
@@ -110,12 +114,12 @@ class RollingEllipsoid:
     def on_plane(cls, axes: Sequence[Any], mass: Any, inertia: Sequence[Any]) -> RollingEllipsoid:
         """On the plane z = 0; the height of the centre is a square root."""
         x, y = fibre = sp.symbols("x y")
-        vertical = tuple(ROTATION.matrix.row(2))
+        vertical = tuple(_rotation().matrix.row(2))
         level = sp.sqrt(sum((q * n) ** 2 for q, n in zip(axes, vertical, strict=True)))
         placed = ConvexBody.ellipsoid(axes, vertical, level)
-        across = apply_matrix(-ROTATION.matrix, cross(OMEGA, placed.arm))
+        across = apply_matrix(-_rotation().matrix, cross(OMEGA, placed.arm))
         rising = -dot(placed.arm, placed.rolling_rate(OMEGA))
-        reach = apply_matrix(ROTATION.matrix, placed.arm)
+        reach = apply_matrix(_rotation().matrix, placed.arm)
         body = ConvexBody.ellipsoid(axes, GAMMA, HEIGHT)
         return cls(
             body,
@@ -142,7 +146,7 @@ class RollingEllipsoid:
         *polar, support = fibre = sp.symbols("u v p")
         u, v = polar
         normal = (sp.sin(u) * sp.cos(v), sp.sin(u) * sp.sin(v), sp.cos(u))
-        down = column([sp.diff(x, u) for x in normal])
+        down = column([derivative(x, u) for x in normal])
         along = column([-sp.sin(v), sp.cos(v), sp.Integer(0)])
         placed = ConvexBody.ellipsoid(axes, normal, support)
         rate = down * velocity(u) + along * sp.sin(u) * velocity(v)
@@ -160,7 +164,7 @@ class RollingEllipsoid:
             kinetic_energy(mass, moved, inertia, OMEGA),
             (velocity(u) - dot(turned, down), velocity(v) - dot(turned, along) / sp.sin(u)),
             _name_normal(normal, support),
-            tuple(matrix_product(ROTATION.matrix, normal)),
+            tuple(matrix_product(_rotation().matrix, normal)),
             body.rolling_rate(OMEGA, sphere),
             axes=three(axes, "the semi-axes of an ellipsoid"),
             sphere=sphere,
@@ -205,7 +209,7 @@ class RollingEllipsoid:
             _name_normal(normal, level),
             tuple(Surface.sphere(1, u1, v1).position),
             body.rolling_rate(OMEGA, sphere),
-            ROTATION_BESIDE_NEUMANN,
+            Rotation.euler("zxz", *ANGLES_BESIDE_NEUMANN),
             _turned_poles(whole, sphere, o, contact),
             whole,
             sphere,
@@ -265,7 +269,7 @@ class RollingEllipsoid:
             raise DefinitionError("only a spheroid on a sphere is known by the forms of surfaces")
         u, v = self.surfaces.body.coordinates
         level, frame = self.invariants["height"], Surface.sphere(1, u, v).frame
-        arm = apply_matrix(frame, (sp.diff(level, u), sp.Integer(0), level))
+        arm = apply_matrix(frame, (derivative(level, u), sp.Integer(0), level))
         own = {q: q for q in (*self.base, *self.fibre, *OMEGA)}
         return {**own, **carried_vectors(arm, frame)}, form_values(self.surfaces)
 

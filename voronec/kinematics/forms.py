@@ -13,6 +13,7 @@ from voronec.algebra.arguments import SEQUENCE, require
 from voronec.algebra.symbols import velocity
 from voronec.declaration.reading import expression
 from voronec.errors import DefinitionError, quote
+from voronec.kinematics.derivatives import derivative
 from voronec.kinematics.rotations import distinct_names
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import Vector, cross, three
@@ -206,7 +207,7 @@ class SurfaceForms:
         lu, lv = self._lengths
         zero, bending = sp.Integer(0), self.bending
         if bending is None:
-            bending = (sp.diff(e, v) / (2 * lu * lv), sp.diff(g, u) / (2 * lu * lv))
+            bending = (derivative(e, v) / (2 * lu * lv), derivative(g, u) / (2 * lu * lv))
         across, along = bending
         return (zero, -d / lu, -across), (dd / lv, zero, along)
 

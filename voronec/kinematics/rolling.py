@@ -22,6 +22,7 @@ from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import as_expression
 from voronec.declaration.shapes import Shape
 from voronec.errors import DefinitionError
+from voronec.kinematics.derivatives import derivative
 from voronec.kinematics.forms import SurfaceForms, principal_forms
 from voronec.kinematics.rotations import distinct_names
 from voronec.kinematics.surfaces import Surface
@@ -204,7 +205,7 @@ def _lengths(surface: Surface | SurfaceForms) -> tuple[sp.Expr, sp.Expr]:
         return surface.along_lines[0]
     du, dv = (velocity(q) for q in surface.coordinates)
     along, across, _ = surface.trace_velocity
-    return sp.diff(along, du), sp.diff(across, dv)
+    return derivative(along, du), derivative(across, dv)
 
 
 def _support(surface: Surface | SurfaceForms) -> Vector:

@@ -235,7 +235,7 @@ class _Shape:
         """Compute the first form, and check the lengths that are given."""
         ru, rv = ([x.diff(name) for x in r] for name in names)
         e, f, g = _short([dot(ru, ru), dot(ru, rv), dot(rv, rv)])
-        square = _short([e * g - f**2])[0]
+        square = e * g if f == 0 else _short([e * g - f**2])[0]
         if square == 0:
             raise DefinitionError(
                 f"r({names[0]}, {names[1]}) is not a surface: r_{names[0]} and r_{names[1]} are "

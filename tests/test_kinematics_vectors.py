@@ -1,0 +1,54 @@
+"""Products and derivatives of ``kinematics``: SymPy's, without the questions that it asks."""
+
+import sympy as sp
+
+from voronec import kinematics
+from voronec.algebra.symbols import names_in
+
+x, y, z = sp.symbols("x y z")
+P = sp.Function("P")(x)
+
+
+def test_products_of_matrices_are_those_of_sympy():
+    turn = kinematics.Rotation.euler("zxz", x, y, z).matrix
+    moved = sp.Matrix([P, sp.Integer(0), x + y])
+    assert kinematics.matrix_product(turn, turn.T, moved) == turn * turn.T * moved
+    assert kinematics.matrix_product([[x, 0], [y, 1]], (y, z)) == sp.Matrix([x * y, y**2 + z])
+    assert kinematics.dot(moved, moved) == moved.dot(moved)
+    column = turn.col(1)
+    assert kinematics.cross(column, moved) == tuple(column.cross(moved))
+
+
+def test_products_do_not_ask_whether_entries_are_finite():
+    entry = sp.Symbol("asked_1") * sp.Symbol("asked_2") + sp.Symbol("asked_3")
+    kinematics.matrix_product(sp.eye(3), (entry, 0, entry))
+    kinematics.cross((entry, 0, 0), (0, entry, 0))
+    assert "finite" not in entry._assumptions
+    sp.eye(3) * sp.Matrix([entry, 0, entry])
+    assert "finite" in entry._assumptions  # SymPy's product does
+
+
+def test_derivatives_are_those_of_sympy():
+    functions = (
+        x * sp.sin(x * y) ** 3 / sp.sqrt(1 + x**2 * P),
+        sp.exp(-x) * P.diff(x) ** 2 + sp.atan2(x, y) + x**y,
+        (1 + x) ** sp.cos(x),
+        sp.Function("f")(x**2, y),
+        y + sp.pi,
+    )
+    for function in functions:
+        for name in (x, y):
+            assert sp.srepr(kinematics.derivative(function, name)) == sp.srepr(function.diff(name))
+
+
+def test_names_in_shared_parts_are_looked_for_once():
+    shared = x
+    for _ in range(60):  # 2^60 paths lead to x
+        shared = sp.Function("f")(shared, shared)
+    assert names_in(shared) == {x}
+
+
+def test_what_a_body_asks_for_again_is_made_once():
+    assert kinematics.Surface.sphere(1, x, y) is kinematics.Surface.sphere(sp.Integer(1), x, y)
+    angles = (x, y, z)
+    assert kinematics.Rotation.euler("zyx", *angles) is kinematics.Rotation.euler("zyx", *angles)
