@@ -1,4 +1,5 @@
-"""The house in figures: rooms, circles, lines, lone modules, files on the way, CPU of commands.
+"""The house in figures: rooms, circles, lines, lone modules, files on the way, CPU of commands and
+of imports of systems.
 
     python tools/measure_house.py [--json] [--lone] [--files] [--quick]
 
@@ -12,6 +13,7 @@ from __future__ import annotations
 import argparse
 import ast
 import collections
+import importlib
 import io
 import json
 import os
@@ -19,6 +21,7 @@ import resource
 import subprocess
 import sys
 import tempfile
+import time
 import tokenize
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -28,6 +31,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "voronec"
 ASIDE = {"__main__.py", "py.typed", "__pycache__"}
 BEST_OF = 5
+IMPORT_RUNS, LARGEST = 2, 8
 COMMANDS = {"list": ["list"], "check sleigh": ["check", "sleigh"]}
 
 
@@ -53,6 +57,7 @@ def main() -> int:
     }
     if not chosen.quick:
         found["files on the way"] = {job: _way(job) for job in JOBS}
+        found["largest import costs, CPU ms"] = _import_costs()
         found["CPU seconds"] = {name: _seconds(words) for name, words in COMMANDS.items()}
     if chosen.json:
         print(json.dumps(found, indent=1))
@@ -213,10 +218,42 @@ JOBS: dict[str, Callable[[], None]] = {
 
 def _way(job: str) -> list[str]:
     """The files of the package that a job runs through, in a process of its own."""
+    return _alone(f"*m.files_of({job!r})").split()
+
+
+def _alone(call: str) -> str:
+    """What a function of this file gives in a process of its own, as a line."""
     command = [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(ROOT / 'tools')!r}); "
-               f"import measure_house as m; print(*m.files_of({job!r}))"]  # fmt: skip
+               f"import measure_house as m; print({call})"]  # fmt: skip
     done = subprocess.run(command, capture_output=True, text=True, check=True)
-    return done.stdout.splitlines()[-1].split()
+    return done.stdout.splitlines()[-1]
+
+
+def _import_costs() -> dict[str, int]:
+    """The systems that take longest to import, the better of two runs of each."""
+    import voronec as vo
+
+    runs = {n: [float(_alone(f"m.import_cost({n!r})")) for _ in range(IMPORT_RUNS)]
+            for n in vo.names()}  # fmt: skip
+    largest = sorted(runs, key=lambda name: min(runs[name]), reverse=True)[:LARGEST]
+    return {name: round(min(runs[name])) for name in largest}
+
+
+def import_cost(name: str) -> float:
+    """Milliseconds of CPU that a system takes beyond the engine and the modules that it names."""
+    import sympy  # noqa: F401
+
+    import voronec as vo
+    from voronec.declaration.catalogue import entry_of
+
+    vo.load("vertical-disc" if name == "sleigh" else "sleigh")
+    files = {_name(p): p for p in PACKAGE.rglob("*.py")}
+    path = entry_of(name).origin
+    for module in _imports_of("", path, files) if path else ():
+        importlib.import_module(module)
+    before = time.process_time()
+    vo.load(name)
+    return 1000 * (time.process_time() - before)
 
 
 def files_of(job: str) -> list[str]:

@@ -253,7 +253,7 @@ class _Shape:
             width = area / lu
         return cls(door, names, r, ru, rv, e, f, g, square, lu, area, width)
 
-    @property
+    @cached_property
     def axes(self) -> tuple[Sequence[Any], Sequence[Any], Sequence[Any]]:
         """e_u, e_v, n."""
         eu = [x / self.lu for x in self.ru]
@@ -262,7 +262,7 @@ class _Shape:
         n = [x / self.area for x in cross(self.ru, self.rv)]
         return eu, ev, n
 
-    @property
+    @cached_property
     def second_form(self) -> list[Any]:
         """D, D', D''."""
         u, v = self.coordinates
