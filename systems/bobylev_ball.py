@@ -79,8 +79,8 @@ MOTION = Quadratures(
     quartic=quartic,
     integrals={v: (N * z / A - T * E) / (E**2 - z**2), theta: (T * z - N * E / A) / (E**2 - z**2)},
     poles={
-        **{c: (N / A - T).subs(z, c) / (2 * root) for c in (near, far)},
-        **{-c: (N / A + T).subs(z, -c) / (2 * root) for c in (near, far)},
+        **{c: (N / A - T).xreplace({z: c}) / (2 * root) for c in (near, far)},
+        **{-c: (N / A + T).xreplace({z: -c}) / (2 * root) for c in (near, far)},
     },
     others=(1 / sp.sqrt(beta), -1 / sp.sqrt(beta)),  # where rho is infinite
     traces=(Trace(u, v, z / E),),

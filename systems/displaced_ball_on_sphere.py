@@ -114,8 +114,8 @@ SYSTEM = System(
         "spherical": Case(
             parameters={C: A},
             integrals={
-                "Jellett": J.subs(C, A),
-                "axial": (Z * A * shift - ratio * J * rho).subs(C, A),
+                "Jellett": J.xreplace({C: A}),
+                "axial": (Z * A * shift - ratio * J * rho).xreplace({C: A}),
             },
             integrable="Euler-Jacobi",
         ),

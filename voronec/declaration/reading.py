@@ -48,6 +48,8 @@ def expression(thing: Any, place: str) -> sp.Expr:
 
     Numbers are accepted, and text as ``algebra.text.formula`` reads it.
     """
+    if isinstance(thing, sp.Symbol):
+        return thing
     expr = _scalar(as_expression(thing, place), thing, place)
     try:
         held = doubles_of_parts(expr)

@@ -13,7 +13,7 @@ import sympy as sp
 from voronec.algebra.symbols import is_symbolic_name, plain_name, velocity
 from voronec.declaration.shapes import turn_about
 from voronec.errors import DefinitionError
-from voronec.kinematics.vectors import column, cross, dot, matrix_product
+from voronec.kinematics.vectors import Vector, apply_matrix, column, cross, dot, matrix_product
 
 __all__ = ["Rotation", "distinct_names"]
 
@@ -127,24 +127,21 @@ def distinct_names(names: tuple[Any, ...], count: int, what: str) -> tuple[sp.Ex
 @lru_cache(maxsize=64)
 def _euler(sequence: str, names: tuple[sp.Expr, ...]) -> Rotation:
     """The rotation by three turns, which bodies of a family share, and one body asks for twice."""
-    turns = [_turn(axis, angle) for axis, angle in zip(sequence, names, strict=True)]
-    rates = [velocity(angle) for angle in names]
-    axes = [_unit(axis) for axis in sequence]
-    steps = [axis * rate for axis, rate in zip(axes, rates, strict=True)]
-    twice, first, last = matrix_product(turns[0], turns[1]), turns[0], turns[2].T
-    body = steps[2] + matrix_product(last, steps[1])
-    body += matrix_product(last, turns[1].T, steps[0])
-    space = steps[0] + matrix_product(first, steps[1]) + matrix_product(twice, steps[2])
-    return Rotation(matrix_product(twice, turns[2]), names, body, space)
+    pairs = [*zip(sequence, names, strict=True)]
+    turns = [turn_about("xyz".index(axis), angle).tolist() for axis, angle in pairs]
+    back = [[*zip(*turn, strict=True)] for turn in turns]
+    first, second, third = (
+        tuple(velocity(angle) if axis == own else sp.Integer(0) for axis in "xyz")
+        for own, angle in pairs
+    )
+    # from the inside out: turns carry the rates about the axes before them, or behind
+    body = _sum(third, apply_matrix(back[2], _sum(second, apply_matrix(back[1], first))))
+    space = _sum(first, apply_matrix(turns[0], _sum(second, apply_matrix(turns[1], third))))
+    return Rotation(matrix_product(*turns), names, column(body), column(space))
 
 
-def _unit(axis: str) -> sp.ImmutableMatrix:
-    return column([sp.Integer(axis == name) for name in "xyz"])
-
-
-def _turn(axis: str, angle: sp.Expr) -> sp.ImmutableMatrix:
-    """The right-handed turn by ``angle`` about a coordinate axis."""
-    return sp.ImmutableMatrix(turn_about("xyz".index(axis), angle))
+def _sum(a: Vector, b: Vector) -> Vector:
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 def _rates_of_triad(triad: Sequence[Sequence[sp.Expr]]) -> list[sp.Expr]:
