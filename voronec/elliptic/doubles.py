@@ -81,7 +81,7 @@ class SecularPart:
     turns: tuple[float, ...]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Doubles:
     """A motion ready for evaluation in doubles.
 

@@ -74,7 +74,7 @@ Note = Callable[[Any, str, str], None]
 """Takes down what became of a variable: the variable, the kind of role, the reason."""
 
 
-@dataclass(frozen=True)
+@dataclass
 class _Particular:
     """What is known of one motion on a level: numbers of variables, parameters and the time, and
     what was ``asked`` of them so far: slopes of integrals, and whether these are steep enough."""
