@@ -53,7 +53,7 @@ class Fault:
         return replace(self.work, corrects=True).examine(item)[0].record.correction
 
 
-@dataclass(frozen=True)
+@dataclass
 class _Spy(Transcript):
     """A transcript that takes note of what is read in it; "" stands for everything."""
 

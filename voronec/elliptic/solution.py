@@ -50,7 +50,7 @@ class Enclosed:
         return self.near * at_base + self.far * at_other
 
 
-@dataclass(frozen=True)
+@dataclass(unsafe_hash=True)
 class Solution:
     """A motion ``(dx/dt)^2 = f(x)`` and the integrals along it.
 
