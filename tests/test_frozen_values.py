@@ -52,6 +52,7 @@ def offences(text: str) -> list[str]:
     return sorted(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("room", ["voronec", "systems", "tools"])
 def test_no_frozen_value_has_a_cell_that_it_fills(room: str) -> None:
     found = {

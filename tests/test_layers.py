@@ -8,6 +8,7 @@ import sys
 import tomllib
 from pathlib import Path
 
+import pytest
 from tool_modules import tool
 
 ROOT = Path(__file__).parents[1]
@@ -43,6 +44,7 @@ def test_a_breach_is_noticed(tmp_path: Path) -> None:
     assert "Contracts: 0 kept, 5 broken." in answer.stdout
 
 
+@pytest.mark.slow
 def test_modules_import_one_another_in_no_circle() -> None:
     house = tool("measure_house")
     graph = house.imports()
