@@ -4,7 +4,8 @@
 
 Lines are those of code: docstrings, comments, blank lines and imports aside.  A circle is a set of
 modules that import one another, names that only annotate and imports inside functions included.  A
-file is on the way of a job where one of its functions runs, once the job has run before.
+file is on the way of a job where one of its functions runs: once the job has run before, so that
+what is kept of systems and programs is there, and the first time, with all that makes it.
 """
 
 from __future__ import annotations
@@ -52,7 +53,8 @@ def main() -> int:
         "imported by one": _lone(graph),
     }
     if not chosen.quick:
-        found["files on the way"] = {job: _way(job) for job in JOBS}
+        found["files on the way"] = {job: _way(job, "again") for job in JOBS}
+        found["files on the way the first time"] = {job: _way(job, "first") for job in JOBS}
         found["CPU seconds"] = {name: _seconds(words) for name, words in COMMANDS.items()}
     if chosen.json:
         print(json.dumps(found, indent=1))
@@ -211,17 +213,19 @@ JOBS: dict[str, Callable[[], None]] = {
 }
 
 
-def _way(job: str) -> list[str]:
+def _way(job: str, when: str) -> list[str]:
     """The files of the package that a job runs through, in a process of its own."""
     command = [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(ROOT / 'tools')!r}); "
-               f"import measure_house as m; print(*m.files_of({job!r}))"]  # fmt: skip
+               f"import measure_house as m; print(*m.files_of({job!r}, {when!r}))"]  # fmt: skip
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     return done.stdout.splitlines()[-1].split()
 
 
-def files_of(job: str) -> list[str]:
-    """The files of the package in which functions run during a job, imports aside."""
-    JOBS[job]()
+def files_of(job: str, when: str) -> list[str]:
+    """The files of the package in which functions run during a job, imports aside: ``first`` or
+    ``again``."""
+    if when == "again":
+        JOBS[job]()
     seen: set[str] = set()
 
     def profile(frame: Any, event: str, _: Any) -> None:
