@@ -12,7 +12,15 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.accuracy.hard import CASES, QUICK, HardCase, compute, every_case, reference
+from voronec.accuracy.hard import (
+    CASES,
+    QUICK,
+    HardCase,
+    compute,
+    every_case,
+    named_cases,
+    reference,
+)
 from voronec.accuracy.hard.case_program import problem
 from voronec.accuracy.hard.conditioning import UNIT, reel
 from voronec.accuracy.hard.page import cells, page, tally
@@ -137,6 +145,13 @@ def test_counted_periods_are_the_whole_motion() -> None:
     assert folded.agreed < 1e-15
     ratio = folded.condition["x"][1:] / whole.condition["x"][1:]
     assert (ratio > 0.5).all() and (ratio < 2).all()
+
+
+def test_a_closed_form_and_heyoka_are_compared_in_many_digits() -> None:
+    pytest.importorskip("heyoka")
+    (case,) = named_cases(["no-gyroscope"], CASES)
+    found = compute(case)
+    assert "closed form" in found.made and found.agreed < 1e-15
 
 
 def test_a_motion_without_a_period_is_refused() -> None:

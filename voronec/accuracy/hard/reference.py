@@ -224,6 +224,8 @@ IN_A_PERIOD = 20
 """At so many instants of a period an angle is looked at, to follow it."""
 FOLLOWABLE = 4000
 """At so many instants at most."""
+FINEST_DIGITS = 40
+"""Digits in which two runs are compared: more than any of their numbers has."""
 LONGEST_CHECK = 2e5
 """A periodic motion is followed to the end, as a check of its period, up to this span."""
 
@@ -296,7 +298,7 @@ def compute(case: HardCase, equations: VoronecEquations | None = None) -> HardRe
         values, slopes, agreed = perturb(case, own)
         how = "25 digits on coordinates; against 21 digits, data changed in place of variations"
         return HardReference(case.grid, values, slopes, agreed, how)
-    apart = np.abs((outputs - again).astype(float)) / output_sizes(outputs)
+    apart = _differences(outputs, again) / output_sizes(outputs)
     names = asked.program.names
     return HardReference(
         case.grid,
@@ -305,6 +307,17 @@ def compute(case: HardCase, equations: VoronecEquations | None = None) -> HardRe
         float(apart.max()),
         f"{ARITHMETICS[case.arithmetic]} digits on {case.level}; {how}",
     )
+
+
+def _differences(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """|one - other| (k, m) of numbers of many digits, which may be of two kinds: heyoka's and
+    mpmath's."""
+    import mpmath
+
+    with mpmath.workdps(FINEST_DIGITS):
+        pairs = zip(one.flat, other.flat, strict=True)
+        found = [abs(float(mpmath.mpf(str(a)) - mpmath.mpf(str(b)))) for a, b in pairs]
+    return np.array(found).reshape(one.shape)
 
 
 def _run(case: HardCase, asked: PreciseProblem) -> tuple[np.ndarray, np.ndarray]:
