@@ -71,7 +71,7 @@ def dot(a: Vector, b: Vector) -> sp.Expr:
 # Rolled frame (yaw, roll): its rate of turn, the rear frame's, down, and the rear wheel's centre.
 rolled_omega = (Dphi, Dpsi * sp.sin(phi), Dpsi * sp.cos(phi))
 frame_omega = add(rolled_omega, (ZERO, Dtheta, ZERO))
-rolled_down = (ZERO, sp.sin(phi), sp.cos(phi))
+frame_down = (ZERO, sp.sin(phi), sp.cos(phi))
 rise = cross(rolled_omega, (ZERO, ZERO, -r_R))
 centre_velocity = add(about_x(phi, about_z(psi, (Dx, Dy, Dz))), rise)
 # The contact runs along the track at this rate where the rear wheel does not slip.
@@ -80,7 +80,7 @@ rolling_velocity = add((track_rate, ZERO, ZERO), rise)
 
 # Rear frame, in axes whose third is the steering axis; that passes ``offset`` ahead of the centre.
 head = partial(about_y, tilt + theta)
-head_omega, head_down = head(frame_omega), head(rolled_down)
+head_omega, head_down = head(frame_omega), head(frame_down)
 offset = (w + c) * sp.cos(tilt) - r_R * sp.sin(tilt)
 
 # Front assembly.
@@ -100,7 +100,7 @@ def front_velocity(point: Vector, centre: Vector) -> Vector:
     return add(steer(axis), cross(front_omega, point))
 
 
-def tilted(xx: sp.Expr, yy: sp.Expr, zz: sp.Expr, xz: sp.Expr) -> tuple[sp.Expr, ...]:
+def steering_moments(xx: sp.Expr, yy: sp.Expr, zz: sp.Expr, xz: sp.Expr) -> tuple[sp.Expr, ...]:
     """Moments of inertia (xx, yy, zz, xz) in the axes of the steering."""
     cos, sin = sp.cos(tilt), sp.sin(tilt)
     mixed = 2 * xz * sin * cos
@@ -126,11 +126,11 @@ rear_spin, front_spin = head_omega[1] + DR, front_omega[1] + DF
 kinetic = (
     m_R * dot(centre_velocity, centre_velocity)
     + m_B * dot(body_velocity, body_velocity)
-    + twice_spin(head_omega, tilted(I_Bxx, I_Byy, I_Bzz, I_Bxz), I_Rxx)
+    + twice_spin(head_omega, steering_moments(I_Bxx, I_Byy, I_Bzz, I_Bxz), I_Rxx)
     + I_Ryy * rear_spin**2
     + m_H * dot(handlebar_velocity, handlebar_velocity)
     + m_F * dot(hub_velocity, hub_velocity)
-    + twice_spin(front_omega, tilted(I_Hxx, I_Hyy, I_Hzz, I_Hxz), I_Fxx)
+    + twice_spin(front_omega, steering_moments(I_Hxx, I_Hyy, I_Hzz, I_Hxz), I_Fxx)
     + I_Fyy * front_spin**2
 ) / 2
 centre_depth = z - r_R * sp.cos(phi)
@@ -186,11 +186,11 @@ SKETCH = (
 )
 # To draw it, upwards: the frames as matrices, components along them to components in space.
 upwards, axes = sp.diag(1, -1, -1), ((1, 0, 0), (0, 1, 0), (0, 0, 1))
-rolled = [about_x(phi, about_z(psi, axis)) for axis in axes]
-head_frame = sp.Matrix([head(axis) for axis in rolled])
-forks = sp.Matrix([steer(head(axis)) for axis in rolled])
-touched = sp.Matrix([x, y, z])
-rear = touched - sp.Matrix(rolled) * sp.Matrix([0, 0, r_R])
+frame_axes = [about_x(phi, about_z(psi, axis)) for axis in axes]
+head_frame = sp.Matrix([head(axis) for axis in frame_axes])
+forks = sp.Matrix([steer(head(axis)) for axis in frame_axes])
+rear_contact = sp.Matrix([x, y, z])
+rear = rear_contact - sp.Matrix(frame_axes) * sp.Matrix([0, 0, r_R])
 pivot = rear + head_frame * sp.Matrix([offset, 0, 0])
 front = pivot + forks * sp.Matrix(hub)
 rider = rear + head_frame * sp.Matrix(body)
@@ -283,7 +283,7 @@ SYSTEM = System(
             r_R,
             centre=upwards * rear,
             attitude=upwards * head_frame * wheel(beta_R),
-            contact=upwards * touched,
+            contact=upwards * rear_contact,
         ),
         Shape.disc(
             r_F,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -24,7 +25,7 @@ from voronec.accuracy.hard import (
 from voronec.accuracy.hard.case_program import problem
 from voronec.accuracy.hard.conditioning import UNIT, reel
 from voronec.accuracy.hard.page import cells, page, tally
-from voronec.accuracy.hard.reference import HardReference, _stored_references, perturb, slopes
+from voronec.accuracy.hard.reference import STORE, HardReference, perturb, slopes
 from voronec.accuracy.hard.trial import TOLERANCES, attempt, judge, trials
 
 pytestmark = pytest.mark.slow
@@ -67,7 +68,7 @@ def test_names_are_unique_and_the_quick_ones_exist() -> None:
 
 
 def test_every_case_has_the_reference_of_its_own_declaration() -> None:
-    kept = _stored_references()
+    kept = json.loads(STORE.read_text("utf-8"))
     assert {*kept} == {case.name for case in CASES if case.level}
     for case in CASES:
         if case.level:

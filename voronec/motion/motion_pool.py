@@ -25,7 +25,7 @@ from voronec.motion.singular_coordinates import CoordinatePole
 from voronec.motion.split_models import SplitGround
 from voronec.motion.state_probe import at_each, quantities, quiet, rates_along, rates_program
 
-__all__ = ["Ground", "Many", "drifts", "ground", "many"]
+__all__ = ["Ground", "Many", "drifts", "ground", "many", "rates_in_arrays"]
 
 SMALL = 1e-6
 """An integral below this part of the largest among the starts counts as starting at zero."""
@@ -251,7 +251,7 @@ def _states(
     equations = vocabulary.equations
     program = rates_program(equations.form, equations.definition.fibre_velocities)
     follow = compile_program(program)[1]
-    rates_of_many = partial(_rates_of_many, follow, table, time)
+    rates_of_many = partial(rates_in_arrays, follow, table, time)
     full = starts_in_arrays(vocabulary, initial, starts, constants, rates_of_many)
     full[[*wrong]] = np.nan
     zero = np.zeros(len(starts), dtype=bool)
@@ -273,7 +273,7 @@ def _states(
     return full
 
 
-def _rates_of_many(
+def rates_in_arrays(
     function: Any, values: np.ndarray, time: float, q: np.ndarray, v: np.ndarray
 ) -> np.ndarray:
     """The quantities (s, l, k) of a function at several q (s, n), with parameters (s, p), and, at

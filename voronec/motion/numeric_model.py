@@ -116,7 +116,7 @@ def make_model(
         return whole(vocabulary, outputs, functions)
     equations, raw = vocabulary.equations, vocabulary.equations.raw.form
     names = {f"event {name}": e for name, e in functions.items()}
-    given = {**wanted.given, **names}
+    given = {**wanted.terms, **names}
     known = numbers_at(raw, start, constants, time)
     models = SmallestModels.of(
         Motions.of(equations),
@@ -182,7 +182,7 @@ def _watch(vocabulary: Vocabulary, wanted: OutputTerms, model: Model) -> Watch:
     level = model.cut
     parts = {f"cosine of {n}": a.cosine for n, a in level.angles.items()}
     parts |= {f"sine of {n}": a.sine for n, a in level.angles.items()}
-    shown = {n: e for n, e in level.outputs.items() if n in wanted.given}
+    shown = {n: e for n, e in level.outputs.items() if n in wanted.terms}
     usable = {*level.variables, *level.parameters, level.time}
     relations = vocabulary.equations.system.fibration.relations
     inside = {str(r): vocabulary.inward(r) for r in relations}

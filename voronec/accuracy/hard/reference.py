@@ -40,7 +40,15 @@ from voronec.errors import EngineLimit, IntegrationError
 from voronec.motion import Trajectory, integrate
 from voronec.motion.closed_form import closed_form
 
-__all__ = ["STORE", "HardReference", "compute", "perturb", "reference", "slopes"]
+__all__ = [
+    "STORE",
+    "HardReference",
+    "closed_form_outputs",
+    "compute",
+    "perturb",
+    "reference",
+    "slopes",
+]
 
 RETURN = 1e-18
 """How far the state may be from its start after one period."""
@@ -346,7 +354,7 @@ def _again(case: HardCase, own: VoronecEquations, asked: PreciseProblem) -> tupl
     if case.period:
         whole = reel(asked, "extended", TOLERANCES["extended"][0], varied=False)
         return whole.follow(case.grid).outputs, "one period against the whole span"
-    found = _in_closed_form(case, own, asked)
+    found = closed_form_outputs(case, own, asked)
     if found is not None:
         return found, "against the closed form"
     tol = TOLERANCES[case.arithmetic][1]
@@ -362,7 +370,7 @@ def _again(case: HardCase, own: VoronecEquations, asked: PreciseProblem) -> tupl
     return found, "against another tolerance"
 
 
-def _in_closed_form(
+def closed_form_outputs(
     case: HardCase, own: VoronecEquations, asked: PreciseProblem
 ) -> np.ndarray | None:
     """The outputs by the declared motion, where there is one that can be followed: where the vector
