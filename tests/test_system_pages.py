@@ -9,7 +9,7 @@ from types import ModuleType
 
 import pytest
 
-from voronec.declaration.bibliography import citation
+from voronec.declaration.bibliography import citation, read_entries
 from voronec.proof.check import Inventory, Result
 
 pytestmark = pytest.mark.slow
@@ -106,3 +106,17 @@ def test_an_entry_may_stand_on_one_line_and_in_quotation_marks() -> None:
     assert citation('@book{K, author = "X Y", title = "A {B}, c", year = 1999}') == (
         "X Y (1999). A B, c."
     )
+
+
+def test_entries_are_found_however_they_are_laid_out() -> None:
+    text = """  @Book { K , date-added={2020}, title={T}} @misc{L, note={a
+@misc{N, x} b}, title={S}}"""
+    found = read_entries(text)
+    assert list(found) == ["K", "L"]
+    assert citation(found["K"]) == " (n. d.). T."
+    assert citation(found["L"]) == " (n. d.). S. a @miscN, x b."
+
+
+def test_names_have_their_letters_in_a_citation() -> None:
+    entry = r"@book{K, author={J{\k e}drzej N{\o}rsett and {\L}ukasz \k{A}}, title={\kappa}}"
+    assert citation(entry) == "Jędrzej Nørsett and Łukasz Ą (n. d.). \\kappa."
