@@ -115,6 +115,12 @@ def test_every_sentence_but_one_is_proved_in_every_configuration():
     assert {x["verdict"] for ranges in ranged for x in ranges} == {"proved"}
 
 
+def test_a_vector_of_constants_keeps_no_derivative_from_print():
+    (record,) = [r for r in everything() if r.label == "cl:int*"]
+    rates = [rf"\frac{{d}}{{dt}}F_{number} = 0" for number in range(1, 5)]
+    assert [f.derived for f in record.formulas] == rates
+
+
 @pytest.mark.parametrize("turning", [0, 1])
 def test_jk_is_quadratic_in_its_first_argument_and_comes_from_three_slots(turning):
     system = Chaplygin.derive(turning)
