@@ -442,6 +442,9 @@ def _look_grid(motions: Many, grid: np.ndarray) -> LookGrid:
 def _run(filled: _ResultRows, lanes: Lanes | None, tol: float, jobs: int, progress: Any) -> bool:
     """All motions, block by block; whether it was stopped by hand."""
     sound = np.array(filled.motions.sound, dtype=int)
+    alone = filled.motions.near_divisors[sound]
+    filled.collapsed.extend(sound[alone].tolist())
+    sound = sound[~alone]
     if lanes:  # those that go side by side wait for the slowest
         sound = sound[np.argsort(filled.motions.paces[sound], kind="stable")]
     compiled = filled.switched is None and METHODS[filled.single].loop

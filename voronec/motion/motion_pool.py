@@ -31,6 +31,9 @@ SMALL = 1e-6
 """An integral below this part of the largest among the starts counts as starting at zero."""
 NOTHING = 1e-9
 """Integrals that all start below this are compared absolutely."""
+FASTEST = 1e-3
+"""A divisor below this part of its usual size makes velocities of coordinates so many times larger
+than those that are given."""
 
 
 @dataclass(frozen=True)
@@ -125,21 +128,40 @@ class Many:
         divisor vanishes."""
         if not self.divisors:
             return None
+        sizes_at = self._divisor_sizes
+
+        def passes(times: np.ndarray, states: np.ndarray) -> bool:
+            sizes = sizes_at(times, states, np.broadcast_to(values, (len(times), len(values))))
+            near = np.abs(sizes) < level
+            return bool(near.any() or (np.diff(np.sign(sizes), axis=1) != 0).any())
+
+        return passes
+
+    @cached_property
+    def _divisor_sizes(self) -> Callable[[Any, np.ndarray, np.ndarray], np.ndarray]:
+        """What the divisors are (d, s), in units of their usual sizes, at times, states (s, n) and
+        parameters (s, p)."""
         names = [str(i) for i in range(len(self.divisors))]
         functions = [d.function for d in self.divisors]
         program = quantities(self.ground.form, dict(zip(names, functions, strict=True)))
         evaluate = compile_program(program)[1]
         order = [self.program.parameters.index(p) for p in program.parameters]
-        scales = np.array([d.scale for d in self.divisors])
+        scales = np.array([d.scale for d in self.divisors])[:, None]
 
-        def passes(times: np.ndarray, states: np.ndarray) -> bool:
-            each = np.broadcast_to(values[order], (1, len(times), len(order)))
-            found = at_each(evaluate, program.names, times, states[None], each)
-            sizes = np.stack([found[name][0] for name in names])
-            near = np.abs(sizes) < level * scales[:, None]
-            return bool(near.any() or (np.diff(np.sign(sizes), axis=1) != 0).any())
+        def sizes(times: Any, states: np.ndarray, values: np.ndarray) -> np.ndarray:
+            found = at_each(evaluate, program.names, times, states, values[:, order])
+            return np.stack([found[name] for name in names]) / scales
 
-        return passes
+        return sizes
+
+    @property
+    def near_divisors(self) -> np.ndarray:
+        """Which motions (s,) start so near to where a divisor vanishes that velocities given there
+        may ask for a thousand times their speed."""
+        if not self.divisors:
+            return np.zeros(len(self), dtype=bool)
+        sizes = self._divisor_sizes(self.time, self.states, self.values)
+        return np.asarray((np.abs(sizes) < FASTEST).any(axis=0))
 
     @cached_property
     def poles(self) -> tuple[CoordinatePole, ...]:
