@@ -116,11 +116,12 @@ class _ChartImage:
 
     def solve(self, constraints: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
         """The constraints solved for velocities for which the solution is regular on the axis."""
-        rows = sp.Matrix([self._of(c) for c in constraints])
+        rows = [self._of(c) for c in constraints]
         for chosen in self._pivots(rows):
-            matrix = rows.jacobian(chosen)
-            rest = rows.xreplace(dict.fromkeys(chosen, sp.Integer(0)))
-            below, *above = shorten([matrix.det(), *(matrix.adjugate() * rest)])
+            columns = [[sp.diff(row, x) for row in rows] for x in chosen]
+            rest = [row.xreplace(dict.fromkeys(chosen, sp.Integer(0))) for row in rows]
+            beside = [[*columns[:i], rest, *columns[i + 1 :]] for i in range(len(columns))]
+            below, *above = shorten(list(map(_determinant, [columns, *beside])))  # Cramer's rule
             if below == 0:
                 continue
             found = shorten([x / below for x in above])
@@ -130,7 +131,7 @@ class _ChartImage:
             f"the constraints are singular where {self.r} = 0, in x and y as well"
         )
 
-    def _pivots(self, rows: sp.Matrix) -> Iterator[tuple[sp.Expr, ...]]:
+    def _pivots(self, rows: Sequence[sp.Expr]) -> Iterator[tuple[sp.Expr, ...]]:
         """Sets of as many velocities as there are constraints, but those of r and phi."""
         held = sorted(set().union(*map(names_in, rows)) - {*self.dots}, key=plain_name)
         dots = [x for x in held if plain_name(x).endswith("dot")]
@@ -142,6 +143,15 @@ class _ChartImage:
         return Frame.quasi(
             {v: e if e in self.dots else self.regular(e, f"the velocity '{v}'") for v, e in pairs}
         )
+
+
+def _determinant(columns: Sequence[list[sp.Expr]]) -> sp.Expr:
+    """Of the few columns of a system of constraints, written out; SymPy's simplifies on the way."""
+    if not columns:
+        return sp.Integer(1)
+    first, *others = columns
+    minors = ([c[:i] + c[i + 1 :] for c in others] for i in range(len(first)))
+    return sp.Add(*((-1) ** i * first[i] * _determinant(m) for i, m in enumerate(minors)))
 
 
 def _maps(r: sp.Expr, phi: sp.Expr, frame: Frame | None) -> tuple[dict[Any, Any], ...]:
