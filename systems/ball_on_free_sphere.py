@@ -32,7 +32,7 @@ R1, R2, m, J = sp.symbols("R1 R2 m J")
 inertia, kappa = sp.symbols("I1:4"), sp.symbols("kappa1:4")
 
 rolling = kinematics.BallOnMovingSphere(R1, R2, m, inertia, kappa, moment=J)
-spin, whole, driven = rolling.spin, rolling.whole, rolling.sphere_momentum
+spin, whole, sphere_momentum = rolling.spin, rolling.whole, rolling.sphere_momentum
 
 SYSTEM = rolling.system(
     name="ball-on-free-sphere",
@@ -46,10 +46,10 @@ SYSTEM = rolling.system(
     },
     values={R1: 2, R2: 1, m: 1, inertia: ["2/5"] * 3, kappa: (0, 0, 3), J: 2},
     integrals={
-        "energy": (rolling.momentum.dot(spin) + driven.dot(rolling.swirl)) / 2,
+        "energy": (rolling.momentum.dot(spin) + sphere_momentum.dot(rolling.swirl)) / 2,
         "momentum squared": whole.dot(whole),
-        "momentum of the sphere squared": driven.dot(driven),
-        "product of the momenta": whole.dot(driven),
+        "momentum of the sphere squared": sphere_momentum.dot(sphere_momentum),
+        "product of the momenta": whole.dot(sphere_momentum),
     },
     measure=rolling.measure(m * R2**2 * J / (J + m * R1**2)),  # of a sphere at rest with this D
     essential=(*place, *omega, *wheel),

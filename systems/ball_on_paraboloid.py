@@ -77,7 +77,7 @@ SKETCH = (
 )
 # Where the centre is, and the contact below it.
 place = sp.Matrix([r * sp.cos(phi), r * sp.sin(phi), c * r**2 / 2])
-touched = place - R * sp.Matrix([-c * r * sp.cos(phi), -c * r * sp.sin(phi), 1]) / q
+contact_point = place - R * sp.Matrix([-c * r * sp.cos(phi), -c * r * sp.sin(phi), 1]) / q
 
 frame = Frame.quasi({v: Dr, w: Dphi, s: normal})
 constraints = (R * around - (1 + c**2 * r**2) * Dr / q, R * meridian + r * Dphi)
@@ -143,10 +143,12 @@ SYSTEM = System(
         Shape.ball(
             R,
             centre=place,
-            contact=touched,
+            contact=contact_point,
             attitude=kinematics.Rotation.euler("zxz", alpha, beta, psi).matrix,
         ),
-        Shape.surface((r, phi), touched, ((0, sp.Rational(3, 2)), (0, 2 * sp.pi)), role="ground"),
+        Shape.surface(
+            (r, phi), contact_point, ((0, sp.Rational(3, 2)), (0, 2 * sp.pi)), role="ground"
+        ),
     ),
     references=("Routh1905", "BorisovMamaevKilin2002"),
 )

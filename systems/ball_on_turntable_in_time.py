@@ -39,7 +39,7 @@ q = A / (A + m * R**2)
 along, across = cos * rates[0] + sin * rates[1], cos * rates[1] - sin * rates[0]
 centre = (VX - Omega * Y, VY + Omega * X)
 place = (cos * X - sin * Y, sin * X + cos * Y)
-turned = (cos * centre[0] - sin * centre[1], sin * centre[0] + cos * centre[1])
+space_velocity = (cos * centre[0] - sin * centre[1], sin * centre[0] + cos * centre[1])
 
 SYSTEM = System(
     name="ball-on-turntable-in-time",
@@ -73,8 +73,8 @@ SYSTEM = System(
     integrals={
         "speed squared": centre[0] ** 2 + centre[1] ** 2,
         "twist": n,
-        "centre of the circle, x": q * Omega * place[0] - turned[1],
-        "centre of the circle, y": q * Omega * place[1] + turned[0],
+        "centre of the circle, x": q * Omega * place[0] - space_velocity[1],
+        "centre of the circle, y": q * Omega * place[1] + space_velocity[0],
     },
     equations={
         "Coriolis, centrifugal and magnetic": Equation(
@@ -108,7 +108,10 @@ RELATIONS = (
     Relation.of(
         SYSTEM,
         "ball-on-turntable",
-        state={**dict(zip(("x", "y", "vx", "vy"), (*place, *turned), strict=True)), **attitude},
+        state={
+            **dict(zip(("x", "y", "vx", "vy"), (*place, *space_velocity), strict=True)),
+            **attitude,
+        },
         note="From the axes of the table to those of space, by a turn that depends on the time.",
     ),
 )

@@ -62,7 +62,7 @@ def add(a: Vector, b: Vector) -> Vector:
 # Rolled frame (yaw, roll): its rate of turn, the rear frame's, down, and the rear wheel's centre.
 rolled_omega = (Dphi, Dpsi * sp.sin(phi), Dpsi * sp.cos(phi))
 frame_omega = add(rolled_omega, (ZERO, Dtheta, ZERO))
-rolled_down = (ZERO, sp.sin(phi), sp.cos(phi))
+frame_down = (ZERO, sp.sin(phi), sp.cos(phi))
 rise = cross(rolled_omega, (ZERO, ZERO, -r_R))
 centre_velocity = add(about_x(phi, about_z(psi, (Dx, Dy, Dz))), rise)
 # The contact runs along the track at this rate where the rear wheel does not slip.
@@ -71,7 +71,7 @@ rolling_velocity = add((track_rate, ZERO, ZERO), rise)
 
 # Rear frame, in axes whose third is the steering axis; that passes ``offset`` ahead of the centre.
 head = partial(about_y, tilt + theta)
-head_omega, head_down = head(frame_omega), head(rolled_down)
+head_omega, head_down = head(frame_omega), head(frame_down)
 offset = (w + c) * sp.cos(tilt) - r_R * sp.sin(tilt)
 
 # Front assembly.
@@ -91,7 +91,7 @@ def front_velocity(point: Vector, centre: Vector) -> Vector:
     return add(steer(axis), cross(front_omega, point))
 
 
-def tilted(xx: sp.Expr, yy: sp.Expr, zz: sp.Expr, xz: sp.Expr) -> tuple[sp.Expr, ...]:
+def steering_moments(xx: sp.Expr, yy: sp.Expr, zz: sp.Expr, xz: sp.Expr) -> tuple[sp.Expr, ...]:
     """Moments of inertia (xx, yy, zz, xz) in the axes of the steering."""
     cos, sin = sp.cos(tilt), sp.sin(tilt)
     mixed = 2 * xz * sin * cos
@@ -117,11 +117,11 @@ rear_spin, front_spin = head_omega[1] + DR, front_omega[1] + DF
 kinetic = (
     m_R * dot(centre_velocity, centre_velocity)
     + m_B * dot(body_velocity, body_velocity)
-    + twice_spin(head_omega, tilted(I_Bxx, I_Byy, I_Bzz, I_Bxz), I_Rxx)
+    + twice_spin(head_omega, steering_moments(I_Bxx, I_Byy, I_Bzz, I_Bxz), I_Rxx)
     + I_Ryy * rear_spin**2
     + m_H * dot(handlebar_velocity, handlebar_velocity)
     + m_F * dot(hub_velocity, hub_velocity)
-    + twice_spin(front_omega, tilted(I_Hxx, I_Hyy, I_Hzz, I_Hxz), I_Fxx)
+    + twice_spin(front_omega, steering_moments(I_Hxx, I_Hyy, I_Hzz, I_Hxz), I_Fxx)
     + I_Fyy * front_spin**2
 ) / 2
 centre_depth = z - r_R * sp.cos(phi)
@@ -177,12 +177,12 @@ SKETCH = (
 )
 # To draw it, upwards: the frames as matrices, components along them to components in space.
 upwards, axes = sp.diag(1, -1, -1), ((1, 0, 0), (0, 1, 0), (0, 0, 1))
-rolled = [about_x(phi, about_z(psi, axis)) for axis in axes]
-head_frame = sp.Matrix([head(axis) for axis in rolled])
-forks = sp.Matrix([steer(head(axis)) for axis in rolled])
+frame_axes = [about_x(phi, about_z(psi, axis)) for axis in axes]
+head_frame = sp.Matrix([head(axis) for axis in frame_axes])
+forks = sp.Matrix([steer(head(axis)) for axis in frame_axes])
 head_up, forks_up = matrix_product(upwards, head_frame), matrix_product(upwards, forks)
-touched = sp.Matrix([x, y, z])
-rear = touched - matrix_product(rolled, (0, 0, r_R))
+rear_contact = sp.Matrix([x, y, z])
+rear = rear_contact - matrix_product(frame_axes, (0, 0, r_R))
 pivot = rear + matrix_product(head_frame, (offset, 0, 0))
 front = pivot + matrix_product(forks, hub)
 rider = rear + matrix_product(head_frame, body)
@@ -275,7 +275,7 @@ SYSTEM = System(
             r_R,
             centre=matrix_product(upwards, rear),
             attitude=matrix_product(upwards, head_frame, wheel(beta_R)),
-            contact=matrix_product(upwards, touched),
+            contact=matrix_product(upwards, rear_contact),
         ),
         Shape.disc(
             r_F,

@@ -66,8 +66,8 @@ quartic = (
 )  # fmt: skip
 root = sp.sqrt(C * P / (A * Q))  # rho at the poles of the ball
 near, far = 2 / (1 + root), -(1 + root) / (2 * beta)  # where cos(u) = 1, on both branches of rho
-spun = (whole_axial * (P * C5 / A * z - 2 * P * k * part * z**2 - (Q * L + k) * F)) / H
-rolled = sp.Matrix([sp.sin(u) * velocity(v), -velocity(u), N / (A * F)])  # (s, tau, n) again
+drift = (whole_axial * (P * C5 / A * z - 2 * P * k * part * z**2 - (Q * L + k) * F)) / H
+contact_spin = sp.Matrix([sp.sin(u) * velocity(v), -velocity(u), N / (A * F)])  # (s, tau, n) again
 MOTION = Quadratures(
     variable={z: 2 * upward / (1 + rho)},
     constants={
@@ -84,12 +84,12 @@ MOTION = Quadratures(
     },
     others=(1 / sp.sqrt(beta), -1 / sp.sqrt(beta)),  # where rho is infinite
     traces=(Trace(u, v, z / E),),
-    velocities=dict(zip(omega, matrix_product(body, rolled), strict=True)),
+    velocities=dict(zip(omega, matrix_product(body, contact_spin), strict=True)),
     plane=Plane(
         place=(x, y),
         direction=horizontal,
         length=H,
-        rates=(0, -R / (P * E) * (H * F + spun)),
+        rates=(0, -R / (P * E) * (H * F + drift)),
         slopes=(R * whole_axial / (H * E), 0),
     ),
     clock=F / E,

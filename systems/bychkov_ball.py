@@ -38,11 +38,13 @@ rolling = kinematics.BallOnMovingSphere(R1, R2, m, inertia, kappa, rate=Omega)
 spin, whole = rolling.spin, rolling.whole
 normal, upright = sp.Matrix(gamma), sp.Matrix(zeta)
 moment = sp.diag(*inertia) * spin
-carried = (R2 * spin + R1 * Omega * upright).cross(normal)  # the velocity of the centre
-about_vertical = upright.dot(moment + sp.Matrix(kappa) + m * (R1 + R2) * normal.cross(carried))
-energy = (moment.dot(spin) + m * carried.dot(carried)) / 2
+centre_velocity = (R2 * spin + R1 * Omega * upright).cross(normal)  # the velocity of the centre
+about_vertical = upright.dot(
+    moment + sp.Matrix(kappa) + m * (R1 + R2) * normal.cross(centre_velocity)
+)
+energy = (moment.dot(spin) + m * centre_velocity.dot(centre_velocity)) / 2
 start = {theta: 1, place[2]: 1, omega[0]: "1/2", omega[2]: 1}
-seen = (*rolling.contact, *omega)
+usual_outputs = (*rolling.contact, *omega)
 
 SYSTEM = rolling.system(
     name="bychkov-ball",
@@ -73,14 +75,14 @@ SYSTEM = rolling.system(
         "default": Scene(
             initial=start,
             times=(0.0, 40.0),
-            outputs=seen,
+            outputs=usual_outputs,
             caption="The sphere takes the ball along; the contact, seen from space.",
         ),
         "at rest": Scene(
             initial=start,
             parameters={Omega: 0},
             times=(0.0, 40.0),
-            outputs=seen,
+            outputs=usual_outputs,
             caption="The same start on a sphere at rest: Demchenko's ball.",
         ),
     },

@@ -44,14 +44,14 @@ SYSTEM = member(4, "chaplygin-ball-in-rn")
 space, larger = BodyInRn(3, m, R), BodyInRn(4, m, R)
 # In R^4 the ball turns in the planes of its first three axes.
 same = (*space.normal, *space.velocities)
-added = {q: 0 for q in (*larger.normal, *larger.velocities) if q not in same}
+zeros = {q: 0 for q in (*larger.normal, *larger.velocities) if q not in same}
 others = {i: space.moments[0] for i in larger.moments if i not in space.moments}
 RELATIONS = (
     space.relation_in_space("chaplygin-ball-in-rn", "chaplygin-ball"),
     Relation.into(
         SYSTEM,
         "chaplygin-ball-in-rn@3",
-        {**added, **others},
+        {**zeros, **others},
         note="a ball of four dimensions that turns in the hyperplane of its first three axes",
     ),
 )

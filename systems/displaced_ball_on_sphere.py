@@ -47,11 +47,11 @@ u1, v1 = ball.fibre
 
 spin, normal, axis = sp.Matrix(omega), sp.Matrix(gamma), sp.Matrix([0, 0, 1])
 ratio = R2 / R1
-turned = normal.cross(spin) / (1 + ratio)
+normal_rate = normal.cross(spin) / (1 + ratio)
 arm = -R2 * normal - shift * axis
 momentum = sp.diag(*inertia) * spin + m * arm.cross(spin.cross(arm))
-pulled = arm.cross(K * (R1 + R2) * normal + K * shift * axis)
-moving = momentum.cross(spin) - m * R2 * turned.cross(spin.cross(arm)) + pulled
+pull = arm.cross(K * (R1 + R2) * normal + K * shift * axis)
+momentum_rate = momentum.cross(spin) - m * R2 * normal_rate.cross(spin.cross(arm)) + pull
 potential = K * (R1 + R2) * shift * gamma[2]
 
 # rho^2 = curve r_3^2 - 2 m A l r_3 + level, and lean = d(rho^2)/dr_3 / 2.
@@ -83,11 +83,14 @@ SYSTEM = System(
         Parameter(K, 1, meaning="force over distance, to the centre of the sphere"),
     ),
     equations={
-        "momentum": Equation(momentum, moving),
-        "normal": Equation(gamma, turned),
+        "momentum": Equation(momentum, momentum_rate),
+        "normal": Equation(gamma, normal_rate),
         "linear": Equation(
             (Z, J),
-            (ratio * m * J * R2 * turned[2] / rho, ratio * (C - A) * Z * R2 * turned[2] / rho),
+            (
+                ratio * m * J * R2 * normal_rate[2] / rho,
+                ratio * (C - A) * Z * R2 * normal_rate[2] / rho,
+            ),
         ),
     },
     integrals={"energy": dot(momentum, spin) / 2 + potential},

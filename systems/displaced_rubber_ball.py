@@ -33,20 +33,20 @@ J = sp.diag(*inertia) + m * (R**2 + a.dot(a)) * sp.eye(3) - m * a * a.T
 s = m * R * a.dot(gamma)
 K = J * omega + 2 * s * omega
 L = K - K.dot(gamma) * gamma
-turning = gamma.cross(omega)
+normal_rate = gamma.cross(omega)
 
 # With an axis of symmetry: the moments about the contact of turns across gamma, about the
 # horizontal axis in the ball's equator, and about the one in the plane of axis and gamma.
 level = J[0, 0] + 2 * s
 upright = level * gamma[2] ** 2 + (J[2, 2] + 2 * s) * (1 - gamma[2] ** 2)
-declared, INTEGRAL = ball.declared(twists=False), "momentum across the normal"
+declaration, INTEGRAL = ball.declared(twists=False), "momentum across the normal"
 
 SYSTEM = System(
     name="displaced-rubber-ball",
     title="Displaced rubber ball on a plane",
     description="A ball whose centre of mass is not its centre rolls on a plane without slipping "
     "and without turning about the vertical; there is no gravity.",
-    **declared | {"meanings": declared["meanings"] | {INTEGRAL: "|L|^2 - 2 s (K, omega)"}},
+    **declaration | {"meanings": declaration["meanings"] | {INTEGRAL: "|L|^2 - 2 s (K, omega)"}},
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(R, 1, positive=True, meaning="radius"),
@@ -54,8 +54,8 @@ SYSTEM = System(
         *Parameter.each(offset, ("0.1", "-0.1", "0.2"), meaning="centre of mass from the centre"),
     ),
     equations={
-        INTEGRAL: Equation(L, L.cross(omega) + m * R * a.dot(turning) * omega),
-        "normal": Equation(gamma, turning),
+        INTEGRAL: Equation(L, L.cross(omega) + m * R * a.dot(normal_rate) * omega),
+        "normal": Equation(gamma, normal_rate),
     },
     integrals={"energy": K.dot(omega) / 2, INTEGRAL: L.dot(L) - 2 * s * K.dot(omega)},
     cases={

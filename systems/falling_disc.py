@@ -47,9 +47,9 @@ kinetic = m * (forward**2 + left**2 + upward**2) / 2
 kinetic += (A * (Dtheta**2 + Dphi**2 * cos**2) + C * spin**2) / 2
 potential = m * g * R * cos
 
-touched, heading = sp.Matrix([x, y, 0]), sp.Matrix([sp.cos(phi), sp.sin(phi), 0])
+contact_point, heading = sp.Matrix([x, y, 0]), sp.Matrix([sp.cos(phi), sp.sin(phi), 0])
 radius = sp.Matrix([-sin * sp.sin(phi), sin * sp.cos(phi), cos])
-turned = sp.Matrix.hstack(
+attitude = sp.Matrix.hstack(
     heading * sp.cos(psi) - radius * sp.sin(psi),
     -radius * sp.cos(psi) - heading * sp.sin(psi),
     radius.cross(heading),
@@ -117,7 +117,7 @@ SYSTEM = System(
         ),  # along the heading, down the radius, and along the axle
     ),
     shapes=(
-        Shape.disc(R, centre=touched + R * radius, attitude=turned, contact=(x, y, 0)),
+        Shape.disc(R, centre=contact_point + R * radius, attitude=attitude, contact=(x, y, 0)),
         Shape.plane(),
     ),
     references=("Appell1900", "Korteweg1900", "Chaplygin1897", "BorisovMamaevKilin2003"),

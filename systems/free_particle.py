@@ -75,7 +75,7 @@ SYSTEM = System(
 # The third axis is upright where the line is nearest to (0, 0).  X' and Y' must not both be 0.
 speed = sp.sqrt(DX**2 + DY**2)
 angle = (X * DX + Y * DY) / speed
-turning = {
+uniform_turn = {
     "gamma1": -DY / speed * sp.sin(angle),
     "gamma2": DX / speed * sp.sin(angle),
     "gamma3": sp.cos(angle),
@@ -87,21 +87,21 @@ RELATIONS = (
     Relation(
         "free-particle",
         "suslov",
-        state=turning,
+        state=uniform_turn,
         parameters={"I1": m, "I2": m, "I3": m, "I13": 0, "I23": 0},
         note="A homogeneous body turns uniformly.",
     ),
     Relation(
         "free-particle",
         "homogeneous-ball",
-        state={**turning, "omega3": 0},
+        state={**uniform_turn, "omega3": 0},
         parameters={"m": m, "R": 1, "A": m},
         note="A ball rolls straight on, about an axis of its own that stays level.",
     ),
     Relation(
         "free-particle",
         "veselova",
-        state=turning,
+        state=uniform_turn,
         parameters={"J1": m, "J2": m, "J3": m},
         note="A homogeneous body turns uniformly about a level axis.",
     ),

@@ -19,8 +19,10 @@ m, J, a, g = sp.symbols("m J a g")
 growth = 1 + g * time
 sleigh = kinematics.Sleigh(m, J, a)
 K = sleigh.turning_inertia
-moved = sleigh.centre_velocity
-kinetic = growth * (m * (moved[0] ** 2 + moved[1] ** 2) + J * velocity(phi) ** 2) / 2
+centre_velocity = sleigh.centre_velocity
+kinetic = (
+    growth * (m * (centre_velocity[0] ** 2 + centre_velocity[1] ** 2) + J * velocity(phi) ** 2) / 2
+)
 
 SYSTEM = sleigh.system(
     name="growing-sleigh",

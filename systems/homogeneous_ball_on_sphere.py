@@ -23,7 +23,7 @@ R1, R2, m, A = sp.symbols("R1 R2 m A")
 ball = kinematics.BalancedBall.on_sphere(R1, R2, m, (A, A, A))
 D, spin, normal = ball.motion.contact_inertia, ball.motion.spin, ball.motion.normal
 along = spin.dot(normal)
-kept = (A + D) * spin + D * R2 / R1 * along * normal
+constant_vector = (A + D) * spin + D * R2 / R1 * along * normal
 
 SYSTEM = ball.system(
     name="homogeneous-ball-on-sphere",
@@ -35,7 +35,10 @@ SYSTEM = ball.system(
         **{f"in the ball {k}": f"vector fixed in the ball, along its axis {k}" for k in (1, 2, 3)},
     },
     values={R1: 2, R2: 1, m: 1, A: "0.4"},
-    integrals={"normal spin": along, **{f"in the ball {i + 1}": e for i, e in enumerate(kept)}},
+    integrals={
+        "normal spin": along,
+        **{f"in the ball {i + 1}": e for i, e in enumerate(constant_vector)},
+    },
     integrable="Euler-Jacobi",
     references=("BorisovMamaev2002", "DragovicGajicJovanovic2020"),
 )

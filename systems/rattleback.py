@@ -42,21 +42,21 @@ I1, I2, I3 = moments
 product = sp.Matrix([[0, I12, 0], [I12, 0, 0], [0, 0, 0]])
 body = kinematics.ConvexBody.ellipsoid(axes, gamma, height)
 spin = sp.Matrix(omega)
-turned = body.rolling_rate(omega)
+normal_rate = body.rolling_rate(omega)
 momentum = body.momentum(m, moments, omega) + I12 * sp.Matrix([omega[1], omega[0], 0])
-moving = body.momentum_rate(momentum, m, omega, turned, m * g)
+momentum_rate = body.momentum_rate(momentum, m, omega, normal_rate, m * g)
 
 # The same in angles that are regular where the third axis is upright: heading, roll and pitch.
 rotation = kinematics.Rotation.euler("zxy", phi, theta, psi)
 vertical = tuple(rotation.matrix.row(2))
 level = sp.sqrt(sum((q * n) ** 2 for q, n in zip(axes, vertical, strict=True)))
-placed = kinematics.ConvexBody.ellipsoid(axes, vertical, level)
+ellipsoid = kinematics.ConvexBody.ellipsoid(axes, vertical, level)
 rates = rotation.body_rates
 # of the centre, where the contact rests
-across = matrix_product(-rotation.matrix, cross(rates, placed.arm))
-rising = -dot(placed.arm, placed.rolling_rate(rates))
+across = matrix_product(-rotation.matrix, cross(rates, ellipsoid.arm))
+climb_rate = -dot(ellipsoid.arm, ellipsoid.rolling_rate(rates))
 inertia = sp.diag(*moments) + product
-kinetic = kinematics.kinetic_energy(m, (velocity(x), velocity(y), rising), inertia, rates)
+kinetic = kinematics.kinetic_energy(m, (velocity(x), velocity(y), climb_rate), inertia, rates)
 
 # A ball of radius a, about its contact; D = m a^2.
 normal = sp.Matrix(gamma)
@@ -94,8 +94,8 @@ SYSTEM = System(
     invariants={**dict(zip(map(str, gamma), vertical, strict=True)), "height": level},
     integrals={"energy": dot(momentum, spin) / 2 + m * g * height},
     equations={
-        "momentum": Equation(tuple(momentum), tuple(moving)),
-        "normal": Equation(gamma, tuple(turned)),
+        "momentum": Equation(tuple(momentum), tuple(momentum_rate)),
+        "normal": Equation(gamma, tuple(normal_rate)),
     },
     essential=(theta, psi, *omega),
     cases={
@@ -124,7 +124,7 @@ SYSTEM = System(
             axes,
             centre=(x, y, level),
             attitude=rotation.matrix,
-            contact=sp.Matrix([x, y, level]) + matrix_product(rotation.matrix, placed.arm),
+            contact=sp.Matrix([x, y, level]) + matrix_product(rotation.matrix, ellipsoid.arm),
         ),
         Shape.plane(),
     ),

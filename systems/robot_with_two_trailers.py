@@ -51,8 +51,8 @@ for body, heading in enumerate(headings):
     constraints.append(pace[0] * sp.sin(heading) - pace[1] * sp.cos(heading))
 
 alpha, beta = theta0 - theta1, theta1 - theta2
-moved = m0 + J1 * sp.sin(alpha) ** 2 / l1**2
-moved += sp.cos(alpha) ** 2 * (m1 + J2 * sp.sin(beta) ** 2 / l2**2 + m2 * sp.cos(beta) ** 2)
+mass_along = m0 + J1 * sp.sin(alpha) ** 2 / l1**2
+mass_along += sp.cos(alpha) ** 2 * (m1 + J2 * sp.sin(beta) ** 2 / l2**2 + m2 * sp.cos(beta) ** 2)
 
 SKETCH = (
     Sketch("seen from above")
@@ -120,7 +120,7 @@ SYSTEM = System(
         Parameter(l1, 1, positive=True, meaning="length of the first bar"),
         Parameter(l2, 1, positive=True, meaning="length of the second bar"),
     ),
-    integrals={"energy": kinetic, "turning": w, "way": moved * v**2},
+    integrals={"energy": kinetic, "turning": w, "way": mass_along * v**2},
     equations={
         "first hitch": Equation(l1 * alpha, l1 * w - v * sp.sin(alpha)),
         "second hitch": Equation(

@@ -67,8 +67,8 @@ SKETCH = (
 )
 # The middles of the axles, and the hinge, at a height to draw them at.
 seat = sp.Matrix([x, y, 0.1])
-hinged = seat + a * sp.Matrix([sp.cos(theta), sp.sin(theta), 0])
-grip = hinged + b * sp.Matrix([sp.cos(theta + phi), sp.sin(theta + phi), 0])
+pin = seat + a * sp.Matrix([sp.cos(theta), sp.sin(theta), 0])
+grip = pin + b * sp.Matrix([sp.cos(theta + phi), sp.sin(theta + phi), 0])
 down = sp.Matrix([0, 0, 0.1])
 
 SYSTEM = System(
@@ -133,9 +133,9 @@ SYSTEM = System(
         Body(0, inertia=(0, 0, I2), omega=(0, 0, handle), title="handle"),
     ),
     shapes=(
-        Shape.box((a, 0.1, 0.1), centre=(seat + hinged) / 2, attitude=theta),
+        Shape.box((a, 0.1, 0.1), centre=(seat + pin) / 2, attitude=theta),
         Shape.box((0.1, 0.6, 0.2), centre=seat, attitude=theta, contact=seat - down),
-        Shape.box((b, 0.1, 0.1), centre=(hinged + grip) / 2, attitude=theta + phi),
+        Shape.box((b, 0.1, 0.1), centre=(pin + grip) / 2, attitude=theta + phi),
         Shape.box((0.1, 0.5, 0.2), centre=grip, attitude=theta + phi, contact=grip - down),
         Shape.plane(),
     ),

@@ -22,7 +22,7 @@ inertia = sp.symbols("I1:4")
 
 ball = kinematics.BalancedBall.on_plane(R, m, inertia)
 motion = ball.rubber
-printed = motion.momentum_equation(motion.multiplier(motion.momentum))
+printed_equation = motion.momentum_equation(motion.multiplier(motion.momentum))
 
 SYSTEM = ball.rubber_system(
     name="rubber-ball-on-plane",
@@ -31,7 +31,9 @@ SYSTEM = ball.rubber_system(
     "without turning about the vertical.",
     values={m: 1, R: 1, inertia: ("0.4", "0.5", "0.7")},
     equations={
-        "momentum": Corrected(motion.equations["momentum"], printed, "DragovicGajicJovanovic2020")
+        "momentum": Corrected(
+            motion.equations["momentum"], printed_equation, "DragovicGajicJovanovic2020"
+        )
     },
     integrable="Euler-Jacobi",
     scenes={"default": ball.rubber_scene("The contact wanders over the plane.", 10.0)},

@@ -23,7 +23,7 @@ inertia = I1, I2, I3 = sp.symbols("I1:4")
 ball = kinematics.BalancedBall.on_sphere(R1, R2, m, inertia)
 motion = ball.rubber
 w1, w2 = motion.velocities
-printed = motion.momentum_equation(motion.multiplier(motion.momentum))
+printed_equation = motion.momentum_equation(motion.multiplier(motion.momentum))
 
 SYSTEM = ball.rubber_system(
     name="rubber-ball-on-sphere",
@@ -32,7 +32,9 @@ SYSTEM = ball.rubber_system(
     "slipping and without turning about the common normal.",
     values={R1: 2, R2: 1, m: 1, inertia: ("0.4", "0.5", "0.7")},
     equations={
-        "momentum": Corrected(motion.equations["momentum"], printed, "DragovicGajicJovanovic2020")
+        "momentum": Corrected(
+            motion.equations["momentum"], printed_equation, "DragovicGajicJovanovic2020"
+        )
     },
     cases={
         "symmetric": Case(

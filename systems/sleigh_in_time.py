@@ -31,7 +31,7 @@ across = Dy * sp.cos(phi) - Dx * sp.sin(phi) + a * Dphi + Db
 
 drift = m * (a * w + Db)
 momentum = m * (v - b * w)
-turning = J * w + a * drift - b * momentum
+angular_momentum = J * w + a * drift - b * momentum
 
 SYSTEM = sleigh.system(
     name="sleigh-in-time",
@@ -48,7 +48,7 @@ SYSTEM = sleigh.system(
     },
     equations={
         "momentum": Equation(momentum, w * drift),
-        "angular momentum": Equation(turning, -v * drift),
+        "angular momentum": Equation(angular_momentum, -v * drift),
     },
     cases={
         "centre of mass beside the blade": Case(

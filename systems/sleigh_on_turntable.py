@@ -39,8 +39,8 @@ kinetic = (m * (forward**2 + across**2) + J * (Dphi + Omega) ** 2) / 2
 
 # The same of the place as the sleigh sees it.
 K = J + m * a**2
-seen = (m * v**2 + K * w**2) / 2
-stretched = k * ((ahead + along) ** 2 + (left + beside) ** 2) / 2
+relative_energy = (m * v**2 + K * w**2) / 2
+spring_energy = k * ((ahead + along) ** 2 + (left + beside) ** 2) / 2
 centrifugal = m * Omega**2 * (left**2 + (ahead + a) ** 2) / 2
 drive = a * w**2 + 2 * Omega * a * w + Omega**2 * (ahead + a) - k / m * (ahead + along)
 turn = -m * a * v * (w + 2 * Omega) + m * a * Omega**2 * left + k * (beside * ahead - along * left)
@@ -74,7 +74,7 @@ SYSTEM = sleigh.system(
         beside: Parameter(beside, "2/5", meaning="hook, to the left of the blade"),
     },
     invariants={"ahead": before, "left": aside},
-    integrals={"Jacobi": seen + stretched - centrifugal},
+    integrals={"Jacobi": relative_energy + spring_energy - centrifugal},
     equations={
         "place": Equation((ahead, left), (v + w * left, -w * ahead)),
         "speed and turning": Equation((v, K * w), (drive, turn)),

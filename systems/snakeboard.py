@@ -42,7 +42,7 @@ kinetic = (
 ) / 2
 
 # sin(phi)^2 times the board's inertia against turning, with the way it makes along its track.
-turning = (J + 2 * wheels) * sine**2 + m * length**2 * cosine**2
+inertia_about_track = (J + 2 * wheels) * sine**2 + m * length**2 * cosine**2
 
 SKETCH = (
     Sketch("seen from above")
@@ -102,14 +102,18 @@ SYSTEM = System(
         "energy": kinetic,
         "steering": Dphi,
         "rotor": Dtheta + Dpsi,
-        "turning": Dtheta * sp.sqrt(turning) / sine,
+        "turning": Dtheta * sp.sqrt(inertia_about_track) / sine,
         "angle of the rotor": (theta + psi) * Dphi - phi * (Dtheta + Dpsi),
     },
     equations={
         "steering and rotor": Equation((Dphi, Dtheta + Dpsi), (sp.Integer(0), sp.Integer(0))),
-        "turning": Equation(Dtheta, m * length**2 * cosine * Dtheta * Dphi / (sine * turning)),
+        "turning": Equation(
+            Dtheta, m * length**2 * cosine * Dtheta * Dphi / (sine * inertia_about_track)
+        ),
     },
-    measure=Measure(sp.sqrt(turning) / sine, variables=(sine, cosine, Dtheta, Dpsi, Dphi)),
+    measure=Measure(
+        sp.sqrt(inertia_about_track) / sine, variables=(sine, cosine, Dtheta, Dpsi, Dphi)
+    ),
     essential=(sine, cosine, Dtheta, Dphi),
     integrable="Euler-Jacobi",
     scenes={

@@ -39,7 +39,7 @@ rates = rotation.body_rates
 inertia = sp.Matrix([[I1, 0, I13], [0, I2, I23], [I13, I23, I3]])
 
 M3 = I13 * omega1 + I23 * omega2
-carried = sp.Matrix(gamma).cross(sp.Matrix([omega1, omega2, 0]))
+vertical_rate = sp.Matrix(gamma).cross(sp.Matrix([omega1, omega2, 0]))
 
 SYSTEM = System(
     name="suslov",
@@ -66,7 +66,7 @@ SYSTEM = System(
     integrals={"energy": (I1 * omega1**2 + I2 * omega2**2) / 2},
     equations={
         "angular velocity": Equation((I1 * omega1, I2 * omega2), (-M3 * omega2, M3 * omega1)),
-        "vertical": Equation(gamma, tuple(carried)),
+        "vertical": Equation(gamma, tuple(vertical_rate)),
     },
     measure=Measure(1 / M3, variables=(*gamma, omega1, omega2)),
     essential=(omega1, omega2),

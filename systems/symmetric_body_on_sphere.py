@@ -55,9 +55,9 @@ spin, centre = sp.Matrix(contact.spin), sp.Matrix(contact.centre_velocity)
 kinetic = (m * dot(centre, centre) + dot(body.turning_momentum(spin), spin)) / 2
 
 # Where the body rolls: the momentum about the contact, and how it changes along (u, v, n).
-falling, momentum, arm = body.rolling_velocities[u], body.momentum, body.arm
-f = falling.coeff(tau)  # du/dt = f tau
-moving = body.momentum_rate - sp.Matrix([0, f * sp.diff(V, u), 0])
+nutation_rate, momentum, arm = body.rolling_velocities[u], body.momentum, body.arm
+f = nutation_rate.coeff(tau)  # du/dt = f tau
+momentum_rate = body.momentum_rate - sp.Matrix([0, f * sp.diff(V, u), 0])
 
 # The linear equations for Z and J, and the one for Z alone.
 along, across = -body.trace[0].coeff(tau), body.trace[1].coeff(s)  # r' = (-along tau, across s)
@@ -101,10 +101,10 @@ SYSTEM = System(
         Parameter(C, "3/2", positive=True, meaning="axial moment of inertia"),
     ),
     equations={
-        "nutation": Equation(u, falling),
-        "momentum": Equation(momentum, moving),
-        "linear": Equation((Z, J), (falling * b * J, falling * c * Z)),
-        "second order": Equation((Z, first), (falling * first, falling * second)),
+        "nutation": Equation(u, nutation_rate),
+        "momentum": Equation(momentum, momentum_rate),
+        "linear": Equation((Z, J), (nutation_rate * b * J, nutation_rate * c * Z)),
+        "second order": Equation((Z, first), (nutation_rate * first, nutation_rate * second)),
     },
     integrals={"energy": dot(momentum, quasi) / 2 + V},
     measure=density * sp.sin(u1),

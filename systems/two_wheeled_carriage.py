@@ -160,7 +160,7 @@ SYSTEM = System(
 )
 
 # What the vertical disc calls its rolling angle, the rates of its angles, and its axial moment.
-angle, rolled, yawed, B = sp.symbols("theta thetadot phidot B")
+angle, rolling_rate, yaw_rate, B = sp.symbols("theta thetadot phidot B")
 
 RELATIONS = (
     Relation(
@@ -173,7 +173,7 @@ RELATIONS = (
     Relation.into(
         SYSTEM,
         "vertical-disc",
-        {left: angle, right: angle, v: R * rolled, w: yawed, J: C, a: 0, b: 0, C: B / 2},
+        {left: angle, right: angle, v: R * rolling_rate, w: yaw_rate, J: C, a: 0, b: 0, C: B / 2},
         note="The disc is split into two wheels with no distance between them.",
     ),
 )

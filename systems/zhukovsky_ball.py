@@ -40,7 +40,7 @@ N = C5 - k * z
 W = h2 - N**2 / A
 in_ball = whole.xreplace(dict(zip(normal, ball.normal, strict=True)))
 horizontal = tuple(matrix_product(ball.contact.attitude[:2, :], in_ball))
-rolled = sp.Matrix([sp.sin(u) * velocity(v), -velocity(u), N / A])  # (s, tau, n) again
+contact_spin = sp.Matrix([sp.sin(u) * velocity(v), -velocity(u), N / A])  # (s, tau, n) again
 vertical = A * n + k * sp.cos(u)
 MOTION = Quadratures(
     variable={z: sp.cos(u)},
@@ -54,7 +54,7 @@ MOTION = Quadratures(
     integrals={v: S / (P * (1 - z**2)), theta: -N / A - z * S / (P * (1 - z**2))},
     poles={1: S.subs(z, 1) / (2 * P), -1: S.subs(z, -1) / (2 * P)},
     traces=(Trace(u, v, z),),
-    velocities=dict(zip(omega, matrix_product(body, rolled), strict=True)),
+    velocities=dict(zip(omega, matrix_product(body, contact_spin), strict=True)),
     plane=Plane(
         place=(x, y),
         direction=horizontal,

@@ -23,6 +23,7 @@ def _random(draw: random.Random, depth: int) -> sp.Expr:
     return (one + other, one * other, one - other)[kind % 3]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(40))
 def test_it_is_what_sympy_finds(seed: int) -> None:
     expr = _random(random.Random(seed), 4)

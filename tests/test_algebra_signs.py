@@ -137,6 +137,7 @@ def test_a_root_beyond_a_branch_point_is_no_point() -> None:
     assert prove_inequality(p + q * y + 1 / sp.sqrt(x), ">=", 0, POSITIVE).refuted
 
 
+@pytest.mark.slow
 def test_no_certificate_is_looked_for_in_squares_of_long_polynomials(monkeypatch):
     # two minutes went into the factors of polynomials of up to 100 000 terms
     seen = []
@@ -171,6 +172,7 @@ def test_a_function_does_not_take_any_value() -> None:
         assert abs((left - b / 2).subs({a: at[sp.Symbol("a")], b: at[sp.Symbol("b")]} | at)) < 1e-9
 
 
+@pytest.mark.slow
 def test_values_beyond_doubles_are_no_small_ratios() -> None:
     # an OverflowError of Fraction
     b = sp.Symbol("b", positive=True)

@@ -450,6 +450,7 @@ def test_sines_of_long_sums_are_not_written_out_term_by_term(left, right):
     assert prove_equal(left, right + sp.sin(LONG_SUM) / 1000).refuted
 
 
+@pytest.mark.slow
 def test_what_is_too_large_is_left_undecided_with_the_reason():
     angles = [p * LONG_SUM + q for p, q in itertools.pairwise(LETTERS)]
     angles += [p * LONG_PRODUCT for p in LETTERS]

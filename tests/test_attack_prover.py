@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from random import Random
+from types import SimpleNamespace
 
 import mpmath
 import pytest
@@ -66,7 +67,8 @@ def test_one_sign_that_is_lost_in_roots_is_noticed(attack, monkeypatch):
 
 def test_a_claim_that_is_false_and_proved_is_noticed(attack, monkeypatch):
     claims = attack.claims
-    monkeypatch.setattr(claims, "_question", lambda *_: lambda: Verdict("proved", "so it is"))
+    proved = SimpleNamespace(verdict=Verdict("proved", "so it is"))
+    monkeypatch.setattr(claims, "check_claims", lambda _: [proved])
     assert "wrong false proved" in [
         attack.outcome_of(made)[1].partition(":")[0]
         for made in (claims.walls(Random(n), True, n % 2 == 0) for n in range(6))

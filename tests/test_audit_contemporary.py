@@ -15,7 +15,7 @@ from voronec.systems.demchenko.dictionary.chaplygin_balls import (
     OMEGA,
     R1,
     R2,
-    SIGNED,
+    SIGNED_RADIUS,
     Ball,
     D,
     tensor,
@@ -115,9 +115,15 @@ def test_every_sentence_but_one_is_proved_in_every_configuration():
     assert {x["verdict"] for ranges in ranged for x in ranges} == {"proved"}
 
 
+def test_a_vector_of_constants_keeps_no_derivative_from_print():
+    (record,) = [r for r in everything() if r.label == "cl:int*"]
+    rates = [rf"\frac{{d}}{{dt}}F_{number} = 0" for number in range(1, 5)]
+    assert [f.derived for f in record.formulas] == rates
+
+
 @pytest.mark.parametrize("turning", [0, 1])
 def test_jk_is_quadratic_in_its_first_argument_and_comes_from_three_slots(turning):
-    system = Chaplygin.derived(turning)
+    system = Chaplygin.derive(turning)
     assert acts(turning).proved
     x, delta = sp.Matrix(DX), sp.Matrix(DELTA)
     force, scale = system.force(x, delta), sp.Symbol("scale")
@@ -220,16 +226,16 @@ def test_a_changed_formula_is_not_proved(case):
 
 
 def test_a_ball_on_a_sphere_has_no_more_than_three_of_the_integrals():
-    ball = Ball.on_sphere(SIGNED, KAPPA)
+    ball = Ball.on_sphere(SIGNED_RADIUS, KAPPA)
     assert ball.constants(["F_1", "F_2", "F_3"]).proved
     for where in CONFIGURATIONS:
         assert ball.constant(ball.integrals["F_4"], where).refuted
     assert Ball.on_plane(KAPPA).constant(ball.integrals["F_4"]).proved
     free = Ball.on_sphere(-R2 / 2)
-    assert free.constant(free.weighted).proved
-    assert Ball.on_sphere(-R2 / 3).constant(free.weighted).refuted
+    assert free.constant(free.weighted_momentum).proved
+    assert Ball.on_sphere(-R2 / 3).constant(free.weighted_momentum).refuted
     with_rotor = Ball.on_sphere(-R2 / 2, KAPPA)
-    assert with_rotor.constant(with_rotor.weighted).refuted
+    assert with_rotor.constant(with_rotor.weighted_momentum).refuted
 
 
 def test_the_printed_density_needs_a_unit_vector():

@@ -122,11 +122,13 @@ def test_a_change_of_a_correct_formula_is_noticed(position: int, old: str, new: 
 
 def test_what_contradicts_the_claims_is_refuted() -> None:
     for second, third, truth in ((-1, 0, True), (1, 0, False), (0, 1, False), (0, -1, False)):
-        assert stability.claimed_of(stability.stable(second, third), truth).proved
-        assert stability.claimed_of(stability.stable(second, third), not truth).refuted
-    assert kinds.signed(kinds.leading(), ">", OUTER).refuted
-    assert kinds.signed(kinds.leading(), ">", INNER).refuted  # it has either sign there
-    assert kinds.signed(kinds.leading(), "<", SHELL).refuted
+        assert stability.verdict_of_claim(stability.stable(second, third), truth).proved
+        assert stability.verdict_of_claim(stability.stable(second, third), not truth).refuted
+    assert kinds.sign_in_range(kinds.leading_coefficient(), ">", OUTER).refuted
+    assert kinds.sign_in_range(
+        kinds.leading_coefficient(), ">", INNER
+    ).refuted  # it has either sign there
+    assert kinds.sign_in_range(kinds.leading_coefficient(), "<", SHELL).refuted
 
 
 @pytest.mark.parametrize("where", [INNER, SHELL], ids=["inner", "shell"])
@@ -175,7 +177,9 @@ def test_a_root_of_order_four_is_stable_only_outside() -> None:
 @pytest.mark.parametrize("where", RANGES, ids=lambda where: where.name)
 def test_witnesses_are_bodies(where: Range) -> None:
     """Mass within R2 of the centre, or for a shell beyond it, under Zhukovsky's condition."""
-    degenerate = kinds.body(where, kinds.leading()) if where is not OUTER else kinds.body(where)
+    degenerate = (
+        kinds.body(where, kinds.leading_coefficient()) if where is not OUTER else kinds.body(where)
+    )
     for numbers in (kinds.body(where), degenerate):
         A = numbers[sp.Symbol("A")]
         assert sp.Rational(1, 2) <= A if where is SHELL else 3 * A < 2

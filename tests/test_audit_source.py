@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 import sympy as sp
 from voronec.systems.demchenko import v
-from voronec.systems.demchenko.dictionary.chaplygin_balls import KAPPA, R1, SIGNED, Ball
+from voronec.systems.demchenko.dictionary.chaplygin_balls import KAPPA, R1, SIGNED_RADIUS, Ball
 from voronec.systems.demchenko.dictionary.quadratures import level
 from voronec.systems.demchenko.dictionary.rubber_balls import Rubber
 
@@ -133,14 +133,14 @@ def test_a_source_is_the_check_s_the_study_s_or_the_derived_system():
 
 
 @pytest.mark.parametrize(
-    ("on", "which"), [(Ball.on_sphere, R1), (Ball.on_plane, KAPPA), (Ball.on_sphere, SIGNED)]
+    ("on", "which"), [(Ball.on_sphere, R1), (Ball.on_plane, KAPPA), (Ball.on_sphere, SIGNED_RADIUS)]
 )
 def test_the_integrals_of_the_ball_are_found_and_constant(on, which):
     ball = on(which)
-    for name, value in ball.found.items():
+    for name, value in ball.integral_forms.items():
         assert ball.constant(value).proved
         assert vo.prove_equal(value, ball.integrals[name], ball.relations).proved
-    assert ("F_4" in ball.found) == (ball.epsilon == 1)
+    assert ("F_4" in ball.integral_forms) == (ball.epsilon == 1)
 
 
 def test_a_ball_of_other_equations_has_no_such_integrals():
@@ -148,7 +148,9 @@ def test_a_ball_of_other_equations_has_no_such_integrals():
     mass = ball.reduced.mass.as_mutable()
     mass[0, 0] *= 2
     other = replace(ball, reduced=replace(ball.reduced, mass=mass.as_immutable()))
-    assert vo.prove_equal(other.found["F_3"], other.integrals["F_3"], ball.relations).refuted
+    assert vo.prove_equal(
+        other.integral_forms["F_3"], other.integrals["F_3"], ball.relations
+    ).refuted
 
 
 def test_the_third_component_is_the_one_that_the_engine_eliminates():

@@ -184,12 +184,12 @@ def ball_system(**more):
 
 @pytest.fixture(scope="module")
 def body():
-    return Body.derived()
+    return Body.derive()
 
 
 @pytest.fixture(scope="module")
 def gyroscope():
-    return WithGyroscope.derived()
+    return WithGyroscope.derive()
 
 
 def residuals(eqs):

@@ -11,7 +11,7 @@ from voronec.audit.correction import correct
 from voronec.audit.correction.changes import Spare
 from voronec.audit.correction.units import Units
 from voronec.audit.latex.reader import read
-from voronec.audit.verify import _unsaid
+from voronec.audit.verify import omission
 
 x, phi, y = sp.symbols("x phi y")
 m, J, a, c, g = sp.symbols("m J a c g", positive=True)
@@ -98,7 +98,7 @@ def test_the_limits_of_an_integral_principle_bear_no_letter_of_something_else():
     study = Study({"T": x, "t": vo.time, "U": f(x)})
     for limit, said in (("T_1", True), ("T'_1", True), ("t_1", False), ("t'_1", False)):
         chain = read(rf"\int_{{{limit}}}^{{t_2}} U\,dt=0", study.vocabulary)
-        assert ("bears the letter" in _unsaid(chain, study)) is said
+        assert ("bears the letter" in omission(chain, study)) is said
 
 
 def unbalanced(latex: str) -> bool:

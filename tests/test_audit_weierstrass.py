@@ -148,7 +148,7 @@ def test_a_wrong_addition_law_is_not_proved(part, factor):
     wrong = replace(law, **{part: factor * getattr(law, part)})
     assert any(verdict.refuted for verdict in wrong.proofs().values())
     with pytest.raises(vo.DefinitionError, match="is not proved"):
-        wrong.proved()
+        wrong.prove()
 
 
 @pytest.mark.parametrize("part", ["wp", "zeta", "sigma"])
@@ -210,8 +210,8 @@ def test_both_branches_of_the_root_occur():
 
 def test_the_shift_of_any_quartic_is_found():
     shift, (p, first, second) = inversion.coefficients()
-    a = dict(zip(inversion.LEADING, (3, -2, 5, 7, sp.Rational(1, 2)), strict=True))
-    quartic = inversion.LEADING[0] * inversion.quartic(p, first, second)
+    a = dict(zip(inversion.QUARTIC_COEFFICIENTS, (3, -2, 5, 7, sp.Rational(1, 2)), strict=True))
+    quartic = inversion.QUARTIC_COEFFICIENTS[0] * inversion.quartic(p, first, second)
     shifted = inversion.general(inversion.y + shift)
     assert sp.expand((shifted - quartic).subs(a)) == 0
 

@@ -106,8 +106,8 @@ def test_a_reference_is_as_good_as_it_says(spring: bench.BenchMotion) -> None:
 
 def test_the_two_routes_meet_on_different_equations(ball: bench.BenchMotion) -> None:
     pytest.importorskip("heyoka")
-    levels = agreement._levels(ball)
-    routes = [agreement._heyoka_route(at, ball, 30) for at in levels]
+    levels = agreement.levels_of(ball)
+    routes = [agreement.heyoka_route(at, ball, 30) for at in levels]
     (name, one), (other, two) = [r for r in routes if r is not None]
     assert name.endswith("coordinates") and other.endswith("invariants")
     found = agreement.agreed_reference(ball, [(name, one()), (other, two())], 1e-25)
@@ -146,7 +146,7 @@ def test_a_reference_whose_routes_disagree_is_refused(
         asked.append(digits)
         return ("a", lambda: exact), ("b", lambda: other)
 
-    monkeypatch.setattr(agreement, "_routes", routes)
+    monkeypatch.setattr(agreement, "two_routes", routes)
     with pytest.raises(vo.IntegrationError, match="on no part of the grid, so there is no ref"):
         bench.reference(spring)
     assert asked == list(agreement.DIGITS), "more digits are tried first"
@@ -155,8 +155,8 @@ def test_a_reference_whose_routes_disagree_is_refused(
 def test_one_route_is_no_reference(
     spring: bench.BenchMotion, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(agreement, "_flint_routes", lambda *_: [])
-    monkeypatch.setattr(agreement, "_heyoka_route", lambda *_: ("only", dict))
+    monkeypatch.setattr(agreement, "flint_routes", lambda *_: [])
+    monkeypatch.setattr(agreement, "heyoka_route", lambda *_: ("only", dict))
     with pytest.raises(vo.EngineLimit, match="no two independent high-precision runs"):
         bench.reference(spring)
 
@@ -316,7 +316,7 @@ def test_a_program_by_hand_is_the_engines_motion(name: str) -> None:
 
 def test_our_integrator_is_timed_on_the_motion_that_is_shown(spring: bench.BenchMotion) -> None:
     seen = vo.integrate(SPRING, times=spring.grid, outputs=("q", "p"), method="scipy", tol=1e-8)
-    again = own._again(spring, tuple(spring.expressions.values()), seen)
+    again = own.repetition(spring, tuple(spring.expressions.values()), seen)
     assert again is not None
     assert again(spring.grid).steps == again(spring.grid).steps == seen.cost.steps > 0
 
@@ -324,7 +324,7 @@ def test_our_integrator_is_timed_on_the_motion_that_is_shown(spring: bench.Bench
 def test_another_motion_is_not_timed_in_place_of_ours(spring: bench.BenchMotion) -> None:
     seen = vo.integrate(SPRING, times=spring.grid, outputs=("q", "p"), method="scipy", tol=1e-8)
     other = replace(seen, cost=replace(seen.cost, steps=seen.cost.steps + 1))
-    assert own._again(spring, tuple(spring.expressions.values()), other) is None
+    assert own.repetition(spring, tuple(spring.expressions.values()), other) is None
 
 
 PEERS = (

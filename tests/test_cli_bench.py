@@ -93,7 +93,7 @@ def test_ctrl_c_writes_what_is_measured(
     def stopped(*_: Any) -> Any:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("voronec.accuracy.bench.runs._outcome", stopped)
+    monkeypatch.setattr("voronec.accuracy.bench.runs.outcome_of", stopped)
     answer = call("bench", spring, "--methods", "dop853-lambdify-coordinates,scipy")
     assert answer.status == 130
     assert "stopped by hand; what was measured until then is above" in answer.out
@@ -107,7 +107,7 @@ def test_where_nothing_runs_there_is_a_table_all_the_same(
     def absent(*_: Any) -> Any:
         raise NotHere("not installed: anything")
 
-    monkeypatch.setattr("voronec.accuracy.bench.runs._outcome", absent)
+    monkeypatch.setattr("voronec.accuracy.bench.runs.outcome_of", absent)
     answer = call("bench", spring, "--methods", "scipy", "--tols", "1e-6")
     assert answer.status == 0
     assert "scipy at 1e-06 failed: not installed: anything" in answer.out.splitlines()

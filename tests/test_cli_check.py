@@ -21,7 +21,7 @@ from voronec.cli.check import shorten_square
 from voronec.proof import verdict_store as sources
 from voronec.proof.check import Inventory, check_catalogue
 from voronec.proof.check.record import Finding, Report, Result
-from voronec.proof.check.run import _Worker
+from voronec.proof.check.run import Worker
 from voronec.proof.check.unit import units_of
 from voronec.proof.verdict_store import Store
 
@@ -270,7 +270,7 @@ def test_ctrl_c_finds_no_process_that_still_starts(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
     (unit,) = units_of(Inventory.of(), ["vertical-disc"])[:1]
-    worker = _Worker.start()
+    worker = Worker.start()
     try:
         for _ in range(20):
             os.kill(worker.process.pid, signal.SIGINT)

@@ -8,7 +8,7 @@ from voronec.accuracy.bench import agreement
 from voronec.accuracy.bench.question import ask
 from voronec.accuracy.bench.runs import measure
 from voronec.accuracy.hard.cases import CASES
-from voronec.accuracy.hard.reference import _in_closed_form, reference
+from voronec.accuracy.hard.reference import closed_form_outputs, reference
 from voronec.accuracy.hard.trial import attempt
 
 pytestmark = pytest.mark.slow
@@ -42,15 +42,15 @@ def test_a_long_motion_is_checked_on_its_beginning(equations, monkeypatch):
 
 def test_a_reference_that_disagrees_is_not_the_closed_form(equations, monkeypatch):
     question = ask(equations, time=2.0, instants=5)
-    right = agreement._ball_solution(question)
+    right = agreement.ball_solution(question)
     wrong = {n: np.asarray(x, dtype=float) + 1e-6 for n, x in right.items()}
-    monkeypatch.setattr(agreement, "_ball_solution", lambda _: wrong)
-    assert agreement._in_closed_form(question, 1e-13) is None
+    monkeypatch.setattr(agreement, "ball_solution", lambda _: wrong)
+    assert agreement.closed_form_reference(question, 1e-13) is None
 
 
 def test_a_system_without_a_motion_has_another_reference():
     question = ask(vo.load("sleigh"), time=1.0, instants=5)
-    assert agreement._in_closed_form(question, 1e-13) is None
+    assert agreement.closed_form_reference(question, 1e-13) is None
 
 
 @pytest.mark.parametrize("name", ["very-fast-gyroscope", "turning-point", "long"])
@@ -66,7 +66,7 @@ def test_references_of_hard_cases_agree_with_the_closed_form(equations):
     (case,) = (c for c in CASES if c.name == "turning-point")
     from voronec.accuracy.hard.case_program import problem
 
-    found = _in_closed_form(case, equations, problem(case, equations))
+    found = closed_form_outputs(case, equations, problem(case, equations))
     known = reference(case, equations)
     for i, name in enumerate(known.values):
         assert np.abs(found[:, i].astype(float) - known.values[name]).max() < 1e-15

@@ -192,9 +192,9 @@ def test_a_share_that_vanishes_identically_is_exactly_zero():
 
 
 def test_an_advance_that_is_no_turn_at_all_is_shown_as_zero():
-    from voronec.closed.inverted_motion import _turn
+    from voronec.closed.inverted_motion import turn_of
 
-    turn = _turn(arb(-2.9e-77))
+    turn = turn_of(arb(-2.9e-77))
     assert turn == vo.closed.Turn(0.0, Fraction(0))
 
 

@@ -16,7 +16,7 @@ from voronec.closed.arithmetic import (
     root,
     vanishes,
 )
-from voronec.closed.inverted_motion import Turn, _fraction
+from voronec.closed.inverted_motion import Turn, turn_of
 
 pytestmark = pytest.mark.slow
 
@@ -181,9 +181,9 @@ def test_where_nothing_moves_there_are_no_roots(system):
 def test_rational_turns_are_told_from_near_ones():
     with precise(200):
         turn = 2 * arb.pi()
-        assert _fraction(turn * 355 / 113) == Fraction(355, 113)
-        assert _fraction(turn * (arb(1) / 3 + arb("1e-40"))) is None
-        assert _fraction(turn / 1009) is None
+        assert turn_of(turn * 355 / 113).fraction == Fraction(355, 113)
+        assert turn_of(turn * (arb(1) / 3 + arb("1e-40"))).fraction is None
+        assert turn_of(turn / 1009).fraction is None
 
 
 def test_theta_swings_on_the_default_motion(system):

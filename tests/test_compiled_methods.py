@@ -289,8 +289,8 @@ def test_kept_codes_of_several_processes_are_not_taken_for_one_another(tmp_path:
 def test_kept_code_is_read_and_damaged_code_is_named_and_made_anew(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    first, read, folders = moved("numba"), kept_code._sound_source, []
-    monkeypatch.setattr(kept_code, "_sound_source", lambda f: folders.append(f) or read(f))
+    first, read, folders = moved("numba"), kept_code.sound_source, []
+    monkeypatch.setattr(kept_code, "sound_source", lambda f: folders.append(f) or read(f))
     numba_stepper.compiled_loop.cache_clear()
     with monkeypatch.context() as patch, warnings.catch_warnings():
         warnings.simplefilter("error")

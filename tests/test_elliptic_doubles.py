@@ -11,7 +11,7 @@ from test_elliptic_inversion import SHAPES
 from test_elliptic_limits import MULTIPLE
 
 from voronec.elliptic import Integral, Numbers, Pole, invert
-from voronec.elliptic.doubles import doubles_of, parts
+from voronec.elliptic.doubles import parts
 from voronec.elliptic.many_times import BLOCK, Sample
 from voronec.errors import DefinitionError, EngineLimit
 
@@ -224,4 +224,4 @@ def test_parts_of_a_number_add_up_and_have_few_bits():
 
 def test_doubles_are_prepared_once_for_a_solution():
     solution = invert(SHAPES["quadratic"])
-    assert doubles_of(solution) is doubles_of(solution)
+    assert solution.doubles is solution.doubles

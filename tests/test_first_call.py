@@ -35,6 +35,7 @@ def in_process(name: str, *options: dict[str, object]) -> list[list[str]]:
     return [line.split() for line in done.stdout.splitlines()]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["ball-on-sphere", *(pytest.param(n, marks=SLOW) for n in ("demchenko", "rattleback"))]
 )
@@ -51,6 +52,7 @@ def test_the_choice_is_that_of_the_call_alone(monkeypatch: pytest.MonkeyPatch) -
     assert vo.integrate(system, **given).cost.method == "python"
 
 
+@pytest.mark.slow
 def test_where_heyoka_is_installed_it_integrates() -> None:
     pytest.importorskip("heyoka")
     assert vo.integrate(vo.load("ball-on-sphere"), times=10, tol=1e-11).cost.method == "heyoka"
@@ -72,6 +74,7 @@ def test_outputs_are_read_once() -> None:
         assert read(key) is read(key)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["ball-on-sphere", "demchenko", pytest.param("rattleback", marks=SLOW)]
 )
@@ -143,6 +146,7 @@ def test_where_nothing_moves_there_are_no_steps() -> None:
     assert "nothing moves" in found.cost.reason and (found["xdot"] == 1).all()
 
 
+@pytest.mark.slow
 def test_a_system_of_this_project_is_integrated_without_a_search_of_what_is_installed() -> None:
     code = "; ".join(
         (

@@ -508,6 +508,7 @@ def comet() -> vo.System:
     return vo.System(name="comet", fibration=vo.Fibration((x, phi), ()), lagrangian=energy)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("method", "tol"), [("scipy", 1e-9), ("lsoda", 1e-9), ("heyoka", 1e-16), ("flint", 1e-20)]
 )
@@ -527,6 +528,7 @@ def siren(rate: sp.Expr, *parameters: sp.Symbol) -> vo.System:
     )  # fmt: skip
 
 
+@pytest.mark.slow
 @both
 def test_a_run_that_never_ends_is_ended(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """x'' = sin(phi) while phi grows as e^t: steps grow shorter as fast, to t = 100 there are

@@ -405,3 +405,21 @@ def test_a_motion_without_a_number_has_no_drift():
     )  # fmt: skip
     found = vo.ensemble(light, {x: [0.5], xdot: 0}, {w: 1e-300}, times=[0, 1])
     assert set(found.errors) == {0} and np.isnan(found.drift["energy"]).all()
+
+
+def test_starts_that_ask_for_boundless_speeds_are_refused_beside_others() -> None:
+    pytest.importorskip("heyoka")
+    x, y, phi = sp.symbols("x y phi")
+    dx, dy, turn = map(vo.velocity, (x, y, phi))
+    blade = vo.System(
+        name="blade",
+        fibration=vo.Fibration(base=(x, phi), fibre=(y,)),
+        lagrangian=(dx**2 + dy**2 + turn**2) / 2,
+        constraints=(dx * sp.sin(phi) - dy * sp.cos(phi),),
+    )
+    given = {dx: 1, turn: 0.3}  # along the blade: dy = dx tan(phi)
+    starts = [{phi: 0.5, **given}, {phi: np.pi / 2 + 1e-10, **given}]
+    found = vo.ensemble(blade, starts=starts, times=[0, 1], method="heyoka")
+    assert [*found.errors] == [1] and "almost no frame" in str(found.errors[1])
+    aside = (np.cos(0.5) - np.cos(0.8)) / (0.3 * np.cos(0.5))  # at a constant speed on a circle
+    assert found["y"][0, -1] == pytest.approx(aside, abs=1e-11) and found.cost.steps < 100

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib.util import find_spec
+from shutil import which
 from typing import Any
 
 import mpmath
@@ -19,6 +20,7 @@ from voronec.motion.steppers.step_loop import Stride, crossings, root
 pytestmark = pytest.mark.slow
 
 DOUBLES = ("scipy", "lsoda", *(["heyoka"] if find_spec("heyoka") else []))
+COMPILED = ("python", *(["numba"] if find_spec("numba") else []), *(["c"] if which("cc") else []))
 doubles = pytest.mark.parametrize("method", DOUBLES)
 every = pytest.mark.parametrize("method", [*DOUBLES, "flint"])
 
@@ -170,7 +172,7 @@ def test_a_collapse_keeps_the_trajectory(method: str) -> None:
 REGULAR = {x: -(Dx**2) / 2 - (1 - x) * x}
 
 
-@every
+@pytest.mark.parametrize("method", [*DOUBLES, "flint", *COMPILED])
 def test_a_mass_that_vanishes_on_the_way_is_named_where_it_is_stepped_over(method: str) -> None:
     # the force makes the motion x = 2 sin t regular where the mass 1 - x changes its sign
     system = falling(0, inertia=1 - x, forces=REGULAR)
@@ -178,6 +180,16 @@ def test_a_mass_that_vanishes_on_the_way_is_named_where_it_is_stepped_over(metho
         vo.integrate(system, times=[0.0, 0.5, 1.5], initial={x: 0, Dx: 2}, method=method)
     assert 0.5 <= float(caught.value.time) <= np.pi / 6
     assert close(caught.value.trajectory.t, [0, 0.5])
+
+
+@pytest.mark.parametrize("method", COMPILED)
+def test_loops_that_look_at_few_steps_end_at_the_last_before_a_singular_mass(method: str) -> None:
+    system, ends = falling(0, inertia=1 - x, forces=REGULAR), []
+    for each in ("scipy", method):
+        with pytest.raises(vo.IntegrationError) as caught:
+            vo.integrate(system, times=[0, 0.01, 1.5], initial={x: 0, Dx: 2}, method=each, tol=1e-9)
+        ends.append(float(caught.value.time))
+    assert ends[1] == pytest.approx(ends[0], abs=1e-5)
 
 
 def test_what_happened_beyond_a_singular_mass_is_not_told() -> None:

@@ -79,6 +79,7 @@ def test_dense_output_and_events_of_what_grows(beside: vo.VoronecEquations) -> N
     assert np.abs(run.events["half"].t - truth).max() < 1e-13
 
 
+@pytest.mark.slow
 def test_a_path_that_nothing_depends_on() -> None:
     """z'' = x: a quadrature in a tiny unit, whose rate grows."""
     made = repelling(
@@ -145,6 +146,7 @@ def test_an_input_between_pieces_of_the_growth() -> None:
     assert errors(GRIDS["grid"], run["x"], run["y"]) < 1e-12
 
 
+@pytest.mark.slow
 def test_ensembles_of_what_grows(beside: vo.VoronecEquations) -> None:
     few, ordinary = np.array([1e-9, 1e-12, 1.0, 3e-8, 1e-10]), np.array([1.0, 1e-3, 2.0])
     for sizes, times in product((few, ordinary), GRIDS.values()):
@@ -154,6 +156,7 @@ def test_ensembles_of_what_grows(beside: vo.VoronecEquations) -> None:
         assert max(worst) < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sizes", [(1e-9, 1e-12, 3e-8), (1.0, 1e-3, 2.0)], ids=["tiny", "ordinary"])
 def test_a_section_of_what_grows(beside: vo.VoronecEquations, sizes: tuple[float, ...]) -> None:
     points = vo.section(
@@ -201,6 +204,7 @@ def test_growth_through_charts() -> None:
     assert errors(GRIDS["grid"], run["x"], run["y"]) < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("many", [False, True])
 def test_what_is_large_and_dies_away(many: bool) -> None:
     """x = a exp(-t/2) cos wt beside y = cos t + sin t: small against its first unit, it has all
@@ -240,6 +244,7 @@ def test_growth_stopped_by_hand(
     assert errors(run.t, run["x"], run["y"]) < 1e-12
 
 
+@pytest.mark.slow
 def test_growth_without_end() -> None:
     """x'' = 6 x^2 beside a slow oscillator: 1/(T - t)^2 is infinite at T, and so it is told."""
     made = repelling(lagrangian=(DX**2 + DY**2) / 2 + 2 * x**3 - y**2)

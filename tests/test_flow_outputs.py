@@ -173,7 +173,7 @@ def test_a_quantity_of_the_system_comes_before_a_group_of_its_name() -> None:
     )
     wanted = Vocabulary.of(vo.derive(system)).read_outputs(("configuration", "energy", v))
     assert wanted.names == ("configuration", "energy", "v") and not wanted.reactions
-    assert wanted.given["configuration"] == sp.Symbol("configuration")
+    assert wanted.terms["configuration"] == sp.Symbol("configuration")
     assert str(wanted.expressions["configuration"]) == "sin(phi)"
 
 
@@ -181,8 +181,8 @@ def test_wanted_keeps_order_and_says_what_each_is() -> None:
     wanted = Vocabulary.of(vo.derive(sleigh())).read_outputs((phi, "reaction 1", x * v, "phi"))
     assert wanted.names == ("phi", "reaction 1", "v*x")
     assert dict(wanted.reactions) == {"reaction 1": 0}
-    assert set(wanted.expressions) == {"phi", "v*x"} == set(wanted.given)
-    assert wanted.given["v*x"] == x * v
+    assert set(wanted.expressions) == {"phi", "v*x"} == set(wanted.terms)
+    assert wanted.terms["v*x"] == x * v
     everything = Vocabulary.of(vo.derive(sleigh())).read_outputs(())
     assert everything.names == ("x", "phi", "y", "v", "w")
 

@@ -254,6 +254,7 @@ def test_a_start_at_the_origin_with_speeds_that_stay_is_no_division_by_zero() ->
         assert run["x"][-1] == pytest.approx(2.0, rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [pytest.param("scipy", marks=pytest.mark.slow), "closed-form"])
 def test_a_start_that_is_kept_is_nobody_elses(method: str) -> None:
     """Between two calls from one start come others, with other values, kinds of numbers, instants

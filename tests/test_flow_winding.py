@@ -9,7 +9,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.equations.program import Block
-from voronec.motion.steppers.units import TurnCount, _angles
+from voronec.motion.steppers.units import TurnCount, angles_among
 
 pytestmark = pytest.mark.slow
 
@@ -46,9 +46,9 @@ def test_angles_are_what_occurs_in_whole_multiples_under_sines(
     assignments: tuple[tuple[se.Expr, se.Expr], ...], results: tuple[se.Expr, ...],
     turning: set[se.Expr],
 ) -> None:  # fmt: skip
-    assert _angles([Block(assignments, results)], [a, b, v]) & {a, b} >= turning
-    assert not (_angles([Block(assignments, results)], [a, b, v]) - turning - {b} - {v})
-    assert v not in _angles([Block(assignments, results)], [a, b, v])
+    state = a, b, v
+    found = {state[i] for i in angles_among(state, (Block(assignments, results),))}
+    assert turning <= found <= turning | {b}
 
 
 def test_an_angle_of_ten_million_radians_costs_the_others_nothing() -> None:

@@ -80,13 +80,13 @@ def test_an_answer_that_is_off_is_wrong_and_a_right_one_is_right(monkeypatch):
     announced = []
     judged = scene.Workshop(1, "sleigh").judge("smooth", 1, lambda *about: announced.append(about))
     assert judged[:2] == ("sleigh", "right") and announced == [(judged[0], judged[3])]
-    asked, said = scene._ask, []
+    asked, said = scene.answer_of, []
 
     def off(*about):
         columns, notes = asked(*about)
         return {n: column + 1e-6 for n, column in columns.items()}, (*notes, *said)
 
-    monkeypatch.setattr(scene, "_ask", off)
+    monkeypatch.setattr(scene, "answer_of", off)
     assert scene.Workshop(1, "sleigh").judge("smooth", 1, print)[1] == "wrong"
     said.append("lsoda took 65563 steps, whose errors add up, to 7e-09")
     assert scene.Workshop(1, "sleigh").judge("smooth", 1, print)[1] == "wrong, and said so"

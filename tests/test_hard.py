@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,11 +13,19 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.accuracy.hard import CASES, QUICK, HardCase, compute, every_case, reference
+from voronec.accuracy.hard import (
+    CASES,
+    QUICK,
+    HardCase,
+    compute,
+    every_case,
+    named_cases,
+    reference,
+)
 from voronec.accuracy.hard.case_program import problem
 from voronec.accuracy.hard.conditioning import UNIT, reel
 from voronec.accuracy.hard.page import cells, page, tally
-from voronec.accuracy.hard.reference import HardReference, _stored_references, perturb, slopes
+from voronec.accuracy.hard.reference import STORE, HardReference, perturb, slopes
 from voronec.accuracy.hard.trial import TOLERANCES, attempt, judge, trials
 
 pytestmark = pytest.mark.slow
@@ -59,7 +68,7 @@ def test_names_are_unique_and_the_quick_ones_exist() -> None:
 
 
 def test_every_case_has_the_reference_of_its_own_declaration() -> None:
-    kept = _stored_references()
+    kept = json.loads(STORE.read_text("utf-8"))
     assert {*kept} == {case.name for case in CASES if case.level}
     for case in CASES:
         if case.level:
@@ -137,6 +146,13 @@ def test_counted_periods_are_the_whole_motion() -> None:
     assert folded.agreed < 1e-15
     ratio = folded.condition["x"][1:] / whole.condition["x"][1:]
     assert (ratio > 0.5).all() and (ratio < 2).all()
+
+
+def test_a_closed_form_and_heyoka_are_compared_in_many_digits() -> None:
+    pytest.importorskip("heyoka")
+    (case,) = named_cases(["no-gyroscope"], CASES)
+    found = compute(case)
+    assert "closed form" in found.made and found.agreed < 1e-15
 
 
 def test_a_motion_without_a_period_is_refused() -> None:

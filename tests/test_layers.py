@@ -1,13 +1,20 @@
-"""Who may import whom, and what is packaged: pyproject.toml says so, and a breach is noticed."""
+"""Who may import whom, and what is packaged: pyproject.toml says so, and a breach is noticed.
+
+Tests reach public names alone.
+"""
 
 from __future__ import annotations
 
+import ast
+import re
 import shutil
 import subprocess
 import sys
 import tomllib
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+import pytest
 from tool_modules import tool
 
 ROOT = Path(__file__).parents[1]
@@ -43,6 +50,7 @@ def test_a_breach_is_noticed(tmp_path: Path) -> None:
     assert "Contracts: 0 kept, 5 broken." in answer.stdout
 
 
+@pytest.mark.slow
 def test_modules_import_one_another_in_no_circle() -> None:
     house = tool("measure_house")
     graph = house.imports()
@@ -59,3 +67,51 @@ def test_every_folder_of_code_is_packaged() -> None:
         for init in folder.rglob("__init__.py"):
             found.add(".".join([name, *init.parent.relative_to(folder).parts]))
     assert found == set(setup["packages"])
+
+
+PRIVATE = re.compile(r"(?:def |class |^ *|self[.])(_[A-Za-z]\w*)(?<!_)\b", re.MULTILINE)
+"""Where private names are defined; `_repr_html_` and its like are protocols of others."""
+
+
+def private_names(paths: Iterable[Path]) -> set[str]:
+    return {name for path in paths for name in PRIVATE.findall(path.read_text("utf-8"))}
+
+
+def reaches(text: str, names: set[str]) -> Iterator[str]:
+    """Those of private names that a test imports, asks of an object, or writes as a string; it may
+    ask for what its own classes define."""
+    module, own = ast.parse(text), set(re.findall(r"self[.](_\w+) =|^ +def (_\w+)", text, re.M))
+    for node in ast.walk(module):
+        found: list[str] = []
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("voronec."):
+            found = [*node.module.split("."), *(alias.name for alias in node.names)]
+        elif isinstance(node, ast.Attribute) and not any(node.attr in pair for pair in own):
+            found = [node.attr]
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            found = [node.value.rpartition(".")[2]]
+        yield from (name for name in found if name in names)
+
+
+def test_tests_reach_no_private_name_of_the_house() -> None:
+    folders = [ROOT / folder for folder in ("voronec", "systems", "tools")]
+    names = private_names(p for folder in folders for p in folder.rglob("*.py"))
+    texts = {p.name: p.read_text("utf-8") for p in sorted((ROOT / "tests").rglob("*.py"))}
+    assert len(names) > 1000
+    assert [(n, *found) for n, text in texts.items() if (found := {*reaches(text, names)})] == []
+
+
+@pytest.mark.parametrize(
+    ("text", "count"),
+    [
+        ("from voronec.motion import _heap", 1),
+        ("from voronec._heap import heap", 1),
+        ("import voronec.motion as motion\nmotion._heap.clear()", 1),
+        ("monkeypatch.setattr(motion, '_heap', {})", 1),
+        ("monkeypatch.setattr('voronec.motion._heap', {})", 1),
+        ("def _heap(): return motion._heap\n_heap()", 1),
+        ("class Own:\n    def __init__(self):\n        self._heap = {}\nOwn()._heap", 0),
+        ("pair._replace(a=1), system._repr_html_(), os._exit(1)", 0),
+    ],
+)
+def test_a_reach_for_a_private_name_is_found(text: str, count: int) -> None:
+    assert [*reaches(text, {"_heap"})] == ["_heap"] * count

@@ -14,7 +14,7 @@ from command_line import refused
 from sympy.physics.mechanics import dynamicsymbols
 
 import voronec as vo
-from voronec.audit.lessons.lesson import LessonStep, _Work
+from voronec.audit.lessons.lesson import LessonStep, LessonWork
 from voronec.cli import main
 
 told = cache(lambda name: vo.lesson(vo.load(name)))
@@ -81,7 +81,7 @@ def test_equations_in_functions_of_time_are_judged(
 
 def test_a_wrong_step_is_found() -> None:
     """Without the curvature the terms do not add up, and the check says so."""
-    work = _Work(vo.derive(vo.load("sleigh")))
+    work = LessonWork(vo.derive(vo.load("sleigh")))
     work.turned = [term * 0 for term in work.turned]
     assert any(sp.sympify(difference) != 0 for _, difference in work.differences())
 

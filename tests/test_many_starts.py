@@ -59,7 +59,7 @@ def test_what_does_not_fit_is_left_over():
     program = motion_pool.Program.of(equations.form)
     own = {k: np.full(3, x) for k, x in parameter_values(vocabulary, {}, set()).items()}
     values = np.stack([own[str(p)] for p in program.parameters], axis=-1)
-    rates = partial(motion_pool._rates_of_many, compile_program(program)[0], values, 0.0)
+    rates = partial(motion_pool.rates_in_arrays, compile_program(program)[0], values, 0.0)
 
     def read(starts):
         return initial_conditions.starts_in_arrays(vocabulary, {}, starts, own, rates)

@@ -152,6 +152,7 @@ def test_the_form_has_the_shapes_that_kanes_method_has() -> None:
     assert form.coordinates == [*kane.q] and form.speeds == [*kane.u]
 
 
+@pytest.mark.slow
 def test_the_program_is_solved_for_the_rates_where_that_is_shorter() -> None:
     eqs = vo.derive(vo.from_mechanics(models.rolling_disc()))
     assert eqs.program.operations < Program.of(eqs.form).operations

@@ -12,7 +12,7 @@ import sympy as sp
 from tool_modules import tool
 
 import voronec as vo
-from voronec.audit.lessons.methods import METHODS, MethodComparison, MethodEquations, _compare_sides
+from voronec.audit.lessons.methods import METHODS, MethodComparison, MethodEquations, compare_sides
 from voronec.cli import main
 
 PROBLEMS = ("sleigh", "vertical-disc", "two-wheeled-carriage", "snakeboard", "chaplygin-ball")
@@ -126,7 +126,7 @@ def test_a_method_with_a_fault_is_refuted(k: int) -> None:
     found = solved("sleigh")
     good = found.methods[k]
     bad = replace(good, residuals=(*good.residuals[:-1], good.residuals[-1] + found.problem.v[0]))
-    assert _compare_sides(found.problem, found.methods[k - 1], bad).verdict.refuted
+    assert compare_sides(found.problem, found.methods[k - 1], bad).verdict.refuted
 
 
 def test_forces_and_time_and_no_constraint() -> None:

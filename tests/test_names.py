@@ -1,5 +1,5 @@
-"""Functions, classes, constants and files, tools included, are named by nouns for values and verbs
-for work, no participles."""
+"""Functions, classes, constants and files of the package, the systems and the tools are named by
+nouns for values and verbs for work, no participles."""
 
 import ast
 import re
@@ -13,7 +13,7 @@ import pytest
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).resolve().parents[1]
-PACKAGE, TOOLS = ROOT / "voronec", ROOT / "tools"
+PACKAGE, TOOLS, SYSTEMS = ROOT / "voronec", ROOT / "tools", ROOT / "systems"
 TRAILING = set("about at back by down from in of off on out over through to under up with".split())
 IRREGULAR = set(
     "begun bent broken brought built chosen done drawn driven felt found frozen given gone "
@@ -35,7 +35,7 @@ WORDS_OF_THE_PUBLIC = {
     # attributes and methods that the documentation shows: verdicts, what a family declares
     "Corrected", "Enclosed", "Measured", "Quoted",
     "admitted", "conserved", "declared", "exhausted", "forcing", "passed", "printed", "proved",
-    "left", "refuted", "seen", "solved", "standing", "undecided",
+    "left", "refuted", "solved", "standing", "undecided",
 }  # fmt: skip
 
 
@@ -64,9 +64,9 @@ def definitions(node: ast.AST) -> Iterator[ast.FunctionDef | ast.AsyncFunctionDe
             yield from definitions(inner)
 
 
-def _constants(module: ast.Module) -> Iterator[str]:
-    """Names that a module assigns at its top."""
-    for node in module.body:
+def _assigned(body: list[ast.stmt]) -> Iterator[str]:
+    """Constants of a module, fields of a class."""
+    for node in body:
         targets = node.targets if isinstance(node, ast.Assign) else []
         targets = [node.target] if isinstance(node, ast.AnnAssign) else targets
         for target in targets:
@@ -74,17 +74,20 @@ def _constants(module: ast.Module) -> Iterator[str]:
 
 
 @cache
-def names(folder: Path) -> list[tuple[str, str, bool]]:
-    """(file, name, whether a class has it) of every file, function, class and constant of a folder,
-    but for names that are Python's own.  No tree is kept: millions of nodes would be searched for
-    garbage in all tests that follow."""
+def names(folder: Path) -> list[tuple[str, str, str]]:
+    """(file, name, kind) of every file, function, class, field and constant of a folder, but for
+    names that are Python's own.  No tree is kept: millions of nodes would be searched for garbage
+    in all tests that follow."""
     found = []
     for path in sorted(folder.rglob("*.py")):
         module = ast.parse(path.read_text("utf-8"))
-        own = [(node.name, isinstance(node, ast.ClassDef)) for node in definitions(module)]
-        own += [(name, False) for name in (path.stem, *_constants(module))]
-        place = str(path.relative_to(folder))
-        found += [(place, n, is_class) for n, is_class in own if not re.fullmatch("__.*__", n)]
+        nodes = [*definitions(module)]
+        classes = [node for node in nodes if isinstance(node, ast.ClassDef)]
+        own = [(node.name, "class" if node in classes else "function") for node in nodes]
+        own += [(name, "field") for node in classes for name in _assigned(node.body)]
+        own += [(name, "value") for name in (path.stem, *_assigned(module.body))]
+        place = path.relative_to(folder).as_posix()
+        found += [(place, n, kind) for n, kind in own if not re.fullmatch("__.*__", n)]
     return found
 
 
@@ -102,16 +105,26 @@ def test_nouns_and_verbs_are_none(name):
     assert participle(name) is None
 
 
-@pytest.mark.parametrize("folder", [PACKAGE, TOOLS], ids=lambda folder: folder.name)
+def test_no_field_is_a_bare_participle():
+    """But for premises of studies and checks, which users pass by keyword."""
+    found = {(file, name) for file, name, kind in names(PACKAGE) if kind == "field"}
+    assert {one for one in found if one[1] in BANNED} <= {
+        ("audit/study.py", "given"),
+        ("audit/display.py", "given"),
+        ("motion/steppers/heyoka_stepper.py", "given"),
+    }
+
+
+@pytest.mark.parametrize("folder", [PACKAGE, TOOLS, SYSTEMS], ids=lambda folder: folder.name)
 def test_nothing_is_named_by_a_participle(folder):
-    found = [(file, name) for file, name, _ in names(folder) if participle(name)]
+    found = [(file, n) for file, n, kind in names(folder) if kind != "field" and participle(n)]
     assert [one for one in found if one[1] not in WORDS_OF_THE_PUBLIC] == []
 
 
 def test_a_class_has_its_name_for_itself():
     """But for the sections of a paper and of motions, both of which users hold, and for parts of a
     formula, which messages call by the names of their classes."""
-    counts = Counter(name for _, name, is_class in names(PACKAGE) if is_class)
+    counts = Counter(name for _, name, kind in names(PACKAGE) if kind == "class")
     assert {name for name, count in counts.items() if count > 1} == {
         "Elementary",
         "Integral",

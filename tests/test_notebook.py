@@ -60,6 +60,7 @@ def test_every_result_is_short(results: dict[str, Any]) -> None:
         assert getattr(own, "name", own) in repr(result)
 
 
+@pytest.mark.slow
 def test_formulas_of_a_notebook_are_those_of_the_system(results: dict[str, Any]) -> None:
     table = results["system"]._repr_html_()
     assert r"\dot{\phi}" in table and "centre of mass" in table and "<script" not in table
@@ -155,6 +156,7 @@ def _same(one: Any, other: Any) -> None:
         assert repr(one) == repr(other)
 
 
+@pytest.mark.slow
 def test_results_are_pickled_and_copied(results: dict[str, Any]) -> None:
     for result in results.values():
         _same(pickle.loads(pickle.dumps(result)), result)

@@ -195,5 +195,5 @@ def test_every_kind_of_premise_of_a_system_is_changed():
 def test_before_any_change_each_system_is_derived_as_it_is():
     seen = {}
     outside, inside = vo.load("demchenko"), replace(vo.load("demchenko"), constraints=())
-    noted = [tool("papers.premises")._note(seen, system) for system in (outside, inside)]
+    noted = [tool("papers.premises").note_system(seen, system) for system in (outside, inside)]
     assert noted == [outside, inside] and outside != inside and seen == {"demchenko": outside}

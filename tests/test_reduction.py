@@ -107,9 +107,12 @@ def test_lagranges_top_keeps_its_spin():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [n for n in vo.names() if vo.load(n).invariants])
+@pytest.mark.parametrize("name", vo.names())
 def test_every_declared_descent_is_one(name):
-    check_descent(vo.load(name))
+    system = vo.load(name)
+    if not system.invariants:
+        pytest.skip("it declares no invariants")
+    check_descent(system)
 
 
 @pytest.mark.parametrize("chart", ["euler zyx", "quaternion"])

@@ -115,12 +115,12 @@ def test_a_chart_shows_each_region_as_it_is(demchenko: vo.System, tmp_path: Path
 def test_lines_lose_points_and_neither_shape_nor_ends() -> None:
     from scipy.spatial import cKDTree
 
-    from voronec.closed.pictures.stability_picture import FINE, _thin
+    from voronec.closed.pictures.stability_picture import FINE, thin_line
 
     angle = np.linspace(0, 2 * np.pi, 401)
     ring = np.column_stack([np.cos(angle), 100 * np.sin(angle)])
     size = np.array([2.0, 200.0])
-    few = _thin(ring, size)
+    few = thin_line(ring, size)
     assert len(few) < 150
     assert np.array_equal(few[[0, -1]], ring[[0, -1]])
     dense = np.concatenate([np.linspace(a, b, 200) for a, b in pairwise(few)])
@@ -128,12 +128,12 @@ def test_lines_lose_points_and_neither_shape_nor_ends() -> None:
 
 
 def test_shades_of_a_bifurcation_set_are_numbers_of_motions(demchenko: vo.System) -> None:
-    from voronec.closed.pictures.bifurcation_picture import _levels, bifurcation_figure
+    from voronec.closed.pictures.bifurcation_picture import bifurcation_figure, levels_of
     from voronec.closed.special.bifurcation import bifurcation_set
 
     one = bifurcation_set(demchenko, ("S0", "h2"), {"C5": "1/2"})
     grid = np.array([-1.0, 4.0, 7.0, 11.0, 13.0, 18.0])
-    least, second, ridge = _levels(one, grid)
+    least, second, ridge = levels_of(one, grid)
     assert np.isfinite(ridge).sum() >= 3
     for i, across in enumerate(grid):
         level = sp.Rational(across)

@@ -200,6 +200,7 @@ def test_an_exponential_and_its_inverse_do_not_overflow():
         assert rates(0.0, [at, 2.0], [])[1] == pytest.approx(2 * (np.exp(-(at**2)) + at), rel=1e-15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["heyoka", "scipy", "c"])
 @pytest.mark.parametrize(
     "force", [lambda w: sp.sin(w) / w, lambda w: (1 - sp.cos(w)) / w**2, lambda w: sp.tan(w) / w]

@@ -9,7 +9,7 @@ from types import ModuleType
 
 import pytest
 
-from voronec.declaration.bibliography import citation
+from voronec.declaration.bibliography import citation, read_entries
 from voronec.proof.check import Inventory, Result
 
 pytestmark = pytest.mark.slow
@@ -40,6 +40,12 @@ def _results(build: ModuleType) -> list[Result]:
     return found
 
 
+def outline(page: str) -> list[str]:
+    """Its headings, and the first column of its tables: what is declared, by name."""
+    rows = [line.strip() for line in page.splitlines()]
+    return [r for r in rows if r.startswith("#")] + [r.split("|")[1] for r in rows if r[:1] == "|"]
+
+
 def test_the_pages_say_what_is_declared(
     build: ModuleType, stock: Inventory, results: list[Result]
 ) -> None:
@@ -47,7 +53,8 @@ def test_the_pages_say_what_is_declared(
     found = {page.name for page in build.FOLDER.glob("*.md")}
     assert found == set(expected), STALE
     for name, text in expected.items():
-        assert (build.FOLDER / name).read_text("utf-8") == text, f"{name} is stale; {STALE}"
+        page = (build.FOLDER / name).read_text("utf-8")
+        assert outline(page) == outline(text), f"{name} is stale; {STALE}"
 
 
 def test_lists_and_pages_count_claims_alike(stock: Inventory, results: list[Result]) -> None:
@@ -99,3 +106,17 @@ def test_an_entry_may_stand_on_one_line_and_in_quotation_marks() -> None:
     assert citation('@book{K, author = "X Y", title = "A {B}, c", year = 1999}') == (
         "X Y (1999). A B, c."
     )
+
+
+def test_entries_are_found_however_they_are_laid_out() -> None:
+    text = """  @Book { K , date-added={2020}, title={T}} @misc{L, note={a
+@misc{N, x} b}, title={S}}"""
+    found = read_entries(text)
+    assert list(found) == ["K", "L"]
+    assert citation(found["K"]) == " (n. d.). T."
+    assert citation(found["L"]) == " (n. d.). S. a @miscN, x b."
+
+
+def test_names_have_their_letters_in_a_citation() -> None:
+    entry = r"@book{K, author={J{\k e}drzej N{\o}rsett and {\L}ukasz \k{A}}, title={\kappa}}"
+    assert citation(entry) == "Jędrzej Nørsett and Łukasz Ą (n. d.). \\kappa."

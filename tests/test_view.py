@@ -60,6 +60,7 @@ def test_all_that_lies_in_space_has_a_shape() -> None:
     assert {*vo.names()} - {*SHOWN} == SHAPELESS
 
 
+@pytest.mark.slow
 @needs_node
 @every
 def test_rates_places_and_integrals_are_those_of_python(name: str) -> None:
@@ -77,6 +78,7 @@ def test_rates_places_and_integrals_are_those_of_python(name: str) -> None:
         np.testing.assert_allclose(row, ours, rtol=1e-12, atol=1e-12)
 
 
+@pytest.mark.slow
 @needs_node
 @pytest.mark.parametrize("name", SHAPED)
 def test_the_page_integrates_as_python_does(name: str) -> None:

@@ -122,14 +122,16 @@ def turning_point(
 
 
 around = (R1 < 0) & (-R1 < R2)  # a shell around the sphere
-filled = "a ball has its mass within R2, so 3 A <= 2 M R2^2 (for a shell, R1 < 0 and |R1| < R2)"
-hollow = (
+ball_condition = (
+    "a ball has its mass within R2, so 3 A <= 2 M R2^2 (for a shell, R1 < 0 and |R1| < R2)"
+)
+shell_condition = (
     "a shell around the sphere (R1 < 0, |R1| < R2) has its mass beyond R2, so 2 A >= M R2^2 "
     "(inside the sphere rolls a ball with R2 < |R1|)"
 )
 possible = {
-    filled: around | (3 * A <= 2 * M * R2**2),
-    hollow: sp.Not(around) | (2 * A >= M * R2**2),
+    ball_condition: around | (3 * A <= 2 * M * R2**2),
+    shell_condition: sp.Not(around) | (2 * A >= M * R2**2),
 }
 
 SYSTEM = System(
@@ -206,21 +208,21 @@ SYSTEM = System(
 
 # Along the ball's principal axes: the angular velocity, and gamma, minus the ball's own normal.
 h = sp.Symbol("h")
-turning = {f"omega{i + 1}": e for i, e in enumerate(contact.body.frame * sp.Matrix([s, tau, n]))}
+ball_spin = {f"omega{i + 1}": e for i, e in enumerate(contact.body.frame * sp.Matrix([s, tau, n]))}
 normal = {f"gamma{i + 1}": -e for i, e in enumerate(contact.body.frame[:, 2])}
 place = {q: q for q in contact.coordinates}
 RELATIONS = (
     Relation(
         "demchenko",
         "symmetric-gyroscopic-ball-on-sphere",
-        state={**place, **turning},
+        state={**place, **ball_spin},
         parameters={R1: R1, R2: R2, "m": M, A: A, "C": A, k: k},
         note="Zhukovsky's condition",
     ),
     Relation(
         "demchenko",
         "homogeneous-ball-on-sphere",
-        state={**place, **turning},
+        state={**place, **ball_spin},
         parameters={R1: R1, R2: R2, "m": M, A: A},
         limit=Limit(h, {k: h}),
         note="the gyroscope is taken away",
@@ -228,7 +230,7 @@ RELATIONS = (
     Relation(
         "demchenko",
         "zhukovsky-ball",
-        state={**normal, **turning},
+        state={**normal, **ball_spin},
         parameters={"R": R2, "m": M, A: A, k: k},
         limit=Limit(h, {R1: 1 / h}),
         note="the sphere becomes a plane",

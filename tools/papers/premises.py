@@ -31,7 +31,7 @@ from voronec.audit.transcript import formulas_by_label
 from voronec.declaration.catalogue import load_paper
 from voronec.errors import VoronecError
 
-__all__ = ["Premise", "main", "premises"]
+__all__ = ["Premise", "main", "note_system", "premises"]
 
 NOTHING = ("nothing is claimed", "defined in words", "a condition")
 """How the method of a record begins that was compared with nothing."""
@@ -77,7 +77,7 @@ def main() -> int:
     begun, wrong = time.process_time(), 0
     for k in _sections(chosen):
         seen: dict[str, vo.System] = {}
-        before = _audit(chosen.paper, k, partial(_note, seen))
+        before = _audit(chosen.paper, k, partial(note_system, seen))
         print(f"section {k}: {len(before)} records, derived from {', '.join(seen) or 'no system'}")
         for name, system in seen.items():
             rest = {r for r, told in before.items() if told.good and told.names(name)}
@@ -175,7 +175,7 @@ def _velocities(system: vo.System) -> Iterator[Change]:
         yield f"{name} doubled in its definition", {"frame": vo.Frame.quasi(pairs)}
 
 
-def _note(seen: dict[str, vo.System], system: vo.System) -> vo.System:
+def note_system(seen: dict[str, vo.System], system: vo.System) -> vo.System:
     """The system as it is; the first one of each name stands for those that share it."""
     seen.setdefault(system.name, system)
     return system

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -55,16 +55,16 @@ class Fault:
 
 @dataclass(frozen=True)
 class _Spy(Transcript):
-    """A transcript that takes note of what is read in it; "" stands for everything."""
+    """A transcript that tells what is read in it; "" stands for everything."""
 
-    seen: set[str] = field(default_factory=set)
+    tell: Callable[[str], None] = field(kw_only=True)
 
     def formulas(self) -> Iterator[Formula]:
-        self.seen.add("")
+        self.tell("")
         return super().formulas()
 
     def with_label(self, label: str) -> Formula:
-        self.seen.add(label)
+        self.tell(label)
         return Transcript(self.section).formula_labelled_as(label)
 
 
@@ -85,8 +85,8 @@ class Page:
 
     @cached_property
     def _spy(self) -> tuple[Mapping[str, Study], set[str]]:
-        spy = _Spy(self.source)
-        return self.source.studies(spy), spy.seen
+        read = set[str]()
+        return self.source.studies(_Spy(self.source, tell=read.add)), read
 
     @cached_property
     def section(self) -> Section:

@@ -17,7 +17,7 @@ import voronec as vo
 from scenes.mechanics import KINDS_OF_MECHANICS, Case, source_of
 from scenes.reference import Motion, NoReferee, Referee, mechanics_of
 
-__all__ = ["KINDS", "Workshop", "catalogue_names"]
+__all__ = ["KINDS", "Workshop", "answer_of", "catalogue_names"]
 
 KINDS = ("smooth", "singular", "nonsmooth", "inputs", "turns")
 BLOCK = 5
@@ -289,7 +289,7 @@ def _judge(bench: _Bench, scene: Scene, kind: str) -> tuple[str, str]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            answer, notes = _ask(bench, scene)
+            answer, notes = answer_of(bench, scene)
     except vo.VoronecError as refusal:
         error = refusal
     except Exception as failure:
@@ -332,7 +332,7 @@ def _compare(scene: Scene, truth: Truth, answer: Mapping[str, Any]) -> tuple[str
     return ("wrong", said) if worst > 1 else ("right", said)
 
 
-def _ask(bench: _Bench, scene: Scene) -> tuple[dict[str, Any], tuple[str, ...]]:
+def answer_of(bench: _Bench, scene: Scene) -> tuple[dict[str, Any], tuple[str, ...]]:
     """What the engine answers: output -> values on the grid, and its notes."""
     common: dict[str, Any] = {"outputs": scene.outputs, "tol": scene.tol, "method": scene.method}
     names = scene.outputs or _everything(bench)

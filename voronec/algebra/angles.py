@@ -27,7 +27,7 @@ def holds_angles(exprs: Iterable[Any]) -> bool:
     return bool(atoms(exprs, se.atan2))
 
 
-@dataclass(frozen=True)
+@dataclass
 class Angles:
     """Rewrites expressions on which ``relations`` vanish.
 

@@ -131,7 +131,7 @@ def _factor(ring: Ring, above: Any, below: Any) -> Factorisation:
     return Factorisation(content, {h: k for h, k in powers.items() if k}, roots)
 
 
-@dataclass(frozen=True)
+@dataclass
 class _Halves:
     """A ring with free generators cos(a/2), sin(a/2) in the place of cos(a), sin(a)."""
 

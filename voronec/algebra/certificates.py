@@ -70,7 +70,7 @@ class Sign:
         return Sign(self.value * other.value, self.strict and other.strict, reason)
 
 
-@dataclass(frozen=True)
+@dataclass
 class Signs:
     """Signs of the polynomials of a ring; ``kinds`` has an entry for each generator.
 

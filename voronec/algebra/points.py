@@ -11,6 +11,7 @@ import flint
 import symengine as se
 
 from voronec.algebra.conditions import Domain, domain_of, split_hypotheses
+from voronec.algebra.precision import GENERIC
 from voronec.algebra.stand_ins import OriginShift
 from voronec.algebra.tape import Tape
 from voronec.errors import EngineLimit
@@ -24,7 +25,7 @@ SEEDS = 12
 
 
 def sample_point(
-    atoms: Sequence[Any], relations: Sequence[Any] = (), seed: int = 0, bits: int = 160
+    atoms: Sequence[Any], relations: Sequence[Any] = (), seed: int = 0, bits: int = GENERIC
 ) -> dict[Any, Any]:
     """Random values for atoms: rationals, and where relations bind them, balls around a solution.
 
@@ -256,7 +257,7 @@ def _enclose(square: Tape, free: dict[Any, Any], bound: list[Any], bits: int) ->
 def sample_evaluable(
     tape: Tape,
     relations: Sequence[Any] = (),
-    bits: int = 160,
+    bits: int = GENERIC,
     tries: int = SEEDS,
     first: int = 0,
     count: int = 3,

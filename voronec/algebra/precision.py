@@ -2,7 +2,8 @@
 
 Balls are rigorous: too few bits leave a question open and never answer it wrongly, so a level is
 what answers at once in nearly all cases.  What answers are printed with, what a user asks for, and
-where a search with more and more bits gives up stand where they are used.
+where a search with more and more bits gives up stand where they are used.  ``elliptic``, which
+knows nothing of algebra, has a first try and bits for its doubles of its own.
 """
 
 __all__ = ["BRACKETS", "FIRST", "GENERIC", "PROOF", "SHARP"]

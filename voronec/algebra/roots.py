@@ -54,7 +54,7 @@ class _Factors:
     others: dict[Any, int]
 
 
-@dataclass(frozen=True)
+@dataclass
 class Roots:
     """Takes roots, powers and logarithms apart in expressions over a ring."""
 

@@ -34,7 +34,7 @@ Weight = tuple[int, int]
 """m and k of exp(i (m phi + k psi))."""
 
 
-@dataclass(frozen=True)
+@dataclass
 class Rotations:
     """Rewrites functions of Euler angles in ``entries``, the matrix row by row, where they are
     regular at the poles; ``EngineLimit`` where they are not, or where that was not found.

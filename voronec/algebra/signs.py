@@ -20,6 +20,7 @@ import sympy as sp
 from voronec.algebra.arguments import SEVERAL, TEXT, accepts
 from voronec.algebra.certificates import Signs
 from voronec.algebra.door import Door
+from voronec.algebra.precision import GENERIC
 from voronec.algebra.ring import Ring
 from voronec.algebra.roots import ring_over
 from voronec.algebra.symbols import plain_name
@@ -55,7 +56,7 @@ class Inequality:
         tape = Tape([self.left, self.right])
         ties = _TIES if self.relation in ("<", ">", "!=") else 0
         for point in self._points(tape.atoms, roots):
-            left, right = tape.arb(point, 160)
+            left, right = tape.arb(point, GENERIC)
             if not (left.is_finite() and right.is_finite()):
                 continue
             if self.is_violated_by(left - right):

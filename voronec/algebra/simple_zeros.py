@@ -24,7 +24,7 @@ from voronec.algebra.groebner import groebner_basis
 from voronec.algebra.ring import Ring
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["compose_on_section", "has_simple_zeros"]
+__all__ = ["compose_on_section", "has_simple_zeros", "random_line"]
 
 _TRIES = 2
 """How many sections are tried: all but a set of measure zero serve."""
@@ -165,14 +165,14 @@ class _Section:
         gens, count = context.gens(), len(self.ring.meaning)
         free, straight = iter(gens), gens[len(roots) :]
         values = [
-            context.constant(_number(source)) if i in self.still else _line(straight, source)
+            context.constant(_number(source)) if i in self.still else random_line(straight, source)
             for i in range(count)
         ]
         for i in sorted(roots):
             values[i] = next(free)
         below: dict[int, Any] = {}
         for s, c in self.ring.angle_indices():
-            t, k = _line(straight, source), _number(source)
+            t, k = random_line(straight, source), _number(source)
             scale = (1 + k**2) * (1 + t**2)
             cosine, sine = (1 - k**2) * (1 - t**2), 2 * t * (1 - k**2)
             values[c] = cosine - 4 * k * t
@@ -194,7 +194,8 @@ def _top(poly: Any, weights: Sequence[int]) -> Any:
     return poly.context().from_dict(kept)
 
 
-def _line(gens: Sequence[Any], source: Random) -> Any:
+def random_line(gens: Sequence[Any], source: Random) -> Any:
+    """A polynomial of the first degree in the generators, with random rational coefficients."""
     total = gens[0] * _number(source)
     for g in gens[1:]:
         total = total + g * _number(source)

@@ -29,6 +29,7 @@ from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.generators import linear_terms
 from voronec.algebra.graphs import nodes
 from voronec.algebra.points import consistent, lift_point, sample_evaluable
+from voronec.algebra.precision import GENERIC
 from voronec.algebra.ring import Ring
 from voronec.algebra.roots import domain_conditions, ring_over
 from voronec.algebra.symbols import plain_name
@@ -353,7 +354,7 @@ MOST_POINTS = 600
 MOST_WALLS = 12
 FACTOR_WORK = 20_000
 """Term products for the factors of a wall; without them it is taken as it stands."""
-BITS, MORE_BITS = 160, 800
+BITS, MORE_BITS = GENERIC, 800
 KINDS = 12
 """How many kinds of points, by the signs of walls, are looked at with more digits."""
 BISECTIONS = 26

@@ -21,7 +21,7 @@ from voronec.audit.structure import bare_letter, integrand, says_nothing
 from voronec.audit.study import Range, Study, key_of
 from voronec.errors import EngineLimit
 
-__all__ = ["FormulaOutcome", "by_range", "verify"]
+__all__ = ["FormulaOutcome", "by_range", "omission", "verify"]
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def verify(chain: Chain, check: Check, study: Study) -> FormulaOutcome:
     """Compare a formula for all values of its free indices; the first failure decides."""
     if check.decide is not None:
         return by_range(study, check.within, check.decide)
-    unsaid = _unsaid(chain, study) if check.stationary else ""
+    unsaid = omission(chain, study) if check.stationary else ""
     if unsaid:
         return FormulaOutcome(Verdict("refuted", unsaid))
     finding = _compare_chain(chain, check, study)
@@ -169,7 +169,7 @@ def _are_equal(gap: tuple[Any, str, Any], study: Study) -> bool:
     return slack and prove_equal(left, right, study.relations).proved
 
 
-def _unsaid(chain: Chain, study: Study) -> str:
+def omission(chain: Chain, study: Study) -> str:
     """What an integral principle fails to say before any value is compared."""
     integral = next((p for p in chain.parts if isinstance(p, Integral)), None)
     if integral is None:

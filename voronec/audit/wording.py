@@ -356,13 +356,18 @@ def _own_name(chain: Chain) -> str:
 
 
 def _meanings(used: set[str], study: Study) -> Iterator[tuple[str, sp.Expr]]:
-    """Names in a formula that stand for expressions: the paper's own, and derived constants."""
+    """Names in a formula that stand for expressions: the paper's own, and derived constants; names
+    of vectors stand for none."""
     moving = set(study.motion.rates) | set(study.motion.constrained)
     for key, node in study.defined.items():
         if key in used and key not in study.table:
-            yield key, evaluate(node, study)
+            value = evaluate(node, study)
+            if not isinstance(value, sp.MatrixBase):
+                yield key, value
     for key, value in study.table.items():
         if key not in used or not isinstance(value, sp.Expr) or value.is_Atom:
+            continue
+        if isinstance(value, sp.MatrixBase):
             continue
         if not value.free_symbols & moving and sp.count_ops(value) < FOLDABLE:
             yield key, value

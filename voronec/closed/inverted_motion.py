@@ -28,7 +28,7 @@ from voronec.declaration.quadratures import Quadratures
 from voronec.declaration.system import System
 from voronec.errors import EngineLimit
 
-__all__ = ["InvertedMotion", "Turn", "turns_of"]
+__all__ = ["InvertedMotion", "Turn", "turn_of", "turns_of"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -241,10 +241,11 @@ def turns_of(form: InvertedMotion) -> dict[str, Turn]:
         if advances is None:
             return {}
         pairs = zip(form.quadratures.angles, advances, strict=False)
-        return {plain_name(q): _turn(a) for q, a in pairs}
+        return {plain_name(q): turn_of(a) for q, a in pairs}
 
 
-def _turn(advance: Any) -> Turn:
+def turn_of(advance: Any) -> Turn:
+    """The turn by an advance, a ball: a fraction of 2 pi where the ball is that to many digits."""
     fraction = _fraction(advance)
     if fraction is not None:  # the advance is that of the fraction, to the last bit of a double
         advance = 2 * ball(1).pi() * fraction.numerator / fraction.denominator

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from voronec.algebra.precision import FIRST
 from voronec.closed.arithmetic import Function, ball, compile_expressions, precise
 from voronec.closed.compiled_motion import CompiledMotion, reading_of
 from voronec.closed.fractions import ascending_coefficients
@@ -103,7 +104,7 @@ def _ratios(own: CompiledMotion) -> Sequence[Ratio]:
     return [Ratio.of(e.xreplace(dict(own.special)), own) for e in given]
 
 
-BITS = 64
+BITS = FIRST
 """Bits that a number must have before it is rounded to a double."""
 MOST = 1 << 13
 NOTHING = 2.0**-400

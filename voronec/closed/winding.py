@@ -93,7 +93,7 @@ class PolePassage(OpenDecision):
         self.time = float(time.mid())
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Winding:
     """The whole turns of the coordinates in space of one motion that is not upright."""
 

@@ -13,16 +13,18 @@ from voronec.errors import DefinitionError
 __all__ = ["bibtex", "citation", "read_entries"]
 
 FILE = "references.bib"
-_NAME = re.compile(r"[,\s]*(\w+)\s*=\s*")
-_ACCENT = re.compile(r"\\(?P<sign>['`^\"~uvcH=.])\s*\{?(?P<letter>\\?[A-Za-z])\}?")
+_NAME = re.compile(r"[,\s]*([\w-]+)\s*=\s*")
+_ACCENT = re.compile(r"\\(?P<sign>['`^\"~=.]|[uvcHk](?![A-Za-z]))\s*\{?(?P<letter>\\?[A-Za-z])\}?")
 _SIGNS = dict(
     zip(
-        "'`^\"~uvcH=.",
-        "\u0301\u0300\u0302\u0308\u0303\u0306\u030c\u0327\u030b\u0304\u0307",
+        "'`^\"~uvcHk=.",
+        "\u0301\u0300\u0302\u0308\u0303\u0306\u030c\u0327\u030b\u0328\u0304\u0307",
         strict=True,
     )
 )
-_START = re.compile(r"^@(\w+)\{([^,\s]+),", re.MULTILINE)
+_LETTER = re.compile(r"\\(o|O|l|L|ss|ae|AE|oe|OE|aa|AA)(?![A-Za-z])\s*")
+_LETTERS = dict(zip("o O l L ss ae AE oe OE aa AA".split(), "øØłŁßæÆœŒåÅ", strict=True))
+_START = re.compile(r"@(\w+)\s*\{\s*([^,\s{}]+)\s*,")
 
 
 def bibtex(keys: Iterable[str], folder: Path | None = None) -> dict[str, str]:
@@ -79,7 +81,7 @@ def _plain(value: str) -> str:
         letter = match["letter"].lstrip("\\")
         return unicodedata.normalize("NFC", letter + _SIGNS[match["sign"]])
 
-    text = _ACCENT.sub(accent, value)
+    text = _LETTER.sub(lambda match: _LETTERS[match[1]], _ACCENT.sub(accent, value))
     for mark, sign in (("--", "\u2013"), ("~", " "), ("\\&", "&"), ("{", ""), ("}", "")):
         text = text.replace(mark, sign)
     return " ".join(text.split())
@@ -87,8 +89,8 @@ def _plain(value: str) -> str:
 
 def read_entries(text: str) -> dict[str, str]:
     """The entries of a BibTeX text by key; an entry ends where its braces are balanced."""
-    found = {}
-    for start in _START.finditer(text):
+    found, at = {}, 0
+    while start := _START.search(text, at):  # what stands within an entry is none
         depth = 0
         for at in range(start.start(), len(text)):
             depth += {"{": 1, "}": -1}.get(text[at], 0)

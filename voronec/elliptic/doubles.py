@@ -18,7 +18,6 @@ import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from flint import acb, arb, ctx
@@ -45,7 +44,6 @@ __all__ = [
     "Rows",
     "SecularPart",
     "advance",
-    "doubles_of",
     "horner",
     "matrix",
     "parts",
@@ -81,7 +79,7 @@ class SecularPart:
     turns: tuple[float, ...]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Doubles:
     """A motion ready for evaluation in doubles.
 
@@ -151,16 +149,6 @@ class Doubles:
                 float(mean.mid()), (high, float((spin - arb(high)).mid())),
                 abs(float(mean.mid())) * reach > LONG, first, second, whole,
             )  # fmt: skip
-
-
-_known: WeakKeyDictionary[Any, Doubles] = WeakKeyDictionary()
-
-
-def doubles_of(solution: Any) -> Doubles:
-    """The doubles of a solution, prepared when they are first asked for."""
-    if solution not in _known:
-        _known[solution] = prepare_doubles(solution.constants(BITS))
-    return _known[solution]
 
 
 def prepare_doubles(constants: Constants) -> Doubles:

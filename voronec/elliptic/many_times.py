@@ -19,7 +19,6 @@ from voronec.elliptic.doubles import (
     QuarticReduction,
     Rows,
     SecularPart,
-    doubles_of,
     horner,
     matrix,
     two_product,
@@ -408,7 +407,7 @@ class Sample:
         latest = max(float(flat.max()), -float(flat.min()), 0.0) if flat.size else 0.0
         if not math.isfinite(latest) or latest != latest:
             raise DefinitionError("a time of a sample is not a finite number")
-        return cls(flat, array.shape, _model(doubles_of(solution), latest))
+        return cls(flat, array.shape, _model(solution.doubles, latest))
 
     @property
     def x(self) -> np.ndarray:

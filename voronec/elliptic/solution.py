@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 from flint import acb, arb, ctx, fmpq
 
 from voronec.elliptic.assembly import assemble
 from voronec.elliptic.constants import Constants, Numbers, Source
+from voronec.elliptic.doubles import BITS, Doubles, prepare_doubles
 from voronec.elliptic.lattice import lattice_of, time_from
 from voronec.elliptic.roots import OpenDecision, ends_of, interval, resolve
 from voronec.elliptic.theta_balls import Moment, moment_of
@@ -50,7 +52,7 @@ class Enclosed:
         return self.near * at_base + self.far * at_other
 
 
-@dataclass(frozen=True)
+@dataclass(unsafe_hash=True)
 class Solution:
     """A motion ``(dx/dt)^2 = f(x)`` and the integrals along it.
 
@@ -80,6 +82,11 @@ class Solution:
 
         self._known[bits] = resolve(work, bits + GUARD)
         return self._known[bits]
+
+    @cached_property
+    def doubles(self) -> Doubles:
+        """What its values at many times are evaluated from, in doubles."""
+        return prepare_doubles(self.constants(BITS))
 
     def enclose(self, t: Any, digits: int = 50) -> Enclosed:
         """The motion at a time, rigorously: every radius is below ``10^-digits``.

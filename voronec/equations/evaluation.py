@@ -12,6 +12,7 @@ import sympy as sp
 
 from voronec.algebra.arguments import require_digits
 from voronec.algebra.points import sample_evaluable
+from voronec.algebra.precision import SHARP
 from voronec.algebra.stable import stable_all
 from voronec.algebra.symbols import plain_name, time
 from voronec.algebra.tape import Tape, as_ball
@@ -230,11 +231,11 @@ def check_inertia(raw: Derivation) -> None:
     try:
         for first in (0, 1, 2):  # one regular point is enough; a singular one may be bad luck
             samples = sample_evaluable(
-                Tape(entries), raw.definition.relations, 256, first=12 * first, count=1
+                Tape(entries), raw.definition.relations, SHARP, first=12 * first, count=1
             )
             if not samples:
                 return
-            with flint.ctx.workprec(256):
+            with flint.ctx.workprec(SHARP):
                 if not flint.arb_mat(n, n, samples[0][1]).det().contains(0):
                     return
     except EngineLimit:

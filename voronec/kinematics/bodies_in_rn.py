@@ -141,9 +141,9 @@ class BodyInRn:
             found["momentum"] = Equation(self.momenta, rate)
             if self.fixed is None:
                 along, square = momentum * gamma, wedge_square(momentum)
-                found["momentum of the normal"] = Equation(along, body.seen(along))
+                found["momentum of the normal"] = Equation(along, body.apparent_rate(along))
                 if self.dimension == 5:
-                    found["momentum wedge momentum"] = Equation(square, body.seen(square))
+                    found["momentum wedge momentum"] = Equation(square, body.apparent_rate(square))
         else:
             along, own = (
                 body.normal_momentum(self.momenta),
@@ -151,9 +151,9 @@ class BodyInRn:
             )
             entries = [i * w for i, w in zip(own, body.angular, strict=True)]
             slipping = (1 - self.epsilon) * skew(entries, self.dimension) * body.matrix * gamma
-            found["momentum"] = Equation(along, body.seen(along) + slipping)
+            found["momentum"] = Equation(along, body.apparent_rate(along) + slipping)
         if self.fixed is not None:
-            found["normal"] = Equation(gamma, self.epsilon * body.seen(gamma))
+            found["normal"] = Equation(gamma, self.epsilon * body.apparent_rate(gamma))
         return found
 
     @cached_property
@@ -256,7 +256,7 @@ class BodyInRn:
             "frame": Frame.group(
                 self.velocities,
                 body.motions if self.rolls else body.rotations,
-                dict(zip(gamma, body.seen(gamma, moving), strict=True)),
+                dict(zip(gamma, body.apparent_rate(gamma, moving), strict=True)),
                 fibre=(*(() if self.twists else body.others), *(body.linear if self.rolls else ())),
                 momenta=self.momenta,
                 determinant=DETERMINANT,

@@ -85,7 +85,7 @@ class BodyVelocity:
         """Omega."""
         return skew(self.angular, self.dimension)
 
-    def seen(
+    def apparent_rate(
         self, vector: Sequence[Any], moving: Sequence[Any] | None = None
     ) -> sp.ImmutableMatrix:
         """The rate, along the body's axes, of a vector that is fixed in space: -Omega gamma; of one

@@ -219,7 +219,7 @@ class ChartProblem:
         return cut_at_singularity(self.stepper(times), self.problem)
 
 
-@dataclass(frozen=True)
+@dataclass
 class Atlas:
     """The charts of a system, each derived and compiled when a run first comes to it.
 

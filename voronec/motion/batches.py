@@ -66,7 +66,7 @@ class StopRequest(Exception):
     """Somebody asked to stop; what a batch had begun is not finished."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class StepSizes:
     """The shortest and the longest step of each of some motions, and which of these took one that
     was made too long, by coefficients that vanish or by a state that outgrew ordinary size;
@@ -330,7 +330,7 @@ def along(
     return rows, errors, steps, alone
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class _LanesHeadway:
     """Whether the steps of each lane lead to the end of a grid, and how many they are."""
 

@@ -92,7 +92,7 @@ class _Journey:
     steps: int = 0
     evaluations: int = 0
     switches: int = 0
-    ready: int = 0
+    earlier: int = 0
     idle: float = 0.0
     last: np.ndarray = field(init=False)
     standing: tuple[Any, np.ndarray] = field(init=False)
@@ -109,7 +109,7 @@ class _Journey:
         self.order = 1.0 if self.grid[-1] >= self.grid[0] else -1.0
 
     def run(self) -> Run:
-        time, self.ready = self.grid[0], len(self.atlas.seconds)
+        time, self.earlier = self.grid[0], len(self.atlas.seconds)
         try:
             name, state = self.atlas.best(time, self.last)
             while self.done < len(self.grid):
@@ -268,7 +268,7 @@ class _Journey:
         return Run(
             t.copy(), states, self.steps, self.evaluations, crossings, halt, interrupted, stopped,
             self.inside if self.atlas.problem.dense else None, switches=self.switches,
-            prepared=sum(self.atlas.seconds[self.ready :]), notes=self.notes,
+            prepared=sum(self.atlas.seconds[self.earlier :]), notes=self.notes,
         )  # fmt: skip
 
     def inside(self, times: np.ndarray) -> np.ndarray:

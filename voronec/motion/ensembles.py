@@ -195,7 +195,7 @@ def ensemble(
     interrupted = filled.leave(motions.wrong) if interrupted else filled.go_on_alone(alone)
     if not (motions.sound or filled.alone or interrupted):
         raise motions.wrong[0]
-    steps = sum(filled.steps) + sum(cost.steps for cost in filled.alone)
+    steps = filled.steps + sum(cost.steps for cost in filled.alone)
     none_else = filled.alone and (driven.changing or not motions.sound)
     used = filled.alone[0].method if none_else else carrier
     cost = Cost(
@@ -269,7 +269,7 @@ class _Alone:
         )  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class _ResultRows:
     """What the workers fill in; each writes the rows of its own starts alone."""
 
@@ -284,7 +284,7 @@ class _ResultRows:
     switched: SwitchedMotions | None = None
     single: str = "scipy"
     errors: dict[int, VoronecError] = field(default_factory=dict)
-    steps: list[int] = field(default_factory=list)
+    steps: int = 0
     collapsed: list[int] = field(default_factory=list)
     alone: list[Cost] = field(default_factory=list)
     notes: dict[int, tuple[str, ...]] = field(default_factory=dict)
@@ -442,6 +442,9 @@ def _look_grid(motions: Many, grid: np.ndarray) -> LookGrid:
 def _run(filled: _ResultRows, lanes: Lanes | None, tol: float, jobs: int, progress: Any) -> bool:
     """All motions, block by block; whether it was stopped by hand."""
     sound = np.array(filled.motions.sound, dtype=int)
+    alone = filled.motions.near_divisors[sound]
+    filled.collapsed.extend(sound[alone].tolist())
+    sound = sound[~alone]
     if lanes:  # those that go side by side wait for the slowest
         sound = sound[np.argsort(filled.motions.paces[sound], kind="stable")]
     compiled = filled.switched is None and METHODS[filled.single].loop
@@ -550,7 +553,7 @@ def _fill_judgements(
         failed[i] = IntegrationError(f"{breach.what} after t = {time:.12g}", time, state)
         rows[i, breach.row + 1 :] = np.nan
     rows = rows[:, looks.own]
-    filled.steps.append(steps)
+    filled.steps += steps
     told: dict[int, VoronecError] = {
         i: filled.motions.error(
             where[i], str(error), "end the run before that", error.time, error.state

@@ -99,7 +99,7 @@ def _refuted_integrals(motions: Motions) -> tuple[str, ...]:
 def _output_expressions(vocabulary: Vocabulary, outputs: Sequence[Any]) -> dict[str, sp.Expr]:
     """Outputs in the user's symbols; a reaction is what its multiplier is computed from."""
     spelled = vocabulary.read_outputs(outputs)
-    found = dict(spelled.given)
+    found = dict(spelled.terms)
     if spelled.reactions:
         equations = vocabulary.equations
         entries = Multipliers.of(equations.definition).entries.values()

@@ -222,7 +222,7 @@ class _Request:
     followed: bool
     method: str
     began: float
-    given: StartData
+    start_data: StartData
     project: bool
 
     def in_any_split(self, ways: Iterable[Way]) -> list[Way]:
@@ -254,7 +254,7 @@ class _Request:
         made = whole(vocabulary, self.outputs, self.functions)
         ground = self.outset.ground(vocabulary.equations, float(self.grid[0]))
         framed = self.outset.state if self.outset.framed and not exact else None
-        given = self.given
+        given = self.start_data
         if self.outset.notes and self.outset.framed:  # what was moved is not moved elsewhere
             system = vocabulary.equations.system
             names = map(plain_name, (*system.coordinates, *system.velocities))

@@ -25,12 +25,15 @@ from voronec.motion.singular_coordinates import CoordinatePole
 from voronec.motion.split_models import SplitGround
 from voronec.motion.state_probe import at_each, quantities, quiet, rates_along, rates_program
 
-__all__ = ["Ground", "Many", "drifts", "ground", "many"]
+__all__ = ["Ground", "Many", "drifts", "ground", "many", "rates_in_arrays"]
 
 SMALL = 1e-6
 """An integral below this part of the largest among the starts counts as starting at zero."""
 NOTHING = 1e-9
 """Integrals that all start below this are compared absolutely."""
+FASTEST = 1e-3
+"""A divisor below this part of its usual size makes velocities of coordinates so many times larger
+than those that are given."""
 
 
 @dataclass(frozen=True)
@@ -125,21 +128,40 @@ class Many:
         divisor vanishes."""
         if not self.divisors:
             return None
+        sizes_at = self._divisor_sizes
+
+        def passes(times: np.ndarray, states: np.ndarray) -> bool:
+            sizes = sizes_at(times, states, np.broadcast_to(values, (len(times), len(values))))
+            near = np.abs(sizes) < level
+            return bool(near.any() or (np.diff(np.sign(sizes), axis=1) != 0).any())
+
+        return passes
+
+    @cached_property
+    def _divisor_sizes(self) -> Callable[[Any, np.ndarray, np.ndarray], np.ndarray]:
+        """What the divisors are (d, s), in units of their usual sizes, at times, states (s, n) and
+        parameters (s, p)."""
         names = [str(i) for i in range(len(self.divisors))]
         functions = [d.function for d in self.divisors]
         program = quantities(self.ground.form, dict(zip(names, functions, strict=True)))
         evaluate = compile_program(program)[1]
         order = [self.program.parameters.index(p) for p in program.parameters]
-        scales = np.array([d.scale for d in self.divisors])
+        scales = np.array([d.scale for d in self.divisors])[:, None]
 
-        def passes(times: np.ndarray, states: np.ndarray) -> bool:
-            each = np.broadcast_to(values[order], (1, len(times), len(order)))
-            found = at_each(evaluate, program.names, times, states[None], each)
-            sizes = np.stack([found[name][0] for name in names])
-            near = np.abs(sizes) < level * scales[:, None]
-            return bool(near.any() or (np.diff(np.sign(sizes), axis=1) != 0).any())
+        def sizes(times: Any, states: np.ndarray, values: np.ndarray) -> np.ndarray:
+            found = at_each(evaluate, program.names, times, states, values[:, order])
+            return np.stack([found[name] for name in names]) / scales
 
-        return passes
+        return sizes
+
+    @property
+    def near_divisors(self) -> np.ndarray:
+        """Which motions (s,) start so near to where a divisor vanishes that velocities given there
+        may ask for a thousand times their speed."""
+        if not self.divisors:
+            return np.zeros(len(self), dtype=bool)
+        sizes = self._divisor_sizes(self.time, self.states, self.values)
+        return np.asarray((np.abs(sizes) < FASTEST).any(axis=0))
 
     @cached_property
     def poles(self) -> tuple[CoordinatePole, ...]:
@@ -251,7 +273,7 @@ def _states(
     equations = vocabulary.equations
     program = rates_program(equations.form, equations.definition.fibre_velocities)
     follow = compile_program(program)[1]
-    rates_of_many = partial(_rates_of_many, follow, table, time)
+    rates_of_many = partial(rates_in_arrays, follow, table, time)
     full = starts_in_arrays(vocabulary, initial, starts, constants, rates_of_many)
     full[[*wrong]] = np.nan
     zero = np.zeros(len(starts), dtype=bool)
@@ -273,7 +295,7 @@ def _states(
     return full
 
 
-def _rates_of_many(
+def rates_in_arrays(
     function: Any, values: np.ndarray, time: float, q: np.ndarray, v: np.ndarray
 ) -> np.ndarray:
     """The quantities (s, l, k) of a function at several q (s, n), with parameters (s, p), and, at

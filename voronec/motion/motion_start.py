@@ -263,7 +263,7 @@ class WideStart:
 
     vocabulary: Vocabulary
     ground: SplitGround
-    given: StartData
+    start_data: StartData
     wide: np.ndarray
     targets: tuple[str, ...]
     framed: np.ndarray | None = None
@@ -338,7 +338,7 @@ class WideStart:
     def exact(self, bits: int) -> tuple[np.ndarray, Mapping[str, Any]]:
         """The same, and the parameters by name, as mpmath's numbers."""
         with mpmath.workprec(bits):
-            constants, given, q = _exact_place(self.vocabulary, self.ground, self.given, bits)
+            constants, given, q = _exact_place(self.vocabulary, self.ground, self.start_data, bits)
             w = [mpmath.mpf(float(x)) for x in self.wide[len(q) :]]
             found = _Conditions.at(self.ground, q, constants)
             return np.array([*q, *found.refine(w, self.targets, given)], dtype=object), constants
@@ -585,13 +585,13 @@ class Exactly:
     vocabulary: Vocabulary
     program: Program
     time: float
-    given: StartData
+    start_data: StartData
     start: np.ndarray
     projected: bool
 
     def constants(self, bits: int) -> dict[str, Any]:
         """The parameters by name."""
-        return _exact_constants(self.vocabulary, self.given, bits)
+        return _exact_constants(self.vocabulary, self.start_data, bits)
 
     def problem(self, bits: int) -> tuple[np.ndarray, list[Any]]:
         """The start (n,), and the values of the program's parameters."""
@@ -603,7 +603,7 @@ class Exactly:
                 return start, values
             old, new = (
                 _exact_values(self.vocabulary, part, constants, bits)
-                for part in (self.given.scene_initial, self.given.initial)
+                for part in (self.start_data.scene_initial, self.start_data.initial)
             )
             names = [plain_name(q) for q in self.vocabulary.equations.system.coordinates]
             for i, name in enumerate(names):

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import mpmath
 import numpy as np
@@ -22,9 +21,6 @@ from voronec.motion.state_probe import StateProbe, mass_program, quantities
 from voronec.motion.steppers.run import Signals
 
 __all__ = ["ProgrammedModel", "make_model", "numbers_at", "whole"]
-
-_MEMORY: WeakKeyDictionary[Model, dict[Any, ProgrammedModel]] = WeakKeyDictionary()
-"""What was written for a model, by outputs and events, as long as that lives."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +116,7 @@ def make_model(
         return whole(vocabulary, outputs, functions)
     equations, raw = vocabulary.equations, vocabulary.equations.raw.form
     names = {f"event {name}": e for name, e in functions.items()}
-    given = {**wanted.given, **names}
+    given = {**wanted.terms, **names}
     known = numbers_at(raw, start, constants, time)
     models = SmallestModels.of(
         Motions.of(equations),
@@ -130,16 +126,17 @@ def make_model(
     )
     found = models.of_start(known)
     model, name = found.model, f"{found.name} {[*wanted.names]} {[*functions]}"
-    # another start that has the same model has it written already
-    written = _MEMORY.setdefault(model, {})
-    if name not in written:
+
+    def write() -> ProgrammedModel:
         known_before = name in models.packs
-        written[name] = models.packs.once(
+        written: ProgrammedModel = models.packs.once(
             name, lambda: _write(vocabulary, wanted, model, functions)
         )
         if not known_before:
             models.packs.keep()
-    made = written[name]
+        return written
+
+    made = model.memo.once(name, write)  # another start that has the same model has it already
     branches = {
         name: AngleBranch(
             f"cosine of {name}", f"sine of {name}", a.signs(known), known[a.coordinate]
@@ -185,7 +182,7 @@ def _watch(vocabulary: Vocabulary, wanted: OutputTerms, model: Model) -> Watch:
     level = model.cut
     parts = {f"cosine of {n}": a.cosine for n, a in level.angles.items()}
     parts |= {f"sine of {n}": a.sine for n, a in level.angles.items()}
-    shown = {n: e for n, e in level.outputs.items() if n in wanted.given}
+    shown = {n: e for n, e in level.outputs.items() if n in wanted.terms}
     usable = {*level.variables, *level.parameters, level.time}
     relations = vocabulary.equations.system.fibration.relations
     inside = {str(r): vocabulary.inward(r) for r in relations}

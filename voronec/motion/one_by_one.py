@@ -153,7 +153,7 @@ class SwitchedMotions:
                 self._pass(i, watch, passages, name, value)
                 passages.tell(self.motions.sound)
         except KeyboardInterrupt:
-            passages.interrupted[0] = True
+            passages.interrupted = True
 
     def _pass(
         self, i: int, watch: SectionWatch, passages: SectionPassages, name: str, value: float
@@ -177,7 +177,7 @@ class SwitchedMotions:
                 run.t, run.states, np.broadcast_to(values, (len(run.t), len(values)))
             )
             rates = np.abs(np.diff(seen)) / np.diff(run.t) if len(run.t) > 1 else np.zeros(1)
-            passages.steps[0] += run.steps
+            passages.steps += run.steps
             passages.note_range(
                 i, float(run.t[-1]), run.steps, (seen.min(), seen.max(), rates.max())
             )
@@ -365,10 +365,10 @@ def go_on_alone(
     = 0; what fails alone, too, keeps its first error."""
     try:
         for i in sorted(passages.errors):
-            if not passages.interrupted[0]:
+            if not passages.interrupted:
                 _pass_alone(motions, watch, passages, level, method, tol, i)
     except KeyboardInterrupt:
-        passages.interrupted[0] = True
+        passages.interrupted = True
 
 
 def end_at_cuts(motions: Many, passages: SectionPassages, method: str, tol: float) -> None:
@@ -433,4 +433,4 @@ def _pass_alone(
     passages.put(i, t, states, speeds)
     largest = np.abs(speeds).max(initial=0.0)
     passages.note_range(i, float(run.t[-1]), run.cost.steps, (np.nan, np.nan, largest))
-    passages.steps[0] += run.cost.steps
+    passages.steps += run.cost.steps

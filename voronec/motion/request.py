@@ -330,21 +330,21 @@ def held_name(key: Any, held: Iterable[str], holder: str) -> str:
 class OutputTerms:
     """Outputs spelled out.
 
-    ``names`` in the order asked for, each once; what each is: ``given``, in the user's symbols,
+    ``names`` in the order asked for, each once; what each is: ``terms``, in the user's symbols,
     those of invariants among them; or ``reactions``, positions of constraints, which need the
     accelerations too (``voronec.motion.reactions.Multipliers``).  ``inward`` leads inside the door.
     """
 
     names: tuple[str, ...]
-    given: Mapping[str, sp.Expr]
+    terms: Mapping[str, sp.Expr]
     inward: Callable[[Any], Any]
     reactions: Mapping[str, int]
 
     @cached_property
     def expressions(self) -> Mapping[str, Any]:
-        """Those that are given inside the door, in coordinates, velocities, time and parameters:
+        """The terms inside the door, in coordinates, velocities, time and parameters:
         not asked for where a model has been written for them before."""
-        return {name: self.inward(e) for name, e in self.given.items()}
+        return {name: self.inward(e) for name, e in self.terms.items()}
 
 
 @dataclass(frozen=True)

@@ -340,7 +340,7 @@ STRIDE = 16.0
 the time, nothing else limits it."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class SectionPassages:
     """Crossings as they are found, start by start; its arrays and lists are filled in."""
 
@@ -358,8 +358,8 @@ class SectionPassages:
     touches: list[tuple[int, float]] = field(default_factory=list)
     errors: dict[int, VoronecError] = field(default_factory=dict)
     notes: dict[int, tuple[str, ...]] = field(default_factory=dict)
-    steps: list[int] = field(default_factory=lambda: [0])
-    interrupted: list[bool] = field(default_factory=lambda: [False])
+    steps: int = 0
+    interrupted: bool = False
 
     @classmethod
     def empty(
@@ -444,7 +444,7 @@ def pass_lanes(motions: Many, watch: SectionWatch, passages: SectionPassages, la
     try:
         under_way.run()
     except KeyboardInterrupt:
-        passages.interrupted[0] = True
+        passages.interrupted = True
 
 
 @dataclass(eq=False)
@@ -517,7 +517,7 @@ class _LanePassages:
                     self.stretch(careful=True)
             return
         lanes.note_steps()
-        passages.steps[0] += sum(n for n, i in zip(taken, holds, strict=True) if i is not None)
+        passages.steps += sum(n for n, i in zip(taken, holds, strict=True) if i is not None)
         self.account(before, taken, limit, output)
 
     def steps_ahead(self) -> int:
@@ -525,7 +525,7 @@ class _LanePassages:
         passages, holds = self.passages, self.holds
         left = [passages.wanted - passages.count[i] for i in holds if i is not None]
         done = int(passages.count.sum())
-        each = passages.steps[0] / done if done else FEWEST
+        each = passages.steps / done if done else FEWEST
         return int(np.clip(1.1 * each * min(left) + 16, FEWEST, min(MOST, ALL // len(holds))))
 
     def account(self, before: np.ndarray, taken: Sequence[int], limit: int, output: Any) -> None:
@@ -611,7 +611,7 @@ def pass_one_by_one(
             _follow(motions, watch, passages, method, tol, i)
             passages.tell(motions.sound)
     except KeyboardInterrupt:
-        passages.interrupted[0] = True
+        passages.interrupted = True
 
 
 def _follow(
@@ -631,7 +631,7 @@ def _follow(
     try:
         span = (motions.time, end)
         for step in _strides(method, watch.program, begin, values, span, tol):
-            passages.steps[0] += 1
+            passages.steps += 1
             length = step.end - step.start
             if step.end != end:  # the last one is cut
                 sizes.note(0, length, length)

@@ -419,7 +419,7 @@ def _follow(
     end_at_cuts(motions, passages, method, tol)
     cost = Cost(
         method=used, reason=reason, tolerance=finest, setup=ready - began,
-        run=perf_counter() - ready, steps=passages.steps[0], evaluations=passages.steps[0],
+        run=perf_counter() - ready, steps=passages.steps, evaluations=passages.steps,
     )  # fmt: skip
     _refuse_nothing(motions, passages, surface, value)
     if switched is None:  # else the equations have more than one right side
@@ -484,7 +484,7 @@ def _watch(motions: Many, name: str, value: float) -> SectionWatch:
 
 
 def _refuse_nothing(motions: Many, passages: SectionPassages, surface: str, value: float) -> None:
-    if passages.count.any() or passages.interrupted[0]:
+    if passages.count.any() or passages.interrupted:
         return
     for error in passages.errors.values():
         raise error
@@ -557,7 +557,7 @@ def _section(
         drift=MappingProxyType(_drift(motions, found, start)),
         level=motions.ground.level,
         cost=cost,
-        interrupted=passages.interrupted[0],
+        interrupted=passages.interrupted,
         notes=MappingProxyType(passages.notes),
     )
 

@@ -333,7 +333,7 @@ def _evaluator(form: Any) -> Any:
         return None
 
 
-@dataclass(frozen=True)
+@dataclass
 class JudgeOfMany:
     """The same of motions of one program, each with values of its own.
 

@@ -101,7 +101,7 @@ class SplitRun:
     chosen: dict[str, Any] = field(default_factory=dict)
     methods: dict[str, None] = field(default_factory=dict)
     prepared: float = 0.0
-    told: list[str] = field(default_factory=list)
+    judge_notes: list[str] = field(default_factory=list)
     units: dict[SplitModel, np.ndarray] = field(default_factory=dict)
     faintest: float = np.inf
     faintest_time: float = np.nan
@@ -343,7 +343,7 @@ class SplitRun:
         )  # fmt: skip
         t, states = part.t.astype(float), part.states.astype(float)
         breach, notes = judge.breach(t, states)
-        self.told += [note for note in notes if note not in self.told]
+        self.judge_notes += [note for note in notes if note not in self.judge_notes]
         return part if breach is None else part.until(breach.row, breach.what)
 
     def _exact(
@@ -397,7 +397,7 @@ class SplitRun:
     def result(self, last: Run, busy: float) -> Trajectory:
         """The trajectory of all stretches."""
         runs = [s.run for s in self.stretches]
-        notes = *self.notes, *(n for r in runs for n in r.notes), *self.told, *self._loss()
+        notes = *self.notes, *(n for r in runs for n in r.notes), *self.judge_notes, *self._loss()
         changes = sum(
             a.split is not b.split for a, b in zip(self.stretches, self.stretches[1:], strict=False)
         )

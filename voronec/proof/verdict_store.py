@@ -26,7 +26,15 @@ from typing import Any
 from voronec.declaration.catalogue import entry_of, names
 from voronec.declaration.whole_files import make_room, user_cache
 
-__all__ = ["Store", "closure", "digest", "engine_digest", "engine_folder"]
+__all__ = [
+    "Store",
+    "closure",
+    "digest",
+    "engine_digest",
+    "engine_folder",
+    "modules_in",
+    "platform_text",
+]
 
 
 LIBRARIES = ("sympy", "symengine", "python-flint", "mpmath", "numpy")
@@ -56,14 +64,15 @@ def digest(declared: str, files: Iterable[Path], decider: str) -> str:
 @remembered
 def engine_digest(modules: frozenset[str]) -> str:
     """A digest of modules of the engine, of what they import, and of the libraries below."""
-    mark = sha256(_platform().encode())
+    mark = sha256(platform_text().encode())
     for file in _engine_files(modules):
         mark.update(_digest_of(file))
     return mark.hexdigest()
 
 
 @remembered
-def _platform() -> str:
+def platform_text() -> str:
+    """The versions of Python and of the libraries that the engine computes with, as one text."""
     return "\0".join([sys.version, *(f"{name} {version(name)}" for name in LIBRARIES)])
 
 
@@ -91,15 +100,15 @@ def _imports_of(file: Path) -> frozenset[str]:
     text = file.read_text(encoding="utf-8")
     # a room that imports nothing by itself names under TYPE_CHECKING what it loads on use
     is_room = file.name == "__init__.py" and file.parent != engine_folder()
-    return frozenset(_modules_in(text if is_room else ANNOTATION.sub("", text)))
+    return frozenset(modules_in(text if is_room else ANNOTATION.sub("", text)))
 
 
 @remembered
 def _uses(source: bytes) -> frozenset[str]:
-    return frozenset(_modules_in(source.decode("utf-8", "replace")))
+    return frozenset(modules_in(source.decode("utf-8", "replace")))
 
 
-def _modules_in(text: str) -> Iterator[str]:
+def modules_in(text: str) -> Iterator[str]:
     """Modules of the engine that a source imports, and the homes of names that it takes from the
     package itself."""
     prefixes = set[str]()

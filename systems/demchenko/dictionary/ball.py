@@ -51,7 +51,7 @@ class Rolling:
         return sp.Matrix(self.contact.angular_velocity)
 
     @property
-    def carried(self) -> sp.Matrix:
+    def rotor_spin(self) -> sp.Matrix:
         """Angular velocity of the rotor, along the ball's axes."""
         return self.ball + VERTICAL * vo.velocity(chi)
 
@@ -59,7 +59,7 @@ class Rolling:
     def rotor(self) -> sp.Matrix:
         """Angular velocity of the rotor, along its own axes, turned by chi against the ball's."""
         c, d = sp.cos(chi), sp.sin(chi)
-        return sp.Matrix([[c, d, 0], [-d, c, 0], [0, 0, 1]]) * self.carried
+        return sp.Matrix([[c, d, 0], [-d, c, 0], [0, 0, 1]]) * self.rotor_spin
 
     @property
     def centre(self) -> sp.Matrix:
@@ -75,7 +75,7 @@ class Rolling:
     @cached_property
     def momentum(self) -> sp.Matrix:
         """Angular momentum of both about the contact point, along e_u, e_v, n."""
-        spins = sp.diag(A1, A1, C1) * self.ball + sp.diag(A2, A2, C2) * self.carried
+        spins = sp.diag(A1, A1, C1) * self.ball + sp.diag(A2, A2, C2) * self.rotor_spin
         orbital = M * sp.Matrix(self.contact.arm).cross(self.centre)
         return sp.Matrix(self.contact.body.frame.T * spins - orbital)
 
@@ -101,7 +101,7 @@ class WithRotor:
     motion: Motion
 
     @classmethod
-    def derived(cls) -> WithRotor:
+    def derive(cls) -> WithRotor:
         """Derive it."""
         rolling = Rolling.outer()
         eqs = vo.derive(rolling.system())
@@ -247,13 +247,13 @@ def upward() -> dict[sp.Expr, sp.Expr]:
 
 
 @dataclass(frozen=True)
-class Reduced:
+class ReducedBall:
     """The system ``demchenko``, derived."""
 
     eqs: Any
 
     @classmethod
-    def derived(cls) -> Reduced:
+    def derive(cls) -> ReducedBall:
         """Derive it."""
         from .. import SYSTEM
 

@@ -22,15 +22,15 @@ from .neumann import inertia_about_contact
 from .surfaces import (
     BASE,
     COORDINATES,
-    DETERMINED,
+    DETERMINANT_NOTE,
     FIBRE,
     MASS,
     NOTE,
     QUASI,
     SHAPES,
     Surfaces,
+    joint_verdict,
     theta,
-    told,
     typeset,
     u1,
     unknown_contact,
@@ -63,7 +63,7 @@ class Body:
     eqs: Any
 
     @classmethod
-    def derived(cls) -> Body:
+    def derive(cls) -> Body:
         """Derive them in the five coordinates; the energy is T in the five velocities."""
         contact = unknown_contact()
         energy = kinetic_energy(MASS, contact.centre_velocity, tensor(), contact.spin)
@@ -119,7 +119,7 @@ class Body:
         return (sp.sqrt(e), sp.sqrt(g)), (sp.sqrt(e1), sp.sqrt(g1))
 
     @cached_property
-    def turned(self) -> sp.Matrix:
+    def turn_matrix(self) -> sp.Matrix:
         """Columns: how what is multiplied by K_1 and by K_2 follows from two other combinations,
         those along u and v; the matrix of the constraints, which is its own inverse."""
         c, s = sp.cos(theta), sp.sin(theta)
@@ -128,7 +128,7 @@ class Body:
     @cached_property
     def along(self) -> sp.Matrix:
         """Row i, columns u and v: ``brackets`` along the axes of the body."""
-        return self.brackets * sp.diag(*self.roots[1]) * self.turned
+        return self.brackets * sp.diag(*self.roots[1]) * self.turn_matrix
 
     @cached_property
     def prime(self) -> sp.Expr:
@@ -160,7 +160,7 @@ class Body:
         return {**self.surfaces.names(), **names, r"\mathbf M": MASS, "M": POINT, "U": U}
 
     @property
-    def named(self) -> dict[str, Any]:
+    def meanings(self) -> dict[str, Any]:
         """What the letters stand for in coordinate velocities."""
         surfaces = self.surfaces
         slip, centre = vector(surfaces.contact.slip), surfaces.contact.centre_velocity
@@ -199,7 +199,7 @@ class Body:
         note = f"{NOTE}, any inertia and any force function"
         return {
             "coordinates": Study(
-                self.named,
+                self.meanings,
                 motion=motion,
                 letters=SHAPES,
                 variations=variations,
@@ -288,4 +288,4 @@ class Body:
         curvature = -self.surfaces.area[0] * self.surfaces.curvature
         pairs.append((slopes.det(method="berkowitz"), curvature))
         found = [vo.prove_equal(a, b) for a, b in pairs]
-        return told([*found, inertia_about_contact()], DETERMINED)
+        return joint_verdict([*found, inertia_about_contact()], DETERMINANT_NOTE)

@@ -27,7 +27,7 @@ GAMMA = sp.Matrix(sp.symbols("gamma1:4"))
 KAPPA = sp.ImmutableMatrix(sp.symbols("kappa1:4"))
 MOMENTS = sp.symbols("I1:4", positive=True)
 R1, R2, M = sp.symbols("R1 R2 M", positive=True)
-SIGNED = sp.Symbol("R")
+SIGNED_RADIUS = sp.Symbol("R")
 D = M * R2**2
 POINT, OTHER = (
     dict(zip((*GAMMA, *OMEGA), sp.sympify(numbers.split()), strict=True))
@@ -36,10 +36,13 @@ POINT, OTHER = (
 
 _p, _q = sp.symbols("p q", positive=True)
 CONFIGURATIONS = (
-    Range("outer rolling", r"\epsilon=R_1/(R_1+R_2)", {SIGNED: _p}, (_p,)),
-    Range("inner rolling", r"\epsilon=R_1/(R_1-R_2), R_1>R_2", {SIGNED: -R2 - _p}, (_p,)),
+    Range("outer rolling", r"\epsilon=R_1/(R_1+R_2)", {SIGNED_RADIUS: _p}, (_p,)),
+    Range("inner rolling", r"\epsilon=R_1/(R_1-R_2), R_1>R_2", {SIGNED_RADIUS: -R2 - _p}, (_p,)),
     Range(
-        "shell rolling", r"\epsilon=R_1/(R_1-R_2), R_1<R_2", {SIGNED: -_p, R2: _p + _q}, (_p, _q)
+        "shell rolling",
+        r"\epsilon=R_1/(R_1-R_2), R_1<R_2",
+        {SIGNED_RADIUS: -_p, R2: _p + _q},
+        (_p, _q),
     ),
 )
 
@@ -62,7 +65,7 @@ def system_of(ball: RollingBall, kappa: sp.Matrix) -> vo.System:
         frame=vo.Frame.quasi(dict(zip(OMEGA, spin, strict=True))),
         lagrangian=ball.energy + kappa.dot(spin),
         constraints=ball.no_slip,
-        parameters=tuple(x for x in (R1, R2, M, *MOMENTS, SIGNED, *KAPPA) if holds(x)),
+        parameters=tuple(x for x in (R1, R2, M, *MOMENTS, SIGNED_RADIUS, *KAPPA) if holds(x)),
         invariants=dict(zip(map(str, GAMMA), ball.normal, strict=True)),
     )
 
@@ -188,7 +191,7 @@ class Ball:
         numbers = dict(
             zip((*MOMENTS, M, R2, *KAPPA), sp.sympify("2 3 5 1 1 3 7 2".split()), strict=True)
         )
-        numbers |= {R1: sp.Integer(2), SIGNED: sp.Integer(2), **POINT}
+        numbers |= {R1: sp.Integer(2), SIGNED_RADIUS: sp.Integer(2), **POINT}
         values = sp.Matrix([self.integrals[name] for name in names])
         rank = values.jacobian((*GAMMA, *OMEGA)).xreplace(numbers).rank()
         if rank == len(names):
@@ -196,12 +199,12 @@ class Ball:
         return Verdict("undecided", f"their gradients have the rank {rank} at a point")
 
     @cached_property
-    def weighted(self) -> sp.Expr:
+    def weighted_momentum(self) -> sp.Expr:
         """The only sum b_i G_i gamma_i, up to a factor, that can be an integral."""
         return self._sum(self.momentum, GAMMA)
 
     @cached_property
-    def found(self) -> dict[str, sp.Expr]:
+    def integral_forms(self) -> dict[str, sp.Expr]:
         """The same integrals, found: sums of squares and products by ``_sum``, and the energy.
 
         On a plane the normal part of the momentum is among them.
@@ -254,7 +257,7 @@ class Ball:
             found[rf"\gamma_{i}"] = GAMMA[i - 1]
             found[rf"\omega_{i}"] = OMEGA[i - 1]
             found[rf"\mathbf G_{i}"] = self.momentum[i - 1]
-        return found | self.found
+        return found | self.integral_forms
 
     def study(self, more: Mapping[str, Any] | None = None, ranges: Any = ()) -> Study:
         """The dictionary; ``more`` adds names."""
@@ -266,25 +269,25 @@ class Ball:
             ranges=ranges,
             functions=frozenset({r"\mu"}),
             context=self,
-            note="where (gamma, gamma) = 1" + self._epsilon_said,
+            note="where (gamma, gamma) = 1" + self._epsilon_note,
             source="the equations derived for the system 'ball', in omega and the normal",
             system=self.reduced.system,
         )
 
     @property
-    def _epsilon_said(self) -> str:
+    def _epsilon_note(self) -> str:
         """The value of epsilon, where it is a number."""
         return f", for epsilon = {self.epsilon}" if self.epsilon.is_Number else ""
 
-    def with_weighted(self) -> Study:
+    def with_linear_integral(self) -> Study:
         """The dictionary with the integral linear in the momentum and in the normal."""
-        found = {r"\tilde F_4": self.weighted}
+        found = {r"\tilde F_4": self.weighted_momentum}
         return replace(self.study(found), context=replace(self, more=found))
 
 
 def momentum_is_about_contact() -> Verdict:
     """Whether mass times omega is the angular momentum about the point of contact."""
-    ball = rolling_ball(Surface.sphere(SIGNED, u1, v1))
+    ball = rolling_ball(Surface.sphere(SIGNED_RADIUS, u1, v1))
     eqs = vo.derive(system_of(ball, sp.zeros(3, 1)))
     found = Motion.of(eqs).restrict(sp.Matrix(ball.momentum))
     return all_equal(zip(eqs.mass * OMEGA, found, strict=True))

@@ -84,7 +84,7 @@ class General:
     lift: tuple[tuple[sp.Expr, ...], ...]
 
     @classmethod
-    def derived(cls) -> General:
+    def derive(cls) -> General:
         """Derive it."""
         return cls._with(stated_names())
 
@@ -164,10 +164,10 @@ class General:
         rest = sp.expand(rest)
         for nu in range(1, FIBRE + 1):
             factor = sp.diff(rest, unknown(f"l{BASE + nu}"))
-            right += sp.Symbol(f"K_{{{nu}}}") * self._named(factor, nu)
+            right += sp.Symbol(f"K_{{{nu}}}") * self._spell(factor, nu)
         return [(r"\frac{d}{dt}\frac{\partial\Theta}{\partial\dot q_{1}}", right)]
 
-    def _named(self, factor: sp.Expr, nu: int) -> sp.Expr:
+    def _spell(self, factor: sp.Expr, nu: int) -> sp.Expr:
         """A combination of velocities, with coefficients called by their name where they are
         components of the curvature."""
         found = sp.Integer(0)

@@ -23,12 +23,12 @@ from .subspaces import direct_sum, leading_places, null_space, span
 from .verdicts import all_equal
 
 FREE = sp.symbols(f"eta1:{TOTAL + 1}")
-LABELLED = frozenset({"B", r"\omega", "X", "Y", "q"})
+LABELLED_LETTERS = frozenset({"B", r"\omega", "X", "Y", "q"})
 SOURCE = (
     "d'Alembert's principle, and the energy on the constraints of the system 'general-homogeneous'"
 )
 LINEAR = "the connection of arbitrary constraints: linear algebra, and brackets of vector fields"
-CURVED = f"{LINEAR}; the curvature derived for the system 'general-homogeneous'"
+CURVATURE_SOURCE = f"{LINEAR}; the curvature derived for the system 'general-homogeneous'"
 NOTE = f"n = {BASE}, k = {FIBRE}, every coefficient an arbitrary function of the coordinates"
 
 
@@ -65,7 +65,7 @@ class Geometry:
     connection: Connection
 
     @classmethod
-    def derived(cls) -> Geometry:
+    def derive(cls) -> Geometry:
         """Derive it."""
         system = vo.System(
             name="general-homogeneous",
@@ -102,7 +102,14 @@ class Geometry:
         motion = Motion(dict(zip(Q, V, strict=True)))
         variations = dict(zip(Q, FREE, strict=True))
         return Study(
-            names, INDICES, motion, variations, LABELLED, context=self, note=NOTE, source=LINEAR
+            names,
+            INDICES,
+            motion,
+            variations,
+            LABELLED_LETTERS,
+            context=self,
+            note=NOTE,
+            source=LINEAR,
         )
 
     def places(self) -> dict[str, Any]:
@@ -224,14 +231,14 @@ class Geometry:
             INDICES,
             self.motion,
             {},
-            LABELLED,
+            LABELLED_LETTERS,
             letters=COEFFICIENTS,
             context=self,
             note=NOTE,
             source=SOURCE,
         )
 
-    def applied(self) -> Study:
+    def lagrangian_study(self) -> Study:
         """The same where L is applied to positions and velocities."""
         value = kinetic_energy() - POTENTIAL
 
@@ -261,7 +268,7 @@ class Geometry:
 @cache
 def geometry() -> Geometry:
     """The derived system."""
-    return Geometry.derived()
+    return Geometry.derive()
 
 
 def opposite(x: Any, y: Any) -> sp.Matrix:

@@ -26,7 +26,7 @@ from .rotor import AXIAL, COSINES, LETTERS, chi
 from .surfaces import (
     BASE,
     COORDINATES,
-    DETERMINED,
+    DETERMINANT_NOTE,
     FIBRE,
     MASS,
     NOTE,
@@ -34,7 +34,7 @@ from .surfaces import (
     SHAPES,
     SLIP,
     Surfaces,
-    told,
+    joint_verdict,
     unknown_contact,
     vector,
 )
@@ -72,7 +72,7 @@ class Balance:
         return self.drive - self.axial * self.omega.cross(self.axis)
 
     @classmethod
-    def spelled(cls) -> Balance:
+    def of_letters(cls) -> Balance:
         """In the paper's names."""
 
         def triple(text: str, letters: tuple[str, ...] = LETTERS) -> sp.Matrix:
@@ -100,7 +100,7 @@ class WithGyroscope:
     axis: sp.Matrix
 
     @classmethod
-    def derived(cls) -> WithGyroscope:
+    def derive(cls) -> WithGyroscope:
         """Derive the equations; the gyroscope's angle chi is a coordinate of the base."""
         contact = unknown_contact()
         axis = vector(sp.Function(x)(*COORDINATES[:2]) for x in ("alpha''", "beta''", "gamma''"))
@@ -133,7 +133,7 @@ class WithGyroscope:
         return {**fixed.rules(), **body.rules(vectors=(self.axis,), tensors=(tensor(),))}
 
     @cached_property
-    def given(self) -> dict[sp.Expr, sp.Expr]:
+    def constraint_values(self) -> dict[sp.Expr, sp.Expr]:
         """What the symbols of a formula are on the constraints."""
         spin = dict(zip(QUASI, self.spin, strict=True))
         absent = dict.fromkeys((*SLIP, HEIGHT), sp.Integer(0))
@@ -203,7 +203,7 @@ class WithGyroscope:
         return tuple(out(raw.mass) * dots - out([[x] for x in raw.force]))
 
     @cached_property
-    def spun(self) -> tuple[sp.Expr, ...]:
+    def spin_residuals(self) -> tuple[sp.Expr, ...]:
         """The residuals of u, v, theta where the gyroscope's speed omega~ is constant; what turns
         chi by -axis . omega keeps that speed, and is part of s, tau and n."""
         carried = self.axis.dot(self.spin)
@@ -233,10 +233,10 @@ class WithGyroscope:
 
         The engine's rows are slopes^T times those; comparing in that direction needs no inverse.
         """
-        rows = self.newton.xreplace(self.given)
-        balance = (self.balance.left - self.balance.right).xreplace(self.given)
+        rows = self.newton.xreplace(self.constraint_values)
+        balance = (self.balance.left - self.balance.right).xreplace(self.constraint_values)
         contact = self.slopes.T * rows.xreplace({CLIMB: sp.Integer(0)})
-        engine = vector(self.spun).xreplace(self.given)
+        engine = vector(self.spin_residuals).xreplace(self.constraint_values)
         for mine, theirs in zip((*contact, *rows), (*engine, *balance), strict=True):
             verdict = vo.prove_equal(mine, theirs)
             if not verdict.proved:
@@ -245,7 +245,7 @@ class WithGyroscope:
 
     def terms(self, position: int) -> list[tuple[Any, Any]]:
         """A row as it stands in the balance of moments, in names."""
-        spelled = Balance.spelled()
+        spelled = Balance.of_letters()
         return [(spelled.left[position], spelled.right[position])]
 
     def constant_speed(self) -> vo.Verdict:
@@ -265,7 +265,7 @@ class WithGyroscope:
         _ = self.rows
         slopes = self.slopes.det(method="berkowitz")
         found = [vo.prove_equal(slopes, -self.surfaces.area[0] * self.surfaces.curvature)]
-        return told([*found, inertia_about_contact()], DETERMINED)
+        return joint_verdict([*found, inertia_about_contact()], DETERMINANT_NOTE)
 
     def studies(self) -> dict[str, Study]:
         """``motion``; and ``balance``, for the moments about M."""
@@ -289,7 +289,7 @@ class WithGyroscope:
         study = Study(
             names,
             motion=self.motion,
-            given=self.given,
+            given=self.constraint_values,
             letters=SHAPES,
             context=self,
             note=note,

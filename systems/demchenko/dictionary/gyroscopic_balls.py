@@ -18,7 +18,7 @@ from .chaplygin_balls import (
     OMEGA,
     R1,
     R2,
-    SIGNED,
+    SIGNED_RADIUS,
     Ball,
     M,
     rolling_ball,
@@ -40,7 +40,7 @@ def rotor_is_kappa() -> Verdict:
     With W = (e, omega) + dchi/dt the equations are those of the ball with kappa = C W e, and W is
     constant.  The rotor's transverse moments belong to the ball.
     """
-    rolling = rolling_ball(Surface.sphere(SIGNED, u1, v1))
+    rolling = rolling_ball(Surface.sphere(SIGNED_RADIUS, u1, v1))
     turn = AXIS.dot(sp.Matrix(rolling.spin)) + vo.velocity(chi)
     frame = dict(zip((*OMEGA, W), (*rolling.spin, turn), strict=True))
     system = vo.System(
@@ -49,11 +49,11 @@ def rotor_is_kappa() -> Verdict:
         frame=vo.Frame.quasi(frame),
         lagrangian=rolling.energy + C * turn**2 / 2,
         constraints=rolling.no_slip,
-        parameters=(SIGNED, R2, M, C, *MOMENTS, *AXIS),
+        parameters=(SIGNED_RADIUS, R2, M, C, *MOMENTS, *AXIS),
         invariants=dict(zip(map(str, GAMMA), rolling.normal, strict=True)),
     )
     full = vo.descend(system)
-    ball = Ball.on_sphere(SIGNED, KAPPA).reduced
+    ball = Ball.on_sphere(SIGNED_RADIUS, KAPPA).reduced
     carried = dict(zip(KAPPA, C * W * AXIS, strict=True))
     pairs = [(full.force[3], 0), *zip(full.mass[3, :], (0, 0, 0, C), strict=True)]
     pairs += zip(full.mass[:3, :3], ball.mass, strict=True)

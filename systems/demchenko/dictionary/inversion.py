@@ -27,14 +27,14 @@ from .weierstrass import (
     addition_law,
     at_zero,
     insist,
-    matched,
+    match_coefficients,
     rate,
 )
 
 y, c = sp.Symbol("y"), sp.Symbol(r"\zeta")
 slope = sp.Symbol("{y'}", positive=True)
 a0 = sp.Symbol("a_0")
-LEADING = (a0, *sp.symbols("a_1:5"))
+QUARTIC_COEFFICIENTS = (a0, *sp.symbols("a_1:5"))
 """The coefficients of X, without their binomial factors."""
 
 AT_C = Point.at(r"\zeta")
@@ -60,7 +60,7 @@ def _quartic() -> sp.Expr:
     small = -sp.integrate(AT_C.taylor(4), STEP) - zeta
     unknown = sp.symbols("k0:5")
     powers = sp.Add(*[k * small**n for n, k in enumerate(unknown)])
-    found = matched(powers, sp.diff(small, STEP) ** 2, unknown)
+    found = match_coefficients(powers, sp.diff(small, STEP) ** 2, unknown)
     polynomial = sp.Add(*[found[k] * y**n for n, k in enumerate(unknown)])
     left, right = rate(law.zeta, law.u.rates) ** 2, polynomial.xreplace({y: law.zeta})
     insist({"y'^2 = Y(y)": vo.prove_equal(left, right, law.relations)})
@@ -174,7 +174,9 @@ def coefficients() -> tuple[sp.Expr, tuple[sp.Expr, sp.Expr, sp.Expr]]:
 
 def general(x: Any) -> sp.Expr:
     """A quartic with binomial factors."""
-    return sp.Add(*[sp.binomial(4, k) * a * x ** (4 - k) for k, a in enumerate(LEADING)])
+    return sp.Add(
+        *[sp.binomial(4, k) * a * x ** (4 - k) for k, a in enumerate(QUARTIC_COEFFICIENTS)]
+    )
 
 
 def other_branch(argument: Any) -> sp.Expr:
@@ -211,7 +213,7 @@ def inversion_studies() -> dict[str, Study]:
     r"""``y``: any c; ``x``: c that belongs to a given X; ``polynomial``: X as a function."""
     first = _study(curve(), {})
     shift, at_c = coefficients()
-    names: dict[str, Any] = {f"a_{k}": a for k, a in enumerate(LEADING)}
+    names: dict[str, Any] = {f"a_{k}": a for k, a in enumerate(QUARTIC_COEFFICIENTS)}
     names |= {"x": y + shift, "h": shift, "X": a0 * slope**2}
     second = _study(Curve(at_c), names)
     third = replace(second, names={**second.names, "X": _value_of_x(shift, at_c)})

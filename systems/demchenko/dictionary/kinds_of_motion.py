@@ -16,13 +16,13 @@ from .quadratures import C5, GAMMA, INERTIA, RATIO, h, level, p, share, x
 Decide = Callable[[Study, Range], vo.Verdict]
 
 
-def signed(value: Any, relation: str, where: Range) -> vo.Verdict:
+def sign_in_range(value: Any, relation: str, where: Range) -> vo.Verdict:
     """The sign of an expression in a range, k being positive: else the axis is turned round."""
     inside = sp.sympify(value).xreplace(dict(where.values))
     return vo.prove_inequality(inside, relation, 0, (*where.positive, k))
 
 
-def chained(*steps: tuple[str, vo.Verdict]) -> vo.Verdict:
+def chain_of(*steps: tuple[str, vo.Verdict]) -> vo.Verdict:
     """Proved where all steps are; else the first that is not."""
     for what, verdict in steps:
         if not verdict.proved:
@@ -37,7 +37,7 @@ def equal(left: Any, right: Any) -> vo.Verdict:
     return vo.prove_equal(*sides)
 
 
-def refuted(method: str, point: Mapping[Any, Any], left: Any, right: Any) -> vo.Verdict:
+def refutation(method: str, point: Mapping[Any, Any], left: Any, right: Any) -> vo.Verdict:
     """Refuted by exact values."""
     named = {str(name): str(value) for name, value in point.items()}
     return vo.Verdict("refuted", method, vo.Witness(named, str(left), str(right)))
@@ -65,18 +65,18 @@ def at_state(value: Any, numbers: Mapping[Any, Any]) -> Any:
 # -- the polynomial X -----------------------------------------------------------------------
 
 
-def leading() -> Any:
+def leading_coefficient() -> Any:
     """The coefficient of x^4 in X."""
     return level().quartic.LC()
 
 
-def leading_printed(_: Study) -> str:
+def leading_text(_: Study) -> str:
     """The same as LaTeX."""
-    proved(leading(), -INERTIA * (INERTIA * level().mu ** 2 + 4 * A * RATIO))
+    insist_equal(leading_coefficient(), -INERTIA * (INERTIA * level().mu ** 2 + 4 * A * RATIO))
     return r"a_0=-I(I\mu^2+4A\mu')"
 
 
-def proved(left: Any, right: Any) -> None:
+def insist_equal(left: Any, right: Any) -> None:
     """What is printed as derived must be proved."""
     if not vo.prove_equal(left, right).proved:
         raise vo.DefinitionError(f"'{left}' is to be printed as '{right}', which it is not")
@@ -87,21 +87,21 @@ def quadratic(_: Study, __: Range) -> vo.Verdict:
     own = level()
     degrees = [sp.Poly(q, x).degree() for q in (own.phi, own.psi, own.F, own.theta)]
     if max(degrees) > 2:
-        return refuted("a degree is larger", {}, max(degrees), 2)
+        return refutation("a degree is larger", {}, max(degrees), 2)
     form = vo.prove_equal(own.X, (1 - x**2) * own.psi - own.phi**2)
-    return chained(("phi, psi, F, theta have degree two; X = (1 - x^2) psi - phi^2", form))
+    return chain_of(("phi, psi, F, theta have degree two; X = (1 - x^2) psi - phi^2", form))
 
 
-def quadratic_printed(_: Study) -> str:
+def quadratic_text(_: Study) -> str:
     """phi, psi, theta and F as LaTeX."""
     return r",\quad ".join(f"{left}={right}" for left, right in forms())
 
 
 def forms(*wanted: str) -> list[tuple[str, str]]:
     """The proved forms of some of phi, psi, theta, F: LaTeX of both sides."""
-    for _, _, value, form in printed():
-        proved(value, form)
-    return [(left, right) for left, right, _, _ in printed() if not wanted or left in wanted]
+    for _, _, value, form in printed_forms():
+        insist_equal(value, form)
+    return [(left, right) for left, right, _, _ in printed_forms() if not wanted or left in wanted]
 
 
 def in_seconds(_: Study, __: Any) -> list[tuple[str, str]]:
@@ -121,7 +121,7 @@ def by_state(_: Study, __: Any) -> list[tuple[str, str]]:
     return [("X", r"\frac{b_2^2\tau^2\sin^2u}{k^2\mu^2}")]
 
 
-def printed() -> list[tuple[str, str, Any, Any]]:
+def printed_forms() -> list[tuple[str, str, Any, Any]]:
     """phi, psi, theta, F in the letters of the paper: LaTeX of both sides, and their values."""
     own, names = level(), level().names()
     P, mu, x0 = own.P, own.mu, names["x_0"]
@@ -154,7 +154,7 @@ def printed() -> list[tuple[str, str, Any, Any]]:
 
 def even_count(_: Study, __: Range) -> vo.Verdict:
     """Roots that are not real come in pairs; the degree is even unless a_0 = 0."""
-    if vo.prove_equal(leading(), 0).refuted and level().quartic.degree() == 4:
+    if vo.prove_equal(leading_coefficient(), 0).refuted and level().quartic.degree() == 4:
         return vo.Verdict("proved", "X has degree four unless a_0 = 0, and complex roots in pairs")
     return vo.Verdict("undecided", "X has not the degree four")
 
@@ -163,7 +163,7 @@ def without_roots(_: Study, __: Range) -> vo.Verdict:
     """A polynomial X without real roots is negative, since X(1) is not positive."""
     own = level()
     ends = own.X.subs(x, 1), -(own.phi.subs(x, 1) ** 2)
-    return chained(("X(1) = -phi(1)^2, so that X < 0 if it has no root", vo.prove_equal(*ends)))
+    return chain_of(("X(1) = -phi(1)^2, so that X < 0 if it has no root", vo.prove_equal(*ends)))
 
 
 def single_gap(_: Study, __: Range) -> vo.Verdict:
@@ -185,12 +185,12 @@ def single_gap(_: Study, __: Range) -> vo.Verdict:
         relation = ">" if name == "between" else "<"
         found = vo.prove_inequality(value, relation, 0)
         steps.append((f"-X/a_0 {relation} 0 {name} the roots", found))
-    return chained(*steps)
+    return chain_of(*steps)
 
 
-def gaps_printed(_: Study) -> str:
+def gaps_text(_: Study) -> str:
     """Where x runs between these roots, as LaTeX."""
-    proved(leading(), -INERTIA * (INERTIA * level().mu ** 2 + 4 * A * RATIO))
+    insist_equal(leading_coefficient(), -INERTIA * (INERTIA * level().mu ** 2 + 4 * A * RATIO))
     return r"I\mu^2+4A\mu'=-a_0/I>0"
 
 
@@ -200,10 +200,10 @@ def outer_gaps(_: Study, where: Range) -> vo.Verdict:
     Just where a_0 < 0: where a_0 > 0, X(1) and X(-1) <= 0 put x = 1 and x = -1 into the gaps in
     which X < 0, so that X > 0 is left between the middle roots alone.
     """
-    negative = signed(leading(), "<", where)
+    negative = sign_in_range(leading_coefficient(), "<", where)
     if not negative.proved:
         return _between_the_middle_roots(where)
-    return chained(("a_0 < 0", negative), *_signs_of_the_gaps())
+    return chain_of(("a_0 < 0", negative), *_signs_of_the_gaps())
 
 
 def _signs_of_the_gaps() -> list[tuple[str, vo.Verdict]]:
@@ -228,5 +228,5 @@ def _between_the_middle_roots(where: Range) -> vo.Verdict:
     if X.LC() > 0 and X.eval(place) > 0 and X.count_roots() == 4 and below == 2:
         point = {str(name).replace("(u)", " u"): value for name, value in numbers.items()}
         method = "a_0 > 0 there, and the motion runs between the second and the third root"
-        return refuted(method, point, f"{below} roots below x", "1 or 3 roots below x")
+        return refutation(method, point, f"{below} roots below x", "1 or 3 roots below x")
     return vo.Verdict("undecided", "a_0 may be positive")

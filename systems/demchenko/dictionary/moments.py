@@ -15,7 +15,7 @@ from .surfaces import MASS, vector
 
 PARTICLES = 3
 SPEED = sp.Symbol("omega~")
-LABELLED = frozenset({r"\mathfrak{v}"})
+LABELLED_LETTERS = frozenset({r"\mathfrak{v}"})
 
 
 def particles(trace: str, moment: str) -> Study:
@@ -50,7 +50,7 @@ def particles(trace: str, moment: str) -> Study:
     return Study(
         names,
         motion=Motion(rates),
-        labelled=LABELLED,
+        labelled=LABELLED_LETTERS,
         letters=forces_said,
         note=note,
         source=source,
@@ -72,7 +72,7 @@ def gyrostat() -> Study:
     centre, speed, point, trace, force = (
         vector(sp.symbols(f"{x}_1:4")) for x in ("O", "dO", "M", "dM", "F")
     )
-    rates: dict[Any, Any] = {**_turned(omega), **_euler(omega)}
+    rates: dict[Any, Any] = {**_turn_rates(omega), **_euler(omega)}
     rates |= dict(zip((*centre, *point), (*speed, *trace), strict=True))
     rates |= dict(zip(speed, force / MASS, strict=True))
     arm = centre - point
@@ -88,7 +88,7 @@ def gyrostat() -> Study:
     }
     note = "by the equations of Newton and Euler for a body and a rotor, with the bearings' torque"
     source = "the laws of Newton and Euler for a body and for a rotor, and the bearings' torque"
-    return Study(names, motion=Motion(rates), labelled=LABELLED, note=note, source=source)
+    return Study(names, motion=Motion(rates), labelled=LABELLED_LETTERS, note=note, source=source)
 
 
 def _spins(omega: sp.Matrix) -> tuple[sp.Matrix, sp.Matrix]:
@@ -103,7 +103,7 @@ def _torques() -> tuple[sp.Matrix, sp.Matrix]:
     return vector(sp.symbols("l_1:4")), vector((*sp.symbols("g_1:3"), 0))
 
 
-def _turned(omega: sp.Matrix) -> dict[Any, Any]:
+def _turn_rates(omega: sp.Matrix) -> dict[Any, Any]:
     """How the rotation changes."""
     a, *rest = TURN
     b = vector(rest)

@@ -24,7 +24,7 @@ from .surfaces import (
     QUASI,
     SLIP,
     Surfaces,
-    told,
+    joint_verdict,
     u,
     u1,
     v,
@@ -107,7 +107,7 @@ class Space:
         return found
 
     @cached_property
-    def turning(self) -> sp.Matrix:
+    def turn_rate(self) -> sp.Matrix:
         """The rate of the matrix that turns (u, v, n) into (u1, v1, n1)."""
         return sp.Matrix(self.free.derivative(sp.Matrix(self.surfaces.contact.turn)))
 
@@ -117,7 +117,7 @@ class Space:
         B^T R^T dR/dt B = Q^T (B1^T dB1/dt) Q + Q^T dQ/dt - B^T dB/dt."""
         turn = sp.Matrix(self.surfaces.contact.turn)
         body, fixed = (hat(vector(forms.frame_rates)) for forms in self.surfaces.forms)
-        return vee(turn.T * fixed * turn + turn.T * self.turning - body)
+        return vee(turn.T * fixed * turn + turn.T * self.turn_rate - body)
 
     @cached_property
     def angular(self) -> dict[str, sp.Matrix]:
@@ -126,7 +126,7 @@ class Space:
         return {
             r"\omega": self.axes * self.spin,
             r"\omega_1": -self.axes * self.surfaces.body_frame,
-            r"\omega_2": self.axes * vee(contact.turn.T * self.turning),
+            r"\omega_2": self.axes * vee(contact.turn.T * self.turn_rate),
             r"\omega_3": self.frame * vector(contact.fixed.frame_rates),
         }
 
@@ -199,7 +199,7 @@ class Space:
         for q in COORDINATES:
             mine, theirs = (sp.diff(x, vo.velocity(q)).xreplace(self.rules) for x in (power, work))
             found.append(vo.prove_equal(mine, theirs))
-        return told(found, "its power is that of the multipliers, for all five velocities")
+        return joint_verdict(found, "its power is that of the multipliers, for all five velocities")
 
     @cached_property
     def _forms(self) -> sp.Matrix:
@@ -212,7 +212,7 @@ class Space:
         matrix = self._forms.jacobian(dots)
         found = [vo.prove_equal(a, b) for a, b in zip(self._forms, matrix * dots, strict=True)]
         found.append(vo.prove_equal(matrix.det(method="berkowitz"), self.determinant))
-        return told(found, "linear forms, with the determinant that is derived")
+        return joint_verdict(found, "linear forms, with the determinant that is derived")
 
     @property
     def determinant(self) -> sp.Expr:
@@ -239,7 +239,7 @@ def principal_lines() -> Study:
     return Study(names, note="where the principal curvatures differ", source=source)
 
 
-def left_handed() -> Study:
+def left_handed_frame() -> Study:
     """The axes x, y, z of a frame of negative orientation; products are the usual ones."""
     x, y, z = (sp.Matrix(row) for row in ((1, 0, 0), (0, 1, 0), (0, 0, -1)))
     names = {r"\mathbf x": x, r"\mathbf y": y, r"\mathbf z": z}

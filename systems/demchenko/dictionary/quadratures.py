@@ -23,7 +23,7 @@ x = sp.Symbol("x")
 C5, h, GAMMA = sp.symbols("C5 h Gamma")
 INERTIA, RATIO, p, share = sp.symbols("I mu' p q")
 ROOTS = dict(zip(("x^I", "x^{II}", "x^{III}", "x^{IV}"), sp.symbols("x1:5"), strict=True))
-NUMBERED = frozenset("x")
+NUMBERED_LETTERS = frozenset("x")
 HEADS = frozenset({"X", "F", r"\phi", r"\psi", r"\theta"})
 PARAMETERS = {M: INERTIA / R2**2, R1: R2 / RATIO}
 
@@ -80,7 +80,7 @@ class Level:
     declared: Mapping[str, Any]
 
     @classmethod
-    def derived(cls) -> Level:
+    def derive(cls) -> Level:
         """Derive the equations, and prove that the declared integrals are constant."""
         from .. import SYSTEM
 
@@ -300,7 +300,7 @@ class Level:
         own = {name: value.subs(sp.cos(u), x) for name, value in study.names.items()}
         own |= {"x": x, "a_0": own["X"] / product, **ROOTS}
         source = f"{study.source}; a_0 is what the linear factors of the roots leave of X"
-        return replace(study, names=own, numbered=NUMBERED, source=source)
+        return replace(study, names=own, numbered=NUMBERED_LETTERS, source=source)
 
 
 def split_by_roots() -> Study:
@@ -317,13 +317,15 @@ def split_by_roots() -> Study:
     X = sum(a0 * c * x**i for i, c in enumerate(reversed(product.all_coeffs())))
     names = {"x": x, "X": X, r"\phi": phi, r"\psi": (X + phi**2) / (1 - x**2), "a_0": a0}
     source = "the roots of X, and the values of phi at 1 and -1"
-    return Study({**names, **ROOTS}, numbered=NUMBERED, functions=HEADS, given=given, source=source)
+    return Study(
+        {**names, **ROOTS}, numbered=NUMBERED_LETTERS, functions=HEADS, given=given, source=source
+    )
 
 
 @cache
 def level() -> Level:
     """The level, derived once."""
-    return Level.derived()
+    return Level.derive()
 
 
 def _root(equation: Any, symbol: sp.Symbol) -> Any:

@@ -45,7 +45,7 @@ class Chaplygin:
     eqs: Any
 
     @classmethod
-    def derived(cls, turning: int) -> Chaplygin:
+    def derive(cls, turning: int) -> Chaplygin:
         """Derive it."""
         rows = [
             rate - sp.Add(*[on_base(f"a{nu}{i}") * x for i, x in enumerate(DX, start=1)])
@@ -115,7 +115,7 @@ class Chaplygin:
             source=source,
         )
 
-    def closed(self) -> Verdict:
+    def invariance(self) -> Verdict:
         """Whether the group acts as it is said to, and mass, force and L_red are free of it."""
         entries = [*self.eqs.mass, *self.eqs.force, self.eqs.theta]
         free = all_zero(sp.diff(e, s) for e in entries for s in (*S, *DS))

@@ -37,7 +37,7 @@ class Rotor:
         return cls(Attitude.arbitrary(), moments, (across, across, AXIAL))
 
     @property
-    def carried(self) -> sp.Matrix:
+    def gyroscope_spin(self) -> sp.Matrix:
         """Angular velocity of the gyroscope along x, y, z."""
         return self.attitude.principal[1] + vector((0, 0, vo.velocity(chi)))
 
@@ -46,7 +46,7 @@ class Rotor:
         """The kinetic energy of both."""
         w, p = self.attitude.principal
         c, s = sp.cos(chi), sp.sin(chi)
-        turned = sp.Matrix([[c, s, 0], [-s, c, 0], [0, 0, 1]]) * self.carried
+        turned = sp.Matrix([[c, s, 0], [-s, c, 0], [0, 0, 1]]) * self.gyroscope_spin
         own = kinetic_energy(MASS, w, self.body, p)
         return own + kinetic_energy(0, (0, 0, 0), self.gyroscope, turned)
 
@@ -54,14 +54,14 @@ class Rotor:
     def moment(self) -> sp.Matrix:
         """Angular momentum of both about M along (u, v, n)."""
         spins = sp.diag(*self.body) * self.attitude.principal[1]
-        spins += sp.diag(*self.gyroscope) * self.carried
+        spins += sp.diag(*self.gyroscope) * self.gyroscope_spin
         orbital = self.attitude.arm.cross(MASS * self.attitude.centre)
         return self.attitude.matrix.T * spins - orbital
 
     @property
     def axial(self) -> sp.Matrix:
         """What the gyroscope itself has of angular momentum along its axis, along (u, v, n)."""
-        along = sp.diag(0, 0, 1) * sp.diag(*self.gyroscope) * self.carried
+        along = sp.diag(0, 0, 1) * sp.diag(*self.gyroscope) * self.gyroscope_spin
         return self.attitude.matrix.T * along
 
     def study(self) -> Study:
@@ -78,7 +78,7 @@ class Rotor:
             **dict(zip(COSINES, matrix.row(2), strict=True)),
             r"\mathbf M": MASS,
             r"\tilde C": AXIAL,
-            r"\tilde\omega": self.carried[2],
+            r"\tilde\omega": self.gyroscope_spin[2],
             "k": sp.diff(self.energy, vo.velocity(chi)),
             r"\kappa": self.axial,
             r"\mathbf z": matrix.row(2).T,
@@ -93,7 +93,7 @@ class Rotor:
 
 
 @dataclass(frozen=True)
-class Turning:
+class TurningAxes:
     """The axes (u, v, n) in the body: any rotation that changes in any way."""
 
     @property

@@ -105,7 +105,7 @@ class Rubber:
         dots = [vo.velocity(w) for w in OMEGA[:2]]
         accelerations = self.reduced.mass.LUsolve(self.reduced.force)
         return Motion(
-            rates=dict(zip((*GAMMA, *OMEGA[:2]), (*self.turning, *dots), strict=True)),
+            rates=dict(zip((*GAMMA, *OMEGA[:2]), (*self.normal_rate, *dots), strict=True)),
             constrained={OMEGA[2]: THIRD},
             accelerations=dict(zip(dots, accelerations, strict=True)),
         )
@@ -116,7 +116,7 @@ class Rubber:
         return {x: self.motion.along(rate) for x, rate in self.motion.rates.items()}
 
     @cached_property
-    def turning(self) -> sp.Matrix:
+    def normal_rate(self) -> sp.Matrix:
         """The rate epsilon gamma x omega of gamma, which keeps |gamma| wherever gamma is.
 
         Epsilon stands in the rate of gamma_3, which is free of omega_3.
@@ -131,7 +131,7 @@ class Rubber:
 
         The rates of the system have omega_3 eliminated by the engine, from the velocities alone.
         """
-        return all_equal(zip(self.turning, self.reduced.rates, strict=True), self.relations)
+        return all_equal(zip(self.normal_rate, self.reduced.rates, strict=True), self.relations)
 
     @cached_property
     def momentum(self) -> sp.Matrix:

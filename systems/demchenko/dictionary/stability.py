@@ -25,12 +25,12 @@ from .kinds_of_motion import (
     Decide,
     at_state,
     body,
-    chained,
+    chain_of,
     equal,
-    leading,
-    proved,
-    refuted,
-    signed,
+    insist_equal,
+    leading_coefficient,
+    refutation,
+    sign_in_range,
 )
 from .quadratures import C5, INERTIA, PARAMETERS, RATIO, h, level, x
 from .trajectories import height
@@ -60,13 +60,13 @@ def stable(second: int, third: int = 0) -> vo.Verdict:
     right, left = beside(second, third)
     signs = [vo.prove_inequality(side, "<", 0) for side in (right, left)]
     if all(v.proved for v in signs):
-        return chained(*((f"X < 0 beside the root, {NEAR}", v) for v in signs))
+        return chain_of(*((f"X < 0 beside the root, {NEAR}", v) for v in signs))
     away = next(v for v in (vo.prove_inequality(w, ">", 0) for w in (right, left)) if v.proved)
-    return refuted(f"X > 0 on one side of the root, {NEAR}: {away.method}", {}, "X > 0", "X < 0")
+    return refutation(f"X > 0 on one side of the root, {NEAR}: {away.method}", {}, "X > 0", "X < 0")
 
 
 @dataclass(frozen=True)
-class Printed:
+class PrintedSection:
     """What the section prints: its conditions in order, and its sentences."""
 
     conditions: tuple[str, ...]
@@ -89,7 +89,7 @@ def precession(position: int, opening: str, slot: str) -> Decide:
         claimed = study.context.word(opening, slot)
         if found[0] == 3 and condition(study.context.conditions[2]) != (2, "="):
             return vo.Verdict("undecided", "the condition on the second derivative is another one")
-        return claimed_of(of_sign(found, study, where), claimed)
+        return verdict_of_claim(of_sign(found, study, where), claimed)
 
     return decide
 
@@ -120,13 +120,13 @@ def condition(printed: str) -> tuple[int, str]:
     return int(found[1]), found[3]
 
 
-def claimed_of(found: vo.Verdict, claimed: bool) -> vo.Verdict:
+def verdict_of_claim(found: vo.Verdict, claimed: bool) -> vo.Verdict:
     """The verdict on "stable", or on "unstable", where that on "stable" was found."""
     if claimed or found.undecided:
         return found
     if found.refuted:
         return vo.Verdict("proved", found.method)
-    return refuted(found.method, {}, "unstable", "stable")
+    return refutation(found.method, {}, "unstable", "stable")
 
 
 def fourfold(_: Study, where: Range) -> vo.Verdict:
@@ -134,9 +134,9 @@ def fourfold(_: Study, where: Range) -> vo.Verdict:
 
     X(1) = -phi(1)^2 excludes a_0 > 0; and a_0 = 0 leaves X = 0.
     """
-    negative = signed(leading(), "<", where)
+    negative = sign_in_range(leading_coefficient(), "<", where)
     if negative.proved:
-        return chained(("X = a_0 y^4 with a_0 < 0", negative))
+        return chain_of(("X = a_0 y^4 with a_0 < 0", negative))
     return flat(where)
 
 
@@ -147,7 +147,7 @@ def flat(where: Range) -> vo.Verdict:
     positive multiple of 1 - x^2, so that x runs through all latitudes.
     """
     own = level()
-    bare = body(where, leading())
+    bare = body(where, leading_coefficient())
     numbers = {**bare, k: 1, sp.cos(u): 0, sp.sin(u): 1, n: 0}
     mu, b0 = (own.names()[name].xreplace(numbers) for name in (r"\mu", "b_0"))
     numbers[s] = mu * b0 / (own.pace * k).xreplace(numbers)
@@ -157,7 +157,7 @@ def flat(where: Range) -> vo.Verdict:
         return vo.Verdict("undecided", "no such precession was found")
     point = {**bare, k: 1, u: "pi/2", n: 0, s: numbers[s]}
     method = f"X = 0 for all x there, and X = {factor} tau^2 (1 - x^2) for tau != 0: x drifts away"
-    return refuted(method, point, "x runs through (-1, 1)", "x stays")
+    return refutation(method, point, "x runs through (-1, 1)", "x stays")
 
 
 def precessions_exist(_: Study, __: Range) -> vo.Verdict:
@@ -170,7 +170,7 @@ def precessions_exist(_: Study, __: Range) -> vo.Verdict:
     double = sp.diff(own.X, x).subs(x, sp.cos(u)).xreplace(own.integrals)
     steps.append(("cos u is a double root of X", double))
     found = [(what, vo.prove_equal(value.xreplace(steady), 0)) for what, value in steps]
-    return chained(*found, ("Gamma cos u1 = k mu' x - C_5 is constant with x", height()))
+    return chain_of(*found, ("Gamma cos u1 = k mu' x - C_5 is constant with x", height()))
 
 
 def rates_of(*symbols: Any) -> dict[Any, Any]:
@@ -181,12 +181,12 @@ def rates_of(*symbols: Any) -> dict[Any, Any]:
 # -- fast and stationary motions ------------------------------------------------------------
 
 
-def bounded(where: Range) -> list[tuple[str, vo.Verdict]]:
+def bound_steps(where: Range) -> list[tuple[str, vo.Verdict]]:
     """|x - x(0)| <= 2 sqrt(2 h A) / (k |mu|) on every motion."""
     own = level()
     spin = C5 - k * own.mu * x
     energy = equal(2 * h * A - spin**2, A * own.P * (s**2 + tau**2))
-    margin = signed(A * own.P * (s**2 + tau**2), ">=", where)
+    margin = sign_in_range(A * own.P * (s**2 + tau**2), ">=", where)
     return [
         ("2hA - (C5 - k mu x)^2 = A P (s^2 + tau^2)", energy),
         ("so k |mu| |x - x(0)| <= 2 sqrt(2 h A), whatever the range", margin),
@@ -196,8 +196,8 @@ def bounded(where: Range) -> list[tuple[str, vo.Verdict]]:
 def small_nutation(_: Study, where: Range) -> vo.Verdict:
     """The bound goes to zero as k grows, the state at the beginning being given."""
     free = vo.prove_equal(sp.diff(level().integrals[h], k), 0)
-    return chained(
-        *bounded(where),
+    return chain_of(
+        *bound_steps(where),
         ("h is given by s_0, tau_0, n_0 alone, so that the bound goes to zero as k grows", free),
         ("a small n_0/k is needed", with_normal_spin(where)),
     )
@@ -217,9 +217,9 @@ def with_normal_spin(where: Range) -> vo.Verdict:
     return vo.Verdict("undecided", "no large nutation was found")
 
 
-def small_nutation_printed(_: Study) -> str:
+def small_nutation_text(_: Study) -> str:
     """The bound as LaTeX, and what must be small."""
-    proved(level().integrals[h] * 2 * A, A * level().P * (s**2 + tau**2) + A**2 * n**2)
+    insist_equal(level().integrals[h] * 2 * A, A * level().P * (s**2 + tau**2) + A**2 * n**2)
     return (
         r"|x-x(0)|\le\frac{2}{|k\mu|}\sqrt{AP(s_0^2+\tau_0^2)+A^2n_0^2}"
         r"\quad\text{(so $n_0$, too, must be small against $k$)}"
@@ -232,20 +232,20 @@ def at_rest(_: Study, __: Range) -> vo.Verdict:
     steps = [(f"the rate of {w} is zero", (r, 0)) for w, r in rates_of(u, v, u1, v1, s, n).items()]
     steps.append(("P d tau/dt = k n sin u", (own.P * own.rate(tau), k * n * sp.sin(u))))
     found = ((what, vo.prove_equal(a.xreplace(rest), b)) for what, (a, b) in steps)
-    return chained(*found)
+    return chain_of(*found)
 
 
 def ordinary_ball(_: Study, __: Range) -> vo.Verdict:
     """k = 0: n and s^2 + tau^2 are constant, and so is the momentum, whatever the axis does."""
     rates = {w: rate.subs(k, 0) for w, rate in rates_of(s, tau, n).items()}
     speed = 2 * s * rates[s] + 2 * tau * rates[tau]
-    return chained(
+    return chain_of(
         ("the rate of n is zero", vo.prove_equal(rates[n], 0)),
         ("the rate of s^2 + tau^2 is zero", vo.prove_equal(speed, 0)),
     )
 
 
-def ordinary_printed(_: Study) -> str:
+def ordinary_text(_: Study) -> str:
     """Which constants k = 0 leaves without a value, as LaTeX: k divides them."""
     names = level().names()
     for name in ("x_0", r"\bar\Gamma", "h'"):
@@ -266,13 +266,13 @@ def polar(end: int) -> Any:
 def stationary(_: Study, where: Range) -> vo.Verdict:
     """At rest (n = 0, h = 0) by the bound of the nutation; at x = 1, -1 by the sign inside."""
     calm = vo.prove_equal(level().integrals[h].xreplace({s: 0, tau: 0, n: 0}), 0)
-    steps = [*bounded(where), ("2h = 0 at rest, so that n = 0 is stable", calm)]
+    steps = [*bound_steps(where), ("2h = 0 at rest, so that n = 0 is stable", calm)]
     for end in (1, -1):
-        sign, worse = (signed(polar(end), relation, where) for relation in ("<", "<="))
+        sign, worse = (sign_in_range(polar(end), relation, where) for relation in ("<", "<="))
         if worse.refuted:
             return spinning_away(where, end, worse)
         steps.append((f"X / (1 - |x|)^2 < 0 at x = {end}", sign))
-    return chained(*steps)
+    return chain_of(*steps)
 
 
 def spinning_away(where: Range, end: int, worse: vo.Verdict) -> vo.Verdict:
@@ -283,7 +283,7 @@ def spinning_away(where: Range, end: int, worse: vo.Verdict) -> vo.Verdict:
     X = sp.Poly(sp.cancel(at_state(own.X, numbers) / (1 - end * x) ** 2), x)
     if X.eval(end) > 0 and X.count_roots(*sorted((end, reach))) == 0:
         beside = f"with its constants, a motion begun beside x = {end} runs beyond x = {reach}"
-        return refuted(f"{beside}: X > 0 there", numbers, f"beyond {reach}", f"x stays at {end}")
+        return refutation(f"{beside}: X > 0 there", numbers, f"beyond {reach}", f"x stays at {end}")
     return replace(worse, method=f"a ball that spins at x = {end}: X > 0, {worse.method}")
 
 
@@ -315,4 +315,4 @@ def remarkable(_: Study, __: Range) -> vo.Verdict:
         where = ", ".join(f"{name} = {value}" for name, value in case.items())
         squares = sp.Add(*(entry.xreplace(case) ** 2 for entry in (*parallel, *resting, *rates)))
         steps.append((f"along the momentum, at rest, and so for ever, for {where}", squares, 0))
-    return chained(*((what, vo.prove_equal(a, b)) for what, a, b in steps))
+    return chain_of(*((what, vo.prove_equal(a, b)) for what, a, b in steps))

@@ -36,11 +36,11 @@ def null_space(rows: sp.Matrix) -> sp.Matrix:
 
 
 def _echelon(rows: sp.Matrix) -> Any:
-    return _reduced(rows.as_immutable())
+    return _echelon_form(rows.as_immutable())
 
 
 @cache  # a dictionary names the same few subspaces again and again
-def _reduced(rows: sp.ImmutableMatrix) -> Any:
+def _echelon_form(rows: sp.ImmutableMatrix) -> Any:
     return rows.rref(iszerofunc=_vanishes, simplify=False)
 
 

@@ -26,7 +26,7 @@ QUASI = s, tau, n = sp.symbols("s tau n")
 SLIP = sp.symbols("m_u m_v m_n")
 MASS = sp.Symbol("mass", positive=True)
 NOTE = "for arbitrary surfaces"
-DETERMINED = (
+DETERMINANT_NOTE = (
     "the determinant is a power of the relative curvature's, times that of the inertia about M, "
     "which is positive, and positive factors"
 )
@@ -35,7 +35,7 @@ SHAPES = {
     "those of the other"
 }
 """The letters of the relative curvature, in words."""
-SPELLED = ("u", "v", r"\vartheta", "u_1", "v_1")
+COORDINATE_LETTERS = ("u", "v", r"\vartheta", "u_1", "v_1")
 
 
 def velocities(coordinates: tuple[sp.Symbol, ...]) -> tuple[sp.Expr, ...]:
@@ -48,7 +48,7 @@ def vector(components: Any) -> sp.Matrix:
     return sp.Matrix(list(components))
 
 
-def told(verdicts: Any, method: str) -> vo.Verdict:
+def joint_verdict(verdicts: Any, method: str) -> vo.Verdict:
     """``worst``, with ``method`` for what all of them prove together."""
     found = worst(verdicts)
     return vo.Verdict("proved", method) if found.proved else found
@@ -179,7 +179,7 @@ class Surfaces:
         return sp.Matrix([[sp.diff(rate, w) for w in velocities(BASE)] for rate in self.rates])
 
     @cached_property
-    def framed(self) -> Any:
+    def frame_equations(self) -> Any:
         """The same contact in the frame of the quasi-velocities s, tau, n."""
         system = vo.System(
             name="contact-in-frame",
@@ -193,7 +193,7 @@ class Surfaces:
     @cached_property
     def fields(self) -> sp.Matrix:
         """Columns: velocities of all coordinates, for s = 1, for tau = 1, for n = 1."""
-        rates = vector(map(self.framed.door.outward, self.framed.exact.rates))
+        rates = vector(map(self.frame_equations.door.outward, self.frame_equations.exact.rates))
         return rates.jacobian(QUASI)
 
     def commutators(self) -> vo.Verdict:
@@ -202,7 +202,7 @@ class Surfaces:
         omega([X_i, X_j]) = e_i x e_j - omega_1(X_i) x e_j + omega_1(X_j) x e_i along (u, v, n),
         where [X_i, X_j] = c_ij^k X_k + B_ij^A d_A.
         """
-        brackets, spin = self.framed.brackets, self.spin.jacobian(velocities(COORDINATES))
+        brackets, spin = self.frame_equations.brackets, self.spin.jacobian(velocities(COORDINATES))
         body, fixed = self.forms
         rules = {**self.roots, **body.rules(), **fixed.rules()}
         relative = -self.body_frame.jacobian(velocities(COORDINATES)) * self.fields
@@ -235,7 +235,10 @@ class Surfaces:
 
     def names(self) -> dict[str, Any]:
         """Coordinates and coefficients of the forms."""
-        found: dict[str, Any] = {"t": vo.time, **dict(zip(SPELLED, COORDINATES, strict=True))}
+        found: dict[str, Any] = {
+            "t": vo.time,
+            **dict(zip(COORDINATE_LETTERS, COORDINATES, strict=True)),
+        }
         for forms, mark in zip(self.forms, ("", "_1"), strict=True):
             first = zip(("E", "F", "G"), forms.first_form, strict=True)
             second = zip(("D", "D'", "D''"), forms.second_form, strict=True)

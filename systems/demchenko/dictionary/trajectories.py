@@ -8,7 +8,7 @@ import voronec as vo
 from voronec.audit import Range, Study
 
 from .. import A, k, u, u1, v, v1
-from .kinds_of_motion import chained, equal
+from .kinds_of_motion import chain_of, equal
 from .quadratures import C5, GAMMA, RATIO, level, x
 
 
@@ -16,15 +16,15 @@ def equal_steps(_: Study, __: Range) -> vo.Verdict:
     """The rates of v and v1 are functions of x alone, that of x is one up to its sign."""
     own = level()
     square = equal((own.rate(sp.cos(u)) * own.pace) ** 2, own.X)
-    return chained(*_turning(), ("(dx/dt)^2 = (k/b_2)^2 X(x)", square))
+    return chain_of(*_turn_steps(), ("(dx/dt)^2 = (k/b_2)^2 X(x)", square))
 
 
 def turns(_: Study, __: Range) -> vo.Verdict:
     """The denominators in the rates of v and v1 do not change their signs."""
-    return chained(*_turning())
+    return chain_of(*_turn_steps())
 
 
-def _turning() -> list[tuple[str, vo.Verdict]]:
+def _turn_steps() -> list[tuple[str, vo.Verdict]]:
     own = level()
     ball = own.rate(v) * sp.sin(u) ** 2 * own.pace
     sphere = (own.rate(v1) * sp.sin(u1) ** 2).xreplace(own.upright) * GAMMA**2 * own.pace
@@ -47,7 +47,7 @@ def rests(_: Study, __: Range) -> vo.Verdict:
     outer = sphere * names["R_1"] ** 2
     slope = (1 - x**2) * sp.diff(own.psi, x) - 2 * x * own.psi - 2 * own.phi * sp.diff(own.phi, x)
     mixed = RATIO * GAMMA * k * (own.mu / (2 * A) * own.psi - own.phi)
-    return chained(
+    return chain_of(
         ("(b_2/k)^2 (udot^2 + sin^2 u vdot^2) = psi", equal(ball * own.pace**2, own.psi)),
         ("the speed on the sphere is the same", equal(outer, ball * names["R_2"] ** 2)),
         (
@@ -60,7 +60,7 @@ def rests(_: Study, __: Range) -> vo.Verdict:
         ),
         ("F is a combination of psi and phi", vo.prove_equal(own.F, mixed)),
         ("u1 goes as x does, the rate of cos u1 being k mu'/Gamma that of x", height()),
-        *_turning(),
+        *_turn_steps(),
     )
 
 
@@ -78,4 +78,4 @@ def regular_at_poles(_: Study, __: Range) -> vo.Verdict:
         turned = -2 * end * own.psi - 2 * own.phi * sp.diff(own.phi, x)
         left, right = slope.subs(x, end), turned.subs(x, end)
         steps.append((f"X'({end}) = {-2 * end} psi({end}) where phi({end}) = 0", (left, right)))
-    return chained(*((what, vo.prove_equal(*sides)) for what, sides in steps))
+    return chain_of(*((what, vo.prove_equal(*sides)) for what, sides in steps))

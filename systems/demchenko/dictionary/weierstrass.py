@@ -78,11 +78,13 @@ def at_zero() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
     """wp, wp' and zeta at ``STEP``; what is left out of wp has the order 6 and higher."""
     c = sp.symbols("c1 c2")
     wp = STEP**-2 + c[0] * STEP**2 + c[1] * STEP**4
-    wp = wp.xreplace(matched(sp.diff(wp, STEP) ** 2, 4 * wp**3 - G2 * wp - G3, c))
+    wp = wp.xreplace(match_coefficients(sp.diff(wp, STEP) ** 2, 4 * wp**3 - G2 * wp - G3, c))
     return wp, sp.diff(wp, STEP), -sp.integrate(sp.expand(wp), STEP)
 
 
-def matched(left: sp.Expr, right: sp.Expr, unknown: Sequence[sp.Symbol]) -> dict[Any, sp.Expr]:
+def match_coefficients(
+    left: sp.Expr, right: sp.Expr, unknown: Sequence[sp.Symbol]
+) -> dict[Any, sp.Expr]:
     """The unknown coefficients for which two expansions agree up to the term without ``STEP``."""
     gap = sp.expand(left - right)
     lowest = -int(sp.degree(sp.numer(sp.together(gap.xreplace({STEP: 1 / STEP}))), STEP))
@@ -107,7 +109,7 @@ class AdditionLaw:
     sigma: sp.Expr
 
     @classmethod
-    def derived(cls, u: Point, v: Point) -> AdditionLaw:
+    def derive(cls, u: Point, v: Point) -> AdditionLaw:
         """Find the three by their expansions at v = 0."""
         a, b, c, d = unknown = sp.symbols("a b c d")
         wp, slope, zeta = at_zero()
@@ -116,7 +118,7 @@ class AdditionLaw:
 
         def find(top: sp.Expr, target: sp.Expr) -> sp.Expr:
             names = [x for x in unknown if top.has(x)]
-            return top.xreplace(matched(top.xreplace(small), sp.expand(target), names))
+            return top.xreplace(match_coefficients(top.xreplace(small), sp.expand(target), names))
 
         wide, narrow = (gap**k for k in (2, 1))
         double = find(a + b * v.p + c * v.p**2 + d * v.slope, wide.xreplace(small) * u.taylor(4))
@@ -130,7 +132,7 @@ class AdditionLaw:
         """What vanishes."""
         return self.u.curve, self.v.curve
 
-    def mirrored(self, expr: sp.Expr) -> sp.Expr:
+    def mirror(self, expr: sp.Expr) -> sp.Expr:
         """The same with -v for v; wp is even."""
         return expr.xreplace({self.v.slope: -self.v.slope})
 
@@ -143,7 +145,7 @@ class AdditionLaw:
     def claims(self) -> dict[str, tuple[sp.Expr, sp.Expr]]:
         """Pairs that must be equal for the three to be what they are called."""
         u, v = self.u, self.v
-        other = self.mirrored(self.zeta)
+        other = self.mirror(self.zeta)
 
         def by(point: Point, expr: sp.Expr) -> sp.Expr:
             return rate(expr, point.rates)
@@ -163,7 +165,7 @@ class AdditionLaw:
         """The verdict on each claim."""
         return {k: vo.prove_equal(a, b, self.relations) for k, (a, b) in self.claims().items()}
 
-    def proved(self) -> AdditionLaw:
+    def prove(self) -> AdditionLaw:
         """Itself, if every claim is proved."""
         insist(self.proofs())
         return self
@@ -179,7 +181,7 @@ def insist(proofs: Mapping[str, vo.Verdict]) -> None:
 @cache
 def addition_law(u: str, v: str) -> AdditionLaw:
     """The proved law for two arguments, named in LaTeX."""
-    return AdditionLaw.derived(Point.at(u), Point.at(v)).proved()
+    return AdditionLaw.derive(Point.at(u), Point.at(v)).prove()
 
 
 @dataclass(frozen=True)
@@ -234,10 +236,10 @@ def functions(u: str, v: str) -> tuple[Functions, AdditionLaw]:
     total = [law.wp]
     for _ in range(2):
         total.append(rate(total[-1], law.u.rates))
-    wp |= {(1, 1): tuple(total), (1, -1): tuple(law.mirrored(value) for value in total)}
+    wp |= {(1, 1): tuple(total), (1, -1): tuple(law.mirror(value) for value in total)}
     zetas = {(1, 0): law.u.zeta, (0, 1): law.v.zeta}
     zetas[1, 1] = law.u.zeta + law.v.zeta + law.zeta
-    zetas[1, -1] = law.u.zeta - law.v.zeta + law.mirrored(law.zeta)
+    zetas[1, -1] = law.u.zeta - law.v.zeta + law.mirror(law.zeta)
     apart = sp.Symbol(rf"\sigma{{({u}-{v})}}")
     sigmas = {(1, 0): law.u.sigma, (0, 1): law.v.sigma, (1, -1): apart}
     sigmas[1, 1] = law.sigma * law.u.sigma**2 * law.v.sigma**2 / apart

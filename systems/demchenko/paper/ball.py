@@ -12,7 +12,7 @@ from voronec.audit import Check, Display, Section, Study, Transcript
 from ..sentences.ball import FRAMES, SENTENCES
 
 UPRIGHT = "the momentum of ball and rotor, in which k belongs to chi whatever the quasi-velocities"
-DERIVED = "the equations derived for the system 'ball-with-rotor'"
+DERIVATION = "the equations derived for the system 'ball-with-rotor'"
 DEFINITION = Check("definition")
 EVERYWHERE = Check("definition", also=("reduced",))
 ZHUKOVSKY = Check(study="zhukovsky", given=("uslovZh",))
@@ -35,11 +35,11 @@ def motion(row: int) -> Check:
 def projection(row: int) -> Check:
     """Compare with a projection of the momentum, laid along the vertical axis."""
 
-    def derived(study: Study, where: Mapping[str, int]) -> list[tuple[Any, Any]]:
+    def derivation(study: Study, where: Mapping[str, int]) -> list[tuple[Any, Any]]:
         vertical, momentum = study.context.projections()
         return [(vertical[row], momentum[row])]
 
-    return Check(study="upright", given=("uslovZh",), derived=derived, source=UPRIGHT)
+    return Check(study="upright", given=("uslovZh",), derived=derivation, source=UPRIGHT)
 
 
 def condition(study: Study, _: Mapping[str, int]) -> Any:
@@ -49,9 +49,9 @@ def condition(study: Study, _: Mapping[str, int]) -> Any:
 
 def studies(_: Transcript) -> dict[str, Study]:
     """The dictionaries of the section on the ball."""
-    from ..dictionary.ball import Reduced, WithRotor
+    from ..dictionary.ball import ReducedBall, WithRotor
 
-    return {**WithRotor.derived().studies(), "reduced": Reduced.derived().study()}
+    return {**WithRotor.derive().studies(), "reduced": ReducedBall.derive().study()}
 
 
 BALL = Section(
@@ -102,7 +102,7 @@ s=\mu\sin u\dot{v},\quad \tau=-\mu\dot{u},\quad n=-\dot\vartheta-\cos u\dot v-\c
             r"""$$
 C_2r_2=k=const \quad \text{and}\quad p_1^2+q_1^2=p_2^2+q_2^2.
 $$""",
-            (Check(source=f"{UPRIGHT}, and {DERIVED}"), ANY_MOTION),
+            (Check(source=f"{UPRIGHT}, and {DERIVATION}"), ANY_MOTION),
         ),
         Display(
             r"""\begin{eqnarray}

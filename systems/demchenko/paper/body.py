@@ -15,18 +15,18 @@ def studies(_: Transcript) -> dict[str, Study]:
     """The dictionaries of this section."""
     from ..dictionary.body import Body
 
-    return Body.derived().studies()
+    return Body.derive().studies()
 
 
 def momentum(position: int) -> Check:
     """K_1 or K_2 in terms of s, tau, n; the print has M for the mass."""
 
-    def derived(study: Study, _: Mapping[str, int]) -> list[tuple[Any, Any]]:
+    def derivation(study: Study, _: Mapping[str, int]) -> list[tuple[Any, Any]]:
         return [(f"K_{position + 1}", study.context.momentum_terms(position, study.spelling))]
 
     return Check(
         study="quasi",
-        derived=derived,
+        derived=derivation,
         convention=Convention("$M$ is the mass $\\mathbf M$", "kineticka", {"M": MASS}),
     )
 
@@ -43,13 +43,13 @@ def transposition(position: int) -> Check:
 def motion(position: int) -> Check:
     """The derived equation of u, v or theta."""
 
-    def derived(study: Study, _: Mapping[str, int]) -> list[tuple[Any, Any]]:
+    def derivation(study: Study, _: Mapping[str, int]) -> list[tuple[Any, Any]]:
         found: list[tuple[Any, Any]] = study.context.equation_terms(position)
         return found
 
     return Check(
         truth=lambda study, where: study.context.residuals[position],
-        derived=derived,
+        derived=derivation,
     )
 
 

@@ -18,7 +18,7 @@ NO_TWIST = replace(RUBBER, constrains=1)
 
 def studies() -> dict[str, Study]:
     """The dictionaries: outer rolling, the two configurations with a minus sign, the plane."""
-    from ..dictionary.chaplygin_balls import CONFIGURATIONS, KAPPA, R1, R2, SIGNED, Ball
+    from ..dictionary.chaplygin_balls import CONFIGURATIONS, KAPPA, R1, R2, SIGNED_RADIUS, Ball
     from ..dictionary.rubber_balls import Rubber
 
     found = {}
@@ -26,8 +26,8 @@ def studies() -> dict[str, Study]:
         found["outer" + name] = Ball.on_sphere(R1, kappa).study({r"\pm": 1})
         found["inner" + name] = Ball.on_sphere(-R1, kappa).study({r"\pm": -1})
         found["plane" + name] = Ball.on_plane(kappa).study()
-        found["spheres" + name] = Ball.on_sphere(SIGNED, kappa).study(ranges=CONFIGURATIONS)
-    found["double shell"] = Ball.on_sphere(-R2 / 2).with_weighted()
+        found["spheres" + name] = Ball.on_sphere(SIGNED_RADIUS, kappa).study(ranges=CONFIGURATIONS)
+    found["double shell"] = Ball.on_sphere(-R2 / 2).with_linear_integral()
     found["rubber"] = Rubber.on_sphere(R1).study()
     found["rubber inside"] = Rubber.on_sphere(-R1).study()
     found["rubber on a plane"] = Rubber.on_plane().study()
@@ -39,7 +39,7 @@ def integral(name: str, check: Check) -> Check:
     return replace(check, derived=lambda study, where: study.context.still(name))
 
 
-def listed(check: Check, *names: str) -> tuple[Check, ...]:
+def integral_checks(check: Check, *names: str) -> tuple[Check, ...]:
     """A check for each of several integrals."""
     return tuple(integral(name, check) for name in names)
 
@@ -70,7 +70,7 @@ F_1=(\gamma,\gamma)=1, \quad F_2=\frac12({\mathbf
 G},\omega), \quad F_3=({\mathbf G},{\mathbf G}).
  \label{cl:int}
 \end{equation}""",
-        listed(EVERYWHERE, "F_1", "F_2", "F_3"),
+        integral_checks(EVERYWHERE, "F_1", "F_2", "F_3"),
     ),
     Display(
         r"""\[
@@ -78,7 +78,7 @@ G},\omega), \quad F_3=({\mathbf G},{\mathbf G}).
 G_1\gamma_1+(I_3+I_1-I_2+D)\mathbf
 G_2\gamma_2+(I_1+I_2-I_3+D)\mathbf G_3\gamma_3.
 \]""",
-        listed(Check(study="double shell"), r"\tilde F_4"),
+        integral_checks(Check(study="double shell"), r"\tilde F_4"),
     ),
     Display(
         r"""\begin{equation}\label{e3a}
@@ -101,7 +101,7 @@ G},\omega), \quad F_3=({\mathbf G}+\kappa,{\mathbf G}+\kappa), \quad F_4=({\math
 G}+\kappa,\gamma)
  \label{cl:int*}
 \end{equation}""",
-        (*listed(GYROSCOPE, "F_1", "F_2", "F_3"), integral("F_4", MARKEEV)),
+        (*integral_checks(GYROSCOPE, "F_1", "F_2", "F_3"), integral("F_4", MARKEEV)),
     ),
 )
 
@@ -120,7 +120,7 @@ INLINE = (
     Display(
         r"""$F_4=({\mathbf
 G},\gamma)$""",
-        listed(Check(study="plane"), "F_4"),
+        integral_checks(Check(study="plane"), "F_4"),
     ),
     Display(r"$\mathbf G=\mathbb I\omega+D\omega=\mathbf I\omega$", (RUBBER,)),
     Display(

@@ -6,7 +6,7 @@ from typing import Any
 
 from voronec.audit import Check, Convention, Display, Study
 
-from ..dictionary.geometry import CURVED
+from ..dictionary.geometry import CURVATURE_SOURCE
 
 ANY_ENERGY = "Lagrange's derivatives of any kinetic and potential energy"
 SPACE = Check(study="space")
@@ -38,11 +38,11 @@ def studies() -> dict[str, Study]:
     return {
         "motion": general.study(),
         "space": general.space(),
-        "applied": general.applied(),
+        "applied": general.lagrangian_study(),
         "invariant": general.invariant(),
         "fibre": fibre_study(),
-        "abelian": Chaplygin.derived(0).study(),
-        "affine group": Chaplygin.derived(1).study(),
+        "abelian": Chaplygin.derive(0).study(),
+        "affine group": Chaplygin.derive(1).study(),
         "torus": torus_study(),
     }
 
@@ -65,7 +65,7 @@ def invariant_form() -> Check:
     )
 
 
-CITED = Check(study="torus", cited="that motions over invariant tori have this form is quoted")
+CITATION = Check(study="torus", cited="that motions over invariant tori have this form is quoted")
 
 DISPLAYS = (
     Display(
@@ -131,13 +131,13 @@ B(X,Y)=-A([X^h,Y^h])
 \dot\varphi_m=\omega_m/\Phi(\varphi_1,\dots,\varphi_m), \qquad \Phi>0.
 \label{Jacobi2}
 \end{equation}""",
-        (CITED, CITED, Check("definition", study="torus")),
+        (CITATION, CITATION, Check("definition", study="torus")),
     ),
 )
 
 INLINE = (
     Display(r"$A(X_q)=X_q$", (SPACE,)),
-    Display(r"$B_{ij}^\nu=-A^{(\nu)}_{ij}$", (Check(study="space", source=CURVED),)),
+    Display(r"$B_{ij}^\nu=-A^{(\nu)}_{ij}$", (Check(study="space", source=CURVATURE_SOURCE),)),
     Display(
         r"$Q_s=-{\partial V}/{\partial q_s}$",
         (Check("definition", source=ANY_ENERGY),),

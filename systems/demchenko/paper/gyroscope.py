@@ -10,22 +10,22 @@ from voronec.audit import Check, Display, Section, Study, Transcript
 from ..sentences.gyroscope import SENTENCES
 
 ROTOR = Check(study="rotor")
-DEFINED = Check("definition", study="rotor")
+DEFINITION = Check("definition", study="rotor")
 MOMENTS = Check(study="gyrostat", also=("particles",))
-TURNED = "the kinematics R^T dR/dt of any rotation, and the forms of any surface"
-COSINES = Check(study="turning", also=("motion",), source=TURNED)
+TURN_SOURCE = "the kinematics R^T dR/dt of any rotation, and the forms of any surface"
+COSINES = Check(study="turning", also=("motion",), source=TURN_SOURCE)
 
 
 def studies(_: Transcript) -> dict[str, Study]:
     """The dictionaries of this section."""
     from ..dictionary.gyroscope import WithGyroscope
     from ..dictionary.moments import gyrostat, particles
-    from ..dictionary.rotor import Rotor, Turning
+    from ..dictionary.rotor import Rotor, TurningAxes
 
     return {
-        **WithGyroscope.derived().studies(),
+        **WithGyroscope.derive().studies(),
         "rotor": Rotor.arbitrary().study(),
-        "turning": Turning().study(),
+        "turning": TurningAxes().study(),
         "gyrostat": gyrostat(),
         "particles": particles(r"\mathfrak v", r"\tilde{\mathbf G}^{(M)}"),
     }
@@ -43,14 +43,14 @@ def projection(position: int) -> Check:
 def motion(position: int) -> Check:
     """The derived balance of moments along u, v or n."""
 
-    def derived(study: Study, _: Mapping[str, int]) -> list[tuple[Any, Any]]:
+    def derivation(study: Study, _: Mapping[str, int]) -> list[tuple[Any, Any]]:
         found: list[tuple[Any, Any]] = study.context.terms(position)
         return found
 
     return Check(
         study="balance",
         truth=lambda study, where: study.context.rows[position],
-        derived=derived,
+        derived=derivation,
     )
 
 
@@ -59,7 +59,7 @@ GYROSCOPE = Section(
     label="bodyGyr",
     studies=studies,
     inline=(
-        Display(r"$\kappa =k\mathbf z$", (DEFINED,)),
+        Display(r"$\kappa =k\mathbf z$", (DEFINITION,)),
         Display(r"$k=\tilde C\tilde\omega$", (Check("definition"),)),
         Display(
             r"$\tilde{\mathbf G}^{(M)}=\mathbf G^{(M)}+\kappa$",

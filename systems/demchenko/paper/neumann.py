@@ -17,7 +17,13 @@ LINES = Check(study="lines")
 def studies(_: Transcript) -> dict[str, Study]:
     """The dictionaries of this section."""
     from ..dictionary.moments import particles
-    from ..dictionary.neumann import Attitude, Space, body_energy, left_handed, principal_lines
+    from ..dictionary.neumann import (
+        Attitude,
+        Space,
+        body_energy,
+        left_handed_frame,
+        principal_lines,
+    )
     from ..dictionary.surfaces import Surfaces
 
     return {
@@ -25,7 +31,7 @@ def studies(_: Transcript) -> dict[str, Study]:
         "lines": principal_lines(),
         "energy": body_energy(),
         "energies": Attitude.arbitrary().study(),
-        "left-handed": left_handed(),
+        "left-handed": left_handed_frame(),
         "particles": particles(r"\mathfrak v^1", r"\mathbf G^{(M)}"),
     }
 

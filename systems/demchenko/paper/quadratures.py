@@ -17,7 +17,7 @@ SPHERE_TRACE = Check(
 )  # the paper has no other word on F and theta than that they are quadratic, which is a sentence
 
 
-def rate_squared(value: Any) -> Any:
+def square_of_rate(value: Any) -> Any:
     """The square of the rate of x in the unit of time of the equations of motion."""
     return (level().X / level().pace ** 2).subs(x, value)
 
@@ -26,7 +26,7 @@ RATE = Check(
     convention=Convention(
         "the unit of time is $b_2/k$ here, or $X(x)$ stands for $(k/b_2)^2$ times that polynomial",
         "4.4.13",
-        {"X": rate_squared},
+        {"X": square_of_rate},
     ),
     derived=in_seconds,
 )

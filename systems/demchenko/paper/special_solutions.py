@@ -7,7 +7,7 @@ from dataclasses import replace
 from voronec.audit import Check, Display, Section, Study, Transcript
 
 from ..dictionary.quadratures import level
-from ..dictionary.stability import Printed, left_open, precession
+from ..dictionary.stability import PrintedSection, left_open, precession
 from ..sentences.special_solutions import SENTENCES
 
 MEANING = (
@@ -19,7 +19,7 @@ INSIDE = MEANING + "; at x = 1 or -1, where a root has one side only, the motion
 def studies(transcript: Transcript) -> dict[str, Study]:
     """The motion on a level of the integrals; the context is what the print says."""
     sentences = transcript.section.sentences or SENTENCES
-    printed = Printed(tuple(formula.printed for formula in transcript.formulas()), sentences)
+    printed = PrintedSection(tuple(formula.printed for formula in transcript.formulas()), sentences)
     items = " ".join(sentence.quotation for sentence in sentences)
     return {
         "inside": replace(level().study({}, INSIDE), context=printed),

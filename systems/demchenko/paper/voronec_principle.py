@@ -30,7 +30,7 @@ def studies(_: Transcript) -> dict[str, Study]:
     from ..dictionary.general import General
 
     return {
-        "general": General.derived().study(),
+        "general": General.derive().study(),
         "chaplygin": General.chaplygin().study(),
     }
 

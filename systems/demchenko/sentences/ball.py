@@ -11,7 +11,18 @@ from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of
 from voronec.audit.meaning import evaluate
 
 from ..dictionary.ball import A1, A2, C1, C2, VERTICAL, chi, theta, u
-from .claims import AXES, agreed, all_of, constant, denied, equals, holds, imposed, residuals, value
+from .claims import (
+    AXES,
+    agreement,
+    all_of,
+    constant,
+    constraint_verdict,
+    denial,
+    equals,
+    holds,
+    residuals,
+    value,
+)
 
 ACROSS = {"ball": A1, "gyroscope": A2, "ball + gyroscope": A1 + A2}
 ALONG = {"ball": C1, "gyroscope": C2, "ball + gyroscope": C1 + C2}
@@ -26,7 +37,7 @@ def zhukovsky(
         [(one_of(one, ALONG).xreplace({C1: study.context.condition()}), one_of(system, table))],
         "the derived condition",
     )
-    return denied(one_of(relation, {"=": True, "!=": False}), found)
+    return denial(one_of(relation, {"=": True, "!=": False}), found)
 
 
 def idle_axis(study: Study, _: Range, *, much: int) -> vo.Verdict:
@@ -55,10 +66,10 @@ def same_angle(
 
 def constraints_of(study: Study, _: Range, *, constraints: Reference) -> vo.Verdict:
     """The constraints of two surfaces, for two spheres."""
-    return imposed(constraints, study, f"({constraints.label}) for two spheres")
+    return constraint_verdict(constraints, study, f"({constraints.label}) for two spheres")
 
 
-def simplified(
+def simplification(
     study: Study, _: Range, *, constraints: Reference, forms: Reference, letters: tuple[str, ...]
 ) -> vo.Verdict:
     """s and tau on the constraints hold no velocity on the sphere, and n does."""
@@ -77,9 +88,9 @@ def simplified(
         held = [w for w in base if vo.prove_equal(sp.diff(form, w), 0).refuted]
         short |= {name} if len(held) == 1 else set()
     return all_of(
-        imposed(constraints, study, f"({constraints.label})"),
+        constraint_verdict(constraints, study, f"({constraints.label})"),
         holds(forms, study, f"({forms.label}) on them"),
-        agreed(set(letters), short, "expressions that are left with one term"),
+        agreement(set(letters), short, "expressions that are left with one term"),
     )
 
 
@@ -94,11 +105,11 @@ def by_condition(
     held = {x for x in names if vo.prove_equal(sp.diff(energy, value(x, study)), 0).refuted}
     return all_of(
         equals(((gap, 0) for gap in gaps), f"({condition.label}), the derived condition"),
-        agreed(set(letters), held, "the energy is a function of"),
+        agreement(set(letters), held, "the energy is a function of"),
     )
 
 
-def conserved(study: Study, _: Range, *, first: Quoted, second: Quoted, sort: str) -> vo.Verdict:
+def conservation(study: Study, _: Range, *, first: Quoted, second: Quoted, sort: str) -> vo.Verdict:
     """No force acts, M runs along the momentum, and so the angular momentum stays."""
     momentum = study.names[r"\tilde{\mathbf{G}}^{(M)}"]
     rate = study.motion.along(study.motion.derivative(momentum))
@@ -106,7 +117,7 @@ def conserved(study: Study, _: Range, *, first: Quoted, second: Quoted, sort: st
     return all_of(
         holds(first, study, "the product"),
         holds(second, study, "the torque"),
-        denied(constant(sort), found),
+        denial(constant(sort), found),
     )
 
 
@@ -133,7 +144,7 @@ def by_integrals(study: Study, _: Range, *, momentum: Reference, energy: Referen
     rates = [study.motion.along(study.motion.derivative(x)) for x in (length, stored)]
     given = dict(study.given)
     return all_of(
-        agreed(len(rights), len(AXES), f"components in ({momentum.label})"),
+        agreement(len(rights), len(AXES), f"components in ({momentum.label})"),
         equals(((x.xreplace(given), 0) for x in rates), "rates of the integrals"),
     )
 
@@ -152,13 +163,13 @@ def eight(
     several = sum(len(x.formulas) for x in (dynamics, kinematics, constraints))
     wanted = {*study.context.eqs.coordinates, *study.context.eqs.velocities}
     return all_of(
-        agreed(count, several, "equations"),
-        agreed({value(x, study) for x in letters}, wanted, "variables"),
-        agreed(several, len(wanted), "equations for as many variables"),
+        agreement(count, several, "equations"),
+        agreement({value(x, study) for x in letters}, wanted, "variables"),
+        agreement(several, len(wanted), "equations for as many variables"),
         holds(dynamics, study, f"({dynamics.label}) along the motion"),
         holds(kinematics, study, f"({kinematics.label})"),
-        imposed(constraints, study, f"({constraints.label})"),
-        lambda: denied(False, holds(dynamics, _free(study), f"({dynamics.label}) for any motion")),
+        constraint_verdict(constraints, study, f"({constraints.label})"),
+        lambda: denial(False, holds(dynamics, _free(study), f"({dynamics.label}) for any motion")),
     )
 
 
@@ -206,7 +217,7 @@ SENTENCES = (
         r"After substitution of the constraints @constraints:reference{\eqref{4.2.2}} into "
         r"@forms:reference{\eqref{eq:n}}, the expressions for @letters:names{$s$ and $\tau$} are "
         "simplified:",
-        simplified,
+        simplification,
         "spheres",
     ),
     Sentence(
@@ -220,7 +231,7 @@ SENTENCES = (
         r"Since in the considered system @first:formula{$[\mathfrak v, \mathfrak M]=0$} and "
         r"@second:formula{$\mathbf L^{(M)}=0$}, one concludes that the total angular momentum is "
         r"@sort:word{constant} in the fixed reference frame",
-        conserved,
+        conservation,
         "spheres",
     ),
     Sentence(

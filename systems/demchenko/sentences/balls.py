@@ -20,7 +20,7 @@ from ..dictionary.chaplygin_balls import (
     OMEGA,
     R1,
     R2,
-    SIGNED,
+    SIGNED_RADIUS,
     Ball,
     momentum_is_about_contact,
     rolling_ball,
@@ -29,10 +29,10 @@ from ..dictionary.chaplygin_balls import (
 )
 from ..dictionary.gyroscopic_balls import is_demchenkos, on_the_plane, rotor_is_kappa
 from ..dictionary.rubber_balls import is_veselovas
-from .claims import agreed, all_of, both_sides, constant, denied, equals, holds, values
+from .claims import agreement, all_of, both_sides, constant, denial, equals, holds, values
 
 INTEGRALS = ("F_1", "F_2", "F_3", "F_4")
-NAMED = {r.name.split()[0]: r for r in CONFIGURATIONS}
+CONFIGURATION_NAMES = {r.name.split()[0]: r for r in CONFIGURATIONS}
 
 
 def epsilon_of(formula: Quoted, study: Study) -> tuple[str, Any]:
@@ -51,9 +51,11 @@ def configuration(
     """Rolling inside needs a larger sphere; a ball around the sphere is larger."""
     letters = {"inner": "$R_1=R_2+p$", "shell": "$R_1=p$ and $R_2=p+q$"}
     name = one_of(case, {"ii": "inner", "iii": "shell"})
-    side = agreed(surface, {"inner": "inner", "shell": "outer"}[name], f"the surface of ({case})")
-    where = NAMED[name]
-    radii = {R1: -SIGNED}
+    side = agreement(
+        surface, {"inner": "inner", "shell": "outer"}[name], f"the surface of ({case})"
+    )
+    where = CONFIGURATION_NAMES[name]
+    radii = {R1: -SIGNED_RADIUS}
     left, right = (
         sp.sympify(v).xreplace(radii).xreplace(dict(where.values)) for v in values(condition, study)
     )
@@ -74,7 +76,7 @@ def signs(
     for case, printed in claimed.items():
         radius = R1 + one_of(printed.latex, sign) * R2
         pairs.append((one_of(case, found).epsilon, R1 / radius))
-    return all_of(agreed(set(claimed), set(found), "cases"), equals(pairs, "epsilon"))
+    return all_of(agreement(set(claimed), set(found), "cases"), equals(pairs, "epsilon"))
 
 
 def about(study: Study, _: Range, *, point: str) -> vo.Verdict:
@@ -83,25 +85,25 @@ def about(study: Study, _: Range, *, point: str) -> vo.Verdict:
     return momentum_is_about_contact()
 
 
-def flattened(study: Study, _: Range, *, limit: str, to: int, sort: str) -> vo.Verdict:
+def flat_limit(study: Study, _: Range, *, limit: str, to: int, sort: str) -> vo.Verdict:
     """The equations on a sphere as its radius grows or shrinks."""
     ball = Ball.on_sphere(R1)
     reached = one_of(limit, {"infinity": sp.oo, "zero": sp.Integer(0)})
     end = sp.limit(ball.epsilon.xreplace({R2: sp.Integer(1)}), R1, reached)
     found = on_the_plane(ball, Ball.on_plane())
     return all_of(
-        agreed(sp.Integer(to), end, "the limit of epsilon"),
-        agreed(constant(sort), True, "whether the normal of a plane is constant in space"),
+        agreement(sp.Integer(to), end, "the limit of epsilon"),
+        agreement(constant(sort), True, "whether the normal of a plane is constant in space"),
         found,
     )
 
 
-def measured(study: Study, where: Range, *, dimension: Quoted, sort: str) -> vo.Verdict:
+def density_space(study: Study, where: Range, *, dimension: Quoted, sort: str) -> vo.Verdict:
     """The density in the space of omega and gamma."""
     size = tight(dimension.latex)
     return all_of(
-        agreed(size, rf"$\mathbb R^{len(OMEGA) + len(GAMMA)}({{\omega}},\gamma)$", "the space"),
-        denied(one_of(sort, {"invariant": True}), study.context.measure(where)),
+        agreement(size, rf"$\mathbb R^{len(OMEGA) + len(GAMMA)}({{\omega}},\gamma)$", "the space"),
+        denial(one_of(sort, {"invariant": True}), study.context.measure(where)),
     )
 
 
@@ -112,11 +114,13 @@ def always_integrals(
     found = study.context
     good = [name for name in INTEGRALS if found.constants([name], where).proved]
     rates = all(isinstance(tree.parts[0], Dot) for tree in system.trees(study))
-    true = all_of(agreed(rates, True, "equations of motion"), holds_in(system, study, where))
+    true = all_of(agreement(rates, True, "equations of motion"), holds_in(system, study, where))
     return all_of(
         true,
-        agreed(one_of(how, {"always": "all", "never": "none", "sometimes": "some"}), "all", "when"),
-        agreed(count, len(good), f"integrals: ${', '.join(good)}$"),
+        agreement(
+            one_of(how, {"always": "all", "never": "none", "sometimes": "some"}), "all", "when"
+        ),
+        agreement(count, len(good), f"integrals: ${', '.join(good)}$"),
         lambda: found.independent(good),
     )
 
@@ -140,7 +144,7 @@ def fourth(study: Study, _: Range, *, epsilon: Quoted, which: int, integral: Quo
         Ball.on_plane() if number == 1 else Ball.on_sphere(sp.solve(R1 / (R1 + R2) - number, R1)[0])
     )
     return all_of(
-        agreed(which, INTEGRALS.index(name) + 1, "its number"),
+        agreement(which, INTEGRALS.index(name) + 1, "its number"),
         equals([(values(integral, study)[1], study.context.integrals[name])], "the function"),
         lambda: ball.constants([name]),
     )
@@ -151,12 +155,12 @@ def tori(study: Study, _: Range, *, dimension: str) -> vo.Verdict:
     sizes = {f"{w}-dimensional": n for n, w in enumerate("one two three four".split(), start=1)}
     ball = Ball.on_plane()
     good = [name for name in INTEGRALS if ball.constants([name]).proved]
-    return agreed(one_of(dimension, sizes), len(OMEGA) + len(GAMMA) - len(good), "dimensions")
+    return agreement(one_of(dimension, sizes), len(OMEGA) + len(GAMMA) - len(good), "dimensions")
 
 
 def configurations(study: Study, _: Range, *, count: int) -> vo.Verdict:
     """Outside, inside, around: the signs of the radius, and of its size less the ball's."""
-    return agreed(count, len(CONFIGURATIONS), "ranges of the signed radius")
+    return agreement(count, len(CONFIGURATIONS), "ranges of the signed radius")
 
 
 def flat(study: Study, _: Range, *, how: str) -> vo.Verdict:
@@ -166,7 +170,7 @@ def flat(study: Study, _: Range, *, how: str) -> vo.Verdict:
     place = sp.Matrix(ball.contact.fixed.position)
     products = [upright.dot(place.diff(q)) for q in (u1, v1)]
     found = equals(((x, 0) for x in products), "the normal and the axes of the plane")
-    return denied(one_of(how, {"orthogonal": True, "parallel": False}), found)
+    return denial(one_of(how, {"orthogonal": True, "parallel": False}), found)
 
 
 def euler_jacobi(study: Study, _: Range, *, theorem: str) -> vo.Verdict:
@@ -191,16 +195,16 @@ def remains(study: Study, _: Range, *, sort: str, surface: str, how: str) -> vo.
     kinds = {"plane": Ball.on_plane, "sphere": lambda kappa: Ball.on_sphere(R1, kappa)}
     ball = one_of(surface, kinds)(KAPPA)
     if not one_of(how, {"integrable": True, "nonintegrable": False}):
-        return denied(False, integrable(ball))
+        return denial(False, integrable(ball))
     return integrable(ball)
 
 
 def hypersurface(study: Study, _: Range, *, sort: str, surface: Quoted) -> vo.Verdict:
     """Where an integral has one value: what begins there stays there."""
     name = r"\tilde F_4"
-    shown = agreed(surface.latex, f"${name}^{{-1}}(0)$", "the level of the integral")
+    shown = agreement(surface.latex, f"${name}^{{-1}}(0)$", "the level of the integral")
     found = study.context.constants([name])
-    return all_of(shown, denied(one_of(sort, {"invariant": True}), found))
+    return all_of(shown, denial(one_of(sort, {"invariant": True}), found))
 
 
 def double_shell(
@@ -218,7 +222,7 @@ def double_shell(
     return all_of(
         equals([(made, number)], "epsilon of those radii"),
         inside,
-        agreed(one_of(case, names), "shell", "the case in which R_1 < R_2"),
+        agreement(one_of(case, names), "shell", "the case in which R_1 < R_2"),
         lambda: study.context.constants([r"\tilde F_4"]),
     )
 
@@ -246,8 +250,8 @@ def keeps(study: Study, where: Range, *, sort: str, density: Quoted) -> vo.Verdi
 
     found = vo.prove_equal(vo.divergence(weight * AREA, whole.flow), 0, study.relations)
     return all_of(
-        agreed(isinstance(left, (Name, Call)), True, "whether it names the density"),
-        denied(one_of(sort, {"invariant": True}), found),
+        agreement(isinstance(left, (Name, Call)), True, "whether it names the density"),
+        denial(one_of(sort, {"invariant": True}), found),
     )
 
 
@@ -255,7 +259,9 @@ def veselova(study: Study, _: Range, *, epsilon: Quoted) -> vo.Verdict:
     """The rubber ball on a plane; elsewhere gamma turns at another rate."""
     relation, number = epsilon_of(epsilon, study)
     return all_of(
-        agreed((relation, number), ("=", sp.Integer(1)), "where gamma turns as it does for a body"),
+        agreement(
+            (relation, number), ("=", sp.Integer(1)), "where gamma turns as it does for a body"
+        ),
         lambda: is_veselovas(study.context),
     )
 
@@ -265,9 +271,9 @@ def gyroscope(
 ) -> vo.Verdict:
     """A rotor with a coordinate of its own adds a constant vector along its axis."""
     return all_of(
-        agreed(one_of(axis, {"axis": "axis", "equator": "equator"}), "axis", "its direction"),
-        agreed(vector, (r"\mathbf G",), "to what it is added"),
-        lambda: denied(constant(sort), rotor_is_kappa()),
+        agreement(one_of(axis, {"axis": "axis", "equator": "equator"}), "axis", "its direction"),
+        agreement(vector, (r"\mathbf G",), "to what it is added"),
+        lambda: denial(constant(sort), rotor_is_kappa()),
     )
 
 
@@ -279,7 +285,7 @@ def over_what(study: Study, _: Range, *, surface: str, equations: Quoted) -> vo.
         )
     true = {"sphere": study.context, "plane": None}
     if one_of(surface.strip(), true) is None:
-        return denied(False, vo.prove_equal(study.context.epsilon, 1))
+        return denial(False, vo.prove_equal(study.context.epsilon, 1))
     gaps = []
     for tree in equations.trees(study):
         left, right = (evaluate(part, study) for part in tree.parts)
@@ -294,10 +300,10 @@ def markeev(study: Study, _: Range, *, epsilon: Quoted, same: str, count: int) -
     good = [name for name in INTEGRALS if study.context.constants([name]).proved]
     equal = vo.prove_equal(plain.density, study.context.density, study.relations)
     return all_of(
-        agreed((relation, number), ("=", sp.Integer(1)), "where the plane is"),
-        denied(one_of(same, {"same": True, "different": False}), equal),
+        agreement((relation, number), ("=", sp.Integer(1)), "where the plane is"),
+        denial(one_of(same, {"same": True, "different": False}), equal),
         study.context.measure(),
-        agreed(count, len(good), "integrals"),
+        agreement(count, len(good), "integrals"),
         lambda: study.context.independent(good),
     )
 
@@ -308,7 +314,7 @@ def for_all(study: Study, where: Range, *, functions: tuple[str, ...], how: str)
         [one_of(x, {n: n for n in INTEGRALS}) for x in functions], where
     )
     if how in ("all", "none"):
-        return denied(how == "all", found)
+        return denial(how == "all", found)
     return vo.Verdict("undecided", f"whether that is so for '{how}' alone is not decided here")
 
 
@@ -325,13 +331,13 @@ def demchenkos(
     if left != C1:
         raise vo.DefinitionError(f"({condition.label}) is no condition on C_1")
     return all_of(
-        agreed(epsilon_of(first, study), ("=", sp.Integer(1)), "the plane"),
-        agreed(epsilon_of(second, study), (r"\ne", sp.Integer(1)), "a sphere"),
+        agreement(epsilon_of(first, study), ("=", sp.Integer(1)), "the plane"),
+        agreement(epsilon_of(second, study), (r"\ne", sp.Integer(1)), "a sphere"),
         lambda: is_demchenkos(SYSTEM, right),
     )
 
 
-QUOTED = "a result of others that is quoted, and not derived here"
+QUOTATION = "a result of others that is quoted, and not derived here"
 RADII = "the radii of the two spheres, and the side on which they touch"
 RUBBER = "the equations derived for the system 'rubber-ball'"
 
@@ -345,7 +351,7 @@ SENTENCES = (
     Sentence(
         "On the other hand, the rolling without slipping of the Chaplygin ball over a sphere "
         "generically is not integrable.",
-        unaudited=QUOTED,
+        unaudited=QUOTATION,
     ),
     Sentence(
         r"(@case:word{ii}) rolling of $\mathrm B$ over @surface:word{inner} surface of $\mathrm S$ "
@@ -375,7 +381,7 @@ SENTENCES = (
     Sentence(
         r"When $R_1$ tends to @limit:word{infinity}, $\epsilon$ tends to @to:number{1}, $\gamma$ "
         "tends to the unit vector that is @sort:word{constant} in the fixed reference frame.",
-        flattened,
+        flat_limit,
         "plane",
     ),
     Sentence(
@@ -388,7 +394,7 @@ SENTENCES = (
     Sentence(
         r"In the space @dimension:formula{$\mathbb R^6({\omega},\gamma)$} the system has an "
         "@sort:word{invariant} measure with the density",
-        measured,
+        density_space,
         "spheres",
         derived=lambda study: study.context.wider_density(),
     ),
@@ -418,7 +424,7 @@ SENTENCES = (
     Sentence(
         "Borisov and Mamaev proved that the system \\eqref{Chap} is Hamiltonizable with respect to "
         r"a certain nonlinear Poisson bracket on $\mathbb R^6$",
-        unaudited=QUOTED,
+        unaudited=QUOTATION,
     ),
     Sentence(
         r"Remarkably, for @epsilon:formula{$\epsilon=-1$} (the case @case:word{(iii)} with "
@@ -467,17 +473,17 @@ $}""",
     ),
     Sentence(
         r"Borisov and Mamaev  proved the integrability for $\epsilon=-1$",
-        unaudited=QUOTED,
+        unaudited=QUOTATION,
     ),
     Sentence(
         r"The problem is Hamiltonizable for all $\epsilon$",
-        unaudited=QUOTED,
+        unaudited=QUOTATION,
     ),
     Sentence(
         "phase space is foliated on invariant tori, such that the foliation is isomorphic to the "
         "foliation of the integrable Euler case of the rigid body motion about a fixed point, but "
         "the system itself has not analytic invariant measure and is not Hamiltonizable.",
-        unaudited=QUOTED,
+        unaudited=QUOTATION,
     ),
     Sentence(
         "Markeev proved that the addition of a gyroscope to the Chaplygin ball problem of rolling "
@@ -528,11 +534,11 @@ $}""",
     ),
     Sentence(
         "The problem reduces to a linear differential equation of second order.",
-        unaudited=QUOTED,
+        unaudited=QUOTATION,
     ),
     Sentence(
         "In a special case when body is a sphere, the motion of the contact point is determined by "
         "quadratures.",
-        unaudited=QUOTED,
+        unaudited=QUOTATION,
     ),
 )

@@ -10,11 +10,20 @@ from voronec.audit.latex.nodes import Name, Variation, walk
 
 from ..dictionary.body import DOTS, U
 from ..dictionary.surfaces import COORDINATES, FIBRE, QUASI, theta, typeset, vector, velocities
-from .claims import agreed, all_of, denied, equals, imposed, relative_curvature, residuals, value
+from .claims import (
+    agreement,
+    all_of,
+    constraint_verdict,
+    denial,
+    equals,
+    relative_curvature,
+    residuals,
+    value,
+)
 
 LETTERS = ("s", r"\tau", "n")
 KINETIC = "the kinetic energy of a body, from its mass, its inertia and the contact"
-REFERRED = "the formula to which it refers"
+FORMULA_ELSEWHERE = "the formula to which it refers"
 
 
 def dependent(
@@ -32,11 +41,11 @@ def dependent(
     found = vo.prove_equal(determinant, 0)
     if found.proved:
         return vo.Verdict("refuted", "the constraints do not determine them")
-    solvable = imposed(constraints, study, "the constraints")
+    solvable = constraint_verdict(constraints, study, "the constraints")
     if set(chosen) == set(velocities(FIBRE)):
         return all_of(solvable, study.context.surfaces.dependent())
     ends = [determinant.xreplace({theta: end}) for end in (sp.Integer(0), sp.pi / 2)]
-    nowhere = [denied(False, vo.prove_equal(end, 0)) for end in ends]
+    nowhere = [denial(False, vo.prove_equal(end, 0)) for end in ends]
     return all_of(solvable, *nowhere)
 
 
@@ -54,7 +63,7 @@ def restricted_when(study: Study, _: Range, *, constraints: Reference, when: str
     before = [sp.diff(restrict(energy), w) for w in dots]
     slopes = one_of(when, {"after": after, "before": before})
     return all_of(
-        imposed(constraints, study, "the constraints"),
+        constraint_verdict(constraints, study, "the constraints"),
         equals(zip(slopes, study.context.momenta, strict=True), "derivatives of T and K"),
     )
 
@@ -63,15 +72,15 @@ def of_angular(study: Study, _: Range, *, letters: tuple[str, ...]) -> vo.Verdic
     """Of which velocities Theta is a function."""
     theta = study.context.quasi_energy
     held = {str(w) for w in QUASI if vo.prove_equal(sp.diff(theta, w), 0).refuted}
-    return agreed({str(value(x, study)) for x in letters}, held, "Theta is a function of")
+    return agreement({str(value(x, study)) for x in letters}, held, "Theta is a function of")
 
 
 def bar_energy(study: Study, _: Range, *, constraints: Reference) -> vo.Verdict:
     """Theta-bar holds no velocity that the constraints give."""
     left = study.context.constrained_energy.free_symbols & set(velocities(FIBRE))
     return all_of(
-        imposed(constraints, study, "the constraints"),
-        agreed({str(x) for x in left}, set(), "velocities that are left of those"),
+        constraint_verdict(constraints, study, "the constraints"),
+        agreement({str(x) for x in left}, set(), "velocities that are left of those"),
     )
 
 
@@ -99,10 +108,10 @@ def as_functions(
     held &= {str(w) for w in velocities(COORDINATES)}
     forms = ((gap.xreplace(dict(study.given)), 0) for gap in residuals(kinematics, study))
     return all_of(
-        agreed(letters, LETTERS, "left sides"),
-        agreed({str(value(x, study)) for x in dots}, held, "velocities that are left"),
+        agreement(letters, LETTERS, "left sides"),
+        agreement({str(value(x, study)) for x in dots}, held, "velocities that are left"),
         equals(forms, f"({kinematics.label}) for all velocities"),
-        imposed(constraints, study, "the constraints"),
+        constraint_verdict(constraints, study, "the constraints"),
     )
 
 
@@ -114,8 +123,8 @@ def terms_with(
     heads = {x.head for x in parts if isinstance(x, Name)}
     varied = any(isinstance(x, Variation) for x in parts)
     return all_of(
-        agreed(momenta, ("K_1", "K_2"), "momenta of the dependent velocities"),
-        agreed(
+        agreement(momenta, ("K_1", "K_2"), "momenta of the dependent velocities"),
+        agreement(
             ("K" in heads, varied),
             (True, True),
             f"whether ({principle.label}) holds K and variations",
@@ -128,7 +137,7 @@ def in_principle(study: Study, _: Range, *, principle: Reference) -> vo.Verdict:
     parts = [x for tree in principle.trees(study) for x in walk(tree)]
     kinds = {type(x).__name__ for x in parts}
     heads = {x.head for x in parts if isinstance(x, Name)}
-    return agreed(
+    return agreement(
         ("Integral" in kinds, "Variation" in kinds, "K" in heads),
         (True, True, True),
         f"whether ({principle.label}) is an integral of variations with K",
@@ -153,8 +162,8 @@ def independent(
     gaps = residuals(displacements, study)
     return all_of(
         equals(((gap, 0) for gap in gaps), f"({displacements.label}) for displacements"),
-        agreed(len(gaps), len(fibre), "displacements that follow"),
-        agreed({value(x, study) for x in variations}, set(surfaces.variations), "free ones"),
+        agreement(len(gaps), len(fibre), "displacements that follow"),
+        agreement({value(x, study) for x in variations}, set(surfaces.variations), "free ones"),
     )
 
 
@@ -176,11 +185,11 @@ def eight(
     highest = 2 if any(row.has(a) for row in whole.residuals for a in accelerations) else 1
     total = len(whole.residuals) * highest + len(constraints.formulas)
     return all_of(
-        agreed((several, order), (len(whole.residuals), highest), "equations, and their order"),
-        agreed(more, len(constraints.formulas), f"equations of ({constraints.label})"),
-        imposed(constraints, study, "the constraints"),
-        agreed((count, unknowns), (total, total), "equations of the first order, and unknowns"),
-        agreed({value(x, study) for x in letters}, {*COORDINATES, *DOTS}, "unknowns"),
+        agreement((several, order), (len(whole.residuals), highest), "equations, and their order"),
+        agreement(more, len(constraints.formulas), f"equations of ({constraints.label})"),
+        constraint_verdict(constraints, study, "the constraints"),
+        agreement((count, unknowns), (total, total), "equations of the first order, and unknowns"),
+        agreement({value(x, study) for x in letters}, {*COORDINATES, *DOTS}, "unknowns"),
         lambda: whole.eight(),
     )
 
@@ -225,12 +234,12 @@ SENTENCES = (
         r"the coefficients in @principle:reference{\eqref{v5}} of terms that contain "
         "@momenta:names{$K_1$ and $K_2$} have the form",
         terms_with,
-        source=REFERRED,
+        source=FORMULA_ELSEWHERE,
     ),
     Sentence(
         r"the Voronec principle @principle:reference{\eqref{v5}} can be written in the form",
         in_principle,
-        source=REFERRED,
+        source=FORMULA_ELSEWHERE,
     ),
     Sentence(
         r"Here $U(u,v,\vartheta, u_1,v_1)$ is a \emph{force function} (@sign:word{negative} "

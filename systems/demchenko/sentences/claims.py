@@ -16,15 +16,15 @@ from voronec.audit.transcript import assignments
 
 __all__ = [
     "AXES",
-    "agreed",
+    "agreement",
     "all_of",
     "both_sides",
     "constant",
-    "denied",
+    "constraint_verdict",
+    "denial",
     "equals",
     "exists",
     "holds",
-    "imposed",
     "left_sides",
     "relative_curvature",
     "residuals",
@@ -41,27 +41,27 @@ CONSTANT = {
 }
 
 
-def agreed(printed: Any, derived: Any, what: str) -> vo.Verdict:
+def agreement(printed: Any, derived: Any, what: str) -> vo.Verdict:
     """Whether the print says what is derived."""
     if printed == derived:
-        return vo.Verdict("proved", f"{what}: {_told(derived)}")
-    return vo.Verdict("refuted", f"{what}: {_told(derived)} is derived, not {_told(printed)}")
+        return vo.Verdict("proved", f"{what}: {_wording(derived)}")
+    return vo.Verdict("refuted", f"{what}: {_wording(derived)} is derived, not {_wording(printed)}")
 
 
-def _told(value: Any) -> str:
+def _wording(value: Any) -> str:
     if isinstance(value, frozenset):
-        return " and ".join(sorted(map(_told, value)))
+        return " and ".join(sorted(map(_wording, value)))
     if isinstance(value, set):
-        return ", ".join(sorted(map(_told, value)))
+        return ", ".join(sorted(map(_wording, value)))
     if isinstance(value, (tuple, list)):
-        return ", ".join(map(_told, value))
+        return ", ".join(map(_wording, value))
     if isinstance(value, bool):
         return {True: "yes", False: "no"}[value]
     text = str(value)
     return f"${text}$" if "\\" in text and "$" not in text else text  # LaTeX is set as such
 
 
-def denied(claimed: bool, found: vo.Verdict) -> vo.Verdict:
+def denial(claimed: bool, found: vo.Verdict) -> vo.Verdict:
     """The verdict on what is claimed, or on its denial, where that on the claim was found."""
     if claimed or found.undecided:
         return found
@@ -86,7 +86,7 @@ def exists(how: str, found: vo.Verdict, exception: vo.Verdict | None = None) -> 
     ``found`` shows an instance; ``exception``, if proved, something that is none.
     """
     if how in ("some", "none"):
-        return denied(how == "some", found)
+        return denial(how == "some", found)
     if exception is not None and exception.proved:
         return vo.Verdict("refuted", f"not for all: {exception.method}")
     return vo.Verdict("undecided", f"whether that is so for '{how}' is not decided here")
@@ -184,7 +184,7 @@ def holds(formula: Reference | Quoted, study: Study, what: str) -> vo.Verdict:
     return equals(((gap, 0) for gap in gaps), what)
 
 
-def imposed(formula: Reference | Quoted, study: Study, what: str) -> vo.Verdict:
+def constraint_verdict(formula: Reference | Quoted, study: Study, what: str) -> vo.Verdict:
     """Whether equations are constraints: true where the constraints hold, and not elsewhere."""
     found = holds(formula, study, what)
     if not found.proved:

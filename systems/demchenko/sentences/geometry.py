@@ -11,10 +11,12 @@ from voronec.audit.structure import mentions
 from ..dictionary.general import BASE, FIBRE, TOTAL
 from ..dictionary.geometry import CONSTRAINTS, POTENTIAL, Q, V, kinetic_energy
 from ..dictionary.reductions import torus_measure, with_time
-from .claims import agreed, all_of, denied, equals
+from .claims import agreement, all_of, denial, equals
 
 
-def constrained(study: Study, _: Range, *, sort: str, degree: str, timed: bool) -> vo.Verdict:
+def linear_constraints(
+    study: Study, _: Range, *, sort: str, degree: str, timed: bool
+) -> vo.Verdict:
     """The distribution has a curvature; the constraints are linear and free of the time."""
     link = study.context.connection
     bend = [link.bracket(1, 2)[BASE + nu] for nu in range(FIBRE)]
@@ -23,9 +25,9 @@ def constrained(study: Study, _: Range, *, sort: str, degree: str, timed: bool) 
     homogeneous = equals(((c.xreplace(rest), 0) for c in CONSTRAINTS), "the constraints at rest")
     still = equals(((sp.diff(c, vo.time), 0) for c in CONSTRAINTS), "their derivatives by the time")
     return all_of(
-        denied(one_of(sort, {"integrable": True, "nonintegrable": False}), flat),
-        denied(one_of(degree, {"homogeneous": True, "nonhomogeneous": False}), homogeneous),
-        denied(not timed, still),
+        denial(one_of(sort, {"integrable": True, "nonintegrable": False}), flat),
+        denial(one_of(degree, {"homogeneous": True, "nonhomogeneous": False}), homogeneous),
+        denial(not timed, still),
     )
 
 
@@ -33,13 +35,13 @@ def across(study: Study, _: Range, *, how: str) -> vo.Verdict:
     """D and the fibres have independent directions."""
     names = study.names
     both = sp.Matrix.hstack(names[r"\mathcal D_q"], names[r"\mathcal V_q"])
-    found = denied(False, vo.prove_equal(both.det(), 0))
-    return denied(one_of(how, {"transverse": True, "tangent": False}), found)
+    found = denial(False, vo.prove_equal(both.det(), 0))
+    return denial(one_of(how, {"transverse": True, "tangent": False}), found)
 
 
 def kernel(study: Study, _: Range, *, what: str) -> vo.Verdict:
     """D is what A sends to zero."""
-    image = agreed(what, "kernel", "A sends D to zero; D is its")
+    image = agreement(what, "kernel", "A sends D to zero; D is its")
     return all_of(image, study.context.kernel())
 
 
@@ -53,7 +55,7 @@ def mapping(study: Study, _: Range, *, sort: str) -> vo.Verdict:
         equals(zip(left, right, strict=True), "A of a sum"),
         equals(((e, 0) for e in link.vertical(x)[:BASE]), "its components along the base"),
     )
-    return denied(one_of(sort, {"linear": True, "nonlinear": False, "quadratic": False}), found)
+    return denial(one_of(sort, {"linear": True, "nonlinear": False, "quadratic": False}), found)
 
 
 def two_form(study: Study, _: Range, *, values: str, sort: str) -> vo.Verdict:
@@ -68,7 +70,7 @@ def two_form(study: Study, _: Range, *, values: str, sort: str) -> vo.Verdict:
     return all_of(
         equals(((e, 0) for e in one_of(values, along)), "the other components"),
         linear,
-        denied(one_of(sort, {"two-form": True, "symmetric form": False}), turned),
+        denial(one_of(sort, {"two-form": True, "symmetric form": False}), turned),
     )
 
 
@@ -86,7 +88,7 @@ def lagrangian(study: Study, _: Range, *, operation: str) -> vo.Verdict:
     )
 
 
-def moving(
+def moving_constraints(
     study: Study, _: Range, *, degree: str, timed: str, constraints: Reference
 ) -> vo.Verdict:
     """A_ij and A_i are components of a curvature, time being a coordinate of the base."""
@@ -94,10 +96,10 @@ def moving(
     held = mentions(tree)
     offset = any(key.startswith("a_") and "," not in key for key in held)
     return all_of(
-        agreed(
+        agreement(
             offset, one_of(degree, {"nonhomogeneous": True, "homogeneous": False}), "an offset a_nu"
         ),
-        agreed(
+        agreement(
             "t" in held, one_of(timed, {"time dependent": True, "stationary": False}), "the time"
         ),
         lambda: with_time(),
@@ -109,9 +111,9 @@ def reduces(study: Study, _: Range, *, system: Reference, manifold: str) -> vo.V
     (tree,) = system.trees(study)
     keys = mentions(tree)
     return all_of(
-        agreed(one_of(manifold, {"base": "base", "total": "fibre"}), "base", "what is left"),
-        agreed(any("L_c" in key for key in keys), True, f"whether ({system.label}) is in L_c"),
-        lambda: study.context.closed(),
+        agreement(one_of(manifold, {"base": "base", "total": "fibre"}), "base", "what is left"),
+        agreement(any("L_c" in key for key in keys), True, f"whether ({system.label}) is in L_c"),
+        lambda: study.context.invariance(),
     )
 
 
@@ -124,7 +126,7 @@ def principal(study: Study, _: Range, *, sort: str) -> vo.Verdict:
             equals(
                 ((sp.diff(e, s), 0) for e in lift[:2, :] for s in fibre), "base part of the lift"
             ),
-            study.context.closed(),
+            study.context.invariance(),
         )
     bracket = study.context.connection.bracket(1, 2)
     return equals(((e, 0) for e in bracket), "the curvature")
@@ -136,7 +138,7 @@ def tensor(study: Study, _: Range, *, slots: Quoted) -> vo.Verdict:
     arguments = sum(int(x) for x in numbers.split(","))
     if arguments == 2:
         return study.context.bilinear()
-    return agreed(arguments, 3, "arguments of the tensor from which it comes")
+    return agreement(arguments, 3, "arguments of the tensor from which it comes")
 
 
 def torus(study: Study, _: Range, *, sort: str, factor: str) -> vo.Verdict:
@@ -154,7 +156,7 @@ SENTENCES = (
         r"define a @sort:word{nonintegrable} distribution $\mathcal D$ of the tangent bundle "
         "$TQ$, i.e, the constraints are @degree:word{homogeneous} and do @timed:affirmed{not "
         "depend} of time.",
-        constrained,
+        linear_constraints,
         "space",
     ),
     Sentence(
@@ -191,7 +193,7 @@ SENTENCES = (
         r"$A^{(\nu)}_{ij}$, $A^{(\nu)}_i$ can be also interpreted as the component of the curvature "
         r"of the Ehresmann connection of the fiber bundle $\pi: Q\times \mathbb R\to S\times "
         r"\mathbb R$",
-        moving,
+        moving_constraints,
         "space",
         source="brackets of vector fields, and the curvature derived for the system 'moving'",
     ),

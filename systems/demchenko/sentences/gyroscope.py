@@ -14,10 +14,10 @@ from ..dictionary.rotor import COSINES, chi
 from ..dictionary.surfaces import BASE, COORDINATES, QUASI
 from .claims import (
     AXES,
-    agreed,
+    agreement,
     all_of,
     constant,
-    denied,
+    denial,
     equals,
     relative_curvature,
     residuals,
@@ -31,12 +31,12 @@ def constant_speed(
     """The equation of the gyroscope's angle, without a torque or with one."""
     whole, applied = study.context, sp.Symbol("torque")
     free = whole.constant_speed()
-    found = free if not torque else denied(False, vo.prove_equal(applied, 0))
+    found = free if not torque else denial(False, vo.prove_equal(applied, 0))
     if torque:
         found = vo.Verdict("refuted", "a torque about the axis changes the speed")
     return all_of(
-        agreed(axis[0], r"O\mathbf z", "the axis about which the angle turns"),
-        denied(constant(speed), found),
+        agreement(axis[0], r"O\mathbf z", "the axis about which the angle turns"),
+        denial(constant(speed), found),
     )
 
 
@@ -77,14 +77,16 @@ def changed_law(study: Study, _: Range, *, which: int, laws: Reference) -> vo.Ve
     """Which of the laws holds the angular momentum."""
     trees = laws.trees(study)
     holding = [n for n, tree in enumerate(trees, start=1) if any("G" in x for x in mentions(tree))]
-    return agreed([which], holding, f"equations of ({laws.label}) that hold the angular momentum")
+    return agreement(
+        [which], holding, f"equations of ({laws.label}) that hold the angular momentum"
+    )
 
 
 def nothing_slips(study: Study, _: Range, *, constraint: Reference) -> vo.Verdict:
     """What makes the velocity of M over the surface that over the body."""
     (tree,) = constraint.trees(study)
     wanted = {r"\mathfrak{v}", r"\mathfrak{v}^1"}
-    return agreed(set(mentions(tree)), wanted, f"what ({constraint.label}) sets equal")
+    return agreement(set(mentions(tree)), wanted, f"what ({constraint.label}) sets equal")
 
 
 def cosines(
@@ -112,7 +114,7 @@ def by_the_same_rule(study: Study, _: Range, *, one: Quoted, others: tuple[str, 
     said = {x for x in COSINES if x in mentions(tree.parts[0])}
     gaps = (study.motion.restrict(gap) for gap in residuals(one, study))
     return all_of(
-        agreed(said | set(others), set(COSINES), "cosines"),
+        agreement(said | set(others), set(COSINES), "cosines"),
         equals(((gap, 0) for gap in gaps), "the equation as printed"),
         lambda: study.context.cosines(),
     )
@@ -121,7 +123,7 @@ def by_the_same_rule(study: Study, _: Range, *, one: Quoted, others: tuple[str, 
 def along_fields(study: Study, _: Range, *, letters: tuple[str, ...]) -> vo.Verdict:
     """The fields are dual to s, tau, n; their brackets are those of rotations."""
     return all_of(
-        agreed(
+        agreement(
             [str(value(x, study)) for x in letters], [str(x) for x in QUASI], "quasi-velocities"
         ),
         lambda: study.context.commutators(),
@@ -141,9 +143,9 @@ def eight(
     several = len(COORDINATES) + len(QUASI)
     dots = {vo.velocity(q) for q in BASE}
     return all_of(
-        agreed((count, unknowns), (several, several), "equations and unknowns"),
-        agreed({value(x, study) for x in letters}, {*COORDINATES, *QUASI}, "unknowns"),
-        agreed({value(x, study) for x in others}, {*COORDINATES, *dots}, "the other unknowns"),
+        agreement((count, unknowns), (several, several), "equations and unknowns"),
+        agreement({value(x, study) for x in letters}, {*COORDINATES, *QUASI}, "unknowns"),
+        agreement({value(x, study) for x in others}, {*COORDINATES, *dots}, "the other unknowns"),
         lambda: study.context.eight(),
     )
 

@@ -12,15 +12,15 @@ from voronec.audit.structure import mentions
 
 from ..dictionary.inversion import by_addition, curve, general, y
 from ..dictionary.weierstrass import abel
-from .claims import agreed, all_of, denied, residuals
+from .claims import agreement, all_of, denial, residuals
 
 
 def equal_sums(study: Study, where: Range, *, first: str, relation: str, second: str) -> vo.Verdict:
     """Abel's theorem for one function; for all others it is quoted."""
     sums = {"zeros", "poles"}
     return all_of(
-        agreed({first, second}, sums, "of what the sums are taken"),
-        denied(one_of(relation, {"=": True, "!=": False}), abel(study, where)),
+        agreement({first, second}, sums, "of what the sums are taken"),
+        denial(one_of(relation, {"=": True, "!=": False}), abel(study, where)),
     )
 
 
@@ -32,9 +32,11 @@ def both_by_u(
     exponent = one_of(power, powers) * 2
     one_of(variable, {"variable": True})
     return all_of(
-        agreed(degree, int(sp.Poly(curve().polynomial, y).degree()), "the degree"),
-        agreed(bool(exponent.is_integer), True, "whether that power is rational in y and y'"),
-        agreed(one_of(argument, {"same": True, "different": False}), True, "one argument for both"),
+        agreement(degree, int(sp.Poly(curve().polynomial, y).degree()), "the degree"),
+        agreement(bool(exponent.is_integer), True, "whether that power is rational in y and y'"),
+        agreement(
+            one_of(argument, {"same": True, "different": False}), True, "one argument for both"
+        ),
     )
 
 
@@ -52,7 +54,7 @@ def from_the_theorem(
     gaps = [gap for r in (first, second) for gap in residuals(r, study)]
     true = (vo.prove_equal(gap, 0, relations) for gap in gaps)
     steps = all_of(*true)
-    different = agreed(len({first.label, second.label}), 2, "formulas")
+    different = agreement(len({first.label, second.label}), 2, "formulas")
     return all_of(different, steps, found)
 
 
@@ -63,23 +65,23 @@ def _speaks(tree: Any) -> bool:
 def in_y(study: Study, _: Range, *, degree: int, variable: tuple[str, ...]) -> vo.Verdict:
     """The degree of Y."""
     letter = one_of(variable[0], {"y": y})
-    return agreed(degree, int(sp.Poly(curve().polynomial, letter).degree()), "the degree of Y")
+    return agreement(degree, int(sp.Poly(curve().polynomial, letter).degree()), "the degree of Y")
 
 
 def any_quartic(study: Study, _: Range, *, degree: int, variable: tuple[str, ...]) -> vo.Verdict:
     """Every polynomial X of that degree is a_0 Y(x - h) for some values at c."""
     letter = one_of(variable[0], {"x": sp.Symbol("x")})
-    return agreed(degree, int(sp.Poly(general(letter), letter).degree()), "the degree of X")
+    return agreement(degree, int(sp.Poly(general(letter), letter).degree()), "the degree of X")
 
 
-def shifted(study: Study, _: Range, *, which: int, power: tuple[str, ...]) -> vo.Verdict:
+def shift(study: Study, _: Range, *, which: int, power: tuple[str, ...]) -> vo.Verdict:
     """The term that a shift of the variable takes away: Y has none of that power."""
     coefficients = sp.Poly(curve().polynomial, y).all_coeffs()
     missing = [n for n, c in enumerate(coefficients, start=1) if c == 0]
     powers = [f"x^{len(coefficients) - n}" for n in missing]
     return all_of(
-        agreed([which], missing, "terms that are missing"),
-        agreed([power[0].replace("{", "").replace("}", "")], powers, "its power"),
+        agreement([which], missing, "terms that are missing"),
+        agreement([power[0].replace("{", "").replace("}", "")], powers, "its power"),
     )
 
 
@@ -122,6 +124,6 @@ INVERSION = (
     Sentence(
         "To eliminate the @which:number{second} term with @power:names{$x^3$} one substitutes the "
         "variable",
-        shifted,
+        shift,
     ),
 )

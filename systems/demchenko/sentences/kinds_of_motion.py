@@ -14,16 +14,16 @@ from voronec.audit import Interval, Quoted, Range, Sentence, Study, one_of
 from .. import k
 from ..dictionary.kinds_of_motion import (
     at_state,
-    chained,
+    chain_of,
     even_count,
-    gaps_printed,
+    gaps_text,
     outer_gaps,
     single_gap,
     without_roots,
 )
 from ..dictionary.quadratures import C5, GAMMA, INERTIA, ROOTS, h, level, p, share, x
 from ..dictionary.trajectories import equal_steps, regular_at_poles, rests, turns
-from .claims import agreed, all_of, constant, denied, exists, sides
+from .claims import agreement, all_of, constant, denial, exists, sides
 
 CASES = (0, 2, 4)
 """How many real roots there can be, counted with multiplicity."""
@@ -38,7 +38,7 @@ def counts(_: Study, where: Range, *, how: str, least: int, middle: int, most: i
         return exists(how, even, _double_root(where))
     bodies = [body_of(where, ratio) for ratio in (sp.Rational(1, 20), 1, 20)]
     seen = {_roots(one, constants) for one in bodies for constants in _levels()}
-    return all_of(even, agreed({least, middle, most}, seen, "numbers of real roots that occur"))
+    return all_of(even, agreement({least, middle, most}, seen, "numbers of real roots that occur"))
 
 
 def _levels() -> list[dict[Any, Any]]:
@@ -74,8 +74,8 @@ def no_motion(study: Study, where: Range, *, case: int, moves: str) -> vo.Verdic
     if not 1 <= case <= len(CASES):
         return vo.Verdict("refuted", f"there are {len(CASES)} cases")
     if case == 1:
-        return denied(not some, without_roots(study, where))
-    return denied(some, vo.Verdict("proved", f"with {CASES[case - 1]} real roots there is motion"))
+        return denial(not some, without_roots(study, where))
+    return denial(some, vo.Verdict("proved", f"with {CASES[case - 1]} real roots there is motion"))
 
 
 def gaps(
@@ -87,8 +87,8 @@ def gaps(
         return vo.Verdict("refuted", "the roots are not put in an order")
     wanted = {frozenset(roots[:2]), frozenset(roots[2:])}
     found = all_of(
-        agreed(count, len(roots), "roots that are ordered"),
-        agreed({frozenset((i.low, i.high)) for i in (upper, lower)}, wanted, "ends"),
+        agreement(count, len(roots), "roots that are ordered"),
+        agreement({frozenset((i.low, i.high)) for i in (upper, lower)}, wanted, "ends"),
         lambda: outer_gaps(study, where),
     )
     if not found.proved:
@@ -103,7 +103,7 @@ def gaps(
 
 def between_the_roots(_: Study) -> str:
     """The two intervals as they must be printed, as LaTeX."""
-    return r"x\in(x^{IV},x^{I})\ \text{or}\ x\in(x^{II},x^{III});\quad " + gaps_printed(_)
+    return r"x\in(x^{IV},x^{I})\ \text{or}\ x\in(x^{II},x^{III});\quad " + gaps_text(_)
 
 
 def without_loss(study: Study, where: Range, *, case: int, gap: Interval) -> vo.Verdict:
@@ -112,8 +112,8 @@ def without_loss(study: Study, where: Range, *, case: int, gap: Interval) -> vo.
     mirrored = own.X.subs({x: -x, C5: -C5}, simultaneous=True)
     chosen = LARGEST[:2] if case == 1 else LARGEST[2:]
     return all_of(
-        agreed(gap.variable, "x", "what lies in it"),
-        chained(("X(-x) for -C_5 is X(x)", vo.prove_equal(mirrored, own.X))),
+        agreement(gap.variable, "x", "what lies in it"),
+        chain_of(("X(-x) for -C_5 is X(x)", vo.prove_equal(mirrored, own.X))),
         lambda: between(chosen, gap),
     )
 
@@ -124,8 +124,8 @@ def between(roots: tuple[str, ...], *intervals: Interval) -> vo.Verdict:
     ends = {frozenset((i.low, i.high)) for i in intervals}
     turned = [i for i in intervals if (i.low, i.high) == roots]
     found = all_of(
-        agreed(ends, {frozenset(roots)}, "the ends of the interval in which x runs"),
-        agreed({i.closed for i in intervals}, {(False, False)}, "whether its ends belong to it"),
+        agreement(ends, {frozenset(roots)}, "the ends of the interval in which x runs"),
+        agreement({i.closed for i in intervals}, {(False, False)}, "whether its ends belong to it"),
     )
     if not found.proved or not turned:
         return found
@@ -142,9 +142,9 @@ def two_roots(study: Study, where: Range, *, count: int, order: Quoted) -> vo.Ve
     """With two real roots x runs between them, as between the two largest of four."""
     roots, relations = sides(order, ROOTS | dict.fromkeys(LARGEST))
     return all_of(
-        agreed(count, 2, "roots, for two names"),
-        agreed(tuple(roots), LARGEST[:2], "names, as of the two largest roots of four"),
-        agreed(relations, (">",), "order"),
+        agreement(count, 2, "roots, for two names"),
+        agreement(tuple(roots), LARGEST[:2], "names, as of the two largest roots of four"),
+        agreement(relations, (">",), "order"),
         lambda: single_gap(study, where),
     )
 
@@ -158,11 +158,11 @@ def parallels(
     """x oscillates between the two roots, and v, v_1 grow by the same angle every time."""
     wanted = tuple(name.replace("x", "u") for name in LARGEST[:2])
     return all_of(
-        agreed(set(ends), set(wanted), "the parallels of the two roots"),
-        agreed(
+        agreement(set(ends), set(wanted), "the parallels of the two roots"),
+        agreement(
             one_of(how, {"alternatively": True, "once": False, "never": False}), True, "in turn"
         ),
-        lambda: denied(constant(distance), equal_steps(study, where)),
+        lambda: denial(constant(distance), equal_steps(study, where)),
     )
 
 
@@ -181,8 +181,8 @@ def trace_cases(
     """How many roots phi can have between two values of x: its degree is the most."""
     degree = int(sp.Poly(level().phi, x).degree())
     return all_of(
-        agreed({first, second, third}, set(range(degree + 1)), "numbers of roots of phi"),
-        agreed(cases, degree + 1, "cases"),
+        agreement({first, second, third}, set(range(degree + 1)), "numbers of roots of phi"),
+        agreement(cases, degree + 1, "cases"),
         turns(study, where),
         between(LARGEST[:2], one, two, three),
     )
@@ -193,7 +193,7 @@ def on_the_fixed_sphere(
 ) -> vo.Verdict:
     """The polynomial in the rate of v_1, whose sign is that of the rate."""
     return all_of(
-        agreed(polynomial, ("F(x)",), "the numerator in the rate of v_1"),
+        agreement(polynomial, ("F(x)",), "the numerator in the rate of v_1"),
         turns(study, where),
         between(LARGEST[:2], gap),
     )
@@ -213,8 +213,8 @@ def cusps(
     """Where the contact point stops on both surfaces."""
     ends = set(roots + other)
     return all_of(
-        agreed(ends, set(LARGEST[:2]), "the ends of the interval in which x runs"),
-        denied(one_of(polynomial[0], STOPS), rests(study, where)),
+        agreement(ends, set(LARGEST[:2]), "the ends of the interval in which x runs"),
+        denial(one_of(polynomial[0], STOPS), rests(study, where)),
     )
 
 
@@ -225,18 +225,18 @@ def smooth(
     ends = [tuple(sides_of(one)) for one in (top, bottom)]
     one_of(sphere, dict.fromkeys(("fixed", "movable", "mobile")))  # the speed on both is the same
     wanted = [(LARGEST[0], "1"), (LARGEST[1], "-1")]
-    found = agreed(ends, wanted, "the ends at which the ball has a pole")
-    return found if not found.proved else denied(not singular, regular_at_poles(study, where))
+    found = agreement(ends, wanted, "the ends at which the ball has a pole")
+    return found if not found.proved else denial(not singular, regular_at_poles(study, where))
 
 
-def captioned(_: Study, __: Range, *, curve: tuple[str, ...], figure: str) -> vo.Verdict:
+def curve_of_figure(_: Study, __: Range, *, curve: tuple[str, ...], figure: str) -> vo.Verdict:
     """Which curve the text announces where it refers to a figure."""
-    said = announced("".join(f" {sentence.quotation}" for sentence in TEXT))
+    said = announcements("".join(f" {sentence.quotation}" for sentence in TEXT))
     label = one_of(figure, {name: name for name in said})
-    return agreed(curve, (said[label],), "the curve for which the text refers to this figure")
+    return agreement(curve, (said[label],), "the curve for which the text refers to this figure")
 
 
-def announced(text: str) -> dict[str, str]:
+def announcements(text: str) -> dict[str, str]:
     """Label of each figure -> the curve that is named for it: of several figures in a row, the
     last ones that are named before them."""
     found: dict[str, str] = {}
@@ -256,7 +256,7 @@ OF_THE_THESIS = "that the dissertation has it there is quoted, and the figure is
 
 def caption(text: str) -> Sentence:
     """What stands under a figure."""
-    return Sentence(text, captioned, "text", cited=OF_THE_THESIS)
+    return Sentence(text, curve_of_figure, "text", cited=OF_THE_THESIS)
 
 
 def sides_of(formula: Quoted) -> list[str]:

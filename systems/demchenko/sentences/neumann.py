@@ -13,12 +13,12 @@ from voronec.audit.meaning import evaluate
 from ..dictionary.surfaces import BASE, COORDINATES, QUASI, SLIP, typeset, vector
 from .claims import (
     AXES,
-    agreed,
+    agreement,
     all_of,
     both_sides,
-    denied,
+    constraint_verdict,
+    denial,
     equals,
-    imposed,
     left_sides,
     residuals,
     value,
@@ -28,7 +28,7 @@ FIXED_AXES = {r"\mathbf u_1": 0, r"\mathbf v_1": 1, r"\mathbf n_1": 2}
 HANDS = {"negative": -1, "left-handed": -1, "positive": 1, "right-handed": 1}
 
 
-def handed(study: Study, _: Range, *, sort: str) -> vo.Verdict:
+def orientation(study: Study, _: Range, *, sort: str) -> vo.Verdict:
     """[x, y] = z, as the paper has it, is the usual product in a frame of which orientation."""
     product, z = study.context
     return equals([(product[2], one_of(sort, HANDS) * z[2])], "[x,y] along z, by the usual product")
@@ -97,7 +97,7 @@ def moving_contact(study: Study, _: Range, *, how: str) -> vo.Verdict:
     """The velocity of M is zero for no motion but rest."""
     speed = study.names[r"\mathfrak v^1"]
     found = equals(((x.xreplace(dict(study.given)), 0) for x in speed), "the velocity of M")
-    return denied(one_of(how, {"=": True, "!=": False}), found)
+    return denial(one_of(how, {"=": True, "!=": False}), found)
 
 
 VELOCITIES = {r"\mathfrak v^1": "absolute", r"\mathfrak v": "relative"}
@@ -116,11 +116,11 @@ def traces(
     """The rate of a place holds the same velocities as the vector that is said to be it."""
     motion, steps = study.motion, []
     for name, sort, where in zip(names, (first, second), (place, other), strict=True):
-        steps.append(agreed(sort, one_of(name, VELOCITIES), f"the velocity ${name}$"))
+        steps.append(agreement(sort, one_of(name, VELOCITIES), f"the velocity ${name}$"))
         rates = [motion.derivative(x) for x in left_sides(where, study)]
         held = {w for e in rates for w in e.free_symbols} & set(motion.rates.values())
         mine = {w for e in study.names[name] for w in e.free_symbols} & set(motion.rates.values())
-        steps.append(agreed(held, mine, f"velocities in ${name}$"))
+        steps.append(agreement(held, mine, f"velocities in ${name}$"))
     return all_of(*steps)
 
 
@@ -145,7 +145,7 @@ def same_condition(
     if len(ours) != len(theirs) or first.label == second.label:
         return vo.Verdict("refuted", f"({first.label}) and ({second.label}) are not two conditions")
     found = equals(zip(ours, theirs, strict=True), "what vanishes in both")
-    return denied(one_of(how, {"equivalent": True, "contrary": False}), found)
+    return denial(one_of(how, {"equivalent": True, "contrary": False}), found)
 
 
 def projections(
@@ -186,12 +186,12 @@ def linear_forms(
     matrix = vector(forms).jacobian(velocities)
     one_of(back, {"vice-versa": True})
     return all_of(
-        agreed(
+        agreement(
             one_of(sort, {"homogenous linear": 1, "homogeneous linear": 1, "quadratic": 2}),
             1,
             "degree",
         ),
-        agreed(len(set(letters)), len(set(dots)), "forms for as many velocities"),
+        agreement(len(set(letters)), len(set(dots)), "forms for as many velocities"),
         equals(zip(forms, matrix * velocities, strict=True), "linear forms"),
         found,
     )
@@ -214,10 +214,10 @@ def idle(study: Study, _: Range, *, acts: bool, point: tuple[str, ...]) -> vo.Ve
         one_of(point[0], {"O": 0})
         force = vector(sp.symbols("X_u X_v X_n"))
         torque = study.context.surfaces.arm.cross(force)
-        return denied(
+        return denial(
             not acts, equals(((x, 0) for x in torque), "the torque of a force at M about O")
         )
-    return denied(not acts, study.context.idle())
+    return denial(not acts, study.context.idle())
 
 
 def energy_letters(study: Study, _: Range, *, letters: tuple[str, ...]) -> vo.Verdict:
@@ -237,12 +237,12 @@ def starts_from(
     given = dict(study.given)
     found = ((gap.xreplace(given), 0) for gap in residuals(kinematics, study))
     return all_of(
-        imposed(constraints, study, f"({constraints.label}) where nothing slips"),
+        constraint_verdict(constraints, study, f"({constraints.label}) where nothing slips"),
         equals(found, f"({kinematics.label}) for all velocities"),
     )
 
 
-def counted(
+def equation_count(
     study: Study,
     _: Range,
     *,
@@ -260,12 +260,12 @@ def counted(
     ]
     dots = {str(vo.velocity(q)) for q in BASE}
     return all_of(
-        agreed(count, several, "equations"),
-        agreed(unknowns, several, "unknown functions"),
-        agreed((len(set(letters)), len(set(others))), (several, several), "letters"),
-        agreed(set(letters) & set(QUASI_LETTERS), set(QUASI_LETTERS), "angular velocities"),
-        agreed(symbols[0], names, "coordinates"),
-        agreed(symbols[1], names | dots, "coordinates and independent velocities"),
+        agreement(count, several, "equations"),
+        agreement(unknowns, several, "unknown functions"),
+        agreement((len(set(letters)), len(set(others))), (several, several), "letters"),
+        agreement(set(letters) & set(QUASI_LETTERS), set(QUASI_LETTERS), "angular velocities"),
+        agreement(symbols[0], names, "coordinates"),
+        agreement(symbols[1], names | dots, "coordinates and independent velocities"),
     )
 
 
@@ -286,7 +286,7 @@ SENTENCES = (
     Sentence(
         "As positive orientation Demchenko uses nowadays @sort:word{negative} orientation. This is "
         "the reason the signs in several equations differs from the signs we used to have.",
-        handed,
+        orientation,
         "left-handed",
     ),
     Sentence(
@@ -372,6 +372,6 @@ SENTENCES = (
         r"unknown functions of time: @letters:names{$u, v, u_1, v_1, \vartheta, s, \tau, n$} (or, "
         r"equivalently, @others:names{$u,v,\vartheta, u_1,v_1,\dot u,\dot v,\dot\vartheta$}) is "
         "derived.",
-        counted,
+        equation_count,
     ),
 )

@@ -11,15 +11,15 @@ from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of
 
 from .. import A, k, n, s, tau, theta, u, u1, v, v1
 from ..dictionary.kinds_of_motion import (
-    chained,
-    leading,
-    leading_printed,
+    chain_of,
+    leading_coefficient,
+    leading_text,
     quadratic,
-    quadratic_printed,
-    signed,
+    quadratic_text,
+    sign_in_range,
 )
 from ..dictionary.quadratures import GAMMA, h, level, x
-from .claims import agreed, all_of, both_sides, constant, denied, equals, residuals, value
+from .claims import agreement, all_of, both_sides, constant, denial, equals, residuals, value
 
 POLYNOMIALS = {r"\phi": "phi", r"\psi": "psi", "F": "F", r"\theta": "theta", "X": "X"}
 
@@ -28,13 +28,18 @@ def degree_of(study: Study, where: Range, *, degree: int, variable: tuple[str, .
     """The coefficient of x^4 does not vanish, and there is no higher power."""
     highest = int(level().quartic.degree())
     return all_of(
-        agreed(variable, ("x",), "the variable"),
-        agreed(degree, highest, "the degree"),
-        chained(("the coefficient of x^4 is not zero", signed(leading(), "!=", where))),
+        agreement(variable, ("x",), "the variable"),
+        agreement(degree, highest, "the degree"),
+        chain_of(
+            (
+                "the coefficient of x^4 is not zero",
+                sign_in_range(leading_coefficient(), "!=", where),
+            )
+        ),
     )
 
 
-def integrated(study: Study, _: Range, *, which: str, equations: Reference) -> vo.Verdict:
+def exact_rate(study: Study, _: Range, *, which: str, equations: Reference) -> vo.Verdict:
     """One equation is the rate of A n + k mu cos u."""
     gaps = residuals(equations, study)
     order = {"first": 0, "second": 1, "third": 2, "last": len(gaps) - 1}
@@ -56,7 +61,7 @@ def never_changes(
     rates = [level().rate(e) for e in (left, other)]
     return all_of(
         equals([(left, right)], "both sides by the state"),
-        denied(constant(sort), equals(((rate, 0) for rate in rates), "their rates")),
+        denial(constant(sort), equals(((rate, 0) for rate in rates), "their rates")),
     )
 
 
@@ -75,7 +80,7 @@ def elimination(
         return vo.Verdict("refuted", f"{gone[0]} stays there: its first power is in the momentum")
     if vo.prove_equal(sp.diff(area, left), 0).proved:
         return vo.Verdict("refuted", f"{wanted[0]} is no longer there")
-    return chained((f"what is left is linear in {wanted[0]}", curved))
+    return chain_of((f"what is left is linear in {wanted[0]}", curved))
 
 
 def from_energy(study: Study, _: Range, *, integral: Reference) -> vo.Verdict:
@@ -87,13 +92,13 @@ def from_energy(study: Study, _: Range, *, integral: Reference) -> vo.Verdict:
     movable = {str(w) for w in (s, n, h, u, GAMMA, tau) if sp.diff(held, w) != 0}
     by_state = level().integrals
     return all_of(
-        agreed(movable, {"s", "n", "h"}, "what it holds beside tau^2"),
-        denied(False, vo.prove_equal(slope, 0)),
+        agreement(movable, {"s", "n", "h"}, "what it holds beside tau^2"),
+        denial(False, vo.prove_equal(slope, 0)),
         equals([(gap.xreplace(by_state), 0)], f"({integral.label}) by the state"),
     )
 
 
-def multiplied(
+def product_with(
     study: Study, _: Range, *, factor: Quoted, first: Reference, second: Reference
 ) -> vo.Verdict:
     """tau^2 from the energy, times a factor, with n and s sin u from two formulas, is X."""
@@ -115,7 +120,7 @@ def _one(formula: Quoted, study: Study) -> Any:
     return value(formula, study)
 
 
-def substituted(
+def substitution(
     study: Study,
     _: Range,
     *,
@@ -153,21 +158,23 @@ def by_x(
     known = {w for w in (s, tau, n) if w in state}
     known |= {w for w in (theta, u1) if any(sp.sympify(key).has(w) for key in state)}
     named = {value(name, study) for name in (*velocities, *angles)}
-    return agreed({str(w) for w in named}, {str(w) for w in known}, "algebraic in x")
+    return agreement({str(w) for w in named}, {str(w) for w in known}, "algebraic in x")
 
 
 def further(study: Study, _: Range, *, count: int) -> vo.Verdict:
     """The angles of which only the rates are functions of x."""
     state = level().state
     left = [w for w in (v, v1, theta, u1) if not any(sp.sympify(key).has(w) for key in state)]
-    return agreed(count, len(left), f"angles that are integrals in x: {', '.join(map(str, left))}")
+    return agreement(
+        count, len(left), f"angles that are integrals in x: {', '.join(map(str, left))}"
+    )
 
 
 def polynomials(study: Study, where: Range, *, names: tuple[str, ...], degree: int) -> vo.Verdict:
     """The degrees of the polynomials in the rates of v and v_1."""
     own = level()
     degrees = {int(sp.Poly(getattr(own, one_of(name, POLYNOMIALS)), x).degree()) for name in names}
-    return all_of(agreed({degree}, degrees, "degrees"), lambda: quadratic(study, where))
+    return all_of(agreement({degree}, degrees, "degrees"), lambda: quadratic(study, where))
 
 
 def in_products(
@@ -183,13 +190,13 @@ def in_products(
     """psi, and the coefficient before the product of the linear factors."""
     own = level()
     mine = int(sp.Poly(getattr(own, one_of(name[0], POLYNOMIALS)), x).degree())
-    coefficient = one_of(lead[0], {"a_0": leading()})
+    coefficient = one_of(lead[0], {"a_0": leading_coefficient()})
     return all_of(
-        agreed(degree, mine, f"the degree of ${name[0]}$"),
-        agreed(
+        agreement(degree, mine, f"the degree of ${name[0]}$"),
+        agreement(
             constant(sort), not coefficient.free_symbols & {s, tau, n}, "whether it is constant"
         ),
-        chained((f"a_0 {sign} 0", signed(coefficient, sign, where))),
+        chain_of((f"a_0 {sign} 0", sign_in_range(coefficient, sign, where))),
     )
 
 
@@ -197,12 +204,12 @@ SENTENCES = (
     Sentence(
         "where $X(x)$ is a degree @degree:number{four} polynomial in @variable:names{$x$}.",
         degree_of,
-        derived=leading_printed,
+        derived=leading_text,
     ),
     Sentence(
         "Namely, integrating the @which:word{last} of the equations "
         r"@equations:reference{\eqref{4.3.131415}}, he gets",
-        integrated,
+        exact_rate,
     ),
     Sentence(
         r"where @definition:formula{$C_5=k\mu x_0$} is a @sort:word{constant}, as well as "
@@ -223,14 +230,14 @@ SENTENCES = (
     Sentence(
         r"By multiplying both sides by @factor:formula{$\sin^2u$} and by applying the formulae "
         r"@first:reference{\eqref{4.4.4}} and @second:reference{\eqref{4.4.7}} one gets finally",
-        multiplied,
+        product_with,
         "level free",
     ),
     Sentence(
         r"By substituting @what:names{$\tau$} from the @which:number{second} of the equations "
         r"@source:reference{\eqref{4.2.789}} into @into:reference{\eqref{4.4.12}}, one comes to "
         r"@result:reference{\eqref{eq:elliptic1}}.",
-        substituted,
+        substitution,
         "letters",
     ),
     Sentence(
@@ -245,12 +252,12 @@ SENTENCES = (
     Sentence(
         r"where @names:names{$\phi, F, \theta$} are @degree:number{quadratic} polynomials in $x$.",
         polynomials,
-        derived=quadratic_printed,
+        derived=quadratic_text,
     ),
     Sentence(
         r"where @name:names{$\psi$} is also a @degree:number{quadratic} polynomial in $x$ and "
         "@lead:names{$a_0$} is a @sign:relation{negative} @sort:word{constant}.",
         in_products,
-        derived=leading_printed,
+        derived=leading_text,
     ),
 )

@@ -11,23 +11,23 @@ import voronec as vo
 from voronec.audit import Quoted, Range, Sentence, Study, one_of
 
 from .. import A, axis, k, momentum, n, s, tau, u
-from ..dictionary.kinds_of_motion import at_state, body, chained, refuted
+from ..dictionary.kinds_of_motion import at_state, body, chain_of, refutation
 from ..dictionary.quadratures import PARAMETERS, RATIO, level, x
 from ..dictionary.stability import (
     at_rest,
-    claimed_of,
     condition,
     of_sign,
     ordinary_ball,
-    ordinary_printed,
+    ordinary_text,
     precessions_exist,
     rates_of,
     remarkable,
     small_nutation,
-    small_nutation_printed,
+    small_nutation_text,
     stationary,
+    verdict_of_claim,
 )
-from .claims import agreed, all_of, constant, denied, exists
+from .claims import agreement, all_of, constant, denial, exists
 
 SPINS = {"s": s, r"\tau": tau, "n": n}
 
@@ -42,7 +42,7 @@ def precession_at(where: Range) -> dict[Any, Any]:
 
 def classes(study: Study, _: Range, *, count: int) -> vo.Verdict:
     """As many classes as the list has items; each is a record of its own."""
-    return agreed(count, study.context.count(r"\item"), "items of the list")
+    return agreement(count, study.context.count(r"\item"), "items of the list")
 
 
 def precessions(study: Study, where: Range, *, how: str, spheres: str, curves: str) -> vo.Verdict:
@@ -51,8 +51,10 @@ def precessions(study: Study, where: Range, *, how: str, spheres: str, curves: s
     along = {"parallels": "u", "meridians": "v", "great circles": "neither"}
     return all_of(
         exists(how, found, at_rest(study, where)),
-        agreed(one_of(spheres, {"both": 2, "neither": 0, "none of": 0}), 2, "traces on parallels"),
-        agreed(one_of(curves, along), "u", "the coordinate that is constant"),
+        agreement(
+            one_of(spheres, {"both": 2, "neither": 0, "none of": 0}), 2, "traces on parallels"
+        ),
+        agreement(one_of(curves, along), "u", "the coordinate that is constant"),
     )
 
 
@@ -66,8 +68,8 @@ def by_second(
 ) -> vo.Verdict:
     """Stable and unstable by the sign of the second derivative."""
     return all_of(
-        claimed_of(of_sign(meaning(when), study, where), sort),
-        lambda: claimed_of(of_sign(meaning(opposite), study, where), other),
+        verdict_of_claim(of_sign(meaning(when), study, where), sort),
+        lambda: verdict_of_claim(of_sign(meaning(opposite), study, where), other),
     )
 
 
@@ -76,8 +78,8 @@ def by_third(
 ) -> vo.Verdict:
     """The case that the signs of the second derivative leave open, and a third that vanishes."""
     return all_of(
-        agreed(meaning(between), (2, "="), "the case that X'' < 0 and X'' > 0 leave open"),
-        lambda: claimed_of(of_sign(meaning(when), study, where), sort),
+        agreement(meaning(between), (2, "="), "the case that X'' < 0 and X'' > 0 leave open"),
+        lambda: verdict_of_claim(of_sign(meaning(when), study, where), sort),
     )
 
 
@@ -87,7 +89,7 @@ def by_third_else(study: Study, where: Range, *, one: bool, two: bool, when: Quo
     if one != two:
         about = f"it is called stable and unstable at once; {found.method}"
         return vo.Verdict("refuted", about, found.witness)
-    return claimed_of(found, one)
+    return verdict_of_claim(found, one)
 
 
 def nutation(
@@ -110,7 +112,7 @@ def nutation(
         return refuted_nutation(left, where)
     return all_of(
         exists(how, found),
-        denied(sort, found) if ever == "all" else exists(ever, denied(sort, found)),
+        denial(sort, found) if ever == "all" else exists(ever, denial(sort, found)),
     )
 
 
@@ -130,7 +132,9 @@ def refuted_nutation(free: set[Any], where: Range) -> vo.Verdict:
             point = {"I": 1, "A": numbers[A], "mu'": numbers[RATIO], "u_0": "pi/2", **rest}
             about = "as large as the momentum of the gyroscope, and the nutation is not small"
             some = " and ".join(sorted(f"{w}_0" for w in free))
-            return refuted(f"{some} may be {about}", point, f"x runs from 0 beyond {end}", "x = 0")
+            return refutation(
+                f"{some} may be {about}", point, f"x runs from 0 beyond {end}", "x = 0"
+            )
     return vo.Verdict("undecided", "no large nutation was found")
 
 
@@ -150,10 +154,12 @@ def stands(
     turned = ("the axis turns as n sin u", vo.prove_equal(square, (n * sp.sin(u)) ** 2))
     return all_of(
         exists(how, at_rest(study, where)),
-        agreed(points, 1, "points of which a trace consists"),
-        agreed(one_of(spheres, {"both": 2, "neither": 0}), 2, "traces that are points"),
-        agreed((constant(speed), constant(orientation)), (True, True), "whether both are constant"),
-        lambda: chained(turned),
+        agreement(points, 1, "points of which a trace consists"),
+        agreement(one_of(spheres, {"both": 2, "neither": 0}), 2, "traces that are points"),
+        agreement(
+            (constant(speed), constant(orientation)), (True, True), "whether both are constant"
+        ),
+        lambda: chain_of(turned),
     )
 
 
@@ -164,7 +170,7 @@ def ever_stable(study: Study, where: Range, *, ever: str, sort: bool) -> vo.Verd
         return found
     resting = vo.Verdict("proved", "a ball that rests without spinning is stable")
     if ever == "none" or not sort:
-        return denied((ever == "none") != sort, resting)
+        return denial((ever == "none") != sort, resting)
     return vo.Verdict("undecided", f"whether that is so for '{ever}' is not decided here")
 
 
@@ -176,7 +182,7 @@ def without_spin(study: Study, where: Range, *, sort: str, state: str) -> vo.Ver
     plain = one_of(sort, {"ordinary": True, "gyroscopic": False})
     if turning == plain:
         rate = rates_of(n)[n]
-        return chained(("the rate of n is zero", vo.prove_equal(rate, 0)))
+        return chain_of(("the rate of n is zero", vo.prove_equal(rate, 0)))
     if plain:
         return ordinary_ball(study, where)
     return vo.Verdict("undecided", "that is no class of its own")
@@ -195,7 +201,7 @@ def remarkable_ones(study: Study, where: Range, *, how: str, along: str, vector:
     products = {"parallel": chosen.cross(flat), "orthogonal": sp.Matrix([chosen.dot(flat)])}
     gap = one_of(along, products)
     steps = [(f"{along} at the equator", vo.prove_equal(e, 0)) for e in gap]
-    return all_of(exists(how, found), lambda: chained(*steps))
+    return all_of(exists(how, found), lambda: chain_of(*steps))
 
 
 def of_energy(study: Study, where: Range, *, dependence: str) -> vo.Verdict:
@@ -205,8 +211,10 @@ def of_energy(study: Study, where: Range, *, dependence: str) -> vo.Verdict:
     energy = sp.diff(level().declared["energy"].xreplace(equator), s)
     if vo.prove_equal(energy, 0).proved:
         return vo.Verdict("undecided", "the energy does not depend on s")
-    found = chained(*((f"the rate of {w} is zero", vo.prove_equal(r, 0)) for w, r in rates.items()))
-    return denied(not one_of(dependence, DEPENDS), found)
+    found = chain_of(
+        *((f"the rate of {w} is zero", vo.prove_equal(r, 0)) for w, r in rates.items())
+    )
+    return denial(not one_of(dependence, DEPENDS), found)
 
 
 SENTENCES = (
@@ -263,7 +271,7 @@ SENTENCES = (
         "@ever:quantifier{always} @sort:stability{stable}.",
         nutation,
         "level",
-        derived=small_nutation_printed,
+        derived=small_nutation_text,
     ),
     Sentence(
         r"\item [3)] Stationary motions are @how:quantifier{possible}. The trajectories of the "
@@ -284,7 +292,7 @@ SENTENCES = (
         "@state:word{stays at rest}.",
         without_spin,
         "level",
-        derived=ordinary_printed,
+        derived=ordinary_text,
     ),
     Sentence(
         "These are trajectories @dependence:word{independent} on the initial energy.",

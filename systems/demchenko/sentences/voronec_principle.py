@@ -12,12 +12,12 @@ from voronec.audit.meaning import evaluate
 from voronec.audit.transcript import assignments
 
 from ..dictionary.general import BASE, DELTA, FIBRE, Q, V
-from .claims import agreed, all_of, denied, equals, value
+from .claims import agreement, all_of, denial, equals, value
 
 CURVATURE = "the curvature of any constraints that are affine in the velocities"
 
 
-def restricted(study: Study, _: Range, *, constraints: Reference) -> vo.Verdict:
+def restriction(study: Study, _: Range, *, constraints: Reference) -> vo.Verdict:
     """Theta is T with the velocities of the fibre as the formula has them."""
     solved = dict(zip(V[BASE:], _right_sides(constraints, study), strict=True))
     theta = study.names["T"].xreplace(solved)
@@ -51,10 +51,12 @@ def depends_on(
     ]
     entries += [eqs.curvature.time[nu, i] for nu in range(FIBRE) for i in range(BASE)]
     held = {str(x) for entry in entries for x in entry.free_symbols}
-    return agreed(_listed(coordinates, study) | _listed(time, study), held, "they depend on")
+    return agreement(
+        _symbols_of(coordinates, study) | _symbols_of(time, study), held, "they depend on"
+    )
 
 
-def _listed(names: tuple[str, ...], study: Study) -> set[str]:
+def _symbols_of(names: tuple[str, ...], study: Study) -> set[str]:
     """The symbols of a list in which dots stand for what lies between."""
     values = [value(x, study) for x in names if x != r"\dots"]
     if r"\dots" not in names:
@@ -85,11 +87,13 @@ def displacements(
     boundary = sp.diff(study.context.eqs.theta, V[0]) * DELTA[0]
     needed = 0 if vo.prove_equal(boundary, 0).refuted else end
     return all_of(
-        agreed(_indices(free, study), independent, "independent variations"),
-        agreed(_indices(bound, study), set(range(1, len(virtual) + 1)) - independent, "the others"),
-        agreed(one_of(sort, {"arbitrary": True, "fixed": False}), True, "whether they are free"),
-        agreed(end, needed, "what the terms at the ends need"),
-        agreed((first, second), (("t=t_1",), ("t=t_2",)), "the limits of the integral"),
+        agreement(_indices(free, study), independent, "independent variations"),
+        agreement(
+            _indices(bound, study), set(range(1, len(virtual) + 1)) - independent, "the others"
+        ),
+        agreement(one_of(sort, {"arbitrary": True, "fixed": False}), True, "whether they are free"),
+        agreement(end, needed, "what the terms at the ends need"),
+        agreement((first, second), (("t=t_1",), ("t=t_2",)), "the limits of the integral"),
     )
 
 
@@ -103,7 +107,7 @@ def _indices(names: tuple[str, ...], study: Study) -> set[int]:
     return set(range(places[0], places[-1] + 1)) if r"\dots" in names else set(places)
 
 
-def transposed(study: Study, _: Range, *, first: Reference, second: Reference) -> vo.Verdict:
+def transposition(study: Study, _: Range, *, first: Reference, second: Reference) -> vo.Verdict:
     """d/dt of the one right side less the variation of the other one."""
     whole, virtual = (
         study.context,
@@ -132,8 +136,8 @@ def chaplygin(
     left = evaluate(tree.parts[0], study, {"i": 1})
     inertia = study.motion.derivative(sp.diff(whole.eqs.theta, V[0]))
     return all_of(
-        agreed(_listed(variables, study), absent, "variables on which nothing depends"),
-        denied(not depends, whole.chaplygins()),
+        agreement(_symbols_of(variables, study), absent, "variables on which nothing depends"),
+        denial(not depends, whole.chaplygins()),
         equals([(left, inertia)], f"the inertia in ({equations.label})"),
     )
 
@@ -142,7 +146,7 @@ SENTENCES = (
     Sentence(
         r"Let $\Theta$ be the kinetic energy $T$ after imposing the constraints "
         r"@constraints:reference{\eqref{v1}}",
-        restricted,
+        restriction,
     ),
     Sentence(
         r"let $K_{\nu}$ be the partial derivative of the kinetic energy $T$ with respect to "
@@ -170,7 +174,7 @@ SENTENCES = (
         r"Here $\frac{d}{dt}\delta q_{n+\nu}-\delta\dot q_{n+\nu}$ are calculated according to the "
         r"expressions @first:reference{\eqref{v1}}, @second:reference{\eqref{v6}} and using the "
         "rule:",
-        transposed,
+        transposition,
     ),
     Sentence(
         "In the case when all considered objects do @depends:affirmed{not depend} on the variables "

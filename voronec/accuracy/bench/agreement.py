@@ -26,9 +26,15 @@ __all__ = [
     "ACCURACY",
     "BenchReference",
     "agreed_reference",
+    "ball_solution",
+    "closed_form_reference",
     "difference",
+    "flint_routes",
+    "heyoka_route",
+    "levels_of",
     "precise_outputs",
     "reference",
+    "two_routes",
     "why_not",
 ]
 
@@ -154,12 +160,12 @@ def reference(question: BenchMotion, needed: float = ACCURACY) -> BenchReference
     ``EngineLimit`` where no two independent runs can be made, and ``IntegrationError`` where
     two agree on no part of the grid.
     """
-    found = _in_closed_form(question, needed)
+    found = closed_form_reference(question, needed)
     if found is not None:
         return found
     best: BenchReference | None = None
     for digits in DIGITS:
-        first, second = _routes(question, digits)
+        first, second = two_routes(question, digits)
         found = agreed_reference(question, [(n, run()) for n, run in (first, second)], needed)
         if found is not None and (best is None or len(found.t) > len(best.t)):
             best = found
@@ -173,7 +179,7 @@ def reference(question: BenchMotion, needed: float = ACCURACY) -> BenchReference
     return best
 
 
-def _in_closed_form(question: BenchMotion, needed: float) -> BenchReference | None:
+def closed_form_reference(question: BenchMotion, needed: float) -> BenchReference | None:
     """The enclosed motion, where there is one and an independent run agrees with it."""
     if question.system.motion is None:
         return None
@@ -183,21 +189,22 @@ def _in_closed_form(question: BenchMotion, needed: float) -> BenchReference | No
         last = start + CROSS_SPAN * (1 if end > start else -1)
         crossed = replace(question, grid=np.linspace(start, last, CROSS_INSTANTS))
     try:
-        name, run = _routes(crossed, DIGITS[0])[0]
+        name, run = two_routes(crossed, DIGITS[0])[0]
         said = f"the closed form, enclosed to {DIGITS[0] + 5} digits"
-        found = agreed_reference(crossed, [(said, _ball_solution(crossed)), (name, run())], needed)
+        found = agreed_reference(crossed, [(said, ball_solution(crossed)), (name, run())], needed)
         if found is None or len(found.t) < len(crossed.grid):
             return None
         if crossed is question:
             return found
-        values = {n: np.asarray(x, dtype=float) for n, x in _ball_solution(question).items()}
+        values = {n: np.asarray(x, dtype=float) for n, x in ball_solution(question).items()}
     except (DefinitionError, EngineLimit, IntegrationError):
         return None
     note = f"the two agree up to t = {last:g}; later there is the closed form alone, enclosed"
     return replace(found, t=question.grid, values=values, note=note)
 
 
-def _ball_solution(question: BenchMotion) -> Mapping[str, np.ndarray]:
+def ball_solution(question: BenchMotion) -> Mapping[str, np.ndarray]:
+    """The outputs as the declared motion gives them, enclosed to more digits than doubles hold."""
     return _solution(question, "closed-form", DIGITS[0] + 5)
 
 
@@ -255,12 +262,12 @@ def difference(values: Any, exact: Any, angle: bool) -> np.ndarray:
     return np.abs(apart) / (size if size > 0 else 1.0)
 
 
-def _routes(question: BenchMotion, digits: int) -> tuple[Route, Route]:
+def two_routes(question: BenchMotion, digits: int) -> tuple[Route, Route]:
     """The two most different runs there are."""
-    levels = _levels(question)
-    own = [_heyoka_route(at, question, digits) for at in levels]
+    levels = levels_of(question)
+    own = [heyoka_route(at, question, digits) for at in levels]
     fast = [route for route in own if route is not None]
-    exact = _flint_routes(question, digits)
+    exact = flint_routes(question, digits)
     if exact and fast and question.span <= LONG:
         return exact[-1], fast[0]
     if len(fast) == 2:
@@ -275,21 +282,23 @@ def _routes(question: BenchMotion, digits: int) -> tuple[Route, Route]:
     )
 
 
-def _levels(question: BenchMotion) -> list[BenchLevel]:
+def levels_of(question: BenchMotion) -> list[BenchLevel]:
+    """The equations on coordinates, and on invariants where they close."""
     found = [level(question, "coordinates")]
     with suppress(VoronecError):
         found.append(level(question, "invariants"))
     return found
 
 
-def _heyoka_route(at: BenchLevel, question: BenchMotion, digits: int) -> Route | None:
+def heyoka_route(at: BenchLevel, question: BenchMotion, digits: int) -> Route | None:
+    """A name and a run by heyoka in so many digits; None where it cannot run the level exactly."""
     if why_not(at) is not None:
         return None
     name = f"heyoka's Taylor method with {digits} digits, on the {at.name}"
     return name, lambda: precise_outputs(at, question.grid, digits)
 
 
-def _flint_routes(question: BenchMotion, digits: int) -> list[Route]:
+def flint_routes(question: BenchMotion, digits: int) -> list[Route]:
     """Runs by our own arbitrary-precision integrator: of the smallest model, of the full one."""
     try:
         probe = replace(question, grid=question.grid[:1])

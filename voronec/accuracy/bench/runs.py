@@ -31,7 +31,7 @@ from voronec.motion.numeric_model import make_model
 from voronec.motion.request import Vocabulary
 from voronec.motion.steppers import Problem, Stepper
 
-__all__ = ["CONTENDERS", "contenders", "measure"]
+__all__ = ["CONTENDERS", "contenders", "measure", "outcome_of", "repetition"]
 
 EXACT = 1e-20
 """The tolerance of the arbitrary-precision method."""
@@ -68,11 +68,11 @@ def _prepare(question: BenchMotion, method: str, full: bool) -> Run:
             seconds = _evaluation_time(question)
         elif method != "flint" and not trajectory.interrupted:
             if tol not in made:
-                made[tol] = _again(question, asked, trajectory)
+                made[tol] = repetition(question, asked, trajectory)
             stepper = made[tol]
             if stepper is not None:
                 seconds = time_fastest(lambda: stepper(question.grid))[1]
-        return _outcome(question, trajectory, seconds)
+        return outcome_of(question, trajectory, seconds)
 
     return run
 
@@ -88,7 +88,7 @@ def _evaluation_time(question: BenchMotion) -> float:
     return time_fastest(lambda: form.at(elapsed, names))[1]
 
 
-def _again(question: BenchMotion, asked: Sequence[Any], seen: Trajectory) -> Stepper | None:
+def repetition(question: BenchMotion, asked: Sequence[Any], seen: Trajectory) -> Stepper | None:
     """The integrator of a motion that was seen, made once more, to be run many times; None where
     what it makes is not the same motion."""
     form, cost = question.equations.raw.form, seen.cost
@@ -115,7 +115,8 @@ def _refuse_long(question: BenchMotion, first: float) -> None:
         raise NotHere(f"would take about {seconds:.0f} s a run; take a shorter time")
 
 
-def _outcome(question: BenchMotion, trajectory: Trajectory, seconds: float) -> Outcome:
+def outcome_of(question: BenchMotion, trajectory: Trajectory, seconds: float) -> Outcome:
+    """What a run gave, cost and drifts with it; ``KeyboardInterrupt`` where a hand stopped it."""
     if trajectory.interrupted:
         raise KeyboardInterrupt
     values: Mapping[str, np.ndarray] = {

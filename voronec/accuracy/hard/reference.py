@@ -40,7 +40,15 @@ from voronec.errors import EngineLimit, IntegrationError
 from voronec.motion import Trajectory, integrate
 from voronec.motion.closed_form import closed_form
 
-__all__ = ["STORE", "HardReference", "compute", "perturb", "reference", "slopes"]
+__all__ = [
+    "STORE",
+    "HardReference",
+    "closed_form_outputs",
+    "compute",
+    "perturb",
+    "reference",
+    "slopes",
+]
 
 RETURN = 1e-18
 """How far the state may be from its start after one period."""
@@ -224,6 +232,8 @@ IN_A_PERIOD = 20
 """At so many instants of a period an angle is looked at, to follow it."""
 FOLLOWABLE = 4000
 """At so many instants at most."""
+FINEST_DIGITS = 40
+"""Digits in which two runs are compared: more than any of their numbers has."""
 LONGEST_CHECK = 2e5
 """A periodic motion is followed to the end, as a check of its period, up to this span."""
 
@@ -296,7 +306,7 @@ def compute(case: HardCase, equations: VoronecEquations | None = None) -> HardRe
         values, slopes, agreed = perturb(case, own)
         how = "25 digits on coordinates; against 21 digits, data changed in place of variations"
         return HardReference(case.grid, values, slopes, agreed, how)
-    apart = np.abs((outputs - again).astype(float)) / output_sizes(outputs)
+    apart = _differences(outputs, again) / output_sizes(outputs)
     names = asked.program.names
     return HardReference(
         case.grid,
@@ -305,6 +315,17 @@ def compute(case: HardCase, equations: VoronecEquations | None = None) -> HardRe
         float(apart.max()),
         f"{ARITHMETICS[case.arithmetic]} digits on {case.level}; {how}",
     )
+
+
+def _differences(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """|one - other| (k, m) of numbers of many digits, which may be of two kinds: heyoka's and
+    mpmath's."""
+    import mpmath
+
+    with mpmath.workdps(FINEST_DIGITS):
+        pairs = zip(one.flat, other.flat, strict=True)
+        found = [abs(float(mpmath.mpf(str(a)) - mpmath.mpf(str(b)))) for a, b in pairs]
+    return np.array(found).reshape(one.shape)
 
 
 def _run(case: HardCase, asked: PreciseProblem) -> tuple[np.ndarray, np.ndarray]:
@@ -333,7 +354,7 @@ def _again(case: HardCase, own: VoronecEquations, asked: PreciseProblem) -> tupl
     if case.period:
         whole = reel(asked, "extended", TOLERANCES["extended"][0], varied=False)
         return whole.follow(case.grid).outputs, "one period against the whole span"
-    found = _in_closed_form(case, own, asked)
+    found = closed_form_outputs(case, own, asked)
     if found is not None:
         return found, "against the closed form"
     tol = TOLERANCES[case.arithmetic][1]
@@ -349,7 +370,7 @@ def _again(case: HardCase, own: VoronecEquations, asked: PreciseProblem) -> tupl
     return found, "against another tolerance"
 
 
-def _in_closed_form(
+def closed_form_outputs(
     case: HardCase, own: VoronecEquations, asked: PreciseProblem
 ) -> np.ndarray | None:
     """The outputs by the declared motion, where there is one that can be followed: where the vector

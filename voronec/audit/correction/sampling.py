@@ -18,6 +18,7 @@ import sympy as sp
 
 from voronec.algebra.door import Door
 from voronec.algebra.points import sample_point
+from voronec.algebra.precision import GENERIC
 from voronec.algebra.tape import Tape
 from voronec.audit.latex.nodes import (
     Bound,
@@ -42,7 +43,7 @@ __all__ = ["Sampler", "close"]
 
 
 Where = Mapping[str, int]
-BITS = 120
+BITS = GENERIC
 WORK = {Derivative: 20, Partial: 250}
 """How many derivatives are taken symbolically: they cost more than all else together."""
 TOLERANCE = 1e-9

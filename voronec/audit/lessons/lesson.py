@@ -30,7 +30,7 @@ from voronec.equations.voronec_equations import VoronecEquations, derive, equati
 from voronec.errors import DefinitionError
 from voronec.proof.decision import all_zero
 
-__all__ = ["Lesson", "LessonField", "LessonFormula", "LessonStep", "lesson"]
+__all__ = ["Lesson", "LessonField", "LessonFormula", "LessonStep", "LessonWork", "lesson"]
 
 
 def lesson(system: System | VoronecEquations) -> Lesson:
@@ -53,7 +53,7 @@ def lesson(system: System | VoronecEquations) -> Lesson:
             f"system '{name}': its derivation is too long to be written out; "
             f"'voronec derive {name} --python' prints its program"
         )
-    work = _Work(equations)
+    work = LessonWork(equations)
     verdict = all_zero(work.differences(), (*own.relations, *own.conditions))
     return Lesson(equations, tuple(work.parts()), verdict)
 
@@ -90,7 +90,7 @@ TERMS = (
 """The terms of the equations (9), one step each: title, sentence, formula, and names of values."""
 
 
-class _Work:
+class LessonWork:
     """What the steps compute, inside the door; each from those before it."""
 
     def __init__(self, equations: VoronecEquations) -> None:

@@ -40,6 +40,7 @@ __all__ = [
     "Rows",
     "Step",
     "by_methods",
+    "compare_sides",
 ]
 
 
@@ -362,11 +363,13 @@ def by_methods(system: System | VoronecEquations) -> MethodComparison:
             f"too large to be written out ({error}); 'voronec derive {name}' has the equations, "
             "and vo.multiplier_acceleration those with multipliers, to be compared in numbers"
         ) from None
-    equalities = tuple(_compare_sides(problem, a, b) for a, b in pairwise(found))
+    equalities = tuple(compare_sides(problem, a, b) for a, b in pairwise(found))
     return MethodComparison(problem, found, equalities, process_time() - begun)
 
 
-def _compare_sides(problem: Statement, left: MethodEquations, right: MethodEquations) -> Equality:
+def compare_sides(problem: Statement, left: MethodEquations, right: MethodEquations) -> Equality:
+    """Whether two methods give the same equations: the right ones hold with the accelerations of
+    the left ones, or their residuals are equal."""
     begun = process_time()
     if left.solved:
         places = dict(zip(problem.vd, left.solved, strict=True))

@@ -261,7 +261,7 @@ def _impossible(known: DeclaredTraces, curve: Curve, label: str, own: Mapping[An
     return ""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class _StartSearch:
     known: DeclaredTraces
     curve: Curve

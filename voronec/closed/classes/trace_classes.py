@@ -53,7 +53,7 @@ import sympy as sp
 
 from voronec.algebra.door import Door
 from voronec.algebra.normal import canonical
-from voronec.algebra.precision import FIRST
+from voronec.algebra.precision import FIRST, GENERIC, SHARP
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import as_expression
 from voronec.closed.arithmetic import precise
@@ -84,7 +84,7 @@ __all__ = [
 LABELS = ("A", "B", "C1", "C2", "D1", "D2", "D3", "E1", "E2")
 """The classes of the paper's figures, 4 to 12 in this order."""
 REVERSALS = ("A", "B", "C")
-BITS = (64, 192, 256)
+BITS = (FIRST, GENERIC, SHARP)
 """Bits at which the sign of a drift is looked for."""
 
 

@@ -18,7 +18,7 @@ from voronec.errors import DefinitionError
 if TYPE_CHECKING:
     from voronec.closed.special.bifurcation import BifurcationSet
 
-__all__ = ["bifurcation_figure"]
+__all__ = ["bifurcation_figure", "levels_of"]
 
 ONE, TWO, POLE = "#eaf0f6", "#c3d4e4", "#2f7d5b"
 Window = tuple[tuple[float, float], tuple[float, float]]
@@ -40,7 +40,7 @@ def _window(one: BifurcationSet) -> Window:
     return (float(left), float(right)), (float(low - 0.06 * tall), float(high + 0.2 * tall))
 
 
-def _levels(one: BifurcationSet, grid: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def levels_of(one: BifurcationSet, grid: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """For values of the first constant, what the second must be for one and for two intervals.
 
     f is linear in the second constant and grows with it, so there is a motion at x where it is at
@@ -108,7 +108,7 @@ def bifurcation_figure(
 def _panel(panel: Any, one: BifurcationSet, window: Window) -> None:
     (left, right), (low, high) = window
     grid = np.linspace(left, right, 240)
-    least, second, ridge = _levels(one, grid)
+    least, second, ridge = levels_of(one, grid)
     panel.fill_between(grid, least, high, where=least < high, color=ONE, linewidth=0, zorder=1)
     panel.fill_between(grid, second, ridge, where=np.isfinite(ridge), color=TWO, linewidth=0,
                        zorder=1.5)  # fmt: skip

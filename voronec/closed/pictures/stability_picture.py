@@ -13,7 +13,7 @@ from voronec.errors import DefinitionError
 if TYPE_CHECKING:
     from voronec.closed.special.stability_chart import StabilityChart
 
-__all__ = ["STABLE", "UNSTABLE", "stability_figure"]
+__all__ = ["FINE", "STABLE", "UNSTABLE", "stability_figure", "thin_line"]
 
 STABLE, UNSTABLE = "#e3ecf5", "#f3d9d2"
 """Told apart in print without colours, too: the second is hatched."""
@@ -85,16 +85,16 @@ def _draw_regions(panel: Any, chart: StabilityChart) -> None:
     panel.set_facecolor(STABLE)  # the ground, so that no seams show between stable regions
     for region in chart.regions:
         if not region.stable:
-            panel.fill(*_thin(region.outline, size).T, linewidth=0, zorder=1, **_hatching())
+            panel.fill(*thin_line(region.outline, size).T, linewidth=0, zorder=1, **_hatching())
     for curve in chart.curves:
-        panel.plot(*_thin(curve, size).T, color=INK, linewidth=1.0, solid_capstyle="round",
+        panel.plot(*thin_line(curve, size).T, color=INK, linewidth=1.0, solid_capstyle="round",
                    zorder=3)  # fmt: skip
     for line in _excluded_rates(chart):
         if low < line < high:
             panel.axhline(line, color=MARK, linewidth=0.8, linestyle=(0, (4, 2.5)), zorder=3)
 
 
-def _thin(points: np.ndarray, size: np.ndarray) -> np.ndarray:
+def thin_line(points: np.ndarray, size: np.ndarray) -> np.ndarray:
     """The points of a line that it needs, by Douglas and Peucker: both its ends among them."""
     if len(points) < 3:
         return points
@@ -107,7 +107,7 @@ def _thin(points: np.ndarray, size: np.ndarray) -> np.ndarray:
     far = int(np.argmax(off))
     if off[far] < FINE:
         return points[[0, -1]]
-    return np.concatenate([_thin(points[: far + 1], size)[:-1], _thin(points[far:], size)])
+    return np.concatenate([thin_line(points[: far + 1], size)[:-1], thin_line(points[far:], size)])
 
 
 def _enlarge(panel: Any, chart: StabilityChart, points: np.ndarray) -> None:

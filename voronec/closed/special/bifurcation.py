@@ -7,7 +7,7 @@ precessions parametrise it, and the motions at the poles add single points.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any
@@ -73,7 +73,6 @@ class BifurcationSet:
     discriminant: sp.Expr
     curves: tuple[LevelCurve, ...]
     points: tuple[LevelPoint, ...]
-    _known: dict[Any, int] = field(default_factory=dict, repr=False, compare=False)
 
     def motions(self, first: Any, second: Any) -> int:
         """How many motions there are on a level: intervals of [-1, 1] in which f >= 0.

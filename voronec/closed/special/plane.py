@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from voronec.algebra.precision import FIRST, SHARP
 from voronec.closed.arithmetic import compile_expressions, precise
 from voronec.declaration.reading import quote
 from voronec.errors import EngineLimit
@@ -101,7 +102,7 @@ def critical(
         poly = sp.Poly(e, w)
         if not poly.is_zero and poly.degree() > 0:
             product = product.lcm(poly.sqf_part())
-    return [] if product.degree() < 1 else sorted(_real_roots(_integers(product), bits=256))
+    return [] if product.degree() < 1 else sorted(_real_roots(_integers(product), bits=SHARP))
 
 
 @cache
@@ -123,7 +124,7 @@ def _integers(poly: sp.Poly) -> Any:
 
 
 def _real_roots(
-    poly: Any, within: int | None = None, bits: int = 64
+    poly: Any, within: int | None = None, bits: int = FIRST
 ) -> list[tuple[Fraction, Fraction]]:
     """The real roots of an integer polynomial, or those in (-within, within), neither end of which
     is a root; to so many bits."""

@@ -15,6 +15,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.precision import FIRST, SHARP
 from voronec.algebra.verdicts import prove_equal
 from voronec.closed.arithmetic import ball, exact, precise
 from voronec.declaration.quadratures import Quadratures
@@ -22,7 +23,7 @@ from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["Stability", "decide_stability", "sign_of"]
 
-PRECISIONS = (64, 256, 1024, 4096)
+PRECISIONS = (FIRST, SHARP, 1024, 4096)
 
 
 @dataclass(frozen=True)

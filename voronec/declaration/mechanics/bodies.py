@@ -272,7 +272,7 @@ def in_one_line(ask: Callable[[], Any], what: str) -> Any:
         raise DefinitionError(f"from_mechanics: {what}: {text}") from None
 
 
-@dataclass(frozen=True)
+@dataclass
 class Components:
     """Reads vectors; ``speed_values`` says what speeds stand for, inside."""
 

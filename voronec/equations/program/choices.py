@@ -55,7 +55,7 @@ def choose_sides(expr: Any) -> Any:
     return found if operation_count([found]) <= LONGER * (size + SHORT) else expr
 
 
-@dataclass(frozen=True)
+@dataclass
 class _Choices:
     """Makes choices; ``known`` are the walls of each expression that was looked at."""
 

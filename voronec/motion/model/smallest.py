@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.memo import Memo
 from voronec.algebra.typeset import html_table
 from voronec.declaration.system import System
 from voronec.equations.derivation import FirstOrderForm
@@ -74,7 +75,7 @@ Note = Callable[[Any, str, str], None]
 """Takes down what became of a variable: the variable, the kind of role, the reason."""
 
 
-@dataclass(frozen=True)
+@dataclass
 class _Particular:
     """What is known of one motion on a level: numbers of variables, parameters and the time, and
     what was ``asked`` of them so far: slopes of integrals, and whether these are steep enough."""
@@ -403,7 +404,8 @@ class Model:
     and ``integrals`` are expressions on it; ``frozen`` maps symbols that became parameters to what
     they are at the start, in coordinates and velocities, as ``start`` does for the states.
     ``full`` is the level that was chosen, ``cut`` what is left of it.  ``refuted`` names the
-    declared integrals that are proved not to be constant.
+    declared integrals that are proved not to be constant.  ``memo`` holds the programs written for
+    it.
     """
 
     cut: Level
@@ -412,6 +414,7 @@ class Model:
     candidates: tuple[ModelCandidate, ...]
     frozen: Mapping[Any, Any] = field(default_factory=dict)
     refuted: tuple[str, ...] = ()
+    memo: Memo = field(default_factory=Memo, init=False)
 
     def __repr__(self) -> str:
         states = ", ".join(map(str, self.states))

@@ -109,7 +109,7 @@ class _Function:
 
     def __init__(self, tree: ast.FunctionDef, room: int) -> None:
         self.tree, self.room = tree, room
-        self.given = [a.arg for a in tree.args.args]
+        self.arguments = [a.arg for a in tree.args.args]
         self.local: dict[str, str] = {}
         self.whole = self._integers()
 
@@ -117,14 +117,14 @@ class _Function:
         """The function in C."""
         body = [row for line in self.tree.body for row in self.statement(line)]
         targets = {name for name, _ in self._targets()}
-        names = sorted(targets - set(self.given) - self.local.keys())
+        names = sorted(targets - set(self.arguments) - self.local.keys())
         declared = [*self.local.values(), f"double answers[{max(self.room, 1)}];"]
         declared += [f"{'integer' if n in self.whole else 'double'} {n} = 0;" for n in names]
-        arguments = [PARAMETERS.get(n, f"double {n}") for n in self.given]
+        arguments = [PARAMETERS.get(n, f"double {n}") for n in self.arguments]
         is_loop = self.tree.name == "drive"
         if is_loop:
             arguments += [f"integer {n}_count" for n in LENGTHS]
-        returns = "integer" if is_loop else "void" if "row" in self.given else "double"
+        returns = "integer" if is_loop else "void" if "row" in self.arguments else "double"
         opening = (
             f"{'' if is_loop else 'static '}{returns} {self.tree.name}({', '.join(arguments)})"
         )

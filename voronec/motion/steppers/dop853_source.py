@@ -179,9 +179,9 @@ def _drive(n: int, m: int) -> str:
         "step": _each(f"s@ = h*({_weighted_sum(STEP)}) + low@\nnew@ = y@ + s@", n),
         "last": _slope(f"k{STAGES}", "ahead", "new@", n),
         "errors": _each(
-            "scale = atol@ + rtol@*max(abs(y@), abs(new@))\n"
-            f"five += (({_weighted_sum(FIFTH)})/scale)**2\n"
-            f"three += (({_weighted_sum(THIRD)})/scale)**2",
+            "share = 1.0/(atol@ + rtol@*max(abs(y@), abs(new@)))\n"
+            f"five += (({_weighted_sum(FIFTH)})*share)**2\n"
+            f"three += (({_weighted_sum(THIRD)})*share)**2",
             n,
         ),
         "bends": _bends(n),
@@ -335,7 +335,9 @@ def drive(grid, rows, clock, counts, states, bend, times, ends, bends, scales, c
         if done == len(grid) or kept == len(times):
             outcome = 0 if done == len(grid) else 1
             break
-        least = 10.0*abs(np.nextafter(t, order*np.inf) - t)
+        least = 0.0
+        if size < 3e-15*abs(t) + 1e-300:  # may be less than ten units in the last place
+            least = 10.0*abs(np.nextafter(t, order*np.inf) - t)
         if not rejected:
             size = max(size, least)
         if not size >= least:  # nor is a step that is no number

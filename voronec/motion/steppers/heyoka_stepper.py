@@ -99,16 +99,16 @@ _idle: dict[Any, list[_Machine]] = {}
 parameters, and brings it back, one of a kind.  To make one anew takes longer than most runs."""
 
 
-@dataclass(frozen=True)
+@dataclass
 class _Machine:
     """heyoka's integrator, the log in which its events write, what is taken out of states and their
-    units, and the parameters that it was ``given`` last, at first none at all."""
+    units, and the ``parameters`` that it was given last, at first none at all."""
 
     integrator: Any
     log: Log
     winding: TurnCount
     constants: Any
-    given: list[Any] = field(default_factory=lambda: [None])
+    parameters: list[float] | None = None
 
     @classmethod
     def of(cls, problem: Problem, winding: TurnCount, hy: Any) -> _Machine:
@@ -124,8 +124,8 @@ class _Machine:
             self.winding.measure(natural_units(problem))
         ta.time, ta.state[:] = float(grid[0]), problem.start / self.winding.units
         given = list(map(float, problem.parameters))
-        if given != self.given:
-            self.given[:] = given
+        if given != self.parameters:
+            self.parameters = given
             constants = self.constants.values(given)[: len(ta.pars)]
             ta.pars[: len(constants)] = constants
         if ta.with_events:
@@ -174,7 +174,7 @@ def taylor(problem: Problem) -> Stepper:
     return run
 
 
-@dataclass(frozen=True)
+@dataclass
 class _Pool:
     """Where integrators for problems of one kind stay ``at_rest``, and new ones are made."""
 

@@ -32,7 +32,7 @@ import numpy as np
 from voronec.declaration.whole_files import make_room, user_cache
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["COMPILER", "kept_function", "kept_library"]
+__all__ = ["COMPILER", "kept_function", "kept_library", "sound_source"]
 
 SOURCES = 200
 """How many sources keep their code; those that were made longest ago give way."""
@@ -54,7 +54,7 @@ def kept_function(
 
     digest = sha256(f"{key}\n{numba.__version__}\n{np.__version__}".encode()).hexdigest()
     folder = user_cache("code") / digest[:24]
-    text = _sound_source(folder)
+    text = sound_source(folder)
     if text is not None:
         with suppress(Exception):  # what another version wrote may fail in any way
             return _load(folder, text, name, signature)
@@ -152,7 +152,7 @@ def _compile(text: str, place: str, name: str, signature: str, keep: bool) -> An
     return namespace[name]
 
 
-def _sound_source(folder: Path) -> str | None:
+def sound_source(folder: Path) -> str | None:
     """The source in a folder, where all is as it was written; None where there is none."""
     return (folder / SOURCE).read_text(encoding="utf-8") if _is_sound(folder) else None
 

@@ -251,6 +251,9 @@ TINY = 1e-6
 """The part of a step over which slopes of functions are taken."""
 SUSPECTS = 64
 """States whose mass matrices are looked at together."""
+EVERY = 8
+"""Of the steps of a compiled loop one in so many is looked at: a matrix that was singular between
+two of them has another number of negative eigenvalues at the next."""
 
 
 class IntegratorFailure(Exception):
@@ -338,7 +341,7 @@ class _March:
     states: np.ndarray = field(init=False)
     strides: list[Stride] = field(default_factory=list)
     ends: list[float] = field(default_factory=list)
-    recent: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
+    recent: list[tuple[np.ndarray, np.ndarray, int]] = field(default_factory=list)
     unseen: int = 0
     done: int = 1
     steps: int = 0
@@ -441,21 +444,19 @@ class _March:
         before = crossings(others, self.levels, shorter, frozenset(), self.steps <= 1)
         return shorter, [*before, wall]
 
-    def suspect(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Have the mass matrices at times (k,) and states (k, n) looked at, before long."""
-        if self.problem.suspect is not None:
-            self.recent.append((times, states))
+    def suspect(self, times: np.ndarray, states: np.ndarray, every: int = 1) -> None:
+        """Have the mass matrices at times (k,) and states (k, n) looked at, before long: one of so
+        many, and all where one of these is singular, or lies beyond one that is."""
+        if self.problem.suspect is not None and len(times):
+            self.recent.append((times, states, every))
             self.unseen += len(times)
 
     def pass_over(self, stretch: Stretch) -> None:
         """Enter steps in which nothing happens."""
         new = slice(self.done, self.done + len(stretch.rows))
         self.states[new] = stretch.rows
-        if self.problem.suspect is not None:
-            times = np.concatenate([self.grid[new], stretch.times])
-            states = np.vstack([stretch.rows, stretch.states])
-            turn = np.argsort(self.order * times, kind="stable")
-            self.suspect(times[turn], states[turn])
+        self.suspect(self.grid[new], stretch.rows)
+        self.suspect(stretch.times, stretch.states, EVERY)
         self.done, self.steps = new.stop, self.steps + stretch.steps
         self.idle = 0 if len(stretch.rows) else self.idle + stretch.steps
         self.strides += stretch.strides
@@ -485,12 +486,16 @@ class _March:
         """The last state before one with a singular mass matrix, if there is one."""
         if not self.recent or self.problem.suspect is None:
             return None
-        times = np.concatenate([t for t, _ in self.recent])
-        states = np.vstack([rows for _, rows in self.recent])
-        found = self.problem.suspect(np.asarray(times, float), np.asarray(states, float))
-        self.recent, self.unseen = [(times[-1:], states[-1:])], 1
-        if found is None:
+        look, recent, (last, ends, _) = self.problem.suspect, self.recent, self.recent[-1]
+        self.recent, self.unseen = [(last[-1:], ends[-1:], 1)], 1
+        few = zip(*((t[::k], rows[::k]) for t, rows, k in recent), strict=True)
+        if look(*(np.concatenate(part).astype(float) for part in few)) is None:
             return None
+        times, states = (np.concatenate([each[i] for each in recent]) for i in (0, 1))
+        turn = np.argsort(self.order * times, kind="stable")
+        times, states = times[turn], states[turn]
+        found = look(times.astype(float), states.astype(float))
+        assert found is not None  # some of these were among the few
         time, state = times[max(found - 1, 0)], states[max(found - 1, 0)]
         reached = self.count_until(time)
         self.done = min(self.done, max(reached, 1))

@@ -400,12 +400,16 @@ def _wrong_square(square: Square, known: Mapping[str, _Declaration]) -> str:
 
 def names_read(place: str, names: Iterable[str]) -> tuple[str, ...]:
     """Names of systems, or one of them, as the function ``place`` was given them."""
-    from voronec.declaration.reading import several
-
-    read = several(names, "names", "name")
+    read = tuple(names) if isinstance(names, list | tuple) else _several_names(names)
     for name in read:
         require(place, "a name", name, TEXT)
     return read
+
+
+def _several_names(names: Any) -> tuple[Any, ...]:
+    from voronec.declaration.reading import several  # which loads SymPy, that lists need not
+
+    return several(names, "names", "name")
 
 
 @accepts(names=SEVERAL)

@@ -27,7 +27,14 @@ if TYPE_CHECKING:
     from voronec.equations.motions import Motions
     from voronec.proof.relations.decision import CheckedRelation
 
-__all__ = ["check_catalogue", "check_relation", "known_results", "trouble_result", "user_store"]
+__all__ = [
+    "Worker",
+    "check_catalogue",
+    "check_relation",
+    "known_results",
+    "trouble_result",
+    "user_store",
+]
 
 
 def check_relation(relation: Relation, systems: Iterable[System] = ()) -> CheckedRelation:
@@ -79,7 +86,7 @@ def _results_of(
             yield examine(unit, bench)
         return
     waiting = list(reversed(units))
-    workers = [_Worker.start() for _ in range(jobs)]
+    workers = [Worker.start() for _ in range(jobs)]
     try:
         while waiting or any(w.unit for w in workers):
             for worker in workers:
@@ -90,7 +97,7 @@ def _results_of(
                 position = next(i for i, w in enumerate(workers) if w.pipe is ready)
                 result = workers[position].take()
                 if not workers[position].process.is_alive() and waiting:
-                    workers[position] = _Worker.start()
+                    workers[position] = Worker.start()
                 yield result
     finally:
         for worker in workers:
@@ -98,7 +105,7 @@ def _results_of(
 
 
 @dataclass
-class _Worker:
+class Worker:
     """A process, the pipe to it, and the unit that it is at."""
 
     process: Any
@@ -106,7 +113,8 @@ class _Worker:
     unit: Unit | None = None
 
     @classmethod
-    def start(cls) -> _Worker:
+    def start(cls) -> Worker:
+        """A worker without a unit, which no interruption of its start ends."""
         # Spawned, not forked: the same on every platform, and no thread of a library is lost.
         context = get_context("spawn")
         ours, theirs = context.Pipe()
@@ -117,6 +125,7 @@ class _Worker:
         return cls(process, ours)
 
     def give(self, unit: Unit) -> None:
+        """Let it work on a unit."""
         self.unit = unit
         self.pipe.send(unit)
 
@@ -136,6 +145,7 @@ class _Worker:
         return result
 
     def end(self) -> None:
+        """End the process, whatever it is at."""
         self.process.terminate()
         self.process.join()
         self.pipe.close()

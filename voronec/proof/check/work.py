@@ -18,7 +18,7 @@ from voronec.proof.verdict_store import engine_folder
 __all__ = ["Derivations", "examine"]
 
 
-@dataclass(frozen=True)
+@dataclass
 class Derivations:
     """What a process has derived so far, by the name of the system."""
 
