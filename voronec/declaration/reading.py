@@ -42,6 +42,9 @@ __all__ = [
 DIGITS = 1000
 """Digits of an exact time in a motion of many digits: its tolerance is a double, above 1e-324."""
 
+DEEPEST = 900
+"""Levels of an expression: SymPy goes down a level a call, of which Python allows 1000."""
+
 
 def expression(thing: Any, place: str) -> sp.Expr:
     """A scalar, real SymPy expression; ``place`` says in messages what it is.
@@ -56,6 +59,14 @@ def expression(thing: Any, place: str) -> sp.Expr:
     except OverflowError:
         # printing an expression evaluates its numbers, so this one is not quoted
         raise DefinitionError(f"{place} holds a number beyond doubles; use another unit") from None
+    levels: dict[Any, int] = {}
+    for part in held:  # after its own parts
+        levels[part] = 1 + max((levels[p] for p in part.args), default=0)
+    if levels[expr] > DEEPEST:
+        raise DefinitionError(
+            f"{place} is nested too deeply to be read; give its parts names of their own, or write "
+            "it shorter"
+        )
     for number in NOT_REAL:
         if number in held:
             mend = (
