@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from typing import Any
 
 import sympy as sp
@@ -63,29 +62,29 @@ def functions_of_time(expr: Any) -> set[sp.Expr]:
     return {f for f in parts_of(expr) if isinstance(f, AppliedUndef) and f.args == (time,)}
 
 
-def parts_of(expr: Any) -> Collection[Any]:
+def parts_of(expr: Any) -> set[Any]:
     """Every subexpression, visited once; SymPy's ``atoms`` and ``has`` visit shared ones again and
     again."""
-    found: dict[int, Any] = {}
+    found: set[Any] = set()
     stack = [expr]
     while stack:
         node = stack.pop()
-        if id(node) not in found:
-            found[id(node)] = node
+        if node not in found:
+            found.add(node)
             stack.extend(node.args)
-    return found.values()
+    return found
 
 
 def names_in(expr: Any) -> set[sp.Expr]:
     """The symbols, functions of time and their derivatives that occur in an expression."""
     found: set[sp.Expr] = set()
-    seen: dict[int, Any] = {}
+    visited: set[Any] = set()
     stack = [expr]
     while stack:
         node = stack.pop()
-        if id(node) in seen:
+        if node in visited:
             continue
-        seen[id(node)] = node  # kept, so that no other takes its place in memory
+        visited.add(node)
         if is_symbolic_name(node) or (
             isinstance(node, sp.Derivative) and set(node.variables) == {time}
         ):
