@@ -60,7 +60,14 @@ def _product(x: Any, y: Any) -> Any:
     """x y; SymPy asks whether y is finite before it takes 0 y for 0, which costs more than all."""
     if not x:  # as Python asks whether it is zero, which no expression but zero is
         return x
-    return x * y if y else y
+    return _square(x) if x is y else x * y if y else y
+
+
+def _square(x: Any) -> Any:
+    """x^2; SymPy asks whether a term of a sum is infinite, which costs more than all."""
+    if isinstance(x, sp.Add) and x.free_symbols:
+        return sp.Pow(x, 2, evaluate=False)
+    return x**2
 
 
 def three(things: Any, what: str) -> Vector:
