@@ -16,13 +16,14 @@ from typing import Any
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name
 from voronec.algebra.typeset import symbol_latex
+from voronec.declaration.figure_style import INK, MARK, SOFT
 from voronec.errors import DefinitionError
 
 __all__ = ["LOOKS", "Sketch", "Stroke", "polar"]
 
 Point = tuple[float, float]
 
-INK, SOFT, FILL, MARK = "#1b3a5c", "#8a97a6", "#e8edf2", "#b3361e"
+FILL = "#e8edf2"
 STYLE: Any = {"mathtext.fontset": "cm", "font.family": "serif", "font.size": 10}
 LOOKS: Mapping[str, Mapping[str, Any]] = {
     "outline": {"color": INK, "lw": 1.3},
