@@ -58,8 +58,9 @@ class Sketch:
     """A picture of a mechanism, with its coordinates named.
 
     Every method returns the sketch with one thing more.  A label is a symbol, its name, or several
-    joined as text: ``"(x, y)"``.  ``view`` says from where one looks; ``names`` are those that
-    stand in labels.
+    joined as text: ``"(x, y)"``; anything else raises ``DefinitionError``.  ``view`` says from
+    where one looks; ``names`` are those that stand in labels.  Points are pairs (x, y) in units of
+    the drawing, angles in degrees.
     """
 
     view: str = ""
