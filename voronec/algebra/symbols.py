@@ -67,26 +67,30 @@ def functions_of_time(expr: Any) -> set[sp.Expr]:
 def parts_of(expr: Any) -> Collection[Any]:
     """Every subexpression, visited once; SymPy's ``atoms`` and ``has`` visit shared ones again and
     again."""
-    found: dict[int, Any] = {}
+    seen: set[int] = set()
+    found: list[Any] = []  # kept, so that no other takes its place in memory
     stack = [expr]
     while stack:
         node = stack.pop()
-        if id(node) not in found:
-            found[id(node)] = node
+        if id(node) not in seen:
+            seen.add(id(node))
+            found.append(node)
             stack.extend(node.args)
-    return found.values()
+    return found
 
 
 def names_in(expr: Any) -> set[sp.Expr]:
     """The symbols, functions of time and their derivatives that occur in an expression."""
     found: set[sp.Expr] = set()
-    seen: dict[int, Any] = {}
+    seen: set[int] = set()
+    kept: list[Any] = []  # so that no other takes its place in memory
     stack = [expr]
     while stack:
         node = stack.pop()
         if id(node) in seen:
             continue
-        seen[id(node)] = node  # kept, so that no other takes its place in memory
+        seen.add(id(node))
+        kept.append(node)
         if is_symbolic_name(node) or (
             isinstance(node, sp.Derivative) and set(node.variables) == {time}
         ):
