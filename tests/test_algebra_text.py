@@ -162,7 +162,6 @@ def test_the_package_holds_no_way_to_run_text():
     programs = {
         "declaration/plugin_files.py",
         "equations/program/dialect.py",
-        "closed/arithmetic.py",
         "motion/steppers/kept_code.py",
         "motion/steppers/python_stepper.py",
         "accuracy/bench/peers/hand_programs.py",

@@ -308,6 +308,8 @@ def test_a_skew_matrix_times_itself():
     assert (wedge_square(m)[0] ** 2 - m.det()).expand() == 0
     five = skew(sp.symbols("m1:11"), 5)
     assert (five * wedge_square(five)).expand() == sp.zeros(5, 1)
+    assert wedge_square(m.as_mutable()) == wedge_square(m)
+    assert skew_entries(m.as_mutable()) == sp.symbols("m1:7")
 
 
 def system(brackets=SPINS, rates=None, coordinates=(), velocities=omega, fibre=(), **options):

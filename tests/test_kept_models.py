@@ -109,6 +109,25 @@ def test_what_another_version_kept_is_ignored(shelf, no_levels, monkeypatch) -> 
         motion("sleigh", ("phi",), {})
 
 
+def test_models_rest_on_the_rooms_that_theirs_imports(tmp_path, monkeypatch) -> None:
+    texts = {
+        "motion/model/packs.py": "from voronec.below.one import a",
+        "below/one.py": "def a():\n    from voronec.lowest import b",
+        "lowest.py": "b = 1",
+        "aside/two.py": "from voronec.motion.model import packs",
+    }
+    for name, text in texts.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    monkeypatch.setattr(packs, "__file__", str(tmp_path / "motion/model/packs.py"))
+    digest = packs.engine_digest.__wrapped__
+    known = digest()
+    for name, rests in zip(texts, (True, True, True, False), strict=True):
+        (tmp_path / name).write_text(f"{texts[name]}\nc = 2")
+        assert (digest() != known) == rests
+        (tmp_path / name).write_text(texts[name])
+
+
 def test_another_system_of_the_same_name_has_a_model_of_its_own(shelf, no_levels) -> None:
     system = vo.load("sleigh")
     vo.integrate(system, times=3.0, outputs=("phi",))

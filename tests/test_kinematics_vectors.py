@@ -1,9 +1,11 @@
 """Products and derivatives of ``kinematics``: SymPy's, without the questions that it asks."""
 
+import pytest
 import sympy as sp
 
 from voronec import kinematics
 from voronec.algebra.symbols import names_in
+from voronec.errors import DefinitionError
 
 x, y, z = sp.symbols("x y z")
 P = sp.Function("P")(x)
@@ -14,6 +16,8 @@ def test_products_of_matrices_are_those_of_sympy():
     moved = sp.Matrix([P, sp.Integer(0), x + y])
     assert kinematics.matrix_product(turn, turn.T, moved) == turn * turn.T * moved
     assert kinematics.matrix_product([[x, 0], [y, 1]], (y, z)) == sp.Matrix([x * y, y**2 + z])
+    with pytest.raises(DefinitionError, match="2 columns meet 1 rows"):
+        kinematics.matrix_product([[x, y]], [[x, y]])
     assert kinematics.dot(moved, moved) == moved.dot(moved)
     column = turn.col(1)
     assert kinematics.cross(column, moved) == tuple(column.cross(moved))

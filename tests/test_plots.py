@@ -11,7 +11,7 @@ import sympy as sp
 from matplotlib._pylab_helpers import Gcf
 
 import voronec as vo
-from voronec.closed.pictures.style import INK, PALE
+from voronec.declaration.figure_style import INK, PALE
 from voronec.motion.pictures.run_pictures import drawing, pictures, plot_trajectory, quantity_label
 
 pytestmark = pytest.mark.slow

@@ -170,7 +170,7 @@ def test_the_limiting_parallels_are_the_extremes() -> None:
 
 def test_what_is_behind_is_pale_and_its_parallels_are_dashed() -> None:
     from voronec.closed.pictures.sphere_picture import PALE_MARK
-    from voronec.closed.pictures.style import INK, MARK, PALE
+    from voronec.declaration.figure_style import INK, MARK, PALE
 
     figure = traces_figure([trace(view=View(2.0, 0.1))])
     (front,), (back,) = patches(figure, INK), patches(figure, PALE)
@@ -185,7 +185,7 @@ def test_what_is_behind_is_pale_and_its_parallels_are_dashed() -> None:
 def test_curves_are_arcs_and_no_polygons() -> None:
     from matplotlib.path import Path
 
-    from voronec.closed.pictures.style import INK
+    from voronec.declaration.figure_style import INK
 
     (front,) = patches(traces_figure([trace()]), INK)
     assert set(front.get_path().codes) == {Path.MOVETO, Path.CURVE4}
@@ -193,7 +193,7 @@ def test_curves_are_arcs_and_no_polygons() -> None:
 
 @pytest.mark.parametrize(("longitude", "filled"), [(0.0, True), (np.pi, False)])
 def test_the_start_is_open_where_it_is_behind(longitude: float, filled: bool) -> None:
-    from voronec.closed.pictures.style import MARK
+    from voronec.declaration.figure_style import MARK
 
     (axis,) = traces_figure([trace(view=View(longitude, 0.1))]).axes
     (start,) = [line for line in axis.lines if line.get_markeredgecolor() == MARK]
@@ -201,7 +201,7 @@ def test_the_start_is_open_where_it_is_behind(longitude: float, filled: bool) ->
 
 
 def test_points_that_tell_no_curve_are_dots() -> None:
-    from voronec.closed.pictures.style import INK, PALE
+    from voronec.declaration.figure_style import INK, PALE
 
     t = TIMES[::1000]
     given = trace(colatitude=1.0 - 0.2 * np.sin(t) ** 2, longitude=0.3 * t, times=t)

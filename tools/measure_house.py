@@ -1,7 +1,7 @@
 """The house in figures: rooms, circles, lines, lone modules, files on the way, CPU of commands and
 of imports of systems.
 
-    python tools/measure_house.py [--json] [--lone] [--files] [--quick]
+    python tools/measure_house.py [--json] [--arrows] [--lone] [--files] [--quick]
 
 Lines are those of code: docstrings, comments, blank lines and imports aside.  A circle is a set of
 modules that import one another, names that only annotate and imports inside functions included.  A
@@ -33,6 +33,8 @@ PACKAGE = ROOT / "voronec"
 ASIDE = {"__main__.py", "py.typed", "__pycache__"}
 BEST_OF = 5
 IMPORT_RUNS, LARGEST = 2, 8
+LISTS = {"arrows between rooms": "arrows", "imported by one": "lone"}
+"""What is counted, and listed where its option asks for it."""
 COMMANDS = {"list": ["list"], "check sleigh": ["check", "sleigh"]}
 
 
@@ -40,6 +42,7 @@ def main() -> int:
     """Print the figures."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--json", action="store_true")
+    parser.add_argument("--arrows", action="store_true", help="list what rooms import of others")
     parser.add_argument("--lone", action="store_true", help="list modules with a single importer")
     parser.add_argument("--files", action="store_true", help="name the files on the way")
     parser.add_argument("--quick", action="store_true", help="run nothing, read the tree alone")
@@ -50,7 +53,7 @@ def main() -> int:
         "layers of the contract": _layers(),
         "modules": len(graph),
         "circles": [sorted(c) for c in circles(graph)],
-        "arrows between rooms": len({(_room(a), _room(b)) for a in graph for b in graph[a]}),
+        "arrows between rooms": arrows(graph),
         "lines of voronec/": sum(lines(p) for p in PACKAGE.rglob("*.py")),
         "lines of systems/ but demchenko": sum(map(lines, _systems())),
         "of these in sketches, shapes and words": sum(map(_picture_lines, _systems())),
@@ -65,15 +68,15 @@ def main() -> int:
         print(json.dumps(found, indent=1))
         return 0
     for name, value in found.items():
-        if isinstance(value, dict) and name != "imported by one":
+        if isinstance(value, dict) and name not in LISTS:
             print(f"{name}: " + ", ".join(f"{k} {_count(v)}" for k, v in value.items()))
         else:
             print(f"{name}: {_count(value)}")
     for circle in found["circles"]:
         print("  circle: " + " ".join(circle))
-    if chosen.lone:
-        for name, idea in found["imported by one"].items():
-            print(f"  {name}: {idea}")
+    for name, option in LISTS.items():
+        for item, told in found[name].items() if getattr(chosen, option) else ():
+            print(f"  {item}: {told}")
     for job, files in found.get("files on the way", {}).items() if chosen.files else ():
         print(f"  {job}: " + " ".join(files))
     return 0
@@ -116,6 +119,16 @@ def _statements(node: ast.AST) -> Iterator[ast.AST]:
 
 def _room(module: str) -> str:
     return [*module.split("."), ""][1]
+
+
+def arrows(graph: dict[str, set[str]]) -> dict[str, int]:
+    """Which room imports of which other one, and by how many imports of modules, the fewest first.
+
+    What a room imports of itself is no arrow; the package's own names are a room.
+    """
+    rooms = ((_room(a) or "voronec", _room(b) or "voronec") for a in graph for b in graph[a])
+    found = collections.Counter(f"{a} -> {b}" for a, b in rooms if a != b)
+    return dict(sorted(found.items(), key=lambda item: (item[1], item[0])))
 
 
 def circles(graph: dict[str, set[str]]) -> list[set[str]]:

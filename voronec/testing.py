@@ -58,7 +58,8 @@ DRIFT = 1e-7
 
 
 def conformance(*names: str, statements: Mapping[str, Callable[[str], None]] | None = None) -> Any:
-    """A pytest test of all statements about systems, given by their names or files."""
+    """A pytest test of all statements about systems, given by their names or files; with
+    ``statements``, of these alone, in words."""
     import pytest
 
     chosen = STATEMENTS if statements is None else statements
@@ -123,7 +124,8 @@ def relations_hold(name: str) -> None:
 
 
 def routes_agree_at_random_points(name: str) -> None:
-    """The equations give the accelerations that the equations with multipliers give.
+    """The equations give the accelerations that the equations with multipliers give, at three
+    points to 40 digits relative to the largest.
 
     A system with unknown functions has no accelerations in numbers.
     """
@@ -144,7 +146,8 @@ def routes_agree_where_scenes_start(name: str) -> None:
 
 
 def scenes_run(name: str) -> None:
-    """Every scene starts on the constraints and runs to its end; integrals stay what they are."""
+    """Every scene starts on the constraints and runs to its end; integrals stay what they are, to
+    1e-7 of their size, by ``scipy`` with ``tol=1e-11``."""
     eqs = _equations_of(name)
     for title, scene in eqs.system.scenes.items():
         begin, end = map(float, scene.times)

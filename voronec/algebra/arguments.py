@@ -114,7 +114,7 @@ SEQUENCE = Kind(
     "a sequence",
     lambda x: not isinstance(x, Mapping | str | bytes | bytearray) and iter(x) is not None,
 )
-MATRIX = Kind("a square SymPy matrix", lambda x: len({*x.shape}) == 1 and bool(type(x).rows))
+MATRIX = Kind("a square SymPy matrix", lambda x: len({*x.shape}) == 1 and hasattr(x, "rows"))
 PATH = Kind("the name of a file", lambda x: isinstance(x, str | os.PathLike) and "\0" not in str(x))
 
 

@@ -112,7 +112,8 @@ def quotient(expr: Any, relations: Sequence[Any] = ()) -> tuple[Any, Any]:
 def shorten(exprs: Sequence[Any], relations: Sequence[Any] = ()) -> list[sp.Expr]:
     """Each SymPy expression in its shortest proved form; ``relations`` are taken as zero.
 
-    Equal to what went in wherever both are defined, by exact algebra and nothing else.
+    Equal to what went in wherever both are defined, by exact algebra and nothing else.  Raises
+    ``EngineLimit`` where the normal form is beyond the work limit.
     """
     door = Door()
     inside = shortest(door.inward_all(exprs), door.inward_all(relations))

@@ -175,9 +175,9 @@ def prove_inequality(
     ``relation`` is one of < <= > >= != or its LaTeX.  The symbols ``positive``, and those that
     SymPy knows to be positive, run over all positive numbers, those that it knows to be negative
     over all negative ones, every other one over all real numbers, whatever else SymPy knows;
-    ``real`` names some of these, so that one in both lists is an error, as is a symbol that is not
-    real.  Proved: the method says by which certificate.  Refuted: the witness is a point, rational
-    in every symbol.
+    ``real`` names some of these, so that one in both lists is a ``DefinitionError``, as is a symbol
+    that is not real, and a ``relation`` that is none of these.  Proved: the method says by which
+    certificate.  Refuted: the witness is a point, rational in every symbol.
     """
     positive, real = (_symbols(given) for given in (positive, real))
     if relation not in RELATIONS:

@@ -327,7 +327,7 @@ def _variation(node: Variation, study: Study, where: Where) -> Any:
 
 
 def direction(coordinate: sp.Expr) -> sp.Symbol:
-    """The vector field of a coordinate, as a formal symbol."""
+    """The vector field d/dq of a coordinate q, as a formal symbol."""
     return sp.Symbol(f"{{\\partial_{{{plain_name(coordinate)}}}}}")
 
 

@@ -17,6 +17,8 @@ __all__ = ["Paper", "Section"]
 class Section:
     """A section or subsection of the paper.
 
+    displays
+        its displayed formulas in the order of print, letter for letter.
     studies
         takes the transcript and returns the dictionaries by name.
     inline
@@ -35,7 +37,8 @@ class Section:
 
 @dataclass(frozen=True)
 class Paper:
-    """A paper to be audited."""
+    """A paper to be audited: its ``sections`` in order; ``references`` are keys of the bibliography
+    under which it is cited."""
 
     name: str
     title: str

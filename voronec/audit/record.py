@@ -109,7 +109,8 @@ class Record:
 
 @dataclass(frozen=True)
 class Audit:
-    """All records of a paper."""
+    """All records of a paper, whose name, title and authors these are; ``references`` are keys of
+    the bibliography."""
 
     paper: str
     title: str

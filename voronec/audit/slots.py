@@ -34,12 +34,13 @@ class Quoted:
     latex: str
 
     def trees(self, study: Study) -> tuple[Chain, ...]:
-        """The formulas, parsed with the names of a dictionary."""
+        """The formulas, parsed with the names of a dictionary; ``DefinitionError``, with the place,
+        for what cannot be read."""
         pieces = [(p, u.display) for u in split_display(self.latex) for p in u.pieces]
         return tuple(read_tokens(p.tokens, source, study.vocabulary) for p, source in pieces)
 
     def tree(self, study: Study) -> Chain:
-        """The one formula."""
+        """The one formula; ``DefinitionError`` where there are more, or none."""
         found = self.trees(study)
         if len(found) != 1:
             raise DefinitionError(f"'{self.latex}' holds {len(found)} formulas, not one")
@@ -50,7 +51,8 @@ class Quoted:
 class Interval:
     """Between two ends, which belong to it or do not; names are LaTeX without spaces.
 
-    ``variable`` is empty where the print names none.
+    ``variable`` is empty where the print names none; ``closed`` says of ``low`` and ``high``
+    whether they belong to it.
     """
 
     variable: str
@@ -98,7 +100,8 @@ class Slot:
 
 
 def one_of(word: str, meanings: Mapping[str, T]) -> T:
-    """The meaning of a word among those that a decision knows; others leave it undecided."""
+    """The meaning of a word among those that a decision knows; another one raises
+    ``DefinitionError``, which leaves the sentence undecided."""
     if word not in meanings:
         hint = did_you_mean(word, list(meanings))
         raise DefinitionError(f"nothing is known of '{word}' here{hint}")

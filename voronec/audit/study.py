@@ -56,6 +56,8 @@ class Motion:
     ``accelerations``: acceleration symbol -> its value along the motion, where that is known.
     ``constants``: the symbols that do not change; None for all that have no rate, as long as they
     are no rates themselves.
+
+    Raises ``DefinitionError`` for an acceleration that is the rate of no symbol.
     """
 
     rates: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
@@ -84,7 +86,7 @@ class Motion:
         return cls(rates | dict(more or {}), constrained, constants=constants)
 
     def solved(self, eqs: Any) -> Motion:
-        """The same with the accelerations that mass * vdot = force gives."""
+        """The same with the accelerations vdot = mass^-1 force."""
         values = eqs.mass.LUsolve(eqs.force)
         symbols = [velocity(v) for v in eqs.velocities]
         return replace(self, accelerations=dict(zip(symbols, values, strict=True)))

@@ -35,7 +35,7 @@ class Transcript:
                         position += 1
 
     def formula_labelled_as(self, label: str) -> Formula:
-        """The first formula of the unit with that label."""
+        """The first formula of the unit with that label; without one ``DefinitionError``."""
         for formula in self.formulas():
             if formula.unit.label == label:
                 return formula

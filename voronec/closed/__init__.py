@@ -1,6 +1,6 @@
 """Motions in closed form: a declared motion and numbers make a ``ClosedForm``.
 
-Names load on first use: the style of figures is read where nothing is in closed form.
+Names load on first use: pictures of this room show runs, too, that are not in closed form.
 """
 
 from importlib import import_module

@@ -13,10 +13,8 @@ and where it vanishes while ``a - b r`` surely does not, ``a + b r`` does.
 
 from __future__ import annotations
 
-import linecache
 from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
-from itertools import count
 from math import gcd, lcm
 from typing import Any
 
@@ -25,12 +23,11 @@ import sympy as sp
 from voronec.algebra.precision import PROOF
 from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import prove_equal
-from voronec.equations.program.dialect import code
+from voronec.equations.program.dialect import execute
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["angle", "ball", "compile_expressions", "exact", "precise", "root", "vanishes"]
 
-_SERIAL = count()
 _METHODS = {
     sp.sin: "sin",
     sp.cos: "cos",
@@ -114,14 +111,9 @@ def compile_expressions(expressions: Iterable[Any], symbols: Sequence[Any]) -> F
         lines.append(f"    {', '.join(writer.arguments)}, = given")
     lines += [f"    {line}" for line in writer.lines]
     lines.append(f"    return [{', '.join(results)}]")
-    source = "\n".join(lines) + "\n"
-    filename = f"<voronec balls {next(_SERIAL)}>"
-    linecache.cache[filename] = (len(source), None, source.splitlines(keepends=True), filename)
     numbers = [fmpq(int(q.p), int(q.q)) for q in writer.numbers]
-    namespace: dict[str, Any] = {"arb": arb, "N": numbers, "root": root, "angle": angle}
-    namespace["whole"] = whole
-    exec(code(source, filename), namespace)
-    function: Function = namespace["evaluated"]
+    names = {"arb": arb, "N": numbers, "root": root, "angle": angle, "whole": whole}
+    function: Function = execute("\n".join(lines) + "\n", "balls", names)["evaluated"]
     return function
 
 

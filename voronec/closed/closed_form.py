@@ -72,12 +72,14 @@ class ClosedForm(InvertedMotion):
 
     @cached_property
     def turns(self) -> Mapping[str, Turn]:
-        """What each angle grows by in a period, and the fraction of a whole turn that this is."""
+        """Angle -> what it grows by in a period, in radians, and the fraction of a whole turn that
+        this is; empty where there is no period."""
         return MappingProxyType(turns_of(self))
 
     @cached_property
     def classes(self) -> Mapping[str, TraceClass]:
-        """The class of the trace on each sphere, by its title."""
+        """The class of the trace on each sphere, by its title; ``EngineLimit`` where a number
+        cannot be told from zero."""
         from voronec.closed.classes.trace_classes import classify
 
         return MappingProxyType(classify(self))
@@ -85,24 +87,29 @@ class ClosedForm(InvertedMotion):
     # -- the motion ------------------------------------------------------------------------
 
     def at(self, times: Any, names: Sequence[Any] = ()) -> dict[str, np.ndarray]:
-        """Coordinates and velocities at times since the start, arrays of doubles by name.
+        """Coordinates and velocities at ``times`` since the start, an array of any shape: by name,
+        for each of ``names`` or for all, an array of doubles of that shape.
 
-        Angles are continuous from the start, whatever the other times are.  ``EngineLimit`` names
-        the instant at which a pole of coordinates in space is passed: beyond it an angle has no
-        number of turns.
+        Angles are in radians and continuous from the start, whatever the other times are.  Raises
+        ``DefinitionError`` for a name that the motion does not have, and for a time that is no
+        finite number.  ``EngineLimit`` names the instant at which a pole of coordinates in space
+        is passed: beyond it an angle has no number of turns.
         """
         return sample_coordinates(self, times, self._names(names), whole=True)
 
     def modulo(self, times: Any, names: Sequence[Any] = ()) -> dict[str, np.ndarray]:
-        """The same with angles in (-pi, pi], as accurate however late."""
+        """The same, arrays of the shape of ``times`` by name, with angles in (-pi, pi], as accurate
+        however late, and beyond poles, too.  Raises ``DefinitionError`` as ``at`` does.
+        """
         return sample_coordinates(self, times, self._names(names), whole=False)
 
     def enclose(self, t: Any, digits: int = 50, whole: bool = True) -> dict[str, Any]:
         """Coordinates and velocities at one time (an int, a double, a Fraction, a decimal as text,
         a ball), as flint's balls with radii below 10^-digits that contain the truth.
 
-        Angles are continuous from the start.  Raises ``EngineLimit`` where so many digits cannot be
-        had, and where an angle has no number of turns.
+        Angles are continuous from the start; unless they are ``whole``, those in space may be whole
+        turns off.  Raises ``DefinitionError`` for what is no time, ``EngineLimit`` where so many
+        digits cannot be had, and where an angle that is to be whole has no number of turns.
         """
         require("enclose", "digits", digits, COUNT)
         require("enclose", "whole", whole, FLAG)

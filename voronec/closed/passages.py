@@ -130,7 +130,7 @@ def tally(winding: Any, level: CapPassages, times: np.ndarray) -> CapTally:
     """The states at times.
 
     Raises:
-        Unresolved: more bits are needed.
+        OpenDecision: more bits are needed.
     """
     count = len(level.passages)
     if level.period is None:
@@ -294,7 +294,7 @@ def moving_passages(form: InvertedMotion, parts: FrameProduct, bits: int) -> Cap
     """Those of a motion whose variable moves.
 
     Raises:
-        Unresolved: more bits are needed.
+        OpenDecision: more bits are needed.
     """
     own = form.attitude
     assert own is not None
@@ -337,7 +337,7 @@ def resting_passages(
     ``upper`` says whether it points upwards.
 
     Raises:
-        Unresolved: more bits are needed, or the contact stays where it is.
+        OpenDecision: more bits are needed, or the contact stays where it is.
     """
     own = form.attitude
     assert own is not None

@@ -168,7 +168,7 @@ class Winding:
         constants, when so many passages of each kind have been.
 
         Raises:
-            Unresolved: a floor is open.
+            OpenDecision: a floor is open.
         """
         totals, open_ = [0, 0], []
         for passage, count in zip(level.passages, numbers, strict=True):
@@ -192,7 +192,7 @@ class Winding:
         ``sense third``, up to whole turns that do not change with the time.
 
         Raises:
-            Unresolved: more bits are needed.
+            OpenDecision: more bits are needed.
         """
         if level is None:
             longitude, third, spin = self._initial_attitude(ctx.prec)
@@ -214,7 +214,7 @@ class Winding:
         to constants.
 
         Raises:
-            Unresolved: more bits are needed.
+            OpenDecision: more bits are needed.
         """
         longitude, third = self.centres(level, time, upright)
         sense, turn = self.parts.sense, 2 * arb.pi()

@@ -46,7 +46,7 @@ THEOREMS = ("Euler-Jacobi",)
 @takes_fields
 @dataclass(frozen=True)
 class Equation:
-    """``function`` changes at the rate ``rate`` along every motion; vectors entry by entry."""
+    """d(function)/dt = rate along every motion; vectors of one length, entry by entry."""
 
     function: tuple[sp.Expr, ...]
     rate: tuple[sp.Expr, ...]

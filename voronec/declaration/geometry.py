@@ -37,7 +37,8 @@ class Fibration:
     The velocities of the base are free, those of the fibre are what the constraints determine.
     ``relations`` are expressions in the coordinates that vanish, for redundant coordinates (a
     quaternion, a Poisson vector); the motion stays on their zero set.  A single coordinate or
-    relation may stand without a tuple.
+    relation may stand without a tuple.  Raises ``DefinitionError`` for what is no symbol, and for
+    one that stands twice.
     """
 
     base: tuple[sp.Expr, ...]
@@ -150,7 +151,7 @@ class Frame:
         """The frame whose quasi-velocities are defined by ``{v: expression, ...}``.
 
         Expressions are affine in any velocities, those of the fibre included; together with the
-        constraints they must determine all velocities.
+        constraints they must determine all velocities, else ``derive`` raises ``DefinitionError``.
         """
         if not isinstance(definitions, Mapping) or not definitions:
             raise DefinitionError("Frame.quasi takes a non-empty mapping {velocity: expression}")
@@ -185,7 +186,8 @@ class Frame:
         determinant
             the same for measures: a name of the determinant of the mass matrix d2Lc/dv2.
 
-        Jacobi's identity is checked, and that the rates obey the brackets, X_a X_b - X_b X_a.
+        Raises ``DefinitionError`` for names that are none of the frame; so does ``derive`` where
+        Jacobi's identity fails, or the rates do not obey the brackets, X_a X_b - X_b X_a.
         """
         names = _names(velocities, "frame")
         given = {} if rates is None else rates

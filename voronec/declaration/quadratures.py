@@ -124,8 +124,11 @@ class Plane:
         object.__setattr__(self, "length", expression(self.length, "length of a plane"))
 
     def at(self, origin: Sequence[Any], direction: Sequence[Any], moved: Sequence[Any]) -> Any:
-        """{coordinate: value} of the place: from ``origin``, ``moved`` along the unit vector
-        ``direction`` and across it; numbers, arrays or balls."""
+        """{coordinate: value} of the place: from ``origin`` (x, y), ``moved`` = (p, q) along the
+        unit vector ``direction`` = (a, b) and across it, (x + a p - b q, y + b p + a q).
+
+        All are pairs of numbers, of balls, or of arrays of one shape.
+        """
         (x, y), (a, b), (along, across) = origin, direction, moved
         return {
             self.place[0]: x + a * along - b * across,

@@ -50,6 +50,9 @@ class Shape:
         glass.
     title
         what it is called.
+
+    Lengths have the unit of those of the system.  Raises ``DefinitionError`` for places that are
+    not of three expressions, and for an attitude that is no angle and not 3 x 3.
     """
 
     patches: tuple[Patch, ...]

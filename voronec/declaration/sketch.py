@@ -16,13 +16,14 @@ from typing import Any
 
 from voronec.algebra.symbols import is_symbolic_name, plain_name
 from voronec.algebra.typeset import symbol_latex
+from voronec.declaration.figure_style import INK, MARK, SOFT
 from voronec.errors import DefinitionError
 
 __all__ = ["LOOKS", "Sketch", "Stroke", "polar"]
 
 Point = tuple[float, float]
 
-INK, SOFT, FILL, MARK = "#1b3a5c", "#8a97a6", "#e8edf2", "#b3361e"
+FILL = "#e8edf2"
 STYLE: Any = {"mathtext.fontset": "cm", "font.family": "serif", "font.size": 10}
 LOOKS: Mapping[str, Mapping[str, Any]] = {
     "outline": {"color": INK, "lw": 1.3},
@@ -57,8 +58,9 @@ class Sketch:
     """A picture of a mechanism, with its coordinates named.
 
     Every method returns the sketch with one thing more.  A label is a symbol, its name, or several
-    joined as text: ``"(x, y)"``.  ``view`` says from where one looks; ``names`` are those that
-    stand in labels.
+    joined as text: ``"(x, y)"``; anything else raises ``DefinitionError``.  ``view`` says from
+    where one looks; ``names`` are those that stand in labels.  Points are pairs (x, y) in units of
+    the drawing, angles in degrees.
     """
 
     view: str = ""

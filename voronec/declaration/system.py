@@ -138,7 +138,8 @@ class System:
     constraints may use quasi-velocities too, which stand for their definitions.  Forces may be
     linear in accelerations, ``velocity(velocity(q))``: these become part of the mass matrix.  One
     constraint, parameter or reference may stand without a tuple.  A symbol that is none of these
-    raises ``DefinitionError``, as does a name used twice.
+    raises ``DefinitionError``, as does a name used twice.  Angles are in radians, all else is in
+    units of the user's that fit together.
     """
 
     name: str

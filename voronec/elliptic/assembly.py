@@ -54,7 +54,7 @@ def spot_of(lattice: Lattice, x: arb | acb | None) -> Spot:
 
     Raises:
         DefinitionError: the place is where x moves.
-        Unresolved: more bits are needed.
+        OpenDecision: more bits are needed.
     """
     if isinstance(x, acb):
         return _complex(lattice, x)
@@ -152,7 +152,7 @@ def pole_part(numbers: Numbers, lattice: Lattice, place: int) -> IntegralPart | 
 
     Raises:
         DefinitionError: the weight contradicts f, or the pole is where x moves.
-        Unresolved: more bits are needed.
+        OpenDecision: more bits are needed.
     """
     shares = tuple(integral.shares[place] for integral in numbers.integrals)
     if all(_nothing(share) for share in shares):
@@ -328,7 +328,7 @@ def between_double_roots(numbers: Numbers, ends: Ends) -> dict[str, Any]:
     """The fields of the constants but those that describe f.
 
     Raises:
-        Unresolved: more bits are needed.
+        OpenDecision: more bits are needed.
         DefinitionError: a pole there cannot have a weight.
     """
     if numbers.rate > 0:
@@ -403,7 +403,7 @@ def assemble(numbers: Numbers) -> Constants:
     """The constants, as accurate as the numbers and the precision allow.
 
     Raises:
-        Unresolved: more bits are needed.
+        OpenDecision: more bits are needed.
         DefinitionError: there is no such motion.
     """
     ends = interval(numbers)

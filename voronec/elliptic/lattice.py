@@ -84,7 +84,7 @@ def lattice_of(numbers: Numbers, ends: Ends) -> Lattice:
     """The lattice of a motion with at least one simple end.
 
     Raises:
-        Unresolved: more bits are needed.
+        OpenDecision: more bits are needed.
     """
     coefficient = coefficients(numbers)
     one, two = ends.lower, ends.upper

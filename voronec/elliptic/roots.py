@@ -217,7 +217,7 @@ def all_roots(numbers: Numbers) -> tuple[Root, ...]:
     """The finite roots of f, real ones first and ascending; all of them surely distinct.
 
     Raises:
-        Unresolved: two could not be told apart.
+        OpenDecision: two could not be told apart.
     """
     found: list[Root] = []
     for factor, times in numbers.factors:
@@ -234,7 +234,7 @@ def interval(numbers: Numbers) -> Ends:
     """The interval of x at the precision of the numbers.
 
     Raises:
-        Unresolved: more bits are needed.
+        OpenDecision: more bits are needed.
         DefinitionError: there is no real motion, or x is not between two roots.
     """
     coefficient = coefficients(numbers)

@@ -48,7 +48,7 @@ class Enclosed:
     other: arb
 
     def affine(self, at_base: arb, at_other: arb) -> arb:
-        """An affine function of x, from its values at the ends."""
+        """An affine function of x, from its values at the ends: near at_base + far at_other."""
         return self.near * at_base + self.far * at_other
 
 
@@ -116,7 +116,7 @@ class Solution:
         """The time from ``constants(bits).turn`` until x is at a place between the two ends.
 
         Raises:
-            Unresolved: more bits are needed.
+            OpenDecision: more bits are needed.
         """
         constants = self.constants(bits)
         if constants.kind == "exponential":

@@ -100,7 +100,7 @@ def phase(sums: Sums, z: arb, alpha: arb, sign: int) -> arb:
     """``arg s(z - i alpha)`` continued from ``-sign pi/2`` at z = 0, within half a period.
 
     Raises:
-        Unresolved: the balls are too wide.
+        OpenDecision: the balls are too wide.
     """
     if alpha.is_zero():
         if z.is_zero() or z > 0:
@@ -146,7 +146,7 @@ def moment_of(constants: Constants, t: arb) -> Moment:
     """The motion at the time ``t``.
 
     Raises:
-        Unresolved: the balls are too wide, or the moment is that of a pole.
+        OpenDecision: the balls are too wide, or the moment is that of a pole.
     """
     if constants.kind == "rest":
         values = tuple(rate * t for rate in constants.rates)

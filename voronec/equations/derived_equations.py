@@ -168,7 +168,7 @@ class DerivedEquations:
 
     @cached_property
     def rates(self) -> sp.ImmutableMatrix:
-        """The time derivatives of the coordinates in terms of q, v, t."""
+        """The time derivatives of the coordinates in terms of q, v, t, a column."""
         return self._column(self.best.form.rates)
 
     @cached_property
@@ -179,24 +179,26 @@ class DerivedEquations:
 
     @cached_property
     def momenta(self) -> sp.ImmutableMatrix:
-        """K_nu = dL/d(sdot_nu) on the constraints, for each fibre coordinate (or velocity)."""
+        """K_nu = dL/d(sdot_nu) on the constraints, a column, for each fibre coordinate (or
+        velocity)."""
         return self._column(self.best.polish(self.best.momenta[self.definition.base :]))
 
     @cached_property
     def left(self) -> sp.ImmutableMatrix:
-        """d/dt dLc/dv written out: accelerations are ``velocity(v)``."""
+        """d/dt dLc/dv written out, n x 1: accelerations are ``velocity(v)``."""
         dots = [velocity(v) for v in self.velocities]
         inertial = self._column(self.best.polish(self.best.inertial))
         return sp.ImmutableMatrix(self.mass * sp.Matrix(dots) + inertial)
 
     @cached_property
     def right(self) -> sp.ImmutableMatrix:
-        """h_i(Lc) - (c dLc/dv + B p) v + forces: what d/dt dLc/dv equals."""
+        """h_i(Lc) - (c dLc/dv + B p) v + forces, n x 1: what d/dt dLc/dv equals."""
         return self._column(self.best.polish(self.best.right))
 
     @cached_property
     def coefficients(self) -> tuple[sp.ImmutableMatrix, sp.ImmutableMatrix]:
-        """a_(nu i) and a_nu of sdot = a rdot + a_0 [DragovicGajicJovanovic2020, eq. (v1)]."""
+        """a_(nu i) and a_nu of sdot = a rdot + a_0 [DragovicGajicJovanovic2020, eq. (v1)]: a matrix
+        with a row for each fibre coordinate and a column for each of the base, and a column."""
         fibre = self._exact_or_raw(lambda d: d.fibre)
         rows = [self.best.polish(row) for row in fibre.matrix]
         return self.door.outward_matrix(rows), self._column(self.best.polish(fibre.offset))
@@ -271,6 +273,8 @@ class DerivedEquations:
         """Second time derivatives of all coordinates, to ``digits`` digits, by ball arithmetic.
 
         ``point`` gives coordinates, velocities v, parameters (defaults stand in) and ``time``.
+        Raises ``DefinitionError`` for a value that is missing, a name that is unknown, and where
+        the equations are not defined or hold an unknown function.
         """
         return acceleration(self.system, self.raw, point, digits)
 

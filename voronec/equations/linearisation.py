@@ -248,7 +248,8 @@ class Linearisation:
         eigenvalues as small as that.
 
         ``values`` give numbers, by symbol or name, to what A holds; parameters have their default
-        values.
+        values.  Raises ``DefinitionError`` for an unknown name, and where A holds what has no
+        value.
         """
         system = self.equations.system
         given = {p.name: p.value for p in system.parameters if p.value is not None}

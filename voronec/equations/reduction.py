@@ -36,8 +36,9 @@ __all__ = ["Reduction", "descend", "in_invariants"]
 class Reduction:
     """mass(g) vdot = force(g, v),  gdot = rates(g, v): closed equations in invariants, proved.
 
-    ``invariants`` are the symbols g_k, ``velocities`` the v of the equations; ``relations`` vanish
-    identically (such as |gamma|^2 - 1).  Matrices are SymPy's.
+    ``invariants`` are the m symbols g_k, ``definitions`` what they are in coordinates;
+    ``velocities`` the n v of the equations; ``relations`` vanish identically (such as
+    |gamma|^2 - 1).  Matrices are SymPy's: ``mass`` n x n, ``force`` n x 1, ``rates`` m x 1.
     """
 
     system: System
@@ -66,12 +67,12 @@ class Reduction:
 
     @property
     def momenta(self) -> sp.ImmutableMatrix:
-        """G = mass(g) v, the momenta conjugate to v where L is quadratic in the velocities."""
+        """G = mass(g) v, n x 1: the momenta conjugate to v where L is quadratic in velocities."""
         return self.mass * sp.Matrix(self.velocities)
 
     @property
     def momentum_rates(self) -> sp.ImmutableMatrix:
-        """dG/dt along the motion."""
+        """dG/dt = force + (dmass/dt) v along the motion, n x 1."""
         total = sp.Matrix(self.force)
         for g, rate in zip(self.invariants, self.rates, strict=True):
             total += self.mass.diff(g) * sp.Matrix(self.velocities) * rate

@@ -45,7 +45,7 @@ class EquationsOfMotion:
     force: tuple[Any, ...]
     relations: tuple[Any, ...]
 
-    @property
+    @cached_property
     def variables(self) -> tuple[Any, ...]:
         """Positions, then velocities."""
         return self.positions + self.velocities

@@ -256,26 +256,31 @@ class VoronecEquations(DerivedEquations):
         return min(found, key=lambda p: operation_count(p.derivative.expressions))
 
     def python(self, jacobian: bool = False) -> str:
-        """Python source of the first-order right-hand side, on numpy; with its ``jacobian`` by
-        state and inputs where that is asked for."""
+        """Python source, on numpy, of the first-order right-hand side: d(state)/dt as a function of
+        the time, ``state`` (coordinates, then velocities), parameters and, where there are any,
+        inputs; with its ``jacobian`` by state and inputs where that is asked for.
+
+        Raises ``DefinitionError`` where the equations hold an unknown function, ``EngineLimit``
+        for a function that the language does not have.
+        """
         from voronec.equations.program import python_source
 
         return python_source(self.program, jacobian)
 
     def c(self, jacobian: bool = False) -> str:
-        """C99 source of the same."""
+        """C99 source of the same, with the same errors."""
         from voronec.equations.program import c_source
 
         return c_source(self.program, jacobian)
 
     def javascript(self, jacobian: bool = False) -> str:
-        """An ECMAScript module of the same, without dependencies."""
+        """An ECMAScript module of the same, without dependencies, with the same errors."""
         from voronec.equations.program import javascript_source
 
         return javascript_source(self.program, jacobian)
 
     def casadi(self, jacobian: bool = False) -> str:
-        """Python source of the same, on CasADi's expressions."""
+        """Python source of the same, on CasADi's expressions, with the same errors."""
         from voronec.equations.program import casadi_source
 
         return casadi_source(self.program, jacobian)

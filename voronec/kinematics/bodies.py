@@ -21,7 +21,7 @@ def kinetic_energy(
 
     ``velocity`` is that of the centre of mass, along any orthonormal axes; ``omega`` the angular
     velocity in the axes in which ``inertia`` is given: three principal moments or a symmetric
-    3 x 3 matrix, about the centre of mass.
+    3 x 3 matrix, about the centre of mass.  Anything else raises ``DefinitionError``.
     """
     w, spin = three(velocity, "the velocity of a body"), three(omega, "an angular velocity")
     tensor = inertia_tensor(inertia)
@@ -34,7 +34,7 @@ def point_velocity(velocity: Sequence[Any], omega: Sequence[Any], arm: Sequence[
     """velocity + omega x arm: the velocity of the body's point at ``arm`` from another one.
 
     All three along the same right-handed axes; so for a centre of mass that is not the body's
-    origin.
+    origin.  Raises ``DefinitionError`` for what is not of three expressions.
     """
     w = three(velocity, "the velocity of a body")
     turned = cross(three(omega, "an angular velocity"), three(arm, "an arm"))
@@ -48,7 +48,8 @@ def axial_rotor(momentum: Any, axis: Sequence[Any], omega: Sequence[Any]) -> sp.
     Its axial energy C (axis . omega + dchi/dt)^2 / 2 makes chi cyclic, so that
     k = C (axis . omega + dchi/dt) is constant, and Routh's function, energy minus k dchi/dt, is
     k (axis . omega) - k^2 / (2 C).  The rotor's mass and its transverse moments of inertia belong
-    to the body, its axial moment C does not.  ``axis`` and ``omega`` are given along the same axes.
+    to the body, its axial moment C does not.  ``axis`` and ``omega`` are given along the same axes;
+    ``DefinitionError`` for what is not of three expressions.
     """
     direction = three(axis, "the axis of a rotor")
     return expression(momentum, "a momentum") * dot(direction, three(omega, "an angular velocity"))
@@ -60,7 +61,8 @@ def uniform_field_energy(
     """-m (g . r): the potential energy of a mass at r in a field of constant acceleration g.
 
     ``position`` is that of the centre of mass, in space, as is ``acceleration``; (0, 0, -g) for
-    gravity with z upward, and then it is m g z.
+    gravity with z upward, and then it is m g z.  Raises ``DefinitionError`` for what is not of
+    three expressions.
     """
     g = three(acceleration, "the acceleration of a field")
     return -expression(mass, "a mass") * dot(g, three(position, "a position"))

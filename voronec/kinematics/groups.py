@@ -42,6 +42,8 @@ DIMENSIONS = range(2, 10)
 class BodyVelocity:
     """The velocity of a body in R^n along its own axes; ``dimension`` is n, from 2 to 9.
 
+    Omega, n x n and skew, is the angular velocity, dR/dt = R Omega, W that of the origin, n
+    components; ``DefinitionError`` for another n.
     For n = 3 and omega with Omega x = omega x x: Omega12 = -omega3, Omega13 = omega2,
     Omega23 = -omega1.
     """
@@ -68,7 +70,7 @@ class BodyVelocity:
 
     @cached_property
     def linear(self) -> tuple[sp.Symbol, ...]:
-        """The entries of W."""
+        """W1, ..., Wn, the entries of W."""
         return tuple(sp.Symbol(f"W{i + 1}") for i in range(self.dimension))
 
     @cached_property
@@ -82,7 +84,7 @@ class BodyVelocity:
 
     @cached_property
     def matrix(self) -> sp.ImmutableMatrix:
-        """Omega."""
+        """Omega, n x n, with Omega_ji = -Omega_ij."""
         return skew(self.angular, self.dimension)
 
     def apparent_rate(
@@ -96,7 +98,8 @@ class BodyVelocity:
     def energy(self, moments: Sequence[Any], mass: Any = 0) -> sp.Expr:
         """sum J_ij Omega_ij^2 / 2 + mass |W|^2 / 2, for moments J_ij in the planes i < j.
 
-        A rigid body with the second moments a_i of its mass has J_ij = a_i + a_j."""
+        There are n (n - 1)/2 moments, in the order of ``pairs``.  A rigid body with the second
+        moments a_i of its mass has J_ij = a_i + a_j."""
         turning = sum(j * w**2 for j, w in zip(moments, self.angular, strict=True))
         return as_expression(turning + mass * sum(w**2 for w in self.linear)) / 2
 
@@ -169,7 +172,8 @@ def _check_count(entries: Sequence[Any], dimension: int) -> list[sp.Expr]:
 
 @accepts(entries=SEQUENCE, dimension=COUNT)
 def skew(entries: Sequence[Any], dimension: int) -> sp.ImmutableMatrix:
-    """The skew matrix with these entries above the diagonal, row by row."""
+    """The skew matrix, n x n for n = ``dimension``, with these n (n - 1)/2 entries above the
+    diagonal, row by row; another number of them raises ``DefinitionError``."""
     found = _check_count(entries, dimension)
     table = sp.zeros(dimension, dimension)
     for (i, j), entry in zip(combinations(range(dimension), 2), found, strict=True):
@@ -215,7 +219,7 @@ def wedge_square(matrix: sp.MatrixBase) -> sp.ImmutableMatrix:
     turns with the axes as the matrix does; nothing for n = 3.
 
     The entries are Pfaffians, M_ab M_cd - M_ac M_bd + M_ad M_bc, with the sign of the axis that is
-    left out.
+    left out, in a column.  Raises ``DefinitionError`` for what is no square matrix.
     """
     m, size = matrix, range(matrix.rows)
     entries = [
@@ -228,5 +232,6 @@ def wedge_square(matrix: sp.MatrixBase) -> sp.ImmutableMatrix:
 
 @accepts(matrix=MATRIX)
 def skew_entries(matrix: sp.MatrixBase) -> tuple[sp.Expr, ...]:
-    """The entries above the diagonal, row by row."""
+    """The n (n - 1)/2 entries of an n x n matrix above the diagonal, row by row;
+    ``DefinitionError`` for what is no square matrix."""
     return tuple(matrix[i, j] for i, j in combinations(range(matrix.rows), 2))

@@ -16,12 +16,14 @@ Vector = tuple[Any, Any, Any]
 
 
 def dot(a: Iterable[Any], b: Iterable[Any]) -> Any:
-    """The scalar product a . b in an orthonormal frame, of two vectors of one length."""
+    """The scalar product a . b = sum of a_i b_i in an orthonormal frame, of two vectors of one
+    length, which nobody checks."""
     return sum(map(_product, a, b))
 
 
 def cross(a: Sequence[Any], b: Sequence[Any]) -> Vector:
-    """The vector product a x b in a right-handed orthonormal frame."""
+    """The vector product a x b = (a2 b3 - a3 b2, a3 b1 - a1 b3, a1 b2 - a2 b1) of two vectors of
+    three components, a tuple of three, in a right-handed orthonormal frame."""
     return (
         _product(a[1], b[2]) - _product(a[2], b[1]),
         _product(a[2], b[0]) - _product(a[0], b[2]),
@@ -37,13 +39,21 @@ def apply_matrix(matrix: Any, vector: Sequence[Any]) -> Vector:
 
 
 def matrix_product(first: Any, *others: Any) -> sp.ImmutableMatrix:
-    """The product of matrices, or lists of rows, and of a column, or a list of expressions.
+    """The product of matrices, or lists of rows, and of a column, or a list of expressions: m x n
+    times n x p is m x p.
 
     Equal to SymPy's, which asks of every entry whether it is finite before it takes 0 x for 0.
+    Raises ``DefinitionError`` for factors that do not fit.
     """
     rows = _rows(first)
     for other in others:
-        columns = [*zip(*_rows(other), strict=True)]
+        factor = _rows(other)
+        if any(len(row) != len(factor) for row in rows):
+            raise DefinitionError(
+                f"in a product of matrices {len(rows[0])} columns meet {len(factor)} rows; "
+                "give as many of each"
+            )
+        columns = [*zip(*factor, strict=True)]
         rows = [[dot(row, column) for column in columns] for row in rows]
     return sp.ImmutableMatrix(rows)
 

@@ -357,7 +357,8 @@ class Table:
         straight lines between the values; ``cubic``: the spline with two continuous derivatives
         (scipy's ``CubicSpline``).
 
-    At the instants a run starts anew, so that no step goes over a corner.
+    At the instants a run starts anew, so that no step goes over a corner.  Raises
+    ``DefinitionError`` for times that do not grow, and for another number of values.
     """
 
     times: Any

@@ -542,6 +542,7 @@ class Event:
     the function grows with time, -1 for those where it falls, 0 for both.  ``stop`` ends the run at
     the first one.  A zero at the start of the motion is none, nor is one that the function touches
     without a change of sign; one at the last instant counts, whatever would come after it.
+    Another ``direction`` raises ``DefinitionError``.
     """
 
     function: Any

@@ -109,7 +109,8 @@ class Crossings:
     def of(
         cls, t: np.ndarray, state: np.ndarray, names: tuple[str, ...], series: dict[str, np.ndarray]
     ) -> Crossings:
-        """Passages whose arrays nobody changes any more."""
+        """Passages at ``t`` (k,) with ``state`` (k, n), whose columns are ``names``, and outputs by
+        name, ``series``, each (k,): arrays that nobody changes any more."""
         for array in (t, state, *series.values()):
             array.flags.writeable = False
         return cls(t, state, names, MappingProxyType(series))
@@ -171,8 +172,11 @@ class Trajectory:
     within: Callable[[np.ndarray], Trajectory] | None = None
 
     def at(self, times: Any) -> Trajectory:
-        """The motion at any times between the first and the last, in any order; a run with
-        ``dense=True`` knows them as accurately as its grid."""
+        """The motion at any times (m,) between the first and the last, in any order; a run with
+        ``dense=True`` knows them as accurately as its grid.
+
+        Raises ``DefinitionError`` for times beyond, and where a run was not made so.
+        """
         if self.within is None:
             raise DefinitionError("the trajectory knows its own instants only; integrate with "
                                   "dense=True")  # fmt: skip
@@ -272,7 +276,8 @@ class Trajectory:
         """Write the times and outputs to ``path``: ``.csv``, or ``.npz`` with all that is known.
 
         The CSV has a header line and full precision; the NPZ also holds ``state``, ``names`` and
-        the parameters.  The file appears whole or not at all.
+        the parameters.  The file appears whole or not at all.  Raises ``DefinitionError`` for
+        another ending, and where there is no such folder.
         """
         require("save", "path", path, PATH)
         target = Path(path)

@@ -225,7 +225,9 @@ def check_claims(
 ) -> list[Claim]:
     """Prove or refute every claim that a system declares, those of its cases included.
 
-    ``progress`` is called with the words for each claim before it is decided.
+    ``progress`` is called with the words for each claim before it is decided.  Raises
+    ``DefinitionError`` where the definition of the system makes no sense; a claim that makes none
+    is refuted.
     """
     tell = callback("check_claims", "progress", progress) or (lambda _: None)
     motions = system if isinstance(system, Motions) else Motions.of(system)

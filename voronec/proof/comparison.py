@@ -399,7 +399,8 @@ Side = System | VoronecEquations | StoredDerivation
 def compare(first: Side, second: Side) -> Comparison:
     """Compare what can be compared: entries of the same variables, values at the same points.
 
-    Either side is a system, its equations, or what was kept of an earlier derivation.
+    Either side is a system, its equations, or what was kept of an earlier derivation; anything
+    else raises ``DefinitionError``.
     """
     first, second = _derivation_of(first), _derivation_of(second)
     rows = [

@@ -6,7 +6,7 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from voronec.closed.pictures.style import INK, MARK, PALE, SOFT, STYLE, draw_arrow
+from voronec.declaration.figure_style import INK, MARK, PALE, SOFT, STYLE, draw_arrow
 from voronec.motion.pictures.layered_layout import Layout, layered_layout
 
 __all__ = ["LINES", "diagram_figure"]

@@ -36,9 +36,10 @@ __all__ = ["decide_measure", "defect", "divergence", "measured_field"]
 
 @accepts(flow=POINT)
 def divergence(density: Any, flow: Mapping[Any, Any]) -> sp.Expr:
-    """div(density * flow), where ``flow`` gives the rate of each variable.
+    """div(density f) = sum of d(density f_i)/dx_i, where ``flow`` gives the rate f_i of each x_i.
 
-    It vanishes where the density is that of an invariant measure.
+    It vanishes where the density is that of an invariant measure.  Raises ``DefinitionError`` for
+    what is no variable, or no expression.
     """
     own = expression(density, "the density")
     rates = {x: expression(rate, f"the rate of '{quote(x)}'") for x, rate in flow.items()}

@@ -185,16 +185,20 @@ def import_everything() -> None:
     """All that an integration imports on its way: a small motion is computed first."""
     import sympy as sp
 
-    import voronec as vo
+    from voronec.algebra.symbols import velocity
+    from voronec.declaration.geometry import Fibration
+    from voronec.declaration.scene import Scene
+    from voronec.declaration.system import System
+    from voronec.motion import integrate
 
     q = sp.Symbol("q")
-    small = vo.System(
+    small = System(
         name="nothing",
-        fibration=vo.Fibration(base=(q,)),
-        lagrangian=vo.velocity(q) ** 2 / 2,
-        scenes={"default": vo.Scene(initial={q: 1})},
+        fibration=Fibration(base=(q,)),
+        lagrangian=velocity(q) ** 2 / 2,
+        scenes={"default": Scene(initial={q: 1})},
     )
-    vo.integrate(small, times=[0.0, 0.1], method="scipy")
+    integrate(small, times=[0.0, 0.1], method="scipy")
 
 
 def _keep_code_in(cache: str) -> None:

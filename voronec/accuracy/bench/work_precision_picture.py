@@ -23,7 +23,7 @@ def plot_work_precision(bench: Bench) -> Any:
     Our own methods are drawn thick, peers thin; the accuracy of the reference is a dashed line.
     Returns a matplotlib ``Figure``; ``DefinitionError`` where no run succeeded.
     """
-    from voronec.closed.pictures.style import SOFT, figure_in_style
+    from voronec.declaration.figure_style import SOFT, figure_in_style
 
     shown = [m for m in bench.methods if m.good]
     if not shown:

@@ -1,1 +1,1 @@
-"""Pictures of motions in closed form, and the style of all figures."""
+"""Pictures of motions in closed form."""

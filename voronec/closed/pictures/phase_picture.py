@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from voronec.closed.pictures.style import INK, MARK, SOFT, figure_in_style
+from voronec.declaration.figure_style import INK, MARK, SOFT, figure_in_style
 from voronec.errors import DefinitionError
 
 __all__ = ["PhaseLevel", "phase_figure", "phase_levels"]

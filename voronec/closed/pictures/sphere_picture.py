@@ -26,7 +26,7 @@ from voronec.closed.pictures.sphere_curves import (
     parallel,
     smooth_arcs,
 )
-from voronec.closed.pictures.style import INK, MARK, NO_SPACE, PALE, SOFT, figure_in_style
+from voronec.declaration.figure_style import INK, MARK, NO_SPACE, PALE, SOFT, figure_in_style
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:

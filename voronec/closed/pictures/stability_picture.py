@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from voronec.closed.pictures.style import INK, MARK, figure_in_style
+from voronec.declaration.figure_style import INK, MARK, figure_in_style
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:

@@ -169,7 +169,8 @@ class Precessions:
         return self.quadratures.x
 
     def on(self, value: Any) -> sp.Expr:
-        """An expression in the variable, constants and parameters, on the family."""
+        """An expression in the variable, constants and parameters, on the family: a function of x,
+        w and what is left of the parameters, in its shortest form."""
         own = as_expression(value).xreplace(dict(self.constants))
         return short(own.xreplace(dict(self.values)))
 
@@ -213,7 +214,7 @@ class Precessions:
         return MappingProxyType(found)
 
     def derivative(self, order: int) -> sp.Expr:
-        """A derivative of the quartic by x, at x: zero for the orders 0 and 1."""
+        """A derivative of the quartic by x, at x, of an order up to 4: zero for 0 and 1."""
         return self._derivatives[order]
 
     @cached_property
@@ -223,7 +224,8 @@ class Precessions:
 
     @property
     def frequency(self) -> sp.Expr:
-        """The frequency of a small nutation, sqrt(-f''(x)/2), in the time of the system."""
+        """The frequency of a small nutation, sqrt(-f''(x)/2)/(dt/dtau), in radians by the time of
+        the system; f is the quartic."""
         clock = self.on(self.quadratures.clock)
         return sp.sqrt(-self.derivative(2) / 2) / clock
 
@@ -233,7 +235,10 @@ class Precessions:
         return ends_of(self.quadratures, self.values)
 
     def numbers(self, place: Any, rate: Any, parameters: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
-        """Exact values of everything that the family depends on."""
+        """Exact values of everything that the family depends on: x, w and all parameters.
+
+        Raises ``DefinitionError`` unless -1 < ``place`` < 1, and for a parameter without a value.
+        """
         known = known_parameters(self.system, parameters)
         given = {self.place: number(place, "x"), self.rate: number(rate, str(self.rate))}
         if not (-1 < given[self.place] < 1):
@@ -245,7 +250,12 @@ class Precessions:
     def stability(
         self, place: Any, rate: Any, parameters: Mapping[Any, Any] | None = None
     ) -> Stability:
-        """Whether x stays near, if u and the velocities begin near: decided exactly."""
+        """Whether x stays near, if u and the velocities begin near: decided exactly, for x =
+        ``place`` and w = ``rate``.
+
+        Raises ``DefinitionError`` as ``numbers`` does, and where a denominator of the family
+        vanishes.
+        """
         at = self.numbers(place, rate, parameters or {})
         for value in self.constants.values():
             if sp.cancel(sp.denom(value).xreplace(at)) == 0:
@@ -264,14 +274,14 @@ class Precessions:
         aside: Any = 0,
         times: tuple[float, float] = (0.0, 40.0),
     ) -> Scene:
-        """The precession as initial data, upright; ``aside`` is added to the velocity of x."""
-
+        """The precession x = ``place``, w = ``rate`` as initial data, upright; ``aside`` is added
+        to the velocity of x.  Raises ``DefinitionError`` as ``numbers`` does."""
         at = self.numbers(place, rate, parameters or {})
         return scene_of(self, at, number(aside, "aside"), times)
 
     def proved(self) -> Verdict:
-        """Whether all of it is at rest: the rates of the essential variables, by the equations."""
-
+        """Whether all of it is at rest: the rates of the essential variables, by the equations;
+        ``DefinitionError`` where the system declares none."""
         return at_rest(self)
 
 

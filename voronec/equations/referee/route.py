@@ -303,7 +303,10 @@ def multiplier_acceleration(
 
 @accepts(point=POINT)
 def reaction_forces(system: System, point: Mapping[Any, Any], digits: int = 30) -> Reactions:
-    """The multipliers and reaction forces at a point; see ``multiplier_acceleration``."""
+    """The multipliers lambda and the reaction forces A^T lambda at a point, to ``digits`` digits.
+
+    Arguments and errors are those of ``multiplier_acceleration``.
+    """
     solution = _confirm(require_system(system), point, digits)
     count = len(system.constraints)
 

@@ -179,7 +179,7 @@ class Level(EquationsOfMotion):
         """The parameters that are declared to be positive."""
         return tuple(se.Symbol(p.name) for p in self.system.parameters if p.is_positive)
 
-    @property
+    @cached_property
     def form(self) -> FirstOrderForm:
         """What a ``Program`` is made of, with the stages."""
         return replace(super().form, stages=self.stages, positive=self.positive)

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import os
 import pickle
+import re
 import sys
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import fields, is_dataclass
 from functools import lru_cache
@@ -32,8 +33,8 @@ __all__ = ["Packs", "engine_digest"]
 T = TypeVar("T")
 FILES = 300
 """So many files stay; those that nobody used for longest give way."""
-ROOMS = ("algebra", "declaration", "equations", "motion")
-"""The rooms of the engine that models come from."""
+IMPORT = re.compile(rb"from voronec\.(\w+)")
+"""No parser: every process that integrates looks for imports."""
 LIBRARIES = (sp, symengine, flint, numpy)
 DYNAMIC_FIELDS = (
     "fibration", "lagrangian", "constraints", "parameters", "possible", "forces", "frame",
@@ -148,16 +149,28 @@ class _Unpickler(pickle.Unpickler):
 
 @lru_cache(maxsize=1)
 def engine_digest() -> str:
-    """A digest of the engine as it is, and the versions of what it computes with."""
-    mark = sha256("\0".join([sys.version, *(x.__version__ for x in LIBRARIES)]).encode())
+    """A digest of the engine as it is, and the versions of what it computes with: of this room, and
+    of those that it imports from, directly or not."""
     root = str(Path(__file__).parents[2])
-    for folder, _, files in sorted(x for room in ROOMS for x in os.walk(os.path.join(root, room))):
-        for name in sorted(f for f in files if f.endswith(".py")):
-            file = os.path.join(folder, name)
-            mark.update(file.removeprefix(root).encode() + b"\0")
-            with open(file, "rb") as source:
-                mark.update(source.read())
+    waiting, rooms, texts = {__name__.split(".")[1]}, set[str](), dict[str, bytes]()
+    while waiting:
+        rooms |= waiting
+        found = {f: Path(f).read_bytes() for room in waiting for f in _files_of(root, room)}
+        texts |= found
+        waiting = {n.decode() for text in found.values() for n in IMPORT.findall(text)} - rooms
+    mark = sha256("\0".join([sys.version, *(x.__version__ for x in LIBRARIES)]).encode())
+    for file in sorted(texts):
+        mark.update(file.removeprefix(root).encode() + b"\0" + texts[file])
     return mark.hexdigest()
+
+
+def _files_of(root: str, room: str) -> Iterator[str]:
+    """The sources of a room, which is a folder or a file."""
+    place = os.path.join(root, room)
+    if os.path.isfile(place + ".py"):
+        yield place + ".py"
+    for folder, _, files in os.walk(place):
+        yield from (os.path.join(folder, name) for name in files if name.endswith(".py"))
 
 
 class _Spelling:

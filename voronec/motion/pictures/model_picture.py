@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from voronec.algebra.typeset import symbol_latex
-from voronec.closed.pictures.style import FAINT, INK, PALE, SOFT, draw_arrow, figure_in_style
+from voronec.declaration.figure_style import FAINT, INK, PALE, SOFT, draw_arrow, figure_in_style
 from voronec.motion.model import Model
 from voronec.motion.model.level import Level, dependence
 from voronec.motion.pictures.layered_layout import Layout, layered_layout

@@ -18,7 +18,7 @@ import numpy as np
 
 from voronec.algebra.symbols import plain_name
 from voronec.closed.pictures.sphere_curves import View, best_view, on_sphere
-from voronec.closed.pictures.style import INK, MARK, NO_SPACE, STYLE, figure_in_style
+from voronec.declaration.figure_style import INK, MARK, NO_SPACE, STYLE, figure_in_style
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:

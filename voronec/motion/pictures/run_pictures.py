@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import read_sympy_text
 from voronec.algebra.typeset import symbol_latex
-from voronec.closed.pictures.style import INK, STYLE, WIDTH
+from voronec.declaration.figure_style import INK, STYLE, WIDTH
 from voronec.declaration.plugin_files import failure
 from voronec.declaration.reading import several
 from voronec.errors import DefinitionError
@@ -105,7 +105,7 @@ def _path(trajectory: MotionRecord) -> Any:
     """The curve (x, y) in its plane; the dot is its start."""
     from matplotlib import rc_context
 
-    from voronec.closed.pictures.style import INK, MARK, STYLE
+    from voronec.declaration.figure_style import INK, MARK, STYLE
 
     x, y = trajectory["x"], trajectory["y"]
     with rc_context(STYLE):

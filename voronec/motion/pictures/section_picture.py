@@ -10,7 +10,7 @@ import sympy as sp
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import read_sympy_text
 from voronec.algebra.typeset import symbol_latex
-from voronec.closed.pictures.style import INK, MARK, figure_in_style
+from voronec.declaration.figure_style import INK, MARK, figure_in_style
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:

@@ -417,7 +417,8 @@ def graph(names: Iterable[str] = ()) -> Any:
     """The systems of the catalogue and their relations, as a networkx ``MultiDiGraph``.
 
     An edge is keyed by the label of its relation, which is its attribute ``relation``.  ``names``
-    keeps these systems and what stands in a relation with one of them.
+    keeps these systems and what stands in a relation with one of them; an unknown one raises
+    ``DefinitionError``.
     """
     names = names_read("graph", names)
     stock = Inventory.of()

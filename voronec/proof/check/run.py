@@ -218,7 +218,8 @@ def check_catalogue(
     store
         where results are kept; those whose sources and engine are unchanged are taken from there.
 
-    Ctrl-C ends the check: the report then holds what is done and is marked ``stopped``.
+    Ctrl-C ends the check: the report then holds what is done and is marked ``stopped``.  Raises
+    ``DefinitionError`` for a name that no system has.
     """
     begun = perf_counter()
     names = names_read("check_catalogue", names)

@@ -85,7 +85,8 @@ def search_integrals(system: System | VoronecEquations, **options: Any) -> Integ
         is called with a line of text now and then.
 
     Every integral returned carries the verdict of the exact algebra; ``statement`` says what there
-    is not.
+    is not.  Raises ``DefinitionError`` for options that make no sense, ``EngineLimit`` for an
+    ansatz with more monomials than the limit.
     """
     progress = callback("search_integrals", "progress", options.pop("progress", None))
     last = None
