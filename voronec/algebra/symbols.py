@@ -44,7 +44,8 @@ def plain_name(thing: sp.Expr | str) -> str:
 def velocity(coordinate: sp.Expr) -> sp.Expr:
     """The velocity symbol of a coordinate: ``x`` gives ``xdot``, ``x(t)`` gives its derivative.
 
-    Applied to a velocity it gives the second derivative, and so on.
+    Applied to a velocity it gives the second derivative, and so on.  ``DefinitionError`` for what
+    is no symbol.
     """
     if isinstance(coordinate, AppliedUndef) and coordinate.args == (time,):
         # what diff returns, without the tens of questions that it asks first
