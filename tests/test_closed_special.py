@@ -106,6 +106,12 @@ def test_no_family_without_quadratures():
         precessions(vo.load("rattleback"))
 
 
+@pytest.mark.parametrize("order", [-1, 5, "2", None])
+def test_a_derivative_of_no_such_order_is_refused(family, order):
+    with pytest.raises(vo.DefinitionError, match="give a whole number from 0 to 4"):
+        family.derivative(order)
+
+
 def test_a_place_outside_is_refused(family):
     with pytest.raises(vo.DefinitionError, match="not between -1 and 1"):
         family.stability(2, 1)

@@ -214,7 +214,14 @@ class Precessions:
         return MappingProxyType(found)
 
     def derivative(self, order: int) -> sp.Expr:
-        """A derivative of the quartic by x, at x, of an order up to 4: zero for 0 and 1."""
+        """A derivative of the quartic by x, at x, of an order up to 4: zero for 0 and 1.
+
+        Raises ``DefinitionError`` for another order.
+        """
+        if order not in range(5):
+            raise DefinitionError(
+                f"derivative: order = {quote(order)}; give a whole number from 0 to 4"
+            )
         return self._derivatives[order]
 
     @cached_property
