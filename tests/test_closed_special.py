@@ -106,7 +106,7 @@ def test_no_family_without_quadratures():
         precessions(vo.load("rattleback"))
 
 
-@pytest.mark.parametrize("order", [-1, 5, "2", None])
+@pytest.mark.parametrize("order", [-1, 5, 2.0, "2", None])
 def test_a_derivative_of_no_such_order_is_refused(family, order):
     with pytest.raises(vo.DefinitionError, match="give a whole number from 0 to 4"):
         family.derivative(order)

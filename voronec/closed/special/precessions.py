@@ -218,7 +218,7 @@ class Precessions:
 
         Raises ``DefinitionError`` for another order.
         """
-        if order not in range(5):
+        if not isinstance(order, int) or order not in range(5):
             raise DefinitionError(
                 f"derivative: order = {quote(order)}; give a whole number from 0 to 4"
             )
