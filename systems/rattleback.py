@@ -60,8 +60,8 @@ kinetic = kinematics.kinetic_energy(m, (velocity(x), velocity(y), climb_rate), i
 
 # A ball of radius a, about its contact; D = m a^2.
 normal = sp.Matrix(gamma)
-bent = matrix_product((inertia + m * a**2 * sp.eye(3)).inv(), normal)
-share = m * a**2 * dot(normal, bent)
+response = matrix_product((inertia + m * a**2 * sp.eye(3)).inv(), normal)
+share = m * a**2 * dot(normal, response)
 
 SYSTEM = System(
     name="rattleback",
