@@ -424,3 +424,26 @@ def test_a_section_begins_where_its_scene_does(method, kind):
 def test_a_section_that_ends_before_it_begins_is_refused(oscillator, until):
     with pytest.raises(vo.DefinitionError, match="sections go forwards in time"):
         vo.section(oscillator, "x", until=until)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_starts_where_the_velocities_are_no_frame_go_alone_or_are_refused(method):
+    y, phi = sp.symbols("y phi")
+    dy, turn = vo.velocity(y), vo.velocity(phi)
+    blade = vo.System(
+        name="blade",
+        fibration=vo.Fibration(base=(x, phi), fibre=(y,)),
+        lagrangian=(xdot**2 + dy**2 + turn**2) / 2,
+        constraints=(xdot * sp.sin(phi) - dy * sp.cos(phi),),
+    )
+    up, beside = {dy: 1, turn: 0.3, phi: sp.pi / 2}, {xdot: 1, turn: 0.3, phi: np.pi / 2 + 1e-9}
+    others = [{xdot: 1, turn: 0.3, phi: 0.5}, beside, up]
+    options = {"value": -1, "crossings": 1, "direction": -1, "method": method}
+    found = vo.section(blade, x, ("y",), starts=others, **options)
+    assert [*found.errors] == [1] and "almost no frame" in str(found.errors[1])
+    # circles: x = (cos(0.3 t) - 1)/0.3, x = (sin(0.5 + 0.3 t) - sin(0.5))/(0.3 cos(0.5))
+    along = np.pi - np.arcsin(np.sin(0.5) - 0.3 * np.cos(0.5)) - 0.5
+    assert found.t == pytest.approx(np.array([along, np.arccos(0.7)]) / 0.3, abs=1e-10)
+    assert found["y"][1] == pytest.approx(np.sqrt(1 - 0.7**2) / 0.3, abs=1e-10)
+    with pytest.raises(vo.DefinitionError, match="almost no frame"):
+        vo.section(blade, x, ("y",), starts=[beside], **options)

@@ -338,14 +338,17 @@ def test_a_corner_times_what_vanishes_has_a_slope(force: Any, slopes: Any) -> No
     assert sp.Matrix([[0, 1], slopes]) == found.A
 
 
+TWO = sp.Mul(sp.sqrt(5) - 1, sp.sqrt(5) + 1, evaluate=False) / 2
 AT_CORNERS = {
     "(p**2 - 2)*xdot**2/2 - x**2/2": (0, sp.sqrt(2), 0, "mass matrix is singular"),
     "cos(p)*xdot**2/2 - x**2/2": (0, sp.pi / 2, 0, "mass matrix is singular"),
+    "(p - 2)*xdot**2/2 - x**2/2": (0, TWO, 0, "mass matrix is singular"),
     "slope of sign": (sp.pi, sp.pi, "-sign(x - p)*x", "a corner or a step"),
     "slope of floor": (sp.sqrt(2), sp.sqrt(2), "floor(x/p)", "a corner or a step"),
     "slope of a case": (sp.sqrt(2), sp.sqrt(2), "Abs(x - p)", "a corner or a step"),
     "slope of a remainder": (2 * sp.sqrt(2), sp.sqrt(2), "Mod(x, p)", "a corner or a step"),
     "infinite": (0, sp.pi, "x/(p - pi)", "no finite value"),
+    "infinite in disguise": (0, TWO, "x/(p - 2)", "divides by zero"),
     "0/0": (0, 0, "sin(p*x)/p", "no finite value"),
 }
 
@@ -364,3 +367,14 @@ def test_corners_and_infinities_are_seen_at_irrational_parameters_too(case):
     )  # fmt: skip
     with pytest.raises(vo.DefinitionError, match=words):
         vo.linearise(vo.derive(system), {x: at, speed: 0, p: value})
+
+
+def test_values_at_which_a_linearisation_is_infinite_are_named():
+    x, m = sp.symbols("x m")
+    bead = vo.System(
+        name="bead", fibration=vo.Fibration(base=(x,)), parameters=(m,),
+        lagrangian=(m - 2) * vo.velocity(x) ** 2 / 2 - x**2 / 2,
+    )  # fmt: skip
+    found = vo.linearise(vo.derive(bead), {x: 0, "xdot": 0})
+    with pytest.raises(vo.DefinitionError, match="no finite value at m = 2"):
+        found.eigenvalues({m: 2})

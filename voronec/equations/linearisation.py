@@ -276,6 +276,12 @@ class Linearisation:
         bits = GENERIC + int(max(size, 1) * exact)
         with mp.workprec(bits):
             balls = self._tape.arb(given, bits)
+            if not all(ball.is_finite() for ball in balls):
+                at = ", ".join(f"{a} = {quote(given[str(a)])}" for a in self._tape.atoms)
+                raise DefinitionError(
+                    f"the matrix A of system '{system.name}' has no finite value at {at}; give "
+                    "other values"
+                )
             matrix = mp.matrix(size, size)
             for k, ball in enumerate(balls):
                 mantissa, exponent = (int(part) for part in ball.mid().man_exp())
@@ -363,8 +369,8 @@ def _about(
     values = [*(rows[i][0] for i in kept), *vdot]
     flat = _tidy([e for row in chained for e in row] + values, point, own.relations)
     flat = [se.sympify(e).xreplace(late) for e in flat]
-    if any(part in _NOT_FINITE for e in flat for part in (e, *e.args)):
-        raise EngineLimit("the mass matrix is singular there")
+    if any(part in _NOT_FINITE for e in flat for part in (e, *e.args)) or _divides_by_zero(flat):
+        raise EngineLimit("the mass matrix is singular there, or a formula divides by zero")
     out = [equations.door.outward(e) for e in flat]
     size = len(values)
     full = sp.Matrix(size, size + len(inputs), out[: len(out) - size])
@@ -377,6 +383,13 @@ def _about(
         B=sp.ImmutableMatrix(full[:, size:]),
         rates=sp.ImmutableMatrix(size, 1, out[len(out) - size :]),
     )
+
+
+def _divides_by_zero(exprs: Sequence[Any]) -> bool:
+    """Whether a number in a denominator is zero, however it is written."""
+    powers = atoms(exprs, se.Pow)
+    below = [p.args[0] for p in powers if p.args[1].is_negative and not p.args[0].free_symbols]
+    return any(ball.contains(0) for ball in Tape(below).arb({}, GENERIC))
 
 
 def _require_relations(equations: DerivedEquations, values: Sequence[Any]) -> None:

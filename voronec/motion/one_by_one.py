@@ -41,6 +41,7 @@ from voronec.motion.trajectory import Cost, Trajectory
 
 __all__ = [
     "DrivenPassages",
+    "LoneMotions",
     "SwitchedMotions",
     "along_one",
     "crossing_speeds",
@@ -210,7 +211,8 @@ class SwitchedMotions:
 
 def time_scale(motions: Many, time: float, state: np.ndarray, values: np.ndarray) -> float:
     """A time in which no variable of a motion changes by more than its size, or by one unit."""
-    rates = compile_program(motions.program)[0](time, list(state), values.tolist())
+    with np.errstate(all="ignore"):  # at a pole there is none
+        rates = compile_program(motions.program)[0](time, list(state), values.tolist())
     pace = np.max(np.abs(np.array(rates, float)) / np.maximum(1.0, np.abs(state)), initial=0.0)
     return float(1.0 / pace) if 0 < pace < np.inf else 1.0
 
@@ -357,71 +359,116 @@ FIRST = 16.0
 it failed."""
 
 
+@dataclass(frozen=True)
+class LoneMotions:
+    """The motions of a section, each as ``integrate`` makes it whole.
+
+    ``starts`` are as they were given, over those of the ``scene``: with these go motions that are
+    ``unplaced``, from starts at which the equations of all are singular, or nearly so.
+    """
+
+    motions: Many
+    starts: Sequence[Values]
+    scene: Scene | None
+    method: str
+    tol: float
+    unplaced: frozenset[int]
+
+    @classmethod
+    def of(
+        cls, motions: Many, starts: Sequence[Values], scene: Scene | None, method: str, tol: float
+    ) -> LoneMotions:
+        """Starts near the zero of a divisor are counted among the wrong ones of ``motions``."""
+        for i in map(int, np.flatnonzero(motions.near_divisors)):
+            near = break_error(SINGULAR_PLACE, motions.time, motions.states[i])
+            motions.wrong.setdefault(i, near)
+        return cls(motions, starts, scene, method, tol, frozenset(motions.wrong))
+
+    def motion(self, i: int, end: float, events: Sequence[Event] = ()) -> Trajectory:
+        """Motion i up to an instant, in all coordinates and velocities."""
+        motions, scene, start = self.motions, Scene({}, (0.0, 1.0)), self.starts[i]
+        if i not in self.unplaced:
+            start = motions.start_values(i)
+        elif self.scene is not None:  # its inputs stand in the equations
+            scene = replace(self.scene, inputs={})
+        constants = {name: float(x[i]) for name, x in motions.parameters.items()}
+        return integrate(
+            motions.vocabulary.equations, scene, [motions.time, end], self.outputs, constants,
+            start, self.method, self.tol, events=events,
+        )  # fmt: skip
+
+    @property
+    def outputs(self) -> list[sp.Expr]:
+        """All coordinates and velocities."""
+        system = self.motions.vocabulary.equations.system
+        return [*system.coordinates, *system.velocities]
+
+    def place(self, i: int, run: Trajectory) -> None:
+        """Count motion i among the sound ones, with the start that it turned out to have."""
+        motions = self.motions
+        del motions.wrong[i]
+        full = np.array([[float(run[plain_name(x)][0]) for x in self.outputs]])
+        motions.full[i], motions.states[i] = full[0], motions.on_ground(i, run.t[:1], full)[0]
+
+
 def go_on_alone(
-    motions: Many, watch: SectionWatch, passages: SectionPassages, level: sp.Expr, method: str,
-    tol: float,
-) -> None:  # fmt: skip
-    """Motions that failed on the way, once more, each alone, up to their passages through ``level``
-    = 0; what fails alone, too, keeps its first error."""
+    alone: LoneMotions, watch: SectionWatch, passages: SectionPassages, level: sp.Expr
+) -> None:
+    """Motions that did not start, or failed on the way, once more, each alone, up to their passages
+    through ``level`` = 0; what fails alone, too, on the way keeps its first error."""
+    wrong = alone.motions.wrong
     try:
-        for i in sorted(passages.errors):
-            if not passages.interrupted:
-                _pass_alone(motions, watch, passages, level, method, tol, i)
+        for i in sorted({*wrong, *passages.errors}):
+            if passages.interrupted:
+                return
+            try:
+                _pass_alone(alone, watch, passages, level, i)
+            except VoronecError as error:
+                if i in wrong:
+                    wrong[i] = error
     except KeyboardInterrupt:
         passages.interrupted = True
 
 
-def end_at_cuts(motions: Many, passages: SectionPassages, method: str, tol: float) -> None:
+def end_at_cuts(alone: LoneMotions, passages: SectionPassages) -> None:
     """Of motions that reach the cut of an angle keep the passages before that, and say so."""
-    if not CutWatch.of(motions.vocabulary).cuts:
+    if not CutWatch.of(alone.motions.vocabulary).cuts:
         return
-    for i in (i for i in motions.sound if passages.parts[i]):
+    for i in (i for i in alone.motions.sound if passages.parts[i]):
         end = float(passages.parts[i][-1][0][-1])
         try:
-            integrate(
-                motions.vocabulary.equations, Scene({}, (0.0, 1.0)), [motions.time, end],
-                *_alone(motions, i), method, tol,
-            )  # fmt: skip
+            alone.motion(i, end)
         except IntegrationError as error:
             t = np.concatenate([part[0] for part in passages.parts[i]])
             passages.cut(i, int((t < float(end if error.time is None else error.time)).sum()))
             passages.errors[i] = error
 
 
-def _alone(motions: Many, i: int) -> tuple[list[sp.Expr], dict[str, float], dict[sp.Expr, Any]]:
-    """Outputs, parameters and start with which motion i is integrated whole."""
-    start = motions.start_values(i)
-    return [*start], {name: float(x[i]) for name, x in motions.parameters.items()}, start
-
-
 def _pass_alone(
-    motions: Many, watch: SectionWatch, passages: SectionPassages, level: sp.Expr, method: str,
-    tol: float, i: int,
-) -> None:  # fmt: skip
-    equations = motions.vocabulary.equations
-    names, constants, start = _alone(motions, i)
+    alone: LoneMotions, watch: SectionWatch, passages: SectionPassages, level: sp.Expr, i: int
+) -> None:
+    motions, names = alone.motions, alone.outputs
     event = Event(level, PLANE, passages.direction)
     unit = time_scale(motions, motions.time, motions.states[i], motions.values[i])
-    span, run = max(FIRST * unit, 2 * (passages.reached[i] - motions.time)), None
+    way = np.nan_to_num(passages.reached[i] - motions.time, posinf=0.0, neginf=0.0)
+    span, run = max(FIRST * unit, 2 * float(way)), None
     while run is None or not (
         len(run.events[PLANE]) >= passages.wanted
         or run.t[-1] >= passages.until
         or run.cost.steps > PATIENCE
     ):
-        end = min(motions.time + span, passages.until)
         try:
-            run = integrate(
-                equations, Scene({}, (0.0, 1.0)), [motions.time, end], names, constants, start,
-                method, tol, events=(event,),
-            )  # fmt: skip
+            run = alone.motion(i, min(motions.time + span, passages.until), (event,))
         except IntegrationError as error:
             run = error.trajectory
             if run is None or len(run.events[PLANE]) < passages.wanted:
-                return
+                raise
         if run.interrupted:
             raise KeyboardInterrupt
         span *= LONGER
-    del passages.errors[i]
+    if i in motions.wrong:
+        alone.place(i, run)
+    passages.errors.pop(i, None)
     if run.notes:
         passages.notes[i] = run.notes
     passed, passages.parts[i] = run.events[PLANE], []

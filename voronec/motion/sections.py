@@ -31,6 +31,7 @@ from voronec.motion.inputs import drive
 from voronec.motion.motion_pool import Many, drifts, many
 from voronec.motion.one_by_one import (
     DrivenPassages,
+    LoneMotions,
     SwitchedMotions,
     driven_passages,
     end_at_cuts,
@@ -355,10 +356,10 @@ def section(
         functions for inputs they are followed one by one, up to ``until``, which must be given.
 
     Each crossing is found on the Taylor polynomial of its step (with scipy, on the interpolant) and
-    polished to rounding; motions that pass a pole or a singular split are followed once more alone,
-    as by ``integrate``.  Raises ``DefinitionError`` where no motion ever passes through
-    the surface; what breaks down later, or loses a proved integral, is in ``errors``.  Ctrl-C keeps
-    the points that are there.
+    polished to rounding; motions that start at a pole or a singular split, or pass one, are
+    followed alone, as by ``integrate``.  Raises ``DefinitionError`` where no motion ever passes
+    through the surface; what breaks down later, or loses a proved integral, is in ``errors``.
+    Ctrl-C keeps the points that are there.
     """
     began, tol = perf_counter(), max(tol, EXACT)  # many motions go in doubles
     declared = system.system if isinstance(system, VoronecEquations) else require_system(system)
@@ -393,20 +394,20 @@ def section(
     motions = many(
         equations, chosen_scene, single, columns, {**wanted, f"plane {surface}": expr}, begin
     )
-    if len(motions.wrong) == len(motions):
-        raise motions.wrong[0]
+    alone = LoneMotions.of(motions, single, chosen_scene, method, tol)
     passages = SectionPassages.empty(len(motions), crossings, direction, until, progress)
     level = expr - sp.Rational(on_plane)
-    cost = _follow(motions, passages, surface, on_plane, level, method, tol, began)
+    cost = _follow(alone, passages, surface, on_plane, level, began)
     return _section(motions, passages, tuple(wanted), surface, on_plane, cost)
 
 
 def _follow(
-    motions: Many, passages: SectionPassages, surface: str, value: float, level: sp.Expr,
-    method: str, tol: float, began: float,
+    alone: LoneMotions, passages: SectionPassages, surface: str, value: float, level: sp.Expr,
+    began: float,
 ) -> Cost:  # fmt: skip
     """Follow motions to where the ``level`` is zero, and look at them; ``DefinitionError`` where
     that is nowhere."""
+    motions, method, tol = alone.motions, alone.method, alone.tol
     watch = _watch(motions, f"plane {surface}", value)
     switched = SwitchedMotions.of(motions, method, tol, np.array([0.0, 1.0]))
     follow, used, reason, finest = _followers(motions, switched, watch, method, tol)
@@ -415,8 +416,8 @@ def _follow(
         follow(passages)
     else:
         switched.passages(watch, passages, f"plane {surface}", value)
-    go_on_alone(motions, watch, passages, level, method, tol)
-    end_at_cuts(motions, passages, method, tol)
+    go_on_alone(alone, watch, passages, level)
+    end_at_cuts(alone, passages)
     cost = Cost(
         method=used, reason=reason, tolerance=finest, setup=ready - began,
         run=perf_counter() - ready, steps=passages.steps, evaluations=passages.steps,
@@ -434,6 +435,8 @@ def _followers(
     and its tolerance."""
     if switched is not None:
         lanes, used, reason = None, switched.method, switched.reason
+    elif not motions.sound:
+        lanes, used, reason = None, "scipy", "each start alone"
     else:
         starts = watch.begin(motions, motions.sound), motions.values[motions.sound]
         lanes, used, reason = choose_lanes(method, watch.program, tol, *starts)
@@ -486,7 +489,7 @@ def _watch(motions: Many, name: str, value: float) -> SectionWatch:
 def _refuse_nothing(motions: Many, passages: SectionPassages, surface: str, value: float) -> None:
     if passages.count.any() or passages.interrupted:
         return
-    for error in passages.errors.values():
+    for error in (*motions.wrong.values(), *passages.errors.values()):
         raise error
     system = motions.vocabulary.equations.system.name
     if np.isnan(passages.low).all():
