@@ -96,6 +96,13 @@ def test_a_question_that_makes_no_sense_is_refused(words: dict[str, Any], messag
         bench.ask(SPRING, **words)
 
 
+def test_reactions_are_not_compared_and_a_configuration_is_its_coordinates() -> None:
+    sleigh = vo.load("sleigh")
+    with pytest.raises(vo.DefinitionError, match="'reaction 1' takes no part in a comparison"):
+        bench.ask(sleigh, outputs=("x", "reaction 1"))
+    assert bench.ask(sleigh, outputs=("configuration",)).outputs == ("x", "phi", "y")
+
+
 def test_a_reference_is_as_good_as_it_says(spring: bench.ReferenceProblem) -> None:
     found = bench.reference(spring)
     exact = known(spring)

@@ -139,6 +139,14 @@ def test_a_parameter_in_error_counts() -> None:
     assert (made <= np.sqrt(2) * 1.01).all() and (made >= 0.9).all()
 
 
+def test_a_fraction_in_the_equations_is_not_rounded_to_a_double() -> None:
+    pytest.importorskip("heyoka")
+    found = compute(on_the_line(1000.0, 3), vo.derive(particle(-x / 3)))
+    with mpmath.workdps(30):
+        exact = [float(mpmath.cos(t / mpmath.sqrt(3))) for t in found.t]
+    assert found.values["x"] == pytest.approx(exact, abs=2 * UNIT)
+
+
 def test_counted_periods_are_the_whole_motion() -> None:
     pytest.importorskip("heyoka")
     oscillator = vo.derive(particle(-(w**2) * x - x**3))

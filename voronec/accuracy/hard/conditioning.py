@@ -157,7 +157,7 @@ def reel(problem: ProblemLevel, arithmetic: str, tol: float, varied: bool = True
     import heyoka as hy
 
     kind = hy.real128 if arithmetic == "quadruple" else np.longdouble
-    pairs = taylor_system(problem.program)
+    pairs = taylor_system(problem.program, number=kind)
     kept = [pairs[i] for i in problem.places]
     variables = [v for v, _ in kept]
     acting = sorted({i for _, rhs in kept for i in _indices(hy, rhs)})
@@ -245,7 +245,7 @@ def _output_function(
     hy: Any, kind: Any, problem: ProblemLevel, variables: list[Any], values: np.ndarray
 ) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """Outputs, their slopes by the kept states, and by the parameters, at a state."""
-    outputs = list(taylor_extras(problem.program).values())
+    outputs = list(taylor_extras(problem.program, number=kind).values())
     size, count = len(variables), len(values)
     by = [*variables, *(hy.par[i] for i in range(count))]
     slopes = [hy.diff(o, x) for o in outputs for x in by]
