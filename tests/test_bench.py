@@ -18,12 +18,12 @@ from voronec.accuracy import bench
 from voronec.accuracy.bench import agreement
 from voronec.accuracy.bench import runs as own
 from voronec.accuracy.bench.contender import Contender, NotHere, Outcome
-from voronec.accuracy.bench.level import level, lowest
 from voronec.accuracy.bench.peers import numba_dop853, physics, scipy_lambdify
 from voronec.accuracy.bench.peers.hand_programs import BY_HAND, start_values
 from voronec.accuracy.bench.record import Measured, Point
 from voronec.accuracy.bench.runs import CONTENDERS, contenders
 from voronec.accuracy.bench.work_precision_picture import plot_work_precision
+from voronec.accuracy.problem import level, lowest
 from voronec.equations.program import Program, compile_program
 from voronec.motion.methods import METHODS
 
@@ -40,26 +40,26 @@ SPRING = vo.System(
 
 
 @pytest.fixture(scope="module")
-def spring() -> bench.BenchMotion:
+def spring() -> bench.ReferenceProblem:
     return bench.ask(SPRING, outputs=("q", "p"), instants=13)
 
 
 @pytest.fixture(scope="module")
-def ball() -> bench.BenchMotion:
+def ball() -> bench.ReferenceProblem:
     return bench.ask(vo.load("chaplygin-ball"), time=2.0, instants=11)
 
 
-def known(question: bench.BenchMotion) -> bench.BenchReference:
+def known(question: bench.ReferenceProblem) -> bench.ReferenceSolution:
     """The closed form of the springs, in place of a reference."""
     t = question.grid
-    return bench.BenchReference(t, {"q": np.cos(t), "p": np.sin(2 * t)}, 1e-16, ("one", "other"))
+    return bench.ReferenceSolution(t, {"q": np.cos(t), "p": np.sin(2 * t)}, 1e-16, ("one", "other"))
 
 
 def contender(name: str) -> Contender:
     return contenders([name])[0]
 
 
-def test_every_method_gets_the_same_doubles(ball: bench.BenchMotion) -> None:
+def test_every_method_gets_the_same_doubles(ball: bench.ReferenceProblem) -> None:
     assert ball.initial["omega3"] == 0.2 and ball.parameters["I1"] == 0.4
     assert ball.outputs == ("gamma1", "gamma2", "gamma3", "omega1", "omega2", "omega3")
     low, high = level(ball, "invariants"), level(ball, "coordinates")
@@ -96,7 +96,14 @@ def test_a_question_that_makes_no_sense_is_refused(words: dict[str, Any], messag
         bench.ask(SPRING, **words)
 
 
-def test_a_reference_is_as_good_as_it_says(spring: bench.BenchMotion) -> None:
+def test_reactions_are_not_compared_and_a_configuration_is_its_coordinates() -> None:
+    sleigh = vo.load("sleigh")
+    with pytest.raises(vo.DefinitionError, match="'reaction 1' takes no part in a comparison"):
+        bench.ask(sleigh, outputs=("x", "reaction 1"))
+    assert bench.ask(sleigh, outputs=("configuration",)).outputs == ("x", "phi", "y")
+
+
+def test_a_reference_is_as_good_as_it_says(spring: bench.ReferenceProblem) -> None:
     found = bench.reference(spring)
     exact = known(spring)
     assert found.accuracy < 1e-15 and found.note == "" and len(set(found.how)) == 2
@@ -104,7 +111,7 @@ def test_a_reference_is_as_good_as_it_says(spring: bench.BenchMotion) -> None:
         np.testing.assert_allclose(found.values[name], exact.values[name], rtol=0, atol=4e-16)
 
 
-def test_the_two_routes_meet_on_different_equations(ball: bench.BenchMotion) -> None:
+def test_the_two_routes_meet_on_different_equations(ball: bench.ReferenceProblem) -> None:
     pytest.importorskip("heyoka")
     levels = agreement.levels_of(ball)
     routes = [agreement.heyoka_route(at, ball, 30) for at in levels]
@@ -114,7 +121,7 @@ def test_the_two_routes_meet_on_different_equations(ball: bench.BenchMotion) -> 
     assert found is not None and len(found.t) == len(ball.grid)
 
 
-def test_more_digits_are_better_digits(ball: bench.BenchMotion) -> None:
+def test_more_digits_are_better_digits(ball: bench.ReferenceProblem) -> None:
     pytest.importorskip("heyoka")
     from voronec.accuracy.bench.agreement import precise_outputs
 
@@ -124,7 +131,7 @@ def test_more_digits_are_better_digits(ball: bench.BenchMotion) -> None:
     assert 0 < apart < 1e-22
 
 
-def test_runs_that_part_are_used_up_to_there(spring: bench.BenchMotion) -> None:
+def test_runs_that_part_are_used_up_to_there(spring: bench.ReferenceProblem) -> None:
     exact = dict(known(spring).values)
     wrong = {"q": exact["q"].copy(), "p": exact["p"]}
     wrong["q"][7:] += 1e-6
@@ -136,7 +143,7 @@ def test_runs_that_part_are_used_up_to_there(spring: bench.BenchMotion) -> None:
 
 
 def test_a_reference_whose_routes_disagree_is_refused(
-    spring: bench.BenchMotion, monkeypatch: pytest.MonkeyPatch
+    spring: bench.ReferenceProblem, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     exact = dict(known(spring).values)
     other = {name: x + 1e-3 for name, x in exact.items()}
@@ -153,7 +160,7 @@ def test_a_reference_whose_routes_disagree_is_refused(
 
 
 def test_one_route_is_no_reference(
-    spring: bench.BenchMotion, monkeypatch: pytest.MonkeyPatch
+    spring: bench.ReferenceProblem, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(agreement, "flint_routes", lambda *_: [])
     monkeypatch.setattr(agreement, "heyoka_route", lambda *_: ("only", dict))
@@ -215,17 +222,17 @@ def test_the_observed_order_is_that_of_the_finest_runs() -> None:
     [("dop853-numba", "numba"), ("mujoco-best", "mujoco"), ("heyoka-by-hand", "heyoka")],
 )
 def test_a_peer_that_is_not_installed_is_said_to_be(
-    ball: bench.BenchMotion, monkeypatch: pytest.MonkeyPatch, name: str, package: str
+    ball: bench.ReferenceProblem, monkeypatch: pytest.MonkeyPatch, name: str, package: str
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
     found = bench.measure(
-        ball, [name], against=bench.BenchReference(ball.grid, {}, 1e-16, ("", ""))
+        ball, [name], against=bench.ReferenceSolution(ball.grid, {}, 1e-16, ("", ""))
     )
     assert found[name].absent == f"not installed: {package}" and found[name].points == ()
 
 
 @pytest.mark.parametrize("name", ["mujoco-best", "heyoka-by-hand", "dop853-lambdify-invariants"])
-def test_a_peer_that_does_not_fit_says_why(spring: bench.BenchMotion, name: str) -> None:
+def test_a_peer_that_does_not_fit_says_why(spring: bench.ReferenceProblem, name: str) -> None:
     with pytest.raises(NotHere):
         contender(name).prepare(spring)
 
@@ -236,7 +243,7 @@ def test_a_peer_refuses_outputs_that_it_does_not_compute() -> None:
         contender("heyoka-by-hand").prepare(question)
 
 
-def test_our_source_of_dop853_is_dop853(spring: bench.BenchMotion) -> None:
+def test_our_source_of_dop853_is_dop853(spring: bench.ReferenceProblem) -> None:
     at = lowest(spring)
     namespace: dict[str, Any] = {"np": np, "right": numba_dop853.right_hand_side(at.program)}
     exec(numba_dop853.stepper_source(len(at.start)), namespace)
@@ -275,14 +282,14 @@ def test_dop853_on_scalars_takes_the_steps_of_that_on_arrays() -> None:
 
 
 @pytest.mark.parametrize("name", ["dop853-numba-unrolled", "dop853-numba-fastmath"])
-def test_a_ball_by_hand_on_scalars_is_the_ball(ball: bench.BenchMotion, name: str) -> None:
+def test_a_ball_by_hand_on_scalars_is_the_ball(ball: bench.ReferenceProblem, name: str) -> None:
     pytest.importorskip("heyoka")
     pytest.importorskip("numba")
     found = bench.measure(ball, [name], [1e-11], against=_exact(ball))[name]
     assert found.points[0].error < 1e-9, found
 
 
-def test_sympys_right_hand_side_is_ours(ball: bench.BenchMotion) -> None:
+def test_sympys_right_hand_side_is_ours(ball: bench.ReferenceProblem) -> None:
     at = lowest(ball)
     ours, _ = compile_program(at.program)
     state = np.array([0.48, 0.6, 0.64, 0.5, 2.1, 0.4])  # |gamma| = 1, where forms may differ
@@ -314,14 +321,16 @@ def test_a_program_by_hand_is_the_engines_motion(name: str) -> None:
         assert bench.difference(values, ours[key], turned).max() < 1e-9, key
 
 
-def test_our_integrator_is_timed_on_the_motion_that_is_shown(spring: bench.BenchMotion) -> None:
+def test_our_integrator_is_timed_on_the_motion_that_is_shown(
+    spring: bench.ReferenceProblem,
+) -> None:
     seen = vo.integrate(SPRING, times=spring.grid, outputs=("q", "p"), method="scipy", tol=1e-8)
     again = own.repetition(spring, tuple(spring.expressions.values()), seen)
     assert again is not None
     assert again(spring.grid).steps == again(spring.grid).steps == seen.cost.steps > 0
 
 
-def test_another_motion_is_not_timed_in_place_of_ours(spring: bench.BenchMotion) -> None:
+def test_another_motion_is_not_timed_in_place_of_ours(spring: bench.ReferenceProblem) -> None:
     seen = vo.integrate(SPRING, times=spring.grid, outputs=("q", "p"), method="scipy", tol=1e-8)
     other = replace(seen, cost=replace(seen.cost, steps=seen.cost.steps + 1))
     assert own.repetition(spring, tuple(spring.expressions.values()), other) is None
@@ -338,7 +347,9 @@ PEERS = (
 
 
 @pytest.mark.parametrize("name", PEERS)
-def test_finer_tolerances_are_nearer_to_the_reference(ball: bench.BenchMotion, name: str) -> None:
+def test_finer_tolerances_are_nearer_to_the_reference(
+    ball: bench.ReferenceProblem, name: str
+) -> None:
     if "by-hand" in name:
         pytest.importorskip("heyoka")
     exact = _exact(ball)
@@ -351,13 +362,13 @@ def test_finer_tolerances_are_nearer_to_the_reference(ball: bench.BenchMotion, n
     assert fine.evaluations > 0 and fine.per_unit > 0
 
 
-def test_dop853_of_numba_is_as_accurate(ball: bench.BenchMotion) -> None:
+def test_dop853_of_numba_is_as_accurate(ball: bench.ReferenceProblem) -> None:
     pytest.importorskip("numba")
     found = bench.measure(ball, ["dop853-numba"], [1e-11], against=_exact(ball))["dop853-numba"]
     assert found.points[0].error < 1e-9
 
 
-def test_mujoco_converges_with_its_best_settings_only(ball: bench.BenchMotion) -> None:
+def test_mujoco_converges_with_its_best_settings_only(ball: bench.ReferenceProblem) -> None:
     pytest.importorskip("mujoco")
     names = ("mujoco-best", "mujoco-default")
     errors = {}
@@ -375,16 +386,16 @@ def test_mujoco_converges_with_its_best_settings_only(ball: bench.BenchMotion) -
     assert errors["mujoco-best"][1] < errors["mujoco-best"][0] / 4, "second order"
 
 
-def test_the_model_of_mujoco_holds_the_ball(ball: bench.BenchMotion) -> None:
+def test_the_model_of_mujoco_holds_the_ball(ball: bench.ReferenceProblem) -> None:
     text = physics.model_text(physics.BEST, 0.5, 2.0, 3.0, (0.4, 0.5, 0.7))
     assert 'diaginertia="0.4 0.5 0.7"' in text and 'mass="2.0"' in text
     assert 'size="3.0"' in text and 'timestep="0.5"' in text and 'solref="0.375 1"' in text
 
 
-EXACT: dict[str, bench.BenchReference] = {}
+EXACT: dict[str, bench.ReferenceSolution] = {}
 
 
-def _exact(ball: bench.BenchMotion) -> bench.BenchReference:
+def _exact(ball: bench.ReferenceProblem) -> bench.ReferenceSolution:
     if "ball" not in EXACT:
         EXACT["ball"] = bench.reference(ball)
     return EXACT["ball"]
@@ -394,7 +405,7 @@ def _made(name: str, run: Any, tolerances: tuple[float, ...] = (1e-2, 1e-4)) -> 
     return Contender(name, "ours: made for a test", tolerances, lambda _question: run)
 
 
-def _answer(question: bench.BenchMotion, wrong: float, seconds: float = 0.5) -> Outcome:
+def _answer(question: bench.ReferenceProblem, wrong: float, seconds: float = 0.5) -> Outcome:
     values = {n: x + wrong for n, x in known(question).values.items()}
     return Outcome(values, seconds, 7, 3, {"energy": wrong})
 
@@ -409,7 +420,7 @@ def made(monkeypatch: pytest.MonkeyPatch) -> Any:
     return put
 
 
-def test_a_measurement_is_plain_data(spring: bench.BenchMotion, made: Any) -> None:
+def test_a_measurement_is_plain_data(spring: bench.ReferenceProblem, made: Any) -> None:
     made(_made("good", lambda tol: _answer(spring, tol)))
     found = bench.measure(spring, against=known(spring))
     data = json.loads(json.dumps(found.as_dict(), allow_nan=False))
@@ -431,13 +442,15 @@ def test_a_measurement_is_plain_data(spring: bench.BenchMotion, made: Any) -> No
 
 
 def test_an_error_is_never_less_than_the_reference_knows(
-    spring: bench.BenchMotion, made: Any
+    spring: bench.ReferenceProblem, made: Any
 ) -> None:
     made(_made("good", lambda tol: _answer(spring, 0.0)))
     assert bench.measure(spring, against=known(spring))["good"].points[0].error == 1e-16
 
 
-def test_a_run_that_fails_is_kept_with_its_reason(spring: bench.BenchMotion, made: Any) -> None:
+def test_a_run_that_fails_is_kept_with_its_reason(
+    spring: bench.ReferenceProblem, made: Any
+) -> None:
     def run(tol: float) -> Outcome:
         if tol > 1e-3:
             raise vo.IntegrationError("it broke")
@@ -449,7 +462,7 @@ def test_a_run_that_fails_is_kept_with_its_reason(spring: bench.BenchMotion, mad
 
 
 def test_what_would_take_too_long_is_left_out_and_named(
-    spring: bench.BenchMotion, made: Any
+    spring: bench.ReferenceProblem, made: Any
 ) -> None:
     made(_made("slow", lambda tol: _answer(spring, tol, seconds=10.0)))
     found = bench.measure(spring, against=known(spring), budget=20.0)["slow"]
@@ -457,7 +470,7 @@ def test_what_would_take_too_long_is_left_out_and_named(
     assert found.note == "tolerance 0.0001 and finer left out: over 20 s a run"
 
 
-def test_ctrl_c_keeps_what_is_measured(spring: bench.BenchMotion, made: Any) -> None:
+def test_ctrl_c_keeps_what_is_measured(spring: bench.ReferenceProblem, made: Any) -> None:
     def run(tol: float) -> Outcome:
         if tol < 1e-3:
             raise KeyboardInterrupt
@@ -472,27 +485,27 @@ def test_ctrl_c_keeps_what_is_measured(spring: bench.BenchMotion, made: Any) -> 
 
 
 def test_only_the_part_that_the_reference_covers_is_measured(
-    spring: bench.BenchMotion, made: Any
+    spring: bench.ReferenceProblem, made: Any
 ) -> None:
     grids = []
 
-    def prepare(question: bench.BenchMotion) -> Any:
+    def prepare(question: bench.ReferenceProblem) -> Any:
         grids.append(question.grid)
         return lambda tol: _answer(question, tol)
 
     made(Contender("seen", "", (1e-2,), prepare))
     full = known(spring)
-    short = bench.BenchReference(
+    short = bench.ReferenceSolution(
         full.t[:5], {n: x[:5] for n, x in full.values.items()}, 1e-16, ("", "")
     )
     bench.measure(spring, against=short)
     assert len(grids[0]) == 5 and grids[0][-1] == 1.0
 
 
-def test_steps_are_not_taken_for_tolerances(spring: bench.BenchMotion, made: Any) -> None:
+def test_steps_are_not_taken_for_tolerances(spring: bench.ReferenceProblem, made: Any) -> None:
     seen: list[float] = []
 
-    def prepare(_question: bench.BenchMotion) -> Any:
+    def prepare(_question: bench.ReferenceProblem) -> Any:
         return lambda step: seen.append(step) or _answer(spring, step)
 
     made(Contender("stepped", "", (0.5, 0.25), prepare, knob="step"))
@@ -508,13 +521,13 @@ def test_steps_are_not_taken_for_tolerances(spring: bench.BenchMotion, made: Any
     ],
 )
 def test_methods_and_tolerances_that_are_none_are_refused(
-    spring: bench.BenchMotion, words: dict[str, Any], message: str
+    spring: bench.ReferenceProblem, words: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(vo.DefinitionError, match=message):
         bench.measure(spring, against=known(spring), **words)
 
 
-def test_ratios_are_of_times_at_equal_error(spring: bench.BenchMotion) -> None:
+def test_ratios_are_of_times_at_equal_error(spring: bench.ReferenceProblem) -> None:
     def method(name: str, scale: float) -> Measured:
         points = tuple(Point(e, e, scale * s, 1, 1, {}, {}) for e, s in RUNS)
         return Measured(name, "", points=points)
@@ -532,7 +545,7 @@ def test_every_method_of_integrate_is_measured() -> None:
     assert set(METHODS) <= {c.name for c in CONTENDERS}
 
 
-def test_the_plot_holds_every_method_that_ran(spring: bench.BenchMotion) -> None:
+def test_the_plot_holds_every_method_that_ran(spring: bench.ReferenceProblem) -> None:
     points = tuple(Point(e, e, s, 1, 1, {}, {}) for e, s in RUNS)
     ours = Measured("taylor", "ours: it", points=points)
     peer = Measured("other", "theirs", points=points[:2])
@@ -555,7 +568,7 @@ def test_set_up_is_measured_in_fresh_processes(tmp_path: Path) -> None:
     assert found.warm > 0 and found.cold > 0 and found.load > 0
 
 
-def test_a_program_has_the_outputs_and_integrals_of_its_level(ball: bench.BenchMotion) -> None:
+def test_a_program_has_the_outputs_and_integrals_of_its_level(ball: bench.ReferenceProblem) -> None:
     at = level(ball, "invariants")
     assert isinstance(at.program, Program) and at.name == "invariants"
     values, drift = at.outputs_and_drift(np.array([0.0, 1.0]), np.array([at.state, 2 * at.state]))

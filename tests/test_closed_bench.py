@@ -64,9 +64,9 @@ def test_hard_cases_are_met_by_the_closed_form(equations, name):
 
 def test_references_of_hard_cases_agree_with_the_closed_form(equations):
     (case,) = (c for c in CASES if c.name == "turning-point")
-    from voronec.accuracy.hard.case_program import problem
+    from voronec.accuracy.hard.case import case_level
 
-    found = closed_form_outputs(case, equations, problem(case, equations))
+    found = closed_form_outputs(case, equations, case_level(case, equations))
     known = reference(case, equations)
     for i, name in enumerate(known.values):
         assert np.abs(found[:, i].astype(float) - known.values[name]).max() < 1e-15

@@ -24,8 +24,8 @@ from figures.race import OneRun, Race, race
 from figures.systems import chain
 from voronec.accuracy.bench import ask
 from voronec.accuracy.bench.contender import time_fastest
-from voronec.accuracy.bench.level import lowest
 from voronec.accuracy.bench.peers.numba_dop853 import right_hand_side, stepper_source
+from voronec.accuracy.problem import lowest
 from voronec.equations.program import HoistedProgram, Program, hoist, taylor_system
 from voronec.equations.staged_equations import lean_form
 from voronec.motion.steppers import Problem as Motion

@@ -15,10 +15,9 @@ from figures.extent import Extent
 from figures.race import OneRun, Race, clock, race
 from figures.table import Row
 from voronec.accuracy.bench import ask
-from voronec.accuracy.bench.level import level
 from voronec.accuracy.bench.peers.hand_programs import BY_HAND, right_side, start_values
 from voronec.accuracy.bench.peers.scipy_lambdify import RIGHT_SIDES
-from voronec.accuracy.bench.question import BenchMotion
+from voronec.accuracy.problem import ReferenceProblem, level
 
 __all__ = ["ROWS"]
 
@@ -44,7 +43,7 @@ class Peer:
     place: int
 
     @classmethod
-    def of(cls, kind: str, question: BenchMotion) -> Peer:
+    def of(cls, kind: str, question: ReferenceProblem) -> Peer:
         """The ball on a sphere by hand, or as the engine reduced it."""
         if kind == "by hand":
             program = BY_HAND[question.system.name](question.parameters)
@@ -150,7 +149,7 @@ def _ensemble_rows(found: Race, extent: Extent, said: str) -> Iterator[Row]:
 
 
 def _in_long_doubles(
-    question: BenchMotion, spins: dict[str, np.ndarray], grid: np.ndarray
+    question: ReferenceProblem, spins: dict[str, np.ndarray], grid: np.ndarray
 ) -> np.ndarray:
     """States (starts, k, 6) of all starts by the program by hand, in numbers of 64 bits of
     mantissa."""
@@ -278,7 +277,7 @@ def _seconds_a_point(ball: Any, tol: float, starts: int, crossings: int) -> dict
     return {"run": _pace(told) / crossings, "whole": whole / crossings}
 
 
-def _events(peer: Peer, question: BenchMotion, exact: Any, tol: float) -> OneRun:
+def _events(peer: Peer, question: ReferenceProblem, exact: Any, tol: float) -> OneRun:
     """scipy's events over the same crossings: seconds a point."""
     from scipy.integrate import solve_ivp
 

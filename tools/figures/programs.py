@@ -13,7 +13,7 @@ import voronec as vo
 from figures.extent import Extent
 from figures.race import Spread
 from figures.table import Row
-from voronec.accuracy.bench import BenchMotion, BenchReference, ask, at_error, difference
+from voronec.accuracy.bench import ReferenceProblem, ReferenceSolution, ask, at_error, difference
 from voronec.accuracy.bench.peers.hand_programs import BY_HAND, start_values
 from voronec.accuracy.bench.runs import contenders
 from voronec.equations.program import Program, hoist, taylor_system
@@ -72,7 +72,7 @@ class CompiledMotion:
         )
 
 
-def smallest(question: BenchMotion) -> CompiledMotion:
+def smallest(question: ReferenceProblem) -> CompiledMotion:
     """The smallest model of a question's outputs, as on a fine grid: angles are read off."""
     form = question.equations.raw.form
     start = np.array([question.initial[str(s)] for s in (*form.coordinates, *form.velocities)])
@@ -176,7 +176,7 @@ def _seconds(
 
 
 def _closed_form_call(
-    question: BenchMotion, exact: BenchReference, full: Spread, extent: Extent
+    question: ReferenceProblem, exact: ReferenceSolution, full: Spread, extent: Extent
 ) -> Row:
     """A whole call for the motion in closed form, against seconds of the ``full`` model."""
 
@@ -203,7 +203,7 @@ def _closed_form_call(
     )
 
 
-def _demchenko_by_hand(question: BenchMotion) -> BenchReference:
+def _demchenko_by_hand(question: ReferenceProblem) -> ReferenceSolution:
     """u and v by a program of its own kind, at the tolerance that drifts least."""
     import heyoka as hy
 
@@ -211,10 +211,12 @@ def _demchenko_by_hand(question: BenchMotion) -> BenchReference:
     start = hand.start(start_values(question))
     integrator = hy.taylor_adaptive(hand.equations, start.tolist(), tol=1e-16)
     values = hand.back(integrator.propagate_grid(question.grid)[-1])
-    return BenchReference(question.grid, values, 1e-12, ("by hand", ""))
+    return ReferenceSolution(question.grid, values, 1e-12, ("by hand", ""))
 
 
-def _worst(question: BenchMotion, values: Mapping[str, Any], exact: BenchReference) -> float:
+def _worst(
+    question: ReferenceProblem, values: Mapping[str, Any], exact: ReferenceSolution
+) -> float:
     return max(
         float(difference(values[n], exact.values[n], n in question.angles).max())
         for n in question.outputs
@@ -222,7 +224,7 @@ def _worst(question: BenchMotion, values: Mapping[str, Any], exact: BenchReferen
 
 
 def _whole(
-    question: BenchMotion, program: Program, every: CompiledMotion, tol: float
+    question: ReferenceProblem, program: Program, every: CompiledMotion, tol: float
 ) -> dict[str, np.ndarray]:
     integrator = every.integrator(tol)
     integrator.time, integrator.state[:] = 0.0, every.start

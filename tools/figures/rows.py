@@ -13,9 +13,9 @@ from figures.extent import Extent
 from figures.race import OneRun, Race, Spread, clock, race
 from figures.table import Row
 from voronec.accuracy.bench import (
-    BenchMotion,
-    BenchReference,
     Measured,
+    ReferenceProblem,
+    ReferenceSolution,
     ask,
     difference,
     measure,
@@ -41,7 +41,7 @@ def rows_of(measurement: Callable[..., Iterator[Row]], *arguments: Any) -> list[
 
 
 @cache
-def ball(extent: Extent) -> tuple[BenchMotion, BenchReference]:
+def ball(extent: Extent) -> tuple[ReferenceProblem, ReferenceSolution]:
     """The ball on a sphere, and its motion by two independent runs."""
     question = ask(vo.load("ball-on-sphere"), time=extent.span)
     return question, reference(question, 1e-12)
@@ -67,11 +67,11 @@ def around(names: Iterable[str], errors: Iterable[float], extent: Extent) -> Rac
     )
 
 
-def _first(question: BenchMotion, one: Measured) -> dict[float, OneRun]:
+def _first(question: ReferenceProblem, one: Measured) -> dict[float, OneRun]:
     return {p.setting: OneRun(p.error, {"run": p.per_unit * question.span}) for p in one.good}
 
 
-def _runs(question: BenchMotion, one: Measured) -> Callable[[float], OneRun]:
+def _runs(question: ReferenceProblem, one: Measured) -> Callable[[float], OneRun]:
     """One method, run again at settings whose errors are known."""
     (contender,) = contenders([one.name])
     run, errors = contender.prepare(question), {p.setting: p.error for p in one.good}

@@ -34,7 +34,7 @@ def store_references(names: list[str]) -> None:
         lines = (f"{json.dumps(n)}: {json.dumps(stored[n])}" for n in sorted(stored))
         STORE.write_text("{\n" + ",\n".join(lines) + "\n}\n", "utf-8")
         print(
-            f"{case.name}: {found.made}, agreed to {found.agreed:.1e}, condition "
+            f"{case.name}: {found.provenance}, agreed to {found.accuracy:.1e}, condition "
             f"{found.largest_condition:.1e}, {perf_counter() - began:.0f} s",
             flush=True,
         )

@@ -4,21 +4,23 @@
 a ``Bench`` of all methods.  Peers are optional: what is not installed is named, never needed.
 """
 
-from voronec.accuracy.bench.agreement import BenchReference, difference, reference
+from voronec.accuracy.bench.agreement import reference
 from voronec.accuracy.bench.call_time import CallStages, SetupTime, measure_calls, measure_setup
-from voronec.accuracy.bench.question import BenchMotion, ask
+from voronec.accuracy.bench.question import ask
 from voronec.accuracy.bench.record import At, Bench, Measured, Point, at_error, observed_order
 from voronec.accuracy.bench.runs import CONTENDERS, measure
+from voronec.accuracy.problem import ReferenceProblem
+from voronec.accuracy.reference import ReferenceSolution, difference
 
 __all__ = [
     "CONTENDERS",
     "At",
     "Bench",
-    "BenchMotion",
-    "BenchReference",
     "CallStages",
     "Measured",
     "Point",
+    "ReferenceProblem",
+    "ReferenceSolution",
     "SetupTime",
     "ask",
     "at_error",

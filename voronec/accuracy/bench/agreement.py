@@ -9,26 +9,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 import symengine as se
 
-from voronec.accuracy.bench.level import BenchLevel, level
-from voronec.accuracy.bench.question import BenchMotion
+from voronec.accuracy.problem import ProblemLevel, ReferenceProblem, level
+from voronec.accuracy.reference import UNIT, ReferenceSolution, difference
 from voronec.equations.program import mpmath_source, taylor_system
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
 from voronec.motion import integrate
 
 __all__ = [
     "ACCURACY",
-    "BenchReference",
     "agreed_reference",
     "ball_solution",
     "closed_form_reference",
-    "difference",
     "flint_routes",
     "heyoka_route",
     "levels_of",
@@ -44,7 +42,7 @@ GUARD = 5
 """Digits kept beyond those asked for."""
 
 
-def why_not(level: BenchLevel) -> str | None:
+def why_not(level: ProblemLevel) -> str | None:
     """Why heyoka cannot run this exactly, or None where it can.
 
     Its expressions hold constants as doubles, so a fraction such as 1/3 would be rounded.
@@ -67,7 +65,7 @@ def _numbers(expr: Any) -> set[Any]:
     return set().union(*(_numbers(a) for a in expr.args)) if expr.args else set()
 
 
-def precise_outputs(level: BenchLevel, grid: np.ndarray, digits: int) -> dict[str, np.ndarray]:
+def precise_outputs(level: ProblemLevel, grid: np.ndarray, digits: int) -> dict[str, np.ndarray]:
     """The outputs on the grid, arrays of mpmath numbers, evaluated in as many digits."""
     import mpmath
 
@@ -82,10 +80,10 @@ def precise_outputs(level: BenchLevel, grid: np.ndarray, digits: int) -> dict[st
         ]
         place = {name: i for i, name in enumerate(level.program.names)}
         # inside, where a number is not rounded to a double on the way
-        return {n: np.array([mpmath.mpf(r[place[n]]) for r in rows]) for n in level.outputs}
+        return {n: np.array([mpmath.mpf(r[place[n]]) for r in rows]) for n in level.problem.outputs}
 
 
-def precise_states(level: BenchLevel, grid: np.ndarray, digits: int) -> list[list[str]]:
+def precise_states(level: ProblemLevel, grid: np.ndarray, digits: int) -> list[list[str]]:
     """States on the grid as decimal texts, one list for each instant."""
     import heyoka as hy
     import mpmath
@@ -116,7 +114,7 @@ def precise_states(level: BenchLevel, grid: np.ndarray, digits: int) -> list[lis
     outcome, *_, rows = integrator.propagate_grid(np.array([own(float(t)) for t in grid]))
     if len(rows) < len(grid):
         raise IntegrationError(
-            f"system '{level.field.system.name}': the run of {digits} digits for the reference "
+            f"system '{level.problem.system.name}': the run of {digits} digits for the reference "
             f"stopped at t = {float(integrator.time):g} ({outcome}); end the motion before that"
         )
     return [[str(x) for x in row] for row in rows]
@@ -137,22 +135,7 @@ Route = tuple[str, Callable[[], Mapping[str, np.ndarray]]]
 """What a run is called, and the run: output to values on the grid."""
 
 
-@dataclass(frozen=True, eq=False)
-class BenchReference:
-    """Values of the outputs, each of shape (k,), on the times ``t`` (k,).
-
-    ``accuracy`` is the largest difference of the two runs in ``how``, relative to the size of the
-    output; ``note`` says so where they agree only on a part of the grid that was asked for.
-    """
-
-    t: np.ndarray
-    values: Mapping[str, np.ndarray]
-    accuracy: float
-    how: tuple[str, ...]
-    note: str = ""
-
-
-def reference(question: BenchMotion, needed: float = ACCURACY) -> BenchReference:
+def reference(question: ReferenceProblem, needed: float = ACCURACY) -> ReferenceSolution:
     """The motion of a question, to ``needed`` or better on the part of its grid that is returned.
 
     Where the system declares its motion in closed form, that is the reference, on any grid, and
@@ -163,7 +146,7 @@ def reference(question: BenchMotion, needed: float = ACCURACY) -> BenchReference
     found = closed_form_reference(question, needed)
     if found is not None:
         return found
-    best: BenchReference | None = None
+    best: ReferenceSolution | None = None
     for digits in DIGITS:
         first, second = two_routes(question, digits)
         found = agreed_reference(question, [(n, run()) for n, run in (first, second)], needed)
@@ -179,7 +162,7 @@ def reference(question: BenchMotion, needed: float = ACCURACY) -> BenchReference
     return best
 
 
-def closed_form_reference(question: BenchMotion, needed: float) -> BenchReference | None:
+def closed_form_reference(question: ReferenceProblem, needed: float) -> ReferenceSolution | None:
     """The enclosed motion, where there is one and an independent run agrees with it."""
     if question.system.motion is None:
         return None
@@ -203,13 +186,13 @@ def closed_form_reference(question: BenchMotion, needed: float) -> BenchReferenc
     return replace(found, t=question.grid, values=values, note=note)
 
 
-def ball_solution(question: BenchMotion) -> Mapping[str, np.ndarray]:
+def ball_solution(question: ReferenceProblem) -> Mapping[str, np.ndarray]:
     """The outputs as the declared motion gives them, enclosed to more digits than doubles hold."""
     return _solution(question, "closed-form", DIGITS[0] + 5)
 
 
 def _solution(
-    question: BenchMotion, method: str, digits: int, besides: Sequence[str] = ()
+    question: ReferenceProblem, method: str, digits: int, besides: Sequence[str] = ()
 ) -> Mapping[str, np.ndarray]:
     """The outputs by a method of ours to so many digits, in a model that has others ``besides``."""
     trajectory = integrate(
@@ -223,8 +206,8 @@ def _solution(
 
 
 def agreed_reference(
-    question: BenchMotion, runs: Sequence[tuple[str, Mapping[str, np.ndarray]]], needed: float
-) -> BenchReference | None:
+    question: ReferenceProblem, runs: Sequence[tuple[str, Mapping[str, np.ndarray]]], needed: float
+) -> ReferenceSolution | None:
     """The reference that two runs make, cut where they part; None where they part at once."""
     (first, one), (second, two) = runs
     apart = np.max(
@@ -240,29 +223,16 @@ def agreed_reference(
             f"the two runs agree to {needed:g} up to t = {question.grid[good - 1]:g} only; "
             "the rest is not measured"
         )
-    return BenchReference(
+    return ReferenceSolution(
         t=question.grid[:good],
         values={n: np.asarray(one[n][:good], dtype=float) for n in question.outputs},
-        accuracy=max(float(apart[:good].max()), float(np.finfo(float).eps) / 2),
+        accuracy=max(float(apart[:good].max()), UNIT),
         how=(first, second),
         note=note,
     )
 
 
-def difference(values: Any, exact: Any, angle: bool) -> np.ndarray:
-    """|values - exact| at every instant (k,), relative to the output's largest size.
-
-    Of an angle the difference is taken modulo 2 pi, in radians.  Both may hold numbers of more
-    digits than a double has.
-    """
-    apart = np.asarray(np.asarray(values) - np.asarray(exact), dtype=float)
-    if angle:
-        return np.abs((apart + np.pi) % (2 * np.pi) - np.pi)
-    size = float(np.abs(np.asarray(exact, dtype=float)).max())
-    return np.abs(apart) / (size if size > 0 else 1.0)
-
-
-def two_routes(question: BenchMotion, digits: int) -> tuple[Route, Route]:
+def two_routes(question: ReferenceProblem, digits: int) -> tuple[Route, Route]:
     """The two most different runs there are."""
     levels = levels_of(question)
     own = [heyoka_route(at, question, digits) for at in levels]
@@ -282,7 +252,7 @@ def two_routes(question: BenchMotion, digits: int) -> tuple[Route, Route]:
     )
 
 
-def levels_of(question: BenchMotion) -> list[BenchLevel]:
+def levels_of(question: ReferenceProblem) -> list[ProblemLevel]:
     """The equations on coordinates, and on invariants where they close."""
     found = [level(question, "coordinates")]
     with suppress(VoronecError):
@@ -290,7 +260,7 @@ def levels_of(question: BenchMotion) -> list[BenchLevel]:
     return found
 
 
-def heyoka_route(at: BenchLevel, question: BenchMotion, digits: int) -> Route | None:
+def heyoka_route(at: ProblemLevel, question: ReferenceProblem, digits: int) -> Route | None:
     """A name and a run by heyoka in so many digits; None where it cannot run the level exactly."""
     if why_not(at) is not None:
         return None
@@ -298,7 +268,7 @@ def heyoka_route(at: BenchLevel, question: BenchMotion, digits: int) -> Route | 
     return name, lambda: precise_outputs(at, question.grid, digits)
 
 
-def flint_routes(question: BenchMotion, digits: int) -> list[Route]:
+def flint_routes(question: ReferenceProblem, digits: int) -> list[Route]:
     """Runs by our own arbitrary-precision integrator: of the smallest model, of the full one."""
     try:
         probe = replace(question, grid=question.grid[:1])

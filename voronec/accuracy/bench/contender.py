@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from voronec.accuracy.bench.level import BenchLevel, level
-from voronec.accuracy.bench.question import BenchMotion
+from voronec.accuracy.problem import ProblemLevel, ReferenceProblem, level, lowest
 from voronec.errors import VoronecError
 
 __all__ = ["Contender", "NotHere", "Outcome", "time_fastest", "without"]
@@ -56,7 +55,7 @@ class Contender:
     name: str
     about: str
     tolerances: tuple[float, ...]
-    prepare: Callable[[BenchMotion], Run]
+    prepare: Callable[[ReferenceProblem], Run]
     knob: str = "tolerance"
 
 
@@ -76,14 +75,12 @@ def without(package: str) -> NotHere:
     return NotHere(f"not installed: {package}")
 
 
-def level_for(question: BenchMotion, own: str = "") -> BenchLevel:
+def level_for(question: ReferenceProblem, own: str = "") -> ProblemLevel:
     """The question on a level of its own, or on the lowest there is; ``NotHere`` without one."""
-    for name in (own,) if own else ("invariants", "coordinates"):
-        try:
-            return level(question, name)
-        except VoronecError as refusal:
-            last = refusal
-    raise NotHere(str(last))
+    try:
+        return level(question, own) if own else lowest(question)
+    except VoronecError as refusal:
+        raise NotHere(str(refusal)) from None
 
 
 def require_outputs(outputs: Sequence[str], offered: Sequence[str]) -> None:

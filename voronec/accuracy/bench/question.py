@@ -1,17 +1,18 @@
-"""What is measured: one motion, its outputs and its grid, from numbers that every method shares."""
+"""What is measured: a motion of a scene, from doubles that every method shares."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
+from voronec.accuracy.problem import ReferenceProblem
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import as_expression
+from voronec.declaration.claims import right_of
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
 from voronec.equations.motions import Motions
@@ -19,57 +20,12 @@ from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, VoronecError, did_you_mean
 from voronec.motion import integrate
 from voronec.motion.inputs import drive
-from voronec.motion.request import number
+from voronec.motion.request import Vocabulary, number
 
-__all__ = ["INSTANTS", "BenchMotion", "ask"]
+__all__ = ["INSTANTS", "ask"]
 
 INSTANTS = 101
 """How many instants the outputs are compared at."""
-
-
-@dataclass(frozen=True, eq=False)
-class BenchMotion:
-    """One motion to be computed by many methods, and what is wanted of it.
-
-    ``outputs`` are names, ``expressions`` what they mean in the user's symbols; ``angles`` those of
-    them that are angles, whose errors are taken modulo 2 pi.  ``parameters`` and ``initial`` (all
-    coordinates and velocities) are doubles: the same numbers for every method and for the
-    reference, so that no method is blamed for how another rounds its input.
-    """
-
-    equations: VoronecEquations
-    scene: str
-    outputs: tuple[str, ...]
-    expressions: Mapping[str, sp.Expr]
-    grid: np.ndarray
-    parameters: Mapping[str, float]
-    initial: Mapping[str, float]
-    angles: frozenset[str]
-
-    @property
-    def system(self) -> System:
-        """The system that moves."""
-        return self.equations.system
-
-    @property
-    def span(self) -> float:
-        """Units of time from the first instant to the last."""
-        return float(abs(self.grid[-1] - self.grid[0]))
-
-    @cached_property
-    def motions(self) -> Motions:
-        """The vector fields of the system, on coordinates and on invariants."""
-        return Motions(self.equations)
-
-    @cached_property
-    def bare(self) -> Scene:
-        """A scene that asks for nothing in particular, so that the whole state is kept."""
-        return Scene(initial=dict(self.initial), parameters=dict(self.parameters))
-
-    def until(self, end: float) -> BenchMotion:
-        """The same question on the part of the grid up to a time."""
-        order = np.sign(self.grid[-1] - self.grid[0])
-        return replace(self, grid=self.grid[order * (self.grid - end) <= 0])
 
 
 def ask(
@@ -81,7 +37,7 @@ def ask(
     initial: Mapping[Any, Any] | None = None,
     instants: int = INSTANTS,
     inputs: Mapping[Any, Any] | None = None,
-) -> BenchMotion:
+) -> ReferenceProblem:
     """The question of a scene: ``time`` is its length where the scene's own is not wanted.
 
     ``inputs`` are numbers and expressions of the time or the state, over those of the scene.
@@ -98,22 +54,24 @@ def ask(
     grid = _grid(own, time, instants)
     wanted = (outputs,) if isinstance(outputs, str | sp.Basic) else tuple(outputs)
     wanted = wanted or _invariant_state(equations) or own.outputs
-    look = partial(
-        integrate, equations, replace(own, outputs=(), inputs={}), times=grid[:1],
-        parameters=parameters, initial=initial, method="scipy",
+    first = integrate(
+        equations, replace(own, outputs=(), inputs={}), times=grid[:1], parameters=parameters,
+        initial=initial, method="scipy",
     )  # fmt: skip
-    first, names = look(), look(outputs=wanted).outputs  # names of outputs are read there
     symbols = (*equations.system.coordinates, *equations.system.velocities)
-    expressions = _expressions(equations.system, wanted or symbols, names)
-    return BenchMotion(
+    read = Vocabulary.of(equations).read_outputs(wanted or symbols)
+    for name in read.reactions:
+        raise DefinitionError(f"'{name}' takes no part in a comparison of methods; leave it out")
+    integrals = {n: right_of(claim) for n, claim in equations.system.integrals.items()}
+    return ReferenceProblem(
         equations=equations,
         scene=chosen,
-        outputs=tuple(names),
-        expressions=expressions,
+        expressions=read.terms,
         grid=grid,
         parameters=dict(first.parameters),
         initial={plain_name(s): float(first[plain_name(s)][0]) for s in symbols},
-        angles=_angles(equations.system, expressions),
+        angles=_angles(equations.system, read.terms),
+        integrals=integrals,
     )
 
 
@@ -149,27 +107,11 @@ def _invariant_state(equations: VoronecEquations) -> tuple[Any, ...]:
     if not system.invariants:
         return ()
     try:
-        field = Motions(equations).on_invariants
+        field = Motions.of(equations).on_invariants
     except VoronecError:
         return ()
     own = [s for s in system.velocities if plain_name(s) in {str(v) for v in field.velocities}]
     return (*system.invariants, *map(plain_name, own))
-
-
-def _expressions(system: System, wanted: Sequence[Any], names: Sequence[str]) -> dict[str, sp.Expr]:
-    """Outputs by name, in the user's symbols; invariants stay as they are."""
-    from voronec.declaration.claims import right_of
-
-    known = {plain_name(s): s for s in system.known_symbols()}
-    known |= dict(zip(system.invariants, system.invariant_symbols, strict=True))
-    claims = {name: right_of(claim) for name, claim in system.integrals.items()}
-    result = {}
-    for key, name in zip(wanted, names, strict=True):
-        if isinstance(key, str):
-            result[name] = known.get(key, claims.get(key, sp.Symbol(key)))
-        else:
-            result[name] = as_expression(key)
-    return result
 
 
 def _angles(system: System, expressions: Mapping[str, sp.Expr]) -> frozenset[str]:

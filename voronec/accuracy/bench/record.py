@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from voronec.accuracy.bench.agreement import BenchReference
 from voronec.accuracy.bench.call_time import SetupTime
-from voronec.accuracy.bench.question import BenchMotion
+from voronec.accuracy.problem import ReferenceProblem
+from voronec.accuracy.reference import ReferenceSolution
 
 __all__ = ["AT", "At", "Bench", "Measured", "Point", "at_error", "observed_order"]
 
@@ -75,8 +75,8 @@ class Measured:
 class Bench:
     """Every method and tolerance measured on one question, against its reference."""
 
-    question: BenchMotion
-    reference: BenchReference
+    question: ReferenceProblem
+    reference: ReferenceSolution
     methods: tuple[Measured, ...]
     machine: Mapping[str, str]
     setup: SetupTime | None = None

@@ -15,12 +15,13 @@ from typing import Any
 
 import numpy as np
 
-from voronec.accuracy.bench.agreement import ACCURACY, BenchReference, difference, reference
+from voronec.accuracy.bench.agreement import ACCURACY, reference
 from voronec.accuracy.bench.call_time import SetupTime
 from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, time_fastest
 from voronec.accuracy.bench.peers import PEERS
-from voronec.accuracy.bench.question import BenchMotion
 from voronec.accuracy.bench.record import Bench, Measured, Point
+from voronec.accuracy.problem import ReferenceProblem
+from voronec.accuracy.reference import ReferenceSolution
 from voronec.algebra.symbols import plain_name
 from voronec.errors import DefinitionError, EngineLimit, VoronecError, did_you_mean
 from voronec.motion import Trajectory, integrate
@@ -42,7 +43,7 @@ COARSE_TO_FINE = (1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16)
 DOUBLE_TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12, 2.3e-14)
 
 
-def _prepare(question: BenchMotion, method: str, full: bool) -> Run:
+def _prepare(question: ReferenceProblem, method: str, full: bool) -> Run:
     """A method of ours on the smallest model of the outputs, or on the full one."""
     wanted = tuple(question.expressions[n] for n in question.outputs)
     asked = (*wanted, *question.initial) if full else wanted
@@ -77,7 +78,7 @@ def _prepare(question: BenchMotion, method: str, full: bool) -> Run:
     return run
 
 
-def _evaluation_time(question: BenchMotion) -> float:
+def _evaluation_time(question: ReferenceProblem) -> float:
     """CPU time of evaluating the coordinates and velocities that the outputs hold."""
     system = question.system
     form = closed_form(question.equations, question.bare)
@@ -88,7 +89,9 @@ def _evaluation_time(question: BenchMotion) -> float:
     return time_fastest(lambda: form.at(elapsed, names))[1]
 
 
-def repetition(question: BenchMotion, asked: Sequence[Any], seen: Trajectory) -> Stepper | None:
+def repetition(
+    question: ReferenceProblem, asked: Sequence[Any], seen: Trajectory
+) -> Stepper | None:
     """The integrator of a motion that was seen, made once more, to be run many times; None where
     what it makes is not the same motion."""
     form, cost = question.equations.raw.form, seen.cost
@@ -108,14 +111,14 @@ def repetition(question: BenchMotion, asked: Sequence[Any], seen: Trajectory) ->
     return None
 
 
-def _refuse_long(question: BenchMotion, first: float) -> None:
+def _refuse_long(question: ReferenceProblem, first: float) -> None:
     """Raise ``NotHere`` where arbitrary precision would keep everybody waiting."""
     seconds = first * (len(question.grid) - 1)
     if seconds > LONGEST:
         raise NotHere(f"would take about {seconds:.0f} s a run; take a shorter time")
 
 
-def outcome_of(question: BenchMotion, trajectory: Trajectory, seconds: float) -> Outcome:
+def outcome_of(question: ReferenceProblem, trajectory: Trajectory, seconds: float) -> Outcome:
     """What a run gave, cost and drifts with it; ``KeyboardInterrupt`` where a hand stopped it."""
     if trajectory.interrupted:
         raise KeyboardInterrupt
@@ -163,14 +166,14 @@ def contenders(names: Sequence[str] = ()) -> tuple[Contender, ...]:
 
 
 def measure(
-    question: BenchMotion,
+    question: ReferenceProblem,
     methods: Sequence[str] = (),
     tolerances: Sequence[float] = (),
     needed: float = ACCURACY,
     budget: float = BUDGET,
     setup: Callable[[], SetupTime | None] | None = None,
     say: Say | None = None,
-    against: BenchReference | None = None,
+    against: ReferenceSolution | None = None,
 ) -> Bench:
     """Every method at every tolerance, against a reference accurate to ``needed``.
 
@@ -210,8 +213,8 @@ def measure(
 
 def _measure(
     contender: Contender,
-    question: BenchMotion,
-    exact: BenchReference,
+    question: ReferenceProblem,
+    exact: ReferenceSolution,
     tolerances: Sequence[float],
     budget: float,
     points: list[Point],
@@ -246,14 +249,15 @@ def _next_cost(points: Sequence[Point], span: float, setting: float) -> float:
     return done[-1].per_unit * span * growth
 
 
-def _point(run: Run, setting: float, question: BenchMotion, exact: BenchReference) -> Point:
+def _point(run: Run, setting: float, question: ReferenceProblem, exact: ReferenceSolution) -> Point:
     try:
         outcome = run(setting)
     except VoronecError as failure:
         return Point(setting, failed=str(failure))
     except (ArithmeticError, ValueError, RuntimeError) as failure:
         return Point(setting, failed=f"{type(failure).__name__}: {failure}")
-    errors = _errors(outcome, question, exact)
+    apart = exact.errors(outcome.values, question.angles)
+    errors = {n: float(e.max()) for n, e in apart.items()}
     worst = max(errors.values())
     if not np.isfinite(worst):
         return Point(setting, failed="the outputs are not finite")
@@ -266,13 +270,6 @@ def _point(run: Run, setting: float, question: BenchMotion, exact: BenchReferenc
         errors=errors,
         drift=dict(outcome.drift),
     )
-
-
-def _errors(outcome: Outcome, question: BenchMotion, exact: BenchReference) -> dict[str, float]:
-    return {
-        n: float(difference(outcome.values[n], exact.values[n], n in question.angles).max())
-        for n in question.outputs
-    }
 
 
 def _machine() -> Mapping[str, str]:

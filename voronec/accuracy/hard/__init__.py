@@ -6,7 +6,7 @@ the condition number of the case (``conditioning``), u = 2^-53, and so is a refu
 
 from voronec.accuracy.hard.case import HardCase
 from voronec.accuracy.hard.cases import CASES, QUICK, every_case, named_cases
-from voronec.accuracy.hard.reference import HardReference, compute, reference
+from voronec.accuracy.hard.reference import compute, reference
 from voronec.accuracy.hard.trial import CaseResult, Trial, trials
 
 __all__ = [
@@ -14,7 +14,6 @@ __all__ = [
     "QUICK",
     "CaseResult",
     "HardCase",
-    "HardReference",
     "Trial",
     "compute",
     "every_case",

@@ -1,19 +1,25 @@
-"""A numerically hard case: a motion of a system of the catalogue, and what is hard about it."""
+"""A numerically hard case: a motion of a system of the catalogue, and what is hard about it;
+its problem in many digits."""
 
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from voronec.accuracy.problem import ProblemLevel, ReferenceProblem, level, precise_number
 from voronec.algebra.arguments import COUNT, SEQUENCE, TEXT, require
+from voronec.algebra.symbols import plain_name
 from voronec.declaration.scene import Scene
+from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, quote
 from voronec.motion.methods import METHODS
+from voronec.motion.request import Vocabulary
 
-__all__ = ["ARITHMETICS", "HardCase"]
+__all__ = ["ARITHMETICS", "HardCase", "case_level"]
 
 ARITHMETICS = {"quadruple": 33, "extended": 19}
 """What a reference is computed in, with its decimal digits."""
@@ -98,3 +104,47 @@ class HardCase:
         for mapping in (scene.initial, scene.parameters):
             told.append(sorted((str(k), str(v)) for k, v in mapping.items()))
         return hashlib.sha256(repr(told).encode()).hexdigest()[:16]
+
+
+def case_level(case: HardCase, equations: VoronecEquations, raw: bool = False) -> ProblemLevel:
+    """The problem of a case on its level, on coordinates by the cheapest form of the equations;
+    ``raw`` takes the unsimplified form, an independent program."""
+    problem, form, high = _problem(case, equations), None, case.level == "coordinates"
+    if high:
+        form = equations.raw.form if raw else equations.form
+    at = level(problem, case.level, form)
+    state = {str(s) for s in at.program.state}
+    for key in problem.initial:
+        if high and key not in state:
+            raise DefinitionError(
+                f"hard case '{case.name}': '{key}' is neither a coordinate nor a velocity of the "
+                "equations; give those"
+            )
+    known = {p.name for p in equations.system.parameters if p.value is not None}
+    known |= {*map(_name, case.scene.parameters)}
+    missing = [str(p) for p in at.program.parameters if str(p) not in known]
+    if {*missing} & {str(s) for s in at.program.derivative.symbols}:
+        raise DefinitionError(f"hard case '{case.name}': no value for {', '.join(missing)}")
+    return at
+
+
+def _problem(case: HardCase, equations: VoronecEquations) -> ReferenceProblem:
+    """What is wanted of a case, from numbers of many digits; parameters without a value are 0."""
+    scene = case.scene
+    constants = {p.name: p.value or 0 for p in equations.system.parameters}
+    return ReferenceProblem(
+        equations,
+        case.name,
+        dict(map(Vocabulary.of(equations).read_condition, scene.outputs)),
+        case.grid,
+        {n: precise_number(x) for n, x in (constants | _values_by_name(scene.parameters)).items()},
+        {n: precise_number(x) for n, x in _values_by_name(scene.initial).items()},
+    )
+
+
+def _values_by_name(values: Mapping[Any, Any]) -> dict[str, Any]:
+    return {_name(key): value for key, value in values.items()}
+
+
+def _name(key: Any) -> str:
+    return key if isinstance(key, str) else plain_name(key)

@@ -23,33 +23,26 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from voronec.accuracy.hard.case_program import DIGITS, PreciseProblem
+from voronec.accuracy.problem import DIGITS, ProblemLevel
+from voronec.accuracy.reference import output_sizes
 from voronec.equations.program import taylor_extras, taylor_system
 from voronec.errors import IntegrationError
 
 __all__ = [
-    "UNIT",
     "PreciseMotion",
     "Reel",
     "condition_numbers",
-    "output_sizes",
     "reel",
     "sizes",
     "times",
 ]
 
 
-UNIT = 2.0**-53
-"""The largest relative error of rounding to a double."""
-NOTHING = 1e-20
-"""An output that stays below this is zero, and is compared absolutely: |o| is one."""
-
-
-def sizes(problem: PreciseProblem, states: np.ndarray) -> np.ndarray:
+def sizes(problem: ProblemLevel, states: np.ndarray) -> np.ndarray:
     """X_i of the kept states (k, n): see the module; shape (n,)."""
     largest = np.abs(states.astype(float)).max(axis=0)
     coordinates = len(problem.program.coordinates)
-    angle = np.array([i in problem.angles for i in problem.places])
+    angle = np.array([i in problem.angle_places for i in problem.places])
     moving = np.array([i >= coordinates for i in problem.places])
     result = np.maximum(largest, 1.0)
     for group in (moving, ~moving & ~angle):
@@ -58,7 +51,7 @@ def sizes(problem: PreciseProblem, states: np.ndarray) -> np.ndarray:
     return result
 
 
-def condition_numbers(problem: PreciseProblem, passage: PreciseMotion) -> np.ndarray:
+def condition_numbers(problem: ProblemLevel, passage: PreciseMotion) -> np.ndarray:
     """kappa of every output at every instant of a passage; shape (k, m)."""
     scale = output_sizes(passage.outputs)
     size = sizes(problem, passage.states)
@@ -73,12 +66,6 @@ def condition_numbers(problem: PreciseProblem, passage: PreciseMotion) -> np.nda
         data = np.abs(slopes.astype(float)) @ constants
         result[j] = 1.0 + (data + _error_growth(passage, j, size)) / scale
     return result
-
-
-def output_sizes(outputs: np.ndarray) -> np.ndarray:
-    """|o|, the largest value of every output (k, m); one where it is always nothing."""
-    largest = np.abs(outputs.astype(float)).max(axis=0)
-    return np.where(largest > NOTHING, largest, 1.0)
 
 
 def _error_growth(passage: PreciseMotion, j: int, size: np.ndarray) -> np.ndarray:
@@ -161,7 +148,7 @@ class Reel:
         )  # fmt: skip
 
 
-def reel(problem: PreciseProblem, arithmetic: str, tol: float, varied: bool = True) -> Reel:
+def reel(problem: ProblemLevel, arithmetic: str, tol: float, varied: bool = True) -> Reel:
     """The problem ready to run in ``quadruple`` or ``extended`` arithmetic, at a tolerance.
 
     Without ``varied`` there are no propagators, and a run is many times faster.  Raises
@@ -170,7 +157,7 @@ def reel(problem: PreciseProblem, arithmetic: str, tol: float, varied: bool = Tr
     import heyoka as hy
 
     kind = hy.real128 if arithmetic == "quadruple" else np.longdouble
-    pairs = taylor_system(problem.program)
+    pairs = taylor_system(problem.program, number=kind)
     kept = [pairs[i] for i in problem.places]
     variables = [v for v, _ in kept]
     acting = sorted({i for _, rhs in kept for i in _indices(hy, rhs)})
@@ -255,10 +242,10 @@ def _indices(hy: Any, expr: Any) -> list[int]:
 
 
 def _output_function(
-    hy: Any, kind: Any, problem: PreciseProblem, variables: list[Any], values: np.ndarray
+    hy: Any, kind: Any, problem: ProblemLevel, variables: list[Any], values: np.ndarray
 ) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """Outputs, their slopes by the kept states, and by the parameters, at a state."""
-    outputs = list(taylor_extras(problem.program).values())
+    outputs = list(taylor_extras(problem.program, number=kind).values())
     size, count = len(variables), len(values)
     by = [*variables, *(hy.par[i] for i in range(count))]
     slopes = [hy.diff(o, x) for o in outputs for x in by]

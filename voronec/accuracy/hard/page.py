@@ -117,7 +117,7 @@ def _case(finding: CaseResult) -> list[str]:
     settings = [f"{k} = {x}" for k, x in {**case.scene.parameters, **case.scene.initial}.items()]
     made = "No reference: only a refusal is right."
     if known is not None:
-        made = f"Reference: {known.made}; the two agree to {known.agreed:.0e}."
+        made = f"Reference: {known.provenance}; the two agree to {known.accuracy:.0e}."
     growth = " Errors grow exponentially." if case.chaotic else ""
     return [
         f"### {case.name}\n",
@@ -183,8 +183,8 @@ def data(finding: CaseResult) -> dict[str, Any]:
         "hard": case.hard,
         "chaotic": case.chaotic,
         "times": [float(t) for t in case.scene.times],
-        "reference": None if known is None else known.made,
-        "agreed": None if known is None else known.agreed,
+        "reference": None if known is None else known.provenance,
+        "agreed": None if known is None else known.accuracy,
         "good": finding.good,
         "trials": [t.as_dict() for t in finding.trials],
     }

@@ -3,7 +3,7 @@
 The cases of this package have their references beside them in ``references.json``, each under a
 digest of its declaration, so that nobody waits for them; others are computed on the spot.  A
 reference is computed twice: by two forms of the equations, or on one at two tolerances, in many
-digits; the larger difference of the two runs is kept as ``agreed``.
+digits; the largest difference of the two runs is kept as its accuracy.
 
 Where heyoka is not installed, and as an independent check, condition numbers come of many digits
 and slightly different data.  Only errors of the data are seen so, not those made on the way: the
@@ -14,7 +14,6 @@ computed and the rest counted: x(n P + t) = x(t) and Phi(n P + t, 0) = Phi(t, 0)
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from math import ceil
@@ -23,17 +22,17 @@ from typing import Any
 
 import numpy as np
 
-from voronec.accuracy.hard.case import ARITHMETICS, HardCase
-from voronec.accuracy.hard.case_program import PreciseProblem, problem
+from voronec.accuracy.hard.case import ARITHMETICS, HardCase, case_level
 from voronec.accuracy.hard.conditioning import (
     PreciseMotion,
     Reel,
     condition_numbers,
-    output_sizes,
     reel,
     sizes,
     times,
 )
+from voronec.accuracy.problem import ProblemLevel
+from voronec.accuracy.reference import ReferenceSolution, difference, output_sizes
 from voronec.declaration.catalogue import load
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import EngineLimit, IntegrationError
@@ -42,7 +41,6 @@ from voronec.motion.closed_form import closed_form
 
 __all__ = [
     "STORE",
-    "HardReference",
     "closed_form_outputs",
     "compute",
     "perturb",
@@ -110,7 +108,7 @@ class OnePeriod:
         """The outputs at the wanted instants."""
         return self.passage.outputs[list(self.places)]
 
-    def condition_numbers(self, problem: PreciseProblem) -> np.ndarray:
+    def condition_numbers(self, problem: ProblemLevel) -> np.ndarray:
         """kappa as in ``conditioning``, errors made after 0, 1, 2, 4, ... and all periods."""
         passage, scale = self.passage, output_sizes(self.passage.outputs)
         size = sizes(problem, passage.states)
@@ -173,8 +171,8 @@ def perturb(
     first, second = (_perturbed_run(case, equations, tol) for tol in DIGITS)
     values = {n: np.asarray(first[n], dtype=float) for n in first.outputs}
     size = {n: float(output_sizes(x[:, None])[0]) for n, x in values.items()}
-    apart = max(_apart(first[n], second[n], size[n]) for n in values)
-    asked = problem(case, equations)
+    apart = max(float(difference(first[n], second[n]).max()) for n in values)
+    asked = case_level(case, equations)
     condition = {n: np.ones_like(x) for n, x in values.items()}
     for by, weight in _weights(asked, case, equations).items():
         for n, slope in slopes(case, equations, by).items():
@@ -184,7 +182,7 @@ def perturb(
 
 def slopes(case: HardCase, equations: VoronecEquations, by: str) -> dict[str, np.ndarray]:
     """d output / d datum at every instant; ``by`` names a coordinate, a velocity or a parameter."""
-    asked = problem(case, equations)
+    asked = case_level(case, equations)
     data = _data(asked)
     step = CHANGE * max(1.0, abs(float(data[by])))
     kind = "parameters" if by in map(str, asked.program.parameters) else "initial"
@@ -195,7 +193,7 @@ def slopes(case: HardCase, equations: VoronecEquations, by: str) -> dict[str, np
     return {n: np.asarray((ahead[n] - behind[n]) / (2 * step), dtype=float) for n in ahead.outputs}
 
 
-def _data(asked: PreciseProblem) -> dict[str, Any]:
+def _data(asked: ProblemLevel) -> dict[str, Any]:
     """States at the start and parameters by name, as exact as SymPy holds them."""
     import sympy as sp
 
@@ -204,9 +202,7 @@ def _data(asked: PreciseProblem) -> dict[str, Any]:
     return {n: sp.Float(x, 40) for n, x in zip(names, numbers, strict=True)}
 
 
-def _weights(
-    asked: PreciseProblem, case: HardCase, equations: VoronecEquations
-) -> dict[str, float]:
+def _weights(asked: ProblemLevel, case: HardCase, equations: VoronecEquations) -> dict[str, float]:
     """The sizes of what may be in error: states that the outputs need, and parameters."""
     followed = integrate(equations, scene=case.scene, times=case.grid, outputs=asked.names)
     states = np.column_stack([followed[name] for name in asked.names])
@@ -221,10 +217,6 @@ def _perturbed_run(
     return integrate(equations, scene=case.scene, times=case.grid, method="flint", tol=tol, **data)
 
 
-def _apart(first: np.ndarray, second: np.ndarray, size: float) -> float:
-    return float(max(abs(a - b) for a, b in zip(first, second, strict=True))) / size
-
-
 STORE = Path(__file__).with_name("references.json")
 TOLERANCES = {"quadruple": (1e-30, 1e-27), "extended": (3e-19, 1e-17)}
 """Of the first run, and of the second."""
@@ -232,60 +224,18 @@ IN_A_PERIOD = 20
 """At so many instants of a period an angle is looked at, to follow it."""
 FOLLOWABLE = 4000
 """At so many instants at most."""
-FINEST_DIGITS = 40
-"""Digits in which two runs are compared: more than any of their numbers has."""
 LONGEST_CHECK = 2e5
 """A periodic motion is followed to the end, as a check of its period, up to this span."""
 
 
-@dataclass(frozen=True, eq=False)
-class HardReference:
-    """True outputs on the grid of a case, and how much they magnify relative changes.
-
-    ``values`` and ``condition`` map the name of every output to arrays of shape (points,);
-    ``agreed`` is the largest difference of two independent runs, relative to the largest value of
-    an output; ``made`` says how they were made.
-    """
-
-    t: np.ndarray
-    values: Mapping[str, np.ndarray]
-    condition: Mapping[str, np.ndarray]
-    agreed: float
-    made: str
-
-    @property
-    def largest_condition(self) -> float:
-        """The largest condition number of any output at any instant."""
-        return max(float(c.max()) for c in self.condition.values())
-
-    def as_dict(self) -> dict[str, Any]:
-        """Plain data for JSON; condition numbers to three digits."""
-        return {
-            "t": self.t.tolist(),
-            "values": {n: x.tolist() for n, x in self.values.items()},
-            "condition": {n: [float(f"{c:.3g}") for c in x] for n, x in self.condition.items()},
-            "agreed": float(f"{self.agreed:.2g}"),
-            "made": self.made,
-        }
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> HardReference:
-        """From plain data."""
-        values, condition = (
-            {n: np.array(x) for n, x in data[k].items()} for k in ("values", "condition")
-        )
-        agreed, made = float(data["agreed"]), str(data["made"])
-        return cls(np.array(data["t"]), values, condition, agreed, made)
-
-
-def reference(case: HardCase, equations: VoronecEquations | None = None) -> HardReference:
+def reference(case: HardCase, equations: VoronecEquations | None = None) -> ReferenceSolution:
     """The stored reference of a case; computed now where none is stored for its declaration.
 
     Raises ``EngineLimit`` where it must be computed and heyoka is not installed.
     """
     stored = _stored_references().get(case.name)
     if stored is not None and stored["digest"] == case.digest:
-        return HardReference.from_dict(stored)
+        return ReferenceSolution.from_dict(stored)
     return compute(case, equations)
 
 
@@ -295,40 +245,29 @@ def _stored_references() -> dict[str, Any]:
     return found
 
 
-def compute(case: HardCase, equations: VoronecEquations | None = None) -> HardReference:
+def compute(case: HardCase, equations: VoronecEquations | None = None) -> ReferenceSolution:
     """The reference of a case by two runs in many digits, and its condition numbers."""
     own = equations or derive(load(case.system))
-    asked = problem(case, own)
+    asked = case_level(case, own)
     try:
         outputs, condition = _run(case, asked)
         again, how = _again(case, own, asked)
     except ImportError:
-        values, slopes, agreed = perturb(case, own)
-        how = "25 digits on coordinates; against 21 digits, data changed in place of variations"
-        return HardReference(case.grid, values, slopes, agreed, how)
-    apart = _differences(outputs, again) / output_sizes(outputs)
+        values, slopes, apart = perturb(case, own)
+        how = "against 21 digits, data changed in place of variations"
+        both = "25 digits on coordinates", how
+        return ReferenceSolution(case.grid, values, apart, both, condition=slopes)
     names = asked.program.names
-    return HardReference(
+    return ReferenceSolution(
         case.grid,
         dict(zip(names, outputs.astype(float).T, strict=True)),
-        dict(zip(names, condition.T, strict=True)),
-        float(apart.max()),
-        f"{ARITHMETICS[case.arithmetic]} digits on {case.level}; {how}",
+        float(difference(again, outputs).max()),
+        (f"{ARITHMETICS[case.arithmetic]} digits on {case.level}", how),
+        condition=dict(zip(names, condition.T, strict=True)),
     )
 
 
-def _differences(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """|one - other| (k, m) of numbers of many digits, which may be of two kinds: heyoka's and
-    mpmath's."""
-    import mpmath
-
-    with mpmath.workdps(FINEST_DIGITS):
-        pairs = zip(one.flat, other.flat, strict=True)
-        found = [abs(float(mpmath.mpf(str(a)) - mpmath.mpf(str(b)))) for a, b in pairs]
-    return np.array(found).reshape(one.shape)
-
-
-def _run(case: HardCase, asked: PreciseProblem) -> tuple[np.ndarray, np.ndarray]:
+def _run(case: HardCase, asked: ProblemLevel) -> tuple[np.ndarray, np.ndarray]:
     """Outputs (k, m) and condition numbers (k, m)."""
     tol = TOLERANCES[case.arithmetic][0]
     machine = reel(asked, case.arithmetic, tol)
@@ -339,13 +278,13 @@ def _run(case: HardCase, asked: PreciseProblem) -> tuple[np.ndarray, np.ndarray]
     return whole.outputs, whole.condition_numbers(asked)
 
 
-def _case_period(case: HardCase, asked: PreciseProblem, tol: float) -> tuple[Reel, Any]:
+def _case_period(case: HardCase, asked: ProblemLevel, tol: float) -> tuple[Reel, Any]:
     """What follows the motion without its variations, and its period."""
     single = reel(asked, case.arithmetic, tol, varied=False)
     return single, period(single, asked.names, case.period, float(case.scene.times[1]) / 100)
 
 
-def _again(case: HardCase, own: VoronecEquations, asked: PreciseProblem) -> tuple[np.ndarray, str]:
+def _again(case: HardCase, own: VoronecEquations, asked: ProblemLevel) -> tuple[np.ndarray, str]:
     """The outputs once more, as independently as may be, and how."""
     if case.period and float(case.scene.times[1]) > LONGEST_CHECK:
         tol = TOLERANCES[case.arithmetic][1]
@@ -360,7 +299,7 @@ def _again(case: HardCase, own: VoronecEquations, asked: PreciseProblem) -> tupl
     tol = TOLERANCES[case.arithmetic][1]
     try:
         raw = case.level == "coordinates"
-        other = problem(replace(case, level="coordinates"), own, raw)
+        other = case_level(replace(case, level="coordinates"), own, raw)
         found = reel(other, case.arithmetic, tol, varied=False).follow(case.grid).outputs
         if np.isfinite(found.astype(float)).all():
             return found, f"against the {'unsimplified ' if raw else ''}equations on coordinates"
@@ -371,7 +310,7 @@ def _again(case: HardCase, own: VoronecEquations, asked: PreciseProblem) -> tupl
 
 
 def closed_form_outputs(
-    case: HardCase, own: VoronecEquations, asked: PreciseProblem
+    case: HardCase, own: VoronecEquations, asked: ProblemLevel
 ) -> np.ndarray | None:
     """The outputs by the declared motion, where there is one that can be followed: where the vector
     in space is not upright, angles are continuous only on a fine grid."""

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from voronec.accuracy.hard.case import HardCase
-from voronec.accuracy.hard.conditioning import UNIT, output_sizes
-from voronec.accuracy.hard.reference import HardReference, reference
+from voronec.accuracy.hard.reference import reference
+from voronec.accuracy.reference import UNIT, ReferenceSolution
 from voronec.declaration.catalogue import load
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
@@ -72,7 +72,7 @@ class Trial:
         return {k: None if x != x else x for k, x in vars(self).items()}
 
 
-def bound(reference: HardReference) -> Mapping[str, np.ndarray]:
+def bound(reference: ReferenceSolution) -> Mapping[str, np.ndarray]:
     """The error that every output is allowed at every instant: max(1e-10, 100 u kappa)."""
     return {n: np.maximum(FLOOR, ROUNDINGS * UNIT * c) for n, c in reference.condition.items()}
 
@@ -85,7 +85,7 @@ def _tolerance(method: str) -> float:
 
 
 def attempt(
-    case: HardCase, equations: VoronecEquations, method: str, reference: HardReference | None
+    case: HardCase, equations: VoronecEquations, method: str, reference: ReferenceSolution | None
 ) -> Trial:
     """Integrate a case by a method, and judge it by its reference.
 
@@ -108,7 +108,7 @@ def attempt(
 
 
 def judge(
-    case: HardCase, method: str, trajectory: Trajectory, reference: HardReference | None
+    case: HardCase, method: str, trajectory: Trajectory, reference: ReferenceSolution | None
 ) -> Trial:
     """What to make of a trajectory."""
     drift = max(trajectory.drift.values(), default=np.nan)
@@ -120,7 +120,8 @@ def judge(
         why = "a motion was computed where none starts"
         return Trial(case.name, method, "missed", reason=why, **told)
     allowed = bound(reference)
-    errors = {n: _error(trajectory[n], x) for n, x in reference.values.items()}
+    apart = reference.errors({n: trajectory[n] for n in reference.values})
+    errors = {n: np.where(np.isfinite(e), e, np.inf) for n, e in apart.items()}
     worst = max(errors, key=lambda n: _largest(errors[n] / allowed[n]))
     made = {n: errors[n] / (UNIT * c) for n, c in reference.condition.items()}
     met = all((errors[n] <= allowed[n]).all() for n in errors)
@@ -134,13 +135,6 @@ def judge(
     )  # fmt: skip
 
 
-def _error(found: np.ndarray, true: np.ndarray) -> np.ndarray:
-    """The difference relative to the largest true value; infinite where no number came out."""
-    (size,) = output_sizes(true[:, None])
-    apart = np.abs((found - true).astype(float)) / size
-    return np.where(np.isfinite(apart), apart, np.inf)
-
-
 def _largest(values: np.ndarray) -> float:
     return float(values.max())
 
@@ -150,7 +144,7 @@ class CaseResult:
     """A case, its reference (None where no motion starts) and what every method made of it."""
 
     case: HardCase
-    reference: HardReference | None
+    reference: ReferenceSolution | None
     trials: tuple[Trial, ...]
 
     @property

@@ -19,15 +19,22 @@ from voronec.errors import EngineLimit
 
 __all__ = ["taylor_extras", "taylor_system"]
 
+NUMBER = "number"
+"""Under this name the kind of numbers stands beside what is built."""
+LARGEST = 2**53
+"""Whole numbers up to this are doubles."""
 TERMS = 27
 """Powers of w in the series of sin(w)/w: the next is 1e-18 for |w| < 2.4, further than a step from
 |w| < 1 goes."""
 
 
-def taylor_system(program: Program, units: Sequence[float] = ()) -> list[tuple[Any, Any]]:
+def taylor_system(
+    program: Program, units: Sequence[float] = (), number: Callable[[str], Any] | None = None
+) -> list[tuple[Any, Any]]:
     """Pairs (variable, time derivative) for ``heyoka.taylor_adaptive``.
 
-    A variable is a state of the program divided by its unit, 1 by default.
+    A variable is a state of the program divided by its unit, 1 by default.  ``number`` makes
+    those that are no doubles, as a third, from text; without it they are rounded.
 
     Parameters are ``par[0], par[1], ...`` in the program's order; the time is ``heyoka.time``.
     Raises ``EngineLimit`` for a function that heyoka does not know.
@@ -36,13 +43,16 @@ def taylor_system(program: Program, units: Sequence[float] = ()) -> list[tuple[A
 
     hy.set_logger_level_critical()  # a terminal is the user's; runs are judged by their results
     variables, known = _names(program, units, hy)
+    known[NUMBER] = number
     results = _built_block(program.derivative, known, hy)
     sizes = units or [1.0] * len(variables)
     scaled = [r if u == 1 else r / u for r, u in zip(results, sizes, strict=True)]
     return list(zip(variables, scaled, strict=True))
 
 
-def taylor_extras(program: Program, units: Sequence[float] = ()) -> dict[str, Any]:
+def taylor_extras(
+    program: Program, units: Sequence[float] = (), number: Callable[[str], Any] | None = None
+) -> dict[str, Any]:
     """The extra quantities by name, in the variables and parameters of ``taylor_system``.
 
     Events and compiled functions of heyoka take them.
@@ -50,6 +60,7 @@ def taylor_extras(program: Program, units: Sequence[float] = ()) -> dict[str, An
     import heyoka as hy
 
     _, known = _names(program, units, hy)
+    known[NUMBER] = number
     return dict(zip(program.names, _built_block(program.extras, known, hy), strict=True))
 
 
@@ -81,8 +92,7 @@ def _build(expr: Any, known: dict[Any, Any], hy: Any) -> Any:
 
 def _build_node(expr: Any, known: dict[Any, Any], hy: Any) -> Any:
     if expr.is_Number:
-        p, q = rational(expr)
-        return hy.expression(p / q)
+        return hy.expression(_fraction(expr, known))
     if expr == se.pi:
         return hy.pi
     if expr == se.E:
@@ -103,7 +113,7 @@ def _build_node(expr: Any, known: dict[Any, Any], hy: Any) -> Any:
     if isinstance(expr, se.Mul):
         return hy.prod(args)
     if isinstance(expr, se.Pow):
-        return _power(expr, args, hy)
+        return _power(expr, args, known, hy)
     if isinstance(expr, se.Abs):
         return _size(args[0], hy)
     if isinstance(expr, se.sign):
@@ -113,6 +123,15 @@ def _build_node(expr: Any, known: dict[Any, Any], hy: Any) -> Any:
     if function is None:
         raise EngineLimit(f"heyoka has no function '{type(expr).__name__}'; use method='scipy'")
     return function(*args)
+
+
+def _fraction(expr: Any, known: dict[Any, Any]) -> Any:
+    """A rational number, in the kind of numbers that was asked for where no double is equal."""
+    p, q = rational(expr)
+    number = known[NUMBER]
+    if number is None or (q & (q - 1) == 0 and abs(p) <= LARGEST):
+        return p / q
+    return number(str(p)) / number(str(q))
 
 
 def _size(w: Any, hy: Any) -> Any:
@@ -181,7 +200,7 @@ _NUMERIC: dict[str, Callable[[Any, Any], Any]] = {
 """Functions that programs alone know, where they are not written by their formulas."""
 
 
-def _power(expr: Any, args: list[Any], hy: Any) -> Any:
+def _power(expr: Any, args: list[Any], known: dict[Any, Any], hy: Any) -> Any:
     base, exponent = expr.args
     if base == se.E:
         return hy.exp(args[1])
@@ -190,7 +209,7 @@ def _power(expr: Any, args: list[Any], hy: Any) -> Any:
         if q == 2:
             root = hy.sqrt(args[0])
             return root if p == 1 else _whole(root, p)
-        return _whole(args[0], p) if q == 1 else args[0] ** (p / q)
+        return _whole(args[0], p) if q == 1 else args[0] ** _fraction(exponent, known)
     return args[0] ** args[1]
 
 

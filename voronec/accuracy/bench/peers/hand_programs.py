@@ -25,7 +25,7 @@ from voronec.accuracy.bench.contender import (
 )
 from voronec.accuracy.bench.peers.numba_dop853 import TOLERANCES as COMPILED
 from voronec.accuracy.bench.peers.numba_dop853 import stepper_source, unroll
-from voronec.accuracy.bench.question import BenchMotion
+from voronec.accuracy.problem import ReferenceProblem
 
 __all__ = [
     "BY_HAND",
@@ -160,7 +160,7 @@ BY_HAND: dict[str, Callable[[Values], HandProgram]] = {
 """Systems that somebody has written by hand, as functions of their parameters' values."""
 
 
-def start_values(question: BenchMotion) -> dict[str, float]:
+def start_values(question: ReferenceProblem) -> dict[str, float]:
     """Coordinates, velocities and invariants at the start, by name."""
     at = level_for(question)
     named = dict(zip(map(str, at.field.variables), map(float, at.state), strict=True))
@@ -172,7 +172,7 @@ Rows = Callable[[float], tuple[int, int, np.ndarray]]
 
 
 def _prepare(
-    question: BenchMotion, by: Callable[[HandProgram, np.ndarray, np.ndarray], Rows]
+    question: ReferenceProblem, by: Callable[[HandProgram, np.ndarray, np.ndarray], Rows]
 ) -> Run:
     if question.system.name not in BY_HAND:
         raise NotHere("nobody has written this system by hand")

@@ -18,8 +18,7 @@ import numpy as np
 import sympy as sp
 
 from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, time_fastest, without
-from voronec.accuracy.bench.level import BenchLevel, lowest
-from voronec.accuracy.bench.question import BenchMotion
+from voronec.accuracy.problem import ProblemLevel, ReferenceProblem, lowest
 from voronec.algebra.text import as_expression
 from voronec.equations.program import Program, python_source
 
@@ -31,7 +30,7 @@ LONGEST = 20_000
 TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14)
 
 
-def _prepare(question: BenchMotion, ours: bool) -> Run:
+def _prepare(question: ReferenceProblem, ours: bool) -> Run:
     try:
         import numba
     except ImportError:
@@ -84,7 +83,7 @@ def right_hand_side(program: Program) -> Callable[..., None]:
     return found
 
 
-def sympy_right_hand_side(at: BenchLevel) -> Callable[..., None]:
+def sympy_right_hand_side(at: ProblemLevel) -> Callable[..., None]:
     """The same function as a good hand makes it: SymPy's ``cse`` of rates, mass matrix and force,
     printed as Python, and an elimination in loops for the accelerations."""
     import math

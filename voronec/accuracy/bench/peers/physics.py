@@ -26,8 +26,7 @@ from voronec.accuracy.bench.contender import (
     time_fastest,
     without,
 )
-from voronec.accuracy.bench.level import BenchLevel
-from voronec.accuracy.bench.question import BenchMotion
+from voronec.accuracy.problem import ProblemLevel, ReferenceProblem
 
 __all__ = ["BEST", "PHYSICS", "Setting", "model_text"]
 
@@ -86,7 +85,7 @@ def model_text(setting: Setting, step: float, mass: float, radius: float, moment
     )
 
 
-def _prepare(question: BenchMotion, setting: Setting) -> Run:
+def _prepare(question: ReferenceProblem, setting: Setting) -> Run:
     """A run of MuJoCo with steps of a given length; ``NotHere`` for what it cannot do."""
     name = question.system.name
     if name not in MOMENTS:
@@ -102,7 +101,7 @@ def _prepare(question: BenchMotion, setting: Setting) -> Run:
 
 
 def _simulate(
-    mujoco: Any, question: BenchMotion, setting: Setting, at: BenchLevel, step: float
+    mujoco: Any, question: ReferenceProblem, setting: Setting, at: ProblemLevel, step: float
 ) -> Outcome:
     """The motion in steps of at most a given length, as many as fit between two instants."""
     gap = float(question.grid[1] - question.grid[0])
@@ -133,7 +132,7 @@ def _simulate(
     return Outcome(values, seconds, stages * steps, steps, drift)
 
 
-def _place(mujoco: Any, data: Any, at: BenchLevel, radius: float) -> None:
+def _place(mujoco: Any, data: Any, at: ProblemLevel, radius: float) -> None:
     """Set the ball turning, its centre moving so that the contact rests.
 
     Only the vertical in the body is given by gamma; the heading is of no consequence.

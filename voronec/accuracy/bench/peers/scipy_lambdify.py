@@ -23,8 +23,7 @@ from voronec.accuracy.bench.contender import (
     level_for,
     time_fastest,
 )
-from voronec.accuracy.bench.level import BenchLevel
-from voronec.accuracy.bench.question import BenchMotion
+from voronec.accuracy.problem import ProblemLevel, ReferenceProblem
 from voronec.algebra.text import as_expression
 from voronec.equations.vector_field import VectorField
 
@@ -37,7 +36,7 @@ LONGEST = 20_000
 RightSide = Callable[[float, np.ndarray], Any]
 
 
-def _prepare(question: BenchMotion, method: str, name: str, kind: str) -> Run:
+def _prepare(question: ReferenceProblem, method: str, name: str, kind: str) -> Run:
     at = level_for(question, name)
     right = RIGHT_SIDES[kind](at)
     start = at.state
@@ -59,7 +58,7 @@ def _prepare(question: BenchMotion, method: str, name: str, kind: str) -> Run:
     return run
 
 
-def _solve_by_numpy(at: BenchLevel) -> RightSide:
+def _solve_by_numpy(at: ProblemLevel) -> RightSide:
     """Rates, mass and force by one call, the accelerations by ``numpy.linalg.solve``."""
     field, n = at.field, len(at.field.velocities)
     mass = [e for row in field.mass for e in row]
@@ -74,7 +73,7 @@ def _solve_by_numpy(at: BenchLevel) -> RightSide:
     return right
 
 
-def _write_derivatives(at: BenchLevel, plain: bool) -> RightSide:
+def _write_derivatives(at: ProblemLevel, plain: bool) -> RightSide:
     """All derivatives by one call on floats; ``plain``: as it comes, in numpy's functions, common
     parts computed again.  By ``_solve_by_numpy`` where they are too long to write."""
     derivatives = at.field.components
@@ -94,7 +93,7 @@ def _lambdify(field: VectorField, exprs: Any, modules: str, cse: bool = True) ->
     )
 
 
-RIGHT_SIDES: dict[str, Callable[[BenchLevel], RightSide]] = {
+RIGHT_SIDES: dict[str, Callable[[ProblemLevel], RightSide]] = {
     "solved": _solve_by_numpy,
     "written out": partial(_write_derivatives, plain=False),
     "plain": partial(_write_derivatives, plain=True),
