@@ -155,14 +155,12 @@ def flat(latex: str) -> str:
         ("mP^2+cw=m(x^2+2yx-y^3)+cw", "mP^2+cw=m(x^2+2yx+y^2)+cw"),
     ],
 )
-def test_two_changes(printed, mended):
-    found = mend(printed)
-    if mended is None:
-        assert found is None
-        return
+def test_two_changes_are_proposed_and_proved(printed, mended):
+    assert mend(printed) is None
+    found = mend(printed, Check(proposal=mended))
     assert verify(read(found.latex, STUDY.vocabulary), Check(), STUDY).verdict.proved
-    assert len(found.changes) == len(found.struck) <= 2
-    assert flat(found.latex) == flat(mended) or len(found.latex) <= len(mended)
+    assert len(found.changes) == len(found.struck) == 2
+    assert found.latex == mended and restored(printed, found) == mended
 
 
 def restored(printed: str, found: Correction) -> str:
@@ -174,9 +172,7 @@ def restored(printed: str, found: Correction) -> str:
     return text + printed[last:]
 
 
-@pytest.mark.parametrize(
-    "printed", ["P^3=x^3+3x^2y+4xy^2+5y^3", "P^2=x^2+3xy+y^2", "Y=(P-x+2(c-(x+y)^2"]
-)
+@pytest.mark.parametrize("printed", ["P^2=x^2+3xy+y^2", "Y=(P-x+2(c-(x+y)^2"])
 def test_changes_and_what_they_strike_belong_together(printed):
     study = replace(STUDY, names={**STUDY.names, "Y": y + 2 * (c - (x + y) ** 2)})
     section = Section("s", (Display(f"${printed}$"),), lambda _: {"only": study})

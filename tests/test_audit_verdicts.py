@@ -85,6 +85,26 @@ def test_a_misprint_is_mended_by_one_change_that_is_proved(printed, correction):
     assert mended == formula.correction
 
 
+def test_what_becomes_of_a_proposed_correction_is_said():
+    printed = "(x+y)^3=x^3+3x^2y+4xy^2+5y^3"
+    missing = "no correction by a small change was found"
+    good = one(printed, Check(proposal="(x+y)^3=x^3+3x^2y+3xy^2+y^3"))
+    assert good.correction == "(x+y)^3=x^3+3x^2y+3xy^2+y^3" and good.verdict == "misprint"
+    assert [printed[a:b] for a, b in good.struck] == ["4", "5"]
+    assert "; the corrected formula is proved (" in good.method
+    wrong = one(printed, Check(proposal="(x+y)^3=x^3+3x^2y+3xy^2"))
+    assert (wrong.verdict, wrong.correction) == ("misprint", None)
+    assert wrong.method.endswith(f"{missing}; the proposed correction is not proved")
+    senseless = one(printed, Check(proposal=r"(x+y)^3=\frobnicate"))
+    assert f"{missing}; the proposed correction has no meaning: " in senseless.method
+    empty = one(printed, Check(proposal="x+y=y+x"))
+    assert f"{missing}; the proposed correction is true, but refused: " in empty.method
+    assert "proposed" not in one(printed).method
+    for unread in ("Q(x+y=x^3", "x=QwQ+x^3"):
+        said = one(unread, Check(proposal="x=y")).method
+        assert said.endswith("; the proposed correction is not proved"), said
+
+
 def test_a_misprint_has_a_witness_at_which_the_sides_differ():
     formula = one("g_{ij}=X_jX_j^2")
     witness = formula.witness

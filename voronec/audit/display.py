@@ -68,8 +68,8 @@ class Check:
     within
         names of the ranges to which the sentence itself is restricted; all where there are none.
     proposal
-        a corrected formula, tried where no small change that the machine finds is proved; it is
-        accepted only if it is proved.
+        the corrected formula, in LaTeX, where several changes at once are needed, which are not
+        searched: tried where no single change is proved, and accepted only if it is proved.
     source
         what the derived side was made from, where that is not the source of the study.
     cited

@@ -66,7 +66,7 @@ class SectionContext:
     def correction(
         self, formula: Formula, check: Check, study: Study, senseless: bool = False
     ) -> Correction | None:
-        """The smallest change that makes a formula true, if it is to be sought."""
+        """What makes a formula true, a single change or the proposal, if it is to be sought."""
         if not self.corrects:
             return None
         spare = Spare.of(self.transcript, study)
@@ -191,7 +191,7 @@ def judge_formula(
         try:
             chain = formula.tree(study.vocabulary)
         except DefinitionError as error:
-            record = _unreadable(formula, check, bench, error)
+            record = _with_proposal(_unreadable(formula, check, bench, error), check, bench)
             return replace(record, source=_source(record, check, bench)), None
         record = _judge_formula(formula, chain, check, study, bench)
         record = _elsewhere(record, formula, check, bench)
@@ -199,7 +199,7 @@ def judge_formula(
     except HookError:
         raise
     except SENSELESS as error:
-        record = _senseless(formula, check, bench, error)
+        record = _with_proposal(_senseless(formula, check, bench, error), check, bench)
     return replace(record, says=check.says, source=_source(record, check, bench)), chain
 
 
@@ -485,9 +485,26 @@ def _judge_refutation(
     correction = bench.correction(formula, check, study)
     if correction is None:
         method = f"refuted as printed{loose}; no correction by a small change was found"
-        return replace(record, method=method)
+        return _with_proposal(replace(record, method=method), check, bench)
     method = f"refuted as printed{loose}; the corrected formula is proved ({correction.method})"
     return _with_correction(record, correction, method)
+
+
+def _with_proposal(record: FormulaRecord, check: Check, bench: SectionContext) -> FormulaRecord:
+    """Where no correction was found: what has become of the one that the transcription proposes."""
+    if check.proposal is None or record.correction is not None or not bench.corrects:
+        return record
+    study = bench.study(check)
+    try:
+        true = verify(read(check.proposal, study.vocabulary), check, study).verdict.proved
+        fault = REFUSAL if true else "is not proved"
+    except SENSELESS as error:
+        fault = f"has no meaning: {error}"
+    return replace(record, method=f"{record.method}; the proposed correction {fault}")
+
+
+REFUSAL = "is true, but refused: it says too little, repeats something, or adds what print lacks"
+"""Why a proposal that is proved is no correction."""
 
 
 def _with_correction(record: FormulaRecord, correction: Correction, method: str) -> FormulaRecord:

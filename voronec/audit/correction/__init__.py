@@ -1,4 +1,4 @@
-"""The smallest change that makes a refuted formula true, proposed by numbers and proved exactly."""
+"""The small change that makes a refuted formula true, found by numbers and proved exactly."""
 
 from __future__ import annotations
 

@@ -37,15 +37,11 @@ Piece = tuple[int, int, str]
 
 @dataclass(frozen=True)
 class Change:
-    """Replacements; ``about`` is the range of the words they concern, ``rank`` orders changes.
-
-    ``in_pairs`` tells whether it is tried together with a second change.
-    """
+    """Replacements; ``about`` is the range of the words they concern, ``rank`` orders changes."""
 
     pieces: tuple[Piece, ...]
     about: tuple[int, int]
     rank: int = 0
-    in_pairs: bool = True
 
 
 @dataclass(frozen=True)

@@ -66,15 +66,12 @@ LONGEST = 40
 def _keyboard_slips(
     words: Sequence[Token], study: Study, spare: Spare, letters: Sequence[str]
 ) -> Iterator[Change]:
-    """Every change of this kind; they are not tried in pairs."""
-    for change in (
-        *_transpositions(words),
-        *_twice(words),
-        *_brackets(words),
-        *_indices(words, study, spare),
-        *_arguments(words, letters),
-    ):
-        yield replace(change, in_pairs=False)
+    """Every change of this kind."""
+    yield from _transpositions(words)
+    yield from _twice(words)
+    yield from _brackets(words)
+    yield from _indices(words, study, spare)
+    yield from _arguments(words, letters)
 
 
 def _transpositions(words: Sequence[Token]) -> Iterator[Change]:
@@ -378,7 +375,7 @@ def _omit_words(words: Sequence[Token]) -> Iterator[Change]:
     kept = {*_GROUPS, *_GROUPS.values(), "^", "_", ",", *RELATIONS}
     for word in words:
         if word.text not in kept:
-            yield replace(without(word, words), in_pairs=False)
+            yield without(word, words)
 
 
 def _omit_parts(printed: str, chain: Chain, words: Sequence[Token]) -> Iterator[Change]:
@@ -389,15 +386,15 @@ def _omit_parts(printed: str, chain: Chain, words: Sequence[Token]) -> Iterator[
             for factor in part.factors:
                 start, end = _widen(factor.at, words, _GROUPS)
                 if part.at[0] <= start < end <= part.at[1]:
-                    yield _alone(((start, end, ""),), part.at)
+                    yield Change(((start, end, ""),), part.at)
     for part in parts:
         if isinstance(part, Quotient) and printed.startswith("\\", part.at[0]):
             top = _widen(part.top.at, words, _BRACKETS)
             if part.at[0] < top[0] < top[1] < part.at[1]:
                 pieces = ((part.at[0], top[0], ""), (top[1], part.at[1], ""))
-                yield _alone(pieces, part.at)
+                yield Change(pieces, part.at)
             if not isinstance(part.top, (Product, Sum)):
-                yield _alone(((*top, "1"),), part.at)
+                yield Change(((*top, "1"),), part.at)
     for part in parts:
         if isinstance(part, Sum) and len(part.terms) > 1:
             yield from _omit_terms(part, words)
@@ -413,7 +410,7 @@ def _omit_terms(node: Sum, words: Sequence[Token]) -> Iterator[Change]:
         start = node.at[0] if i == 0 else ends[i - 1]
         if first is not None and first.text == "+":
             end = first.end
-        yield _alone(((start, end, ""),), node.at)
+        yield Change(((start, end, ""),), node.at)
 
 
 def _sign_before(term: Node, words: Sequence[Token]) -> Token | None:
@@ -436,7 +433,7 @@ def _put_in(
             if not number and _ends_plainly(node, printed[:end]):
                 spots = [end, *spots] if "^" in text else [*spots, end]
             for spot in spots:
-                yield _alone(((spot, spot, _apart(printed, spot, text)),), about)
+                yield Change(((spot, spot, _apart(printed, spot, text)),), about)
 
 
 def _ends_plainly(node: Node, printed: str) -> bool:
@@ -452,10 +449,6 @@ def _apart(printed: str, place: int, text: str) -> str:
         text = " " + text
     after = text.rpartition("\\")
     return text + " " if after[1] and after[2].isalpha() else text
-
-
-def _alone(pieces: tuple[tuple[int, int, str], ...], about: Place) -> Change:
-    return Change(pieces, (about[0], about[1]), in_pairs=False)
 
 
 def _parts(node: Node) -> Iterator[Node]:

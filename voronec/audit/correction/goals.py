@@ -1,8 +1,7 @@
 """The value that each part of a false formula ought to have, at the point where it fails.
 
 A formula is a tree of places, each with the value that would make the formula true.  If all but one
-place is right, its value is determined by the rest: the goal goes down from the whole to the parts,
-a changed value goes up.
+place is right, its value is determined by the rest: the goal goes down from the whole to the parts.
 """
 
 from __future__ import annotations
@@ -123,71 +122,37 @@ Value = Callable[[Node], Any]
 
 @dataclass(frozen=True, eq=False)
 class MendingPlace:
-    """A part of the formula at ``node``, with its value, and the values that would mend the whole.
-
-    ``up`` takes another value of this part to the value that its parent then has.  The
-    contributions of the parts of a parent add up if ``adds`` is true of it, and multiply if
-    ``multiplies`` is.
-    """
+    """A part of the formula, with its value, and the values that would mend the whole."""
 
     node: Node
     value: Any
     goals: tuple[Any, ...]
     parent: MendingPlace | None = None
-    up: Callable[[Any], Any] = lambda value: value
 
     @property
     def at(self) -> tuple[int, int]:
         """The place in the source."""
         return tuple(self.node.at)
 
-    @property
-    def adds(self) -> bool:
-        """Whether changes of two parts add up."""
-        return isinstance(self.node, Sum)
 
-    @property
-    def multiplies(self) -> bool:
-        """Whether changes of two parts multiply."""
-        return isinstance(self.node, (Product, Quotient)) and not np.ndim(self.value)
-
-    def ancestors(self, value: Any) -> Iterator[tuple[MendingPlace, MendingPlace, Any]]:
-        """Parent, the part in it that changes, and the new value of that part; upwards."""
-        part = self
-        while part.parent is not None:
-            yield part.parent, part, value
-            value = part.up(value)
-            part = part.parent
-
-
-@dataclass(frozen=True)
-class _Branch:
-    """A child: what its value does to the parent, and what the parent's goal asks of it."""
-
-    node: Node
-    up: Callable[[Any], Any]
-    down: Callable[[Any], Sequence[Any]]
+_Branch = tuple[Node, Callable[[Any], Sequence[Any]]]
+"""A child, and what the goal of its parent asks of it."""
 
 
 def _plant(
-    node: Node,
-    goals: Sequence[Any],
-    value: Value,
-    parent: MendingPlace | None = None,
-    up: Any = None,
+    node: Node, goals: Sequence[Any], value: Value, parent: MendingPlace | None = None
 ) -> list[MendingPlace]:
     """The slots of a tree, the whole first."""
     own = value(node)
-    slot = MendingPlace(node, own, tuple(goals), parent, up or (lambda v: v))
+    slot = MendingPlace(node, own, tuple(goals), parent)
     found = [slot]
     try:
         branches = _branches(node, own, value)
     except SENSELESS:
         return found
-    for branch in branches:
+    for part, down in branches:
         try:
-            below = [g for goal in goals for g in branch.down(goal)]
-            found += _plant(branch.node, below, value, slot, branch.up)
+            found += _plant(part, [g for goal in goals for g in down(goal)], value, slot)
         except SENSELESS:
             continue
     return found
@@ -200,34 +165,25 @@ def _branches(node: Node, own: Any, value: Value) -> list[_Branch]:
         return [_factor(node, i, value) for i in range(len(node.factors))]
     if isinstance(node, Quotient):
         top, bottom = value(node.top), value(node.bottom)
-        below = _Branch(node.bottom, lambda v: _over(top, v), lambda goal: [_over(top, goal)])
-        above = _Branch(node.top, lambda v: v / bottom, lambda goal: [goal * bottom])
-        return [above] if np.ndim(top) else [above, below]
+        above: _Branch = (node.top, lambda goal: [goal * bottom])
+        return [above] if np.ndim(top) else [above, (node.bottom, lambda goal: [_over(top, goal)])]
     if isinstance(node, Power) and isinstance(node.exponent, Number) and not np.ndim(own):
         n = int(node.exponent.text)
-        return [_Branch(node.base, lambda v: v**n, lambda goal: _roots(goal, n))]
+        return [(node.base, lambda goal: _roots(goal, n))]
     if isinstance(node, Root) and node.index is None:
-        return [_Branch(node.body, _real_root, lambda goal: [goal**2] if goal >= 0 else [])]
+        return [(node.body, lambda goal: [goal**2] if goal >= 0 else [])]
     return []
 
 
 def _term(sign: int, term: Node, own: Any, here: Any) -> _Branch:
-    return _Branch(
-        term,
-        lambda v: own + sign * (v - here),
-        lambda goal: [here + sign * (goal - own)],
-    )
+    return term, lambda goal: [here + sign * (goal - own)]
 
 
 def _factor(node: Product, position: int, value: Value) -> _Branch:
     """The other factors must be numbers, for a goal to be divided by them."""
     others = [value(f) for i, f in enumerate(node.factors) if i != position]
-    if any(np.ndim(v) for v in others):
-        return _Branch(node.factors[position], lambda v: v, lambda goal: [])
-    rest = math.prod(others)
-    return _Branch(
-        node.factors[position], lambda v: v * rest, lambda goal: [goal / rest] if rest else []
-    )
+    rest = 0 if any(np.ndim(v) for v in others) else math.prod(others)
+    return node.factors[position], lambda goal: [goal / rest] if rest else []
 
 
 def _over(top: Any, bottom: Any) -> float:
@@ -239,7 +195,3 @@ def _roots(goal: Any, n: int) -> list[float]:
         return []
     root = math.copysign(abs(goal) ** (1 / n), goal)
     return [root, -root] if n % 2 == 0 else [root]
-
-
-def _real_root(value: Any) -> float:
-    return float(value) ** 0.5 if value >= 0 else math.nan

@@ -1,12 +1,12 @@
-"""The smallest change that makes a refuted formula true: one place, one name, or two places.
+"""The smallest change that makes a refuted formula true: at one place, or of one name.
 
 Words of the formula are exchanged: an index for another index, a sign, sine and cosine, a name for
 its companion, a prime more or less, a font, a small number.  Numbers at a point sort out what is
-hopeless; a change is accepted only if the changed formula is proved.
+hopeless; a change is accepted only if the changed formula is proved.  Several changes at once are
+not searched: the transcription proposes them, and they are proved in the same way.
 
 At a random point every part of the formula has a value, and one that would mend the whole.  A
-change is tried on the smallest part that it concerns.  Of two changes in different parts, the
-effects add up or multiply, so that pairs are found by sorting, not by trying all of them.
+change is tried on the smallest part that it concerns.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 from functools import cached_property
-from itertools import combinations, pairwise
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,7 @@ import numpy as np
 from voronec.audit.correction.changes import Change, Piece, Spare, apply_pieces
 from voronec.audit.correction.edits import repairs, single_changes
 from voronec.audit.correction.goals import MendingPlace, Where, along, holds, slots_of
-from voronec.audit.correction.sampling import TOLERANCE, Sampler, close
+from voronec.audit.correction.sampling import Sampler, close
 from voronec.audit.correction.units import Units
 from voronec.audit.display import Check
 from voronec.audit.formula import Formula
@@ -71,19 +71,6 @@ __all__ = ["Correction", "CorrectionSearch", "Screen", "Spare", "correct"]
 
 
 SEEDS = 12
-DIRECT_PAIRS = 1000
-"""How many pairs of changes of one and the same part are tried."""
-MOST_PAIRS = 400
-"""How many pairs may come out of sorting; with more, the formula says too little."""
-
-
-@dataclass(frozen=True)
-class _Effect:
-    """What a change does: the part it concerns, and the value that this part gets."""
-
-    change: Change
-    slot: MendingPlace
-    value: Any
 
 
 @dataclass(frozen=True)
@@ -119,23 +106,7 @@ class CorrectionSearch:
 
     def singles(self, changes: Sequence[Change]) -> Iterator[Change]:
         """The changes that reach the goal, in the order given."""
-        for change in changes:
-            effect = self._effect(change)
-            if effect is not None and self._reaches(effect.slot, effect.value):
-                yield change
-
-    def pairs(self, changes: Sequence[Change]) -> Iterator[Change]:
-        """Two changes that reach the goal together, those of lowest rank first.
-
-        Pairs in different parts come before pairs in one part, which must be tried one by one.
-        """
-        effects = [e for c in changes if c.in_pairs and (e := self._effect(c)) is not None]
-        effects = [e for e in effects if not close(e.value, e.slot.value)]
-        reached = (*self._apart(effects), *self._with_sign(effects))
-        apart = [change for change in reached if change is not None]
-        if len(apart) <= MOST_PAIRS:
-            yield from sorted(apart, key=lambda change: change.rank)
-        yield from self._together(effects)
+        return filter(self._mends, changes)
 
     def _reaches(self, slot: MendingPlace, value: Any) -> bool:
         scale = slot.value if slot.parent is None or not np.ndim(slot.value) else 1.0
@@ -147,16 +118,17 @@ class CorrectionSearch:
         holding = [s for s in self.slots if s.at[0] <= start and end <= s.at[1]]
         return min(holding, key=lambda s: s.at[1] - s.at[0], default=None)
 
-    def _effect(self, change: Change) -> _Effect | None:
+    def _mends(self, change: Change) -> bool:
+        """Whether the smallest part in which the change can stand gets a value it ought to have."""
         slot = self._slot(change)
         while slot is not None:
             node, value = self._changed_part(slot, change.pieces)
             if value is not None and _fits(node, slot):
-                return _Effect(change, slot, value)
+                return self._reaches(slot, value)
             if node is not None and value is None:
-                return None
+                return False
             slot = slot.parent
-        return None
+        return False
 
     def _changed_part(self, slot: MendingPlace, pieces: Sequence[Piece]) -> tuple[Node | None, Any]:
         """A part with replacements in it, and its value; ``None`` for what there is not."""
@@ -173,50 +145,6 @@ class CorrectionSearch:
             return node, None
         return node, value if np.shape(value) == np.shape(slot.value) else None
 
-    def _apart(self, effects: Sequence[_Effect]) -> Iterator[Change | None]:
-        """Pairs in different parts of a sum or a product; a sign is a part of its own."""
-        groups: dict[MendingPlace, list[_Member]] = {}
-        for effect in effects:
-            groups.setdefault(effect.slot, []).append(_Member(effect, effect.value, effect))
-            for parent, part, value in effect.slot.ancestors(effect.value):
-                groups.setdefault(parent, []).append(_Member(part, part.up(value), effect))
-        for parent, members in groups.items():
-            if parent.adds and not np.ndim(parent.value):
-                yield from _matches(members, parent, _difference)
-            elif parent.multiplies:
-                yield from _matches(members, parent, _ratio)
-
-    def _with_sign(self, effects: Sequence[_Effect]) -> Iterator[Change | None]:
-        """A change in a term together with its sign."""
-        signs = {}
-        for effect in effects:
-            ((start, _, text), *more) = effect.change.pieces
-            terms = [s for s in self.slots if s.parent is effect.slot and s.at[0] > start]
-            if text in ("+", "-") and terms and not more:
-                signs[min(terms, key=lambda s: s.at[0])] = effect.change
-        for effect in effects:
-            for _, part, value in effect.slot.ancestors(effect.value):
-                if part in signs and self._reaches(part, -value):
-                    yield _join(effect.change, signs[part])
-
-    def _together(self, effects: Sequence[_Effect]) -> Iterator[Change]:
-        """Pairs in one and the same smallest part."""
-        groups: dict[MendingPlace, list[Change]] = {}
-        for effect in effects:
-            groups.setdefault(effect.slot, []).append(effect.change)
-        tried = [
-            (slot, pair)
-            for slot, members in groups.items()
-            if slot.goals
-            for pair in combinations(members, 2)
-        ]
-        tried.sort(key=lambda item: item[1][0].rank + item[1][1].rank)
-        for slot, (first, second) in tried[:DIRECT_PAIRS]:
-            both = _join(first, second)
-            value = None if both is None else self._changed_part(slot, both.pieces)[1]
-            if both is not None and value is not None and self._reaches(slot, value):
-                yield both
-
 
 def _fits(node: Node, slot: MendingPlace) -> bool:
     """Whether a changed part can stand where the old one does without brackets around it."""
@@ -225,53 +153,6 @@ def _fits(node: Node, slot: MendingPlace) -> bool:
         return isinstance(slot.node, Sum)
     inside_power = slot.parent is not None and isinstance(slot.parent.node, Power)
     return not (inside_power and isinstance(node, (Product, Power)) and bare)
-
-
-def _join(first: Change, second: Change) -> Change | None:
-    """Two changes as one; none where they overlap."""
-    pieces = sorted((*first.pieces, *second.pieces))
-    for (_, end, _), (start, stop, _) in pairwise(pieces):
-        if start < end or (start == end == stop):
-            return None
-    about = (min(first.about[0], second.about[0]), max(first.about[1], second.about[1]))
-    return replace(first, pieces=tuple(pieces), about=about, rank=first.rank + second.rank)
-
-
-@dataclass(frozen=True)
-class _Member:
-    """A change in one ``part`` of a sum or a product, and the ``value`` that the whole then has."""
-
-    part: Any
-    value: Any
-    effect: _Effect
-
-
-def _difference(new: Any, old: Any) -> float:
-    return float(new - old)
-
-
-def _ratio(new: Any, old: Any) -> float:
-    return float(np.log(abs(new / old))) if new and old else float("nan")
-
-
-def _matches(
-    members: Sequence[_Member], parent: MendingPlace, effect: Any
-) -> Iterator[Change | None]:
-    """Pairs of different parts whose effects together take the parent to a goal.
-
-    ``effect`` is what adds up: a difference, or the logarithm of a ratio.
-    """
-    sizes = np.array([effect(member.value, parent.value) for member in members])
-    order = np.argsort(sizes)
-    ordered = sizes[order]
-    for goal in parent.goals:
-        wanted = effect(goal, parent.value)
-        slack = TOLERANCE * (abs(wanted) + 1.0)
-        for i, size in enumerate(sizes):
-            low, high = np.searchsorted(ordered, [wanted - size - slack, wanted - size + slack])
-            for j in order[low:high]:
-                if i < j and members[i].part is not members[j].part:
-                    yield _join(members[i].effect.change, members[j].effect.change)
 
 
 SCREENING_SEEDS = (0, 2)
@@ -334,8 +215,6 @@ SINGLES = 250
 PROOFS = 60
 """How many changes that numbers allow are put to the proof."""
 REPAIRS = 8
-WORDS_FOR_TWO = 12
-"""A formula with fewer words is not changed at two places: almost anything could be reached."""
 
 ORDER = {**dict.fromkeys("< \\le \\leq".split(), -1), **dict.fromkeys("> \\ge \\geq".split(), 1)}
 """Relations that rise from left to right, and that fall."""
@@ -604,10 +483,7 @@ def _search_correction(
     case: _Case, changes: Sequence[Change], spare: Spare, search: CorrectionSearch | None
 ) -> Correction | None:
     if search is not None:
-        found = case.first(search.singles(changes))
-        if found is not None or len(tokenize(case.latex)) < WORDS_FOR_TWO:
-            return found
-        return case.first(search.pairs(changes))
+        return case.first(search.singles(changes))
     mending = [*repairs(case.latex), *changes]
     if case.check.stationary:
         mending = mending[:SINGLES]  # it has no numbers to go by
