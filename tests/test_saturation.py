@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from contextlib import suppress
+from functools import cache
 
 import mpmath as mp
 import numpy as np
@@ -110,25 +111,32 @@ HIDDEN = {
 }
 
 
+def end_of_short_steps(rates, start, end, longest=0.02):
+    """The first state at the end, by many short steps of a Runge-Kutta method."""
+    short = {"method": "DOP853", "rtol": 3e-14, "atol": 1e-15, "max_step": longest}
+    return solve_ivp(rates, (0, end), start, **short).y[0, -1]
+
+
+@cache
+def end_of_hidden(force):
+    rate = sp.lambdify((vo.time, x, v), force, "mpmath")
+    return end_of_short_steps(lambda t, s: [s[1], float(rate(t, *s))], [0, 1], 2, longest=2e-3)
+
+
 @METHODS
 @pytest.mark.parametrize("force", HIDDEN.values(), ids=HIDDEN)
 def test_no_step_goes_over_what_its_series_does_not_see(force, method):
     """Against many short steps of a Runge-Kutta method."""
-    from scipy.integrate import solve_ivp
-
-    rate = sp.lambdify((vo.time, x, v), force, "mpmath")
-    short = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-14, "max_step": 2e-3}
-    truth = solve_ivp(lambda t, s: [s[1], float(rate(t, *s))], (0, 2), [0, 1], **short).y[0, -1]
     run = vo.integrate(system(force), times=[0, 2], initial={v: 1}, method=method)
-    assert abs(float(run["x"][-1]) - truth) < 1e-8
+    assert abs(float(run["x"][-1]) - end_of_hidden(force)) < 1e-8
 
 
-def end_of_short_steps(rates, start, end):
-    """The first state at the end, by many short steps of a Runge-Kutta method."""
-    from scipy.integrate import solve_ivp
+@cache
+def end_on_power(degree, spring, start, end):
+    def rates(t, s):
+        return [s[1], -(s[0] ** (degree + 1)) - spring * s[0]]
 
-    short = {"method": "DOP853", "rtol": 3e-14, "atol": 1e-15, "max_step": 0.02}
-    return solve_ivp(rates, (0, end), start, **short).y[0, -1]
+    return end_of_short_steps(rates, start, end)
 
 
 @METHODS
@@ -136,13 +144,11 @@ def end_of_short_steps(rates, start, end):
 def test_no_step_goes_over_a_high_power(degree, spring, method):
     """The series of x^n at x = 0 is zero up to the order n; with a spring a motion comes back."""
     end = 20 if spring else 3
-    for start in ({x: 0, v: 0.9}, {x: -0.6, v: 0.7}, {x: 0.2, v: -0.8}):
-        run = vo.integrate(
-            system(-(x ** (degree + 1)) - spring * x), times=[0, end], initial=start, method=method
-        )
-        truth = end_of_short_steps(
-            lambda t, s: [s[1], -(s[0] ** (degree + 1)) - spring * s[0]], list(start.values()), end
-        )
+    made = system(-(x ** (degree + 1)) - spring * x)
+    for start in ((0, 0.9), (-0.6, 0.7), (0.2, -0.8)):
+        begin = dict(zip((x, v), start, strict=True))
+        run = vo.integrate(made, times=[0, end], initial=begin, method=method)
+        truth = end_on_power(degree, spring, start, end)
         assert float(run["x"][-1]) == pytest.approx(truth, abs=2e-10)
 
 
@@ -221,6 +227,7 @@ CORNERS = {
 FALL = {x: 1, v: 0.3}
 
 
+@cache
 def corner(name: str, fixed: bool) -> tuple[System, dict]:
     """The system with its small number in it, or with a parameter for it; and the parameters."""
     force, values = CORNERS[name]
@@ -229,15 +236,20 @@ def corner(name: str, fixed: bool) -> tuple[System, dict]:
     return system(force, parameters=tuple(values)), values
 
 
+@cache
+def true_fall(name: str) -> vo.Trajectory:
+    """In 22 digits, with the small number in the equations."""
+    return vo.integrate(corner(name, True)[0], times=[0, 3, 7], initial=FALL, tol=1e-22)
+
+
 @METHODS
 @pytest.mark.parametrize("fixed", [True, False], ids=["a number", "a parameter"])
 @pytest.mark.parametrize("name", CORNERS)
 def test_no_step_goes_over_a_corner_that_is_hardly_rounded(name, fixed, method):
     """Against a run in 22 digits; what is small may stand in the equations or be given to them."""
-    truth = vo.integrate(corner(name, True)[0], times=[0, 3, 7], initial=FALL, tol=1e-22)
+    wanted = true_fall(name)["x"].astype(float)
     made, values = corner(name, fixed)
     run = vo.integrate(made, times=[0, 3, 7], initial=FALL, parameters=values, method=method)
-    wanted = truth["x"].astype(float)
     assert run["x"].astype(float) == pytest.approx(wanted, abs=1e-10)
     if method != "flint":
         many = vo.ensemble(
@@ -250,7 +262,6 @@ def test_no_step_goes_over_a_corner_that_is_hardly_rounded(name, fixed, method):
 def test_lsoda_is_right_at_a_corner_or_says_that_it_is_lost(name):
     """Where the acceleration is constant it takes steps over several corners at once."""
     made, values = corner(name, False)
-    truth = vo.integrate(corner(name, True)[0], times=[0, 7], initial=FALL, tol=1e-22)
     found = None
     with suppress(vo.IntegrationError):
         run = vo.integrate(made, times=[0, 7], initial=FALL, parameters=values, method="lsoda")
@@ -259,17 +270,24 @@ def test_lsoda_is_right_at_a_corner_or_says_that_it_is_lost(name):
         with pytest.raises(vo.IntegrationError, match="do not follow the equations"):
             vo.integrate(made, times=[0, 7], initial=FALL, parameters=values, method="lsoda")
     else:
-        assert found == pytest.approx(float(truth["x"][-1]), abs=1e-8)
+        assert found == pytest.approx(float(true_fall(name)["x"][-1]), abs=1e-8)
+
+
+@cache
+def true_section(name: str):
+    """Of two crossings."""
+    middle = vo.Event(x, "middle", -1)
+    made = corner(name, True)[0]
+    run = vo.integrate(made, times=[0, 9], initial=FALL, events=(middle,), tol=1e-22)
+    return run.events["middle"]
 
 
 @pytest.mark.parametrize("method", ["scipy", "heyoka"])
 @pytest.mark.parametrize("name", ["quotient", "sine", "expanded", "fourth root"])
 def test_no_section_goes_over_a_corner(name, method):
     made, values = corner(name, False)
-    middle = vo.Event(x, "middle", -1)
-    truth = vo.integrate(
-        corner(name, True)[0], times=[0, 20], initial=FALL, events=(middle,), tol=1e-22
-    ).events["middle"]
+    truth = true_section(name)
+    assert len(truth) == 2
     found = vo.section(
         made, x, outputs=(v,), starts=[FALL] * 2, parameters=values, method=method, direction=-1,
         crossings=len(truth),
@@ -282,6 +300,24 @@ PUSHES = {
     "turn": sp.tanh(20 * (t - 5)) * sp.exp(-t / 5),
     "rise": sp.exp(-t / 5) / (1 + sp.exp(-20 * (t - 5))),
 }
+BRAKE = sp.Rational(3, 10)
+
+
+@cache
+def end_of_push(push: str) -> float:
+    """Where friction has stopped what was pushed, by quadratures."""
+    sign = -1 if push == "turn" else 1
+    with mp.workdps(30):
+        pushed = sp.lambdify(t, PUSHES[push] - sign * BRAKE, "mpmath")
+        begin = 0 if sign < 0 else mp.findroot(pushed, (5, 5.5), solver="anderson")
+        places = [begin, 4.9, 5, 5.1, 6, 7, 8]
+
+        def speed(end):
+            return mp.quad(pushed, [p for p in places if p < end] + [end])
+
+        end = mp.findroot(speed, (6.1, 12), solver="anderson", tol=1e-40)
+        way = mp.quad(lambda s: (end - s) * pushed(s), [p for p in places if p < end] + [end])
+    return float(way)
 
 
 @pytest.mark.parametrize(
@@ -296,21 +332,10 @@ PUSHES = {
 )
 def test_a_fast_saturation_that_fades_moves_what_friction_stops(push, method):
     """Over one letter exp(t/5) the push is a quotient of degree 200, and leaves doubles."""
-    friction = sp.Rational(3, 10)
-    sign = -1 if push == "turn" else 1
-    with mp.workdps(30):
-        pushed = sp.lambdify(t, PUSHES[push] - sign * friction, "mpmath")
-        begin = 0 if sign < 0 else mp.findroot(pushed, (5, 5.5), solver="anderson")
-        places = [begin, 4.9, 5, 5.1, 6, 7, 8]
-
-        def speed(end):
-            return mp.quad(pushed, [p for p in places if p < end] + [end])
-
-        end = mp.findroot(speed, (6.1, 12), solver="anderson", tol=1e-40)
-        truth = mp.quad(lambda s: (end - s) * pushed(s), [p for p in places if p < end] + [end])
-    made = system(PUSHES[push] - friction * sp.sign(v))
+    truth = end_of_push(push)
+    made = system(PUSHES[push] - BRAKE * sp.sign(v))
     run = vo.integrate(made, times=[0, 4, 30], initial={v: 0}, method=method, tol=1e-11)
-    assert float(run["x"][-1]) == pytest.approx(float(truth), abs=3e-9 * float(abs(truth)))
+    assert float(run["x"][-1]) == pytest.approx(truth, abs=3e-9 * abs(truth))
     assert run["xdot"][-1] == 0
 
 
@@ -323,26 +348,28 @@ BELLS = {
 }
 
 
+@cache
+def end_of_bell(name: str) -> float:
+    law, start, end = BELLS[name]
+    return end_of_short_steps(lambda s, y: [y[1], float(law(s, *y))], start, end)
+
+
 @pytest.mark.parametrize("method", ["heyoka", "scipy", "c", "lsoda", "flint"])
 @pytest.mark.parametrize("name", BELLS)
 def test_a_bell_beside_another_force_is_one_exponential(name, method):
     """Taken apart into exponentials of the terms of its exponent it leaves doubles, and a method
     with numbers of a fixed point lost all of the force."""
-    law, (place, speed), end = BELLS[name]
+    _, (place, speed), end = BELLS[name]
     half = sp.Rational(1, 2)
     force = {
         "time": -x + sp.exp(-1000 * (t - half) ** 2), "place": -x + sp.exp(-1000 * (x - half) ** 2),
         "speed": -x + sp.exp(-1000 * (v - half) ** 2), "running": x * sp.exp(-1000 * (t - x) ** 2),
         "late": -x + sp.exp(-((t - 15) ** 2)),
     }[name]  # fmt: skip
-    truth = solve_ivp(
-        lambda s, y: [y[1], float(law(s, *y))], (0, end), [place, speed], method="DOP853",
-        rtol=1e-13, atol=1e-14, max_step=0.02,
-    ).y[0, -1]  # fmt: skip
     run = vo.integrate(
         system(force), times=[0, end], initial={x: place, v: speed}, method=method, tol=1e-12
     )
-    assert float(run["x"][-1]) == pytest.approx(truth, abs=2e-9)
+    assert float(run["x"][-1]) == pytest.approx(end_of_bell(name), abs=2e-9)
 
 
 def test_jumps_at_the_edge_of_a_bell_are_found():

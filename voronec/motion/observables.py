@@ -206,7 +206,7 @@ def _digits_along(
     """The same in many digits; not a number where a quantity has no value at an instant."""
     block = program.extras if which else program.derivative
     try:
-        results = compiled_digits(program)[which](t, list(states.T), list(values))
+        return compiled_digits(program)[which](t, list(states.T), list(values))
     except (ZeroDivisionError, ValueError):
         if which and len(block.results) > 1:
             alone = [
@@ -221,9 +221,6 @@ def _digits_along(
             for k in range(len(t))
         ]
         return [np.concatenate(column) for column in zip(*rows, strict=True)]
-    # constants of a program may be integers
-    plain = [mpmath.mpf(r) if isinstance(r, int) else r for r in results]
-    return [np.broadcast_to(np.asarray(r, dtype=object), t.shape).copy() for r in plain]
 
 
 def evaluate_watch(

@@ -34,7 +34,6 @@ from voronec.equations.program.straight import Program
 from voronec.errors import DefinitionError
 
 __all__ = [
-    "WORDS",
     "casadi_function",
     "casadi_source",
     "compile_program",
@@ -74,8 +73,6 @@ _IN_DIGITS = {
 _NUMPY = {f: f.replace("a", "arc", 1) if f[0] == "a" else f for f in FUNCTIONS} | _NUMERIC
 _NUMPY |= {"Abs": "absolute", numeric.SIZE: "absolute"}
 _PLAIN = {f: f for f in FUNCTIONS} | {"Abs": "fabs"} | _NUMERIC
-WORDS = frozenset(_PLAIN.values())
-"""Names of functions in the source on mpmath's numbers."""
 
 
 @dataclass(frozen=True)
@@ -339,21 +336,39 @@ def compiled_digits(program: Program) -> tuple[Callable[..., Any], Callable[...,
     They compute with the precision of time and state, and with that in force where it is finer.
     """
     namespace = execute(mpmath_source(program), "digits", {})
-    for name in namespace.keys() & WORDS:
-        number = 2 if name in ("atan2", "power", "hypot") else 1
-        namespace[name] = np.frompyfunc(namespace[name], number, 1)
-    return _careful(namespace["rhs"]), _careful(namespace.get("extras", lambda *_: []))
+    extras = namespace.get("extras", _nothing)
+    return (
+        _careful(namespace["rhs"], len(program.derivative.results)),
+        _careful(extras, len(program.extras.results)),
+    )
 
 
-def _careful(function: Callable[..., Any]) -> Callable[..., Any]:
-    def compute(t: Any, state: Any, parameters: Any) -> Any:
-        columns = [np.ravel(np.asarray(x, dtype=object)) for x in (t, *state)]
+def _careful(function: Function, count: int) -> Function:
+    """A function with so many results, in the precision of what comes in; at one instant after the
+    other, since a number of mpmath's before an array writes the array out before it gives way."""
+
+    def at(t: Any, state: Any, parameters: Any) -> list[Any]:
+        return [_real(x) for x in function(mpmath.mpf(t), state, parameters)]
+
+    def compute(t: Any, state: Any, parameters: Any) -> list[Any]:
+        columns = [np.asarray(x, dtype=object) for x in (t, *state)]
         # short numbers, such as 1, say nothing of the precision that they are meant with
-        bits = max(precision(np.concatenate(columns)), mpmath.mp.prec)
+        bits = max(precision(np.concatenate([*map(np.ravel, columns)])), mpmath.mp.prec)
         with mpmath.workprec(bits + SPARE):
-            moments = np.frompyfunc(mpmath.mpf, 1, 1)(t)
-            return [real(x) for x in function(moments, state, parameters)]
+            if not any(x.ndim for x in columns):
+                return at(t, state, parameters)
+            moments = list(zip(*np.broadcast_arrays(*columns), strict=True))
+            table = np.empty((len(moments), count), dtype=object)
+            for row, (time, *values) in zip(table, moments, strict=True):
+                row[:] = at(time, values, parameters)
+            return list(table.T)
 
-    # beyond the edge of a root or an inverse function mpmath goes on with complex numbers
-    real = np.frompyfunc(lambda x: mpmath.nan if isinstance(x, mpmath.mpc) else x, 1, 1)
     return compute
+
+
+def _real(number: Any) -> Any:
+    """A result as one of mpmath's real numbers: constants may be integers, and beyond the edge of a
+    root or an inverse function mpmath goes on with complex numbers."""
+    if isinstance(number, int):
+        return mpmath.mpf(number)
+    return mpmath.nan if isinstance(number, mpmath.mpc) else number

@@ -6,11 +6,15 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from typing import Any
 
+import flint
 import symengine as se
 
 from voronec.algebra.graphs import nodes
 from voronec.algebra.normal import canonical, canonical_for_numbers
+from voronec.algebra.points import sample_evaluable
+from voronec.algebra.precision import GENERIC
 from voronec.algebra.signs import known_sign
+from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import all_vanish
 from voronec.errors import EngineLimit
 from voronec.motion.model.level import (
@@ -170,13 +174,23 @@ def _solvable(level: Level, integral: Any, steep: Steep) -> Any | None:
     for x in reversed(level.variables):
         if x not in inside or not (x in alone or x in level.positions):
             continue
-        slope = _short(integral.diff(x))
-        if slope.free_symbols & {*level.variables, level.time}:
+        slope, moving = integral.diff(x), {*level.variables, level.time}
+        if _differs(slope, moving) or (slope := _short(slope)).free_symbols & moving:
             continue
         others = (integral.diff(y) for y in level.variables if y != x and y in inside)
         if steep(slope, tuple(others)):
             return x
     return None
+
+
+def _differs(expr: Any, symbols: Collection[Any]) -> bool:
+    """Whether an expression has two values for different symbols, as two points show: its normal
+    form tells so, too, but may be long."""
+    tape = Tape([expr])
+    for point, (value,) in sample_evaluable(tape, count=1):
+        moved = {s: x + flint.fmpq(1, 7) if s in symbols else x for s, x in point.items()}
+        return not tape.arb(moved, GENERIC)[0].overlaps(value)
+    return False
 
 
 def _short(expr: Any) -> Any:

@@ -386,10 +386,11 @@ class _March:
     def take(self, stride: Stride) -> None:
         """Enter a step: crossings in it, then points of the grid up to the one that stops."""
         end = stride.end
+        near = self.near(stride)
         fine = {
             i: event
             for i, event in enumerate(self.problem.events)
-            if event.name not in self.problem.coarse or self.near(stride, i)
+            if event.name not in self.problem.coarse or near[i]
         }
         if fine:
             left = self.problem.walls if self.is_on_wall else frozenset()
@@ -464,23 +465,23 @@ class _March:
             self.ends += stretch.times.tolist()
         self.last = Halt(COLLAPSE, stretch.end, stretch.state)
 
-    def near(self, stride: Stride, column: int) -> bool:
-        """Whether a coarse event may happen in a step, by its function and the slopes at the ends.
+    def near(self, stride: Stride) -> np.ndarray:
+        """Which coarse events (m,) may happen in a step, by their functions and the slopes at its
+        ends.
 
-        Between ends with values g0, g1 > 0 it is at least (g0 + g1 - V h)/2, V the fastest fall.
+        Between ends with values g0, g1 > 0 one is at least (g0 + g1 - V h)/2, V the fastest fall.
         """
-        if stride.slopes is None:
-            return True
+        if stride.slopes is None or not self.problem.coarse:
+            return np.ones(len(self.problem.events), dtype=bool)
         times = np.array([stride.start, stride.start, stride.end, stride.end])
         shift = TINY * (stride.end - stride.start)
         (first, before), (last, after) = stride.slopes
         states = np.stack([first, first + shift * before, last, last + shift * after])
-        g = self.levels(times, states)[:, column]
-        if not (g[0] > 0 and g[2] > 0):
-            return True
-        slopes = np.abs([g[1] - g[0], g[3] - g[2]]) / TINY
-        bend = abs((g[3] - g[2]) - (g[1] - g[0])) / TINY
-        return bool(g[0] + g[2] <= slopes.max() + bend)
+        g = self.levels(times, states)
+        with np.errstate(all="ignore"):
+            rises = np.array([g[1] - g[0], g[3] - g[2]]) / TINY
+            fastest = np.abs(rises).max(axis=0) + np.abs(rises[1] - rises[0])
+            return ~((g[0] > 0) & (g[2] > 0)) | (g[0] + g[2] <= fastest)
 
     def singular(self) -> Halt | None:
         """The last state before one with a singular mass matrix, if there is one."""
