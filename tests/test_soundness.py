@@ -416,3 +416,16 @@ def test_a_state_beyond_doubles_ends_a_run_in_words_alone(method):
         with pytest.raises(vo.IntegrationError, match=r"no longer finite|collapsed") as caught:
             vo.integrate(vo.load("suslov"), initial={"omega1": 1e160}, times=[0, 1], method=method)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("tol", [1e-13, 1e-16, 1e-25])
+def test_a_claim_that_drifts_is_told_at_every_tolerance(tol):
+    # the curvature of x^2 was taken for rounding over rounding where tolerances are finer than it
+    x = sp.Symbol("x")
+    v = vo.velocity(x)
+    spring = vo.System(
+        name="spring", fibration=vo.Fibration((x,)), lagrangian=(v**2 - x**2) / 2,
+        integrals={"wrong": v**2 + 2 * x**2},
+    )  # fmt: skip
+    run = vo.integrate(spring, initial={x: 1}, times=[0, 1, 3], tol=tol)
+    assert "'wrong' is only claimed, and drifts" in run.notes[0]

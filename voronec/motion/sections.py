@@ -614,6 +614,7 @@ def _drift(
     for name in motions.ground.integrals:
         key = f"integral {name}"
         largest = np.zeros(len(motions))
-        np.maximum.at(largest, start, np.abs(found[key] - first[key][start]))
+        with np.errstate(invalid="ignore"):  # of values that are infinite, or none
+            np.maximum.at(largest, start, np.abs(found[key] - first[key][start]))
         result[name] = drifts(largest, first[key])
     return result
