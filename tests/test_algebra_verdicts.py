@@ -587,4 +587,6 @@ def test_a_witness_has_values_for_letters_that_cancel():
 
 def test_a_witness_without_variables_ends_with_its_values():
     answer = prove_equal(sp.sqrt(2), 1)
-    assert answer.refuted and str(answer.witness).endswith("against 1.00000000000000000000000000000")
+    assert answer.refuted and str(answer.witness).endswith(
+        "against 1.00000000000000000000000000000"
+    )
