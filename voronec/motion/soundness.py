@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import accumulate
 from typing import Any
 
@@ -448,7 +448,7 @@ class JudgeOfMany:
             looks[i] -= 1
             if i in found or looks[i] < 0:
                 continue
-            one = _rates_of_one(self.program, values[i])
+            one = program_rates(self.program, partial(_constants, values[i].tolist()))
             part = float(np.ptp(times[rows]) / np.ptp(t))
             off = again(one, times[rows], joined[rows, :n], self.tol, steps * part)
             if off is not None and off.max() > 1:
@@ -456,17 +456,8 @@ class JudgeOfMany:
         return found
 
 
-def _rates_of_one(program: Program, values: np.ndarray) -> Rates:
-    """The rates of one state at a time, with parameters (p,): numbers cost less than arrays."""
-    rhs, constants = compile_program(program, scalar=True)[0], values.tolist()
-
-    def rates(times: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        try:
-            return np.array([rhs(float(times[0]), rows[0].tolist(), constants)], dtype=float)
-        except (ZeroDivisionError, ValueError, OverflowError):
-            return np.full(rows.shape, np.nan)
-
-    return rates
+def _constants(values: list[Any], _: np.ndarray) -> list[Any]:
+    return values
 
 
 PER_STEP = 4
