@@ -583,3 +583,10 @@ def test_a_witness_has_values_for_letters_that_cancel():
         at = {s: sp.Rational(verdict.witness.point[str(s)]) for s in (left - right).free_symbols}
         for side, value in ((left, verdict.witness.left), (right, verdict.witness.right)):
             assert abs(sp.N(side.subs(at), 30) - sp.Rational(value)) < 1e-25
+
+
+def test_a_witness_without_variables_ends_with_its_values():
+    answer = prove_equal(sp.sqrt(2), 1)
+    assert answer.refuted and str(answer.witness).endswith(
+        "against 1.00000000000000000000000000000"
+    )

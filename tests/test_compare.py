@@ -268,3 +268,19 @@ def test_points_have_parameters_near_their_defaults_with_their_signs() -> None:
     for seed in range(5):
         point = random_point(system, seed)
         assert all(1 < point[s] / base < 1.4 for s, base in ((m, 8), (k, -3), (free, 1)))
+
+
+def test_motions_are_compared_from_what_the_scene_gives() -> None:
+    """The second one had neither inputs of the scene nor, at a place where the velocities are no
+    frame, a start."""
+    x, y, phi, u = sp.symbols("x y phi u")
+    dx, dy, turn = map(vo.velocity, (x, y, phi))
+    start = {"phi": sp.pi / 2, "ydot": 1, "phidot": 1}
+    blade = vo.System(
+        name="blade", fibration=vo.Fibration((x, phi), (y,)), inputs=(u,), forces={phi: u},
+        lagrangian=(dx**2 + dy**2 + turn**2) / 2,
+        constraints=(dx * sp.sin(phi) - dy * sp.cos(phi),),
+        scenes={"default": vo.Scene(start, (0, 1), inputs={u: "sin(t)"})},
+    )  # fmt: skip
+    found = compare(blade, blade)
+    assert found.equal and not found.remark and max(found.deviations.values()) == 0

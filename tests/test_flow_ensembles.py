@@ -423,3 +423,20 @@ def test_starts_that_ask_for_boundless_speeds_are_refused_beside_others() -> Non
     assert [*found.errors] == [1] and "almost no frame" in str(found.errors[1])
     aside = (np.cos(0.5) - np.cos(0.8)) / (0.3 * np.cos(0.5))  # at a constant speed on a circle
     assert found["y"][0, -1] == pytest.approx(aside, abs=1e-11) and found.cost.steps < 100
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("many", ["ensemble", "section"])
+def test_an_integral_that_is_infinite_at_one_start_hides_no_drift_of_others(many):
+    x = sp.Symbol("x")
+    v = vo.velocity(x)
+    spring = vo.System(
+        name="spring", fibration=vo.Fibration((x,)), lagrangian=(v**2 - x**2) / 2,
+        integrals={"wrong": 1 / (x - 1) + v**2},
+    )  # fmt: skip
+    starts = {x: [1.0, 0.5]}  # the second begins at -2, and has more than 0.2 of v^2 on its way
+    if many == "ensemble":
+        found = vo.ensemble(spring, starts, times=np.linspace(0, 5, 21))
+    else:
+        found = vo.section(spring, x, starts=starts, crossings=2)
+    assert found.drift["wrong"][1] > 0.1 and not found.drift["wrong"][0] < np.inf

@@ -445,5 +445,7 @@ def test_starts_where_the_velocities_are_no_frame_go_alone_or_are_refused(method
     along = np.pi - np.arcsin(np.sin(0.5) - 0.3 * np.cos(0.5)) - 0.5
     assert found.t == pytest.approx(np.array([along, np.arccos(0.7)]) / 0.3, abs=1e-10)
     assert found["y"][1] == pytest.approx(np.sqrt(1 - 0.7**2) / 0.3, abs=1e-10)
+    single = vo.section(blade, x, ("y",), initial=up, **options)
+    assert single.t == pytest.approx(found.t[1:]) and single.cost.method == method
     with pytest.raises(vo.DefinitionError, match="almost no frame"):
         vo.section(blade, x, ("y",), starts=[beside], **options)

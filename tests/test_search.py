@@ -174,6 +174,19 @@ def test_coordinates_under_sines_are_searched_by_sine_and_cosine() -> None:
     assert "cos(phi), sin(phi)" in found.form
 
 
+@pytest.mark.parametrize("part", [1, 2, sp.Rational(3, 2)])
+def test_angles_in_sums_and_in_parts_are_searched_by_sine_and_cosine(part: sp.Expr) -> None:
+    """Letters were the bare angles where these stand under a cosine in sums or fractions alone."""
+    a, b = sp.symbols("a b")
+    da, db = vo.velocity(a), vo.velocity(b)
+    links = vo.System(
+        name="links", fibration=vo.Fibration((a, b)),
+        lagrangian=da**2 + db**2 / 2 + da * db * sp.cos((a - b) / part),
+    )  # fmt: skip
+    found = vo.search_integrals(links, degree=2, positions=4)
+    assert len(found.new) == 2 and found.complete
+
+
 def test_an_integral_that_is_a_function_of_others_is_told() -> None:
     body = free_body(
         integrals={

@@ -416,3 +416,31 @@ def test_a_state_beyond_doubles_ends_a_run_in_words_alone(method):
         with pytest.raises(vo.IntegrationError, match=r"no longer finite|collapsed") as caught:
             vo.integrate(vo.load("suslov"), initial={"omega1": 1e160}, times=[0, 1], method=method)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("tol", [1e-13, 1e-16, 1e-25])
+def test_a_claim_that_drifts_is_told_at_every_tolerance(tol):
+    # the curvature of x^2 was taken for rounding over rounding where tolerances are finer than it
+    x = sp.Symbol("x")
+    v = vo.velocity(x)
+    spring = vo.System(
+        name="spring", fibration=vo.Fibration((x,)), lagrangian=(v**2 - x**2) / 2,
+        integrals={"wrong": v**2 + 2 * x**2},
+    )  # fmt: skip
+    run = vo.integrate(spring, initial={x: 1}, times=[0, 1, 3], tol=tol)
+    assert "'wrong' is only claimed, and drifts" in run.notes[0]
+
+
+def test_rates_at_single_times_are_those_of_arrays_however_often_they_are_asked_for():
+    v = vo.velocity(x)
+    system = vo.System(
+        name="steep", fibration=vo.Fibration((x,)), lagrangian=v**2 / 2,
+        forces={x: 1 / (1 + sp.exp(x)) ** 2 + sp.log(v) / x},
+    )  # fmt: skip
+    program = Program.of(vo.derive(system).raw.form)
+    rates = residual_windows.program_rates(program, lambda _: [])
+    for state in ([0.5, 2.0], [1000.0, 1.0], [0.0, 2.0], [1.0, -1.0]):
+        row, t = np.array([state]), np.zeros(1)
+        many = rates(np.zeros(2), np.vstack([row, row]))[:1]
+        for _ in range(2 * residual_windows.OFTEN):
+            assert np.allclose(rates(t, row), many, rtol=1e-15, equal_nan=True)

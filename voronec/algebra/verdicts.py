@@ -69,7 +69,7 @@ class Witness:
 
     def __str__(self) -> str:
         at = ", ".join(f"{name} = {value}" for name, value in self.point.items())
-        return f"{self.left} against {self.right} at {at}"
+        return f"{self.left} against {self.right}" + (f" at {at}" if at else "")
 
 
 @dataclass(frozen=True)

@@ -334,7 +334,8 @@ class _ResultRows:
             along_motion = found[f"integral {name}"]
             self.first[name][where] = along_motion[:, 0]
             # a motion that failed has numbers up to there, if any
-            array[where] = np.fmax.reduce(np.abs(along_motion - along_motion[:, :1]), axis=1)
+            with np.errstate(invalid="ignore"):
+                array[where] = np.fmax.reduce(np.abs(along_motion - along_motion[:, :1]), axis=1)
         self.errors.update({int(where[i]): error for i, error in failed.items()})
         self.finished[[int(i) for i in where if int(i) not in self.errors]] = True
 
@@ -402,7 +403,8 @@ class _ResultRows:
         for name in self.changes.keys() & run.integrals.keys():
             values = run.integrals[name]
             self.first[name][i] = values[0]
-            self.changes[name][i] = np.abs(values - values[0]).max()
+            with np.errstate(invalid="ignore"):
+                self.changes[name][i] = np.abs(values - values[0]).max()
         self.alone.append(run.cost)
         if run.notes:
             self.notes[i] = run.notes

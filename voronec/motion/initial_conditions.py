@@ -253,7 +253,7 @@ CONSISTENT = 1e-9
 """How far initial data may lie off the constraints, relative to their size."""
 ROUNDING = 1e-13
 """A smaller relative change is none."""
-NO_VELOCITIES = "system '{}': the velocities are not defined at the initial point"
+NO_VELOCITIES = "system '{}': the velocities are no frame at the initial point; start beside it"
 
 
 class NoFrame(DefinitionError):

@@ -398,7 +398,8 @@ def drifts(changes: np.ndarray, starts: np.ndarray) -> np.ndarray:
     that vanishes too, the change is absolute.
     """
     sizes = np.abs(starts)
-    largest = float(np.nanmax(sizes, initial=0.0))
+    largest = float(sizes[np.isfinite(sizes)].max(initial=0.0))
     if largest < NOTHING:
         return changes
-    return np.asarray(changes / np.where(sizes > SMALL * largest, sizes, largest))
+    with np.errstate(invalid="ignore"):  # an infinite change of an infinite value is none
+        return np.asarray(changes / np.where(sizes > SMALL * largest, sizes, largest))

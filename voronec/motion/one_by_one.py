@@ -373,6 +373,7 @@ class LoneMotions:
     method: str
     tol: float
     unplaced: frozenset[int]
+    costs: list[Cost] = field(default_factory=list)
 
     @classmethod
     def of(
@@ -466,6 +467,7 @@ def _pass_alone(
         if run.interrupted:
             raise KeyboardInterrupt
         span *= LONGER
+    alone.costs.append(run.cost)
     if i in motions.wrong:
         alone.place(i, run)
     passages.errors.pop(i, None)

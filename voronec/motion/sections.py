@@ -418,6 +418,8 @@ def _follow(
         switched.passages(watch, passages, f"plane {surface}", value)
     go_on_alone(alone, watch, passages, level)
     end_at_cuts(alone, passages)
+    if alone.costs and len(alone.unplaced) == len(motions):
+        used, finest = alone.costs[0].method, alone.costs[0].tolerance
     cost = Cost(
         method=used, reason=reason, tolerance=finest, setup=ready - began,
         run=perf_counter() - ready, steps=passages.steps, evaluations=passages.steps,
@@ -614,6 +616,7 @@ def _drift(
     for name in motions.ground.integrals:
         key = f"integral {name}"
         largest = np.zeros(len(motions))
-        np.maximum.at(largest, start, np.abs(found[key] - first[key][start]))
+        with np.errstate(invalid="ignore"):  # of values that are infinite, or none
+            np.maximum.at(largest, start, np.abs(found[key] - first[key][start]))
         result[name] = drifts(largest, first[key])
     return result

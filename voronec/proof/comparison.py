@@ -561,14 +561,9 @@ def _deviations(ours: Any, theirs: Any) -> dict[str, float]:
     outputs = _variables(ours.system)
     first = integrate(ours, scene="default", times=grid, outputs=outputs)
     shared = {*theirs.system.parameter_names} & {*first.parameters}
-    start = dict(zip(first.names, map(float, first.state[0]), strict=True))
-    second = integrate(
-        theirs,
-        times=grid,
-        outputs=outputs,
-        parameters={name: first.parameters[name] for name in sorted(shared)},
-        initial=start,
-    )
+    parameters = {name: first.parameters[name] for name in sorted(shared)}
+    alike = replace(scene, parameters=parameters)
+    second = integrate(theirs, scene=alike, times=grid, outputs=outputs)
     return {x: float(np.max(np.abs(first[x] - second[x]))) for x in outputs}
 
 

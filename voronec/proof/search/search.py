@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from math import lcm
 from time import perf_counter
 from typing import Any
 
@@ -25,6 +26,7 @@ from voronec.algebra.matrices import dot
 from voronec.algebra.normal import canonical, shortest
 from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import expression
+from voronec.algebra.terms import atoms
 from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.declaration.claims import Corrected
@@ -530,19 +532,20 @@ class _StateReader:
         return [self._letter(row, "velocity", f"p_{v}") for row, v in pairs]
 
     def positions(self) -> list[Letter]:
-        """Coordinates; of those under sines and cosines, these."""
+        """Coordinates; of those under sines and cosines, these, of q/n where q/n is the part of q
+        that all angles are multiples of."""
         field = self.field
-        under = {q: [e for e in field.entries if q in e.free_symbols] for q in field.positions}
+        angles = atoms(field.entries, se.sin, se.cos, se.tan)
         found = []
         for q in field.positions:
-            plain = se.Symbol(f"{q} in a circle")
-            bare = any(
-                q in e.xreplace({se.cos(q): plain, se.sin(q): plain, se.tan(q): plain}).free_symbols
-                for e in under[q]
-            )
-            if under[q] and (not bare or any(e.has(se.sin(q), se.cos(q)) for e in under[q])):
-                found += [self._letter(f(q), "position") for f in (se.cos, se.sin)]
-            if bare or not under[q]:
+            turning = {f: f.args[0].diff(q) for f in angles if q in f.free_symbols}
+            turning = {f: c for f, c in turning.items() if isinstance(c, se.Rational)}
+            if turning:
+                part = q / lcm(*(int(c.get_num_den()[1]) for c in turning.values()))
+                found += [self._letter(f(part), "position") for f in (se.cos, se.sin)]
+            plain = {f: se.Symbol(f"{i} in a circle") for i, f in enumerate(turning)}
+            under = [e for e in field.entries if q in e.free_symbols]
+            if not under or any(q in e.xreplace(plain).free_symbols for e in under):
                 found.append(self._letter(q, "position"))
         return found
 
