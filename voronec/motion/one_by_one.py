@@ -352,8 +352,9 @@ def _note(
         found.drift.setdefault(name, []).append(float(drift))
 
 
-LONGER = 4.0
-"""A motion alone is followed so many times longer until it has made all its passages."""
+LONGER, SPARE = 4.0, 1.25
+"""A motion alone is followed so many times longer until it has made all its passages; where it has
+made some, so many times as long as the others need at their pace, if that is less."""
 FIRST = 16.0
 """It is followed over so many units of its time scale at first, or over twice the time up to where
 it failed."""
@@ -466,7 +467,8 @@ def _pass_alone(
                 raise
         if run.interrupted:
             raise KeyboardInterrupt
-        span *= LONGER
+        pace = len(run.events[PLANE]) / passages.wanted
+        span *= min(LONGER, SPARE / pace) if pace else LONGER
     alone.costs.append(run.cost)
     if i in motions.wrong:
         alone.place(i, run)
