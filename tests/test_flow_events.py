@@ -412,3 +412,20 @@ def test_a_pole_beside_the_end_of_a_step_is_no_passage(ends: tuple[float, float]
         with np.errstate(divide="ignore"):
             for level in poles:  # which lie between two doubles
                 assert not found(lambda t, level=level: level(t - 1 - 1e-16), begin, end)
+
+
+def test_a_zero_is_found_to_the_last_digit_in_few_looks() -> None:
+    """Ends that no secant moved were brought up by halves: 200 looks, at 70 digits."""
+    looks = []
+
+    def simple(place):
+        looks.append(place)
+        return mpmath.cos(place) - third
+
+    with mpmath.workdps(70):
+        third, begin, end = mpmath.mpf(1) / 3, mpmath.mpf(0), mpmath.mpf(2)
+        found = root(simple, begin, simple(begin), end, simple(end))
+        assert abs(found - mpmath.acos(third)) < mpmath.mpf(10) ** -69 and len(looks) < 50
+    looks.clear()
+    assert root(lambda t: looks.append(t) or (t - 0.3) ** 3, 0.0, -0.027, 2.0, 4.913) == 0.3
+    assert len(looks) < 130

@@ -355,12 +355,14 @@ def _careful(function: Function, count: int) -> Function:
         # short numbers, such as 1, say nothing of the precision that they are meant with
         bits = max(precision(np.concatenate([*map(np.ravel, columns)])), mpmath.mp.prec)
         with mpmath.workprec(bits + SPARE):
+            columns += [np.asarray(x, dtype=object) for x in parameters]  # of inputs: arrays, too
             if not any(x.ndim for x in columns):
                 return at(t, state, parameters)
             moments = list(zip(*np.broadcast_arrays(*columns), strict=True))
+            split = 1 + len(state)
             table = np.empty((len(moments), count), dtype=object)
-            for row, (time, *values) in zip(table, moments, strict=True):
-                row[:] = at(time, values, parameters)
+            for row, moment in zip(table, moments, strict=True):
+                row[:] = at(moment[0], moment[1:split], moment[split:])
             return list(table.T)
 
     return compute

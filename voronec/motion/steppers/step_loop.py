@@ -227,24 +227,28 @@ def _turn(
 
 def root(function: Callable[[Any], Any], a: Any, left: Any, b: Any, right: Any) -> Any:
     """A zero between a and b, where the function has values of different signs, to the last digits
-    of the numbers in use: secants that give way to bisection."""
-    best = b
+    of the numbers in use: secants from the latest point b, the value at an end that stays halved
+    (Illinois), which give way to bisection where three of them do not halve what is left."""
+    wide, slow = abs(b - a), 0
     for count in range(TRIES):
         if right == 0 or a == b:
             return b
-        middle = b - right * (b - a) / (right - left) if count % 3 < 2 else a + (b - a) / 2
+        middle = b - right * (b - a) / (right - left)
+        if count % 3 == 2:
+            if slow > 1 or 2 * abs(b - a) > wide:
+                middle, slow = a + (b - a) / 2, slow + 1
+            wide = abs(b - a)
         if not min(a, b) < middle < max(a, b):
             middle = a + (b - a) / 2
-        if middle in (a, b) or middle == best:
+        if middle in (a, b):
             return middle
-        best, value = middle, function(middle)
-        if value == 0:
-            return middle
+        value = function(middle)
         if (value > 0) == (right > 0):
-            b, right, left = middle, value, left / 2
+            left = left / 2
         else:
-            a, left, right = middle, value, right / 2
-    return best
+            a, left = b, right
+        b, right = middle, value
+    return b
 
 
 TINY = 1e-6
