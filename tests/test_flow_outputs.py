@@ -274,3 +274,11 @@ def test_an_output_without_real_values_is_told_at_rest_too(output: str) -> None:
     motion = vo.integrate(rest, initial={x: 0}, times=[0, 1], outputs=(output,))
     assert np.isnan(motion[output]).all()
     assert any("has no finite value at 2 of 2 instants" in note for note in motion.notes)
+
+
+def test_an_output_that_is_complex_for_a_while_has_no_number_then_in_many_digits() -> None:
+    x = sp.Symbol("x")
+    free = vo.System("free", vo.Fibration((x,)), vo.velocity(x) ** 2 / 2)
+    start = {"initial": {x: -1, vo.velocity(x): 1}, "times": [0, 1, 2]}
+    motion = vo.integrate(free, outputs=("asin(2*x)",), tol=1e-30, **start)
+    assert [bool(mp.isnan(value)) for value in motion["asin(2*x)"]] == [True, False, True]
