@@ -174,6 +174,23 @@ def test_coordinates_under_sines_are_searched_by_sine_and_cosine() -> None:
     assert "cos(phi), sin(phi)" in found.form
 
 
+def test_angles_that_stand_in_sums_alone_are_searched_by_sine_and_cosine() -> None:
+    """Energy and momentum of two rods; theta, phi alone were the letters, and nothing was found."""
+    Dtheta, Dphi = vo.velocity(theta), vo.velocity(phi)
+    for share in (1, sp.Rational(1, 2)):
+        product = Dtheta * Dphi * sp.cos(share * (theta - phi))
+        rods = vo.System("rods", vo.Fibration((theta, phi)), Dtheta**2 + Dphi**2 / 2 + product)
+        found = vo.search_integrals(rods, positions=2)
+        assert len(found.new) == 2 and found.complete
+        assert str(sp.sin(share * theta)) in found.statement
+
+
+def test_a_letter_that_holds_the_time_is_not_called_a_constant() -> None:
+    letter = {"decay": sp.exp(-2 * vo.time)}
+    with pytest.raises(vo.DefinitionError, match="'decay' holds the time, and no state"):
+        vo.search_integrals(free_body(), functions=letter)
+
+
 def test_an_integral_that_is_a_function_of_others_is_told() -> None:
     body = free_body(
         integrals={

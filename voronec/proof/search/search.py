@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from math import gcd, lcm
 from time import perf_counter
 from typing import Any
 
@@ -21,6 +22,8 @@ import sympy as sp
 
 from voronec.algebra.arguments import accepts, callback
 from voronec.algebra.conditions import substituted_conditions
+from voronec.algebra.generators import TRIGONOMETRIC, linear_terms
+from voronec.algebra.graphs import nodes
 from voronec.algebra.matrices import dot
 from voronec.algebra.normal import canonical, shortest
 from voronec.algebra.roots import ring_over
@@ -530,19 +533,17 @@ class _StateReader:
         return [self._letter(row, "velocity", f"p_{v}") for row, v in pairs]
 
     def positions(self) -> list[Letter]:
-        """Coordinates; of those under sines and cosines, these."""
-        field = self.field
-        under = {q: [e for e in field.entries if q in e.free_symbols] for q in field.positions}
+        """Coordinates; of those under sines and cosines these, of the largest angle of which all
+        are multiples: of phi/2 for cos((phi - theta)/2)."""
         found = []
-        for q in field.positions:
-            plain = se.Symbol(f"{q} in a circle")
-            bare = any(
-                q in e.xreplace({se.cos(q): plain, se.sin(q): plain, se.tan(q): plain}).free_symbols
-                for e in under[q]
-            )
-            if under[q] and (not bare or any(e.has(se.sin(q), se.cos(q)) for e in under[q])):
-                found += [self._letter(f(q), "position") for f in (se.cos, se.sin)]
-            if bare or not under[q]:
+        for q in self.field.positions:
+            under = [e for e in self.field.entries if q in e.free_symbols]
+            turns = _turns(under, q)
+            plain = dict.fromkeys(turns, se.Symbol(f"{q} in a circle"))
+            if turns:
+                angle = _common_measure(turns.values()) * q
+                found += [self._letter(f(angle), "position") for f in (se.cos, se.sin)]
+            if not under or any(q in e.xreplace(plain).free_symbols for e in under):
                 found.append(self._letter(q, "position"))
         return found
 
@@ -551,7 +552,9 @@ class _StateReader:
         for name, expr in given.items():
             value = self.read(expr)
             if not value.free_symbols & {*self.field.variables}:
-                raise DefinitionError(f"the function '{name}' is a constant; leave it out")
+                holds = self.field.time in value.free_symbols
+                why = "holds the time, and no state" if holds else "is a constant"
+                raise DefinitionError(f"the function '{name}' {why}; leave it out")
             found.append(self._letter(value, self._kind(value), name))
         return found
 
@@ -576,6 +579,24 @@ class _StateReader:
         ring = ring_over([matrix.det()], relations)
         above = ring.field.absorb(ring.fraction(matrix.det())).num
         return shortest([ring.polynomial(above)], relations)[0]
+
+
+def _turns(exprs: Sequence[Any], q: Any) -> dict[Any, Any]:
+    """The sines, cosines and tangents of an angle k q + ... with a rational k, and that k."""
+    found = {}
+    for node in nodes(exprs):
+        if isinstance(node, TRIGONOMETRIC):
+            terms = linear_terms(node.args[0])
+            alone = [term for term in terms if q in term.free_symbols] == [q]
+            if alone and isinstance(terms[q], se.Rational):
+                found[node] = terms[q]
+    return found
+
+
+def _common_measure(numbers: Iterable[Any]) -> Any:
+    """The largest number of which all rational numbers are whole multiples."""
+    parts = [(int(n.p), int(n.q)) for n in map(sp.Rational, numbers)]
+    return se.Rational(gcd(*(p for p, _ in parts)), lcm(*(q for _, q in parts)))
 
 
 def _functions(system: System, given: Mapping[str, Any]) -> dict[str, sp.Expr]:
