@@ -548,6 +548,9 @@ def test_a_letter_for_an_exponent_does_not_make_its_base_positive():
     sides = x ** sp.Abs(n), sp.Abs(x) ** sp.Abs(n)
     assert not prove_equal(*sides).proved
     assert not prove_equal(x ** sp.floor(y), sp.Abs(x) ** sp.floor(y)).proved
+    assert not prove_equal(x**y, sp.Abs(x) ** y, [y - 3]).proved
+    assert not prove_equal((x**2) ** y, x ** (2 * y), [2 * y - 1]).proved
+    assert prove_equal((x**2) ** y, x ** (2 * y)).proved
 
 
 def test_an_angle_without_a_value_in_one_case_is_no_error():

@@ -187,6 +187,12 @@ def test_angles_in_sums_and_in_parts_are_searched_by_sine_and_cosine(part: sp.Ex
     assert len(found.new) == 2 and found.complete
 
 
+def test_a_letter_that_holds_the_time_is_not_called_a_constant() -> None:
+    letter = {"decay": sp.exp(-2 * vo.time)}
+    with pytest.raises(vo.DefinitionError, match="'decay' holds the time, and no state"):
+        vo.search_integrals(free_body(), functions=letter)
+
+
 def test_an_integral_that_is_a_function_of_others_is_told() -> None:
     body = free_body(
         integrals={

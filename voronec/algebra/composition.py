@@ -168,13 +168,10 @@ def _has_no_value(exprs: Iterable[Any]) -> bool:
 
 
 def _whole(hypotheses: Iterable[Any]) -> frozenset[Any]:
-    """The symbols that are whole numbers by hypothesis."""
-    told = (
-        c
-        for c in split_hypotheses(hypotheses)[1]
-        if any(isinstance(n, se.floor) for n in nodes(c.args))
-    )
-    return frozenset(a for c in told for a in Tape(c.args).atoms)
+    """The symbols that are whole numbers by hypothesis, or may be, as an r with r - 3 = 0 is."""
+    equations, conditions = split_hypotheses(hypotheses)
+    told = (c for c in conditions if any(isinstance(n, se.floor) for n in nodes(c.args)))
+    return frozenset(Tape([*equations, *(side for c in told for side in c.args)]).atoms)
 
 
 def _may_be_whole(exponent: Any, whole: frozenset[Any]) -> bool:

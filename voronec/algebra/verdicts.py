@@ -127,8 +127,9 @@ def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
 
     ``relations`` are expressions that vanish, or conditions, as x > 0.  Symbols are real numbers
     with the signs that SymPy knows; unknown functions stand for arbitrary ones, and a square root
-    for its non-negative value.  Never "equal up to 1e-6": see ``Verdict``.  Raises
-    ``DefinitionError`` for what is no expression.
+    for its non-negative value; what is raised to a power with letters that are not known to be
+    whole, nor bound by ``relations``, is positive.  Never "equal up to 1e-6": see ``Verdict``.
+    Raises ``DefinitionError`` for what is no expression.
     """
     door = Door()
     a, b = as_expression(a), as_expression(b)

@@ -554,7 +554,9 @@ class _StateReader:
         for name, expr in given.items():
             value = self.read(expr)
             if not value.free_symbols & {*self.field.variables}:
-                raise DefinitionError(f"the function '{name}' is a constant; leave it out")
+                holds = self.field.time in value.free_symbols
+                why = "holds the time, and no state" if holds else "is a constant"
+                raise DefinitionError(f"the function '{name}' {why}; leave it out")
             found.append(self._letter(value, self._kind(value), name))
         return found
 
