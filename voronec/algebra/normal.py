@@ -75,8 +75,8 @@ def _with_short_arguments(
     exprs: Sequence[Any], relations: Sequence[Any], work_limit: int
 ) -> Sequence[Any]:
     """The same with what jumps, or has a corner, of arguments in their shortest form: the ring
-    takes sign(v sin(x)^2 + v cos(x)^2) for a letter of its own, which is sign(v), and so it does
-    with roots of squares, which are absolute values."""
+    takes sign(v sin(x)^2 + v cos(x)^2) for a letter of its own, which is sign(v). So are roots of
+    squares, |f|, where f loses a symbol; else they stay, lest |2 f| be another letter than |f|."""
     found = {node: _corner(node) for node in nodes(map(se.sympify, exprs))}
     jumps = [node for node, inner in found.items() if inner is not None and inner.args]
     if not jumps:
@@ -104,7 +104,8 @@ def _of(node: Any, argument: Any) -> Any:
     """The same of another argument."""
     if isinstance(node, JUMPS):
         return node.func(argument)
-    return (argument**2) ** node.args[1]
+    fewer = argument.free_symbols < node.free_symbols
+    return (argument**2) ** node.args[1] if fewer else node
 
 
 def canonical_for_numbers(exprs: Sequence[Any], ground: Any) -> list[Any]:
