@@ -160,6 +160,12 @@ def test_a_state_where_it_fails() -> None:
         (r"\frac{dL}{d\phi} = 0", "a derivative with d is by t"),
         (r"\frac{\partial L}{\partial v} = 0", "no velocities of a frame"),
         (r"\frac{\partial v}{\partial\dot x} = 0", "no velocities of a frame"),
+        # what no motion gives a value
+        ("v' (v' - a w^2)/(v' - a w^2) = a w^2", "character 18: this divides by what is zero"),
+        ("(v' - a w^2)(v' - a w^2)^{-1} = 1", "character 14: this divides by what is zero"),
+        (r"\frac{v}{\dot x\sin\phi - \dot y\cos\phi} = 0", "zero along every motion"),
+        (r"\sin(v, w) = w", "this is no number: a list stands in it"),
+        (r"\dot v = a w^2 cos(phi)", r"beside commands of LaTeX write \cos"),
         ("(" * 3000 + "v" + ")" * 3000 + " = v", "nested too deeply"),
     ],
 )
@@ -227,6 +233,11 @@ def test_what_a_proof_rests_on(text: str, ground: str) -> None:
         ("sign(v)*abs(v) = v", r"\operatorname{sgn}v\,\left|v\right| = v"),
         ("d/dt(m v) = m a w^2", r"\frac d{dt}\bigl\{m v\bigr\} = m a w^2"),
         ("tan(phi) = tan(phi)", r"\operatorname{tg}\phi = \tan\varphi"),
+        (
+            "atan2(ydot, v) = atan2(ydot, v)",
+            r"\operatorname{atan2}(\dot y, v) = \mathrm{atan2}(\dot y, v)",
+        ),
+        ("floor(w) = -ceiling(-w)", r"\operatorname{floor}(w) = -\operatorname{ceiling}(-w)"),
         ("exp(v) = exp(v)", r"e^{v} \equiv \exp v"),
     ],
 )

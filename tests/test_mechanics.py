@@ -208,6 +208,8 @@ P.set_vel(N, U * N.x)
         ("no pair of a Point", {"forcelist": [(3, N.x)]}),
         ("nothing that has a velocity", {"forcelist": [(sp.Symbol("q"), N.x)]}),
         ("the load on 'lost'", {"forcelist": [(me.Point("lost"), N.x)]}),
+        ("loads hold no accelerations", {"forcelist": [(P, U.diff(t) * N.x)]}),
+        ("holds 'Derivative(w(t), (t, 2))'", {"forcelist": [(P, W.diff(t, 2) * N.x)]}),
         ("the axes of", {"forcelist": [(P, me.ReferenceFrame("M").x)]}),
         ("neither a symbol nor a dynamicsymbol", {"u_ind": [U**2]}),
         ("not linear in the speeds", {"kd_eqs": [Q.diff(t) - U**2]}),

@@ -29,6 +29,7 @@ from voronec.equations.program import (
     python_source,
     shorten_program,
 )
+from voronec.equations.program.straight import Block
 from voronec.errors import EngineLimit
 
 pytestmark = pytest.mark.slow
@@ -307,6 +308,59 @@ def test_only_the_side_that_is_in_force_is_looked_at(language: str, tmp_path: Pa
         assert call("rhs", at).ravel()[1] == pytest.approx(value, rel=1e-14)
         if not np.isnan(slope):
             assert call("jacobian", at).ravel()[2] == pytest.approx(slope, rel=1e-14)
+
+
+def test_a_quasi_velocity_at_a_wall_is_itself_where_its_base_velocity_vanishes() -> None:
+    """v = xdot c + ydot s, in which the rates hold push c/s: at s = 0 this is no number."""
+    px, py, c, s, v, omega, push = sp.symbols("x y c s v omega push")
+    dx, dy, dc, ds = map(vo.velocity, (px, py, c, s))
+    sledge = vo.System(
+        name="sledge",
+        fibration=vo.Fibration((px, c), (py, s), relations=(c**2 + s**2 - 1,)),
+        frame=vo.Frame.quasi({v: dx * c + dy * s + c, omega: c * ds - s * dc}),
+        lagrangian=(dx**2 + dy**2 + dc**2 + ds**2) / 2,
+        constraints=(dx * s - dy * c - push,),
+        forces={v: push * sp.sin(vo.time) - v * sp.Abs(v)},
+        inputs=(push,),
+    )
+    eqs = vo.derive(sledge)
+    assert eqs.force[0].has(sp.sqrt(v**2))
+    space: dict[str, Any] = {}
+    exec(eqs.python(), space)
+    for place in (1e-15, 0.0):
+        found = space["rhs"](0.0, [0, 1.0, 0, place, 3.0, 0.0], [], [0.5])
+        assert found[4] == pytest.approx(-9.0, rel=1e-14)
+
+
+def test_names_whose_users_cancel_are_not_printed() -> None:
+    """An unused constant is a warning of compilers of C; here k3 is v."""
+    c, s, v, push, *k = se.symbols("c s v push k0:4")
+    lines = (
+        (k[0], c / s), (k[1], -y - k[0] * push), (k[2], 1 / (s + c * k[0])),
+        (k[3], y + k[0] * (push + c * k[2] * (v + k[1])) + s * k[2] * (k[1] + v)),
+    )  # fmt: skip
+    program = Program(
+        time=t, coordinates=(c, s), velocities=(v,), parameters=(y, push), names=(),
+        derivative=Block(lines, (v, v, k[3] ** 2)), extras=Block((), ()),
+    )  # fmt: skip
+    assert shorten_program(program).derivative == Block((), (v, v, v**2))
+
+
+@pytest.mark.parametrize("language", CALLS)
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_a_wall_without_a_value_leaves_none(language: str, tmp_path: Path) -> None:
+    """What is no number is neither above nor below a wall, but not on it either."""
+    q = sp.Symbol("q")
+    dq, wall = vo.velocity(q), sp.log(q)
+    forces = wall * sp.Abs(wall), sp.sign(wall), sp.Piecewise((1, wall > 0), (2, True))
+    for number, force in enumerate(forces):
+        system = vo.System(
+            name="k", fibration=vo.Fibration(q), lagrangian=dq**2 / 2, forces={q: force}
+        )
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        call = CALLS[language](vo.derive(system).program, folder)
+        assert np.isnan(call("rhs", [[-2.0, 0.0], []]).ravel()[1])
 
 
 @pytest.mark.parametrize("language", ["numpy", "c", "javascript"])

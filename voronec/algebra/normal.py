@@ -75,17 +75,37 @@ def _with_short_arguments(
     exprs: Sequence[Any], relations: Sequence[Any], work_limit: int
 ) -> Sequence[Any]:
     """The same with what jumps, or has a corner, of arguments in their shortest form: the ring
-    takes sign(v sin(x)^2 + v cos(x)^2) for a letter of its own, which is sign(v)."""
-    jumps = {n for n in nodes(map(se.sympify, exprs)) if isinstance(n, JUMPS) and n.args[0].args}
+    takes sign(v sin(x)^2 + v cos(x)^2) for a letter of its own, which is sign(v). So are roots of
+    squares, |f|, where f loses a symbol; else they stay, lest |2 f| be another letter than |f|."""
+    found = {node: _corner(node) for node in nodes(map(se.sympify, exprs))}
+    jumps = [node for node, inner in found.items() if inner is not None and inner.args]
     if not jumps:
         return exprs
-    before = [node.args[0] for node in jumps]
+    before = [found[node] for node in jumps]
     try:
         after = shortest(before, relations, work_limit=work_limit)
     except EngineLimit:  # they are right as they stand
         return exprs
-    short = {n: n.func(a) for n, b, a in zip(jumps, before, after, strict=True) if a != b}
+    short = {n: _of(n, a) for n, b, a in zip(jumps, before, after, strict=True) if a != b}
     return [se.sympify(e).xreplace(short) for e in exprs]
+
+
+def _corner(node: Any) -> Any | None:
+    """The argument of what jumps or has a corner: f in sign(f), |f|, sqrt(f^2); None of others."""
+    if isinstance(node, JUMPS):
+        return node.args[0]
+    if not isinstance(node, se.Pow) or isinstance(node.args[1], se.Integer):
+        return None
+    base = node.args[0]
+    return base.args[0] if isinstance(base, se.Pow) and base.args[1] == 2 else None
+
+
+def _of(node: Any, argument: Any) -> Any:
+    """The same of another argument."""
+    if isinstance(node, JUMPS):
+        return node.func(argument)
+    fewer = argument.free_symbols < node.free_symbols
+    return (argument**2) ** node.args[1] if fewer else node
 
 
 def canonical_for_numbers(exprs: Sequence[Any], ground: Any) -> list[Any]:

@@ -21,10 +21,21 @@ from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.algebra.text import as_expression
 from voronec.algebra.typeset import caret_text, plain_text, symbol_latex
 from voronec.algebra.verdicts import Verdict, decide_equal
-from voronec.audit.latex.nodes import Chain, Derivative, Dot, Name, Node, Partial, Variation, walk
+from voronec.audit.latex.nodes import (
+    Chain,
+    Derivative,
+    Dot,
+    Name,
+    Node,
+    Partial,
+    Power,
+    Quotient,
+    Variation,
+    walk,
+)
 from voronec.audit.latex.reader import read_tokens
 from voronec.audit.latex.tokens import Misprint, complain
-from voronec.audit.lessons.notation import spelling_of, words_of
+from voronec.audit.lessons.notation import command_of, spelling_of, words_of
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
 from voronec.audit.study import Motion, Study, name_or_nothing
 from voronec.declaration.system import System
@@ -287,7 +298,8 @@ class Language:
             names.setdefault(name, value)
         names.setdefault("\\pi", sp.pi)
         names.setdefault("const", CONSTANT)
-        names |= {"\\mathrm{abs}": sp.Abs, "\\mathrm{sgn}": sp.sign}
+        names |= {"\\mathrm{abs}": sp.Abs, "\\mathrm{sgn}": sp.sign, "\\mathrm{atan2}": sp.atan2}
+        names |= {f"\\mathrm{{{f}}}": f for f in (sp.floor, sp.ceiling, sp.Heaviside)}
         return Study(names=names, motion=self._motion)
 
     @property
@@ -343,7 +355,23 @@ class Language:
             what = f"'{sign}' is no sign of equality" if sign else "there is no sign of equality"
             raise DefinitionError(f"{what} in '{text}'; write left = right, or = const")
         self._refuse_doubtful(tree, text)
-        return [self._value(part, text, tree) for part in tree.parts]
+        values = [self._value(part, text, tree) for part in tree.parts]
+        self._refuse_zero_divisors(tree, text)
+        return values
+
+    def _refuse_zero_divisors(self, tree: Chain, text: str) -> None:
+        """What no motion gives a value: SymPy makes f/f one before it is seen that f is zero."""
+        motions = Motions.of(self.equations)
+        quotients = [n.bottom for n in walk(tree) if isinstance(n, Quotient)]
+        powers = [n for n in walk(tree) if isinstance(n, Power)]
+        for node in powers:
+            if getattr(self._value_of(node.exponent), "is_negative", False):
+                quotients.append(node.base)
+        for node in quotients:
+            divisor = self._value_of(node)
+            if getattr(divisor, "free_symbols", None) and _equal(motions, divisor, 0)[0].proved:
+                what = "this divides by what is zero along every motion; take the divisor out"
+                raise complain(text, node.at[0], what)
 
     def _refuse_doubtful(self, tree: Chain, text: str) -> None:
         """Derivatives that one book takes along the motion, or on the constraints, and another
@@ -384,8 +412,8 @@ class Language:
             raise complain(text, part.at[0], f"this has no value: {error}") from None
         except DefinitionError:
             raise
-        except SENSELESS as error:
-            what = f"this has no value: {type(error).__name__.lower()}"
+        except SENSELESS:
+            what = "this is no number: a list stands in it, or a function has too many arguments"
             raise complain(text, part.at[0], what) from None
         if isinstance(value, sp.Expr) and value.has(BEYOND):
             what = "this rate is too high; write no higher ones than those of accelerations"
@@ -407,6 +435,8 @@ class Language:
         near = f"; did you mean '{alike}'?" if alike in known else did_you_mean(bare, known)
         if bare in ("lambda", "mu") or bare.startswith(("lambda_", "mu_")):
             near = "; equations are judged without multipliers: eliminate them"
+        command = command_of(text[at:]) if "\\" in text else ""
+        near = f"; beside commands of LaTeX write {command}" if command else near
         system = self.equations.system.name
         return complain(text, at, f"'{bare}' is no symbol of system '{system}'{near}")
 

@@ -14,7 +14,7 @@ from dataclasses import replace
 
 from voronec.audit.latex.tokens import ELEMENTARY, GREEK, Misprint, Token, complain, tokenize
 
-__all__ = ["spelling_of", "words_of"]
+__all__ = ["command_of", "spelling_of", "words_of"]
 
 _SIGNS = str.maketrans(
     {
@@ -45,7 +45,10 @@ _SAME = {
     "\\vert": "|", "\\dfrac": "\\frac", "\\{": "(", "\\}": ")",
 }  # fmt: skip
 """Commands, and what they mean where there are no vectors."""
-_FUNCTIONS = {"abs": "abs", "Abs": "abs", "sgn": "sgn", "sign": "sgn", "signum": "sgn"}
+_FUNCTIONS = {
+    "abs": "abs", "Abs": "abs", "sgn": "sgn", "sign": "sgn", "signum": "sgn", "atan2": "atan2",
+    "floor": "floor", "ceiling": "ceiling", "Heaviside": "Heaviside",
+}  # fmt: skip
 """Functions by name, and what the dictionary calls them."""
 _TAIL = re.compile(
     r"(?:\\q?quad|\\\\|\\hfill|\s)*\(\d+[a-z']?\)\s*$|(?:\\q?quad|\\\\\s|\\\\$)+\s*$"
@@ -434,3 +437,9 @@ def spelling_of(
         found |= {name + "dot" * order: f"\\{'d' * order}ot{{{latex(name)}}}" for order in (1, 2)}
         found[name + "ddot"] = found[name + "dotdot"]
     return found
+
+
+def command_of(text: str) -> str:
+    """The command of LaTeX for the word of plain text that something begins with; else nothing."""
+    word = re.match("[A-Za-z]*", text)
+    return _COMMANDS.get(word[0], "") if word is not None else ""

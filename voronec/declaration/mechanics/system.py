@@ -196,7 +196,19 @@ class _Reading:
             ask = where.ang_vel_in if hasattr(where, "ang_vel_in") else where.vel
             moved = in_one_line(partial(ask, self.model.frame), f"the load on '{where}'")
             if getattr(moved, "args", ()):
+                self._refuse_accelerations(where, vector)
                 yield where, moved, vector
+
+    def _refuse_accelerations(self, where: Any, vector: Any) -> None:
+        """A load is kept with its body, and Newton and Euler put accelerations on the other side."""
+        held = {d for column, _ in vector.args for d in column.atoms(sp.Derivative)}
+        for rate in sorted(held, key=str):
+            if rate.derivative_count > 1 or rate.expr in self.model.all_speeds:
+                raise DefinitionError(
+                    f"from_mechanics: the load on '{where}' holds '{rate}', and loads hold no "
+                    "accelerations; put a mass that moves along into the bodies, or declare the "
+                    "force in vo.System(forces=...)"
+                )
 
     def _forces(self) -> dict[sp.Expr, Any]:
         """Q_a = F . d(velocity of what it acts on)/d(rate of the coordinate a)."""

@@ -36,12 +36,12 @@ _KEYWORDS = (
 """Words of C, up to that of 2023, and macros of its compilers and of ``math.h``."""
 _LONGEST_PRODUCT = 4
 """Up to this exponent a power of a name is a product; above, a call of ``pow``."""
-_SIGN = "static double sign_of(double x) { return (x > 0.0) - (x < 0.0); }\n\n"
+_SIGN = "static double sign_of(double x) { return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : x; }\n\n"
 CHOICES = {
-    "choice_of": ("w p n", "w > 0.0 ? p : w < 0.0 ? n : 0.5*(p + n)"),
-    "case_of": ("w p z n", "w > 0.0 ? p : w < 0.0 ? n : z"),
+    "choice_of": ("w p n", "w > 0.0 ? p : w < 0.0 ? n : w == 0.0 ? 0.5*(p + n) : w"),
+    "case_of": ("w p z n", "w > 0.0 ? p : w < 0.0 ? n : w == 0.0 ? z : w"),
 }
-"""Words for choices between sides, their arguments and their values."""
+"""Words for choices between sides, their arguments and their values; of no number, no number."""
 
 
 def _power(base: str, exponent: int) -> str:

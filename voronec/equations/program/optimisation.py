@@ -34,6 +34,7 @@ from voronec.equations.program.straight import (
     factor_exponents,
     fresh_names,
     nest_sums,
+    prune,
 )
 from voronec.equations.program.weight import operation_count
 from voronec.errors import EngineLimit
@@ -60,7 +61,8 @@ def shorten_program(program: Program) -> Program:
     for begin, change in product((block, _without_monomials(block)), _changes(block)):
         changed = [(name, change(se.sympify(e))) for name, e in begin.assignments]
         results = [change(se.sympify(e)) for e in begin.results]
-        found.append(_SharedParts(changed, results, known).block(fresh_names(known)))
+        shared = _SharedParts(changed, results, known).block(fresh_names(known))
+        found.append(prune(shared.assignments, shared.results))  # names may have cancelled
     shortest = min(found, key=lambda b: operation_count(b.expressions))
     return replace(program, derivative=shortest)
 

@@ -230,9 +230,10 @@ def _helpers(body: str, library: str) -> list[str]:
     rows, called = [], _called_names(body)
     for word, given, between in (("choice", "w, p, n", "(p + n)/2"), ("case", "w, p, z, n", "z")):
         if word in called:
-            value = f"p if w > 0 else n if w < 0 else {between}"
+            value = f"p if w > 0 else n if w < 0 else {between} if w == 0 else w"
             if choice := _CHOICES.get(library):
-                value = f"{choice}(w > 0, p, {choice}(w < 0, n, {between}))"
+                value = f"{choice}(w == 0, {between}, w)"  # of no number it is none
+                value = f"{choice}(w > 0, p, {choice}(w < 0, n, {value}))"
             value += "[()]" if library == "numpy" else ""  # a float is to stay one
             meaning = f"p for w > 0, n for w < 0, {between} for w = 0"
             rows.append(_helper(word, meaning, f"return {value}", given=given))

@@ -30,7 +30,7 @@ from voronec.equations.program.low_rank import (
     names_into,
 )
 from voronec.equations.program.walls import is_rough, plain_roots, write_roots_out
-from voronec.equations.program.weight import evaluation_weight, taylor_weight
+from voronec.equations.program.weight import evaluation_weight, operation_count, taylor_weight
 from voronec.errors import DefinitionError, EngineLimit
 
 if TYPE_CHECKING:
@@ -512,20 +512,29 @@ def _choose_entries(form: FirstOrderForm, given: FirstOrderForm) -> FirstOrderFo
     wherever these hold walls; what holds none stands beside them in its shortest form."""
     sources = dict(zip(form.expressions, given.expressions, strict=True))
 
+    def short(expr: Any) -> Any:
+        if divides_sines_of_sums([expr]):
+            return expr
+        letters = StandIns.of([expr], form, form.velocities)
+        try:
+            return letters.show(*shortest([letters.hide(expr)], form.relations))
+        except EngineLimit:
+            return expr
+
+    def settle(expr: Any) -> Any:
+        if not holds_walls(expr) and not holds_choices(expr):
+            return min(expr, short(expr), key=lambda e: operation_count([e]))
+        return expr.func(*map(settle, expr.args)) if holds_choices(expr) else expr
+
     def change(entry: Any) -> Any:
         if not holds_walls(entry):
             return entry
         terms = summands(choose_sides(sources[entry]))
         chosen = [t for t in terms if holds_choices(t)]
         smooth = se.Add(*[t for t in terms if t not in chosen])
-        if not chosen or divides_sines_of_sums([smooth]):
-            return se.Add(smooth, *chosen) if chosen else entry
-        letters = StandIns.of([smooth], form, form.velocities)
-        try:
-            (short,) = shortest([letters.hide(smooth)], form.relations)
-            return se.Add(letters.show(short), *chosen)
-        except EngineLimit:
-            return se.Add(smooth, *chosen)
+        if not chosen:
+            return entry
+        return se.Add(short(smooth), *map(settle, chosen))
 
     return _change_form(form, change)
 
