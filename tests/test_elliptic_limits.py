@@ -40,6 +40,8 @@ MULTIPLE = {
         1, "0.5", 1, double="-0.2 0.9", general=(*COMPLEX, "-1", "1"), polynomials=ONE_EACH)),
     "two double ends, downwards": ("exponential", problem(
         4, "0.5", -1, double="-0.2 0.9", general=(*COMPLEX, "-1", "1"), polynomials=ONE_EACH)),
+    "two double ends, from their middle": ("exponential", problem(
+        1, "0.35", 1, double="-0.2 0.9", general=(*COMPLEX, "-1", "1"), polynomials=ONE_EACH)),
     "rest": ("rest", problem(
         -1, "0.9", 0, "-0.2 1.9", double="0.9", weighted={"-0.3": 1, "2": -1},
         general=(COMPLEX[0], "-3"), polynomials=ONE_EACH, rest=True)),

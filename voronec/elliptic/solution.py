@@ -221,8 +221,10 @@ def _demands(constants: Constants) -> Iterator[tuple[arb | acb, arb | int]]:
     span = abs(constants.other - constants.base)
     yield constants.base, span
     yield constants.other, span
-    for value in (constants.scale, constants.mean, constants.nome, constants.turn):
+    for value in (constants.scale, constants.mean, constants.nome):
         yield value, 0
+    # Between two double roots nothing turns: "turn" is when x is at its mean, and may be zero.
+    yield constants.turn, 1 / constants.scale if constants.kind == "exponential" else 0
     if constants.half is not None:
         yield constants.half, 0
     for rate in constants.rates:
