@@ -168,6 +168,8 @@ def test_forces_inputs_relations_and_accelerations(tmp_path: Path) -> None:
         ("[definitions]\n", "[definitions]\nx = 1\n", "x = 1",
          "the name 'x' is used twice, for a coordinate and for a definition"),
         ('fibre = ["y"]', 'fibre = ["z"]', "\"z\"", "fibre, entry 1: 'z' is no coordinate; there "),
+        ('fibre = ["y"]', 'fibre = ["y"]\nrelations = ["phidot = 1"]', '"phidot = 1',
+         "relations, entry 1: relation 1 (phidot - 1 = 0) contains the velocity 'phidot'"),
         ("positive = true", "positive = 1", "1, meaning",
          "parameters.m.positive: '1' is a number; expected true or false"),
         ("value = 1", "value = -1", "{ value = -1",

@@ -21,7 +21,7 @@ from dataclasses import dataclass, field, replace
 from inspect import Parameter as Argument
 from inspect import signature
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, NoReturn
 
 import sympy as sp
 
@@ -130,8 +130,14 @@ class _Text:
         try:
             return System(**declared, meanings=self.meanings)
         except DefinitionError as error:
-            what = str(error).removeprefix(f"system '{declared['name']}': ")
-            self.root.wrong_somewhere(what)
+            self._refuse(str(error).removeprefix(f"system '{declared['name']}': "))
+
+    def _refuse(self, what: str) -> NoReturn:
+        """Refuse the text at the entry that a message counts, else at a word that it quotes."""
+        counted = re.match(r"(constraint|relation) (\d+)\b", what)
+        if counted is not None:
+            self.top[f"{counted[1]}s"].several()[int(counted[2]) - 1].wrong(what)
+        self.root.wrong_somewhere(what)
 
     def _several(self, key: str, read: Callable[[Item], Any]) -> dict[str, tuple[Any, ...]]:
         """{key: the entries of a list at the top, read}; empty where there is none."""

@@ -200,7 +200,7 @@ class _Reading:
                 yield where, moved, vector
 
     def _refuse_accelerations(self, where: Any, vector: Any) -> None:
-        """Loads stand with bodies, where Newton and Euler put accelerations on the other side."""
+        """A load is kept with its body, and the methods take forces without accelerations."""
         held = {d for column, _ in vector.args for d in column.atoms(sp.Derivative)}
         for rate in sorted(held, key=str):
             if rate.derivative_count > 1 or rate.expr in self.model.all_speeds:

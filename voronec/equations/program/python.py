@@ -352,18 +352,18 @@ def _careful(function: Function, count: int) -> Function:
         return [_real(x) for x in function(mpmath.mpf(t), state, parameters)]
 
     def compute(t: Any, state: Any, parameters: Any) -> list[Any]:
-        columns = [np.asarray(x, dtype=object) for x in (t, *state)]
+        columns = [np.asarray(x, dtype=object) for x in (t, *state, *parameters)]
+        end = 1 + len(state)  # of inputs the parameters hold values at each instant
         # short numbers, such as 1, say nothing of the precision that they are meant with
-        bits = max(precision(np.concatenate([*map(np.ravel, columns)])), mpmath.mp.prec)
+        bits = max(precision(np.concatenate([*map(np.ravel, columns[:end])])), mpmath.mp.prec)
         with mpmath.workprec(bits + SPARE):
-            columns += [np.asarray(x, dtype=object) for x in parameters]  # of inputs: arrays, too
             if not any(x.ndim for x in columns):
                 return at(t, state, parameters)
-            moments = list(zip(*np.broadcast_arrays(*columns), strict=True))
-            split = 1 + len(state)
+            shape = np.broadcast_shapes(*(x.shape for x in columns))
+            moments = list(zip(*(np.broadcast_to(x, shape) for x in columns), strict=True))
             table = np.empty((len(moments), count), dtype=object)
-            for row, moment in zip(table, moments, strict=True):
-                row[:] = at(moment[0], moment[1:split], moment[split:])
+            for row, values in zip(table, moments, strict=True):
+                row[:] = at(values[0], values[1:end], values[end:])
             return list(table.T)
 
     return compute
