@@ -367,3 +367,15 @@ def test_what_is_true_is_proved(name):
 def test_a_variable_that_loses_the_sign_of_a_coordinate_is_refused(variable):
     with pytest.raises(vo.DefinitionError, match="no value to the coordinate 'x'"):
         quadrature(2 * h - u**4 / 2, variable=variable)
+
+
+def test_what_jumps_where_coordinates_are_singular_is_proved_beside_that_place_only():
+    """A skate turns through phi = pi/2, where y is not determined by x; motions go on beyond it."""
+    blade = (X * sin(phi) - Y * cos(phi),)
+    kinetic = (X**2 + Y**2 + P**2) / 2
+    skate = system("skate", (x, phi), kinetic, fibre=(y,), constraints=blade)
+    for function in (sign(cos(phi)), P * sign(cos(phi))):
+        (found,) = check_claims(replace(skate, integrals={"F": function}))
+        assert found.verdict.proved and "cos(phi/2) != 0" in found.standing
+    (found,) = check_claims(replace(skate, integrals={"F": P}))
+    assert found.standing == "proved"

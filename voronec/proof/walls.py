@@ -205,9 +205,10 @@ class _Ground:
             is_turn = self._vanishes(wall.turned - wall.above, there)
             period = self._period(jump) if is_turn else None
             return _Jump(words, period, witness_at(*found), domain)
-        if self._is_kept(h):
+        # Where coordinates are singular a motion may go on in others, on the other side.
+        if self._is_kept(h) or self._is_singular(there):
             return _Jump("", None, None, f"{self._write(h)} != 0")
-        if self._is_pole(wall, there) or self._is_singular(there):
+        if self._is_pole(wall, there):
             return None
         return _Jump(f"whether it jumps where {self._place(wall)} is open", None, None)
 
