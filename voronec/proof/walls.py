@@ -205,10 +205,11 @@ class _Ground:
             is_turn = self._vanishes(wall.turned - wall.above, there)
             period = self._period(jump) if is_turn else None
             return _Jump(words, period, witness_at(*found), domain)
-        # Where coordinates are singular a motion may go on in others, on the other side.
-        if self._is_kept(h) or self._is_singular(there):
+        is_singular = self._is_singular(there)
+        # Where coordinates are singular a motion may go on in others, and integrals with it.
+        if self._is_kept(h) or (is_singular and self.constant):
             return _Jump("", None, None, f"{self._write(h)} != 0")
-        if self._is_pole(wall, there):
+        if is_singular or self._is_pole(wall, there):
             return None
         return _Jump(f"whether it jumps where {self._place(wall)} is open", None, None)
 
