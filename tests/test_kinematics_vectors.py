@@ -56,3 +56,19 @@ def test_what_a_body_asks_for_again_is_made_once():
     assert kinematics.Surface.sphere(1, x, y) is kinematics.Surface.sphere(sp.Integer(1), x, y)
     angles = (x, y, z)
     assert kinematics.Rotation.euler("zyx", *angles) is kinematics.Rotation.euler("zyx", *angles)
+
+
+@pytest.mark.parametrize(
+    "read, words",
+    [
+        (lambda: kinematics.cross(sp, 1), "neither a vector nor a matrix"),
+        (lambda: kinematics.cross((x, y), (x, y, z)), "2 components; give three"),
+        (lambda: kinematics.dot((x, y), (x,)), "2 components meets one of 1"),
+        (lambda: kinematics.dot((object(),), (x,)), "write a sympy expression"),
+        (lambda: kinematics.matrix_product([[x, y], [z]], (x, y)), "not as long as one another"),
+        (lambda: kinematics.derivative(x, 3), "'3' is no symbol"),
+    ],
+)
+def test_what_is_no_vector_is_refused(read, words):
+    with pytest.raises(DefinitionError, match=words):
+        read()

@@ -11,13 +11,20 @@ from typing import Any
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from voronec.algebra.symbols import is_symbolic_name
 from voronec.declaration.reading import expression
+from voronec.errors import DefinitionError, quote
 
 __all__ = ["derivative"]
 
 
 def derivative(function: Any, variable: sp.Symbol) -> sp.Expr:
-    """d function/d variable, with respect to a symbol; equal to ``sympy.diff``, term by term."""
+    """d function/d variable, with respect to a symbol; equal to ``sympy.diff``, term by term.
+
+    Raises ``DefinitionError`` for what is no expression, and a variable that is no symbol.
+    """
+    if not is_symbolic_name(variable):
+        raise DefinitionError(f"derivative: '{quote(variable)}' is no symbol; give one")
     return _Derivatives(variable).of(expression(function, "the function of a derivative"))
 
 

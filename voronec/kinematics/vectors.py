@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+import symengine as se
 import sympy as sp
 
 from voronec.algebra.text import as_expression
@@ -13,28 +14,44 @@ from voronec.errors import DefinitionError, quote
 __all__ = ["Vector", "apply_matrix", "column", "cross", "dot", "matrix_product", "three"]
 
 Vector = tuple[Any, Any, Any]
+EXPRESSIONS = (sp.Expr, se.Basic, int)
+"""What vectors may have for entries as it stands."""
 
 
 def dot(a: Iterable[Any], b: Iterable[Any]) -> Any:
     """The scalar product a . b = sum of a_i b_i in an orthonormal frame, of two vectors of one
-    length, which nobody checks."""
+    length.  Raises ``DefinitionError`` for what are no such vectors."""
+    first, second = _entries(a), _entries(b)
+    if len(first) != len(second):
+        raise DefinitionError(
+            f"dot: a vector of {len(first)} components meets one of {len(second)}; give as many"
+        )
+    return _sum_of_products(first, second)
+
+
+def _sum_of_products(a: Iterable[Any], b: Iterable[Any]) -> Any:
     return sum(map(_product, a, b))
 
 
-def cross(a: Sequence[Any], b: Sequence[Any]) -> Vector:
+def cross(a: Iterable[Any], b: Iterable[Any]) -> Vector:
     """The vector product a x b = (a2 b3 - a3 b2, a3 b1 - a1 b3, a1 b2 - a2 b1) of two vectors of
-    three components, a tuple of three, in a right-handed orthonormal frame."""
+    three components, a tuple of three, in a right-handed orthonormal frame.  Raises
+    ``DefinitionError`` for what are no such vectors."""
+    first, second = _entries(a), _entries(b)
+    for vector in (first, second):
+        if len(vector) != 3:
+            raise DefinitionError(f"cross: a vector has {len(vector)} components; give three")
     return (
-        _product(a[1], b[2]) - _product(a[2], b[1]),
-        _product(a[2], b[0]) - _product(a[0], b[2]),
-        _product(a[0], b[1]) - _product(a[1], b[0]),
+        _product(first[1], second[2]) - _product(first[2], second[1]),
+        _product(first[2], second[0]) - _product(first[0], second[2]),
+        _product(first[0], second[1]) - _product(first[1], second[0]),
     )
 
 
-def apply_matrix(matrix: Any, vector: Sequence[Any]) -> Vector:
+def apply_matrix(matrix: Any, vector: Iterable[Any]) -> Vector:
     """A 3 x 3 matrix times a vector."""
     entries = [*vector]
-    x, y, z = (dot(row, entries) for row in _rows(matrix))
+    x, y, z = (_sum_of_products(row, entries) for row in _rows(matrix))
     return x, y, z
 
 
@@ -54,7 +71,7 @@ def matrix_product(first: Any, *others: Any) -> sp.ImmutableMatrix:
                 "give as many of each"
             )
         columns = [*zip(*factor, strict=True)]
-        rows = [[dot(row, column) for column in columns] for row in rows]
+        rows = [[_sum_of_products(row, column) for column in columns] for row in rows]
     return sp.ImmutableMatrix(rows)
 
 
@@ -63,7 +80,26 @@ def _rows(matrix: Any) -> Sequence[Sequence[Any]]:
     if isinstance(matrix, sp.MatrixBase):
         entries, width = matrix.flat(), matrix.cols
         return [entries[i : i + width] for i in range(0, len(entries), width)]
-    return [x if isinstance(x, (list, tuple)) else (x,) for x in matrix]
+    rows = [x if isinstance(x, (list, tuple)) else (x,) for x in _listed(matrix)]
+    if not rows or any(len(row) != len(rows[0]) for row in rows):
+        raise DefinitionError(
+            f"the rows of a matrix are not as long as one another: '{quote(matrix)}'; mend them"
+        )
+    return [_entries(row) for row in rows]
+
+
+def _listed(things: Any) -> list[Any]:
+    try:
+        return [*things]
+    except TypeError:
+        raise DefinitionError(
+            f"'{quote(things)}' is neither a vector nor a matrix; give a list of expressions"
+        ) from None
+
+
+def _entries(vector: Any) -> list[Any]:
+    """The entries of a vector: expressions as they stand, what else there is read as one."""
+    return [e if isinstance(e, EXPRESSIONS) else as_expression(e) for e in _listed(vector)]
 
 
 def _product(x: Any, y: Any) -> Any:
