@@ -59,7 +59,7 @@ def test_what_a_body_asks_for_again_is_made_once():
 
 
 @pytest.mark.parametrize(
-    "read, words",
+    ("read", "words"),
     [
         (lambda: kinematics.cross(sp, 1), "neither a vector nor a matrix"),
         (lambda: kinematics.cross((x, y), (x, y, z)), "2 components; give three"),

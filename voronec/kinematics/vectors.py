@@ -80,7 +80,7 @@ def _rows(matrix: Any) -> Sequence[Sequence[Any]]:
     if isinstance(matrix, sp.MatrixBase):
         entries, width = matrix.flat(), matrix.cols
         return [entries[i : i + width] for i in range(0, len(entries), width)]
-    rows = [x if isinstance(x, (list, tuple)) else (x,) for x in _listed(matrix)]
+    rows = [x if isinstance(x, (list, tuple)) else (x,) for x in _list_of(matrix)]
     if not rows or any(len(row) != len(rows[0]) for row in rows):
         raise DefinitionError(
             f"the rows of a matrix are not as long as one another: '{quote(matrix)}'; mend them"
@@ -88,7 +88,7 @@ def _rows(matrix: Any) -> Sequence[Sequence[Any]]:
     return [_entries(row) for row in rows]
 
 
-def _listed(things: Any) -> list[Any]:
+def _list_of(things: Any) -> list[Any]:
     try:
         return [*things]
     except TypeError:
@@ -99,7 +99,7 @@ def _listed(things: Any) -> list[Any]:
 
 def _entries(vector: Any) -> list[Any]:
     """The entries of a vector: expressions as they stand, what else there is read as one."""
-    return [e if isinstance(e, EXPRESSIONS) else as_expression(e) for e in _listed(vector)]
+    return [e if isinstance(e, EXPRESSIONS) else as_expression(e) for e in _list_of(vector)]
 
 
 def _product(x: Any, y: Any) -> Any:
