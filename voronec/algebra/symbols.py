@@ -7,11 +7,11 @@ from typing import Any
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from voronec.algebra.terms import subexpressions
 from voronec.errors import DefinitionError, quote
 
 __all__ = [
-    "functions_of_time", "is_symbolic_name", "names_in", "parts_of", "plain_name", "time",
-    "velocity",
+    "functions_of_time", "is_symbolic_name", "names_in", "plain_name", "time", "velocity",
 ]  # fmt: skip
 
 time = sp.Symbol("t")
@@ -60,39 +60,24 @@ def velocity(coordinate: sp.Expr) -> sp.Expr:
 
 def functions_of_time(expr: Any) -> set[sp.Expr]:
     """The undefined functions x(t) in an expression, those under derivatives among them."""
-    return {f for f in parts_of(expr) if isinstance(f, AppliedUndef) and f.args == (time,)}
-
-
-def parts_of(expr: Any) -> set[Any]:
-    """Every subexpression, visited once; SymPy's ``atoms`` and ``has`` visit shared ones again and
-    again."""
-    found: set[Any] = set()
-    stack = [expr]
-    while stack:
-        node = stack.pop()
-        if node not in found:
-            found.add(node)
-            stack.extend(node.args)
-    return found
+    parts = subexpressions([expr])
+    return {f for f in parts if isinstance(f, AppliedUndef) and f.args == (time,)}
 
 
 def names_in(expr: Any) -> set[sp.Expr]:
     """The symbols, functions of time and their derivatives that occur in an expression."""
     found: set[sp.Expr] = set()
-    visited: set[Any] = set()
-    stack = [expr]
-    while stack:
-        node = stack.pop()
-        if node in visited:
-            continue
-        visited.add(node)
-        if is_symbolic_name(node) or (
-            isinstance(node, sp.Derivative) and set(node.variables) == {time}
-        ):
+    for node in subexpressions([expr], lambda part: _is_name(part) or isinstance(part, sp.Subs)):
+        if _is_name(node):
             found.add(node)
         elif isinstance(node, sp.Subs):
-            stack.extend(node.point)
-            stack.extend(s for s in node.expr.free_symbols - set(node.variables))
-        else:
-            stack.extend(node.args)
+            inner = (*node.point, *(node.expr.free_symbols - set(node.variables)))
+            found = found.union(*map(names_in, inner))
     return found
+
+
+def _is_name(node: Any) -> bool:
+    """Whether a part is a name, or the derivative of one by the time."""
+    return is_symbolic_name(node) or (
+        isinstance(node, sp.Derivative) and set(node.variables) == {time}
+    )

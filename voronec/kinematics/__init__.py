@@ -3,7 +3,7 @@
 SymPy expressions in and out; nothing here knows about equations of motion.  Vectors are three
 expressions along right-handed orthonormal axes, matrices 3 x 3, unless it is said; angles are in
 radians, all else is in units of the user's that fit together.  What is given otherwise raises
-``DefinitionError``, but in ``dot`` and ``cross``, which check nothing.  Names load on first use.
+``DefinitionError``.  Names load on first use.
 """
 
 from importlib import import_module as _import_module

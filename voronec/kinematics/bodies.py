@@ -9,9 +9,12 @@ import sympy as sp
 
 from voronec.declaration.bodies import inertia_tensor
 from voronec.declaration.reading import expression
-from voronec.kinematics.vectors import Vector, cross, dot, three
+from voronec.kinematics.vectors import Vector, column, cross, dot, three
 
-__all__ = ["axial_rotor", "kinetic_energy", "point_velocity", "uniform_field_energy"]
+__all__ = [
+    "axial_rotor", "kinetic_energy", "momentum_about_point", "point_velocity",
+    "uniform_field_energy",
+]  # fmt: skip
 
 
 def kinetic_energy(
@@ -28,6 +31,18 @@ def kinetic_energy(
     entries = [(i, j) for i in range(3) for j in range(3) if tensor[i, j] != 0]
     rotation = sp.Add(*[tensor[i, j] * spin[i] * spin[j] for i, j in entries])
     return expression(mass, "a mass") * dot(w, w) / 2 + rotation / 2
+
+
+def momentum_about_point(
+    mass: Any, inertia: Sequence[Any], omega: Sequence[Any], arm: Sequence[Any]
+) -> sp.ImmutableMatrix:
+    """G = I omega + m r x (omega x r), about a point that is at rest for an instant.
+
+    ``arm`` = r leads to it from the centre of mass, about which ``inertia`` are the three principal
+    moments.
+    """
+    carried = cross(arm, cross(omega, arm))
+    return column([i * w + mass * x for i, w, x in zip(inertia, omega, carried, strict=True)])
 
 
 def point_velocity(velocity: Sequence[Any], omega: Sequence[Any], arm: Sequence[Any]) -> Vector:

@@ -16,7 +16,7 @@ from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
 from voronec.kinematics.balls import ZERO
-from voronec.kinematics.bodies import kinetic_energy, point_velocity
+from voronec.kinematics.bodies import kinetic_energy, momentum_about_point, point_velocity
 from voronec.kinematics.families import constants, join_declarations, moment_words, rotor_words
 from voronec.kinematics.forms import SurfaceForms
 from voronec.kinematics.meanings import (
@@ -134,10 +134,7 @@ class CarriedContact:
     @property
     def momentum(self) -> sp.ImmutableMatrix:
         """G = I omega + m r x (omega x r), about the contact."""
-        arm = self.vectors[1]
-        carried = cross(arm, cross(self.omega, arm))
-        parts = zip(self.inertia, self.omega, carried, strict=True)
-        return column([i * w + self.mass * x for i, w, x in parts])
+        return momentum_about_point(self.mass, self.inertia, self.omega, self.vectors[1])
 
     def system(
         self, *, values: Mapping[Any, Any], rotor: Sequence[Any] = ZERO, **declared: Any

@@ -9,6 +9,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.declaration.reading import expression
+from voronec.kinematics.bodies import momentum_about_point
 from voronec.kinematics.vectors import apply_matrix, column, cross, three
 
 __all__ = ["ConvexBody"]
@@ -85,8 +86,7 @@ class ConvexBody:
         ``inertia`` are the principal moments about O, along the axes of the body.
         """
         spin, moments = three(omega, "an angular velocity"), three(inertia, "the moments of a body")
-        carried = cross(self.arm, cross(spin, self.arm))
-        return column([i * w + mass * x for i, w, x in zip(moments, spin, carried, strict=True)])
+        return momentum_about_point(mass, moments, spin, self.arm)
 
     def momentum_rate(
         self, whole: Any, mass: Any, omega: Any, normal_rate: Any, weight: Any = 0
