@@ -118,7 +118,8 @@ def growth(factor, last, rejected):  # type: ignore[no-untyped-def]
     and errors settle at 0.887^16 = 0.15 of the tolerance, not at 0.43, so that less adds up over
     many steps.  Powers that roots give take a tenth of the time of others.
     """
-    found = 0.887 * sqrt(sqrt(factor * factor * factor / min(last, 2.8) / 0.81))
+    before = 1 / (0.81 * min(last, 2.8))  # it is known long before the factor is
+    found = 0.887 * sqrt(sqrt(factor * factor * factor * before))
     return min(found, 1.0 if rejected else 10.0)
 
 
@@ -160,7 +161,10 @@ def _weighted_sum(row: dict[int, float], slope: str = "k{}@") -> str:
 
 
 def _stage(number: int, n: int) -> str:
-    trial = _each(f"z@ = y@ + h*({_weighted_sum(WEIGHTS[number])})", n)
+    *known, last = WEIGHTS[number].items()
+    begin = f"(y@ + h*({_weighted_sum(dict(known))}))" if known else "y@"
+    # the rest is there before the latest slope is: a step takes as long as what waits for it
+    trial = f"w = {last[1]!r}*h\n" + _each(f"z@ = {begin} + w*k{last[0]}@", n)
     return f"{trial}\n{_slope(f'k{number}', f't + {NODES[number]!r}*h', 'z@', n)}"
 
 
@@ -354,10 +358,10 @@ def drive(grid, rows, clock, counts, states, bend, times, ends, bends, scales, c
         evaluations += 12
         five, three = 0.0, 0.0
         <errors>
-        wrong = five + 0.01*three
-        error = size*five/sqrt(wrong*{n}) if wrong > 0.0 else wrong
-        ease = 0.9/sqrt(sqrt(sqrt(error))) if error > 0.0 else 10.0
-        if not error < 1.0:
+        # the error squared is the second by the first: a quotient before four roots, none after
+        wrong, error = (five + 0.01*three)*{n}, size*five*size*five
+        ease = 0.9*sqrt(sqrt(sqrt(sqrt(wrong/error)))) if error > 0.0 else 10.0
+        if not (error < wrong or wrong == 0.0):
             size *= max(0.2, ease) if error == error else 0.2
             rejected = True
             continue
