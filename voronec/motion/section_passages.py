@@ -101,7 +101,8 @@ class Paths:
         steps, size, order, lanes = self.series.shape
         h = self.lengths
         powers = np.ones((steps, order, lanes))
-        np.cumprod(np.broadcast_to(h[:, None], (steps, order - 1, lanes)), 1, out=powers[:, 1:])
+        for k in range(1, order):
+            np.multiply(powers[:, k - 1], h, out=powers[:, k])
         terms = self.series[:, needed] * powers[:, None]
         parts = np.arange(SAMPLES)[:, None] / SAMPLES
         values = parts ** np.arange(order) @ terms
@@ -152,7 +153,8 @@ def zeros(paths: Paths, quantity: Quantity, needed: np.ndarray, direction: int) 
     times, states = paths.sample(needed)
     lanes = times.shape[1]
     which = np.arange(lanes)
-    values = np.stack([quantity(times[:, i], states[:, i].T, which[i]) for i in range(lanes)], 1)
+    # lane by lane in memory, as they are gone through below
+    values = np.stack([quantity(times[:, i], states[:, i].T, which[i]) for i in range(lanes)]).T
     size = float(np.nanmax(np.abs(values), initial=0.0)) or 1.0
 
     def close(step: np.ndarray, lane: np.ndarray) -> _Close:
@@ -328,9 +330,11 @@ def _with_neighbours(
 
 PATIENCE = 50_000
 """Steps without a crossing after which a motion is given up."""
-FEWEST, MOST, ALL = 256, 16_384, 32_768
-"""Steps of a motion between two looks for crossings, and the most of all motions: each look costs
-as much as some hundred steps, and so does what outgrows the memory that is near."""
+FEWEST, MOST = 256, 16_384
+"""Steps of a motion between two looks for crossings: each look costs as much as a thousand."""
+ROOM = 3 * 2**20
+"""Coefficients of all motions between two looks, 24 MiB: up to 32 the memory of the last ones is
+used again, and what takes more is twice as slow."""
 START_SHARE = 1e-9
 """A crossing sooner than this part of the first step is the start itself."""
 FOREVER = 1e12
@@ -502,6 +506,7 @@ class _LanePassages:
             first = lanes.first_steps(ends - before)
             longest = np.where(fresh, np.minimum(first, longest), longest)
             limit = 1 if np.isfinite(first[fresh]).any() else limit
+        lanes.output = None
         lanes.output = ta.propagate_until(
             ends.tolist(), max_steps=limit, max_delta_t=longest.tolist(), c_output=True,
             **lanes.callback,
@@ -526,7 +531,10 @@ class _LanePassages:
         left = [passages.wanted - passages.count[i] for i in holds if i is not None]
         done = int(passages.count.sum())
         each = passages.steps / done if done else FEWEST
-        return int(np.clip(1.1 * each * min(left) + 16, FEWEST, min(MOST, ALL // len(holds))))
+        ta = self.lanes.integrator
+        room = max(ROOM // (ta.state.size * (ta.order + 1)), FEWEST)
+        most = min(MOST, 1 << (room.bit_length() - 1))  # memory grows by doubling
+        return int(np.clip(1.1 * each * min(left) + 16, FEWEST, most))
 
     def account(self, before: np.ndarray, taken: Sequence[int], limit: int, output: Any) -> None:
         """The crossings in a stretch, from heyoka's ``output`` of it, and lanes that broke down.
@@ -542,8 +550,7 @@ class _LanePassages:
         passed = [k for k in busy if lanes.steps.has_collapsed(k)]
         outgrown = lanes.winding.outgrown(ta.state)
         if output is not None:
-            series = output.tcs * lanes.winding.units[:, None]
-            series[:, :, 0] = lanes.winding.whole(output.tcs[:, :, 0])
+            series = lanes.winding.whole_series(output.tcs)
             outgrown |= lanes.winding.outgrown(output.tcs[:, :, 0])
             trusted = {k: _trusted_until(output.times[:, k]) for k in passed}
             self.collect(busy, Paths(output.times, series), trusted)

@@ -327,7 +327,9 @@ class TurnCount:
         leading = states.ndim - self.units.ndim + 1
         if self.scaled:
             return np.zeros(states.shape[leading:], dtype=bool)
-        beyond = (np.abs(states) > self.bounds) & np.isfinite(states)
+        beyond = np.abs(states) > self.bounds
+        if beyond.any():
+            beyond &= np.isfinite(states)
         return np.asarray(beyond.any(axis=tuple(range(leading))))
 
     def fits(self, state: np.ndarray) -> bool:
@@ -385,6 +387,15 @@ class TurnCount:
         small, large, at = self.low.copy(), self.high.copy(), self.angles
         small[at], large[at] = self.high[at] * FINE, self.high[at] * COARSE
         return np.asarray(((states + small) + large) * self.units)
+
+    def whole_series(self, series: np.ndarray) -> np.ndarray:
+        """Coefficients (steps, n, order + 1, lanes) of the states as they are; the same array where
+        nothing is taken out."""
+        if not self.is_needed and not self.scaled:
+            return series
+        found = series * self.units[:, None]
+        found[:, :, 0] = self.whole(series[:, :, 0])
+        return found
 
     def now(self) -> TurnCount:
         """What is taken out at present, for states that are looked at later."""
