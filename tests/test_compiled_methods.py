@@ -216,16 +216,14 @@ def test_without_a_compiler_and_with_a_bad_one_one_line_says_so(
 
 @NO_COMPILER
 @pytest.mark.usefixtures("empty_cache")
-def test_auto_takes_it_where_neither_heyoka_nor_numba_is(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_auto_takes_it_where_heyoka_is_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     if sys.platform != "linux":
         pytest.skip("elsewhere it is not chosen")
-    for name in ("heyoka", "numba"):
-        monkeypatch.setitem(sys.modules, name, None)
+    monkeypatch.setitem(sys.modules, "heyoka", None)
     assert moved("auto").cost.method == "python", "a short run"
+    many = {"times": TIMES, "tol": 1e-11, "inputs": {tau: 0}}
+    assert vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, **many).cost.method == "c"
     monkeypatch.setattr(methods, "LOAD_OPERATIONS", 0)
-    monkeypatch.setattr(methods, "COMPILATION", 1000)
     found = moved("auto")
     assert found.cost.method == "c" and "heyoka is not installed" in found.cost.reason
     # a compiler that fails leaves the run to scipy
@@ -311,11 +309,26 @@ def test_kept_code_is_read_and_damaged_code_is_named_and_made_anew(
         assert (moved("numba")["x"] == first["x"]).all()
 
 
+@NO_COMPILER
+@pytest.mark.usefixtures("empty_cache")
+def test_auto_takes_it_for_heavy_programs(monkeypatch: pytest.MonkeyPatch) -> None:
+    if sys.platform != "linux":
+        pytest.skip("elsewhere it is not chosen")
+    assert moved("auto").cost.method == "heyoka"
+    monkeypatch.setattr(methods, "HEAVY", 0)
+    assert moved("auto").cost.method == "python", "a short run"
+    monkeypatch.setattr(methods, "TINY", 0)
+    found = moved("auto")
+    assert found.cost.method == "c" and found.cost.reason == "auto: a heavy program"
+    assert moved("auto", tol=1e-15).cost.method == "heyoka", "finer than it gets"
+
+
 @NO_NUMBA
 @pytest.mark.slow
 def test_auto_takes_it_for_long_runs_where_heyoka_is_missing(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    monkeypatch.setattr(methods, "which", lambda _: None)  # nor is there a C compiler
     monkeypatch.setitem(sys.modules, "heyoka", None)
     assert moved("auto").cost.method == "python", "a short run"
     monkeypatch.setattr(methods, "LOAD_OPERATIONS", 0)
@@ -324,7 +337,6 @@ def test_auto_takes_it_for_long_runs_where_heyoka_is_missing(
     found = moved("auto")
     assert found.cost.method == "numba" and "heyoka is not installed" in found.cost.reason
     monkeypatch.setitem(sys.modules, "numba", None)
-    monkeypatch.setenv("PATH", "")  # and no C compiler
     assert moved("auto").cost.method == "scipy"
     with pytest.raises(DefinitionError, match="pip install numba"):
         moved("numba", events=(vo.Event(x - 1),))
@@ -337,13 +349,13 @@ def test_ensembles_take_it_where_heyoka_is_missing_and_motions_are_many(
 ) -> None:
     from voronec.motion import batches
 
+    monkeypatch.setattr(methods, "which", lambda _: None)  # nor is there a C compiler
     monkeypatch.setitem(sys.modules, "heyoka", None)
     given = {"times": TIMES, "tol": 1e-11, "inputs": {tau: 0}}
     assert vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, **given).cost.method == "scipy"
     monkeypatch.setattr(batches, "COMPILATION", 1000)
     assert vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, **given).cost.method == "numba"
     monkeypatch.setitem(sys.modules, "numba", None)
-    monkeypatch.setenv("PATH", "")  # and no C compiler
     assert vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, **given).cost.method == "scipy"
     with pytest.raises(DefinitionError, match="pip install numba"):
         vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, method="numba", **given, outputs=("xdot",))

@@ -28,6 +28,7 @@ from voronec.accuracy.bench.peers.numba_dop853 import right_hand_side, stepper_s
 from voronec.accuracy.problem import lowest
 from voronec.equations.program import HoistedProgram, Program, hoist, taylor_system
 from voronec.equations.staged_equations import lean_form
+from voronec.motion.methods import METHODS
 from voronec.motion.steppers import Problem as Motion
 from voronec.motion.steppers.numba_stepper import compiled_dop853
 
@@ -125,10 +126,10 @@ def pose(raised: HoistedProgram, span: float) -> Problem:
 
 @dataclass(frozen=True)
 class PosedCall:
-    """A problem, and the same as a whole call of ``integrate``, which takes a tolerance."""
+    """A problem, and the same as a whole call of ``integrate``, by a method at a tolerance."""
 
     problem: Problem
-    call: Callable[[float], Any]
+    call: Callable[[str, float], Any]
 
 
 def chain_problem() -> PosedCall:
@@ -140,9 +141,9 @@ def chain_problem() -> PosedCall:
     start = dict(zip(map(str, given.state), problem.start.tolist(), strict=True))
     call = partial(
         vo.integrate, equations, times=[0.0, problem.span], parameters=values, initial=start,
-        outputs=tuple(start), method="numba",
+        outputs=tuple(start),
     )  # fmt: skip
-    return PosedCall(problem, lambda tol: call(tol=tol))
+    return PosedCall(problem, lambda method, tol: call(method=method, tol=tol))
 
 
 def bicycle_problem() -> PosedCall:
@@ -152,22 +153,24 @@ def bicycle_problem() -> PosedCall:
     raised = hoist(at.program)
     problem = Problem(raised, np.array(raised.values(list(at.constants))), at.state, question.span)
     call = partial(
-        vo.integrate, question.equations, question.bare, times=question.grid[[0, -1]],
-        method="numba",
+        vo.integrate, question.equations, question.bare, times=question.grid[[0, -1]]
     )  # fmt: skip
-    return PosedCall(problem, lambda tol: call(tol=tol))
+    return PosedCall(problem, lambda method, tol: call(method=method, tol=tol))
 
 
 def against_numba(posed_call: PosedCall, errors: Iterable[float], rounds: int) -> Race:
-    """At the end of a span: ``ours``, the method `numba`, and by ``hand``."""
+    """At the end of a span: the methods `numba` and `c`, and by ``hand``."""
     problem = posed_call.problem
     by = by_numba(problem)
     original = problem.raised.original
     values, grid = problem.constants[: len(original.parameters)], np.array([0.0, problem.span])
-    compiled = cache(
-        lambda tol: compiled_dop853(Motion(original, problem.start, list(values), tol))
-    )
-    _, exact = best(lambda: compiled(2.3e-14)(grid).states[-1])
+
+    @cache
+    def stepper_of(method: str, tol: float) -> Any:
+        motion = Motion(original, problem.start, list(values), tol)
+        return compiled_dop853(motion, METHODS[method].loop)
+
+    _, exact = best(lambda: stepper_of("numba", 2.3e-14)(grid).states[-1])
 
     def ran(work: Callable[[], np.ndarray]) -> tuple[float, float]:
         state, seconds = time_fastest(work)
@@ -177,13 +180,13 @@ def against_numba(posed_call: PosedCall, errors: Iterable[float], rounds: int) -
         error, seconds = ran(lambda: by(tol))
         return OneRun(error, {"run": seconds})
 
-    def ours(tol: float) -> OneRun:
-        stepper = compiled(tol)
+    def ours(method: str, tol: float) -> OneRun:
+        stepper = stepper_of(method, tol)
         error, seconds = ran(lambda: stepper(grid).states[-1])
-        _, whole = time_fastest(lambda: posed_call.call(tol))
+        _, whole = time_fastest(lambda: posed_call.call(method, tol))
         return OneRun(error, {"run": seconds, "whole": whole})
 
-    runs = {"ours": ours, "hand": hand}
+    runs = {"numba": partial(ours, "numba"), "c": partial(ours, "c"), "hand": hand}
     tols = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
     return race(
         runs, {n: {tol: run(tol) for tol in tols} for n, run in runs.items()}, errors, rounds

@@ -511,8 +511,9 @@ def choose_lanes(
             raise DefinitionError(
                 "heyoka is not installed; 'pip install heyoka', or use method='scipy'"
             ) from None
-        lasting = _is_lasting(program, tol, states, values, grid)
-        used = (compiled_method() if lasting else "") or "scipy"
+        used = compiled_method()
+        if not used or (used != "c" and not _is_lasting(program, tol, states, values, grid)):
+            used = "scipy"
         try:
             return None, _compile_method(used, program), "auto: heyoka is not installed"
         except EngineLimit as limit:

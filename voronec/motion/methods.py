@@ -4,13 +4,13 @@ Nothing is imported before a method is used.
 
 A tolerance finer than doubles asks for ``flint``.  Else heyoka is the fastest once it is
 compiled, which takes some tenths of a second, and milliseconds where heyoka finds the code on disk.
-Heavy programs take it seconds: what scipy integrates sooner than that, it does, and what takes
-very many steps numba does, or a C compiler: steps cost far less there.  Where heyoka does not
-install, short motions are over sooner in Python than any of these is loaded, numba or the C
-compiler do what would take scipy longer than to compile, and scipy does the rest.  The rule counts
-operations; it neither measures times nor looks at what is on disk or loaded: the same call always
-makes the same choice.  (A motion that is declared in closed form is evaluated, where the span is
-long: ``voronec.motion.integration``.)
+Heavy programs take it seconds, and steps of DOP853 cost far less there: a C compiler is done with
+them in less than one, and numba does very many steps, or scipy what it integrates sooner than
+heyoka compiles.  Where heyoka does not install, short motions are over sooner in Python than any of
+these is loaded; the C compiler does all others, or numba what would take scipy longer than to
+compile, and scipy the rest.  The rule counts operations; it neither measures times nor looks at
+what is on disk or loaded: the same call always makes the same choice.  (A motion that is declared
+in closed form is evaluated, where the span is long: ``voronec.motion.integration``.)
 """
 
 from __future__ import annotations
@@ -180,10 +180,10 @@ METHODS: dict[str, Method] = {
 
 def compiled_method() -> str:
     """The method by which ``auto`` compiles DOP853 here; empty where there is none."""
-    if METHODS["numba"].is_there:
-        return "numba"
     # elsewhere what is called by this name may be no compiler, but ask to install one
-    return "c" if sys.platform == "linux" and METHODS["c"].is_there else ""
+    if sys.platform == "linux" and METHODS["c"].is_there:
+        return "c"
+    return "numba" if METHODS["numba"].is_there else ""
 
 
 def method_names(many: bool = False) -> tuple[str, ...]:
@@ -198,7 +198,8 @@ TINY = 2_000_000
 STAGES = 12
 """Evaluations in a step of DOP853."""
 COMPILATION = 20_000_000
-"""So many operations take Python a second or two, and numba some seconds to compile for them."""
+"""So many operations take Python a second or two, and numba some seconds to compile for them; by
+the C compiler it takes less time than to load scipy."""
 LOAD_OPERATIONS = 2_500_000
 """So many operations take Python less time than to load scipy or numba."""
 COARSE = 1e-13
@@ -274,6 +275,8 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
     compiled = "" if brief else compiled_method()
     if not there and not compiled:
         return "scipy", "heyoka is not installed"
+    if compiled == "c":
+        return "c", "a heavy program" if there else "heyoka is not installed"
     from voronec.motion.steppers.scipy_stepper import estimated_steps
 
     cost = STAGES * (problem.program.operations + 1)

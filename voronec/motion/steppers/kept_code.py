@@ -81,8 +81,7 @@ def kept_library(key: str, sources: Callable[[], dict[str, str]]) -> ctypes.CDLL
             f"there is no C compiler '{COMPILER}' here; install one, or use method='scipy'"
         )
     seen = os.stat(place)
-    own = _own_instructions()
-    machine = (platform.platform(), platform.machine(), seen.st_size, seen.st_mtime_ns, own)
+    machine = (platform.platform(), platform.machine(), seen.st_size, seen.st_mtime_ns)
     folder = user_cache("code") / sha256(f"{key}\n{machine}".encode()).hexdigest()[:24]
     if _is_sound(folder):
         with suppress(OSError):
@@ -105,9 +104,9 @@ def _build(compiler: str, draft: Path, folder: Path, sources: dict[str, str]) ->
     """A library compiled in one folder, and put into another at once and whole."""
     for name, text in sources.items():
         (draft / name).write_text(text, encoding="utf-8")
-    # sums of products may be fused, as numba may; that is why less than -O2 gains nothing
-    fast = ["-march=native", "-ffp-contract=fast"] if _own_instructions() else []
-    words = [compiler, "-O2", *fast, "-std=c99", "-shared", "-fPIC", "-o", LIBRARY, *sources, "-lm"]
+    # more than -O1 takes longer to compile and gains nothing without fused sums of products, and
+    # these do not cancel where they should, as on the way out of a plane of symmetry
+    words = [compiler, "-O1", "-std=c99", "-shared", "-fPIC", "-o", LIBRARY, *sources, "-lm"]
     try:
         done = subprocess.run(words, cwd=draft, capture_output=True, text=True, check=False)
         if done.returncode:
@@ -116,15 +115,6 @@ def _build(compiler: str, draft: Path, folder: Path, sources: dict[str, str]) ->
         return ctypes.CDLL(str(folder / LIBRARY))
     except OSError as error:
         raise _failure(str(error)) from None
-
-
-def _own_instructions() -> str:
-    """What this processor can do, as Linux tells it of the kind that most are; elsewhere nothing,
-    and code is made for all of a kind, as it may be taken to another machine."""
-    if platform.machine() == "x86_64":
-        with suppress(OSError), open("/proc/cpuinfo", encoding="utf-8") as rows:
-            return next((row for row in rows if row.startswith("flags")), "")
-    return ""
 
 
 def _failure(said: str) -> EngineLimit:
