@@ -374,8 +374,17 @@ def test_what_jumps_where_coordinates_are_singular_is_proved_beside_that_place_o
     blade = (X * sin(phi) - Y * cos(phi),)
     kinetic = (X**2 + Y**2 + P**2) / 2
     skate = system("skate", (x, phi), kinetic, fibre=(y,), constraints=blade)
-    for function in (sign(cos(phi)), P * sign(cos(phi))):
+    speed = sqrt(X**2 + Y**2)
+    for function in (sign(cos(phi)), P * sign(cos(phi)), Abs(X) / cos(phi), speed * sign(cos(phi))):
         (found,) = check_claims(replace(skate, integrals={"F": function}))
         assert found.verdict.proved and "cos(phi/2) != 0" in found.standing
-    (found,) = check_claims(replace(skate, integrals={"F": P}))
-    assert found.standing == "proved"
+    for function in (P, X / cos(phi), speed):
+        (found,) = check_claims(replace(skate, integrals={"F": function}))
+        assert found.standing == "proved"
+
+
+def test_coordinates_whose_velocities_become_infinite_bound_what_has_branches():
+    """With x = z^3 motions pass z = 0; there z |z| zdot, continuous in z and zdot, jumps."""
+    cube = system("cube", (z,), 9 * z**4 * Z**2 / 2, integrals={"F": z * Abs(z) * Z})
+    (found,) = check_claims(cube)
+    assert found.standing == "proved where z != 0"

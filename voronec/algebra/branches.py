@@ -30,6 +30,8 @@ __all__ = [
     "Branches",
     "Factorisation",
     "bounds_of",
+    "branch_arguments",
+    "divisors_of",
     "has_branches",
     "is_branching",
     "is_plain",
@@ -96,6 +98,14 @@ def product_of(
         if has_simple_zeros(found.odd, relations, moving):
             return found
     return plain
+
+
+def divisors_of(expr: Any, relations: tuple[Any, ...] = ()) -> list[Any]:
+    """The irreducible functions by which an expression is divided, but for roots."""
+    ring = Ring([expr, *relations])
+    below = ring.field.denominator(ring.fraction(expr).den)
+    found = _factor(ring, below, ring.field.one)
+    return [h for h in found.powers if h not in found.roots]
 
 
 def _reorderings(ring: Ring, polys: Sequence[Any], ideal: Sequence[Any]) -> Iterator[list[Any]]:
@@ -503,6 +513,25 @@ def bounds_of(expr: Any) -> list[Any]:
             and not isinstance(node.args[1], se.Integer)
         ):
             found.setdefault(node.args[0])
+    return [*found]
+
+
+def branch_arguments(expr: Any, moving: frozenset[Any]) -> list[Any]:
+    """Functions of which an expression is analytic wherever none is zero or infinite.
+
+    A logarithm adds none: where it is real on both sides of a place, it is the same function there.
+    """
+    found: dict[Any, None] = {}
+    for node in _nodes(expr):
+        if not is_branching(node) or isinstance(node, (se.log, se.atanh)):
+            continue
+        for inside in node.args[:1] if isinstance(node, se.Pow) else node.args:
+            if isinstance(node, se.floor):
+                inside = se.sin(se.pi * inside)
+            elif isinstance(node, _OPEN):
+                inside = 1 - inside**2
+            if inside.free_symbols & moving:
+                found.setdefault(inside)
     return [*found]
 
 
