@@ -30,6 +30,7 @@ from voronec.algebra.branches import (
     is_plain,
     product_of,
 )
+from voronec.algebra.composition import positive_bases
 from voronec.algebra.conditions import domain_of, moved_hypotheses, split_hypotheses
 from voronec.algebra.normal import canonical
 from voronec.algebra.points import consistent, sample_evaluable, sample_point
@@ -77,7 +78,7 @@ def across_walls(
     ground = _Ground(field, moving, periods, constant)
     found = []
     for label, function in functions:
-        if not constant or has_branches([function], function.free_symbols):
+        if not constant or ground.has_letters or has_branches([function], function.free_symbols):
             try:
                 one = ground.verdict_on(function, verdict)
             except EngineLimit as limit:
@@ -187,8 +188,22 @@ class _Ground:
         if bounds and not sample_evaluable(Tape([function]), self.hypotheses, count=1):
             return Verdict("undecided", "no state was found at which it has a real value")
         moving = [b for b in bounds if b.free_symbols & self.variables]
-        words = [f"{self._write(b)} > 0" for b in moving if self._is_crossed(b)]
+        found = [*self._positive_bases(function), *filter(self._is_crossed, moving)]
+        words = dict.fromkeys(f"{self._write(b)} > 0" for b in found)
         return replace(proof, domain=", ".join(filter(None, (proof.domain, *words))))
+
+    @cached_property
+    def has_letters(self) -> bool:
+        """Whether the field holds powers of what letters above it say to be positive."""
+        return bool(positive_bases(self.field.entries, self.hypotheses))
+
+    def _positive_bases(self, function: Any) -> list[Any]:
+        """What a proof takes for positive in a function and in its rate, since letters that may
+        be whole numbers for all that is known stand above it."""
+        parts, known = [function], self.hypotheses
+        if self.has_letters:
+            parts.append(self.field.derivative(function))
+        return [b for b in positive_bases(parts, known) if not self._has_sign(b)]
 
     def _is_crossed(self, bound: Any) -> bool:
         """Whether a function is negative at some state at which the inertia is positive."""
@@ -275,7 +290,8 @@ class _Ground:
 
     def _has_sign(self, h: Any, strict: bool = False) -> bool:
         """Whether h does not change its sign; ``strict``: nor is it zero."""
-        return bool(known_sign(h, self.hypotheses, strict))
+        ways = (self.hypotheses, self.field.conditions)  # relations may hide that terms are squares
+        return any(known_sign(h, known, strict) for known in ways)
 
     def _is_kept(self, h: Any) -> bool:
         """Whether motions keep h = 0, and none crosses it."""
