@@ -156,10 +156,8 @@ class _Halves:
         context = flint.fmpq_mpoly_ctx.get(names, flint.Ordering.lex)
         gens = context.gens()
         values, meaning, below = list(gens), list(ring.meaning), dict[int, Any]()
-        pairs = zip(ring.pairs.values(), ring.angle_indices(), strict=True)
-        for (cosine, _), (s, c) in pairs:
-            half = cosine.args[0] / 2 if cosine.args else se.Integer(0)
-            meaning[c], meaning[s] = se.cos(half), se.sin(half)
+        for angle, (s, c) in zip(ring.angles(), ring.angle_indices(), strict=True):
+            meaning[c], meaning[s] = se.cos(angle / 2), se.sin(angle / 2)
             values[c] = gens[c] ** 2 - gens[s] ** 2
             values[s] = 2 * gens[s] * gens[c]
             below[s] = below[c] = gens[c] ** 2 + gens[s] ** 2

@@ -120,6 +120,10 @@ class Ring:
         """Positions of the sine and the cosine of each angle."""
         return [(self._index[s], self._index[c]) for c, s in self.pairs.values()]
 
+    def angles(self) -> list[Any]:
+        """The angles of which these are sines and cosines; cos(acos(x)) is written as x."""
+        return [angle / d for angle, d in self.found.angles.items()]
+
     def polynomial(self, poly: Any) -> Any:
         """A polynomial as an expanded expression."""
         return se.Add(*[self.term(m, c) for m, c in sparse_terms(poly).items()])
