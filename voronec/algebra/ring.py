@@ -22,6 +22,7 @@ from voronec.algebra.generators import (
     Generators,
     linear_terms,
     pi_multiple,
+    plain_power,
     prime_factors,
 )
 from voronec.algebra.graphs import is_flat
@@ -183,7 +184,7 @@ class Ring:
             return self._hyperbolic(expr)
         if not isinstance(expr, se.Pow):
             raise EngineLimit(f"'{expr}' is not one of the quantities of this computation")
-        base, exponent = expr.args
+        base, exponent = plain_power(*expr.args)
         if base == se.E or not exponent.is_Number:
             return self._symbolic_power(base, exponent)
         if exponent.q == 1:
