@@ -287,6 +287,16 @@ def test_forms_modulo_a_relation_agree_on_it(many, below, place):
     assert found.xreplace(at) == expr.xreplace(at)
 
 
+def test_angles_whose_cosine_is_a_letter_are_turned_as_others_are():
+    """cos(acos(x)) is x, which says nothing of an angle."""
+    door = Door()
+    a, b = 3 * sp.acos(x), 3 * sp.acos(y)
+    turned = sp.cos(a) * sp.cos(b) + sp.sin(a) * sp.sin(b)
+    (found,) = map(door.outward, shortest([door.inward(turned)]))
+    at = {x: 0.3, y: 0.4}
+    assert abs(sp.N((found - turned).subs(at))) < 1e-12
+
+
 def test_a_budget_is_kept():
     door = Door()
     huge = (sum(sp.symbols("a b c d e f g h")) + 1) ** 30 / (x + ONE)

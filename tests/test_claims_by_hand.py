@@ -24,6 +24,7 @@ x, y, z, q, r, phi, u, h, p, j, c, g, m, k, w, v, eps = sp.symbols(
     "x y z q r phi u h p j c g m k w v eps"
 )
 arm = sp.Symbol("a")
+n = sp.Symbol("n", integer=True)
 X, Y, Z, Q, R, P = (vo.velocity(s) for s in (x, y, z, q, r, phi))
 half, t = sp.Rational(1, 2), vo.time
 omega = sqrt(k / m)
@@ -374,8 +375,39 @@ def test_what_jumps_where_coordinates_are_singular_is_proved_beside_that_place_o
     blade = (X * sin(phi) - Y * cos(phi),)
     kinetic = (X**2 + Y**2 + P**2) / 2
     skate = system("skate", (x, phi), kinetic, fibre=(y,), constraints=blade)
-    for function in (sign(cos(phi)), P * sign(cos(phi))):
+    speed = sqrt(X**2 + Y**2)
+    for function in (sign(cos(phi)), P * sign(cos(phi)), Abs(X) / cos(phi), speed * sign(cos(phi))):
         (found,) = check_claims(replace(skate, integrals={"F": function}))
         assert found.verdict.proved and "cos(phi/2) != 0" in found.standing
-    (found,) = check_claims(replace(skate, integrals={"F": P}))
-    assert found.standing == "proved"
+    for function in (P, X / cos(phi), speed):
+        (found,) = check_claims(replace(skate, integrals={"F": function}))
+        assert found.standing == "proved"
+
+
+def test_coordinates_whose_velocities_become_infinite_bound_what_has_branches():
+    """With x = z^3 motions pass z = 0; there z |z| zdot, continuous in z and zdot, jumps."""
+    cube = system("cube", (z,), 9 * z**4 * Z**2 / 2, integrals={"F": z * Abs(z) * Z})
+    (found,) = check_claims(cube)
+    assert found.standing == "proved where z != 0"
+
+
+@pytest.mark.parametrize(
+    ("potential", "function", "words"),
+    [
+        (x**k, X**2 / 2 + (x**2) ** (k / 2), " where x > 0"),  # at k = 3 where x > 0 alone
+        (x**k, X**2 / 2 + x**k, " where x > 0"),
+        ((1 + x**2) ** k, X**2 / 2 + (1 + x**2) ** k, ""),
+        (x**n, X**2 / 2 + x**n, ""),
+    ],
+)
+def test_what_counts_as_positive_under_letters_is_said(potential, function, words):
+    powers = system("powers", (x,), X**2 / 2 - potential, (k, n), integrals={"F": function})
+    (found,) = check_claims(powers)
+    assert found.standing == f"proved{words}"
+
+
+def test_what_counts_as_positive_in_the_field_alone_is_said():
+    forces = {x: x**k, q: (x**2) ** (k / 2)}
+    free = (X**2 + Q**2) / 2
+    pair = system("pair", (x, q), free, (k,), forces=forces, integrals={"F": X - Q})
+    assert check_claims(pair)[0].standing == "proved where x > 0"

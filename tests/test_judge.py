@@ -239,6 +239,7 @@ def test_what_a_proof_rests_on(text: str, ground: str) -> None:
         ),
         ("floor(w) = -ceiling(-w)", r"\operatorname{floor}(w) = -\operatorname{ceiling}(-w)"),
         ("exp(v) = exp(v)", r"e^{v} \equiv \exp v"),
+        ("v' = a w^2 + 2.5e-9 v - 25E-10v", r"\dot v = a w^2 + 1e3 - 10^3"),
     ],
 )
 def test_notations(pair: tuple[str, str]) -> None:
@@ -269,6 +270,12 @@ def test_inputs_have_rates(text: str, status: str) -> None:
         inputs=(u,),
     )
     assert vo.judge(system, text).verdict.status == status
+
+
+def test_a_letter_of_a_system_is_no_exponent_of_ten():
+    x, e = sp.symbols("x e")
+    fall = vo.System("fall", vo.Fibration(x), vo.velocity(x) ** 2 / 2 + e * x, parameters=(e,))
+    assert vo.judge(fall, "3 xddot = 3e-9 + 9").proved
 
 
 @pytest.mark.parametrize(

@@ -188,3 +188,16 @@ def test_a_refuted_check_is_told() -> None:
     """The last line is the verdict's, whatever it is."""
     wrong = vo.Verdict("refuted", "ball arithmetic")
     assert "refuted" in str(replace(told("sleigh"), verdict=wrong)).splitlines()[-1]
+
+
+def test_roots_of_sizes_are_of_one_form_in_lessons() -> None:
+    """|v|^(1/2) was a root of a root beside the fourth root of v^2: undecided."""
+    x, y, phi = sp.symbols("x y phi")
+    dx, dy, dphi = map(vo.velocity, (x, y, phi))
+    drag = {x: -sp.sign(dx) * sp.sqrt(sp.Abs(dx))}
+    system = vo.System(
+        name="rooted", fibration=vo.Fibration((x, phi), (y,)),
+        lagrangian=(dx**2 + dy**2 + dphi**2) / 2, constraints=(dy - sp.Abs(x) * dphi,), forces=drag,
+    )  # fmt: skip
+    assert vo.lesson(system).verdict.proved
+    assert vo.by_methods(system).proved

@@ -36,6 +36,9 @@ SHARE = mp.mpf("1.5e-14")
 """What is printed was computed in doubles: the sum rule shows errors of 1e-14 of the whole."""
 
 
+X = sp.Symbol("x")
+
+
 def upright(system: vo.System) -> dict[str, Any]:
     """Straight on, with default values of all parameters, the speed left open."""
     still = {str(q): 0 for q in (*system.coordinates, "roll_rate", "steer_rate")}
@@ -349,7 +352,7 @@ AT_CORNERS = {
     "slope of a remainder": (2 * sp.sqrt(2), sp.sqrt(2), "Mod(x, p)", "a corner or a step"),
     "infinite": (0, sp.pi, "x/(p - pi)", "no finite value"),
     "infinite in disguise": (0, TWO, "x/(p - 2)", "divides by zero"),
-    "0/0": (0, 0, "sin(p*x)/p", "no finite value"),
+    "0/0": (0, 0, "sin(p*x)/p**2", "no finite value"),
 }
 
 
@@ -378,3 +381,25 @@ def test_values_at_which_a_linearisation_is_infinite_are_named():
     found = vo.linearise(vo.derive(bead), {x: 0, "xdot": 0})
     with pytest.raises(vo.DefinitionError, match="no finite value at m = 2"):
         found.eigenvalues({m: 2})
+
+
+@pytest.mark.parametrize(
+    ("potential", "slope"),
+    [  # V = V(0) + V'(0) x - slope x^2/2
+        (sp.sinc(3 * X), 3),
+        ((1 - sp.cos(X)) / X, 0),
+        (sp.log(1 + X) / X, -sp.Rational(2, 3)),
+        ((sp.exp(X) - 1) / X, -sp.Rational(1, 3)),
+    ],
+)
+def test_quotients_with_a_value_are_linearised_there(potential: sp.Expr, slope: sp.Expr) -> None:
+    dot = vo.velocity(X)
+    well = vo.System("well", vo.Fibration((X,)), dot**2 / 2 - potential)
+    assert sp.Matrix([[0, 1], [slope, 0]]) == vo.linearise(vo.derive(well), at={X: 0, dot: 0}).A
+
+
+def test_an_even_quotient_has_no_corner_in_its_linearisation() -> None:
+    dot = vo.velocity(X)
+    force = {X: sp.tanh(X) / X - 1 + 2 * X}
+    pushed = vo.System("pushed", vo.Fibration((X,)), dot**2 / 2, forces=force)
+    assert sp.Matrix([[0, 1], [2, 0]]) == vo.linearise(vo.derive(pushed), at={X: 0, dot: 0}).A

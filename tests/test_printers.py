@@ -24,6 +24,7 @@ from voronec.equations.program import (
     Program,
     c_source,
     casadi_source,
+    compile_program,
     javascript_source,
     mpmath_source,
     python_source,
@@ -308,6 +309,18 @@ def test_only_the_side_that_is_in_force_is_looked_at(language: str, tmp_path: Pa
         assert call("rhs", at).ravel()[1] == pytest.approx(value, rel=1e-14)
         if not np.isnan(slope):
             assert call("jacobian", at).ravel()[2] == pytest.approx(slope, rel=1e-14)
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_cases_that_are_not_in_force_warn_of_nothing() -> None:
+    q = sp.Symbol("q")
+    force = sp.Piecewise((sp.log(q), q > 1), (-q, True))
+    eqs = vo.derive(vo.System("k", vo.Fibration(q), vo.velocity(q) ** 2 / 2, forces={q: force}))
+    space: dict[str, Any] = {}
+    exec(eqs.python(), space)
+    state = [np.array([-1.0, 0.0, 2.0]), np.ones(3)]
+    for rhs in (space["rhs"], compile_program(eqs.program)[0]):
+        assert np.allclose(rhs(0.0, state, [])[1], [1.0, 0.0, np.log(2)])
 
 
 def test_a_quasi_velocity_at_a_wall_is_itself_where_its_base_velocity_vanishes() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import flint
 import numpy as np
@@ -185,6 +186,21 @@ def test_angles_in_sums_and_in_parts_are_searched_by_sine_and_cosine(part: sp.Ex
     )  # fmt: skip
     found = vo.search_integrals(links, degree=2, positions=4)
     assert len(found.new) == 2 and found.complete
+
+
+@pytest.mark.parametrize("pull", [sp.cos, lambda a: sp.cos(a / 2) ** 2, lambda a: 1])
+def test_an_angle_that_forces_turn_on_is_a_letter(pull: Any) -> None:
+    """The work of a torque, constant or in the mean, is no function of sine and cosine."""
+    a, torque = sp.symbols("a torque")
+    da = vo.velocity(a)
+    wheel = vo.System(
+        name="wheel", fibration=vo.Fibration(a), lagrangian=da**2 / 2 + sp.sin(a),
+        forces={a: torque * pull(a)}, parameters=(torque,),
+    )  # fmt: skip
+    found = vo.search_integrals(wheel)
+    assert len(found.new) == 1
+    assert (a in found.new[0].expression.free_symbols) and ("sin" in found.form)
+    assert found.form.endswith(", a") is (pull is not sp.cos)
 
 
 def test_a_letter_that_holds_the_time_is_not_called_a_constant() -> None:

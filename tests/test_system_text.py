@@ -112,6 +112,11 @@ def test_the_system_of_the_documentation_is_the_skate(tmp_path: Path) -> None:
     assert f"skate.toml, {mistaken}" in page
 
 
+def test_a_double_sign_is_one(tmp_path: Path) -> None:
+    double = vo.load(written(tmp_path, SKATE.replace("sin(phi) =", "sin(phi) ==", 1)))
+    assert double.constraints == vo.load(written(tmp_path, SKATE)).constraints
+
+
 def test_decimals_keep_their_digits(tmp_path: Path) -> None:
     long = "0." + "1" * 60
     system = vo.load(written(tmp_path, SKATE.replace("value = 9.81", f"value = {long}")))
@@ -160,6 +165,10 @@ def test_forces_inputs_relations_and_accelerations(tmp_path: Path) -> None:
          "did you mean 'potential'?"),
         ("sin(phi) =", "sin(phi =", "= ydot",
          "constraints, entry 1: not a formula: the parenthesis of column 9 is not closed"),
+        ("sin(phi) =", "sin(phi) !=", "!= ydot",
+         'constraints, entry 1: one sign "=" stands between'),
+        ("cos(phi)\"]", "cos(phi) = 0\"]", "= 0",
+         'constraints, entry 1: one sign "=" stands between'),
         ("ydot*cos(phi)\"", "ydot**\"", "\"]",
          "constraints, entry 1: not a formula: a number, a name or '(' is expected"),
         ("J*phidot^2/2\"", "open(1)\"", "open",

@@ -30,6 +30,8 @@ __all__ = [
     "Branches",
     "Factorisation",
     "bounds_of",
+    "branch_arguments",
+    "divisors_of",
     "has_branches",
     "is_branching",
     "is_plain",
@@ -98,6 +100,14 @@ def product_of(
     return plain
 
 
+def divisors_of(expr: Any, relations: tuple[Any, ...] = ()) -> list[Any]:
+    """The irreducible functions by which an expression is divided, but for roots."""
+    ring = Ring([expr, *relations])
+    below = ring.field.denominator(ring.fraction(expr).den)
+    found = _factor(ring, below, ring.field.one)
+    return [h for h in found.powers if h not in found.roots]
+
+
 def _reorderings(ring: Ring, polys: Sequence[Any], ideal: Sequence[Any]) -> Iterator[list[Any]]:
     """Polynomials reduced by the relations in other orders of the generators."""
     context = ring.field.context
@@ -146,10 +156,8 @@ class _Halves:
         context = flint.fmpq_mpoly_ctx.get(names, flint.Ordering.lex)
         gens = context.gens()
         values, meaning, below = list(gens), list(ring.meaning), dict[int, Any]()
-        pairs = zip(ring.pairs.values(), ring.angle_indices(), strict=True)
-        for (cosine, _), (s, c) in pairs:
-            half = cosine.args[0] / 2 if cosine.args else se.Integer(0)
-            meaning[c], meaning[s] = se.cos(half), se.sin(half)
+        for angle, (s, c) in zip(ring.angles(), ring.angle_indices(), strict=True):
+            meaning[c], meaning[s] = se.cos(angle / 2), se.sin(angle / 2)
             values[c] = gens[c] ** 2 - gens[s] ** 2
             values[s] = 2 * gens[s] * gens[c]
             below[s] = below[c] = gens[c] ** 2 + gens[s] ** 2
@@ -503,6 +511,25 @@ def bounds_of(expr: Any) -> list[Any]:
             and not isinstance(node.args[1], se.Integer)
         ):
             found.setdefault(node.args[0])
+    return [*found]
+
+
+def branch_arguments(expr: Any, moving: frozenset[Any]) -> list[Any]:
+    """Functions of which an expression is analytic wherever none is zero or infinite.
+
+    A logarithm adds none: where it is real on both sides of a place, it is the same function there.
+    """
+    found: dict[Any, None] = {}
+    for node in _nodes(expr):
+        if not is_branching(node) or isinstance(node, (se.log, se.atanh)):
+            continue
+        for inside in node.args[:1] if isinstance(node, se.Pow) else node.args:
+            if isinstance(node, se.floor):
+                inside = se.sin(se.pi * inside)
+            elif isinstance(node, _OPEN):
+                inside = 1 - inside**2
+            if inside.free_symbols & moving:
+                found.setdefault(inside)
     return [*found]
 
 

@@ -40,7 +40,7 @@ from voronec.algebra.tape import Tape
 from voronec.algebra.terms import factors_of, summands
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Congruence", "angles_of", "are_equal", "fold_angles"]
+__all__ = ["Congruence", "angles_of", "are_equal", "fold_angles", "positive_bases"]
 
 LARGEST = 400
 """Nodes of a graph beyond which no further form is tried."""
@@ -180,6 +180,20 @@ def _may_be_whole(exponent: Any, whole: frozenset[Any]) -> bool:
     return any(n in whole or isinstance(n, se.floor | se.sign) for n in parts)
 
 
+def _has_positive_base(node: Any, whole: frozenset[Any]) -> bool:
+    """Whether a node is a power with letters above that are not known to be whole numbers."""
+    is_power = isinstance(node, se.Pow) and bool(node.args[0].free_symbols)
+    return is_power and not (node.args[1].is_Number or _may_be_whole(node.args[1], whole))
+
+
+def positive_bases(exprs: Iterable[Any], hypotheses: Iterable[Any]) -> list[Any]:
+    """What counts as positive in expressions, since it is raised to powers with letters that are
+    not known to be whole numbers."""
+    whole = _whole(hypotheses)
+    found = [n.args[0] for n in nodes(exprs) if _has_positive_base(n, whole)]
+    return [*dict.fromkeys(found)]
+
+
 def _real_where(exprs: Sequence[Any], whole: frozenset[Any]) -> Iterator[Any]:
     """What holds where expressions are real: of radicands, of bases of powers with symbolic
     exponents, of what inverse functions are taken of.  Of logarithms nothing: log(x**2) is not said
@@ -189,9 +203,8 @@ def _real_where(exprs: Sequence[Any], whole: frozenset[Any]) -> Iterator[Any]:
         inner = node.args[0] if node.args and node.free_symbols else None
         if inner is None or not inner.free_symbols:
             continue
-        if isinstance(node, se.Pow) and not node.args[1].is_Number:
-            if not _may_be_whole(node.args[1], whole):
-                yield inner > 0
+        if _has_positive_base(node, whole):
+            yield inner > 0
         elif isinstance(node, se.asin | se.acos):
             yield 1 - inner**2 >= 0
         elif isinstance(node, se.atanh):

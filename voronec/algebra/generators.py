@@ -229,6 +229,7 @@ class Generators:
         if base == se.E:
             self.exponents[exponent] = linear_terms(exponent)
             return
+        base, exponent = plain_power(base, exponent)
         self._visit(base)
         if not exponent.is_Number:
             for term, coefficient in linear_terms(exponent).items():
@@ -249,6 +250,18 @@ class Generators:
                 self.radicals[se.Integer(prime)] = lcm(known, q)
             return
         self.radicals[base] = lcm(self.radicals.get(base, 1), q)
+
+
+def plain_power(base: Any, exponent: Any) -> tuple[Any, Any]:
+    """Base and exponent with the exponents of roots of roots multiplied: b^(1/2) is real where b is
+    not negative alone."""
+    while _is_broken(exponent) and isinstance(base, se.Pow) and _is_broken(base.args[1]):
+        base, exponent = base.args[0], base.args[1] * exponent
+    return base, exponent
+
+
+def _is_broken(exponent: Any) -> bool:
+    return isinstance(exponent, se.Rational) and not isinstance(exponent, se.Integer)
 
 
 def _is_small(ratio: Any) -> bool:

@@ -22,6 +22,7 @@ from voronec.algebra.generators import (
     Generators,
     linear_terms,
     pi_multiple,
+    plain_power,
     prime_factors,
 )
 from voronec.algebra.graphs import is_flat
@@ -120,6 +121,10 @@ class Ring:
         """Positions of the sine and the cosine of each angle."""
         return [(self._index[s], self._index[c]) for c, s in self.pairs.values()]
 
+    def angles(self) -> list[Any]:
+        """The angles of which these are sines and cosines; cos(acos(x)) is written as x."""
+        return [angle / d for angle, d in self.found.angles.items()]
+
     def polynomial(self, poly: Any) -> Any:
         """A polynomial as an expanded expression."""
         return se.Add(*[self.term(m, c) for m, c in sparse_terms(poly).items()])
@@ -179,7 +184,7 @@ class Ring:
             return self._hyperbolic(expr)
         if not isinstance(expr, se.Pow):
             raise EngineLimit(f"'{expr}' is not one of the quantities of this computation")
-        base, exponent = expr.args
+        base, exponent = plain_power(*expr.args)
         if base == se.E or not exponent.is_Number:
             return self._symbolic_power(base, exponent)
         if exponent.q == 1:

@@ -86,8 +86,8 @@ def _angles(ring: Ring, poly: Any) -> dict[tuple[int, int], Any]:
     be moved without its sine and cosine telling."""
     degrees = poly.degrees()
     found = {
-        pair: ring.meaning[pair[1]].args[0]
-        for pair in ring.angle_indices()
+        pair: angle
+        for pair, angle in zip(ring.angle_indices(), ring.angles(), strict=True)
         if degrees[pair[0]] or degrees[pair[1]]
     }
     moved = set().union(*(angle.free_symbols for angle in found.values()))

@@ -60,6 +60,8 @@ FARTHEST = 1000.0
 OUTPUT = re.compile(r"[^\W\d]\w*(?: \w+)*")
 """Names, such as u1 or 'momentum squared'; any other output is a formula."""
 RELATION = re.compile(r"<=|>=|<|>")
+COMPARISON = re.compile(r"[<>=!:~]+")
+"""What somebody may write between two formulas."""
 BETWEEN = {"<": sp.Lt, ">": sp.Gt, "<=": sp.Le, ">=": sp.Ge}
 
 
@@ -254,13 +256,18 @@ class _Text:
         return read
 
     def _vanishing_expression(self, item: Item) -> Any:
-        """An expression that vanishes: ``a = b`` stands for a - b."""
-        text = item.scalar()
-        left, equals, right = text.partition("=")
-        if not equals:
+        """An expression that vanishes: ``a = b``, or ``a == b``, stands for a - b."""
+        text, names = item.scalar(), self.names
+        signs = [*COMPARISON.finditer(text)]
+        if not signs:
             return self._formula(item)
-        names = self.names
-        return self._read(item, left, 0, names) - self._read(item, right, len(left) + 1, names)
+        first, last = signs[0], signs[-1]
+        if last is not first or first[0] not in ("=", "=="):
+            item.wrong(
+                'one sign "=" stands between what is equal, as in "xdot = r*phidot"', last.start()
+            )
+        left, right = text[: first.start()], text[first.end() :]
+        return self._read(item, left, 0, names) - self._read(item, right, first.end(), names)
 
     def _condition(self, item: Item) -> Any:
         """A relation between parameters, such as ``3*A < 2*m*R^2``."""

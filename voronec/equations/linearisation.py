@@ -13,7 +13,7 @@ derivation writes is zero or a number, so that no derivative of the whole is eve
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -25,9 +25,11 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.arguments import VALUES, Kind, accepts
+from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.graphs import is_atom, is_flat
 from voronec.algebra.normal import shortest
+from voronec.algebra.numeric_functions import QUOTIENTS, SIZE, formula, numeric_name
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.rank import independent_rows
@@ -86,6 +88,8 @@ def _first_order(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, An
     if isinstance(expr, se.Add):
         return se.Add(*[v for v, _ in parts]), weighted_sum([(se.Integer(1), s) for _, s in parts])
     values = [v for v, _ in parts]
+    if numeric_name(expr) is not None:
+        return _quotient(expr, parts[0], known, point)
     value = expr.func(*values)
     root = isinstance(expr, se.Pow) and values[0] == 0 and values[1].is_Number and values[1] < 1
     edge = isinstance(expr, (se.asin, se.acos, se.acosh)) and abs(values[0]) == 1
@@ -103,6 +107,20 @@ def _first_order(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, An
     if isinstance(expr, se.Pow) and moving == [0]:
         form = names[0] ** values[1]
     return value, weighted_sum([(form.diff(names[i]).xreplace(at), parts[i][1]) for i in moving])
+
+
+def _quotient(
+    expr: Any, inner: FirstOrder, known: dict[Any, FirstOrder], point: Mapping[Any, Any]
+) -> FirstOrder:
+    """A quotient such as sin(w)/w by its series at w = 0, elsewhere by its formula.  |w| in what is
+    equal for both signs of w has the slopes 1 and -1, with which that has the same, as with 0."""
+    name, (value, slopes) = numeric_name(expr), inner
+    if value != 0 or name not in (*QUOTIENTS, SIZE):
+        return _expand(formula(expr), known, point)
+    if name == SIZE:
+        return value, {}
+    first, second = (se.Integer(p) / q for p, q in map(QUOTIENTS[name].coefficient, (0, 1)))
+    return first, weighted_sum([(second, slopes)])
 
 
 def _is_on_step(expr: Any, values: Sequence[Any]) -> bool:
@@ -315,11 +333,13 @@ def linearise(equations: DerivedEquations, at: Mapping[Any, Any] | None = None) 
     point, where it is off a relation, or the mass matrix is singular there.
     """
     inside, read = _point(equations, at or {})
-    for derivation in (equations.raw, equations.best):
-        try:
-            return _about(equations, derivation, inside, read)
-        except EngineLimit as limit:
-            reason = str(limit)
+    reason = ""
+    for write in (list, cardinal_all):  # quotients that have a value at the point, at last
+        for derivation in (equations.raw, equations.best):
+            try:
+                return _about(equations, derivation, inside, read, write)
+            except EngineLimit as limit:
+                reason = reason or str(limit)
     raise DefinitionError(
         f"system '{equations.system.name}' has no linearisation at the point: {reason}; choose "
         "another point, or other coordinates"
@@ -346,7 +366,11 @@ def _point(
 
 
 def _about(
-    equations: DerivedEquations, d: Derivation, point: dict[Any, Any], read: dict[str, sp.Expr]
+    equations: DerivedEquations,
+    d: Derivation,
+    point: dict[Any, Any],
+    read: dict[str, sp.Expr],
+    write: Callable[[Sequence[Any]], list[Any]],
 ) -> Linearisation:
     own, form = d.definition, d.form
     # pi/10 is put in at the end: its sine is no root of rational numbers, that of a symbol is easy
@@ -355,7 +379,7 @@ def _about(
     inputs = [u for u in jets(equations.system).values() if u in own.inputs or _holds(form, u)]
     variables = [*own.coordinates, *own.velocities, *inputs]
     mass = [e for row in form.mass for e in row]
-    exprs = [*form.rates, *form.force, *mass, *own.relations]
+    exprs = write([*form.rates, *form.force, *mass, *own.relations])
     if late:  # corners and infinite values are seen by the values alone
         expand(exprs, variables, {**point, **late})
     rows = expand(exprs, variables, point)

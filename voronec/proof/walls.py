@@ -24,10 +24,13 @@ from voronec.algebra.branches import (
     Branches,
     BranchWall,
     bounds_of,
+    branch_arguments,
+    divisors_of,
     has_branches,
     is_plain,
     product_of,
 )
+from voronec.algebra.composition import positive_bases
 from voronec.algebra.conditions import domain_of, moved_hypotheses, split_hypotheses
 from voronec.algebra.normal import canonical
 from voronec.algebra.points import consistent, sample_evaluable, sample_point
@@ -48,6 +51,8 @@ _TRIES = 4
 """How many points are looked for at which an expression may not vanish."""
 _ENOUGH = 8
 """At how many states a radicand is looked at."""
+_CLOSE = se.Rational(1, 1000)
+"""A value of a function close to its zeros."""
 
 
 def across_walls(
@@ -73,7 +78,7 @@ def across_walls(
     ground = _Ground(field, moving, periods, constant)
     found = []
     for label, function in functions:
-        if not constant or has_branches([function], function.free_symbols):
+        if not constant or ground.has_letters or has_branches([function], function.free_symbols):
             try:
                 one = ground.verdict_on(function, verdict)
             except EngineLimit as limit:
@@ -130,6 +135,8 @@ class _Ground:
 
     def verdict_on(self, function: Any, proof: Verdict) -> Verdict:
         """The verdict on one function with a proof off its walls."""
+        gaps = self._gaps(function) if self.constant else []
+        proof = replace(proof, domain=", ".join(gaps))
         if is_plain(function, self.variables, essential=not self.constant):
             return self._with_domain(proof, function)
         relations = _relations_of(function, self.relations)
@@ -138,7 +145,7 @@ class _Ground:
         open_walls = [h for h in open_walls if not self._is_kept(h)]
         met = [j for wall in branches.walls() if (j := self._jump(wall)) is not None]
         jumps = [j for j in met if not j.domain]
-        domains = dict.fromkeys(j.domain for j in met if j.domain)
+        domains = dict.fromkeys(filter(None, (*(j.domain for j in met), *proof.domain.split(", "))))
         proof = replace(proof, domain=", ".join(domains))
         seen = [j for j in met if j.witness is not None]
         false = [j for j in jumps if j.witness is not None and j.period is None]
@@ -181,13 +188,74 @@ class _Ground:
         if bounds and not sample_evaluable(Tape([function]), self.hypotheses, count=1):
             return Verdict("undecided", "no state was found at which it has a real value")
         moving = [b for b in bounds if b.free_symbols & self.variables]
-        words = [f"{self._write(b)} > 0" for b in moving if self._is_crossed(b)]
+        found = [*self._positive_bases(function), *filter(self._is_crossed, moving)]
+        words = dict.fromkeys(f"{self._write(b)} > 0" for b in found)
         return replace(proof, domain=", ".join(filter(None, (proof.domain, *words))))
+
+    @cached_property
+    def has_letters(self) -> bool:
+        """Whether the field holds powers of what letters above it say to be positive."""
+        return bool(positive_bases(self.field.entries, self.hypotheses))
+
+    def _positive_bases(self, function: Any) -> list[Any]:
+        """What a proof takes for positive in a function and in its rate, since letters that may
+        be whole numbers for all that is known stand above it."""
+        parts, known = [function], self.hypotheses
+        if self.has_letters:
+            parts.append(self.field.derivative(function))
+        return [b for b in positive_bases(parts, known) if not self._has_sign(b)]
 
     def _is_crossed(self, bound: Any) -> bool:
         """Whether a function is negative at some state at which the inertia is positive."""
         found = islice(self._states([bound], self.hypotheses), _ENOUGH)
         return any(v < 0 and _is_positive(mass) for _, (v,), mass in found)
+
+    # -- singular places -----------------------------------------------------------------------
+
+    def _gaps(self, function: Any) -> list[str]:
+        """Beside which places a field is regular, where a function may have another branch beyond.
+
+        Velocities are bound there, so that what is 0/0 of independent velocities need not jump on
+        a wall: a motion comes to xdot = 0 and cos(phi) = 0 together, and Abs(xdot)/cos(phi) jumps.
+        A function is the same on both sides where all that it has branches of stays along motions,
+        or has one sign in whatever velocities.
+        """
+        insides = branch_arguments(function, self.variables)
+        insides = [
+            e for e in insides if not self._vanishes(self.field.derivative(e), self.hypotheses)
+        ]
+        try:
+            poles = self._poles if insides else []
+        except EngineLimit:
+            return ["the equations are regular"]
+        open_ones = [h for h in poles if not all(self._is_unit(e, h) for e in insides)]
+        return [f"{self._write(h)} != 0" for h in open_ones]
+
+    @cached_property
+    def _poles(self) -> list[Any]:
+        """Irreducible functions by which rates are divided, where motions may be on both sides."""
+        rates = reversed(self.field.components)  # the longest first: they may be too long
+        found = [h for e in rates for h in divisors_of(e, self.relations)]
+        moving = [h for h in dict.fromkeys(found) if h.free_symbols & self.variables]
+        return [h for h in moving if not self._has_sign(h) and self._has_sides(h)]
+
+    def _has_sides(self, h: Any) -> bool:
+        """Whether there are states close to h = 0, of positive inertia, on both of its sides."""
+        return all(
+            any(_is_positive(mass) for *_, mass in self._states([h], (*self.hypotheses, h - e)))
+            for e in (_CLOSE, -_CLOSE)
+        )
+
+    def _is_unit(self, expr: Any, h: Any) -> bool:
+        """Whether it is a function of positions with one sign, and not zero all over h = 0."""
+        there = (*self.hypotheses, h)
+        factors = product_of(expr, self.relations, self.variables).powers
+        return expr.free_symbols.isdisjoint(self.field.velocities) and all(
+            any(known_sign(f, known) for known in (self.field.conditions, there))
+            and not self._vanishes(f, there)
+            for f in factors
+            if f.free_symbols & self.variables
+        )
 
     # -- one wall -------------------------------------------------------------------------------
 
@@ -205,11 +273,9 @@ class _Ground:
             is_turn = self._vanishes(wall.turned - wall.above, there)
             period = self._period(jump) if is_turn else None
             return _Jump(words, period, witness_at(*found), domain)
-        is_singular = self._is_singular(there)
-        # Where coordinates are singular a motion may go on in others, and integrals with it.
-        if self._is_kept(h) or (is_singular and self.constant):
+        if self._is_kept(h):
             return _Jump("", None, None, f"{self._write(h)} != 0")
-        if is_singular or self._is_pole(wall, there):
+        if self._is_singular(there) or self._is_pole(wall, there):
             return None
         return _Jump(f"whether it jumps where {self._place(wall)} is open", None, None)
 
@@ -224,7 +290,8 @@ class _Ground:
 
     def _has_sign(self, h: Any, strict: bool = False) -> bool:
         """Whether h does not change its sign; ``strict``: nor is it zero."""
-        return bool(known_sign(h, self.hypotheses, strict))
+        ways = (self.hypotheses, self.field.conditions)  # relations may hide that terms are squares
+        return any(known_sign(h, known, strict) for known in ways)
 
     def _is_kept(self, h: Any) -> bool:
         """Whether motions keep h = 0, and none crosses it."""

@@ -11,6 +11,8 @@ import re
 import unicodedata
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from decimal import Decimal
+from itertools import pairwise
 
 from voronec.audit.latex.tokens import ELEMENTARY, GREEK, Misprint, Token, complain, tokenize
 
@@ -69,7 +71,7 @@ def words_of(text: str, spelled: Mapping[str, str]) -> list[Token]:
     source = source if source.isascii() else _in_ascii(source, plain)
     start, end = _bounds(source)
     words = tokenize(source, start, end)
-    words = [_letter(w) for w in words]
+    words = _each([_letter(w) for w in words], lambda given, at: _decimal(given, at, spelled))
     words = _spell_words(
         source, words, _COMMANDS | dict(spelled) if plain else _long(spelled), plain
     )
@@ -124,6 +126,23 @@ def _letter(word: Token) -> Token:
     if word.kind == "text" and len(word.text) == 1:
         return replace(word, kind="letter")
     return word
+
+
+def _decimal(
+    words: list[Token], position: int, spelled: Mapping[str, str]
+) -> tuple[int, list[Token]] | None:
+    """``1e-9``, written without spaces, as one number, unless e is a name of the system."""
+    signed = [w.text for w in words[position + 2 : position + 3]] in (["+"], ["-"])
+    end = position + 3 + signed
+    parts = words[position:end]
+    beside = all(a.end == b.start for a, b in pairwise(parts))
+    kinds = [w.kind for w in parts if w.text not in "+-"]
+    if not beside or kinds != ["number", "letter", "number"] or parts[1].text in spelled:
+        return None
+    text = "".join(w.text for w in parts)
+    if parts[1].text not in "eE" or not parts[-1].text.isdecimal() or len(parts[-1].text) > 3:
+        return None
+    return end, [replace(parts[0], text=f"{Decimal(text):f}", end=parts[-1].end)]
 
 
 def _common(word: Token) -> Token:

@@ -59,7 +59,7 @@ _CHOICES, _SIZES = {"numpy": "where", "casadi": "if_else"}, {"numpy": "abs", "ca
 _COLUMNS = ("vertsplit", "vertcat", "horzcat")
 _HELPERS = (
     "expm1 where multiply if_else fabs exp sin cos sinh cosh tanh log1p atan arctan hyp0f1 hyp1f1 "
-    "hyp2f1"
+    "hyp2f1 errstate"
 ).split()
 _IN_DIGITS = {
     numeric.SINC_SLOPE: "hyp0f1(mpf(5)/2, -x*x/4)/3",
@@ -315,9 +315,12 @@ def _function(
     ends = ("horzcat(", ")") if columnar else ("[", "]")
     for value, meaning in part.write(values, *ends):
         rows.append(f"        {value},  # {_remark(meaning)}")
-    return "\n".join([*rows, "    )" if columnar else "    ]"]) + "\n"
+    body = "\n".join([*rows, "    )" if columnar else "    ]"]) + "\n"
+    silent = flavour is _ARRAYS and not _called_names(body).isdisjoint(("choice", "case"))
+    return _SILENCE + body if silent else body
 
 
+_SILENCE = '@errstate(all="ignore")  # cases that are not in force need have no value\n'
 SPARE = 16
 """Bits beyond those of the numbers that come in."""
 

@@ -16,6 +16,7 @@ from math import lcm
 from time import perf_counter
 from typing import Any
 
+import flint
 import numpy as np
 import symengine as se
 import sympy as sp
@@ -24,8 +25,11 @@ from voronec.algebra.arguments import accepts, callback
 from voronec.algebra.conditions import substituted_conditions
 from voronec.algebra.matrices import dot
 from voronec.algebra.normal import canonical, shortest
+from voronec.algebra.points import sample_evaluable
+from voronec.algebra.precision import GENERIC
 from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import expression
+from voronec.algebra.tape import Tape
 from voronec.algebra.terms import atoms
 from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import Verdict, decide_zero
@@ -58,6 +62,8 @@ __all__ = ["Ansatz", "Letter", "Question", "search_integrals", "searches"]
 
 CLASS_LIMIT = 2000
 """How many monomials of one class are taken on, unless told otherwise."""
+PARTS, SMALL = 32, 1e-6
+"""In how many parts a turn is divided; what part of the largest of so many values is zero."""
 ENUMERATION = 100
 """So many times as many monomials may be listed."""
 
@@ -533,21 +539,38 @@ class _StateReader:
 
     def positions(self) -> list[Letter]:
         """Coordinates; of those under sines and cosines, these, of q/n where q/n is the part of q
-        that all angles are multiples of."""
+        that all angles are multiples of; and these themselves where a force turns them on."""
         field = self.field
         angles = atoms(field.entries, se.sin, se.cos, se.tan)
         found = []
         for q in field.positions:
             turning = {f: f.args[0].diff(q) for f in angles if q in f.free_symbols}
             turning = {f: c for f, c in turning.items() if isinstance(c, se.Rational)}
+            turns = lcm(*(int(c.get_num_den()[1]) for c in turning.values()))
             if turning:
-                part = q / lcm(*(int(c.get_num_den()[1]) for c in turning.values()))
-                found += [self._letter(f(part), "position") for f in (se.cos, se.sin)]
+                found += [self._letter(f(q / turns), "position") for f in (se.cos, se.sin)]
             plain = {f: se.Symbol(f"{i} in a circle") for i, f in enumerate(turning)}
             under = [e for e in field.entries if q in e.free_symbols]
-            if not under or any(q in e.xreplace(plain).free_symbols for e in under):
+            held = not under or any(q in e.xreplace(plain).free_symbols for e in under)
+            if held or self._does_work(q, turns):
                 found.append(self._letter(q, "position"))
         return found
+
+    def _does_work(self, q: Any, turns: int) -> bool:
+        """Whether forces at rest do work over whole turns of an angle, as a constant torque does:
+        what they are the slope of holds the angle itself."""
+        field, still = self.field, dict.fromkeys(self.field.velocities, se.Integer(0))
+        (rate,) = (r for x, r in zip(field.positions, field.rates, strict=True) if x == q)
+        work = se.Add(
+            *[rate.diff(v) * f for v, f in zip(field.velocities, field.force, strict=True)]
+        )
+        tape = Tape([work.xreplace(still)])
+        for point, _ in sample_evaluable(tape, field.hypotheses, count=1):
+            angles = (turns * flint.arb.pi() * (2 * k + 1) / PARTS for k in range(PARTS))
+            values = [tape.arb({**point, q: angle}, GENERIC)[0] for angle in angles]
+            largest = max(map(abs, values))
+            return bool(abs(sum(values)) > SMALL * largest)
+        return False
 
     def functions(self, given: Mapping[str, sp.Expr]) -> list[Letter]:
         found = []
