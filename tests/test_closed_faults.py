@@ -217,3 +217,10 @@ def test_doubles_of_a_start_at_a_pole_but_for_very_little(system, power):
     form = vo.closed_form(system, initial=start)
     assert meets(form, 0)
     assert meets(form, 0.3)
+
+
+def test_what_cannot_be_had_is_refused_in_words_of_its_own(system):
+    with pytest.raises(vo.DefinitionError, match="initial value 'u1' = u is not a real number"):
+        vo.closed_form(system, initial={"u": 1, "u1": sp.Symbol("u")})
+    with pytest.raises(vo.EngineLimit, match="digits = 20000 is more than 9830; ask for fewer"):
+        vo.closed_form(system).enclose(1, 20000)
