@@ -245,3 +245,10 @@ def test_places_where_the_vector_in_the_plane_nearly_vanishes(name, small):
     assert 0.1 < form.constants["H"] / float(small) < 10
     for t in (0.3 * form.period, -1.7 * form.period, 1e6):
         assert max(off_from_enclosures(form, t, False).values()) < 1e-13
+
+
+def test_doubles_at_a_start_next_to_a_pole_are_those_of_the_start(ball):
+    start = {**START, "u": sp.pi - R(1, 10**20)}
+    found = vo.closed_form(ball, parameters={"C": PROLATE}, initial=start).at([0])
+    for name, value in start.items():
+        assert found[name][0] == pytest.approx(float(value), abs=1e-12), name

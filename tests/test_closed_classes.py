@@ -61,6 +61,16 @@ def test_a_cusp_is_told_from_a_round_turn_and_from_a_tiny_loop(
     assert labels(found)[0] == expected
 
 
+@pytest.mark.parametrize("power", [3, 12, 40])
+def test_a_momentum_that_all_but_vanishes_is_an_axis_all_the_same(ball: Any, power: int) -> None:
+    spin = {"s": 3 * R(4, 5) / R(7, 5) + R(1, 10**power), "n": -3 * R(3, 5) / R(2, 5)}
+    found = classify(motion(ball, u=THREE_FIFTHS, **spin))[SPHERE]
+    assert found.label == "B"
+    # the limit: a nutation of the precession whose momentum vanishes
+    assert found.lower == pytest.approx(0, abs=1e-15)
+    assert found.upper == pytest.approx(0.306191369606, abs=10.0 ** (1 - power) + 1e-12)
+
+
 def test_cusps_on_both_parallels_ask_for_no_axial_momentum(ball: Any) -> None:
     spin = -R(9, 2) * R(3, 5) / R(2, 5)
     found = classify(motion(ball, u=THREE_FIFTHS, n=spin))

@@ -187,3 +187,40 @@ def test_an_angle_that_sympy_writes_with_a_logarithm_is_that_angle():
 def test_velocities_of_coordinates_at_a_pole_are_refused_in_a_line(system):
     with pytest.raises(vo.EngineLimit, match="do not tell the start to many digits at a pole"):
         vo.closed_form(system, initial={"u": 1, "vdot": 0.3, "n": 1})
+
+
+def test_a_start_next_to_a_pole_stays_on_its_side(system):
+    start = {"u": math.pi, "theta": R(1, 2), "u1": 1, "s": R(1, 5), "tau": R(1, 3), "n": R(3, 2)}
+    found = vo.closed_form(system, initial=start).at([0, 0.3])
+    assert found["u"][1] < math.pi  # math.pi is less than pi by 1.2e-16, lost in a quotient by pi
+    assert found["s"][0] == pytest.approx(0.2, abs=1e-12)
+
+
+def test_both_names_of_a_start_next_to_a_pole_in_space_are_one_motion(system):
+    beside = R(1, 10**20)
+    start = {"u": 1, "theta": R(1, 2), "s": R(1, 5), "tau": R(1, 3), "n": R(3, 2)}
+    near = vo.closed_form(system, initial={**start, "u1": sp.pi - beside})
+    beyond = {"u1": sp.pi + beside, "v1": sp.pi, "theta": R(1, 2) + sp.pi}
+    far = vo.closed_form(system, initial={**start, **beyond})
+    first, second = near.at([0.3]), far.at([0.3])
+    assert first["u1"][0] + second["u1"][0] == pytest.approx(2 * math.pi, abs=1e-12)
+    for name in ("v1", "theta"):
+        assert second[name][0] - first[name][0] == pytest.approx(math.pi, abs=1e-12)
+        for form, whole in ((near, first), (far, second)):
+            off = whole[name][0] - form.modulo([0.3])[name][0]
+            assert math.remainder(off, 2 * math.pi) == pytest.approx(0, abs=1e-12)
+
+
+@pytest.mark.parametrize("power", [40, 80])
+def test_doubles_of_a_start_at_a_pole_but_for_very_little(system, power):
+    start = {"u": R(1, 10**power), "theta": R(1, 2), "u1": 1, "s": R(1, 5), "tau": R(1, 3)}
+    form = vo.closed_form(system, initial=start)
+    assert meets(form, 0)
+    assert meets(form, 0.3)
+
+
+def test_what_cannot_be_had_is_refused_in_words_of_its_own(system):
+    with pytest.raises(vo.DefinitionError, match="initial value 'u1' = u is not a real number"):
+        vo.closed_form(system, initial={"u": 1, "u1": sp.Symbol("u")})
+    with pytest.raises(vo.EngineLimit, match="digits = 20000 is more than 9830; ask for fewer"):
+        vo.closed_form(system).enclose(1, 20000)

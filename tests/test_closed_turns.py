@@ -288,3 +288,9 @@ def test_sums_of_floors_are_exact_and_doubts_are_found():
         assert certain_floor_sum(10**15, open_at, step) is None
         assert first_doubt(10**15, open_at, step) == 5
         assert first_doubt(-10, 3 + 5 * step, step) == -5
+
+
+def test_a_pole_of_the_ball_takes_the_turns_of_the_third_angle_too(ball):
+    start = {"u": 1, "u1": 1, "theta": 0.5, "tau": 0.5}  # K is horizontal
+    run = vo.integrate(ball, times=[0, 9], parameters={"k": 0}, initial=start, method="closed-form")
+    assert run.notes[0].startswith("v and theta have no number of whole turns beyond t = 3,")

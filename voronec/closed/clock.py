@@ -178,7 +178,8 @@ class Clock:
         self, times: np.ndarray, guess: np.ndarray, low: np.ndarray, high: np.ndarray
     ) -> np.ndarray:
         """tau by Newton's method, kept between bounds that close in."""
-        taus, left = guess.copy(), np.arange(len(times))
+        # at a start next to a pole, where an angle turns at once, only 0 itself will do for 0
+        taus, left = np.where(times == 0.0, 0.0, guess), np.flatnonzero(times)
         least = 2.0**-20 / float(self.form.solution.constants(FINE).scale)
         for _ in range(ROUNDS):
             if not left.size:

@@ -13,7 +13,6 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
 import sympy as sp
 
 from voronec.algebra.memo import Memo
@@ -169,10 +168,7 @@ class InvertedMotion:
         turned = self.attitude is not None and not self.attitude.upright
         if turned and self.attitude is not None and trace in self.attitude.coordinates:
             return 1, 0
-        with precise(GENERIC):
-            halves = self.problem.exact(trace)(GENERIC) / ball(1).pi()
-            whole = int(np.floor(float(halves)))
-        return (1, whole // 2) if whole % 2 == 0 else (-1, (whole + 1) // 2)
+        return self.problem.branch(trace)
 
     @cached_property
     def wheels(self) -> bool:

@@ -30,6 +30,7 @@ from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 __all__ = [
     "InversionProblem",
     "known_parameters",
+    "nearest_whole",
     "number",
     "quadratures_of",
     "read_parameters",
@@ -124,6 +125,17 @@ LADDER = (64, 192, 512, 1000)
 """Bits at which a sign is looked for; where the last still leaves it open, algebra decides."""
 BEYOND = (4000, 16000)
 """And where algebra proves nothing, or that the number is not zero, however small."""
+
+
+def nearest_whole(at: Callable[[int], Any]) -> int:
+    """The whole number nearest to a number that a function of bits gives as a ball, and that lies
+    within a quarter of it; ``EngineLimit`` where no bits tell."""
+    for bits in (*LADDER, *BEYOND):
+        with precise(bits):
+            found = (at(bits) + ball(0.5)).floor()
+        if found.is_exact():
+            return int(found.unique_fmpz())
+    raise EngineLimit("whole turns at the start cannot be told; give initial data exactly")
 
 
 @dataclass(frozen=True, eq=False)
@@ -346,6 +358,12 @@ class InversionProblem:
 
     def _weight(self, value: Any, i: int) -> Any:
         return ball(0) if self._is_zero(value, self.prepared.poles[i][1]) else value
+
+    def branch(self, colatitude: Any) -> tuple[int, int]:
+        """(sign, turns) of a colatitude that starts at no pole: sign (0..pi) + 2 pi turns."""
+        side = self.sign(sp.sin(colatitude))  # a double may round it onto a pole
+        value = self.exact(colatitude)
+        return side, nearest_whole(lambda bits: (value(bits) / ball(1).pi() - ball(side) / 2) / 2)
 
     def check(self) -> None:
         """Raise ``DefinitionError`` for a start or parameters at which the motion is singular."""

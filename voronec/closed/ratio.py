@@ -107,7 +107,7 @@ def _ratios(own: CompiledMotion) -> Sequence[Ratio]:
 BITS = FIRST
 """Bits that a number must have before it is rounded to a double."""
 MOST = 1 << 13
-NOTHING = 2.0**-400
+NOTHING = 2.0**-1000
 """A number below this is none for doubles."""
 
 Bernstein = tuple[float, ...]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import sympy as sp
@@ -21,7 +21,7 @@ from voronec.algebra.symbols import velocity
 from voronec.algebra.verdicts import prove_equal
 from voronec.closed.arithmetic import Function, ball, compile_expressions, precise
 from voronec.closed.compiled_motion import CompiledMotion
-from voronec.closed.problem import InversionProblem
+from voronec.closed.problem import InversionProblem, nearest_whole
 from voronec.declaration.quadratures import Space
 from voronec.errors import DefinitionError, EngineLimit
 
@@ -194,19 +194,20 @@ class Attitude:
     @cached_property
     def branches(self) -> list[tuple[int, int]]:
         """(sign, half turns) of each coordinate: value = sign (value read off) + turns pi."""
-        with precise(FIRST):
-            read = self.machines[1](self.start(FIRST)[0])
-            given = self.problem.start_by_symbol(FIRST)
-            pi = ball(1).pi()
-            found = []
-            colatitudes = {t.colatitude for t in self.problem.prepared.motion.traces}
-            for q, e in zip(self.coordinates, read, strict=True):
-                apart = (given[q] - e) / pi
-                side = 1
-                if q in colatitudes and not apart.contains_integer():
-                    side, apart = -1, (given[q] + e) / pi
-                found.append((side, round(float(apart))))
-            return found
+        colatitudes = {t.colatitude for t in self.problem.prepared.motion.traces}
+
+        def halves(bits: int, i: int, q: Any) -> Any:
+            read = self.machines[1](self.start(bits)[0])[i]
+            return (self.problem.start_by_symbol(bits)[q] - read) / ball(1).pi()
+
+        found = []
+        for i, q in enumerate(self.coordinates):
+            if q in colatitudes:
+                side, turns = self.problem.branch(q)
+                found.append((side, 2 * turns))
+            else:
+                found.append((1, nearest_whole(partial(halves, i=i, q=q))))
+        return found
 
     def spin(self, bits: int) -> list[Any]:
         """Angular velocity of the frame along itself (3) at the start: E^T dE/dt."""

@@ -437,11 +437,14 @@ def passed_poles(form: InvertedMotion, times: np.ndarray) -> dict[float, tuple[A
     own, constants = form.attitude, form.solution.constants(FIRST)
     elsewhere = () if own is None or own.upright else own.coordinates
     early, late = min(0.0, float(times.min())), max(0.0, float(times.max()))
+    longitudes = {t.longitude for t in form.quadratures.traces}
     found: dict[float, tuple[Any, ...]] = {}
     for one in constants.phases:
         met = _met_between(constants, one.side, early, late) if one.alpha.is_zero() else None
-        pairs = zip(form.quadratures.angles, one.shares, strict=False)
-        names = tuple(q for q, share in pairs if share != 0 and q not in elsewhere)
+        turned = [q for q, w in zip(form.quadratures.angles, one.shares, strict=False) if w != 0]
+        # a pole about the constant vector is none in space, where a pole of the body is one, too
+        upright_only = bool({*turned} & {*elsewhere} & longitudes)
+        names = tuple(q for q in turned if not (upright_only and q in elsewhere))
         if met is not None and names:
             found[met] = names
     return found

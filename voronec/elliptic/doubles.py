@@ -506,7 +506,8 @@ def _tanh(z: np.ndarray) -> Arrays:
 LATEST = 40
 """Half periods may be counted up to two to this power."""
 SHARP = 110
-"""A moment is kept to two to minus this power of a half period."""
+"""A moment is kept to two to minus this power of a half period, or of the time to the turning point
+that is nearest to the start where that is less: near a pole an angle may turn as fast."""
 
 
 @dataclass(frozen=True)
@@ -542,8 +543,9 @@ class QuarticReduction:
                 "enclose that time instead"
             )
         bits = 52 - number
-        count = 1 + math.ceil((number + SHARP - 53) / bits)
         top = _top(half)
+        deep = 0 if turn.is_zero() else max(0, top - _top(turn))
+        count = 1 + math.ceil((number + SHARP + deep - 53) / bits)
         return cls(inverse, parts(half, bits, count, top), parts(turn, bits, count, top), bits)
 
     def apply(

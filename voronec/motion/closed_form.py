@@ -124,11 +124,12 @@ def _form(system: System, given: Mapping[str, Any], initial: Mapping[str, Any]) 
                 f"parameters={{'{name}': ...}}"
             )
         values[parameter.symbol] = value
+    own = dict(values)
     known: dict[Any, Any] = {}
     for q in (*system.coordinates, *system.velocities):
         value = initial.get(plain_name(q), 0)
         if isinstance(value, sp.Expr) and value.free_symbols:
-            known = known or {s: exact(x) for s, x in values.items()}
+            known = known or {s: exact(x) for s, x in own.items()}
             value = value.xreplace(known)
         if not isinstance(value, int | float):
             number(value, f"system '{system.name}': initial value '{plain_name(q)}'")

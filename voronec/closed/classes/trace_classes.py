@@ -86,6 +86,7 @@ LABELS = ("A", "B", "C1", "C2", "D1", "D2", "D3", "E1", "E2")
 REVERSALS = ("A", "B", "C")
 BITS = (FIRST, GENERIC, SHARP)
 """Bits at which the sign of a drift is looked for."""
+SHARPNESS = 2.0**-53
 
 
 @dataclass(frozen=True)
@@ -143,10 +144,8 @@ def classify(closed: InvertedMotion) -> dict[str, TraceClass]:
 
 
 def _classify(closed: InvertedMotion, curve: Curve, counts: Tally) -> TraceClass:
-    offset, slope = (float(closed.exact(c)(BITS[0])) for c in curve.cosine)
-    ends = zip(counts.ends, counts.poles, strict=True)
-    lower, upper = sorted(float(pole) or offset + slope * e for e, pole in ends)
-    turns = sorted(offset + slope * place for place, times in counts.inner if times % 2)
+    lower, upper = sorted(counts.ends)
+    turns = sorted(cosine for cosine, times in counts.inner if times % 2)
     name = plain_name(curve.trace.longitude)
     turn = None if counts.at_rest else turns_of(closed).get(name)
     return TraceClass(
@@ -249,9 +248,9 @@ class Tally:
         x stays where it is; the cosine does not depend on x; phi vanishes, at x where that is at
         rest, identically otherwise.
     inner
-        (place, multiplicity) of the roots of phi strictly between the ends.
+        (cosine, multiplicity) of the roots of phi strictly between the ends.
     ends
-        places of the ends.
+        cosines at the ends.
     contacts
         whether phi vanishes at the end.
     poles
@@ -275,8 +274,9 @@ class Tally:
 
 def tally(problem: InversionProblem, curve: Curve) -> Tally | None:
     """The counts of a trace; None where its cosine has no value on this level."""
-    if not all(problem.exact(c)(FIRST).is_finite() for c in curve.cosine):
-        return None
+    for c in curve.cosine:
+        if not problem.exact(c)(FIRST).is_finite() and problem.sign(sp.denom(sp.together(c))) == 0:
+            return None
     search = _RootSearch(problem, curve)
     if problem.rests:
         return search.at_rest()
@@ -304,13 +304,15 @@ class _RootSearch:
 
     def at_rest(self) -> Tally:
         """x is a multiple root of f and stays there."""
+        from voronec.elliptic.roots import resolve
+
         motion = self.problem.prepared.motion
         x, (offset, slope) = motion.meaning, self.curve.cosine
         cosine = offset + slope * x
         pole = next((s for s in (1, -1) if self.problem.sign(cosine - s) == 0), 0)
         still = pole != 0 or self.problem.sign(self.curve.above_at(x)) == 0
-        place = float(self.problem.place(FIRST))
-        return Tally(at_rest=True, still=still, ends=(place, place), poles=(pole, pole),
+        end = float(pole) or resolve(lambda bits: _sharp(self._values([cosine], bits)[0]), FIRST)
+        return Tally(at_rest=True, still=still, ends=(end, end), poles=(pole, pole),
                      tilt=self.problem.sign(slope) or 1)  # fmt: skip
 
     def between(self) -> Tally:
@@ -326,16 +328,20 @@ class _RootSearch:
             others = [r.value for r in ends.roots if r not in pair and r.real]
             at = self._roots(bits)
             poles = tuple(self._pole(e.value, others, bits) if tilt else 0 for e in pair)
+            first, rise = self._values(self.curve.cosine, bits)
             inner, met = [], [False, False]
             for root, times in at:
                 where = self._where(root, [e.value for e in pair], others, at, bits)
                 if where == "inside":
-                    inner.append((float(root), times))
+                    inner.append((_sharp(first + rise * root), times))
                 elif where in (0, 1):
                     met[int(where)] = True
+            low, high = (
+                float(p) or _sharp(first + rise * e.value) for p, e in zip(poles, pair, strict=True)
+            )
             return Tally(
                 flat=tilt == 0, still=not self.phi, inner=tuple(inner),
-                ends=(float(pair[0].value), float(pair[1].value)), contacts=(met[0], met[1]),
+                ends=(low, high), contacts=(met[0], met[1]),
                 poles=(poles[0], poles[1]), limits=(pair[0].times > 1, pair[1].times > 1),
                 tilt=tilt or 1,
             )  # fmt: skip
@@ -422,6 +428,15 @@ class _RootSearch:
                 return side
             raise OpenDecision("an end of the motion may be a pole of the sphere")
         return 0
+
+
+def _sharp(cosine: Any) -> float:
+    """A cosine to the last bits of a double, however large what cancels in it."""
+    from voronec.elliptic.roots import OpenDecision
+
+    if not cosine.rad() < SHARPNESS:
+        raise OpenDecision("a cosine needs more bits")
+    return float(cosine)
 
 
 def remainder(quartic: Sequence[Any], phi: Sequence[Any]) -> tuple[Any, ...]:
