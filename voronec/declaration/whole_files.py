@@ -7,19 +7,21 @@ killed is known, and goes when somebody next writes into the same folder.
 
 from __future__ import annotations
 
-import contextlib
+import json
 import os
 import shutil
 import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from voronec.errors import DefinitionError
 
-__all__ = ["draft", "make_room", "replace_file", "unwritable", "user_cache", "workshop"]
+__all__ = ["Store", "draft", "make_room", "replace_file", "unwritable", "user_cache", "workshop"]
 
 PREFIX = ".voronec-"
 LOCK = "lock"
@@ -59,6 +61,48 @@ def make_room(folder: Path, kept: int) -> None:
                 shutil.rmtree(one, ignore_errors=True)
             else:
                 one.unlink(missing_ok=True)
+
+
+@dataclass(frozen=True)
+class Store:
+    """Results as JSON, in a folder with one subfolder for each digest; of these the newest
+    ``capacity`` stay.
+
+    A file that is missing or broken is no result.
+    """
+
+    folder: Path
+    capacity: int = 200
+
+    @classmethod
+    def of_user(cls, part: str, capacity: int = 200) -> Store:
+        """The folder ``voronec/part`` among the user's caches."""
+        return cls(user_cache(part), capacity)
+
+    def load(self, key: str, name: str) -> Any:
+        """What was kept, or ``None``."""
+        try:
+            return json.loads(self._file(key, name).read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return None
+
+    def save(self, key: str, name: str, value: Any) -> None:
+        """Keep a value, whole or not at all; a folder that cannot be written costs only the
+        time of the next run."""
+        file = self._file(key, name)
+        draft = file.with_suffix(f".{os.getpid()}")
+        try:
+            if not file.parent.exists():
+                make_room(self.folder, self.capacity)
+                file.parent.mkdir(parents=True, exist_ok=True)
+            draft.write_text(json.dumps(value), encoding="utf-8")
+            draft.replace(file)
+        except OSError:
+            with suppress(OSError):
+                draft.unlink()
+
+    def _file(self, key: str, name: str) -> Path:
+        return self.folder / key[:24] / f"{name}.json"
 
 
 @contextmanager
@@ -104,9 +148,9 @@ def replace_file(path: Path, content: str | bytes) -> None:
 
 def _sweep(folder: Path) -> None:
     """Remove the workshops of processes that were killed."""
-    with contextlib.suppress(OSError):
+    with suppress(OSError):
         for old in folder.glob(f"{PREFIX}*"):
-            with contextlib.suppress(OSError):
+            with suppress(OSError):
                 if old.is_dir() and not old.is_symlink() and _is_left(old):
                     shutil.rmtree(old, ignore_errors=True)
 
