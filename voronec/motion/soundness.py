@@ -39,7 +39,7 @@ from voronec.motion.residual_windows import (
     program_rates,
     spread,
 )
-from voronec.motion.state_probe import at_each, usual_size
+from voronec.motion.state_probe import at_each, changes, usual_size
 from voronec.motion.steppers.run import Run, Signals, SmoothSpan, values_along
 from voronec.motion.tolerances import LOOSE, UNIT
 from voronec.motion.trajectory import Trajectory
@@ -373,11 +373,9 @@ class JudgeOfMany:
         extras = compile_program(self.program)[1]
         series = at_each(extras, self.program.names, t, states, each)
         for name, key in self.integrals.items():
-            with np.errstate(invalid="ignore"):  # infinite values do not change
-                change = np.abs(series[key] - series[key][:, :1])
-            size = np.abs(series[key][:, :1])
-            allowed = LOOSE * max(self.tol, UNIT) * FREE * size
-            for i in np.flatnonzero((change > allowed).any(axis=1)):
+            start = series[key][:, :1]
+            allowed = LOOSE * max(self.tol, UNIT) * FREE * np.abs(start)
+            for i in np.flatnonzero((changes(series[key], start) > allowed).any(axis=1)):
                 whole = np.isfinite(states[i]).all(axis=1)
                 breach = self._judge(name, key, t[i][whole], states[i][whole], values[i], steps)
                 if breach is not None:
