@@ -19,6 +19,7 @@ import numpy as np
 import symengine as se
 
 from voronec.algebra.cardinal import cardinal_all
+from voronec.algebra.memo import remember
 from voronec.algebra.numeric_functions import elementary
 from voronec.algebra.verdicts import all_vanish
 from voronec.declaration.claims import right_of
@@ -407,11 +408,9 @@ class JudgeOfMany:
             return Breach(_drift_note(name, MERE_CLAIM, t[row], amount), row, claim=True)
         return Breach(f"the integral '{name}' drifts {amount}", row - 1)
 
+    @remember("_proofs")
     def _is_proved(self, name: str) -> bool:
-        if name not in self._proofs:
-            own = self.equations
-            self._proofs[name] = is_proved(own, own.system.integrals[name])
-        return self._proofs[name]
+        return is_proved(self.equations, self.equations.system.integrals[name])
 
     def _disobedient(
         self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float,
