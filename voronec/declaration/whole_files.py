@@ -21,7 +21,16 @@ from typing import Any
 
 from voronec.errors import DefinitionError
 
-__all__ = ["Store", "draft", "make_room", "replace_file", "unwritable", "user_cache", "workshop"]
+__all__ = [
+    "Store",
+    "draft",
+    "keep_file",
+    "make_room",
+    "replace_file",
+    "unwritable",
+    "user_cache",
+    "workshop",
+]
 
 PREFIX = ".voronec-"
 LOCK = "lock"
@@ -54,13 +63,26 @@ def user_cache(part: str) -> Path:
 def make_room(folder: Path, kept: int) -> None:
     """Forget what was changed longest ago in a folder of caches, so that ``kept`` stay with one
     that is new."""
-    if folder.exists():
+    with suppress(OSError):
         known = sorted(folder.iterdir(), key=lambda one: one.stat().st_mtime)
         for one in known[: max(len(known) + 1 - kept, 0)]:
             if one.is_dir():
                 shutil.rmtree(one, ignore_errors=True)
             else:
                 one.unlink(missing_ok=True)
+
+
+def keep_file(file: Path, content: bytes) -> None:
+    """Write a file of a cache, whole or not at all; where it cannot be written, that costs only the
+    time of the next process."""
+    made = file.with_suffix(f".{os.getpid()}")
+    with suppress(OSError):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            made.write_bytes(content)
+            made.replace(file)
+        except OSError:
+            made.unlink()
 
 
 @dataclass(frozen=True)
@@ -87,19 +109,11 @@ class Store:
             return None
 
     def save(self, key: str, name: str, value: Any) -> None:
-        """Keep a value, whole or not at all; a folder that cannot be written costs only the
-        time of the next run."""
+        """Keep a value."""
         file = self._file(key, name)
-        draft = file.with_suffix(f".{os.getpid()}")
-        try:
-            if not file.parent.exists():
-                make_room(self.folder, self.capacity)
-                file.parent.mkdir(parents=True, exist_ok=True)
-            draft.write_text(json.dumps(value), encoding="utf-8")
-            draft.replace(file)
-        except OSError:
-            with suppress(OSError):
-                draft.unlink()
+        if not file.parent.exists():
+            make_room(self.folder, self.capacity)
+        keep_file(file, json.dumps(value).encode())
 
     def _file(self, key: str, name: str) -> Path:
         return self.folder / key[:24] / f"{name}.json"

@@ -25,7 +25,7 @@ import sympy as sp
 
 from voronec.declaration.source_digest import engine_digest, room_modules
 from voronec.declaration.system import System
-from voronec.declaration.whole_files import make_room, user_cache
+from voronec.declaration.whole_files import keep_file, make_room, user_cache
 
 __all__ = ["Packs"]
 
@@ -92,12 +92,8 @@ class Packs:
         if self._packed.keys() == self._on_disk:
             return
         content = pickle.dumps(self._packed)
-        draft = self._file.with_suffix(f".{os.getpid()}")
-        with suppress(OSError):
-            make_room(self._file.parent, FILES)
-            self._file.parent.mkdir(parents=True, exist_ok=True)
-            draft.write_bytes(sha256(content).hexdigest().encode() + content)
-            draft.replace(self._file)
+        make_room(self._file.parent, FILES)
+        keep_file(self._file, sha256(content).hexdigest().encode() + content)
         self._on_disk = {*self._packed}
 
 
