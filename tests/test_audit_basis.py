@@ -6,6 +6,7 @@ import importlib
 import shutil
 import sys
 from dataclasses import replace
+from importlib import metadata
 
 import pytest
 import sympy as sp
@@ -13,7 +14,7 @@ import sympy as sp
 import voronec as vo
 from voronec.audit import Check, Display, Section, Sentence, Study, Verdict
 from voronec.audit.cache import Basis
-from voronec.proof import verdict_store as sources
+from voronec.declaration import source_digest as sources
 
 pytestmark = pytest.mark.slow
 
@@ -171,11 +172,10 @@ def test_what_a_file_takes_from_the_package_matters():
 @pytest.mark.parametrize("library", sources.LIBRARIES)
 def test_the_libraries_matter(monkeypatch, library):
     monkeypatch.setattr(sources, "platform_text", sources.platform_text.__wrapped__)
-    digest = sources.engine_digest.__wrapped__
-    before = digest(frozenset())
-    known = sources.version
-    monkeypatch.setattr(sources, "version", lambda n: "none" if n == library else known(n))
-    assert digest(frozenset()) != before
+    before = sources.digest("", [], "voronec.errors")
+    known = metadata.version
+    monkeypatch.setattr(metadata, "version", lambda n: "none" if n == library else known(n))
+    assert sources.digest("", [], "voronec.errors") != before
 
 
 def test_the_engine_is_this_package():

@@ -18,12 +18,12 @@ from plugins import register
 from signals import hears_ctrl_c
 
 from voronec.cli.check import shorten_square
-from voronec.proof import verdict_store as sources
+from voronec.declaration import source_digest as sources
+from voronec.declaration.whole_files import Store
 from voronec.proof.check import Inventory, check_catalogue
 from voronec.proof.check.record import Finding, Report, Result
 from voronec.proof.check.run import Worker
 from voronec.proof.check.unit import units_of
-from voronec.proof.verdict_store import Store
 
 pytestmark = pytest.mark.slow
 

@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.motion import batches, integration
+from voronec.motion import batches, one_by_one
 
 pytestmark = pytest.mark.slow
 
@@ -364,14 +364,14 @@ def test_starts_that_nobody_came_to_did_nothing_wrong(monkeypatch):
     """Those at a pole of the angles go alone: stopped by hand before the second, or before the
     first, the others are not told to be undefined there."""
     starts = {"theta": np.zeros(3), "omega1": np.array([0.1, 0.2, 0.3]), "omega3": np.ones(3)}
-    alone, stops = integration.integrate, iter([False, True, True])
+    alone, stops = one_by_one.integrate, iter([False, True, True])
 
     def stopped(*arguments, **options):
         if next(stops):
             raise KeyboardInterrupt
         return alone(*arguments, **options)
 
-    monkeypatch.setattr(integration, "integrate", stopped)
+    monkeypatch.setattr(one_by_one, "integrate", stopped)
     ball = vo.load("chaplygin-ball")
     for done in ([True, False, False], [False, False, False]):
         found = vo.ensemble(ball, starts, times=[0, 1], outputs=("phi",))

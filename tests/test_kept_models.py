@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import voronec as vo
+from voronec.declaration import source_digest
 from voronec.motion.model import packs, smallest
 from voronec.motion.steppers import heyoka_stepper
 
@@ -103,29 +104,29 @@ def test_a_damaged_model_is_named_once_and_replaced(shelf, no_levels) -> None:
 
 def test_what_another_version_kept_is_ignored(shelf, no_levels, monkeypatch) -> None:
     motion("sleigh", ("phi",), {})
-    monkeypatch.setattr(packs, "engine_digest", lambda: "another engine")
+    monkeypatch.setattr(packs, "engine_digest", lambda modules: "another engine")
     no_levels()
     with pytest.raises(AssertionError, match="derived"):
         motion("sleigh", ("phi",), {})
 
 
-def test_models_rest_on_the_rooms_that_theirs_imports(tmp_path, monkeypatch) -> None:
+def test_models_rest_on_their_room_and_on_what_it_imports(tmp_path, monkeypatch) -> None:
     texts = {
         "motion/model/packs.py": "from voronec.below.one import a",
         "below/one.py": "def a():\n    from voronec.lowest import b",
         "lowest.py": "b = 1",
         "aside/two.py": "from voronec.motion.model import packs",
     }
-    for name, text in texts.items():
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text(text)
-    monkeypatch.setattr(packs, "__file__", str(tmp_path / "motion/model/packs.py"))
-    digest = packs.engine_digest.__wrapped__
-    known = digest()
-    for name, rests in zip(texts, (True, True, True, False), strict=True):
-        (tmp_path / name).write_text(f"{texts[name]}\nc = 2")
-        assert (digest() != known) == rests
-        (tmp_path / name).write_text(texts[name])
+
+    def digest(changed: str) -> str:
+        root = tmp_path / f"{len([*tmp_path.iterdir()])}"  # what a folder holds is remembered
+        for name, text in texts.items():
+            (root / name).parent.mkdir(parents=True, exist_ok=True)
+            (root / name).write_text(text + "\nc = 2" * (name == changed))
+        monkeypatch.setattr(source_digest, "engine_folder", lambda: root)
+        return source_digest.engine_digest.__wrapped__(source_digest.room_modules("motion"))
+
+    assert [digest(name) != digest("") for name in texts] == [True, True, True, False]
 
 
 def test_another_system_of_the_same_name_has_a_model_of_its_own(shelf, no_levels) -> None:

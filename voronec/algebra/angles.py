@@ -13,6 +13,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.graphs import rebuild
+from voronec.algebra.memo import remember
 from voronec.algebra.normal import canonical
 from voronec.algebra.terms import atoms, summands
 
@@ -43,17 +44,12 @@ class Angles:
         for f in self.positive:
             self._roots[self._normal(f**2)] = f
 
+    @remember("_known")
     def resolve(self, expr: Any) -> Any:
         """The expression without sines and cosines of atan2, with its radicands in normal form.
 
         An atan2 outside of a sine or cosine stays.
         """
-        found = self._known.get(expr)
-        if found is None:
-            found = self._known[expr] = self._rebuilt(expr)
-        return found
-
-    def _rebuilt(self, expr: Any) -> Any:
         if not expr.args:
             return expr
         if isinstance(expr, se.sin | se.cos) and expr.atoms(se.atan2):

@@ -19,6 +19,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.terms import (
+    Rewriter,
     factors_of,
     is_exponential,
     subexpressions,
@@ -42,24 +43,19 @@ def bound_exponentials(expr: Any) -> Any:
 
 def bound_all_exponentials(exprs: Iterable[Any]) -> list[Any]:
     """``bound_exponentials`` of several expressions; what they share is looked at once."""
-    known: dict[Any, Any] = {}
     given = [se.sympify(e) for e in exprs]
-    return [_rewrite(e, known) for e in given] if holds_exponentials(*given) else given
+    return [*map(Rewriter(_rewrite), given)] if holds_exponentials(*given) else given
 
 
-def _rewrite(expr: Any, known: dict[Any, Any]) -> Any:
+def _rewrite(expr: Any, inner: Rewriter) -> Any:
     if not expr.args:
         return expr
-    found = known.get(expr)
-    if found is None:
-        whole = _quotient(expr) if isinstance(expr, (se.Mul, se.Pow)) else None
-        if whole is None:
-            # a quotient that is not bounded stays whole: exp(2 w)/(1 + exp(w)) would lose digits
-            kept = _below(expr.args) if isinstance(expr, se.Mul) else []
-            args = [a if a in kept else _rewrite(a, known) for a in expr.args]
-            whole = with_arguments(expr, args)
-        found = known[expr] = whole
-    return found
+    whole = _quotient(expr) if isinstance(expr, (se.Mul, se.Pow)) else None
+    if whole is not None:
+        return whole
+    # a quotient that is not bounded stays whole: exp(2 w)/(1 + exp(w)) would lose digits
+    kept = _below(expr.args) if isinstance(expr, se.Mul) else []
+    return with_arguments(expr, [a if a in kept else inner(a) for a in expr.args])
 
 
 def exponential_sum(expr: Any) -> tuple[Any, dict[int, Any]] | None:

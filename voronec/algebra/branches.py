@@ -21,6 +21,7 @@ import symengine as se
 
 from voronec.algebra.factors import irreducible_factors, write_polynomial
 from voronec.algebra.groebner import groebner_basis, reduce_by
+from voronec.algebra.memo import remember
 from voronec.algebra.ring import Ring
 from voronec.algebra.simple_zeros import compose_on_section, has_simple_zeros
 from voronec.algebra.terms import rational
@@ -346,13 +347,8 @@ class _Side:
     inside: dict[Any, Any] = field(default_factory=dict)
     _known: dict[Any, Any] = field(default_factory=dict)
 
+    @remember("_known")
     def __call__(self, expr: Any) -> Any:
-        found = self._known.get(expr)
-        if found is None:
-            found = self._known[expr] = self._write(expr)
-        return found
-
-    def _write(self, expr: Any) -> Any:
         if not expr.free_symbols & self.branches.moving or not expr.args:
             return expr
         args = [self(a) for a in expr.args]

@@ -41,6 +41,7 @@ from voronec.algebra.numeric_functions import (
     TANH_SHORTFALL,
 )
 from voronec.algebra.terms import (
+    Rewriter,
     expand_short,
     factors_of,
     is_exponential,
@@ -124,8 +125,7 @@ def cardinal_all(exprs: Iterable[Any]) -> list[Any]:
         inverse = inverse or (isinstance(node, se.Mul) and _divides(node))
     sums = {a for a in arguments if isinstance(a, se.Add)}
     vanish = inverse or below & arguments or any(_ratio(a, b) for a in sums for b in below)
-    known: dict[Any, Any] = {}
-    return [_rewrite(e, known) for e in given] if vanish else given
+    return [*map(Rewriter(_rewrite), given)] if vanish else given
 
 
 _KINDS = (se.sin, se.cos, se.tan, se.sinh, se.cosh, se.tanh, se.coth, se.cot, se.atan)
@@ -184,20 +184,14 @@ def _ratio(one: Any, other: Any) -> Any | None:
     return None
 
 
-def _rewrite(expr: Any, known: dict[Any, Any]) -> Any:
+def _rewrite(expr: Any, inner: Rewriter) -> Any:
     if not expr.args or isinstance(expr, (se.Derivative, se.Subs)):
         return expr
-    found = known.get(expr)
-    if found is None:
-        whole = expr
-        if isinstance(expr, se.Mul):
-            whole = _quotient(se.Mul(*map(_slopes_within, expr.args)))
-        elif isinstance(expr, se.Add) and (sloped := _with_slopes(expr)) != expr:
-            known[expr] = _rewrite(sloped, known)
-            return known[expr]
-        args = [_rewrite(a, known) for a in whole.args]
-        found = known[expr] = with_arguments(whole, args)
-    return found
+    if isinstance(expr, se.Mul):
+        expr = _quotient(se.Mul(*map(_slopes_within, expr.args)))
+    elif isinstance(expr, se.Add) and (sloped := _with_slopes(expr)) != expr:
+        return inner(sloped)
+    return with_arguments(expr, [*map(inner, expr.args)])
 
 
 def _slopes_within(factor: Any) -> Any:

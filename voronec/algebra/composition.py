@@ -31,6 +31,7 @@ from voronec.algebra.factors import fraction_factors
 from voronec.algebra.field import WORK_LIMIT
 from voronec.algebra.generators import TRIGONOMETRIC, linear_terms, prime_factors
 from voronec.algebra.graphs import is_atom, nodes
+from voronec.algebra.memo import remember
 from voronec.algebra.normal import canonical
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import SHARP
@@ -220,14 +221,9 @@ class Composition:
         self._whole = _whole(hypotheses)
         self._known: dict[Any, Any] = {}
 
+    @remember("_known")
     def resolve(self, expr: Any) -> Any:
         """The expression with every function in it in one form."""
-        found = self._known.get(expr)
-        if found is None:
-            found = self._known[expr] = self._rebuilt(expr)
-        return found
-
-    def _rebuilt(self, expr: Any) -> Any:
         if not expr.args or is_atom(expr):
             return expr
         if isinstance(expr, se.Pow):
@@ -559,14 +555,10 @@ class Congruence:
                 self._keep(part, part, part)
         return [self._rewrite(e) for e in exprs]
 
+    @remember("_known")
     def _rewrite(self, expr: Any) -> Any:
         if not expr.args or is_atom(expr):
             return expr
-        if expr not in self._known:
-            self._known[expr] = self._function(expr)
-        return self._known[expr]
-
-    def _function(self, expr: Any) -> Any:
         if isinstance(expr, TRIGONOMETRIC):
             return expr.func(self._sum(expr.args[0]))
         if isinstance(expr, se.Pow) and expr.args[0] == se.E:

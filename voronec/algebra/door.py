@@ -25,6 +25,7 @@ from sympy.core.function import AppliedUndef
 from sympy.logic.boolalg import BooleanFunction
 
 from voronec.algebra.graphs import derivative_at, nodes
+from voronec.algebra.memo import remember
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.algebra.terms import factors_of
 from voronec.algebra.text import as_expression, quote
@@ -112,13 +113,8 @@ class Door:
         """``inward`` for each of several expressions."""
         return [self.inward(expr) for expr in exprs]
 
-    def _enter(self, expr: sp.Basic) -> Any:
-        done = self._inward.get(expr)
-        if done is None:
-            done = self._inward[expr] = self._translate(expr)
-        return done
-
-    def _translate(self, expr: Any) -> Any:
+    @remember("_inward")
+    def _enter(self, expr: Any) -> Any:
         """One node of an expression in symengine, its arguments brought in before it."""
         if isinstance(expr, sp.Symbol):
             return self.admit(expr)
@@ -245,13 +241,8 @@ class Door:
         entries = [self.outward(entry) for row in rows for entry in row]
         return sp.ImmutableMatrix(len(rows), len(rows[0]) if rows else 0, entries)
 
+    @remember("_outward")
     def _leave(self, expr: Any) -> Any:
-        done = self._outward.get(expr)
-        if done is None:
-            done = self._outward[expr] = self._translate_back(expr)
-        return done
-
-    def _translate_back(self, expr: Any) -> Any:
         if not expr.args:
             if isinstance(expr, se.Symbol):
                 return sp.Symbol(expr.name)

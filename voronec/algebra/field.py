@@ -15,6 +15,7 @@ import flint
 
 from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.groebner import groebner_basis, reduce_by
+from voronec.algebra.memo import remember
 from voronec.errors import EngineLimit
 
 __all__ = ["WORK_LIMIT", "Field", "Fraction"]
@@ -237,33 +238,29 @@ class Field:
             self._norms[i] = unit, keys
         return self._norms[i]
 
+    @remember("_conjugates")
     def _conjugate(self, i: int) -> tuple[Any, Any]:
         """conj and norm = d*conj of a denominator d; no conj where d holds no square root.
 
         Nor where the norm vanishes: then a radicand is a square, as in 1/(sqrt(x**2) + x).
         """
-        if i not in self._conjugates:
-            norm, conjugate = self._factors[i], self.one
-            for generator, degree, _ in self.rules:
-                if degree == 2 and norm != 0 and norm.degrees()[generator]:
-                    mirrored = norm.compose(
-                        *[-g if k == generator else g for k, g in enumerate(self.gens)]
-                    )
-                    conjugate = self.product(conjugate, mirrored)
-                    norm = self.product(norm, mirrored)
-            useless = conjugate == 1 or norm == 0
-            self._conjugates[i] = (None if useless else conjugate, norm)
-        return self._conjugates[i]
+        norm, conjugate = self._factors[i], self.one
+        for generator, degree, _ in self.rules:
+            if degree == 2 and norm != 0 and norm.degrees()[generator]:
+                turned = [-g if k == generator else g for k, g in enumerate(self.gens)]
+                mirrored = norm.compose(*turned)
+                conjugate = self.product(conjugate, mirrored)
+                norm = self.product(norm, mirrored)
+        return None if conjugate == 1 or norm == 0 else conjugate, norm
 
+    @remember("_local")
     def _localization(self, i: int) -> list[Any]:
         """A Groebner basis of the ideal with t*d - 1 for a denominator d; empty if too large."""
-        if i not in self._local:
-            extra = self.gens[0] * self._factors[i] - 1
-            try:
-                self._local[i] = groebner_basis([*self.ideal, extra], self.context)
-            except EngineLimit:
-                self._local[i] = []
-        return self._local[i]
+        extra = self.gens[0] * self._factors[i] - 1
+        try:
+            return groebner_basis([*self.ideal, extra], self.context)
+        except EngineLimit:
+            return []
 
     def mul(self, factors: Sequence[Fraction]) -> Fraction:
         """The product of fractions."""

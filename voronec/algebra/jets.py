@@ -15,6 +15,7 @@ import flint
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.memo import remember
 from voronec.algebra.numeric_functions import elementary
 from voronec.algebra.text import as_expression
 from voronec.errors import EngineLimit
@@ -49,14 +50,9 @@ class Expansion:
         """A vector field by its components along the variables."""
         return FieldJet(tuple(tuple(self.of(se.sympify(e))) for e in components))
 
+    @remember("_known")
     def of(self, expr: Any) -> Parts:
         """The parts of an expression, of order 0, 1, ..."""
-        found = self._known.get(expr)
-        if found is None:
-            found = self._known[expr] = self._expand(expr)
-        return found
-
-    def _expand(self, expr: Any) -> Parts:
         if expr in self._steps:
             return [self._constant(self._value(expr)), self._steps[expr], *self._blank(2)]
         if not expr.free_symbols & self._steps.keys():

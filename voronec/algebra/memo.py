@@ -1,13 +1,18 @@
-"""What is computed of a value once: the value holds it, and it is forgotten with the value."""
+"""What is computed of a value once: an object holds it, and it is forgotten with the object."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable
+from functools import wraps
+from operator import attrgetter
 from typing import Any, TypeVar
 
-__all__ = ["Memo"]
+__all__ = ["Memo", "remember"]
 
 T = TypeVar("T")
+Owner = TypeVar("Owner")
+Key = TypeVar("Key")
+NOTHING: Any = object()
 
 
 class Memo:
@@ -29,3 +34,22 @@ class Memo:
 
     def __reduce__(self) -> Any:
         return Memo, ()
+
+
+def remember(place: str) -> Callable[[Callable[[Owner, Key], T]], Callable[[Owner, Key], T]]:
+    """For methods of one argument: each is worked on once, and what is found kept in a dictionary
+    that the object has, its attribute ``place``."""
+    dictionary = attrgetter(place)
+
+    def decorate(method: Callable[[Owner, Key], T]) -> Callable[[Owner, Key], T]:
+        @wraps(method)
+        def find(owner: Owner, key: Key) -> T:
+            known: dict[Key, T] = dictionary(owner)
+            found: T = known.get(key, NOTHING)
+            if found is NOTHING:
+                found = known[key] = method(owner, key)
+            return found
+
+        return find
+
+    return decorate

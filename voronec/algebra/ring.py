@@ -27,6 +27,7 @@ from voronec.algebra.generators import (
 )
 from voronec.algebra.graphs import is_flat
 from voronec.algebra.groebner import groebner_basis
+from voronec.algebra.memo import remember
 from voronec.algebra.terms import is_exponential, summands
 from voronec.errors import DefinitionError, EngineLimit
 
@@ -159,13 +160,8 @@ class Ring:
         """The element that a symengine expression stands for."""
         return self._element(self._read(expr))
 
+    @remember("_memo")
     def _element(self, expr: Any) -> Fraction:
-        known = self._memo.get(expr)
-        if known is None:
-            known = self._memo[expr] = self._convert(expr)
-        return known
-
-    def _convert(self, expr: Any) -> Fraction:
         if expr in self._plain:
             return Fraction(self.field.reduce(self._gen(expr)))
         if expr == se.E:

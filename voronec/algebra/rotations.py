@@ -22,6 +22,7 @@ import flint
 import symengine as se
 
 from voronec.algebra.generators import linear_terms
+from voronec.algebra.memo import remember
 from voronec.algebra.ring import Ring, sparse_terms
 from voronec.algebra.terms import rational
 from voronec.errors import EngineLimit
@@ -49,13 +50,10 @@ class Rotations:
     roots: Mapping[Any, Any] = field(default_factory=dict)
     _known: dict[Any, Any] = field(default_factory=dict)
 
+    @remember("_known")
     def rewrite(self, expr: Any) -> Any:
         """One function in the entries."""
-        if not self._holds(expr):
-            return expr
-        if expr not in self._known:
-            self._known[expr] = self._rational(expr)
-        return self._known[expr]
+        return self._rational(expr) if self._holds(expr) else expr
 
     def _holds(self, expr: Any) -> bool:
         return bool(expr.free_symbols & {self.phi, self.theta, self.psi})

@@ -28,6 +28,7 @@ from voronec.algebra.bounded_exponentials import exponential_sum
 from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.numeric_functions import EXPM1, HYPOT, LOG1P, SIZE, numeric_name
 from voronec.algebra.terms import (
+    Rewriter,
     expand_short,
     factors_of,
     is_exponential,
@@ -47,19 +48,14 @@ _Terms = dict[int, Any]
 
 def stable_all(exprs: Iterable[Any]) -> list[Any]:
     """Equal expressions, as they are computed."""
-    known: dict[Any, Any] = {}
-    return [_stable(e, known) for e in cardinal_all(exprs)]
+    return [*map(Rewriter(_stable), cardinal_all(exprs))]
 
 
-def _stable(expr: Any, known: dict[Any, Any]) -> Any:
+def _stable(expr: Any, inner: Rewriter) -> Any:
     if not expr.args or isinstance(expr, (se.Derivative, se.Subs)):
         return expr
-    found = known.get(expr)
-    if found is None:
-        whole = _write(expr)
-        args = [_stable(a, known) for a in whole.args]
-        found = known[expr] = with_arguments(whole, args)
-    return found
+    whole = _write(expr)
+    return with_arguments(whole, [*map(inner, whole.args)])
 
 
 @lru_cache(2**14)  # programs of one system have their parts in common

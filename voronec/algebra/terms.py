@@ -10,8 +10,8 @@ import symengine as se
 from symengine.lib.symengine_wrapper import Boolean
 
 __all__ = [
-    "atoms", "expand_short", "factors_of", "is_exponential", "rational", "subexpressions",
-    "summands", "with_arguments",
+    "Rewriter", "atoms", "expand_short", "factors_of", "is_exponential", "rational",
+    "rewrite_kinds", "subexpressions", "summands", "with_arguments",
 ]  # fmt: skip
 
 
@@ -88,3 +88,31 @@ def with_arguments(expr: Any, args: list[Any]) -> Any:
     if isinstance(expr, se.Piecewise):  # takes its cases in pairs
         return se.Piecewise(*zip(args[::2], args[1::2], strict=True))
     return expr.func(*args)
+
+
+class Rewriter:
+    """Rewrites expressions from the inside out: a part is what ``change(part, rewriter)`` makes of
+    it, once."""
+
+    def __init__(self, change: Callable[[Any, Rewriter], Any]) -> None:
+        self._change = change
+        self._known: dict[Any, Any] = {}
+
+    def __call__(self, expr: Any) -> Any:
+        """What an expression becomes."""
+        found = self._known.get(expr)
+        if found is None:
+            found = self._known[expr] = self._change(expr, self)
+        return found
+
+
+def rewrite_kinds(expr: Any, kinds: type | tuple[type, ...], change: Callable[[Any], Any]) -> Any:
+    """An expression with every part of some kinds changed, inner ones first."""
+
+    def each(part: Any, inner: Rewriter) -> Any:
+        if not part.args or part.is_Number:
+            return part
+        whole = part.func(*map(inner, part.args))
+        return change(whole) if isinstance(whole, kinds) else whole
+
+    return Rewriter(each)(expr)

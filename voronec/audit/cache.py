@@ -19,7 +19,8 @@ from voronec.audit.display import Check, Display
 from voronec.audit.paper import Section
 from voronec.audit.record import FormulaRecord
 from voronec.audit.sentence import Sentence
-from voronec.proof.verdict_store import Store, closure, digest
+from voronec.declaration.source_digest import closure, digest
+from voronec.declaration.whole_files import Store
 
 __all__ = ["Basis", "Cache"]
 

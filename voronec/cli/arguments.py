@@ -9,9 +9,10 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from functools import partial
 from types import MappingProxyType
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import voronec
 from voronec.equations.printers import PRINTERS
@@ -58,297 +59,220 @@ def command_parser() -> argparse.ArgumentParser:
     """The parser of ``voronec``; ``module`` is where the chosen command lives."""
     parser = _OneLineParser(
         prog="voronec", description=SUMMARY, epilog=EXITS, allow_abbrev=False,
-        formatter_class=_formatter,
+        formatter_class=partial(argparse.HelpFormatter, max_help_position=16),
     )  # fmt: skip
     parser.add_argument("--version", action="version", version=f"voronec {voronec.__version__}")
     parser.set_defaults(module=None)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
-    for add in (
-        _list, _show, _derive, _explain, _methods, _judge, _regenerate, _run, _view, _check,
-        _compare, _graph, _section, _gallery, _bench, _hard, _search, _new, _cite,
-    ):  # fmt: skip
-        add(commands)
+    for words, (module, summary, *options) in COMMANDS.items():
+        name, _, kind = words.partition(" ")
+        command = commands.add_parser(name, help=summary, description=summary, allow_abbrev=False)
+        if kind:
+            kinds = command.add_subparsers(title="what is searched", metavar="KIND", required=True)
+            command = kinds.add_parser(kind, help=summary, description=summary, allow_abbrev=False)
+        command.set_defaults(module=f"voronec.cli.{module}")
+        given = [*_flatten((Option("--json", "print the result as JSON"), *options))]
+        group = command.add_mutually_exclusive_group() if any(o.alone for o in given) else command
+        for option in given:
+            option.add_to(group if option.alone else command)
     return parser
 
 
-def _formatter(prog: str) -> argparse.HelpFormatter:
-    return argparse.HelpFormatter(prog, max_help_position=16)
+class Option(NamedTuple):
+    """``name NAME``, ``--out DIR``, or an option that takes no value, as ``--json``; of those that
+    stand ``alone`` a command takes one."""
+
+    form: str
+    meaning: str
+    settings: Mapping[str, Any] = MappingProxyType({})
+    alone: bool = False
+
+    def add_to(self, parser: Any) -> None:
+        """Have a parser take it."""
+        (name, _, value), settings = self.form.partition(" "), dict(self.settings)
+        if value:
+            settings["metavar"] = value
+        elif "choices" not in settings:
+            settings["action"] = "store_true"
+        parser.add_argument(name, help=self.meaning, **settings)
 
 
-def _command(commands: Any, name: str, module: str, summary: str) -> argparse.ArgumentParser:
-    parser: argparse.ArgumentParser = commands.add_parser(
-        name, help=summary, description=summary, allow_abbrev=False
-    )
-    parser.set_defaults(module=f"voronec.cli.{module}")
-    _argument(parser, "--json", "print the result as JSON")
-    return parser
+def _flatten(items: Iterable[Any]) -> Iterator[Option]:
+    """Options, those that tables of others give when they are asked for among them."""
+    for item in items:
+        if isinstance(item, Option):
+            yield item
+        else:
+            yield from item() if callable(item) else item
 
 
-def _argument(parser: Any, form: str, meaning: str, **settings: Any) -> None:
-    """Add ``name NAME``, ``--out DIR``, or an option that takes no value, as ``--json``."""
-    name, _, value = form.partition(" ")
-    if value:
-        settings["metavar"] = value
-    elif "choices" not in settings:
-        settings["action"] = "store_true"
-    parser.add_argument(name, help=meaning, **settings)
+def _printers() -> Iterator[Option]:
+    return (Option(f"--{name}", printer.about, alone=True) for name, printer in PRINTERS.items())
 
 
-def _list(commands: Any) -> None:
-    parser = _command(commands, "list", "listing", "list the systems and papers")
-    _argument(parser, "--names", "only the names; no system's code is run")
+def _method(many: bool = False) -> tuple[Option]:
+    settings = {"choices": method_names(many=many), "default": "auto"}
+    return (Option("--method", "the integrator", settings),)
 
 
-def _show(commands: Any) -> None:
-    parser = _command(commands, "show", "declaration", "show what a system declares")
-    _system(parser)
-    _argument(parser, "--out FILE", "draw its sketch instead: a .svg, .png or .pdf")
+def _number(name: str, default: int, meaning: str) -> Option:
+    return Option(f"--{name} N", f"{meaning} ({default})", {"type": int, "default": default})
 
 
-def _derive(commands: Any) -> None:
-    parser = _command(commands, "derive", "derivation", "derive the equations of motion")
-    _system(parser)
-    form = parser.add_mutually_exclusive_group()
-    for name, printer in PRINTERS.items():
-        _argument(form, f"--{name}", printer.about)
-    _argument(parser, "--jacobian", "also print its derivatives with respect to state and inputs")
-    _argument(form, "--store FILE.json", "store the derivation, for 'compare'")
+def _several(form: str, meaning: str, **settings: Any) -> Option:
+    return Option(form, meaning, {"action": "append", "default": [], **settings})
 
 
-def _explain(commands: Any) -> None:
-    summary = "show what has to be integrated to get given outputs, and why"
-    parser = _command(commands, "explain", "explain", summary)
-    _system(parser)
-    _argument(
-        parser, "--derivation",
-        "instead, derive the equations step by step, with the formulas of the theory",
-    )  # fmt: skip
-    _argument(parser, "--latex", "print the derivation as LaTeX")
-    _outputs(parser)
-    _setting(parser)
-    _argument(parser, "--out DIR", "folder for the text and its pictures, or pages")
-
-
-def _methods(commands: Any) -> None:
-    summary = "solve one problem by six methods, and prove that they agree"
-    _system(_command(commands, "methods", "methods", summary))
-
-
-def _judge(commands: Any) -> None:
-    summary = "prove or refute an equation"
-    parser = _command(commands, "judge", "judgement", summary)
-    _system(parser)
-    _argument(
-        parser, "equation EQUATION",
-        r"LaTeX or plain text, as '\dot v = a w^2', 'd/dt(m v) = m a w^2', 'v^2 = const'",
-    )  # fmt: skip
-
-
-def _regenerate(commands: Any) -> None:
-    summary = "check every formula of a paper against what is derived"
-    parser = _command(commands, "regenerate", "regeneration", summary)
-    _argument(parser, "paper NAME|FILE", "a paper of 'voronec list', or a file that defines PAPER")
-    _argument(parser, "--out DIR", "folder for HTML, LaTeX, JSON, pictures")
-    _argument(parser, "--label L", "only this label, or what the page calls 'text 3'")
-    _argument(parser, "--details", "print one line for each record, and every erratum in full")
-    _argument(parser, "--fresh", "do not reuse verdicts of an earlier audit")
-
-
-def _run(commands: Any) -> None:
-    parser = _command(commands, "run", "motion", "integrate a motion, draw it and save it")
-    _system(parser)
-    _outputs(parser)
-    _setting(parser)
-    _argument(
-        parser, "--times [START:]END[:N]", "times instead of those of the scene, N of them (1001)"
-    )
-    _argument(parser, "--method", "the integrator", choices=method_names(), default="auto")
-    _argument(parser, "--tol TOL", "the integrator's tolerance (1e-13)")
-    _argument(parser, "--out DIR", "folder for trajectory.csv and pictures (./NAME-run)")
-    _argument(
-        parser, "--animate FILE",
-        "an animation of a ball rolling on a sphere: .gif, .mp4, or .png for single frames",
-    )  # fmt: skip
-
-
-def _view(commands: Any) -> None:
-    summary = "write an HTML page that integrates a motion and shows it in space"
-    parser = _command(commands, "view", "view", summary)
-    _system(parser)
-    _setting(parser)
-    _argument(
-        parser, "--times [START:]END[:N]", "other times than the scene's, at N instants (1001)"
-    )
-    _argument(parser, "--out DIR", "folder for the page NAME.html (the current folder)")
-
-
-def _check(commands: Any) -> None:
-    summary = "prove or refute all claims, relations and squares"
-    parser = _command(commands, "check", "check", summary)
-    _argument(
-        parser, "names NAME|FILE", "only these systems, with their relations and squares", nargs="*"
-    )
-    _argument(parser, "--fresh", "do not reuse verdicts of an earlier check")
-    _argument(parser, "--jobs N", "number of processes (one for each processor)", type=int)
-
-
-def _compare(commands: Any) -> None:
-    summary = "compare two systems, or a stored derivation with today's"
-    parser = _command(commands, "compare", "comparison", summary)
-    for side in ("first", "second"):
-        _argument(
-            parser, f"{side} NAME|FILE",
-            "a system, a .py or .toml file of one, or a .json of 'derive --store'",
-        )  # fmt: skip
-
-
-def _graph(commands: Any) -> None:
-    summary = "draw the systems and their relations"
-    parser = _command(commands, "graph", "graph", summary)
-    _argument(parser, "names NAME", "only these systems and their neighbours", nargs="*")
-    _argument(parser, "--out FILE", "a .svg, .png, .pdf, .dot or .json file, instead of text")
-
-
-def _section(commands: Any) -> None:
-    summary = "draw a Poincare section: where motions pass through a surface"
-    parser = _command(commands, "section", "section", summary)
-    _system(parser)
-    _argument(
-        parser, "--plane EXPR=VALUE",
-        "the surface, such as omega1=0 (by default, something that oscillates)",
-    )  # fmt: skip
-    _argument(parser, "--outputs A,B", "what is recorded; the first two are drawn")
-    _setting(parser)
-    for name, default, meaning in (
-        ("starts", 1, "motions on one level of all integrals"),
-        ("crossings", 1000, "points of each motion"),
-    ):
-        _argument(parser, f"--{name} N", f"{meaning} ({default})", type=int, default=default)
-    _argument(
-        parser, "--direction", "direction of crossing", choices=("up", "down", "both"), default="up"
-    )
-    _argument(parser, "--until T", "give a motion up after this time")
-    _argument(parser, "--method", "the integrator", choices=method_names(many=True), default="auto")
-    _argument(parser, "--tol TOL", "the integrator's tolerance (1e-13)")
-    _argument(parser, "--out DIR", "folder for points.csv and section.svg (./NAME-section)")
-
-
-def _gallery(commands: Any) -> None:
-    summary = "draw a motion of every class of traces; without NAME, pages of a dozen motions"
-    parser = _command(commands, "gallery", "gallery", summary)
-    _system(parser, nargs="?")
-    _argument(parser, "--only A,B", "only these classes, such as A,C1,D3")
-    _argument(
-        parser, "--set NAME=VALUE",
-        "hold a parameter at this value; may be given several times", action="append", default=[],
-    )  # fmt: skip
-    _argument(
-        parser, "--out DIR|FILE",
-        "folder, or one .svg, .png or .pdf (./NAME-gallery; without NAME ./gallery)",
-    )  # fmt: skip
-
-
-def _bench(commands: Any) -> None:
-    summary = "measure the speed and the error of our methods and of others"
-    parser = _command(commands, "bench", "benchmark", summary)
-    _system(parser)
-    _setting(parser)
-    _argument(
-        parser, "--outputs A,B",
-        "what is compared (by default invariants and velocities, where their equations close)",
-    )  # fmt: skip
-    _argument(parser, "--time T", "length of the motion (the scene's)")
-    _argument(parser, "--methods A,B", "only these methods and peers")
-    _argument(parser, "--tols X,Y", "these tolerances instead of each method's own")
-    _argument(
-        parser, "--setup",
-        "instead, show where the time of a whole call goes, at the first of --tols (1e-9)",
-    )  # fmt: skip
-    _argument(parser, "--out DIR", "folder for bench.json, the table and a plot (./NAME-bench)")
-
-
-def _hard(commands: Any) -> None:
-    summary = "try every integrator on numerically hard cases"
-    parser = _command(commands, "hard", "hard", summary)
-    _argument(parser, "cases CASE", "only these cases (all)", nargs="*")
-    _argument(
-        parser, "--method M",
-        "auto, heyoka, scipy, numba, c, python, lsoda, flint or closed-form; may be given "
-        "several times", action="append", default=[],
-    )  # fmt: skip
-    _argument(parser, "--quick", "a short selection of the cases")
-    _argument(parser, "--list", "list the cases without running them")
-    _argument(parser, "--out DIR", "write hard-cases.md and hard.json there")
-
-
-def _search(commands: Any) -> None:
-    summary = "search for first integrals of a given form, or prove that there are none"
-    parser = commands.add_parser("search", help=summary, description=summary, allow_abbrev=False)
-    kinds = parser.add_subparsers(title="what is searched", metavar="KIND", required=True)
-    parser = _command(kinds, "integrals", "search", summary)
-    _system(parser)
-    for name, default, meaning in (
-        ("degree", 2, "the degree in the velocities"),
-        ("positions", 3, "the degree in the positions: in the invariants, where there are some"),
-        ("power", 1, "the power of each denominator"),
-        ("limit", 2000, "how many monomials of one class of symmetry are taken on"),
-    ):
-        _argument(parser, f"--{name} N", f"{meaning} ({default})", type=int, default=default)
-    for name, target, value, meaning in (
-        ("denominator", "denominator", "G", "divide by G too; 'mass': the mass determinant"),
-        ("with", "functions", "F=EXPR", "a further letter F; without '=', a declared equation's"),
-        ("at", "at", "P=VALUE", "a special value of a parameter, such as R2=-2*R1"),
-    ):
-        _argument(
-            parser, f"--{name} {value}",
-            f"{meaning}; may be given several times", dest=target, action="append", default=[],
-        )  # fmt: skip
-    _argument(parser, "--momenta", "use momenta instead of velocities")
-    _argument(parser, "--again", "also find the integrals that are declared")
-
-
-def _new(commands: Any) -> None:
-    parser = _command(commands, "new", "template", "write a file with a small system to start from")
-    _argument(parser, "--toml", "write NAME.toml, a text file, instead of NAME.py")
-    _argument(parser, "name NAME", "lower-case letters, digits and hyphens")
-
-
-def _cite(commands: Any) -> None:
-    parser = _command(commands, "cite", "citation", "print the references of a system as BibTeX")
-    _system(parser)
-
-
-def _setting(parser: argparse.ArgumentParser) -> None:
-    """Which motion is meant."""
-    _argument(parser, "--scene S", "the scene ('default')")
-    _argument(
-        parser,
+OFTEN = "; may be given several times"
+SYSTEM = Option(
+    "system NAME|FILE", "a system's name, or a file: Python defining SYSTEM, or TOML"
+)  # fmt: skip
+OUTPUTS = Option("--outputs A,B", "what to compute: names or formulas (those of the scene)")
+TOLERANCE = Option("--tol TOL", "the integrator's tolerance (1e-13)")
+MOTION = (
+    Option("--scene S", "the scene ('default')"),
+    _several(
         "--set NAME=VALUE",
-        "another value of a parameter, or of a coordinate or velocity at the start; "
-        "may be given several times",
-        action="append",
-        default=[],
-    )
-    _argument(
-        parser,
+        "another value of a parameter, or of a coordinate or velocity at the start" + OFTEN,
+    ),
+    _several(
         "--input NAME=VALUE",
         "an input: a formula of t and of the state, or a file of times and values, "
         "FILE.csv[:held|:linear|:cubic]",
-        action="append",
-        default=[],
-    )
-
-
-def _outputs(parser: argparse.ArgumentParser) -> None:
-    meaning = "what to compute: names or formulas (those of the scene)"
-    _argument(parser, "--outputs A,B", meaning)
-
-
-def _system(parser: argparse.ArgumentParser, nargs: str | None = None) -> None:
-    _argument(
-        parser, "system NAME|FILE",
-        "a system's name, or a file: Python defining SYSTEM, or TOML", nargs=nargs,
-    )  # fmt: skip
+    ),
+)
+"""Which motion is meant."""
+COMMANDS: Mapping[str, tuple[Any, ...]] = {
+    "list": (
+        "listing", "list the systems and papers",
+        Option("--names", "only the names; no system's code is run"),
+    ),
+    "show": (
+        "declaration", "show what a system declares", SYSTEM,
+        Option("--out FILE", "draw its sketch instead: a .svg, .png or .pdf"),
+    ),
+    "derive": (
+        "derivation", "derive the equations of motion", SYSTEM, _printers,
+        Option("--jacobian", "also print its derivatives with respect to state and inputs"),
+        Option("--store FILE.json", "store the derivation, for 'compare'", alone=True),
+    ),
+    "explain": (
+        "explain", "show what has to be integrated to get given outputs, and why", SYSTEM,
+        Option("--derivation",
+               "instead, derive the equations step by step, with the formulas of the theory"),
+        Option("--latex", "print the derivation as LaTeX"), OUTPUTS, MOTION,
+        Option("--out DIR", "folder for the text and its pictures, or pages"),
+    ),
+    "methods": (
+        "methods", "solve one problem by six methods, and prove that they agree", SYSTEM,
+    ),
+    "judge": (
+        "judgement", "prove or refute an equation", SYSTEM,
+        Option("equation EQUATION",
+               r"LaTeX or plain text, as '\dot v = a w^2', 'd/dt(m v) = m a w^2', 'v^2 = const'"),
+    ),
+    "regenerate": (
+        "regeneration", "check every formula of a paper against what is derived",
+        Option("paper NAME|FILE", "a paper of 'voronec list', or a file that defines PAPER"),
+        Option("--out DIR", "folder for HTML, LaTeX, JSON, pictures"),
+        Option("--label L", "only this label, or what the page calls 'text 3'"),
+        Option("--details", "print one line for each record, and every erratum in full"),
+        Option("--fresh", "do not reuse verdicts of an earlier audit"),
+    ),
+    "run": (
+        "motion", "integrate a motion, draw it and save it", SYSTEM, OUTPUTS, MOTION,
+        Option("--times [START:]END[:N]",
+               "times instead of those of the scene, N of them (1001)"),
+        _method, TOLERANCE,
+        Option("--out DIR", "folder for trajectory.csv and pictures (./NAME-run)"),
+        Option("--animate FILE",
+               "an animation of a ball rolling on a sphere: .gif, .mp4, or .png for single frames"),
+    ),
+    "view": (
+        "view", "write an HTML page that integrates a motion and shows it in space", SYSTEM, MOTION,
+        Option("--times [START:]END[:N]", "other times than the scene's, at N instants (1001)"),
+        Option("--out DIR", "folder for the page NAME.html (the current folder)"),
+    ),
+    "check": (
+        "check", "prove or refute all claims, relations and squares",
+        Option("names NAME|FILE", "only these systems, with their relations and squares",
+               {"nargs": "*"}),
+        Option("--fresh", "do not reuse verdicts of an earlier check"),
+        Option("--jobs N", "number of processes (one for each processor)", {"type": int}),
+    ),
+    "compare": (
+        "comparison", "compare two systems, or a stored derivation with today's",
+        [Option(f"{side} NAME|FILE",
+                "a system, a .py or .toml file of one, or a .json of 'derive --store'")
+         for side in ("first", "second")],
+    ),
+    "graph": (
+        "graph", "draw the systems and their relations",
+        Option("names NAME", "only these systems and their neighbours", {"nargs": "*"}),
+        Option("--out FILE", "a .svg, .png, .pdf, .dot or .json file, instead of text"),
+    ),
+    "section": (
+        "section", "draw a Poincare section: where motions pass through a surface", SYSTEM,
+        Option("--plane EXPR=VALUE",
+               "the surface, such as omega1=0 (by default, something that oscillates)"),
+        Option("--outputs A,B", "what is recorded; the first two are drawn"), MOTION,
+        _number("starts", 1, "motions on one level of all integrals"),
+        _number("crossings", 1000, "points of each motion"),
+        Option("--direction", "direction of crossing",
+               {"choices": ("up", "down", "both"), "default": "up"}),
+        Option("--until T", "give a motion up after this time"), partial(_method, many=True),
+        TOLERANCE, Option("--out DIR", "folder for points.csv and section.svg (./NAME-section)"),
+    ),
+    "gallery": (
+        "gallery", "draw a motion of every class of traces; without NAME, pages of a dozen motions",
+        SYSTEM._replace(settings={"nargs": "?"}),
+        Option("--only A,B", "only these classes, such as A,C1,D3"),
+        _several("--set NAME=VALUE", "hold a parameter at this value" + OFTEN),
+        Option("--out DIR|FILE",
+               "folder, or one .svg, .png or .pdf (./NAME-gallery; without NAME ./gallery)"),
+    ),
+    "bench": (
+        "benchmark", "measure the speed and the error of our methods and of others", SYSTEM, MOTION,
+        Option("--outputs A,B", "what is compared (by default invariants and velocities, where "
+               "their equations close)"),
+        Option("--time T", "length of the motion (the scene's)"),
+        Option("--methods A,B", "only these methods and peers"),
+        Option("--tols X,Y", "these tolerances instead of each method's own"),
+        Option("--setup", "instead, show where the time of a whole call goes, at the first of "
+               "--tols (1e-9)"),
+        Option("--out DIR", "folder for bench.json, the table and a plot (./NAME-bench)"),
+    ),
+    "hard": (
+        "hard", "try every integrator on numerically hard cases",
+        Option("cases CASE", "only these cases (all)", {"nargs": "*"}),
+        _several("--method M",
+                 "auto, heyoka, scipy, numba, c, python, lsoda, flint or closed-form" + OFTEN),
+        Option("--quick", "a short selection of the cases"),
+        Option("--list", "list the cases without running them"),
+        Option("--out DIR", "write hard-cases.md and hard.json there"),
+    ),
+    "search integrals": (
+        "search", "search for first integrals of a given form, or prove that there are none",
+        SYSTEM, _number("degree", 2, "the degree in the velocities"),
+        _number("positions", 3,
+                "the degree in the positions: in the invariants, where there are some"),
+        _number("power", 1, "the power of each denominator"),
+        _number("limit", 2000, "how many monomials of one class of symmetry are taken on"),
+        _several("--denominator G", "divide by G too; 'mass': the mass determinant" + OFTEN),
+        _several("--with F=EXPR", "a further letter F; without '=', a declared equation's" + OFTEN,
+                 dest="functions"),
+        _several("--at P=VALUE", "a special value of a parameter, such as R2=-2*R1" + OFTEN),
+        Option("--momenta", "use momenta instead of velocities"),
+        Option("--again", "also find the integrals that are declared"),
+    ),
+    "new": (
+        "template", "write a file with a small system to start from",
+        Option("--toml", "write NAME.toml, a text file, instead of NAME.py"),
+        Option("name NAME", "lower-case letters, digits and hyphens"),
+    ),
+    "cite": ("citation", "print the references of a system as BibTeX", SYSTEM),
+}  # fmt: skip
+"""Of each command its module, what it does, and what it takes."""
 
 
 OPTIONS: Mapping[str, str] = MappingProxyType(

@@ -161,7 +161,8 @@ MEMORY = 200
 def declaration(subject: str) -> tuple[dict[str, Any], Path | None]:
     """What a system declares, as an earlier time found it where its files are unchanged; and the
     folder of its file."""
-    from voronec.proof.verdict_store import Store, closure, digest
+    from voronec.declaration.source_digest import closure, digest
+    from voronec.declaration.whole_files import Store
 
     origin = None if is_file(subject) else entry_of_name(subject).origin
     if origin is None:

@@ -20,6 +20,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.memo import remember
 from voronec.algebra.precision import PROOF
 from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import prove_equal
@@ -160,14 +161,13 @@ class _Writer:
         self.lines: list[str] = []
         self.numbers: list[Any] = []
 
+    @remember("known")
     def term(self, expr: Any) -> str:
         """The name under which an expression is computed."""
-        if expr not in self.known:
-            text = self._write(expr)
-            name = f"b{len(self.lines)}"
-            self.lines.append(f"{name} = {text}")
-            self.known[expr] = name
-        return self.known[expr]
+        text = self._write(expr)
+        name = f"b{len(self.lines)}"
+        self.lines.append(f"{name} = {text}")
+        return name
 
     def _write(self, expr: Any) -> str:
         if expr.is_Rational:

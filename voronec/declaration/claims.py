@@ -8,7 +8,7 @@ that holds no coordinate is decided on the reduced equations.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -33,7 +33,7 @@ __all__ = [
     "declared_claims",
     "expressions_of",
     "read_claims",
-    "replace_in_claims",
+    "replace_symbols",
     "right_of",
     "without_claims",
 ]
@@ -293,25 +293,19 @@ def expressions_of(claim: Any) -> Iterator[sp.Expr]:
         yield claim
 
 
-def replace_in_claims(claim: Any, at: Mapping[Any, Any]) -> Any:
-    """A claim, or claims by name, with symbols replaced."""
-    if isinstance(claim, Mapping):
-        return {name: replace_in_claims(c, at) for name, c in claim.items()}
-    if claim is None or isinstance(claim, str):
-        return claim
-    if isinstance(claim, tuple):
-        return tuple(e.xreplace(at) for e in claim)
-    if isinstance(claim, Corrected):
-        return Corrected(
-            replace_in_claims(claim.right, at), replace_in_claims(claim.printed, at), claim.source
-        )
-    if isinstance(claim, Equation):
-        return Equation(replace_in_claims(claim.function, at), replace_in_claims(claim.rate, at))
-    if isinstance(claim, Measure):
-        return Measure(claim.density.xreplace(at), claim.variables)
-    if isinstance(claim, Assertion):
-        return replace(claim, expressions=replace_in_claims(claim.expressions, at))
-    return claim.xreplace(at)
+def replace_symbols(declared: Any, at: Mapping[Any, Any]) -> Any:
+    """A claim, or any other declaration, with symbols replaced: an expression, or what holds some;
+    names stay."""
+    if isinstance(declared, sp.Basic):
+        return declared.xreplace(at)
+    if isinstance(declared, Mapping):
+        return {name: replace_symbols(one, at) for name, one in declared.items()}
+    if isinstance(declared, tuple):
+        return tuple(replace_symbols(one, at) for one in declared)
+    if isinstance(declared, Corrected | Equation | Measure | Assertion):
+        parts = {f.name: getattr(declared, f.name) for f in fields(declared)}
+        return replace(declared, **replace_symbols(parts, at))
+    return declared
 
 
 def claim_names(system: Any) -> Iterator[str]:

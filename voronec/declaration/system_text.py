@@ -99,9 +99,7 @@ class _Text:
             if key not in top:
                 said = "[coordinates]" if key == "coordinates" else f'{key} = "..."'
                 self.root.wrong(f"'{key}' is missing; expected {said} in this file")
-        declared: dict[str, Any] = {
-            key: top[key].text() for key in ("name", "title", "description") if key in top
-        }
+        declared = _present(top, name=Item.text, title=Item.text, description=Item.text)
         declared["fibration"] = self._fibration()
         parameters = self._each("parameters", self._parameter)
         declared["parameters"] = tuple(parameters.values())
@@ -126,8 +124,7 @@ class _Text:
         declared["undecided"] = self._each("undecided", Item.text)
         declared["scenes"] = self._each("scenes", self._scene)
         declared |= self._several("shapes", self._shape)
-        if "sketch" in top:
-            declared["sketch"] = self._sketch(top["sketch"])
+        declared |= _present(top, sketch=self._sketch)
         declared |= self._several("references", Item.text)
         try:
             return System(**declared, meanings=self.meanings)
@@ -143,7 +140,7 @@ class _Text:
 
     def _several(self, key: str, read: Callable[[Item], Any]) -> dict[str, tuple[Any, ...]]:
         """{key: the entries of a list at the top, read}; empty where there is none."""
-        return {key: tuple(map(read, self.top[key].several()))} if key in self.top else {}
+        return _present(self.top, **{key: _all_by(read)})
 
     def _each(self, key: str, read: Callable[[Item], Any]) -> dict[str, Any]:
         """The entries of a table at the top, read; empty where there is none."""
@@ -301,10 +298,10 @@ class _Text:
         if not isinstance(item.value, dict):
             return self._make(item, Parameter, symbol, item.scalar())
         inner = item.table(("value", "positive", "lower", "upper", "meaning"))
-        said: dict[str, Any]
-        said = {key: inner[key].scalar() for key in ("value", "lower", "upper") if key in inner}
-        said |= {"positive": inner["positive"].flag()} if "positive" in inner else {}
-        said |= {"meaning": inner["meaning"].text()} if "meaning" in inner else {}
+        said = _present(
+            inner, value=Item.scalar, lower=Item.scalar, upper=Item.scalar, positive=Item.flag,
+            meaning=Item.text,
+        )  # fmt: skip
         return self._make(item, Parameter, symbol, **said)
 
     def _forces(self) -> dict[Any, Any]:
@@ -343,20 +340,10 @@ class _Text:
 
     def _claims(self, table: Mapping[str, Item]) -> dict[str, Any]:
         """What a system or a case claims."""
-        found: dict[str, Any] = {}
-        if "integrals" in table:
-            entries = table["integrals"].table()
-            found["integrals"] = {name: self._read_value(item) for name, item in entries.items()}
-        if "equations" in table:
-            entries = table["equations"].table()
-            found["equations"] = {name: self._equation(item) for name, item in entries.items()}
-        if "measure" in table:
-            found["measure"] = self._measure(table["measure"])
-        if "multiplier" in table:
-            found["multiplier"] = self._formula(table["multiplier"])
-        if "integrable" in table:
-            found["integrable"] = table["integrable"].text()
-        return found
+        return _present(
+            table, integrals=_each_by(self._read_value), equations=_each_by(self._equation),
+            measure=self._measure, multiplier=self._formula, integrable=Item.text,
+        )  # fmt: skip
 
     def _equation(self, item: Item) -> Equation:
         inner = item.table(("function", "rate"))
@@ -411,12 +398,9 @@ class _Text:
             entries = inner[key].table().values() if key in inner else ()
             read = self._input_value if key == "inputs" else self._formula
             said[key] = {self._known(i, *roles): read(i) for i in entries}
-        if "times" in inner:
-            said["times"] = tuple(i.scalar() for i in inner["times"].several())
-        if "outputs" in inner:
-            said["outputs"] = tuple(map(self._output, inner["outputs"].several()))
-        if "caption" in inner:
-            said["caption"] = inner["caption"].text()
+        said |= _present(
+            inner, times=_all_by(Item.scalar), outputs=_all_by(self._output), caption=Item.text
+        )
         where = inner.get("times", item)
         return self._make(where, Scene, **said)
 
@@ -545,6 +529,19 @@ class _Text:
 
     def _output(self, item: Item) -> Any:
         return item.text() if OUTPUT.fullmatch(item.scalar()) else self._formula(item)
+
+
+def _present(table: Mapping[str, Item], **readers: Callable[[Item], Any]) -> dict[str, Any]:
+    """The entries that a table has, read."""
+    return {key: read(table[key]) for key, read in readers.items() if key in table}
+
+
+def _all_by(read: Callable[[Item], Any]) -> Callable[[Item], Any]:
+    return lambda item: tuple(map(read, item.several()))
+
+
+def _each_by(read: Callable[[Item], Any]) -> Callable[[Item], Any]:
+    return lambda item: {name: read(one) for name, one in item.table().items()}
 
 
 def _entries(call: Callable[..., Any]) -> Iterator[DrawnArgument]:

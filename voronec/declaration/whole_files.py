@@ -7,19 +7,30 @@ killed is known, and goes when somebody next writes into the same folder.
 
 from __future__ import annotations
 
-import contextlib
+import json
 import os
 import shutil
 import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from voronec.errors import DefinitionError
 
-__all__ = ["draft", "make_room", "replace_file", "unwritable", "user_cache", "workshop"]
+__all__ = [
+    "Store",
+    "draft",
+    "keep_file",
+    "make_room",
+    "replace_file",
+    "unwritable",
+    "user_cache",
+    "workshop",
+]
 
 PREFIX = ".voronec-"
 LOCK = "lock"
@@ -52,13 +63,60 @@ def user_cache(part: str) -> Path:
 def make_room(folder: Path, kept: int) -> None:
     """Forget what was changed longest ago in a folder of caches, so that ``kept`` stay with one
     that is new."""
-    if folder.exists():
+    with suppress(OSError):
         known = sorted(folder.iterdir(), key=lambda one: one.stat().st_mtime)
         for one in known[: max(len(known) + 1 - kept, 0)]:
             if one.is_dir():
                 shutil.rmtree(one, ignore_errors=True)
             else:
                 one.unlink(missing_ok=True)
+
+
+def keep_file(file: Path, content: bytes) -> None:
+    """Write a file of a cache, whole or not at all; where it cannot be written, that costs only the
+    time of the next process."""
+    made = file.with_suffix(f".{os.getpid()}")
+    with suppress(OSError):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            made.write_bytes(content)
+            made.replace(file)
+        except OSError:
+            made.unlink()
+
+
+@dataclass(frozen=True)
+class Store:
+    """Results as JSON, in a folder with one subfolder for each digest; of these the newest
+    ``capacity`` stay.
+
+    A file that is missing or broken is no result.
+    """
+
+    folder: Path
+    capacity: int = 200
+
+    @classmethod
+    def of_user(cls, part: str, capacity: int = 200) -> Store:
+        """The folder ``voronec/part`` among the user's caches."""
+        return cls(user_cache(part), capacity)
+
+    def load(self, key: str, name: str) -> Any:
+        """What was kept, or ``None``."""
+        try:
+            return json.loads(self._file(key, name).read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return None
+
+    def save(self, key: str, name: str, value: Any) -> None:
+        """Keep a value."""
+        file = self._file(key, name)
+        if not file.parent.exists():
+            make_room(self.folder, self.capacity)
+        keep_file(file, json.dumps(value).encode())
+
+    def _file(self, key: str, name: str) -> Path:
+        return self.folder / key[:24] / f"{name}.json"
 
 
 @contextmanager
@@ -104,9 +162,9 @@ def replace_file(path: Path, content: str | bytes) -> None:
 
 def _sweep(folder: Path) -> None:
     """Remove the workshops of processes that were killed."""
-    with contextlib.suppress(OSError):
+    with suppress(OSError):
         for old in folder.glob(f"{PREFIX}*"):
-            with contextlib.suppress(OSError):
+            with suppress(OSError):
                 if old.is_dir() and not old.is_symlink() and _is_left(old):
                     shutil.rmtree(old, ignore_errors=True)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from queue import SimpleQueue
 from threading import Event
 from time import perf_counter
@@ -15,7 +15,6 @@ import numpy as np
 
 from voronec.algebra.arguments import CALLABLE, COUNT, SEVERAL, TEXT, TOLERANCE, VALUES, accepts
 from voronec.algebra.typeset import html_table
-from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
@@ -24,7 +23,7 @@ from voronec.motion.batches import Lanes, StopRequest, along, choose_lanes, requ
 from voronec.motion.inputs import Drive, drive
 from voronec.motion.methods import METHODS
 from voronec.motion.motion_pool import Many, drifts, many
-from voronec.motion.one_by_one import SwitchedMotions, along_one
+from voronec.motion.one_by_one import LoneMotions, SwitchedMotions, along_one
 from voronec.motion.request import (  # fmt: skip
     Values,
     Vocabulary,
@@ -37,7 +36,7 @@ from voronec.motion.request import (  # fmt: skip
 )
 from voronec.motion.residual_windows import LookGrid
 from voronec.motion.soundness import JudgeOfMany
-from voronec.motion.state_probe import at_each
+from voronec.motion.state_probe import at_each, changes
 from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Trajectory
@@ -188,11 +187,16 @@ def ensemble(
     except KeyboardInterrupt:
         return _empty_ensemble(own, tuple(wanted), grid, len(single), tol, perf_counter() - began)
     ready = perf_counter()
-    alone = _Alone(driven, inputs, single, chosen_scene, keys, method, tol, progress)
+    alone = LoneMotions(motions, single, chosen_scene, method, tol, frozenset(motions.wrong))
+    if driven.changing is not None:
+        given = {**getattr(chosen_scene, "inputs", {}), **(inputs or {})}
+        alone = replace(alone, declared=driven.original, inputs=given)
     interrupted = driven.changing is None and _run(filled, lanes, tol, jobs, progress)
     if CutWatch.of(vocabulary).cuts:
         filled.collapsed.extend(motions.sound)
-    interrupted = filled.leave(motions.wrong) if interrupted else filled.go_on_alone(alone)
+    interrupted = (
+        filled.leave(motions.wrong) if interrupted else filled.go_on_alone(alone, keys, progress)
+    )
     if not (motions.sound or filled.alone or interrupted):
         raise motions.wrong[0]
     steps = filled.steps + sum(cost.steps for cost in filled.alone)
@@ -234,39 +238,6 @@ def _empty_ensemble(
     return Ensemble(
         system, grid, outputs, MappingProxyType(series), {}, finished, {}, {}, "", cost, True
     )
-
-
-@dataclass(frozen=True)
-class _Alone:
-    """What ``integrate`` is asked for, where a motion goes alone; ``starts`` are as they were
-    given."""
-
-    driven: Drive
-    inputs: Mapping[Any, Any] | None
-    starts: Sequence[Values]
-    scene: Scene | None
-    keys: Sequence[Any]
-    method: str
-    tol: float
-    progress: Callable[[float], Any] | None
-
-    def motion_of(self, motions: Many, grid: np.ndarray, i: int) -> Trajectory:
-        """The motion of start i."""
-        from voronec.motion.integration import integrate
-
-        equations, sound = motions.vocabulary.equations, i not in motions.wrong
-        system: System | VoronecEquations = equations
-        scene = Scene({}, (0.0, 1.0)) if sound or self.scene is None else self.scene
-        known, inputs = {*motions.parameters}, self.inputs
-        if self.driven.changing is not None:
-            system, known = self.driven.original, {*self.driven.original.parameter_names}
-            inputs = {**getattr(self.scene, "inputs", {}), **(inputs or {})}
-        given = {name: float(x[i]) for name, x in motions.parameters.items() if name in known}
-        start = motions.start_values(i) if sound else self.starts[i]
-        return integrate(
-            system, scene, grid, self.keys, given, start, self.method, self.tol,
-            inputs=None if system is equations else inputs,
-        )  # fmt: skip
 
 
 @dataclass(eq=False)
@@ -334,19 +305,20 @@ class _ResultRows:
             along_motion = found[f"integral {name}"]
             self.first[name][where] = along_motion[:, 0]
             # a motion that failed has numbers up to there, if any
-            with np.errstate(invalid="ignore"):
-                array[where] = np.fmax.reduce(np.abs(along_motion - along_motion[:, :1]), axis=1)
+            array[where] = np.fmax.reduce(changes(along_motion, along_motion[:, :1]), axis=1)
         self.errors.update({int(where[i]): error for i, error in failed.items()})
         self.finished[[int(i) for i in where if int(i) not in self.errors]] = True
 
-    def go_on_alone(self, alone: _Alone) -> bool:
+    def go_on_alone(
+        self, alone: LoneMotions, outputs: Sequence[Any], progress: Callable[[float], Any] | None
+    ) -> bool:
         """Motions that went wrong, did not start, or came near a place where the equations are
         singular, once more, each alone: ``integrate`` goes on in other charts and splits.  Where
         inputs change in time, that is all of them.
 
         Whether it was stopped by hand.
         """
-        motions, changing = self.motions, alone.driven.changing is not None
+        motions, changing = self.motions, alone.declared is not None
         which = range(len(motions)) if changing else sorted({*self.errors, *self.collapsed})
         count = 0
         try:
@@ -354,7 +326,7 @@ class _ResultRows:
                 if i in self.errors and i not in motions.wrong and not motions.may_go_on:
                     continue
                 try:
-                    run = alone.motion_of(motions, self.grid, i)
+                    run = alone.motion(i, self.grid, outputs)
                 except VoronecError as error:
                     if changing and isinstance(error, DefinitionError) and i not in motions.wrong:
                         raise  # what is asked for makes no sense, whatever the start
@@ -363,8 +335,8 @@ class _ResultRows:
                     self.replaces(i, run)
                     if run.interrupted:
                         return self.leave(which[count:])
-                if changing and alone.progress is not None:
-                    alone.progress((count + 1) / len(which))
+                if changing and progress is not None:
+                    progress((count + 1) / len(which))
         except KeyboardInterrupt:
             return self.leave(which[count:])
         return False
@@ -403,8 +375,7 @@ class _ResultRows:
         for name in self.changes.keys() & run.integrals.keys():
             values = run.integrals[name]
             self.first[name][i] = values[0]
-            with np.errstate(invalid="ignore"):
-                self.changes[name][i] = np.abs(values - values[0]).max()
+            self.changes[name][i] = changes(values, values[0]).max()
         self.alone.append(run.cost)
         if run.notes:
             self.notes[i] = run.notes

@@ -17,6 +17,7 @@ import symengine as se
 
 from voronec.algebra.door import Door
 from voronec.algebra.graphs import bases, nodes
+from voronec.algebra.memo import remember
 from voronec.algebra.normal import canonical, canonical_for_numbers, quotient
 from voronec.algebra.numeric_functions import HYPOT, numeric_name
 from voronec.algebra.signs import prove_inequality
@@ -215,23 +216,22 @@ class Modes:
         except EngineLimit:
             return found
 
+    @remember("_gauges")
     def gauge(self, wall: Wall) -> Callable[..., Any]:
         """Of (time, state, values by name): a wall's function, and its derivatives by the time and
         by the state, in any precision."""
-        if wall not in self._gauges:
-            g = wall.function
-            floors = tuple(s for s in self._floors.values() if s in g.free_symbols)
-            form = replace(self.form, parameters=(*self.form.parameters, *floors))
-            slots = [form.time, *form.coordinates, *form.velocities]
-            wanted = {"wall": g} | {f"slope by {x}": plain_roots(g.diff(x)) for x in slots}
-            program = quantities(form, wanted)
-            extras = compiled_digits(program)[1]
+        g = wall.function
+        floors = tuple(s for s in self._floors.values() if s in g.free_symbols)
+        form = replace(self.form, parameters=(*self.form.parameters, *floors))
+        slots = [form.time, *form.coordinates, *form.velocities]
+        wanted = {"wall": g} | {f"slope by {x}": plain_roots(g.diff(x)) for x in slots}
+        program = quantities(form, wanted)
+        extras = compiled_digits(program)[1]
 
-            def measure(time: Any, state: Any, values: Mapping[str, Any]) -> list[Any]:
-                return list(extras(time, list(state), [values[str(p)] for p in program.parameters]))
+        def measure(time: Any, state: Any, values: Mapping[str, Any]) -> list[Any]:
+            return list(extras(time, list(state), [values[str(p)] for p in program.parameters]))
 
-            self._gauges[wall] = measure
-        return self._gauges[wall]
+        return measure
 
     def is_held(self, wall: Wall, along: tuple[LevelSurface, ...]) -> bool:
         """Whether a motion along surfaces stays on a wall, too, as one that is held by two wheels

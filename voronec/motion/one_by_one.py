@@ -362,10 +362,11 @@ it failed."""
 
 @dataclass(frozen=True)
 class LoneMotions:
-    """The motions of a section, each as ``integrate`` makes it whole.
+    """Motions as ``integrate`` makes them, each whole.
 
     ``starts`` are as they were given, over those of the ``scene``: with these go motions that are
-    ``unplaced``, from starts at which the equations of all are singular, or nearly so.
+    ``unplaced``, from starts at which the equations of all are singular, or nearly so.  Where
+    ``inputs`` change in time they go with the ``declared`` system; else the equations hold them.
     """
 
     motions: Many
@@ -374,10 +375,12 @@ class LoneMotions:
     method: str
     tol: float
     unplaced: frozenset[int]
+    declared: System | None = None
+    inputs: Mapping[Any, Any] | None = None
     costs: list[Cost] = field(default_factory=list)
 
     @classmethod
-    def of(
+    def of_section(
         cls, motions: Many, starts: Sequence[Values], scene: Scene | None, method: str, tol: float
     ) -> LoneMotions:
         """Starts near the zero of a divisor are counted among the wrong ones of ``motions``."""
@@ -386,17 +389,21 @@ class LoneMotions:
             motions.wrong.setdefault(i, near)
         return cls(motions, starts, scene, method, tol, frozenset(motions.wrong))
 
-    def motion(self, i: int, end: float, events: Sequence[Event] = ()) -> Trajectory:
-        """Motion i up to an instant, in all coordinates and velocities."""
+    def motion(
+        self, i: int, times: Any, outputs: Sequence[Any], events: Sequence[Event] = ()
+    ) -> Trajectory:
+        """Motion i at the instants, or up to the second of two."""
         motions, scene, start = self.motions, Scene({}, (0.0, 1.0)), self.starts[i]
         if i not in self.unplaced:
             start = motions.start_values(i)
-        elif self.scene is not None:  # its inputs stand in the equations
+        elif self.scene is not None:
             scene = replace(self.scene, inputs={})
-        constants = {name: float(x[i]) for name, x in motions.parameters.items()}
+        equations = motions.vocabulary.equations
+        own = (self.declared or equations.system).parameter_names
+        constants = {name: float(x[i]) for name, x in motions.parameters.items() if name in own}
         return integrate(
-            motions.vocabulary.equations, scene, [motions.time, end], self.outputs, constants,
-            start, self.method, self.tol, events=events,
+            self.declared or equations, scene, times, outputs, constants, start, self.method,
+            self.tol, inputs=self.inputs, events=events,
         )  # fmt: skip
 
     @property
@@ -439,7 +446,7 @@ def end_at_cuts(alone: LoneMotions, passages: SectionPassages) -> None:
     for i in (i for i in alone.motions.sound if passages.parts[i]):
         end = float(passages.parts[i][-1][0][-1])
         try:
-            alone.motion(i, end)
+            alone.motion(i, [alone.motions.time, end], alone.outputs)
         except IntegrationError as error:
             t = np.concatenate([part[0] for part in passages.parts[i]])
             passages.cut(i, int((t < float(end if error.time is None else error.time)).sum()))
@@ -460,7 +467,8 @@ def _pass_alone(
         or run.cost.steps > PATIENCE
     ):
         try:
-            run = alone.motion(i, min(motions.time + span, passages.until), (event,))
+            end = min(motions.time + span, passages.until)
+            run = alone.motion(i, [motions.time, end], names, (event,))
         except IntegrationError as error:
             run = error.trajectory
             if run is None or len(run.events[PLANE]) < passages.wanted:

@@ -394,7 +394,7 @@ def section(
     motions = many(
         equations, chosen_scene, single, columns, {**wanted, f"plane {surface}": expr}, begin
     )
-    alone = LoneMotions.of(motions, single, chosen_scene, method, tol)
+    alone = LoneMotions.of_section(motions, single, chosen_scene, method, tol)
     passages = SectionPassages.empty(len(motions), crossings, direction, until, progress)
     level = expr - sp.Rational(on_plane)
     cost = _follow(alone, passages, surface, on_plane, level, began)

@@ -135,14 +135,7 @@ class PoleNotes:
 
     def watch(self, problem: Problem, form: Any, functions: Mapping[str, Any]) -> Problem:
         """The problem, with the poles among its events."""
-        if not self.levels:
-            return problem
-        return replace(
-            problem,
-            events=(*problem.events, *(Event(name, name) for name in self.levels)),
-            levels=quantities(form, {**functions, **self.levels}),
-            coarse=problem.coarse | self.levels.keys(),
-        )
+        return _with_events(problem, form, functions, self.levels) if self.levels else problem
 
     def with_notes(self, run: Run) -> Run:
         """The run as if nobody had looked, with a note."""
@@ -153,6 +146,18 @@ class PoleNotes:
         passages = sorted((t for t in times if t != run.t[0]), key=lambda t: order * t)
         run = run.without({*self.levels})
         return replace(run, notes=(*run.notes, *passage_notes(passages)))
+
+
+def _with_events(
+    problem: Problem, form: Any, functions: Mapping[str, Any], levels: Mapping[str, Any], **how: Any
+) -> Problem:
+    """A problem with events at zeros of further functions on its model."""
+    return replace(
+        problem,
+        events=(*problem.events, *(Event(name, name, **how) for name in levels)),
+        levels=quantities(form, {**functions, **levels}),
+        coarse=problem.coarse | levels.keys(),
+    )
 
 
 def passage_notes(times: Sequence[float]) -> tuple[str, ...]:
@@ -222,12 +227,7 @@ class PoleGuard:
     def watch(self, problem: Problem, functions: Mapping[str, Any], grid: np.ndarray) -> Problem:
         """The problem, with the poles among its events, whose ``functions`` go by name."""
         order = 1 if grid[-1] >= grid[0] else -1
-        return replace(
-            problem,
-            events=(*problem.events, *(Event(n, n, -order, stop=True) for n in self.levels)),
-            levels=quantities(self.form, {**functions, **self.levels}),
-            coarse=problem.coarse | self.levels.keys(),
-        )
+        return _with_events(problem, self.form, functions, self.levels, direction=-order, stop=True)
 
     def without_poles(self, run: Run) -> Run:
         """The run as if nobody had watched; raises ``NearPole`` where it has come near one, and

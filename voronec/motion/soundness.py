@@ -19,6 +19,7 @@ import numpy as np
 import symengine as se
 
 from voronec.algebra.cardinal import cardinal_all
+from voronec.algebra.memo import remember
 from voronec.algebra.numeric_functions import elementary
 from voronec.algebra.verdicts import all_vanish
 from voronec.declaration.claims import right_of
@@ -39,7 +40,7 @@ from voronec.motion.residual_windows import (
     program_rates,
     spread,
 )
-from voronec.motion.state_probe import at_each, usual_size
+from voronec.motion.state_probe import at_each, changes, usual_size
 from voronec.motion.steppers.run import Run, Signals, SmoothSpan, values_along
 from voronec.motion.tolerances import LOOSE, UNIT
 from voronec.motion.trajectory import Trajectory
@@ -373,11 +374,9 @@ class JudgeOfMany:
         extras = compile_program(self.program)[1]
         series = at_each(extras, self.program.names, t, states, each)
         for name, key in self.integrals.items():
-            with np.errstate(invalid="ignore"):  # infinite values do not change
-                change = np.abs(series[key] - series[key][:, :1])
-            size = np.abs(series[key][:, :1])
-            allowed = LOOSE * max(self.tol, UNIT) * FREE * size
-            for i in np.flatnonzero((change > allowed).any(axis=1)):
+            start = series[key][:, :1]
+            allowed = LOOSE * max(self.tol, UNIT) * FREE * np.abs(start)
+            for i in np.flatnonzero((changes(series[key], start) > allowed).any(axis=1)):
                 whole = np.isfinite(states[i]).all(axis=1)
                 breach = self._judge(name, key, t[i][whole], states[i][whole], values[i], steps)
                 if breach is not None:
@@ -409,11 +408,9 @@ class JudgeOfMany:
             return Breach(_drift_note(name, MERE_CLAIM, t[row], amount), row, claim=True)
         return Breach(f"the integral '{name}' drifts {amount}", row - 1)
 
+    @remember("_proofs")
     def _is_proved(self, name: str) -> bool:
-        if name not in self._proofs:
-            own = self.equations
-            self._proofs[name] = is_proved(own, own.system.integrals[name])
-        return self._proofs[name]
+        return is_proved(self.equations, self.equations.system.integrals[name])
 
     def _disobedient(
         self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float,

@@ -17,6 +17,7 @@ from voronec.motion.steppers.run import FAR, Halt, Signals, Suspect, values_alon
 __all__ = [
     "StateProbe",
     "at_each",
+    "changes",
     "mass_program",
     "quantities",
     "quiet",
@@ -69,6 +70,12 @@ def at_each(
         name: np.broadcast_to(np.asarray(r, dtype=float), shape)
         for name, r in zip(names, results, strict=True)
     }
+
+
+def changes(values: np.ndarray, start: Any) -> np.ndarray:
+    """How much values differ from where they start; not a number where both are infinite."""
+    with np.errstate(invalid="ignore"):
+        return np.abs(values - start)
 
 
 def usual_size(sizes: np.ndarray, otherwise: float = 0.0) -> float:

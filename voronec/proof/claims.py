@@ -29,11 +29,10 @@ from voronec.declaration.claims import (
     Equation,
     declared_claims,
     expressions_of,
-    replace_in_claims,
+    replace_symbols,
     right_of,
     without_claims,
 )
-from voronec.declaration.geometry import Frame
 from voronec.declaration.reading import expression
 from voronec.declaration.scene import Parameter
 from voronec.declaration.system import System
@@ -356,18 +355,14 @@ def specialise(
     at = _case_values(system, parameters)
     kept = tuple(p for p in system.parameters if p.symbol not in at)
     names = {plain_name(s) for s in at}
+    moved = ("lagrangian", "constraints", "forces", "invariants")
     return replace(
         system,
-        fibration=replace(
-            system.fibration, relations=tuple(r.xreplace(at) for r in system.fibration.relations)
-        ),
-        lagrangian=system.lagrangian.xreplace(at),
-        constraints=tuple(c.xreplace(at) for c in system.constraints),
+        fibration=_replace_in(system.fibration, at, "relations"),
         parameters=(*kept, *new),
         possible=_still_possible(system, at),
-        forces={q: e.xreplace(at) for q, e in system.forces.items()},
-        frame=_replaced_frame(system.frame, at),
-        invariants={k: e.xreplace(at) for k, e in system.invariants.items()},
+        frame=_replace_in(system.frame, at, "expressions", "brackets", "rates"),
+        **{name: replace_symbols(getattr(system, name), at) for name in moved},
         **without_claims() | _kept_claims(system, at),
         scenes={k: _without(scene, names) for k, scene in system.scenes.items()},
         drawing=None,
@@ -375,6 +370,12 @@ def specialise(
         bodies=(),
         motion=None,
     )
+
+
+def _replace_in(holder: Any, at: Mapping[Any, Any], *names: str) -> Any:
+    """What holds declarations, with symbols replaced in some of them."""
+    changes = {name: replace_symbols(getattr(holder, name, None), at) for name in names}
+    return None if holder is None else replace(holder, **changes)
 
 
 def _still_possible(system: System, at: Mapping[Any, Any]) -> dict[str, Any]:
@@ -395,7 +396,7 @@ def case_of(system: System, case: Case) -> System:
     at = _case_values(system, case.parameters)
     bare = replace(system, **without_claims())
     fields = [kind.field for kind in KINDS if hasattr(case, kind.field)]
-    own = {field: replace_in_claims(getattr(case, field), at) for field in fields}
+    own = {field: replace_symbols(getattr(case, field), at) for field in fields}
     return replace(specialise(bare, case.parameters), **own)
 
 
@@ -429,29 +430,12 @@ def _finite_claims(claims: Mapping[str, Any], at: Mapping[Any, Any]) -> dict[str
     found = {}
     for name, claim in claims.items():
         try:
-            special = replace_in_claims(claim, at)
+            special = replace_symbols(claim, at)
         except DefinitionError:
             continue
         if not any(e.has(sp.zoo, sp.nan, sp.oo, -sp.oo) for e in expressions_of(special)):
             found[name] = special
     return found
-
-
-def _replaced_frame(frame: Frame | None, at: Mapping[Any, Any]) -> Frame | None:
-    if frame is None:
-        return None
-    brackets = None
-    if frame.brackets is not None:
-        brackets = {
-            pair: {c: e.xreplace(at) for c, e in parts.items()}
-            for pair, parts in frame.brackets.items()
-        }
-    return replace(
-        frame,
-        expressions=tuple(e.xreplace(at) for e in frame.expressions),
-        brackets=brackets,
-        rates={q: e.xreplace(at) for q, e in frame.rates.items()},
-    )
 
 
 def _without(scene: Any, names: set[str]) -> Any:

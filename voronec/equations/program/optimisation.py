@@ -23,8 +23,9 @@ import flint
 import symengine as se
 
 from voronec.algebra.factors import irreducible_factors, write_polynomial
+from voronec.algebra.memo import remember
 from voronec.algebra.stages import needed_stages, primitive
-from voronec.algebra.terms import factors_of, summands
+from voronec.algebra.terms import factors_of, rewrite_kinds, summands
 from voronec.equations.program.parts import arguments_of
 from voronec.equations.program.python import compile_program
 from voronec.equations.program.straight import (
@@ -136,13 +137,9 @@ class _SharedParts:
             return next(iter(left))
         return self._name_for(self.products, frozenset(left.items()), left)
 
+    @remember("_read_before")
     def _read(self, expr: Any) -> tuple[Any, Any]:
         """An expression as a number times a name; the name is 1 for numbers."""
-        if expr not in self._read_before:
-            self._read_before[expr] = self._split(expr)
-        return self._read_before[expr]
-
-    def _split(self, expr: Any) -> tuple[Any, Any]:
         if expr.is_Number:
             return expr, ONE
         if isinstance(expr, se.Symbol) or not expr.args:
@@ -300,13 +297,10 @@ WIDEST = 60
 """Sums of more terms are not factored."""
 
 
-Change = Callable[[Any], Any]
-
-
 def _bracket_sums(expr: Any, choice: Any = min) -> Any:
     """An expression whose sums, inner ones first, are nested, or products of the factors that they
     have over Q, functions counted as letters, where that takes fewer operations."""
-    return _rewrite(se.sympify(expr), se.Add, lambda total: _shortest(total, choice), {})
+    return rewrite_kinds(se.sympify(expr), se.Add, lambda total: _shortest(total, choice))
 
 
 def _spread_products(expr: Any) -> Any:
@@ -314,16 +308,7 @@ def _spread_products(expr: Any) -> Any:
 
     Products of two sums stay: written out, their terms may cancel, and digits are lost.
     """
-    return _rewrite(se.sympify(expr), se.Mul, _spread, {})
-
-
-def _rewrite(expr: Any, kind: type, change: Change, memo: dict[Any, Any]) -> Any:
-    if not expr.args or expr.is_Number:
-        return expr
-    if expr not in memo:
-        inner = expr.func(*[_rewrite(a, kind, change, memo) for a in expr.args])
-        memo[expr] = change(inner) if isinstance(inner, kind) else inner
-    return memo[expr]
+    return rewrite_kinds(se.sympify(expr), se.Mul, _spread)
 
 
 def _spread(term: Any) -> Any:
@@ -502,14 +487,9 @@ class _Lifting:
         results = [self.of(se.sympify(r)) for r in block.results]
         return _multiply_late(kept, results, self._still)
 
+    @remember("_memo")
     def of(self, expr: Any) -> Any:
         """An expression with its constants by name."""
-        done = self._memo.get(expr)
-        if done is None:
-            done = self._memo[expr] = self._of(expr)
-        return done
-
-    def _of(self, expr: Any) -> Any:
         if not expr.args or expr.is_Number:
             return expr
         args = [self.of(a) for a in expr.args]

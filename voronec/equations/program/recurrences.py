@@ -25,6 +25,7 @@ import flint
 import symengine as se
 
 from voronec.algebra.cardinal import coefficient
+from voronec.algebra.memo import remember
 from voronec.algebra.numeric_functions import (
     FORMULAS,
     HYPOT,
@@ -67,12 +68,22 @@ class Coefficients:
         else:
             self.still[name] = expr.xreplace(self.still)
 
+    @remember("known")
     def series(self, expr: Any) -> str:
         """The list of an expression that moves."""
-        name = self.known.get(expr)
-        if name is None:
-            name = self.known[expr] = self._make(expr)
-        return name
+        if isinstance(expr, se.Add):
+            return self._sum(expr)
+        if isinstance(expr, se.Mul):
+            return self._product(expr)
+        if isinstance(expr, se.Pow):
+            return self._power(expr)
+        other = rewrite(expr)
+        if other is not None:
+            return self.series(other)
+        name = numeric_name(expr)
+        if name is not None:
+            return self._numeric(name, expr.args)
+        return self._function(expr)
 
     def term(self, expr: Any) -> tuple[str, str]:
         """A right side at order 0 and at order k; a constant has nothing at higher orders."""
@@ -172,21 +183,6 @@ class Coefficients:
             f"{sign} sum(map(mul, {self.weigh(a)}, {f'{g}[k - 1::-1]'}))" for sign, a, g in pairs
         )
         return self.entry(first, f"({inner} >> P)//k")
-
-    def _make(self, expr: Any) -> str:
-        if isinstance(expr, se.Add):
-            return self._sum(expr)
-        if isinstance(expr, se.Mul):
-            return self._product(expr)
-        if isinstance(expr, se.Pow):
-            return self._power(expr)
-        other = rewrite(expr)
-        if other is not None:
-            return self.series(other)
-        name = numeric_name(expr)
-        if name is not None:
-            return self._numeric(name, expr.args)
-        return self._function(expr)
 
     def _sum(self, expr: Any) -> str:
         first, later = [], []

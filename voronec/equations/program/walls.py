@@ -22,6 +22,7 @@ import symengine as se
 from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.generators import TRIGONOMETRIC
 from voronec.algebra.graphs import is_flat, nodes
+from voronec.algebra.memo import remember
 from voronec.algebra.numeric_functions import formula
 from voronec.algebra.ring import Ring
 from voronec.algebra.signs import known_sign
@@ -100,14 +101,9 @@ class Sides:
     _known: dict[Any, Any] = field(default_factory=dict)
     _floors: set[Any] = field(default_factory=set)
 
+    @remember("_known")
     def __call__(self, expr: Any) -> Any:
         """The expression on the sides."""
-        found = self._known.get(expr)
-        if found is None:
-            found = self._known[expr] = self._branch(expr)
-        return found
-
-    def _branch(self, expr: Any) -> Any:
         if not expr.args:
             return expr
         if isinstance(expr, (se.sin, se.cos)):

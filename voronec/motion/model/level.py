@@ -22,7 +22,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import combinations, permutations
 from typing import Any
 
@@ -32,7 +32,7 @@ from symengine.lib.symengine_wrapper import ComplexBase
 
 from voronec.algebra.graphs import nodes
 from voronec.algebra.normal import canonical, shortest
-from voronec.algebra.terms import atoms, factors_of, summands
+from voronec.algebra.terms import atoms, factors_of, rewrite_kinds, summands
 from voronec.algebra.verdicts import all_vanish
 from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.motions import Motions
@@ -527,18 +527,8 @@ def with_positive_denominators(expr: Any, relations: Sequence[Any]) -> Any:
     """An expression with denominators that equal a sum of squares, where ``relations`` vanish,
     written as that sum."""
     expanded = [r for r in map(se.expand, relations) if _constant(r) != 0]
-    return _rewrite(expr, expanded, {}) if expanded else expr
-
-
-def _rewrite(expr: Any, relations: Sequence[Any], done: dict[Any, Any]) -> Any:
-    if not expr.args:
-        return expr
-    if expr not in done:
-        found = expr.func(*[_rewrite(a, relations, done) for a in expr.args])
-        if isinstance(found, se.Mul | se.Pow):
-            found = _divide(found, relations)
-        done[expr] = found
-    return done[expr]
+    change = partial(_divide, relations=expanded)
+    return rewrite_kinds(expr, (se.Mul, se.Pow), change) if expanded else expr
 
 
 def _divide(product: Any, relations: Sequence[Any]) -> Any:

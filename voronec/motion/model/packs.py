@@ -8,13 +8,11 @@ from __future__ import annotations
 
 import os
 import pickle
-import re
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import fields, is_dataclass
-from functools import lru_cache
 from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
@@ -25,16 +23,17 @@ import numpy
 import symengine
 import sympy as sp
 
+from voronec.declaration.source_digest import engine_digest, room_modules
 from voronec.declaration.system import System
-from voronec.declaration.whole_files import make_room, user_cache
+from voronec.declaration.whole_files import keep_file, make_room, user_cache
 
-__all__ = ["Packs", "engine_digest"]
+__all__ = ["Packs"]
 
 T = TypeVar("T")
 FILES = 300
 """So many files stay; those that nobody used for longest give way."""
-IMPORT = re.compile(rb"from voronec\.(\w+)")
-"""No parser: every process that integrates looks for imports."""
+ROOM = "motion"
+"""Where models are made: they rest on all of it, and on what it imports."""
 LIBRARIES = (sp, symengine, flint, numpy)
 DYNAMIC_FIELDS = (
     "fibration", "lagrangian", "constraints", "parameters", "possible", "forces", "frame",
@@ -54,9 +53,13 @@ class Packs:
 
     def __init__(self, system: System, wanted: Any) -> None:
         self._system = system
-        said = _Spelling().of(
-            [engine_digest(), [getattr(system, n) for n in DYNAMIC_FIELDS], wanted]
-        )
+        below = [
+            engine_digest(room_modules(ROOM)),
+            sys.version,
+            *(x.__version__ for x in LIBRARIES),
+        ]
+        declared = [getattr(system, n) for n in DYNAMIC_FIELDS]
+        said = _Spelling().of([below, declared, wanted])
         self._file = user_cache("models") / sha256(said.encode()).hexdigest()[:32]
         self._packed = _read(self._file)
         self._on_disk = {*self._packed}
@@ -89,12 +92,8 @@ class Packs:
         if self._packed.keys() == self._on_disk:
             return
         content = pickle.dumps(self._packed)
-        draft = self._file.with_suffix(f".{os.getpid()}")
-        with suppress(OSError):
-            make_room(self._file.parent, FILES)
-            self._file.parent.mkdir(parents=True, exist_ok=True)
-            draft.write_bytes(sha256(content).hexdigest().encode() + content)
-            draft.replace(self._file)
+        make_room(self._file.parent, FILES)
+        keep_file(self._file, sha256(content).hexdigest().encode() + content)
         self._on_disk = {*self._packed}
 
 
@@ -145,32 +144,6 @@ class _Unpickler(pickle.Unpickler):
     def persistent_load(self, name: str) -> System:
         """The system."""
         return self._system
-
-
-@lru_cache(maxsize=1)
-def engine_digest() -> str:
-    """A digest of the engine as it is, and the versions of what it computes with: of this room, and
-    of those that it imports from, directly or not."""
-    root = str(Path(__file__).parents[2])
-    waiting, rooms, texts = {__name__.split(".")[1]}, set[str](), dict[str, bytes]()
-    while waiting:
-        rooms |= waiting
-        found = {f: Path(f).read_bytes() for room in waiting for f in _files_of(root, room)}
-        texts |= found
-        waiting = {n.decode() for text in found.values() for n in IMPORT.findall(text)} - rooms
-    mark = sha256("\0".join([sys.version, *(x.__version__ for x in LIBRARIES)]).encode())
-    for file in sorted(texts):
-        mark.update(file.removeprefix(root).encode() + b"\0" + texts[file])
-    return mark.hexdigest()
-
-
-def _files_of(root: str, room: str) -> Iterator[str]:
-    """The sources of a room, which is a folder or a file."""
-    place = os.path.join(root, room)
-    if os.path.isfile(place + ".py"):
-        yield place + ".py"
-    for folder, _, files in os.walk(place):
-        yield from (os.path.join(folder, name) for name in files if name.endswith(".py"))
 
 
 class _Spelling:

@@ -29,7 +29,7 @@ from typing import Any
 
 import numpy as np
 
-from voronec.declaration.whole_files import make_room, user_cache
+from voronec.declaration.whole_files import keep_file, make_room, user_cache
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["COMPILER", "kept_function", "kept_library", "sound_source"]
@@ -183,7 +183,4 @@ def _digests(folder: Path) -> dict[str, str]:
 
 
 def _write_list(folder: Path) -> None:
-    draft = folder / f"{LIST}.{os.getpid()}"
-    with suppress(OSError):
-        draft.write_text(json.dumps(_digests(folder)), encoding="utf-8")
-        draft.replace(folder / LIST)
+    keep_file(folder / LIST, json.dumps(_digests(folder)).encode())

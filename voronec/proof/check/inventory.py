@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.arguments import SEVERAL, TEXT, accepts, require
 from voronec.declaration.catalogue import Entry, entries, entry_of, file_entry, registered_entries
+from voronec.declaration.source_digest import closure, digest
+from voronec.declaration.whole_files import Store
 from voronec.errors import DefinitionError, did_you_mean
-from voronec.proof.verdict_store import Store, closure, digest
 
 if TYPE_CHECKING:
     from voronec.declaration.relation import Relation, Square

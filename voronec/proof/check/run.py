@@ -15,11 +15,11 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.arguments import CALLABLE, COUNT, SEVERAL, Kind, accepts
+from voronec.declaration.whole_files import Store
 from voronec.errors import DefinitionError, quote
 from voronec.proof.check.inventory import Inventory, Trouble, names_read
 from voronec.proof.check.record import Finding, Report, Result, mark_as_known
 from voronec.proof.check.unit import Unit, units_of
-from voronec.proof.verdict_store import Store
 
 if TYPE_CHECKING:
     from voronec.declaration.relation import Relation

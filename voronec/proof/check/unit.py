@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from voronec.declaration.catalogue import Entry
+from voronec.declaration.source_digest import closure, digest
 from voronec.proof.check.inventory import Edge, Face, Inventory
-from voronec.proof.verdict_store import closure, digest
 
 __all__ = ["Unit", "units_of"]
 

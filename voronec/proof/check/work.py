@@ -8,12 +8,12 @@ from time import perf_counter
 from voronec.algebra.verdicts import Verdict
 from voronec.declaration.catalogue import Entry
 from voronec.declaration.plugin_files import failure
+from voronec.declaration.source_digest import engine_folder
 from voronec.equations.motions import Motions
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
 from voronec.proof.check.record import Finding, Result
 from voronec.proof.check.unit import Unit
 from voronec.proof.claims import Claim, check_claims
-from voronec.proof.verdict_store import engine_folder
 
 __all__ = ["Derivations", "examine"]
 

@@ -13,6 +13,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.graphs import derivative_at, rebuild
+from voronec.algebra.memo import remember
 from voronec.algebra.terms import subexpressions
 from voronec.errors import DefinitionError, EngineLimit
 
@@ -82,15 +83,11 @@ class Functions:
     def _known(self) -> dict[Any, Any]:
         return {}
 
+    @remember("_known")
     def _fill(self, node: Any) -> Any:
         """An expression with the values of functions in their places, each node once."""
         if not node.args:
             return node
-        if node not in self._known:
-            self._known[node] = self._rebuilt(node)
-        return self._known[node]
-
-    def _rebuilt(self, node: Any) -> Any:
         if isinstance(node, se.Derivative):
             inner, *variables = node.args
             value = self._fill(inner)

@@ -7,7 +7,6 @@ written out without their zeros.
 
 from __future__ import annotations
 
-import ast
 import re
 from collections.abc import Callable
 from functools import partial
@@ -20,7 +19,7 @@ import sympy as sp
 from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, time_fastest, without
 from voronec.accuracy.problem import ProblemLevel, ReferenceProblem, lowest
 from voronec.algebra.text import as_expression
-from voronec.equations.program import Program, python_source
+from voronec.equations.program import Program, scalar_source
 
 __all__ = ["BY_NUMBA", "right_hand_side", "stepper_source", "unroll"]
 
@@ -58,27 +57,19 @@ def _prepare(question: ReferenceProblem, ours: bool) -> Run:
 
 
 def right_hand_side(program: Program) -> Callable[..., None]:
-    """``rhs(t, state, parameters, result)``: our Python source, with results written in place.
+    """``rhs(t, state, parameters, result)``: our source for compilers, results written in place.
 
     numba compiles neither the unpacking of an array nor a fresh list without loss.
     """
-    tree = ast.parse(python_source(program))
-    (function,) = [f for f in tree.body if isinstance(f, ast.FunctionDef) and f.name == "rhs"]
-    function.args.args.append(ast.arg("result"))
-    body: list[str] = []
-    for line in function.body:
-        if isinstance(line, ast.Return) and isinstance(line.value, ast.List):
-            body += [f"result[{i}] = {ast.unparse(e)}" for i, e in enumerate(line.value.elts)]
-        elif isinstance(line, ast.Assign) and isinstance(line.targets[0], ast.Tuple | ast.List):
-            loops = getattr(line.value, "generators", None)  # over an array, for numbers of NumPy
-            source = ast.unparse(loops[0].iter if loops else line.value)
-            names = [ast.unparse(e) for e in line.targets[0].elts]
-            body += [f"{name} = {source}[{i}]" for i, name in enumerate(names)]
-        else:
-            body.append(ast.unparse(line))
-    function.body = ast.parse("\n".join(body)).body
+    places = range(len(program.state))
+    states, results = ("".join(f"{x}[{i}], " for i in places) for x in ("state", "result"))
+    source = re.sub(
+        r"def rhs\(t, (.*), parameters\):",
+        rf"def rhs(t, state, parameters, result):\n    \1, = {states}",
+        scalar_source(program),
+    )
     namespace: dict[str, Any] = {}
-    exec(compile(ast.unparse(ast.fix_missing_locations(tree)), "<voronec rhs>", "exec"), namespace)
+    exec(source.replace("    return (", f"    {results}= ("), namespace)
     found: Callable[..., None] = namespace["rhs"]
     return found
 

@@ -1,6 +1,6 @@
-"""Finished verdicts on disk, as JSON, each under a digest of what it rests on.
+"""What a result rests on, and a digest of it, under which the result may be kept.
 
-A result rests on the file that declares it; on the modules that this one imports, as far as they
+It rests on the file that declares it; on the modules that this one imports, as far as they
 are no installed libraries; on the systems that these load by name; on the modules of the engine
 that decide it, and on those behind the names that the files use, with all that these import; and
 on the libraries that the engine computes with.  Modules are read off the imports: no list is kept.
@@ -9,36 +9,35 @@ on the libraries that the engine computes with.  Modules are read off the import
 from __future__ import annotations
 
 import ast
-import json
 import os
 import re
 import sys
 import sysconfig
 from collections.abc import Iterable, Iterator
-from contextlib import suppress
-from dataclasses import dataclass
 from functools import cache as remembered
 from hashlib import sha256
-from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 from voronec.declaration.catalogue import entry_of, names
-from voronec.declaration.whole_files import make_room, user_cache
+from voronec.declaration.whole_files import Store
 
 __all__ = [
-    "Store",
     "closure",
     "digest",
     "engine_digest",
     "engine_folder",
     "modules_in",
     "platform_text",
+    "room_modules",
 ]
 
 
 LIBRARIES = ("sympy", "symengine", "python-flint", "mpmath", "numpy")
 PACKAGE = "voronec"
+ASIDE = ("systems", "docs")
+"""Folders of a package that is installed which are no engine."""
+ENGINES = 8
+"""Engines whose imports are kept."""
 IMPORT = re.compile(
     rf"^[ \t]*(?:from[ \t]+({PACKAGE}[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n#]*)"
     rf"|import[ \t]+({PACKAGE}[\w.]*)(?:[ \t]+as[ \t]+(\w+))?)",
@@ -49,13 +48,13 @@ ANNOTATION = re.compile(r"^if TYPE_CHECKING:\n(?:[ \t]+[^\n]*\n|\n)+", re.MULTIL
 
 
 def digest(declared: str, files: Iterable[Path], decider: str) -> str:
-    """A digest of a text, of files as they are now, and of the engine as far as ``decider``, the
-    module that decides, and the files rest on it."""
+    """A digest of a text, of files as they are now, of the libraries that the engine computes with,
+    and of the engine as far as ``decider``, the module that decides, and the files rest on it."""
     files = [*files]
     texts = [f.read_bytes() if f.is_file() else b"" for f in files]
     used = {module for text in texts for module in _uses(text)}
-    mark = sha256(engine_digest(frozenset((decider, *used))).encode())
-    mark.update(declared.encode())
+    engine = engine_digest(frozenset((decider, *used)))
+    mark = sha256(f"{platform_text()}\0{engine}\0{declared}".encode())
     for file, text in zip(files, texts, strict=True):
         mark.update(b"\0" + file.name.encode() + b"\0" + text)
     return mark.hexdigest()
@@ -63,44 +62,55 @@ def digest(declared: str, files: Iterable[Path], decider: str) -> str:
 
 @remembered
 def engine_digest(modules: frozenset[str]) -> str:
-    """A digest of modules of the engine, of what they import, and of the libraries below."""
-    mark = sha256(platform_text().encode())
-    for file in _engine_files(modules):
-        mark.update(_digest_of(file))
-    return mark.hexdigest()
+    """A digest of modules of the engine and of all that they import, inside functions too."""
+    engine, waiting, found = _engine(engine_folder()), {*modules}, dict[str, str]()
+    while waiting:
+        module = waiting.pop()
+        if module in engine and module not in found:
+            found[module], imported = engine[module]
+            waiting |= {module.rpartition(".")[0], *imported}
+    return sha256(repr(sorted(found.items())).encode()).hexdigest()
+
+
+def room_modules(room: str) -> frozenset[str]:
+    """The modules in a room of the engine."""
+    return frozenset(m for m in _engine(engine_folder()) if m.startswith(f"{PACKAGE}.{room}."))
 
 
 @remembered
 def platform_text() -> str:
     """The versions of Python and of the libraries that the engine computes with, as one text."""
+    from importlib.metadata import version  # takes long to load, and runs do without
+
     return "\0".join([sys.version, *(f"{name} {version(name)}" for name in LIBRARIES)])
 
 
 @remembered
-def _digest_of(file: Path) -> bytes:
-    """A digest of a module of the engine, with its name."""
-    name = str(file.relative_to(engine_folder())).encode()
-    return sha256(name + b"\0" + file.read_bytes()).digest()
+def _engine(root: Path) -> dict[str, tuple[str, list[str]]]:
+    """Of each module of the engine a digest and what it imports, kept for later processes while the
+    times and sizes of the files stay: to read them takes longer than many a run."""
+    aside = tuple(str(root / folder) for folder in ASIDE)
+    tree = [(place, n) for place, _, names in os.walk(root) for n in names if n.endswith(".py")]
+    files = sorted(os.path.join(*pair) for pair in tree if not pair[0].startswith(aside))
+    state = [(f, (s := os.stat(f)).st_mtime_ns, s.st_size) for f in files]
+    store, key = Store.of_user("engine", ENGINES), sha256(repr(state).encode()).hexdigest()
+    known: dict[str, tuple[str, list[str]]] | None = store.load(key, "modules")
+    if known is None:
+        known = dict(_reading(root, Path(file)) for file in files)
+        store.save(key, "modules", known)
+    return known
 
 
-def _engine_files(modules: Iterable[str]) -> list[Path]:
-    """The files of modules of the engine and of all that they import, inside functions too."""
-    waiting, found = set(modules), dict[str, Path]()
-    while waiting:
-        module = waiting.pop()
-        file = _file_of(module)
-        if module not in found and file is not None:
-            found[module] = file
-            waiting |= _imports_of(file) | {module.rpartition(".")[0]}
-    return sorted(found.values())
-
-
-@remembered
-def _imports_of(file: Path) -> frozenset[str]:
+def _reading(root: Path, file: Path) -> tuple[str, tuple[str, list[str]]]:
+    """The name of a module, a digest of it, and the modules that it imports."""
     text = file.read_text(encoding="utf-8")
+    inner = file.relative_to(root).with_suffix("").parts
+    is_package = inner[-1] == "__init__"
     # a room that imports nothing by itself names under TYPE_CHECKING what it loads on use
-    is_room = file.name == "__init__.py" and file.parent != engine_folder()
-    return frozenset(modules_in(text if is_room else ANNOTATION.sub("", text)))
+    is_room = is_package and len(inner) > 1
+    imported = {*modules_in(text if is_room else ANNOTATION.sub("", text))}
+    name = ".".join((PACKAGE, *inner[: len(inner) - is_package]))
+    return name, (sha256(text.encode()).hexdigest(), sorted(imported))
 
 
 @remembered
@@ -130,15 +140,6 @@ def _homes() -> dict[str, str]:
     """Where the names of the package itself are defined."""
     homes: dict[str, str] = sys.modules[PACKAGE]._HOME
     return homes
-
-
-def _file_of(module: str) -> Path | None:
-    parts = module.split(".")
-    if parts[0] != PACKAGE or parts[1:2] in (["systems"], ["docs"]):
-        return None
-    place = engine_folder().joinpath(*parts[1:])
-    candidates = (place / "__init__.py", place.with_suffix(".py"))
-    return next((c for c in candidates if c.is_file()), None)
 
 
 @remembered
@@ -254,44 +255,3 @@ def _loaded_files(node: ast.Call) -> Iterator[Path]:
             origin = entry_of(name).origin
             if origin is not None:
                 yield origin.resolve()
-
-
-@dataclass(frozen=True)
-class Store:
-    """A folder with one subfolder for each digest; of these the newest ``capacity`` stay.
-
-    A file that is missing or broken is no result.
-    """
-
-    folder: Path
-    capacity: int = 200
-
-    @classmethod
-    def of_user(cls, part: str, capacity: int = 200) -> Store:
-        """The folder ``voronec/part`` among the user's caches."""
-        return cls(user_cache(part), capacity)
-
-    def load(self, key: str, name: str) -> Any:
-        """What was kept, or ``None``."""
-        try:
-            return json.loads(self._file(key, name).read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            return None
-
-    def save(self, key: str, name: str, value: Any) -> None:
-        """Keep a value, whole or not at all; a folder that cannot be written costs only the
-        time of the next run."""
-        file = self._file(key, name)
-        draft = file.with_suffix(f".{os.getpid()}")
-        try:
-            if not file.parent.exists():
-                make_room(self.folder, self.capacity)
-                file.parent.mkdir(parents=True, exist_ok=True)
-            draft.write_text(json.dumps(value), encoding="utf-8")
-            draft.replace(file)
-        except OSError:
-            with suppress(OSError):
-                draft.unlink()
-
-    def _file(self, key: str, name: str) -> Path:
-        return self.folder / key[:24] / f"{name}.json"
