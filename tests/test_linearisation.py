@@ -410,3 +410,20 @@ def test_angles_at_a_state_in_general_keep_a_linearisation_short() -> None:
             for e in (step, -step)]  # fmt: skip
     slope = (ends[0] - ends[1]) / (2 * step)
     assert abs(slope - found.A[6, 3].evalf(20)) < 1e-18 and found.A.evalf()  # not minutes
+
+
+def test_angles_that_stand_in_functions_with_corners_are_put_in_last_as_well() -> None:
+    x, y = sp.symbols("x y")
+    dx, dy = map(vo.velocity, (x, y))
+    stop = -200 * sp.Max(0, sp.Abs(x) - sp.Rational(1, 4)) * sp.sign(x) - sp.sin(x - 3 * y)
+    system = vo.System(
+        name="stop", fibration=vo.Fibration((x, y)), lagrangian=(dx**2 + dy**2) / 2,
+        forces={x: stop, y: dx * sp.cos(x)},
+    )  # fmt: skip
+    eqs = vo.derive(system)
+    for place, wall in (("-613/1000", -200), ("1/7", 0)):
+        found = vo.linearise(eqs, {x: place, y: "219/1000", dx: 1, dy: 0})
+        angle = sp.Rational(place) - sp.Rational(657, 1000)
+        expected = wall - sp.cos(angle), 3 * sp.cos(angle), -sp.sin(sp.Rational(place))
+        entries = found.A[2, 0], found.A[2, 1], found.A[3, 0]
+        assert all(abs(a - b).evalf(30) < 1e-25 for a, b in zip(entries, expected, strict=True))

@@ -13,7 +13,7 @@ derivation writes is zero or a number, so that no derivative of the whole is eve
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -363,13 +363,11 @@ def _about(
     variables = [*own.coordinates, *own.velocities, *inputs]
     mass = [e for row in form.mass for e in row]
     exprs = [*form.rates, *form.force, *mass, *own.relations]
-    # pi/10 is put in at the end: its sine is no root of rational numbers, that of a symbol is easy
-    late = {p: point[p] for p in own.parameters if p in point and not _is_rational(point[p])}
-    if angles_last:  # sin(1/5) and cos(1/7) would be polynomials in functions of 1/35
-        late |= {x: point[x] for x in _angles(exprs) if _is_ratio(point.get(x, 0))}
+    late = _late(own.parameters, _angles(exprs) if angles_last else (), point)
     point = {x: value for x, value in point.items() if x not in late}
     if late:  # corners and infinite values are seen by the values alone
         expand(exprs, variables, {**point, **late})
+        exprs = _beside_corners(exprs, {**point, **late})
     rows = expand(exprs, variables, point)
     k, n, width = len(own.coordinates), len(own.velocities), len(variables)
     table = [rows[k + n + i * n : k + n + (i + 1) * n] for i in range(n)]
@@ -379,8 +377,7 @@ def _about(
     chained = [_chain_slopes(_row(rows[i], width), spread, k) for i in kept]
     chained += [_chain_slopes(row, spread, k) for row in slopes]
     values = [*(rows[i][0] for i in kept), *vdot]
-    flat = _tidy([e for row in chained for e in row] + values, point, own.relations)
-    flat = [_spread(se.sympify(e).xreplace(late)) for e in flat]
+    flat = _tidy([e for row in chained for e in row] + values, point, own.relations, late)
     if any(part in _NOT_FINITE for e in flat for part in (e, *e.args)) or _divides_by_zero(flat):
         raise EngineLimit("the mass matrix is singular there, or a formula divides by zero")
     out = [equations.door.outward(e) for e in flat]
@@ -433,14 +430,38 @@ def _chain_slopes(slopes: Sequence[Any], spread: Sequence[Sequence[Any]], k: int
     return [*along, *slopes[k:]]
 
 
+def _late(
+    parameters: Sequence[Any], angles: Collection[Any], point: Mapping[Any, Any]
+) -> dict[Any, Any]:
+    """Values that are put in at the end.  The sine of pi/10 is no root of rational numbers, that
+    of a symbol is easy; sin(1/5) and cos(1/7) would be polynomials in functions of 1/35."""
+    late = {p: point[p] for p in parameters if p in point and not _is_rational(point[p])}
+    return late | {x: point[x] for x in angles if _is_ratio(point.get(x, 0))}
+
+
 def _angles(exprs: Sequence[Any]) -> set[Any]:
-    """What stands in sines and other smooth functions, and neither in unknown ones, as the time in
-    inputs, nor in such with corners."""
+    """What stands in sines and other smooth functions, and not in unknown ones, as the time in
+    inputs."""
     functions = atoms(exprs, se.Function)
-    rough = {f for f in functions if is_atom(f) or isinstance(f, _CORNERS)}
-    smooth = functions - rough | {*filter(is_exponential, atoms(exprs, se.Pow))}
-    inside, outside = ({s for f in part for s in f.free_symbols} for part in (smooth, rough))
+    unknown = {f for f in functions if is_atom(f)}
+    smooth = functions - unknown | {*filter(is_exponential, atoms(exprs, se.Pow))}
+    inside, outside = ({s for f in part for s in f.free_symbols} for part in (smooth, unknown))
     return inside - outside
+
+
+def _beside_corners(exprs: list[Any], point: Mapping[Any, Any]) -> list[Any]:
+    """Expressions without functions that have a corner or a step elsewhere."""
+    smooth = {}
+    for node in atoms(exprs, *_CORNERS):
+        values = [a.xreplace(point) for a in node.args]
+        if any(v.free_symbols for v in values) or _is_on_step(node, values):
+            continue
+        with suppress(EngineLimit):
+            slopes = _corner(node, values) or {}
+            sides = [slope * node.args[i] for i, slope in slopes.items()]
+            smooth[node] = se.Add(*sides) if sides else node.func(*values)
+    rest = [e.xreplace(smooth) for e in map(se.sympify, exprs)]
+    return rest if rest == exprs else _beside_corners(rest, point)
 
 
 def _holds(form: Any, atom: Any) -> bool:
@@ -506,9 +527,13 @@ def _independent(relations: Sequence[FirstOrder], k: int) -> tuple[list[int], li
     return free, spread
 
 
-def _tidy(exprs: list[Any], point: Mapping[Any, Any], relations: Sequence[Any]) -> list[Any]:
-    """In the shortest form, where that is within the budget; relations as they are at the point."""
+def _tidy(
+    exprs: list[Any], point: Mapping[Any, Any], relations: Sequence[Any], late: Mapping[Any, Any]
+) -> list[Any]:
+    """In the shortest form, where that is within the budget, with the late values in it; relations
+    as they are at the point."""
+    bound = [r for r in (e.xreplace(dict(point)) for e in relations) if r != 0]
     try:
-        return shortest(exprs, [r for r in (e.xreplace(dict(point)) for e in relations) if r != 0])
+        return [_spread(se.sympify(e).xreplace(late)) for e in shortest(exprs, bound)]
     except EngineLimit:
-        return exprs
+        return [se.sympify(e).xreplace(late) for e in exprs]
