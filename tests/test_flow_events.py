@@ -103,6 +103,8 @@ def test_dense_output_is_as_good_as_the_grid(method: str) -> None:
     assert close(traj.at(2.5)["x"], [np.cos(2.5)])
     with pytest.raises(vo.DefinitionError, match="reaches from t = 0 to 10; give times within"):
         traj.at([3.0, 10.5])
+    with pytest.raises(vo.DefinitionError, match="no times are given"):
+        traj.at([])
     with pytest.raises(vo.DefinitionError, match="integrate with dense=True"):
         cosine(method).at(1.0)
     stopped = cosine(method, dense=True, events=vo.Event(x, "zero", stop=True))

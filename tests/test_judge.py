@@ -302,3 +302,12 @@ def test_a_parameter_may_be_called_d(text: str, proved: bool) -> None:
         parameters=(d, J, m1, m2, k),
     )
     assert vo.judge(skate, text).verdict.proved is proved
+
+
+def test_a_steering_angle_may_be_called_delta() -> None:
+    r"""Elsewhere ``\delta x`` is a variation."""
+    x, delta, k1 = sp.symbols("x delta delta1")
+    moving = (vo.velocity(x) ** 2 + vo.velocity(delta) ** 2 - k1 * delta**2) / 2
+    system = vo.System("wheel", vo.Fibration((x, delta)), moving, parameters=(k1,))
+    assert vo.judge(system, r"\ddot\delta\,\dot x = -\delta_1\delta\dot x").proved
+    assert vo.judge(system, "delta'' = -delta1 delta").proved

@@ -246,7 +246,7 @@ def test_relations_are_kept_to_first_order() -> None:
 
 
 def test_refusals_are_one_line() -> None:
-    with pytest.raises(vo.DefinitionError, match="no coordinate, velocity, parameter or input"):
+    with pytest.raises(vo.DefinitionError, match="parameter, input or time"):
         vo.linearise(pendulum(), {"thet": 0})
     with pytest.raises(vo.DefinitionError, match="depends on 'w'"):
         vo.linearise(pendulum()).of("theta")
@@ -403,3 +403,52 @@ def test_an_even_quotient_has_no_corner_in_its_linearisation() -> None:
     force = {X: sp.tanh(X) / X - 1 + 2 * X}
     pushed = vo.System("pushed", vo.Fibration((X,)), dot**2 / 2, forces=force)
     assert sp.Matrix([[0, 1], [2, 0]]) == vo.linearise(vo.derive(pushed), at={X: 0, dot: 0}).A
+
+
+def test_angles_at_a_state_in_general_keep_a_linearisation_short() -> None:
+    """Sines of 1/5, 3/10 and 12/35 as polynomials in those of 1/70 fill pages, or end nowhere."""
+    angles = sp.symbols("x phi y theta psi")
+    x, phi, y, theta, psi = angles
+    d = dict(zip(angles, map(vo.velocity, angles), strict=True))
+    c, s = sp.cos, sp.sin
+    behind = (d[x] + s(theta) * d[theta] / 2 + s(psi) * d[psi],
+              d[y] - c(theta) * d[theta] / 2 - c(psi) * d[psi])  # fmt: skip
+    car = vo.System(
+        name="car-with-a-trailer-hitched-behind-its-axle",
+        fibration=vo.Fibration(base=(x, phi), fibre=(y, theta, psi)),
+        lagrangian=sum(e**2 for e in d.values()) / 2 + behind[0] ** 2 + behind[1] ** 2,
+        constraints=(
+            d[x] * s(theta) - d[y] * c(theta),
+            (d[x] - d[theta] * s(theta)) * s(theta + phi)
+            - (d[y] + d[theta] * c(theta)) * c(theta + phi),
+            behind[0] * s(psi) - behind[1] * c(psi),
+        ),
+        forces={phi: c(3 * vo.time) * s(phi)},
+    )
+    eqs = vo.derive(car)
+    at = {theta: "1/5", phi: "3/10", psi: "-1/7", d[x]: 1, d[phi]: "1/3", vo.time: "7/10"}
+    found = vo.linearise(eqs, at)
+    assert found.A.has(sp.sin) and not found.A.free_symbols
+    step = sp.Rational(1, 10**12)
+    near = {x: 0, y: 0, **at}
+    ends = [eqs.acceleration(near | {theta: sp.Rational(1, 5) + e}, digits=40)[phi]
+            for e in (step, -step)]  # fmt: skip
+    slope = (ends[0] - ends[1]) / (2 * step)
+    assert abs(slope - found.A[6, 3].evalf(20)) < 1e-18 and found.A.evalf()  # not minutes
+
+
+def test_angles_that_stand_in_functions_with_corners_are_put_in_last_as_well() -> None:
+    x, y = sp.symbols("x y")
+    dx, dy = map(vo.velocity, (x, y))
+    stop = -200 * sp.Max(0, sp.Abs(x) - sp.Rational(1, 4)) * sp.sign(x) - sp.sin(x - 3 * y)
+    system = vo.System(
+        name="stop", fibration=vo.Fibration((x, y)), lagrangian=(dx**2 + dy**2) / 2,
+        forces={x: stop, y: dx * sp.cos(x)},
+    )  # fmt: skip
+    eqs = vo.derive(system)
+    for place, wall in (("-613/1000", -200), ("1/7", 0)):
+        found = vo.linearise(eqs, {x: place, y: "219/1000", dx: 1, dy: 0})
+        angle = sp.Rational(place) - sp.Rational(657, 1000)
+        expected = wall - sp.cos(angle), 3 * sp.cos(angle), -sp.sin(sp.Rational(place))
+        entries = found.A[2, 0], found.A[2, 1], found.A[3, 0]
+        assert all(abs(a - b).evalf(30) < 1e-25 for a, b in zip(entries, expected, strict=True))

@@ -250,9 +250,14 @@ class Study:
     @cached_property
     def vocabulary(self) -> LatexVocabulary:
         """What the reader has to know of this dictionary."""
-        heads = {_innermost(self.tree(k)).head for k, v in self.names.items() if callable(v)}
-        plain = {k for k in heads if k in self.table}
-        return LatexVocabulary(self.functions | plain, self.labelled, self.numbered)
+        heads = {k: _innermost(self.tree(k)).head for k in self.names}
+        plain = {heads[k] for k, v in self.names.items() if callable(v)} & self.table.keys()
+        return LatexVocabulary(
+            self.functions | plain,
+            self.labelled,
+            self.numbered,
+            variations="\\delta" not in heads.values(),
+        )
 
     @cached_property
     def spelling(self) -> dict[Any, str]:

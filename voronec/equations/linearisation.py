@@ -13,10 +13,11 @@ derivation writes is zero or a number, so that no derivative of the whole is eve
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import islice, product
 from math import log
 from typing import Any
 
@@ -35,7 +36,7 @@ from voronec.algebra.precision import GENERIC
 from voronec.algebra.rank import independent_rows
 from voronec.algebra.symbols import plain_name, time
 from voronec.algebra.tape import Tape
-from voronec.algebra.terms import atoms
+from voronec.algebra.terms import atoms, expand_short, is_exponential, subexpressions
 from voronec.algebra.typeset import plain_text
 from voronec.declaration.reading import expression, quote
 from voronec.equations.derivation import Derivation
@@ -51,7 +52,10 @@ FirstOrder = tuple[Any, dict[int, Any]]
 
 CHOP = 10
 """Digits below those asked for, from which on a part of an eigenvalue is taken for zero."""
+LONG = 50
+"""A number of so many parts is long."""
 _NOT_FINITE = (se.zoo, se.nan, se.oo)
+_CORNERS = (se.sign, se.Abs, se.floor, se.ceiling, se.Max, se.Min)
 
 
 def expand(
@@ -137,10 +141,9 @@ def _corner(expr: Any, values: Sequence[Any]) -> dict[int, Any] | None:
     """The slopes of a function with corners or steps by its arguments, where these are numbers
     or it has the same slopes on all sides; None for all else.  ``EngineLimit`` at a corner, where
     there are no slopes."""
-    kinds = (se.sign, se.Abs, se.floor, se.ceiling, se.Max, se.Min)
     if isinstance(expr, se.sign | se.floor | se.ceiling) and values[0].free_symbols:
         return {}
-    if not isinstance(expr, kinds) or any(v.free_symbols for v in values):
+    if not isinstance(expr, _CORNERS) or any(v.free_symbols for v in values):
         return None
     sizes = [float(v) for v in values]
     if isinstance(expr, se.Max | se.Min):
@@ -323,23 +326,23 @@ class Linearisation:
 def linearise(equations: DerivedEquations, at: Mapping[Any, Any] | None = None) -> Linearisation:
     """The equations of motion to first order about a point or a motion: exact A and B.
 
-    ``at`` gives, by symbol or name, values of coordinates, velocities of the equations, parameters
-    and inputs: numbers, or formulas in parameters, in ``vo.time`` (a motion) and in whatever is
-    left open.  What is given no value stays a symbol, default values of parameters too.  Relations
-    between redundant coordinates are kept to first order: of them as many go as relations bind, so
-    that the state is minimal.
+    ``at`` gives, by symbol or name, values of coordinates, velocities of the equations, parameters,
+    inputs and the time: numbers, or formulas in parameters, in ``vo.time`` (a motion) and in
+    whatever is left open.  What is given no value stays a symbol, default values of parameters too.
+    Relations between redundant coordinates are kept to first order: of them as many go as relations
+    bind, so that the state is minimal.
 
     Raises ``DefinitionError`` where a name is unknown, where the equations are not defined at the
     point, where it is off a relation, or the mass matrix is singular there.
     """
     inside, read = _point(equations, at or {})
-    reason = ""
-    for write in (list, cardinal_all):  # quotients that have a value at the point, at last
-        for derivation in (equations.raw, equations.best):
-            try:
-                return _about(equations, derivation, inside, read, write)
-            except EngineLimit as limit:
-                reason = reason or str(limit)
+    reason, derivations = "", (equations.raw, equations.best)
+    # quotients that have a value at the point are written as such at last
+    for write, angles_last, derivation in product((list, cardinal_all), (True, False), derivations):
+        try:
+            return _about(equations, derivation, inside, read, write, angles_last)
+        except EngineLimit as limit:
+            reason = reason or str(limit)
     raise DefinitionError(
         f"system '{equations.system.name}' has no linearisation at the point: {reason}; choose "
         "another point, or other coordinates"
@@ -351,18 +354,21 @@ def _point(
 ) -> tuple[dict[Any, Any], dict[str, sp.Expr]]:
     """Values inside the door by what they replace there, and as they were read."""
     system, d = equations.system, equations.definition
-    atoms = {str(x): x for x in (*d.coordinates, *d.velocities, *d.parameters)} | jets(system)
+    clock = se.Symbol(plain_name(time))
+    atoms = {str(x): x for x in (*d.coordinates, *d.velocities, *d.parameters, clock)}
+    atoms |= jets(system)
     inside, read = {}, {}
     for key, value in at.items():
         name = plain_name(key)
         if name not in atoms:
             raise DefinitionError(
                 f"system '{system.name}': '{quote(name)}' at the point is no coordinate, velocity, "
-                f"parameter or input{did_you_mean(name, [*atoms])}"
+                f"parameter, input or time{did_you_mean(name, [*atoms])}"
             )
         read[name] = expression(value, f"the value of '{name}'")
         inside[atoms[name]] = equations.door.inward(read[name])
-    return inside, read
+    now = {clock: inside[clock]} if clock in inside else {}
+    return {x: value.xreplace(now) for x, value in inside.items()}, read
 
 
 def _about(
@@ -371,17 +377,18 @@ def _about(
     point: dict[Any, Any],
     read: dict[str, sp.Expr],
     write: Callable[[Sequence[Any]], list[Any]],
+    angles_last: bool,
 ) -> Linearisation:
     own, form = d.definition, d.form
-    # pi/10 is put in at the end: its sine is no root of rational numbers, that of a symbol is easy
-    late = {p: point[p] for p in own.parameters if p in point and not _is_rational(point[p])}
-    point = {x: value for x, value in point.items() if x not in late}
     inputs = [u for u in jets(equations.system).values() if u in own.inputs or _holds(form, u)]
     variables = [*own.coordinates, *own.velocities, *inputs]
     mass = [e for row in form.mass for e in row]
     exprs = write([*form.rates, *form.force, *mass, *own.relations])
+    late = _late(own.parameters, _angles(exprs) if angles_last else (), point)
+    point = {x: value for x, value in point.items() if x not in late}
     if late:  # corners and infinite values are seen by the values alone
         expand(exprs, variables, {**point, **late})
+        exprs = _beside_corners(exprs, {**point, **late})
     rows = expand(exprs, variables, point)
     k, n, width = len(own.coordinates), len(own.velocities), len(variables)
     table = [rows[k + n + i * n : k + n + (i + 1) * n] for i in range(n)]
@@ -391,8 +398,7 @@ def _about(
     chained = [_chain_slopes(_row(rows[i], width), spread, k) for i in kept]
     chained += [_chain_slopes(row, spread, k) for row in slopes]
     values = [*(rows[i][0] for i in kept), *vdot]
-    flat = _tidy([e for row in chained for e in row] + values, point, own.relations)
-    flat = [se.sympify(e).xreplace(late) for e in flat]
+    flat = _tidy([e for row in chained for e in row] + values, point, own.relations, late)
     if any(part in _NOT_FINITE for e in flat for part in (e, *e.args)) or _divides_by_zero(flat):
         raise EngineLimit("the mass matrix is singular there, or a formula divides by zero")
     out = [equations.door.outward(e) for e in flat]
@@ -407,6 +413,15 @@ def _about(
         B=sp.ImmutableMatrix(full[:, size:]),
         rates=sp.ImmutableMatrix(size, 1, out[len(out) - size :]),
     )
+
+
+def _spread(expr: Any) -> Any:
+    """A long number as a quotient of sums: where terms cancel SymPy evaluates them again, with more
+    digits, so that the time that it takes for nested ones doubles from level to level."""
+    if expr.free_symbols or sum(1 for _ in islice(subexpressions([expr]), LONG)) < LONG:
+        return expr
+    above, below = expr.as_numer_denom()
+    return expand_short(above) / expand_short(below)
 
 
 def _divides_by_zero(exprs: Sequence[Any]) -> bool:
@@ -436,8 +451,46 @@ def _chain_slopes(slopes: Sequence[Any], spread: Sequence[Sequence[Any]], k: int
     return [*along, *slopes[k:]]
 
 
+def _late(
+    parameters: Sequence[Any], angles: Collection[Any], point: Mapping[Any, Any]
+) -> dict[Any, Any]:
+    """Values that are put in at the end.  The sine of pi/10 is no root of rational numbers, that
+    of a symbol is easy; sin(1/5) and cos(1/7) would be polynomials in functions of 1/35."""
+    late = {p: point[p] for p in parameters if p in point and not _is_rational(point[p])}
+    return late | {x: point[x] for x in angles if _is_ratio(point.get(x, 0))}
+
+
+def _angles(exprs: Sequence[Any]) -> set[Any]:
+    """What stands in sines and other smooth functions, and not in unknown ones, as the time in
+    inputs."""
+    functions = atoms(exprs, se.Function)
+    unknown = {f for f in functions if is_atom(f)}
+    smooth = functions - unknown | {*filter(is_exponential, atoms(exprs, se.Pow))}
+    inside, outside = ({s for f in part for s in f.free_symbols} for part in (smooth, unknown))
+    return inside - outside
+
+
+def _beside_corners(exprs: list[Any], point: Mapping[Any, Any]) -> list[Any]:
+    """Expressions without functions that have a corner or a step elsewhere."""
+    smooth = {}
+    for node in atoms(exprs, *_CORNERS):
+        values = [a.xreplace(point) for a in node.args]
+        if any(v.free_symbols for v in values) or _is_on_step(node, values):
+            continue
+        with suppress(EngineLimit):
+            slopes = _corner(node, values) or {}
+            sides = [slope * node.args[i] for i, slope in slopes.items()]
+            smooth[node] = se.Add(*sides) if sides else node.func(*values)
+    rest = [e.xreplace(smooth) for e in map(se.sympify, exprs)]
+    return rest if rest == exprs else _beside_corners(rest, point)
+
+
 def _holds(form: Any, atom: Any) -> bool:
     return atom in atoms(form.expressions, type(atom))
+
+
+def _is_ratio(value: Any) -> bool:
+    return value != 0 and isinstance(value, se.Rational)
 
 
 def _is_rational(value: Any) -> bool:
@@ -495,9 +548,13 @@ def _independent(relations: Sequence[FirstOrder], k: int) -> tuple[list[int], li
     return free, spread
 
 
-def _tidy(exprs: list[Any], point: Mapping[Any, Any], relations: Sequence[Any]) -> list[Any]:
-    """In the shortest form, where that is within the budget; relations as they are at the point."""
+def _tidy(
+    exprs: list[Any], point: Mapping[Any, Any], relations: Sequence[Any], late: Mapping[Any, Any]
+) -> list[Any]:
+    """In the shortest form, where that is within the budget, with the late values in it; relations
+    as they are at the point."""
+    bound = [r for r in (e.xreplace(dict(point)) for e in relations) if r != 0]
     try:
-        return shortest(exprs, [r for r in (e.xreplace(dict(point)) for e in relations) if r != 0])
+        return [_spread(se.sympify(e).xreplace(late)) for e in shortest(exprs, bound)]
     except EngineLimit:
-        return exprs
+        return [se.sympify(e).xreplace(late) for e in exprs]

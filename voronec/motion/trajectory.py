@@ -184,9 +184,11 @@ class Trajectory:
         wanted = np.atleast_1d(instants(times, "times", wide=self.t.dtype == object))
         sound = wanted.ndim == 1 and all(ends[0] <= time <= ends[1] for time in wanted)
         if not sound or not len(wanted):
+            reach = f"from t = {float(ends[0]):.12g} to {float(ends[1]):.12g}"
             raise DefinitionError(
-                f"the trajectory reaches from t = {float(ends[0]):.12g} to {float(ends[1]):.12g}; "
-                "give times within"
+                f"the trajectory reaches {reach}; give times within"
+                if len(wanted)
+                else f"no times are given; give one at least, {reach}"
             )
         return self.within(wanted)
 

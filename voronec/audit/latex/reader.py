@@ -259,7 +259,9 @@ def atom(reader: Reader, token: Token) -> Node:
         return Number(text, at)
     if text == "d" and _starts_name(reader):
         return Differential(reader.factor(), "d", reader.since(token.start))
-    if token.kind in ("letter", "text") or text in FUNCTIONS | GREEK - {"\\delta"}:
+    if text == "\\delta" and reader.vocabulary.variations and reader.peek() not in ("", "_", "^"):
+        return Variation(reader.factor(), reader.since(token.start))
+    if token.kind in ("letter", "text") or text in FUNCTIONS | GREEK:
         return Name(text, at=at)
     if text in ("(", "[", "{"):
         return _group(reader, token)
@@ -349,10 +351,6 @@ def _read_dots(reader: Reader, token: Token) -> Node:
     return Dot(body, order, reader.since(token.start))
 
 
-def _variation(reader: Reader, token: Token) -> Node:
-    return Variation(reader.factor(), reader.since(token.start))
-
-
 def _lone_partial(reader: Reader, token: Token) -> Node:
     return Differential(reader.factor(), "\\partial", reader.since(token.start))
 
@@ -370,7 +368,6 @@ _COMMANDS: dict[str, Callable[[Reader, Token], Node]] = {
     "\\sqrt": root,
     "\\sum": bound,
     "\\int": integral,
-    "\\delta": _variation,
     "\\partial": _lone_partial,
     "\\dot": _read_dots,
     "\\ddot": _read_dots,
