@@ -338,7 +338,8 @@ def linearise(equations: DerivedEquations, at: Mapping[Any, Any] | None = None) 
     inside, read = _point(equations, at or {})
     reason, derivations = "", (equations.raw, equations.best)
     # quotients that have a value at the point are written as such at last
-    for write, angles_last, derivation in product((list, cardinal_all), (True, False), derivations):
+    writers: tuple[Callable[[Sequence[Any]], list[Any]], ...] = (list, cardinal_all)
+    for write, angles_last, derivation in product(writers, (True, False), derivations):
         try:
             return _about(equations, derivation, inside, read, write, angles_last)
         except EngineLimit as limit:
