@@ -87,8 +87,8 @@ def chain(extent: Extent) -> Iterator[Row]:
                 f"{ratio.times()}; {1e3 * ours.median:.3g} / {1e3 * hand.median:.3g} ms; whole "
                 f"call {1e3 * whole.median:.3g} ms",
                 ratio.median <= 1.1,
-                "the same stages, but for sums of products, which numba fuses and the C compiler does "
-                "not; it compiles ten times as fast, and more than such a run gains"
+                "the same stages, but for sums of products, which numba fuses and the C compiler "
+                "does not; it compiles ten times as fast, and more than such a run gains"
                 if method == "c"
                 else "the same stages; some hundredths of a millisecond of a run are spent outside "
                 "them",
