@@ -118,21 +118,12 @@ def _spell_ball(ball: Any) -> str:
 
 
 RELATIONS = {
-    "<": "<",
-    ">": ">",
-    "<=": "<=",
-    ">=": ">=",
-    "!=": "!=",
+    **{relation: relation for relation in ("<", ">", "<=", ">=", "!=")},
     "\\lt": "<",
     "\\gt": ">",
-    "\\le": "<=",
-    "\\leq": "<=",
-    "\\leqslant": "<=",
-    "\\ge": ">=",
-    "\\geq": ">=",
-    "\\geqslant": ">=",
-    "\\ne": "!=",
-    "\\neq": "!=",
+    **dict.fromkeys(("\\le", "\\leq", "\\leqslant"), "<="),
+    **dict.fromkeys(("\\ge", "\\geq", "\\geqslant"), ">="),
+    **dict.fromkeys(("\\ne", "\\neq"), "!="),
 }
 """Relations by their spellings, in LaTeX too."""
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from operator import methodcaller
 from typing import Any
 
 import flint
@@ -24,27 +25,13 @@ from voronec.errors import DefinitionError, EngineLimit, quote
 __all__ = ["Tape", "as_ball"]
 
 _NO_VALUE = flint.arb("nan")
+_ALIKE = "sin cos tan cot asin acos atan sinh cosh tanh coth asinh acosh atanh log floor".split()
 _UNARY: dict[type, Callable[[Any], Any]] = {
-    se.sin: lambda a: a.sin(),
-    se.cos: lambda a: a.cos(),
-    se.tan: lambda a: a.tan(),
-    se.cot: lambda a: a.cot(),
+    **{getattr(se, name): methodcaller(name) for name in _ALIKE},
     se.sec: lambda a: 1 / a.cos(),
     se.csc: lambda a: 1 / a.sin(),
-    se.asin: lambda a: a.asin(),
-    se.acos: lambda a: a.acos(),
-    se.atan: lambda a: a.atan(),
     se.acot: lambda a: (1 / a).atan(),
-    se.sinh: lambda a: a.sinh(),
-    se.cosh: lambda a: a.cosh(),
-    se.tanh: lambda a: a.tanh(),
-    se.coth: lambda a: a.coth(),
-    se.asinh: lambda a: a.asinh(),
-    se.acosh: lambda a: a.acosh(),
-    se.atanh: lambda a: a.atanh(),
-    se.log: lambda a: a.log(),
     se.sign: lambda a: a.sgn() if a.is_finite() else _NO_VALUE,  # nan.sgn() is finite
-    se.floor: lambda a: a.floor(),
 }
 _NUMERIC: dict[str, Callable[..., Any]] = {
     numeric.SINC: lambda a: a.sinc() if a.is_finite() else _NO_VALUE,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from voronec.cli.files import delivery, wanted_folder
 from voronec.cli.output import print_json, progress_line
 from voronec.cli.subject import resolve
-from voronec.cli.values import first_scene, input_values, outputs_of, pair, split_values
+from voronec.cli.values import input_values, outputs_of, pair, split_values
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def execute(arguments: Namespace) -> int:
     parameters, initial = split_values(system, pairs)
     from voronec.motion.explanation import explain, model_text
 
-    scene = arguments.scene or first_scene(system)
+    scene = arguments.scene or system.first_scene
     with progress_line(f"{system.name}: weighing the levels of the equations ..."):
         model = explain(
             system,

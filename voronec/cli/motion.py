@@ -11,7 +11,6 @@ from voronec.cli.files import delivery, wanted_folder
 from voronec.cli.output import print_json, progress, progress_line, warn
 from voronec.cli.subject import resolve
 from voronec.cli.values import (
-    first_scene,
     input_values,
     instants,
     outputs_of,
@@ -41,7 +40,7 @@ def execute(arguments: Namespace) -> int:
     system, _ = resolve(arguments.system)
     folder = wanted_folder(arguments.out or f"{system.name}-run")
     parameters, initial = split_values(system, pairs)
-    scene = arguments.scene or first_scene(system)
+    scene = arguments.scene or system.first_scene
     if arguments.animate:
         from voronec.motion.pictures.rolling_animation import check_film
 

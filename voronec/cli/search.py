@@ -24,16 +24,12 @@ def execute(arguments: Namespace) -> int:
     from voronec.proof.search import searches
 
     system, _ = resolve(arguments.system)
+    plain = ("degree", "positions", "power", "momenta", "again", "limit")
     options = {
-        "degree": arguments.degree,
-        "positions": arguments.positions,
+        **{name: getattr(arguments, name) for name in plain},
         "denominators": [_denominator(text) for text in arguments.denominator],
-        "power": arguments.power,
         "functions": dict(_function(text) for text in arguments.functions),
-        "momenta": arguments.momenta,
         "at": dict(_value(text) for text in arguments.at),
-        "again": arguments.again,
-        "limit": arguments.limit,
     }
     result, stopped = None, False
     try:

@@ -14,7 +14,6 @@ from voronec.cli.output import print_json, progress, progress_line, warn
 from voronec.cli.subject import resolve
 from voronec.cli.values import (
     finite,
-    first_scene,
     input_values,
     outputs_of,
     pair,
@@ -53,7 +52,7 @@ def execute(arguments: Namespace) -> int:
     from voronec.motion.sections import section
 
     with progress_line(f"{system.name}: deriving ..."):
-        scene = arguments.scene or first_scene(system)
+        scene = arguments.scene or system.first_scene
         chosen = system.scenes.get(scene) if scene else None
         driven = drive(system, inputs, chosen)
         equations: Any = driven.equations

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "finite",
-    "first_scene",
     "input_values",
     "instants",
     "outputs_of",
@@ -83,11 +82,6 @@ def instants(text: str | None) -> Any:
     if not math.isfinite(end - start):
         raise DefinitionError(f"--times {text}: no double holds this span; use another unit")
     return np.linspace(start, end, int(count))
-
-
-def first_scene(system: System) -> str | None:
-    """The scene where nobody names one: ``default``, else the first; None where there is none."""
-    return "default" if "default" in system.scenes else next(iter(system.scenes), None)
 
 
 def name_and_value(text: str, option: str, form: str) -> tuple[str, str]:

@@ -7,7 +7,7 @@ from argparse import Namespace
 from voronec.cli.files import delivery, wanted_folder
 from voronec.cli.output import print_json, progress_line
 from voronec.cli.subject import resolve
-from voronec.cli.values import first_scene, input_values, instants, pair, split_values
+from voronec.cli.values import input_values, instants, pair, split_values
 
 __all__ = ["execute"]
 
@@ -23,7 +23,7 @@ def execute(arguments: Namespace) -> int:
     check_shapes(system)
     folder = wanted_folder(arguments.out or ".")
     parameters, initial = split_values(system, pairs)
-    scene = arguments.scene or first_scene(system)
+    scene = arguments.scene or system.first_scene
     everything = (*system.coordinates, *system.velocities)
     with progress_line(f"{system.name}: integrating ..."):
         trajectory = integrate(

@@ -29,19 +29,8 @@ from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["angle", "ball", "compile_expressions", "exact", "precise", "root", "vanishes"]
 
-_METHODS = {
-    sp.sin: "sin",
-    sp.cos: "cos",
-    sp.tan: "tan",
-    sp.asin: "asin",
-    sp.acos: "acos",
-    sp.atan: "atan",
-    sp.exp: "exp",
-    sp.log: "log",
-    sp.sinh: "sinh",
-    sp.cosh: "cosh",
-    sp.tanh: "tanh",
-}
+_NAMES = "sin cos tan asin acos atan exp log sinh cosh tanh".split()
+_METHODS = {getattr(sp, name): name for name in _NAMES}
 
 Function = Callable[[Sequence[Any]], list[Any]]
 """Balls in, balls out."""

@@ -17,6 +17,7 @@ from typing import Any, TypeVar
 import numpy as np
 from flint import arb, ctx
 
+from voronec.algebra.memo import remember
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import precise
 from voronec.closed.inverted_motion import InvertedMotion
@@ -98,7 +99,7 @@ class Winding:
     """The whole turns of the coordinates in space of one motion that is not upright."""
 
     form: InvertedMotion
-    _levels: dict[int, CapPassages] = field(default_factory=dict, repr=False)
+    _levels: dict[int, CapPassages | None] = field(default_factory=dict, repr=False)
 
     @cached_property
     def parts(self) -> FrameProduct:
@@ -121,17 +122,15 @@ class Winding:
         """The two coordinates that wind."""
         return self.parts.longitude, self.parts.third
 
+    @remember("_levels")
     def passages(self, bits: int) -> CapPassages | None:
         """When caps are entered and left; None where the contact stays at one place in space."""
         form, parts = self.form, self.parts
         if form.rests and self._stands:
             return None
-        if bits not in self._levels:
-            self._levels[bits] = (
-                resting_passages(form, parts, bits, self._upper)
-                if form.rests else moving_passages(form, parts, bits)
-            )  # fmt: skip
-        return self._levels[bits]
+        if form.rests:
+            return resting_passages(form, parts, bits, self._upper)
+        return moving_passages(form, parts, bits)
 
     @cached_property
     def _stands(self) -> bool:

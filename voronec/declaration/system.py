@@ -340,6 +340,11 @@ class System:
         return tuple(p.name for p in self.parameters)
 
     @property
+    def first_scene(self) -> str | None:
+        """The scene where nobody names one: ``default``, else the first; None where none is."""
+        return "default" if "default" in self.scenes else next(iter(self.scenes), None)
+
+    @property
     def conditions(self) -> tuple[Any, ...]:
         """What parameters meet, as relations of SymPy's: their ranges, and what is ``possible``."""
         ranges = tuple(c for p in self.parameters for c in p.conditions)

@@ -210,10 +210,6 @@ def _keep_code_in(cache: str) -> None:
         pass
 
 
-def _scene_of(system: Any, name: str) -> str:
-    return name or ("default" if "default" in system.scenes else next(iter(system.scenes)))
-
-
 def _setup(
     subject: str, scene: str, cache: str, values: str, method: str, *outputs: str
 ) -> dict[str, Any]:
@@ -225,7 +221,7 @@ def _setup(
     began = perf_counter()
     system = load(subject)
     loaded = perf_counter() - began
-    chosen = _scene_of(system, scene)
+    chosen = str(scene or system.first_scene)
     start, end = (float(x) for x in system.scenes[chosen].times)
     soon = start + (end - start) / 1000
     began = process_time()
@@ -247,7 +243,7 @@ def _stages(
         from voronec.motion import integrate
 
         system = load(subject)
-        chosen = _scene_of(system, scene)
+        chosen = str(scene or system.first_scene)
         end = float(span) if span else None
         given = {"times": end, "tol": float(tolerance), **json.loads(values)}
         integrate(system, chosen, **given)

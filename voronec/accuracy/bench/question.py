@@ -88,12 +88,9 @@ def _grid(scene: Scene, time: float | None, instants: int) -> np.ndarray:
 
 
 def _scene(system: System, scene: str | None) -> str:
+    scene = system.first_scene if scene is None else scene
     if scene is None:
-        if not system.scenes:
-            raise DefinitionError(
-                f"system '{system.name}' declares no scene to measure; declare one"
-            )
-        return "default" if "default" in system.scenes else next(iter(system.scenes))
+        raise DefinitionError(f"system '{system.name}' declares no scene to measure; declare one")
     if scene not in system.scenes:
         raise DefinitionError(
             f"system '{system.name}' has no scene '{scene}'{did_you_mean(scene, system.scenes)}"

@@ -279,7 +279,7 @@ class _Case:
                 return None  # no more than the sign of a letter
             if len({ORDER[s] for s in chain.relations if s in ORDER}) > 1:
                 return None  # a chain rises or falls
-            if _repeated_terms(chain):
+            if _repeats_term(chain):
                 return None  # x + x is no print of 2x
             if _shared_numbers(chain) - self.shared_numbers:
                 return None  # 2a > 2b is no print of a > b, nor a^2 = b^2 of a = b
@@ -363,10 +363,9 @@ def _cancelling_terms(chain: Chain) -> frozenset[Node]:
     return frozenset(t for s in sums for sign, t in s.terms if (-sign, t) in s.terms)
 
 
-def _repeated_terms(chain: Chain) -> frozenset[Node]:
-    """What a sum adds twice."""
-    sums = [part for part in walk(chain) if isinstance(part, Sum)]
-    return frozenset(t for s in sums for sign, t in s.terms if s.terms.count((sign, t)) > 1)
+def _repeats_term(chain: Chain) -> bool:
+    """Whether a sum adds something twice."""
+    return any(isinstance(s, Sum) and len({*s.terms}) < len(s.terms) for s in walk(chain))
 
 
 def _shared_numbers(chain: Chain) -> frozenset[tuple[str, Node]]:

@@ -79,9 +79,10 @@ def words_of(text: str, spelled: Mapping[str, str]) -> list[Token]:
     bars = [w for w in words if w.text == "|"]
     if len(bars) % 2:
         raise complain(source, bars[-1].start, "this bar has no partner; write |v|", Misprint)
-    for rewrite in (_primes, _stars, _third, _applied_to_time, _quotients):
-        words = rewrite(words)
-    words = _each(_sizes(_each(words, _rate)), _function)
+    words = _stars(_each(words, _primes))
+    for change in (_third, _applied_to_time, _quotients, _rate):
+        words = _each(words, change)
+    words = _each(_sizes(words), _function)
     words = _each(words, _exponent) if plain else words
     words = _own_d(words) if "d" in spelled else _each(words, _ratio)
     _refuse_ambiguous(source, words)
@@ -158,26 +159,21 @@ def _common(word: Token) -> Token:
     return word
 
 
-def _third(words: list[Token]) -> list[Token]:
+def _third(words: list[Token], position: int) -> tuple[int, list[Token]] | None:
     r"""``\dddot x`` is the rate of ``\ddot x``."""
-    found: list[Token] = []
-    for position, word in enumerate(words):
-        if word.text == "\\dddot" and position + 1 < len(words):
-            end = _atom(words, position + 1)
-            inner = [replace(word, text="\\ddot"), *words[position + 1 : end]]
-            found += [replace(word, text="\\dot"), _sign(word, "{"), *inner, _sign(word, "}")]
-            return found + _third(words[end:])
-        found.append(word)
-    return found
+    word = words[position]
+    if word.text != "\\dddot" or position + 1 == len(words):
+        return None
+    end = _atom(words, position + 1)
+    inner = [replace(word, text="\\ddot"), *words[position + 1 : end]]
+    return end, [replace(word, text="\\dot"), _sign(word, "{"), *inner, _sign(word, "}")]
 
 
-def _quotients(words: list[Token]) -> list[Token]:
+def _quotients(words: list[Token], position: int) -> tuple[int, list[Token]] | None:
     r"""``\frac d{dt}``, ``\frac{d}{dt}``: what stands without braces gets them."""
-    found: list[Token] = []
-    for position, word in enumerate(words):
-        bare = word.text in ("d", "\\partial") and position and words[position - 1].text == "\\frac"
-        found += [_sign(word, "{"), word, _sign(word, "}")] if bare else [word]
-    return found
+    word = words[position]
+    bare = word.text in ("d", "\\partial") and position and words[position - 1].text == "\\frac"
+    return (position + 1, [_sign(word, "{"), word, _sign(word, "}")]) if bare else None
 
 
 Change = Callable[[list[Token], int], tuple[int, list[Token]] | None]
@@ -327,23 +323,16 @@ def _parts(text: str, spelled: Mapping[str, str]) -> list[str]:
     return found
 
 
-def _primes(words: list[Token]) -> list[Token]:
+def _primes(words: list[Token], position: int) -> tuple[int, list[Token]] | None:
     r"""``x^{\prime\prime}`` is x'', ``x^\prime`` is x'."""
-    found: list[Token] = []
-    position = 0
-    while position < len(words):
-        end = position + 1
-        braced = [w.text for w in words[position : position + 2]] == ["^", "{"]
-        start = position + 1 + braced
-        while words[position].text == "^" and start < len(words) and words[start].text == "\\prime":
-            found.append(replace(words[start], kind="sign", text="'"))
-            start += 1
-            end = start + braced
-        if end == position + 1:
-            bare = words[position].text == "\\prime"
-            found.append(_sign(words[position], "'") if bare else words[position])
-        position = end
-    return found
+    if words[position].text == "\\prime":
+        return position + 1, [_sign(words[position], "'")]
+    braced = [w.text for w in words[position : position + 2]] == ["^", "{"]
+    start, found = position + 1 + braced, list[Token]()
+    while words[position].text == "^" and start < len(words) and words[start].text == "\\prime":
+        found.append(_sign(words[start], "'"))
+        start += 1
+    return (start + braced, found) if found else None
 
 
 def _stars(words: list[Token]) -> list[Token]:
@@ -359,18 +348,11 @@ def _stars(words: list[Token]) -> list[Token]:
     return found
 
 
-def _applied_to_time(words: list[Token]) -> list[Token]:
+def _applied_to_time(words: list[Token], position: int) -> tuple[int, list[Token]] | None:
     """``x(t)`` is x."""
-    found: list[Token] = []
-    position = 0
-    while position < len(words):
-        texts = [w.text for w in words[position : position + 3]]
-        if texts == ["(", "t", ")"] and found and found[-1].text not in _BREAKS:
-            position += 3
-        else:
-            found.append(words[position])
-            position += 1
-    return found
+    texts = [w.text for w in words[position : position + 3]]
+    applied = texts == ["(", "t", ")"] and position and words[position - 1].text not in _BREAKS
+    return (position + 3, []) if applied else None
 
 
 def _rate(words: list[Token], position: int) -> tuple[int, list[Token]] | None:
