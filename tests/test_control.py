@@ -426,3 +426,33 @@ def test_inputs_that_constraints_take_up_move_nothing() -> None:
     )  # fmt: skip
     found = vo.derive(held).control.accessibility
     assert found.verdict.refuted and found.growth == (0,)
+
+
+def test_wheels_that_turn_as_the_heading_does_are_never_reached_apart() -> None:
+    """A pendulum on two wheels: right - left is the heading times 2 b/R, which brackets of all of
+    the state are too large to say."""
+    names = "x phi theta y left right R b h g push pull"
+    x, phi, theta, y, left, right, R, b, h, g, push, pull = sp.symbols(names)
+    dx, dphi, dtheta, dy, dleft, dright = map(vo.velocity, (x, phi, theta, y, left, right))
+    v, w, p = sp.symbols("v w p")
+    ahead = dx * sp.cos(phi) + dy * sp.sin(phi)
+    lean, side = h * sp.cos(theta) * dtheta + ahead, h * sp.sin(theta) * dphi
+    energy = lean**2 + side**2 + (h * sp.sin(theta) * dtheta) ** 2 + dx**2 + dy**2 + dphi**2
+    robot = vo.System(
+        name="two-wheeled-pendulum",
+        fibration=vo.Fibration(base=(x, phi, theta), fibre=(y, left, right)),
+        frame=vo.Frame.quasi({v: ahead, w: dphi, p: dtheta}),
+        lagrangian=energy / 2 + dleft**2 + dright**2 - g * h * sp.cos(theta),
+        constraints=(
+            dx * sp.sin(phi) - dy * sp.cos(phi),
+            ahead - b * dphi - R * dleft,
+            ahead + b * dphi - R * dright,
+        ),
+        parameters=(R, b, h, g),
+        forces={left: push, right: pull, theta: -push - pull},
+        inputs=(push, pull),
+    )
+    found = vo.derive(robot).control.accessibility
+    assert (
+        found.verdict.refuted and found.growth[-1] == 8 and "5 of their 6" in found.verdict.method
+    )

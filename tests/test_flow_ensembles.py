@@ -212,6 +212,7 @@ def test_the_smallest_model_gives_the_same_as_the_coordinates():
 def test_bad_input_is_refused_in_one_line(oscillator):
     cases = [
         ({"starts": {"x": [1, 2], "xdot": [1, 2, 3]}}, "has 2 entries, where others have 3"),
+        ({"starts": []}, "the list of starts has no entries; give one for each motion"),
         ({"starts": {"z": [1.0]}}, "no initial value 'z'"),
         ({"starts": {"x": []}}, "one-dimensional array"),
         ({"starts": [1.0, 2.0]}, "list of mappings"),

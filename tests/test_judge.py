@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 import sympy as sp
+from sympy.physics.mechanics import dynamicsymbols
 
 import voronec as vo
 
@@ -311,3 +312,15 @@ def test_a_steering_angle_may_be_called_delta() -> None:
     system = vo.System("wheel", vo.Fibration((x, delta)), moving, parameters=(k1,))
     assert vo.judge(system, r"\ddot\delta\,\dot x = -\delta_1\delta\dot x").proved
     assert vo.judge(system, "delta'' = -delta1 delta").proved
+
+
+def test_second_rates_of_inputs_are_the_same_on_both_sides() -> None:
+    """A carriage on a base that somebody moves: x'' + u'' = 0 was refuted, and methods differed."""
+    for x, u in (sp.symbols("x u"), dynamicsymbols("x u")):
+        dx, du = vo.velocity(x), vo.velocity(u)
+        within = vo.System("carriage", vo.Fibration((x,)), (dx + du) ** 2 / 2, inputs=(u,))
+        pushed = {x: -vo.velocity(du)}  # the same, seen from outside
+        beside = vo.System("carriage", vo.Fibration((x,)), dx**2 / 2, forces=pushed, inputs=(u,))
+        for system in (within, beside):
+            assert vo.judge(system, r"\ddot x + \ddot u = 0").proved
+            assert vo.lesson(system).verdict.proved and vo.by_methods(system).proved

@@ -488,3 +488,13 @@ def test_a_new_text_draws_what_the_new_python_file_draws(tmp_path: Path, mechani
         file.write_text(getattr(mechanism, name).replace("@NAME@", "new"), "utf-8")
     one, other = vo.load(tmp_path / "new.py"), vo.load(tmp_path / "new.toml")
     assert one.sketch == other.sketch and one.shapes == other.shapes and len(one.shapes) == 2
+
+
+def test_a_force_may_hold_the_second_rate_of_an_input(tmp_path: Path) -> None:
+    text = (
+        'name = "carriage"\nlagrangian = "xdot^2/2"\ncoordinates = { x = "" }\n'
+        'inputs = { u = "place of the base" }\nforces = { x = "-udotdot" }\n'
+    )
+    system = vo.load(written(tmp_path, text))
+    run = vo.integrate(system, initial={"xdot": 1}, inputs={"u": "sin(t)"}, times=[0, 1])
+    assert abs(run["x"][-1] - float(2 - sp.sin(1))) < 1e-12

@@ -31,7 +31,7 @@ from voronec.algebra.terms import factors_of
 from voronec.algebra.text import as_expression, quote
 from voronec.errors import DefinitionError
 
-__all__ = ["Door"]
+__all__ = ["RATES", "Door"]
 
 
 _FUNCTIONS = {
@@ -52,6 +52,9 @@ _NUMBERS = {
     sp.I: se.I,
     sp.GoldenRatio: (1 + se.sqrt(se.Integer(5))) / 2,
 }
+RATES = 4
+"""Inputs occur with derivatives below this order: the rate of one in a Lagrangian is the least that
+anybody writes, and the equations differentiate twice."""
 
 
 class Door:
@@ -73,11 +76,15 @@ class Door:
                 self._drive(thing)
 
     def _drive(self, thing: sp.Symbol) -> None:
-        """Make a symbol a function of the time, and the symbol of its rate the derivative."""
-        function = se.Function(thing.name)(se.Symbol(time.name))
-        for outside, inside in ((thing, function), (velocity(thing), function.diff(time.name))):
+        """Make a symbol a function of the time, and the symbols of its rates the derivatives: what
+        is derived and goes out has to come in again as the same."""
+        outside, inside = thing, se.Function(thing.name)(se.Symbol(time.name))
+        for order in range(RATES):
+            if order > 1 and plain_name(outside) in self._names:  # somebody's own
+                break
             self._names[plain_name(outside)] = outside
             self._inward[outside], self._outward[inside] = inside, outside
+            outside, inside = velocity(outside), inside.diff(time.name)
 
     def __contains__(self, thing: sp.Expr) -> bool:
         """Whether something was made known, or has come in since."""

@@ -215,6 +215,7 @@ def require_known(
     place: str, expr: sp.Expr, known: Set[sp.Expr], inputs: Set[sp.Expr] = frozenset()
 ) -> None:
     """Refuse an expression that is not made of known symbols, and of derivatives of ``inputs``."""
+    known = known | {velocity(velocity(u)) for u in inputs if isinstance(u, sp.Symbol)}
     names = {n for n in names_in(expr) - known if getattr(n, "expr", n) not in inputs}
     unknown = sorted(names, key=str)
     if not unknown:

@@ -305,11 +305,12 @@ class _Text:
         return self._make(item, Parameter, symbol, **said)
 
     def _forces(self) -> dict[Any, Any]:
-        """Forces may be linear in accelerations, ``xdotdot`` or, of a velocity v, ``vdot``."""
+        """Forces may be linear in accelerations, ``xdotdot`` or, of a velocity v, ``vdot``, and may
+        hold the second rates of inputs."""
         moving = {
             plain_name(velocity(s)): velocity(s)
             for name, s in self.names.items()
-            if self.roles[name].split()[:2] in (["the", "velocity"], ["a", "velocity"])
+            if self.roles[name].startswith(("the velocity", "a velocity", "the rate"))
         }
         found: dict[Any, Any] = {}
         for item in self._table("forces").values():

@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import product
 from typing import Any
 
@@ -79,6 +79,7 @@ class Control:
     inputs: tuple[sp.Expr, ...]
     inner_drift: Vector
     inner_fields: tuple[Vector, ...]
+    equations: DerivedEquations
 
     @property
     def state(self) -> tuple[sp.Expr, ...]:
@@ -132,12 +133,14 @@ class Control:
         while tops and growth[-1] < dimension:
             if Tape([e for field in tops for e in field]).size > NODES:
                 why = f"brackets are too large after dimension {growth[-1]} of {dimension}"
-                return Accessibility(tuple(growth), dimension, Verdict("undecided", why))
+                verdict = self._on_leaves(partial(Verdict, "undecided", why))
+                return Accessibility(tuple(growth), dimension, verdict)
             brackets = [self._bracket(x, y) for x in (drift, *fields) for y in tops]
             made = [b for b in brackets if any(e != 0 for e in b)]
             new = self._independent([*frame, *made])[len(frame) :]
             if not new:
-                return Accessibility(tuple(growth), dimension, self._closure(frame, made))
+                verdict = self._on_leaves(partial(self._closure, frame, made))
+                return Accessibility(tuple(growth), dimension, verdict)
             tops = [made[i - len(frame)] for i in new]
             frame = [*frame, *tops]
             growth.append(len(frame))
@@ -177,6 +180,16 @@ class Control:
         if sp.count_ops(above) > LONGEST:
             return (above,)
         return tuple(f for f, _ in sp.factor_list(above)[1] if not f.is_number)
+
+    def _on_leaves(self, otherwise: Callable[[], Verdict]) -> Verdict:
+        """Refuted, where the constraints alone keep motions from most places, whatever moves them:
+        a few small fields, where those of the state may be too large; else what is said of these.
+        """
+        holds = self.equations.distribution
+        if holds.timed or not holds.closed:
+            return otherwise()
+        places = f"{holds.growth[-1]} of their {holds.dimension} dimensions, in normal form"
+        return Verdict("refuted", f"the constraints keep coordinates on surfaces of {places}")
 
     def _closure(self, frame: Sequence[Vector], brackets: Sequence[Vector]) -> Verdict:
         """That brackets lie in a span which is not everything."""
@@ -506,7 +519,7 @@ def control_form(equations: DerivedEquations) -> Control:
         for k in range(len(letters))
     )
     drift = (*forms.offset[:first], *(row[-1] for row in pushed))
-    return Control(field, system.inputs, drift, fields)
+    return Control(field, system.inputs, drift, fields, equations)
 
 
 FLAT_NODES = 30_000

@@ -12,6 +12,7 @@ from typing import Any
 
 import symengine as se
 
+from voronec.algebra.elimination import solve_linear
 from voronec.algebra.matrices import dot
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import BRACKETS
@@ -20,6 +21,7 @@ from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import decide_zero
 from voronec.equations.connection import EhresmannConnection
 from voronec.equations.definition import Definition
+from voronec.errors import EngineLimit
 
 __all__ = ["Distribution", "grow"]
 
@@ -36,7 +38,8 @@ class Distribution:
     constraints proved to annihilate the closure; ``undecided``: of those that do so in numbers
     only.  ``dimension``: of the space; ``timed``: whether the time is one of its coordinates, as it
     is where the constraints move or are affine.  ``cut``: whether further brackets were too large
-    to be made, so that the growth may go on.
+    to be made, so that the growth may go on.  ``closed``: whether it is proved that the growth ends
+    below the dimension.
     """
 
     growth: tuple[int, ...]
@@ -45,6 +48,7 @@ class Distribution:
     dimension: int
     timed: bool
     cut: bool = False
+    closed: bool = False
 
 
 def grow(definition: Definition, connection: EhresmannConnection) -> Distribution:
@@ -58,7 +62,7 @@ def grow(definition: Definition, connection: EhresmannConnection) -> Distributio
     dimension = space.dimension
     if connection.group is None:
         dimension -= rank_of.relations(connection.coordinates)
-    cut = False
+    cut = closed = False
     while tops and growth[-1] < dimension:
         cut = Tape([e for field in tops for e in field]).size > NODES
         if cut:
@@ -69,8 +73,10 @@ def grow(definition: Definition, connection: EhresmannConnection) -> Distributio
             for j, y in enumerate(tops)
             if len(growth) > 1 or i < j
         ]
-        tops = rank_of.enlarge(frame, [b for b in brackets if any(e != 0 for e in b)])
+        brackets = [b for b in brackets if any(e != 0 for e in b)]
+        tops = rank_of.enlarge(frame, brackets)
         if not tops:
+            closed = _is_spanned(brackets, frame, definition.relations)
             break
         frame += tops
         growth.append(len(frame))
@@ -84,7 +90,19 @@ def grow(definition: Definition, connection: EhresmannConnection) -> Distributio
         dimension=dimension,
         timed=timed,
         cut=cut,
+        closed=closed,
     )
+
+
+def _is_spanned(fields: Sequence[Field], frame: Sequence[Field], relations: Sequence[Any]) -> bool:
+    """Whether normal forms prove that fields are combinations of a frame."""
+    if not fields:
+        return True
+    rows, right = ([list(r) for r in zip(*some, strict=True)] for some in (frame, fields))
+    try:
+        return not solve_linear(rows, right, relations).contradictory
+    except EngineLimit:
+        return False
 
 
 def _integrability(

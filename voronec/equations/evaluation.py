@@ -11,6 +11,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.arguments import require_digits
+from voronec.algebra.door import RATES
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import SHARP
 from voronec.algebra.stable import stable_all
@@ -27,10 +28,6 @@ __all__ = ["acceleration", "check_added_mass", "check_inertia"]
 
 ON_RELATIONS = 1e-9
 """How far a point may lie off the relations between redundant coordinates."""
-
-ORDERS = 4
-"""Inputs may occur with derivatives below this order: the rate of one in a Lagrangian is the least
-that anybody writes, and the equations differentiate twice."""
 
 
 def _named_point(system: System, point: Mapping[Any, Any]) -> dict[str, Any]:
@@ -77,7 +74,7 @@ def jets(system: System) -> dict[str, Any]:
     clock, found = se.Symbol(plain_name(time)), {}
     for u in map(plain_name, system.inputs):
         function = se.Function(u)(clock)
-        for order in range(ORDERS):
+        for order in range(RATES):
             found[u + "dot" * order] = function
             function = function.diff(clock)
     return found

@@ -189,7 +189,9 @@ def spread_starts(
     sizes = {what: len(x) for what, x in lengths.items()}
     count = max(sizes.values(), default=1)
     for what, size in sizes.items():
-        if size != count or not size:
+        if not size:
+            raise DefinitionError(f"the {what} has no entries; give one for each motion")
+        if size != count:
             raise DefinitionError(f"the {what} has {size} entries, where others have {count}")
     if starts is None:
         return [{} for _ in range(count)], {**parameters, **columns}
@@ -482,8 +484,8 @@ class Vocabulary:
             name = self.name(key, [*known, *self.reactions, *self.groups], "output")
             if name not in known:
                 raise DefinitionError(
-                    f"system '{system.name}': '{name}' is no single expression; ask for it as an "
-                    "output of its own"
+                    f"system '{system.name}': '{name}' is no function of the state in one "
+                    "expression, which events and formulas take; ask for it as an output of its own"
                 )
             return name, known[name]
         given = expression(key, f"system '{system.name}': an output")
@@ -537,11 +539,12 @@ def name_values(vocabulary: Vocabulary, given: Mapping[Any, Any], role: str) -> 
 class Event:
     """Where ``function`` passes through zero, or jumps through it.
 
-    ``function`` is a name, a symbol or an expression, as for outputs; ``name`` says how the
-    trajectory calls it (by default as the function reads).  ``direction`` 1 asks for passages where
-    the function grows with time, -1 for those where it falls, 0 for both.  ``stop`` ends the run at
-    the first one.  A zero at the start of the motion is none, nor is one that the function touches
-    without a change of sign; one at the last instant counts, whatever would come after it.
+    ``function`` is a name, a symbol or an expression, as for outputs, but no reaction; ``name``
+    says how the trajectory calls it (by default as the function reads).  ``direction`` 1 asks for
+    passages where the function grows with time, -1 for those where it falls, 0 for both.  ``stop``
+    ends the run at the first one.  A zero at the start of the motion is none, nor is one that the
+    function touches without a change of sign; one at the last instant counts, whatever would come
+    after it.
     Another ``direction`` raises ``DefinitionError``.
     """
 

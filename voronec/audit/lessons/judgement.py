@@ -320,8 +320,8 @@ class Language:
         motion = Motion.of(self.equations)
         rates = dict(motion.rates)
         for u in self.equations.system.inputs:
-            rates |= {u: velocity(u), velocity(u): velocity(velocity(u))}
-        for v in self.equations.velocities:
+            rates |= {u: velocity(u)}
+        for v in (*self.equations.velocities, *self.equations.system.inputs):
             rates |= {velocity(v): velocity(velocity(v)), velocity(velocity(v)): BEYOND}
         return replace(motion, rates=rates)
 
