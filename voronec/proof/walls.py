@@ -106,12 +106,11 @@ def flow_across_walls(verdict: Verdict, field: VectorField, density: Any) -> Ver
         return Verdict("undecided", f"the walls of the field: {limit}")
 
 
-def positive_domain(field: VectorField, exprs: Sequence[Any]) -> list[str]:
+def positive_domain(field: VectorField, exprs: Sequence[Any], known: Sequence[Any]) -> list[str]:
     """What a proof takes for positive in expressions inside the door, in words: bases under letters
-    that may be whole numbers for all that is known."""
-    ways = (field.hypotheses, field.conditions)
-    found = positive_bases(exprs, field.hypotheses)
-    open_ones = [b for b in found if not any(known_sign(b, known) for known in ways)]
+    that may be whole numbers, for all that hypotheses say that are ``known``."""
+    found = positive_bases(exprs, known)
+    open_ones = [b for b in found if not any(known_sign(b, k) for k in (known, field.conditions))]
     return [f"{_show(field.door.outward(b))} > 0" for b in open_ones]
 
 
@@ -199,7 +198,7 @@ class _Ground:
         moving = [b for b in bounds if b.free_symbols & self.variables]
         parts = [function, self.field.derivative(function)] if self.has_letters else [function]
         crossed = (f"{self._write(b)} > 0" for b in moving if self._is_crossed(b))
-        words = dict.fromkeys([*positive_domain(self.field, parts), *crossed])
+        words = dict.fromkeys([*positive_domain(self.field, parts, self.hypotheses), *crossed])
         return replace(proof, domain=", ".join(filter(None, (proof.domain, *words))))
 
     @cached_property

@@ -230,10 +230,11 @@ def _equal(motions: Motions, left: Any, right: Any) -> tuple[Verdict, str]:
 
 def _decide(field: VectorField, sides: list[Any]) -> Verdict:
     """Whether two sides are equal, with what counts as positive in them."""
-    found = decide_equal(*sides, field.hypotheses, pointwise=True)
-    return (
-        replace(found, domain=", ".join(positive_domain(field, sides))) if found.proved else found
-    )
+    left, right = sides
+    found = decide_equal(left, right, field.hypotheses, pointwise=True)
+    if not found.proved:
+        return found
+    return replace(found, domain=", ".join(positive_domain(field, sides, field.hypotheses)))
 
 
 def _places(motions: Motions) -> dict[Any, Any]:
