@@ -270,3 +270,15 @@ def test_names():
     for bad in (sp.sin(x), x + 1, sp.Integer(2)):
         with pytest.raises(DefinitionError, match="is not a symbol"):
             plain_name(bad)
+
+
+def test_signs_of_powers_are_taken_of_their_bases():
+    """symengine recurses without end over sign((-x)**n)."""
+    x, n = sp.symbols("x n")
+    for expr, same in (
+        (sp.sign(sp.sqrt(-x)), sp.sign(-x)),
+        (sp.sign((-x) ** n), sp.sign(-x) ** n),
+        (sp.sign((-x) ** sp.Rational(-1, 3)), 1 / sp.sign(-x)),
+    ):
+        door = Door()
+        assert door.inward(expr) == door.inward(same)

@@ -593,3 +593,9 @@ def test_a_witness_without_variables_ends_with_its_values():
     assert answer.refuted and str(answer.witness).endswith(
         "against 1.00000000000000000000000000000"
     )
+
+
+@pytest.mark.parametrize("function", [sp.exp, lambda u: sp.sqrt(sp.cos(u)), sp.log])
+def test_what_relations_make_imaginary_has_no_value(function):
+    found = prove_equal(function(y), function(sp.sqrt(1 - x**2)), [x - 2])
+    assert found.undecided and "real values" in found.method

@@ -273,6 +273,14 @@ def test_inputs_have_rates(text: str, status: str) -> None:
     assert vo.judge(system, text).verdict.status == status
 
 
+@pytest.mark.parametrize("text", ["(x^2)^{n/2} = x^n", "d/dt(|x|^n) = n x^{n-1} x'"])
+def test_what_counts_as_positive_is_said(text: str) -> None:
+    x, n = sp.symbols("x n")
+    free = vo.System("free", vo.Fibration(x), vo.velocity(x) ** 2 / 2, parameters=(n,))
+    found = vo.judge(free, text)
+    assert found.proved and "  where x > 0\n" in f"{found}"
+
+
 def test_a_letter_of_a_system_is_no_exponent_of_ten():
     x, e = sp.symbols("x e")
     fall = vo.System("fall", vo.Fibration(x), vo.velocity(x) ** 2 / 2 + e * x, parameters=(e,))

@@ -164,8 +164,8 @@ def _cases(a: Any, b: Any, relations: Sequence[Any]) -> Iterator[tuple[Any, Any,
 
 
 def _has_no_value(exprs: Iterable[Any]) -> bool:
-    """Whether something in expressions is infinite, or no number at all."""
-    return any(node in _NO_NUMBERS for node in nodes(exprs))
+    """Whether something in expressions is infinite, not real, or no number at all."""
+    return any(node in _NO_NUMBERS or (node.is_Number and node.is_complex) for node in nodes(exprs))
 
 
 def _whole(hypotheses: Iterable[Any]) -> frozenset[Any]:

@@ -38,7 +38,7 @@ _FUNCTIONS = {
     name: getattr(se, name)
     for name in (
         "sin cos tan cot sec csc asin acos atan acot sinh cosh tanh coth asinh acosh atanh "
-        "log sign floor atan2"
+        "log floor atan2"
     ).split()
 }
 _RECIPROCALS = {"sech": se.cosh, "csch": se.sinh}
@@ -152,6 +152,8 @@ class Door:
             return self._substitution(expr.expr, expr.variables, expr.point)
         if isinstance(expr, sp.Abs):  # as a root it is differentiated and reduced
             return _size(self._enter(expr.args[0]))
+        if isinstance(expr, sp.sign):
+            return _sign(self._enter(expr.args[0]))
         if isinstance(expr, sp.sinc):
             return se.sin(self._enter(expr.args[0])) / self._enter(expr.args[0])
         return self._function(expr)
@@ -283,6 +285,17 @@ def _size(inner: Any) -> Any:
     roots = [f for f in factors if isinstance(f, se.Pow) and _is_even_root(f.args[1])]
     rest = se.Mul(*[f for f in factors if f not in roots])
     return se.Mul(*roots, se.sqrt(rest**2))
+
+
+def _sign(inner: Any) -> Any:
+    """The sign of a number; of a power that of its base, since symengine recurses without end over
+    sign((-x)**n)."""
+    if not isinstance(inner, se.Pow) or inner.args[0] == se.E:
+        return se.sign(inner)
+    base, exponent = inner.args
+    if isinstance(exponent, se.Rational) and not isinstance(exponent, se.Integer):
+        return _sign(base) if exponent > 0 else 1 / _sign(base)
+    return _sign(base) ** exponent
 
 
 def _is_even_root(exponent: Any) -> bool:

@@ -43,7 +43,7 @@ from voronec.algebra.verdicts import Verdict, witness_at
 from voronec.equations.vector_field import VectorField
 from voronec.errors import DefinitionError, EngineLimit, quote
 
-__all__ = ["across_walls", "flow_across_walls"]
+__all__ = ["across_walls", "flow_across_walls", "positive_domain"]
 
 _SEEDS = 96
 """How many states are looked for on a wall, at most: a piece of it may be a sixteenth of all."""
@@ -104,6 +104,14 @@ def flow_across_walls(verdict: Verdict, field: VectorField, density: Any) -> Ver
         return _Ground(field, moving, False, False).verdict_on_flow(density, verdict)
     except EngineLimit as limit:
         return Verdict("undecided", f"the walls of the field: {limit}")
+
+
+def positive_domain(field: VectorField, exprs: Sequence[Any], known: Sequence[Any]) -> list[str]:
+    """What a proof takes for positive in expressions inside the door, in words: bases under letters
+    that may be whole numbers, for all that hypotheses say that are ``known``."""
+    found = positive_bases(exprs, known)
+    open_ones = [b for b in found if not any(known_sign(b, k) for k in (known, field.conditions))]
+    return [f"{_show(field.door.outward(b))} > 0" for b in open_ones]
 
 
 def _join_proofs(verdict: Verdict, found: Sequence[Verdict]) -> Verdict:
@@ -188,22 +196,15 @@ class _Ground:
         if bounds and not sample_evaluable(Tape([function]), self.hypotheses, count=1):
             return Verdict("undecided", "no state was found at which it has a real value")
         moving = [b for b in bounds if b.free_symbols & self.variables]
-        found = [*self._positive_bases(function), *filter(self._is_crossed, moving)]
-        words = dict.fromkeys(f"{self._write(b)} > 0" for b in found)
+        parts = [function, self.field.derivative(function)] if self.has_letters else [function]
+        crossed = (f"{self._write(b)} > 0" for b in moving if self._is_crossed(b))
+        words = dict.fromkeys([*positive_domain(self.field, parts, self.hypotheses), *crossed])
         return replace(proof, domain=", ".join(filter(None, (proof.domain, *words))))
 
     @cached_property
     def has_letters(self) -> bool:
         """Whether the field holds powers of what letters above it say to be positive."""
         return bool(positive_bases(self.field.entries, self.hypotheses))
-
-    def _positive_bases(self, function: Any) -> list[Any]:
-        """What a proof takes for positive in a function and in its rate, since letters that may
-        be whole numbers for all that is known stand above it."""
-        parts, known = [function], self.hypotheses
-        if self.has_letters:
-            parts.append(self.field.derivative(function))
-        return [b for b in positive_bases(parts, known) if not self._has_sign(b)]
 
     def _is_crossed(self, bound: Any) -> bool:
         """Whether a function is negative at some state at which the inertia is positive."""

@@ -40,9 +40,11 @@ from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
 from voronec.audit.study import Motion, Study, name_or_nothing
 from voronec.declaration.system import System
 from voronec.equations.motions import Motions
+from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.proof.claims import decide_integral
+from voronec.proof.walls import positive_domain
 
 __all__ = ["CONSTANT", "Judgement", "Language", "judge"]
 
@@ -219,12 +221,20 @@ def _equal(motions: Motions, left: Any, right: Any) -> tuple[Verdict, str]:
     field, places = motions.on_coordinates, _places(motions)  # accelerations known to the door
     inside = [field.door.inward(side) for side in (left, right)]
     free = [field.express(side) for side in inside]
-    found = decide_equal(free[0], free[1], field.hypotheses, pointwise=True)
+    found = _decide(field, free)
     moving = {symbol for side in free for symbol in side.free_symbols} & places.keys()
     if found.proved or not moving:
         return found, "constraints"
-    along = [side.xreplace(places) for side in free]
-    return decide_equal(along[0], along[1], field.hypotheses, pointwise=True), "motion"
+    return _decide(field, [side.xreplace(places) for side in free]), "motion"
+
+
+def _decide(field: VectorField, sides: list[Any]) -> Verdict:
+    """Whether two sides are equal, with what counts as positive in them."""
+    left, right = sides
+    found = decide_equal(left, right, field.hypotheses, pointwise=True)
+    if not found.proved:
+        return found
+    return replace(found, domain=", ".join(positive_domain(field, sides, field.hypotheses)))
 
 
 def _places(motions: Motions) -> dict[Any, Any]:
@@ -244,7 +254,7 @@ def _constant(motions: Motions, value: Any) -> Verdict:
     if inside.free_symbols.isdisjoint(places):
         return decide_integral(motions, value).verdict
     rate = field.derivative(field.express(inside).xreplace(places))
-    return decide_equal(rate, 0, field.hypotheses, pointwise=True)
+    return _decide(field, [rate, se.Integer(0)])
 
 
 def _accelerations(equations: VoronecEquations, sides: list[Any]) -> dict[Any, Any]:
