@@ -10,7 +10,13 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.closed.special import elementary, linear_matrix, precessions, remarkable
+from voronec.closed.special import (
+    elementary,
+    linear_matrix,
+    precessions,
+    pseudo_regular,
+    remarkable,
+)
 from voronec.closed.special.precessions import upright
 
 pytestmark = pytest.mark.slow
@@ -277,3 +283,21 @@ def test_the_ordinary_ball_moves_by_sines(demchenko):
 
     grown = (swung(phase[-1]) - swung(phase[0])) * (1 if falling else -1)
     assert abs(grown - (v[-1] - v[0])) < 1e-9
+
+
+def test_parameters_that_are_put_in_are_those_of_stability_and_scenes(demchenko):
+    whole = precessions(demchenko)
+    for put in (INNER, {"R1": -3 * sp.Symbol("R2"), "A": 2 * sp.Symbol("M") / 5}):
+        own = precessions(demchenko, put)
+        for place, rate in ((0, 3), (R(1, 2), -1)):
+            assert own.stability(place, rate) == whole.stability(place, rate, INNER)
+            assert own.scene(place, rate).initial == whole.scene(place, rate, INNER).initial
+    with pytest.raises(vo.DefinitionError, match="'k' = 4, but the precessions were made with 3"):
+        precessions(demchenko, INNER).stability(0, 3, {"k": 4})
+
+
+def test_expansions_for_a_fast_gyroscope_are_refused_for_a_negative_one(demchenko):
+    expansions = pseudo_regular(demchenko, "k", 1)
+    start = {"x": R(3, 5), "s": R(1, 2), "tau": R(1, 3), "n": R(1, 5)}
+    with pytest.raises(vo.DefinitionError, match="'k' = -50: expansions hold for positive"):
+        expansions.at(start, {"k": -50})

@@ -176,6 +176,10 @@ class PseudoRegular:
             )
         values |= given
         k = values[self.large]
+        if not k > 0:
+            raise DefinitionError(
+                f"'{self.large}' = {k}: expansions hold for positive values; turn the axis round"
+            )
 
         def sum_series(series: tuple[sp.Expr, ...]) -> float:
             kept = series[:terms]
