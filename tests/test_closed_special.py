@@ -297,7 +297,10 @@ def test_parameters_that_are_put_in_are_those_of_stability_and_scenes(demchenko)
 
 
 def test_expansions_for_a_fast_gyroscope_are_refused_for_a_negative_one(demchenko):
-    expansions = pseudo_regular(demchenko, "k", 1)
     start = {"x": R(3, 5), "s": R(1, 2), "tau": R(1, 3), "n": R(1, 5)}
+    body = {name: value for name, value in INNER.items() if name != "k"}
+    expansions = pseudo_regular(demchenko, "k", 1, body, start)
     with pytest.raises(vo.DefinitionError, match="'k' = -50: expansions hold for positive"):
         expansions.at(start, {"k": -50})
+    with pytest.raises(vo.EngineLimit, match="give the other parameters numbers"):
+        pseudo_regular(demchenko, "k")
