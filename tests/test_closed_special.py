@@ -304,3 +304,17 @@ def test_expansions_for_a_fast_gyroscope_are_refused_for_a_negative_one(demchenk
         expansions.at(start, {"k": -50})
     with pytest.raises(vo.EngineLimit, match="give the other parameters numbers"):
         pseudo_regular(demchenko, "k")
+
+
+def test_precessions_in_a_time_of_their_own_have_velocities_by_that_of_the_system():
+    ball = vo.load("bobylev-ball")
+    body = {"m": 1, "R": 1, "A": R(2, 5), "C": R(3, 5), "k": R(1, 2)}
+    family = precessions(ball, body)
+    z, upward = R(1, 5), R(1, 5) / (1 - R(5, 64) / 25)  # cos(u) = z/(1 - beta z^2)
+    place = {sp.Symbol("u"): sp.acos(upward), sp.Symbol("v"): 0}
+    at = {family.place: z, family.rate: R(1, 2), sp.Symbol("theta"): 0}
+    start = {str(q): e.subs({**place, **at}) for q, e in family.state.items()}
+    form = vo.closed_form(ball, parameters=body, initial={"u": sp.acos(upward), **start})
+    low, high = form.ends
+    assert high - low < 1e-12
+    assert float(family.frequency.subs(at)) == pytest.approx(0.496884735, abs=1e-9)

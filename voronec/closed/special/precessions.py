@@ -136,7 +136,7 @@ class Precessions:
 
     place, rate
         the symbols x and w, the two parameters of the family: the constant value of the variable,
-        and the rate of the angle ``turning``.
+        and the rate of the angle ``turning`` by the time of the quartic.
     constants
         constant of the motion -> its value.
     state
@@ -341,9 +341,9 @@ def precessions(system: System, parameters: Mapping[Any, Any] | None = None) -> 
 
 def _at_rest(family: Precessions, value: sp.Expr) -> sp.Expr:
     """The same where angles turn at their rates and the colatitude is constant."""
-    turning = {velocity(q): e for q, e in family.quadratures.integrals.items()}
-    meaning = family.quadratures.meaning
-    still = {velocity(q): sp.S.Zero for q in meaning.free_symbols}
+    own = family.quadratures
+    turning = {velocity(q): e / own.clock for q, e in own.integrals.items()}
+    still = {velocity(q): sp.S.Zero for q in own.meaning.free_symbols}
     return family.at_colatitude(value.xreplace({**turning, **still}))
 
 
