@@ -224,3 +224,20 @@ def test_what_cannot_be_had_is_refused_in_words_of_its_own(system):
         vo.closed_form(system, initial={"u": 1, "u1": sp.Symbol("u")})
     with pytest.raises(vo.EngineLimit, match="digits = 20000 is more than 9830; ask for fewer"):
         vo.closed_form(system).enclose(1, 20000)
+
+
+@pytest.mark.parametrize("power", [6, 12, 15, 30])
+def test_angles_that_turn_fast_in_a_long_period_keep_their_digits(system, power):
+    """The quartic is nearly zero everywhere: x needs 10^power seconds for what v does in one."""
+    body = {"R1": -R(4, 3), "A": R(1, 48), "k": 1}
+    start = {"u": sp.pi / 2, "s": R(12, 7), "tau": R(1, 10**power), "theta": R(1, 2), "u1": 1}
+    form = vo.closed_form(system, parameters=body, initial=start)
+    if power == 30:
+        with pytest.raises(vo.EngineLimit, match=r"grows by 1\.08e\+31 in a period"):
+            form.modulo([5])
+        return
+    assert meets(form, 5)
+    assert form.at([5], ["v"])["v"][0] == pytest.approx(240 / 7, abs=1e-12)
+    if power == 15:
+        with pytest.raises(vo.EngineLimit, match="too many turns between passages of poles"):
+            form.at([5])

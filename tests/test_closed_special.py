@@ -10,7 +10,13 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.closed.special import elementary, linear_matrix, precessions, remarkable
+from voronec.closed.special import (
+    elementary,
+    linear_matrix,
+    precessions,
+    pseudo_regular,
+    remarkable,
+)
 from voronec.closed.special.precessions import upright
 
 pytestmark = pytest.mark.slow
@@ -277,3 +283,38 @@ def test_the_ordinary_ball_moves_by_sines(demchenko):
 
     grown = (swung(phase[-1]) - swung(phase[0])) * (1 if falling else -1)
     assert abs(grown - (v[-1] - v[0])) < 1e-9
+
+
+def test_parameters_that_are_put_in_are_those_of_stability_and_scenes(demchenko):
+    whole = precessions(demchenko)
+    for put in (INNER, {"R1": -3 * sp.Symbol("R2"), "A": 2 * sp.Symbol("M") / 5}):
+        own = precessions(demchenko, put)
+        for place, rate in ((0, 3), (R(1, 2), -1)):
+            assert own.stability(place, rate) == whole.stability(place, rate, INNER)
+            assert own.scene(place, rate).initial == whole.scene(place, rate, INNER).initial
+    with pytest.raises(vo.DefinitionError, match="'k' = 4, but the precessions were made with 3"):
+        precessions(demchenko, INNER).stability(0, 3, {"k": 4})
+
+
+def test_expansions_for_a_fast_gyroscope_are_refused_for_a_negative_one(demchenko):
+    start = {"x": R(3, 5), "s": R(1, 2), "tau": R(1, 3), "n": R(1, 5)}
+    body = {name: value for name, value in INNER.items() if name != "k"}
+    expansions = pseudo_regular(demchenko, "k", 1, body, start)
+    with pytest.raises(vo.DefinitionError, match="'k' = -50: expansions hold for positive"):
+        expansions.at(start, {"k": -50})
+    with pytest.raises(vo.EngineLimit, match="give the other parameters numbers"):
+        pseudo_regular(demchenko, "k")
+
+
+def test_precessions_in_a_time_of_their_own_have_velocities_by_that_of_the_system():
+    ball = vo.load("bobylev-ball")
+    body = {"m": 1, "R": 1, "A": R(2, 5), "C": R(3, 5), "k": R(1, 2)}
+    family = precessions(ball, body)
+    z, upward = R(1, 5), R(1, 5) / (1 - R(5, 64) / 25)  # cos(u) = z/(1 - beta z^2)
+    place = {sp.Symbol("u"): sp.acos(upward), sp.Symbol("v"): 0}
+    at = {family.place: z, family.rate: R(1, 2), sp.Symbol("theta"): 0}
+    start = {str(q): e.subs({**place, **at}) for q, e in family.state.items()}
+    form = vo.closed_form(ball, parameters=body, initial={"u": sp.acos(upward), **start})
+    low, high = form.ends
+    assert high - low < 1e-12
+    assert float(family.frequency.subs(at)) == pytest.approx(0.496884735, abs=1e-9)

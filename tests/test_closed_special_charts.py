@@ -213,3 +213,9 @@ def test_the_first_terms_are_the_harmonic_nutation(demchenko):
 def test_an_unknown_start_is_refused(demchenko):
     with pytest.raises(vo.DefinitionError, match="a start has no 'z'"):
         pseudo_regular(demchenko, "k", start={"z": 1})
+
+
+def test_a_pole_at_which_no_velocities_are_left_is_no_motion(demchenko):
+    levels = bifurcation_set(demchenko, ("C5", "h2"), {"S0": 1}, {"R1": -3})
+    # at x = -1 the quartic is zero, and P (s^2 + tau^2) = h2 - 5/2
+    assert [levels.motions(-1, Fraction(h2, 10)) for h2 in (9, 25, 40)] == [0, 1, 1]

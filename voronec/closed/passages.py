@@ -22,6 +22,7 @@ from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.space import FrameProduct, product, rotation_to, times, transpose
 from voronec.elliptic.roots import OpenDecision
 from voronec.elliptic.theta_balls import moment_of
+from voronec.errors import EngineLimit
 
 __all__ = [
     "MOST_BITS",
@@ -104,6 +105,8 @@ BITS = 64
 """Of the fraction of a phase: whole numbers of them wrap around by themselves."""
 SPARSE = 2000
 """So many periods are looked at, one after the other, in the time that one sum over them takes."""
+MOST_TURNS = 1 << 46
+"""In a period: so many leave doubles the digits that tell whole turns."""
 CHUNK = 1 << 20
 """Periods that are looked at at once."""
 
@@ -210,6 +213,11 @@ def _floors(passage: CapPassage, level: CapPassages, kinds: np.ndarray, winding:
     (first, start), (step, rise) = (
         divmod(scale_to_integers(value, BITS)[0], one) for value in (passage.phase, level.advance)
     )
+    if max(abs(first), abs(step)) > MOST_TURNS:
+        raise EngineLimit(
+            "angles make too many turns between passages of poles to be counted in doubles; "
+            "ask for them modulo a turn, or enclose one instant"
+        )
     fraction = np.uint64(start) + kinds.astype(np.uint64) * np.uint64(rise)
     carried = (start + kinds * float(rise)) / one - fraction / one
     found = first + kinds * step + np.rint(carried).astype(np.int64)

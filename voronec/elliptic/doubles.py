@@ -53,6 +53,8 @@ __all__ = [
 
 
 BITS = 320
+SWIFTEST = 2.0**58
+"""Radians in half a period, of which two doubles leave all digits of an angle."""
 NOTHING = 1e-25
 """A factor of an angle that is none: what rounding leaves of 0."""
 LONG = 60.0
@@ -140,6 +142,11 @@ class Doubles:
             reach = latest + abs(float(constants.turn.mid()))
             if half is not None and constants.advances is not None:
                 gained = constants.advances[number] / 2
+                if abs(gained) > SWIFTEST:
+                    raise EngineLimit(
+                        f"an angle or a place grows by {float(2 * gained):.3g} in a period, which "
+                        "doubles do not hold; enclose one instant instead"
+                    )
                 mean, reach = gained / half, float(half.mid()) / 2
                 first, second = advance(gained, reduction)
                 whole = turns(gained, reduction)

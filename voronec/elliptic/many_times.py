@@ -267,6 +267,15 @@ class TimeStretch:
 
     def integral(self, number: int, start: float = 0.0) -> np.ndarray:
         """An integral along the motion, ``start`` at t = 0 and continuous."""
+        value = self._sum(number, start)
+        if self.courses[number].exact:
+            # far from a turning point large terms cancel: they tell whole turns, and no more
+            small = self.modulo(number, start)
+            value = small + TURN * np.rint((value - small) / TURN)
+        return value
+
+    def _sum(self, number: int, start: float) -> np.ndarray:
+        """The sum of its terms, wrong by the last digits of the largest."""
         course = self.courses[number]
         count, rest = self.arguments.phase_reduction
         periodic = self._periodic(number)
@@ -508,7 +517,7 @@ def _make_model(doubles: Doubles, latest: float) -> TimeStretch:
         )
         found = []
         for number in range(len(here.courses)):
-            radians = _quietly(partial(TimeStretch.integral, number=number), start)
+            radians = _quietly(partial(TimeStretch._sum, number=number, start=0.0), start)
             turned = _quietly(partial(TimeStretch.modulo, number=number), start)
             found.append((float(radians[0]), float(turned[0]) / TURN))
         doubles.origins[:] = found

@@ -77,7 +77,8 @@ class BifurcationSet:
     def motions(self, first: Any, second: Any) -> int:
         """How many motions there are on a level: intervals of [-1, 1] in which f >= 0.
 
-        A single point counts as one; decided exactly.
+        A single point counts as one, but not a simple root at a pole with f < 0 beside it: there
+        the squares of the velocities would be negative.  Decided exactly.
         """
         at = dict(zip(self.plane, (exact(first), exact(second)), strict=True))
         f = sp.Poly(self.quartic.xreplace(at), self.variable)
@@ -87,8 +88,10 @@ class BifurcationSet:
         edges = [sp.Integer(-1), *[e for r in roots for e in r], sp.Integer(1)]
         gaps = list(zip(edges[::2], edges[1::2], strict=True))
         positive = [bool(a < b and f.eval((a + b) / 2) > 0) for a, b in gaps]
+        slope = f.diff()
+        empty = sum(bool(f.eval(x) == 0 and x * slope.eval(x) > 0) for x in (-1, 1))
         # a root begins a motion where f is not positive before it
-        return sum(1 for i in range(len(roots)) if not positive[i]) + int(positive[0])
+        return sum(1 for i in range(len(roots)) if not positive[i]) + int(positive[0]) - empty
 
 
 def bifurcation_set(

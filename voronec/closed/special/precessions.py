@@ -27,6 +27,7 @@ from voronec.algebra.normal import shorten
 from voronec.algebra.symbols import velocity
 from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import Verdict, prove_equal
+from voronec.closed.arithmetic import exact
 from voronec.closed.problem import known_parameters, number, quadratures_of, read_parameters
 from voronec.closed.space import turned_upright
 from voronec.closed.special.stability import Stability, decide_stability
@@ -135,7 +136,7 @@ class Precessions:
 
     place, rate
         the symbols x and w, the two parameters of the family: the constant value of the variable,
-        and the rate of the angle ``turning``.
+        and the rate of the angle ``turning`` by the time of the quartic.
     constants
         constant of the motion -> its value.
     state
@@ -244,9 +245,20 @@ class Precessions:
     def numbers(self, place: Any, rate: Any, parameters: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
         """Exact values of everything that the family depends on: x, w and all parameters.
 
-        Raises ``DefinitionError`` unless -1 < ``place`` < 1, and for a parameter without a value.
+        Raises ``DefinitionError`` unless -1 < ``place`` < 1, and for a parameter without a value
+        or with another one than was put in.
         """
-        known = known_parameters(self.system, parameters)
+        given = read_parameters(self.system, parameters)
+        free = {p.symbol: given.get(p.symbol, p.value) for p in self.system.parameters}
+        told = {s: exact(v) for s, v in free.items() if v is not None and s not in self.values}
+        fixed = {s: value.xreplace(told) for s, value in self.values.items()}
+        for symbol, value in fixed.items():
+            if given.get(symbol, value) != value:
+                raise DefinitionError(
+                    f"parameter '{symbol}' = {given[symbol]}, but the precessions were made with "
+                    f"{value}; make them with the other value, or without one"
+                )
+        known = known_parameters(self.system, {**given, **fixed})
         given = {self.place: number(place, "x"), self.rate: number(rate, str(self.rate))}
         if not (-1 < given[self.place] < 1):
             raise DefinitionError(
@@ -329,9 +341,9 @@ def precessions(system: System, parameters: Mapping[Any, Any] | None = None) -> 
 
 def _at_rest(family: Precessions, value: sp.Expr) -> sp.Expr:
     """The same where angles turn at their rates and the colatitude is constant."""
-    turning = {velocity(q): e for q, e in family.quadratures.integrals.items()}
-    meaning = family.quadratures.meaning
-    still = {velocity(q): sp.S.Zero for q in meaning.free_symbols}
+    own = family.quadratures
+    turning = {velocity(q): e / own.clock for q, e in own.integrals.items()}
+    still = {velocity(q): sp.S.Zero for q in own.meaning.free_symbols}
     return family.at_colatitude(value.xreplace({**turning, **still}))
 
 

@@ -176,6 +176,10 @@ class PseudoRegular:
             )
         values |= given
         k = values[self.large]
+        if not k > 0:
+            raise DefinitionError(
+                f"'{self.large}' = {k}: expansions hold for positive values; turn the axis round"
+            )
 
         def sum_series(series: tuple[sp.Expr, ...]) -> float:
             kept = series[:terms]
@@ -198,8 +202,9 @@ def pseudo_regular(
 ) -> PseudoRegular:
     """The expansions for a large parameter, with so many terms each.
 
-    ``parameters`` and ``start`` (x and velocities at the beginning) are values to put in; the
-    others stay symbols, and cost time.  ``EngineLimit`` where the limit is no harmonic nutation.
+    ``parameters`` and ``start`` (x and velocities at the beginning) are values to put in: all of
+    the other parameters; what is left of the start stays symbols, and costs time.  ``EngineLimit``
+    where parameters are symbols, and where the limit is no harmonic nutation.
     """
     own = {p.name: p.symbol for p in system.parameters}
     if plain_name(large) not in own:
@@ -269,7 +274,10 @@ class _Limit:
         )
         inside = sp.expand(f.subs(place, self.start + _E * _ETA))
         if not inside.is_polynomial(_E):
-            raise EngineLimit(f"'{self.large}' = 1/e makes the quartic no polynomial in e")
+            raise EngineLimit(
+                f"'{self.large}' = 1/e makes the quartic no polynomial in e; "
+                "give the other parameters numbers, if they have none"
+            )
         terms = sp.Poly(inside, _E)
         return [sp.Poly(terms.nth(i), _ETA) for i in range(terms.degree() + 1)]
 
