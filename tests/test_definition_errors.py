@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 import sympy as sp
 
@@ -185,6 +186,7 @@ MADE = {
     "velocity of a number": (lambda: velocity(5), "symbol"),
     "velocity of a sum": (lambda: velocity(x + y), "symbol"),
     "measure in a text": (lambda: vo.Measure(1, ("x",)), "'x' is no symbol; give the symbol"),
+    "measure of an array": (lambda: vo.Measure(1, (sp.sin(x), np.ones(2))), "is no symbol"),
     "measure of one variable twice": (lambda: vo.Measure(1, (x, y, x)), "'x' is named twice"),
     "derive nothing": (lambda: vo.derive(None), "System"),
     "derive a name": (lambda: vo.derive("sleigh"), "System"),

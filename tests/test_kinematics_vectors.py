@@ -62,6 +62,7 @@ def test_what_a_body_asks_for_again_is_made_once():
     ("read", "words"),
     [
         (lambda: kinematics.cross(sp, 1), "neither a vector nor a matrix"),
+        (lambda: kinematics.cross((1, 2, 3), (1, 2, range(3))), "of kind range"),
         (lambda: kinematics.cross((x, y), (x, y, z)), "2 components; give three"),
         (lambda: kinematics.dot((x, y), (x,)), "2 components meets one of 1"),
         (lambda: kinematics.dot((object(),), (x,)), "write a sympy expression"),

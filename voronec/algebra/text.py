@@ -45,6 +45,8 @@ BITS = 40_000
 """How long numerator and denominator of a number may become on the way, and how high a power."""
 MOST_DIGITS = 4000
 """How many digits a number may have as written; Python reads no integer of more than 4300."""
+EXPRESSIONS = (sp.Expr, sp.logic.boolalg.Boolean)
+"""What other libraries' things may be read as; SymPy makes sets of ranges, and tables of arrays."""
 ARGUMENTS = 10
 """How many arguments ``Min`` and ``Max`` take: SymPy compares each with each."""
 
@@ -158,7 +160,7 @@ def as_expression(thing: Any, place: str = "an expression") -> Any:
     try:
         if not isinstance(thing, tuple | list | dict | set | frozenset | bytes | sp.Lambda):
             read = sp.sympify(thing, strict=True)
-            if isinstance(read, sp.Basic):
+            if isinstance(read, EXPRESSIONS):
                 return read
     except Exception:  # of SymPy, or of somebody's own class
         pass

@@ -330,6 +330,7 @@ def _variables(given: Any, place: str) -> tuple[sp.Expr, ...]:
     for thing in found:
         if not isinstance(thing, sp.Expr):
             raise DefinitionError(f"{place}: '{quote(thing)}' is no symbol; give the symbol")
+    for thing in found:
         if found.count(thing) > 1:
             raise DefinitionError(f"{place}: '{quote(thing)}' is named twice; name it once")
     return found
