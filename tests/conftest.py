@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from contextlib import suppress
 from pathlib import Path
 
+os.environ.setdefault("SYMPY_CACHE_SIZE", "50000")  # what one test asked SymPy helps many others
+
 import pytest
 from command_line import Answer, Call
 
-from voronec.cli import main
+from voronec.cli import OBJECTS, main
 from voronec.motion.model import packs
+
+gc.set_threshold(OBJECTS)  # as commands do
 
 with suppress(ImportError):
     import heyoka  # noqa: F401  # what tests compile is kept in its folder, which has room for all

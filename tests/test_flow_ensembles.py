@@ -10,6 +10,8 @@ import sympy as sp
 
 import voronec as vo
 from voronec.motion import batches, one_by_one
+from voronec.motion.steppers import heyoka_stepper
+from voronec.motion.steppers import run as run_module
 
 pytestmark = pytest.mark.slow
 
@@ -379,8 +381,11 @@ def test_starts_that_nobody_came_to_did_nothing_wrong(monkeypatch):
         assert found.interrupted and not found.errors and found.finished.tolist() == done
 
 
-def test_a_motion_that_leads_nowhere_does_not_keep_the_others_waiting() -> None:
+def test_a_motion_that_leads_nowhere_does_not_keep_the_others_waiting(monkeypatch) -> None:
     """A disc that lies flat, beside one that rolls: it took a step of 1e-9 after the other."""
+    for module in (run_module, heyoka_stepper):  # alone it is given up sooner, too
+        monkeypatch.setattr(module, "WINDOW", 100)
+    monkeypatch.setattr(heyoka_stepper, "LONG", 10_000)
     starts = {"theta": [0.2, np.pi / 2], "s": [1, 1]}
     found = vo.ensemble(
         vo.load("falling-disc"), starts=starts, times=[0, 1, 3], outputs=("theta", "x")

@@ -285,7 +285,7 @@ CASES = (  # force, place, its value there, its slope
     (lambda q: sp.asin(sp.Min(1, sp.sqrt(sp.Abs(q)))), 2.0, np.pi / 2, 0.0),
     (lambda q: 10**36 * sp.Max(-1, sp.Min(1, 1 / ((q**2 - 1) ** 2 + 1))), 1e9, 1.0, -4e-9),
     (lambda q: sp.log(1 + q**2) / q**2, 0.0, 1.0, 0.0),
-    (lambda q: sp.sqrt(sp.Abs(sp.Symbol("q") ** 2)) * sp.sign(q), -3.0, -3.0, 1.0),
+    (lambda q: sp.sqrt(sp.Abs(q**2)) * sp.sign(q), -3.0, -3.0, 1.0),
     (lambda q: sp.sin(q) * sp.Heaviside(q**2), 0.0, 0.0, 1.0),
     (lambda q: sp.log(1 + q) / q, 0.125, 8 * np.log(1.125), 64 / 9 - 64 * np.log(1.125)),
     (lambda q: sp.atan(q) / q, 2.0, np.arctan(2) / 2, 0.1 - np.arctan(2) / 4),
@@ -296,19 +296,19 @@ CASES = (  # force, place, its value there, its slope
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_only_the_side_that_is_in_force_is_looked_at(language: str, tmp_path: Path) -> None:
     """1 is lost in exp(40) + 1, and 0 times an infinite case, or slope, is no number."""
-    q = sp.Symbol("q")
-    dq = vo.velocity(q)
-    for number, (force, place, value, slope) in enumerate(CASES):
-        system = vo.System(
-            name="k", fibration=vo.Fibration(q), lagrangian=dq**2 / 2, forces={q: force(q)}
-        )
-        folder = tmp_path / str(number)
-        folder.mkdir()
-        call = CALLS[language](vo.derive(system).program, folder)
-        at = [[place, 0.0], []]
-        assert call("rhs", at).ravel()[1] == pytest.approx(value, rel=1e-14)
-        if not np.isnan(slope):
-            assert call("jacobian", at).ravel()[2] == pytest.approx(slope, rel=1e-14)
+    places = sp.symbols(f"q:{len(CASES)}")
+    forces, at, values, slopes = zip(*CASES, strict=True)
+    system = vo.System(
+        name="k", fibration=vo.Fibration(places),
+        lagrangian=sum(vo.velocity(q) ** 2 for q in places) / 2,
+        forces={q: force(q) for q, force in zip(places, forces, strict=True)},
+    )  # fmt: skip
+    call = CALLS[language](vo.derive(system).program, tmp_path)
+    state, n = [[*at, *np.zeros(len(at))], []], len(at)
+    assert call("rhs", state).ravel()[n:] == pytest.approx(values, rel=1e-14)
+    found = np.diag(call("jacobian", state).reshape(2 * n, 2 * n)[n:, :n])
+    told = ~np.isnan(slopes)
+    assert found[told] == pytest.approx(np.array(slopes)[told], rel=1e-14)
 
 
 @pytest.mark.filterwarnings("error::RuntimeWarning")

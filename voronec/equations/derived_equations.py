@@ -38,7 +38,7 @@ from voronec.equations.curvature import (
 from voronec.equations.definition import Definition
 from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.equations.distribution import Distribution, grow
-from voronec.equations.evaluation import acceleration
+from voronec.equations.evaluation import acceleration, acceleration_tape
 from voronec.equations.staged_equations import lean_form
 from voronec.errors import EngineLimit
 
@@ -284,7 +284,8 @@ class DerivedEquations:
         Raises ``DefinitionError`` for a value that is missing, a name that is unknown, and where
         the equations are not defined or hold an unknown function.
         """
-        return acceleration(self.system, self.raw, point, digits)
+        tape = self.memo.once("accelerations", lambda: acceleration_tape(self.raw))
+        return acceleration(self.system, self.raw, tape, point, digits)
 
     def _column(self, entries: Any) -> sp.ImmutableMatrix:
         return self.door.outward_matrix([[e] for e in entries])

@@ -24,7 +24,7 @@ from voronec.equations.definition import read
 from voronec.equations.derivation import Derivation
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["acceleration", "check_added_mass", "check_inertia"]
+__all__ = ["acceleration", "acceleration_tape", "check_added_mass", "check_inertia"]
 
 ON_RELATIONS = 1e-9
 """How far a point may lie off the relations between redundant coordinates."""
@@ -107,15 +107,16 @@ def _check(system: System, name: str, value: Any) -> Any:
 
 
 def acceleration(
-    system: System, raw: Derivation, point: Mapping[Any, Any], digits: int
+    system: System, raw: Derivation, tape: Tape, point: Mapping[Any, Any], digits: int
 ) -> dict[sp.Expr, sp.Float]:
-    """See ``VoronecEquations.acceleration``."""
+    """See ``VoronecEquations.acceleration``; ``tape`` is the ``acceleration_tape`` of ``raw``."""
     require_digits(f"system '{system.name}'", digits)
     values = _named_point(system, point)
     values |= {str(f): values[name] for name, f in jets(system).items() if name in values}
-    result = _accelerations(raw, values, digits)
+    result = _accelerations(raw, tape, values, digits)
     if result is None:  # a pivot may vanish just here: solve the constraints for this point
-        result = _accelerations(Derivation(read(system, values), False), values, digits)
+        here = Derivation(read(system, values), False)
+        result = _accelerations(here, acceleration_tape(here), values, digits)
     if result is None:
         raise DefinitionError(
             f"system '{system.name}' has no accelerations at this point: its mass matrix is "
@@ -125,16 +126,23 @@ def acceleration(
     return dict(zip((*system.coordinates, *group), result, strict=True))
 
 
-def _accelerations(raw: Derivation, values: dict[str, Any], digits: int) -> list[sp.Float] | None:
-    """Accelerations to ``digits`` digits; None where the equations give none."""
-    system = raw.definition.system
+def acceleration_tape(raw: Derivation) -> Tape:
+    """Mass matrix, force, lift to the coordinates (on a group to its frame, too), drifts of their
+    rates and relations, row by row."""
     n, connection = raw.connection.n, raw.connection
-    mass = [e for row in raw.mass for e in row]
     rows, drifts = list(connection.coordinate_lift), list(raw.rate_drift)
     if connection.group is not None:
         rows, drifts = rows + list(connection.lift), drifts + raw.dot_drift
-    lift, total = [e for row in rows for e in row[:n]], len(rows)
-    tape = Tape(stable_all([*mass, *raw.force, *lift, *drifts, *raw.definition.relations]))
+    mass, lift = ([e for row in matrix for e in row[:n]] for matrix in (raw.mass, rows))
+    return Tape(stable_all([*mass, *raw.force, *lift, *drifts, *raw.definition.relations]))
+
+
+def _accelerations(
+    raw: Derivation, tape: Tape, values: dict[str, Any], digits: int
+) -> list[sp.Float] | None:
+    """Accelerations to ``digits`` digits; None where the equations give none."""
+    system, n = raw.definition.system, raw.connection.n
+    total = len(raw.rate_drift) + (len(raw.dot_drift) if raw.connection.group is not None else 0)
     unknown = [a for a in tape.atoms if str(a) not in values]
     if unknown:
         name = next((n for n, f in jets(system).items() if f == unknown[0]), None)
@@ -147,9 +155,9 @@ def _accelerations(raw: Derivation, values: dict[str, Any], digits: int) -> list
     for _ in range(7):
         numbers = iter(tape.arb(values, bits))
         with flint.ctx.workprec(bits):
-            m = flint.arb_mat(n, n, [next(numbers) for _ in mass])
+            m = flint.arb_mat(n, n, [next(numbers) for _ in range(n * n)])
             f = flint.arb_mat(n, 1, [next(numbers) for _ in range(n)])
-            h = flint.arb_mat(total, n, [next(numbers) for _ in lift])
+            h = flint.arb_mat(total, n, [next(numbers) for _ in range(total * n)])
             drift = flint.arb_mat(total, 1, [next(numbers) for _ in range(total)])
             _check_relations(system, list(numbers))
             result = _solve(m, f, h, drift)

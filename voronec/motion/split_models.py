@@ -587,13 +587,15 @@ def divisor_program(form: FirstOrderForm, guards: Sequence[Divisor]) -> Program:
 
 @dataclass(frozen=True, eq=False)
 class SplitModel:
-    """One split, ready to be integrated in; ``guards`` are the divisors that it watches."""
+    """One split, ready to be integrated in; ``guards`` are the divisors that it watches, and
+    ``unbounded`` its program but for their bounds, which are parameters that nothing else holds."""
 
     ground: SplitGround
     equations: VoronecEquations
     form: FirstOrderForm
     watch: Watch
     functions: Mapping[str, Any]
+    unbounded: Program
     guards: tuple[Divisor, ...] = field(default=())
 
     @classmethod
@@ -636,9 +638,10 @@ class SplitModel:
             form,
             replace(watch, expressions=expressions, multipliers=multipliers),
             {name: substitute(e) for name, e in functions.items()},
+            Program.of(form, expressions),
         )
         state = model.narrow(ground.time, wide)
-        there, rough = replace(ground, home=equations), model.program.is_rough
+        there, rough = replace(ground, home=equations), model.unbounded.is_rough
         found = there.watch_divisors(form, model._own, state, rough)
         return replace(model, guards=tuple(found))
 
@@ -655,7 +658,8 @@ class SplitModel:
     @cached_property
     def program(self) -> Program:
         """The right-hand side, with everything watched."""
-        return Program.of(self.bounded_form, self.watch.expressions)
+        plain = self.unbounded
+        return replace(plain, parameters=(*plain.parameters, *self.bounds))
 
     @cached_property
     def _own(self) -> Program:

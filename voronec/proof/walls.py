@@ -47,6 +47,8 @@ __all__ = ["across_walls", "flow_across_walls", "positive_domain"]
 
 _SEEDS = 96
 """How many states are looked for on a wall, at most: a piece of it may be a sixteenth of all."""
+_FIRST = 16
+"""How many of these are looked for before it is asked whether there are any."""
 _TRIES = 4
 """How many points are looked for at which an expression may not vanish."""
 _ENOUGH = 8
@@ -266,7 +268,14 @@ class _Ground:
             return None
         h, jump = wall.function, wall.above - wall.below
         there = (*self.hypotheses, h)
-        for found in self._crossings(wall, there):
+        # before states are sought in vain: a proof that no motion crosses costs less
+        if self._is_kept(h):
+            return _Jump("", None, None, f"{self._write(h)} != 0")
+        found = next(self._crossings(wall, there, _FIRST), None)
+        if found is None and self._is_singular(there):
+            return None  # what is constant beside poles alone is told of all of them
+        found = found or next(self._crossings(wall, there, _SEEDS), None)
+        if found is not None:
             words = f"it jumps where {self._place(wall)}, which motions cross"
             # a map or a density that jumps where the field does still tears the motion that crosses
             is_excused = self.constant and self._is_jump_of_field(h)
@@ -274,9 +283,7 @@ class _Ground:
             is_turn = self._vanishes(wall.turned - wall.above, there)
             period = self._period(jump) if is_turn else None
             return _Jump(words, period, witness_at(*found), domain)
-        if self._is_kept(h):
-            return _Jump("", None, None, f"{self._write(h)} != 0")
-        if self._is_singular(there) or self._is_pole(wall, there):
+        if self._is_pole(wall, there):
             return None
         return _Jump(f"whether it jumps where {self._place(wall)} is open", None, None)
 
@@ -341,27 +348,31 @@ class _Ground:
         return -short if _is_negative(short) else short
 
     def _crossings(
-        self, wall: BranchWall, there: tuple[Any, ...]
+        self, wall: BranchWall, there: tuple[Any, ...], tries: int
     ) -> Iterator[tuple[dict[Any, Any], Any, Any]]:
         """States on a wall, at which motions cross it, with different values on its sides.
 
-        Where these are 0/0 there, common factors are cancelled.
+        Where these are 0/0 at every state that is looked for, common factors are cancelled.
         """
         speed = self.field.derivative(wall.function)
         sides = [wall.above, wall.below]
         for _ in range(2):
             met, exprs = False, [*sides, speed, *wall.positive]
-            for point, values, _ in self._states(exprs, there, wall.whole):
+            for point, values, _ in self._states(exprs, there, wall.whole, tries):
                 met = True
                 above, below, rate, *rest = values
                 if not (rate.contains(0) or above.overlaps(below)) and all(e > 0 for e in rest):
                     yield point, above, below
-            if met:
+            if met or tries < _SEEDS:
                 return
             sides = [product_of(e, self.relations, self.variables).expression for e in sides]
 
     def _states(
-        self, exprs: Sequence[Any], hypotheses: Sequence[Any], whole: Any = None
+        self,
+        exprs: Sequence[Any],
+        hypotheses: Sequence[Any],
+        whole: Any = None,
+        tries: int = _SEEDS,
     ) -> Iterator[tuple[dict[Any, Any], list[Any], Any]]:
         """Admissible states where hypotheses hold, with the values of expressions and the mass,
         where the field is regular: the mass has an inverse and everything is finite."""
@@ -375,7 +386,7 @@ class _Ground:
             tape = Tape(needed)
         except EngineLimit:
             return
-        for seed in range(1, 2 * _SEEDS, 2):
+        for seed in range(1, 2 * tries, 2):
             try:
                 point = self._point(tape, bound, seed)
                 values = tape.arb(point, GENERIC)
