@@ -253,8 +253,8 @@ def sections(extent: Extent) -> Iterator[Row]:
                 f"{ratio.times()}; {1 / seconds.median:.3g} / {1 / theirs.median:.3g} a second; "
                 f"whole call for {extent.crossings} points {theirs.over(whole).times()}",
                 ratio.median >= 200,
-                "heyoka's steps, and the record of their series, take seven tenths of the time of one "
-                "motion; most of the rest is the search, on the polynomials of many steps at once",
+                "heyoka's steps, and the record of their series, take seven tenths of the time of "
+                "one motion; most of the rest is the search, on the polynomials of many steps",
             )
 
 
