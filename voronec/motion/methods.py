@@ -5,10 +5,10 @@ Nothing is imported before a method is used.
 A tolerance finer than doubles asks for ``flint``.  Else heyoka is the fastest once it is
 compiled, which takes some tenths of a second, and milliseconds where heyoka finds the code on disk.
 Heavy programs take it seconds, and steps of DOP853 cost far less there: a C compiler is done with
-them in less than one, and numba does very many steps, or scipy what it integrates sooner than
-heyoka compiles.  Where heyoka does not install, short motions are over sooner in Python than any of
-these is loaded; the C compiler does all others, or numba what would take scipy longer than to
-compile, and scipy the rest.  The rule counts operations; it neither measures times nor looks at
+most of them in less than one, and numba does very many steps, or scipy what it integrates sooner
+than heyoka compiles.  Where heyoka does not install, short motions are over sooner in Python than
+any of these is loaded; the C compiler does all others, or numba what would take scipy longer than
+to compile, and scipy the rest.  The rule counts operations; it neither measures times nor looks at
 what is on disk or loaded: the same call always makes the same choice.  (A motion that is declared
 in closed form is evaluated, where the span is long: ``voronec.motion.integration``.)
 """
@@ -198,8 +198,8 @@ TINY = 2_000_000
 STAGES = 12
 """Evaluations in a step of DOP853."""
 COMPILATION = 20_000_000
-"""So many operations take Python a second or two, and numba some seconds to compile for them; by
-the C compiler it takes less time than to load scipy."""
+"""So many operations take Python a second or two, and numba some seconds to compile for them; the
+C compiler takes about as long as it takes to load scipy."""
 LOAD_OPERATIONS = 2_500_000
 """So many operations take Python less time than to load scipy or numba."""
 COARSE = 1e-13
