@@ -405,6 +405,7 @@ def test_an_even_quotient_has_no_corner_in_its_linearisation() -> None:
     assert sp.Matrix([[0, 1], [2, 0]]) == vo.linearise(vo.derive(pushed), at={X: 0, dot: 0}).A
 
 
+@pytest.mark.slow
 def test_angles_at_a_state_in_general_keep_a_linearisation_short() -> None:
     """Sines of 1/5, 3/10 and 12/35 as polynomials in those of 1/70 fill pages, or end nowhere."""
     angles = sp.symbols("x phi y theta psi")
