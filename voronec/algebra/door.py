@@ -27,7 +27,7 @@ from sympy.logic.boolalg import BooleanFunction
 from voronec.algebra.graphs import derivative_at, nodes
 from voronec.algebra.memo import remember
 from voronec.algebra.symbols import plain_name, time, velocity
-from voronec.algebra.terms import factors_of
+from voronec.algebra.terms import factors_of, is_fraction
 from voronec.algebra.text import as_expression, quote
 from voronec.errors import DefinitionError
 
@@ -293,7 +293,7 @@ def _sign(inner: Any) -> Any:
     if not isinstance(inner, se.Pow) or inner.args[0] == se.E:
         return se.sign(inner)
     base, exponent = inner.args
-    if isinstance(exponent, se.Rational) and not isinstance(exponent, se.Integer):
+    if is_fraction(exponent):
         return _sign(base) if exponent > 0 else 1 / _sign(base)
     return _sign(base) ** exponent
 

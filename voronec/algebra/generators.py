@@ -17,7 +17,7 @@ import symengine as se
 
 from voronec.algebra.exponents import DEGREE, ExponentBasis
 from voronec.algebra.graphs import is_atom, is_flat, nodes
-from voronec.algebra.terms import summands
+from voronec.algebra.terms import is_fraction, summands
 from voronec.errors import EngineLimit
 
 __all__ = [
@@ -255,13 +255,9 @@ class Generators:
 def plain_power(base: Any, exponent: Any) -> tuple[Any, Any]:
     """Base and exponent with the exponents of roots of roots multiplied: b^(1/2) is real where b is
     not negative alone."""
-    while _is_broken(exponent) and isinstance(base, se.Pow) and _is_broken(base.args[1]):
+    while is_fraction(exponent) and isinstance(base, se.Pow) and is_fraction(base.args[1]):
         base, exponent = base.args[0], base.args[1] * exponent
     return base, exponent
-
-
-def _is_broken(exponent: Any) -> bool:
-    return isinstance(exponent, se.Rational) and not isinstance(exponent, se.Integer)
 
 
 def _is_small(ratio: Any) -> bool:

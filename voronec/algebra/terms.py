@@ -10,8 +10,8 @@ import symengine as se
 from symengine.lib.symengine_wrapper import Boolean
 
 __all__ = [
-    "Rewriter", "atoms", "expand_short", "factors_of", "is_exponential", "rational",
-    "rewrite_kinds", "subexpressions", "summands", "with_arguments",
+    "Rewriter", "atoms", "expand_short", "factors_of", "is_exponential", "is_fraction",
+    "rational", "rewrite_kinds", "subexpressions", "summands", "with_arguments",
 ]  # fmt: skip
 
 
@@ -78,6 +78,11 @@ def _spread_length(expr: Any, most: float) -> float:
 def is_exponential(expr: Any) -> bool:
     """Whether an expression is exp(w), which symengine has for a power of e."""
     return isinstance(expr, se.Pow) and bool(expr.args[0] == se.E)
+
+
+def is_fraction(exponent: Any) -> bool:
+    """Whether it is a rational number and not a whole one: what is raised to it is a root."""
+    return isinstance(exponent, se.Rational) and not isinstance(exponent, se.Integer)
 
 
 def with_arguments(expr: Any, args: list[Any]) -> Any:

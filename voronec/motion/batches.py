@@ -512,7 +512,8 @@ def choose_lanes(
                 "heyoka is not installed; 'pip install heyoka', or use method='scipy'"
             ) from None
         used = compiled_method()
-        if not used or (used != "c" and not _is_lasting(program, tol, states, values, grid)):
+        soon = bool(used) and METHODS[used].compiles_soon
+        if not (soon or (used and _is_lasting(program, tol, states, values, grid))):
             used = "scipy"
         try:
             return None, _compile_method(used, program), "auto: heyoka is not installed"

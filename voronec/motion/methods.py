@@ -104,6 +104,11 @@ class Method:
         except (ImportError, ValueError):
             return False
 
+    @property
+    def compiles_soon(self) -> bool:
+        """Whether it compiles about as fast as scipy loads: the machine's own compiler does."""
+        return bool(self.compiler)
+
 
 def _taylor(problem: Problem) -> Stepper:
     from voronec.motion.steppers.heyoka_stepper import taylor
@@ -275,8 +280,8 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
     compiled = "" if brief else compiled_method()
     if not there and not compiled:
         return "scipy", "heyoka is not installed"
-    if compiled == "c":
-        return "c", "a heavy program" if there else "heyoka is not installed"
+    if compiled and METHODS[compiled].compiles_soon:
+        return compiled, "a heavy program" if there else "heyoka is not installed"
     from voronec.motion.steppers.scipy_stepper import estimated_steps
 
     cost = STAGES * (problem.program.operations + 1)

@@ -506,7 +506,7 @@ class _LanePassages:
             first = lanes.first_steps(ends - before)
             longest = np.where(fresh, np.minimum(first, longest), longest)
             limit = 1 if np.isfinite(first[fresh]).any() else limit
-        lanes.output = None
+        lanes.output = None  # its memory is used again
         lanes.output = ta.propagate_until(
             ends.tolist(), max_steps=limit, max_delta_t=longest.tolist(), c_output=True,
             **lanes.callback,

@@ -374,8 +374,9 @@ def specialise(
 
 def _replace_in(holder: Any, at: Mapping[Any, Any], *names: str) -> Any:
     """What holds declarations, with symbols replaced in some of them."""
-    changes = {name: replace_symbols(getattr(holder, name, None), at) for name in names}
-    return None if holder is None else replace(holder, **changes)
+    if holder is None:
+        return None
+    return replace(holder, **{name: replace_symbols(getattr(holder, name), at) for name in names})
 
 
 def _still_possible(system: System, at: Mapping[Any, Any]) -> dict[str, Any]:
