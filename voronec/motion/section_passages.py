@@ -99,20 +99,26 @@ class Paths:
     def sample(self, needed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Times (m, lanes) and states (n, lanes, m), m = SAMPLES s + 1; only needed entries."""
         steps, size, order, lanes = self.series.shape
-        h = self.lengths
-        powers = np.ones((steps, order, lanes))
-        for k in range(1, order):
-            np.multiply(powers[:, k - 1], h, out=powers[:, k])
-        terms = self.series[:, needed] * powers[:, None]
-        parts = np.arange(SAMPLES)[:, None] / SAMPLES
-        values = parts ** np.arange(order) @ terms
+        h, parts = self.lengths, np.arange(SAMPLES)[:, None] / SAMPLES
+        times = np.empty((SAMPLES * steps + 1, lanes))
+        within = times[:-1].reshape(steps, SAMPLES, lanes)
+        np.add(self.times[:-1, None], h[:, None] * parts, out=within)
+        times[-1] = self.times[-1]
+        # term by term in memory, so that sums over them run along it
+        terms = np.empty((order, len(needed), lanes, steps))
+        power, along = np.ones((lanes, steps)), np.ascontiguousarray(h.T)
+        for own, term in zip(self.series[:, needed].transpose(2, 1, 3, 0), terms, strict=True):
+            np.multiply(own, power, out=term)
+            power *= along
+        # no BLAS: a second thread of it would cost more than it gains
+        later = np.einsum("jk,km->jm", parts[1:] ** np.arange(order), terms.reshape(order, -1))
+        later = later.reshape(SAMPLES - 1, *terms.shape[1:])
         states = np.zeros((size, lanes, SAMPLES * steps + 1))
-        states[needed, :, :-1] = values.transpose(1, 3, 0, 2).reshape(
-            len(needed), lanes, SAMPLES * steps
-        )
-        states[needed, :, -1] = terms[-1].sum(axis=1)
-        times = self.times[:-1, None] + h[:, None] * parts
-        return np.concatenate([times.reshape(-1, lanes), self.times[-1:]]), states
+        for i, entry in enumerate(needed):
+            for k, samples in enumerate((terms[0, i], *later[:, i])):
+                states[entry, :, k:-1:SAMPLES] = samples
+        states[needed, :, -1] = terms[..., -1].sum(axis=0)
+        return times, states
 
     def terms(self, step: np.ndarray, lane: np.ndarray, needed: np.ndarray) -> np.ndarray:
         """Coefficients (order + 1, needed, m) of some steps (m,) of lanes (m,)."""
@@ -173,8 +179,7 @@ def zeros(paths: Paths, quantity: Quantity, needed: np.ndarray, direction: int) 
     order = np.lexsort((paths.times[step, lane] + lower, lane))
     step, lane = step[order], lane[order]
     look = close(step, lane)
-    tau = look.root(lower[order], upper[order])
-    true = look.holds(tau, lower[order], upper[order])
+    tau, true = look.roots(lower[order], upper[order])
     if not true.all():
         tau, lane, look = tau[true], lane[true], close(step[true], lane[true])
         step = step[true]
@@ -217,12 +222,22 @@ class _Close:
         states[self.needed] = _horner(self.terms, tau)
         return self.quantity(self.begin + tau, states.T, self.lane)
 
-    def root(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-        """The zero in each bracket: regula falsi (Illinois), bisection where that is slow."""
-        a, b = lower, upper
-        if not len(a):
-            return a
-        fa, fb = self.value(a), self.value(b)
+    def roots(self, lower: np.ndarray, upper: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The zero in each bracket, and which of them (m,) are no poles, where the sign changes as
+        well; jumps through zero, beside which a quantity stays of its size, are zeros."""
+        if not len(lower):
+            return lower, np.ones(0, dtype=bool)
+        below, above = self.value(lower), self.value(upper)
+        tau = self._root(lower, upper, below, above)
+        with np.errstate(all="ignore"):
+            ends = np.maximum(np.abs(below), np.abs(above))
+            return tau, np.asarray(np.abs(self.value(tau)) <= POLE * ends)
+
+    def _root(
+        self, lower: np.ndarray, upper: np.ndarray, below: np.ndarray, above: np.ndarray
+    ) -> np.ndarray:
+        """Regula falsi (Illinois), bisection where that is slow, from the values at the ends."""
+        a, b, fa, fb = lower, upper, below, above
         before = np.abs(b - a)
         for k in range(100):
             with np.errstate(all="ignore"):
@@ -241,13 +256,6 @@ class _Close:
             if done.all():
                 break
         return np.asarray(b)
-
-    def holds(self, tau: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-        """Which zeros (m,) found in brackets are no poles, where the sign changes as well; jumps
-        through zero, beside which a quantity stays of its size, are zeros."""
-        with np.errstate(all="ignore"):
-            ends = np.maximum(np.abs(self.value(lower)), np.abs(self.value(upper)))
-            return np.asarray(np.abs(self.value(tau)) <= POLE * ends)
 
     def speed(self, tau: np.ndarray) -> np.ndarray:
         """The rate of the quantity, by a difference."""
@@ -283,26 +291,28 @@ def _turns(
     each half is looked into by itself.  Beyond both ends the series go on for a sample: an extremum
     next to an end is that of the paths that hold it.
     """
-    sign, around = np.sign(values), _with_neighbours(close, paths, values)
-    a, m, b = (sign * x for x in (around[:-2], values, around[2:]))
+    around = _with_neighbours(close, paths, values)
+    far = np.abs(around)
+    rows, lanes = np.nonzero((far[:-2] >= far[1:-1]) & (far[2:] >= far[1:-1]))
+    sign = np.sign(values[rows, lanes])
+    a, m, b = (sign * around[rows + k, lanes] for k in range(3))
     with np.errstate(all="ignore"):  # a motion that grows without bound overflows here first
         bend = a - 2 * m + b
-        turning = (sign != 0) & (a >= m) & (b >= m) & (a > 0) & (b > 0) & (bend > 0)
-        depth = (a - b) ** 2 / (8 * bend)
-        rows, lanes = np.nonzero(turning & (m - depth < NEAR * np.maximum(a - m, b - m)))
+        turning = (sign != 0) & (a > 0) & (b > 0) & (bend > 0)
+        near = turning & (m - (a - b) ** 2 / (8 * bend) < NEAR * np.maximum(a - m, b - m))
+    rows, lanes, sign = rows[near], lanes[near], sign[near]
     brackets: list[Bracket] = []
     touches: dict[tuple[int, int], float] = {}
     nothing = TOUCH * size
     for half in (0, 1):
         within = (rows + half >= 1) & (rows + half < len(values))
-        row, lane = rows[within], lanes[within]
+        row, lane, s = rows[within], lanes[within], sign[within]
         place = row - 1 + half
         step, h = place // SAMPLES, paths.lengths[place // SAMPLES, lane]
         lower = (place % SAMPLES) / SAMPLES * h
         upper = lower + h / SAMPLES
         if not len(row):
             continue
-        s = sign[row, lane]
         best, least = close(step, lane).lowest(lower, upper, s)
         times = paths.times[step, lane] + best
         for k in np.nonzero(np.abs(least) <= nothing)[0]:
@@ -321,11 +331,10 @@ def _with_neighbours(
 ) -> np.ndarray:
     """Samples (m, lanes) with one more before the first and after the last."""
     last, lanes = len(paths.lengths) - 1, values.shape[1]
-    every, ends = np.arange(lanes), []
-    for step, part in ((0, -1 / SAMPLES), (last, 1 + 1 / SAMPLES)):
-        here = close(np.full(lanes, step), every)
-        ends.append(here.value(part * paths.lengths[step]))
-    return np.vstack([ends[0], values, ends[1]])
+    step, lane = np.repeat([0, last], lanes), np.tile(np.arange(lanes), 2)
+    part = np.repeat([-1 / SAMPLES, 1 + 1 / SAMPLES], lanes)
+    before, after = close(step, lane).value(part * paths.lengths[step, lane]).reshape(2, lanes)
+    return np.vstack([before, values, after])
 
 
 PATIENCE = 50_000

@@ -63,12 +63,13 @@ def at_each(
     function: Any, names: Sequence[str], t: Any, states: np.ndarray, values: np.ndarray
 ) -> dict[str, np.ndarray]:
     """Quantities at states (..., n) with parameters (..., p), each an array of shape (...)."""
-    with np.errstate(all="ignore"):
-        results = function(t, list(np.moveaxis(states, -1, 0)), list(np.moveaxis(values, -1, 0)))
     shape = states.shape[:-1]
+    columns = (list(x.transpose(-1, *range(x.ndim - 1))) for x in (states, values))
+    with np.errstate(all="ignore"):
+        found = [np.asarray(r, dtype=float) for r in function(t, *columns)]
     return {
-        name: np.broadcast_to(np.asarray(r, dtype=float), shape)
-        for name, r in zip(names, results, strict=True)
+        name: r if r.shape == shape else np.broadcast_to(r, shape)
+        for name, r in zip(names, found, strict=True)
     }
 
 
