@@ -148,14 +148,15 @@ def test_where_nothing_moves_there_are_no_steps() -> None:
 
 
 @pytest.mark.slow
-def test_a_system_of_this_project_is_integrated_without_a_search_of_what_is_installed() -> None:
+def test_a_smooth_motion_loads_nothing_that_it_does_without() -> None:
     code = "; ".join(
         (
             "import sys, voronec as vo",
             "sys.modules['heyoka'] = None",
             "vo.integrate(vo.load('ball-on-sphere'), times=10)",
-            "print([n in sys.modules for n in ('importlib.metadata', 'numpy.random')])",
+            "rare = ('voronec.motion.mode_stepper', 'voronec.motion.split_stepper')",
+            "print([n in sys.modules for n in ('importlib.metadata', 'numpy.random', *rare)])",
         )
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.split("\n")[0] == "[False, False]"
+    assert done.stdout.split("\n")[0] == "[False, False, False, False]"

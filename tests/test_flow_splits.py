@@ -516,3 +516,27 @@ def test_a_run_says_where_rounding_outgrows_its_tolerance(aside: float, tol: flo
     said = [note for note in run.notes if "lost there by rounding" in note]
     assert len(said) == (aside < 0.1 and tol > 1e-16)
     assert all("up to 1e-10" in note and "at t = 0.99" in note for note in said)
+
+
+def test_the_metric_is_looked_at_in_many_places_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where it has no value it is not sound; what it is computed by is made once."""
+    x, y = sp.symbols("x y", real=True)
+    system = vo.System(
+        name="wedge",
+        fibration=vo.Fibration((x,), (y,)),
+        lagrangian=velocity(x) ** 2 / sp.log(x) + velocity(x) * velocity(y) / 3 + velocity(y) ** 2,
+        constraints=(velocity(y) - x**2 * velocity(x),),
+    )
+    equations, made, quantities = vo.derive(system), [], split_models.quantities
+    monkeypatch.setattr(
+        split_models, "quantities", lambda *form: made.append(form) or quantities(*form)
+    )
+    places = np.array([[0.5, 2.0, 3.0, -1.0], [0.0, 1.0, 2.0, 3.0], [7.0, 7.0, 7.0, 7.0]])
+    grounds = [split_models.SplitGround(equations, {}, 0.0) for _ in range(2)]
+    found, again = (ground.soundness(places) for ground in grounds)
+    assert len(made) == 1 and np.array_equal(found, again)
+    for place, size in zip(places.T, found, strict=True):
+        metric = grounds[0].metric(0.0, np.array([*place[:2], 0.0, 0.0]))
+        single = abs(np.linalg.det(metric)) if np.isfinite(metric).all() else 0.0
+        assert size == pytest.approx(single, rel=1e-13)
+    assert found[:3].all() and found[3] == 0

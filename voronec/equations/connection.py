@@ -86,6 +86,13 @@ class FibreSolution:
     offset: tuple[Any, ...]
 
 
+Slope = Callable[[Any, Any], Any]
+
+
+def _slope(function: Any, x: Any) -> Any:
+    return function.diff(x)
+
+
 @dataclass(frozen=True)
 class EhresmannConnection:
     """The horizontal lift of a frame: qdot_a = lift[a][i] v_i + lift[a][n].
@@ -123,15 +130,15 @@ class EhresmannConnection:
         columns = [self.group.coordinate_rates(column) for column in zip(*self.lift, strict=True)]
         return tuple(zip(*columns, strict=True))
 
-    def along(self, i: int, function: Any) -> Any:
-        """h_i(function): the derivative along a horizontal field."""
+    def along(self, i: int, function: Any, slope: Slope = _slope) -> Any:
+        """h_i(function): the derivative along a horizontal field; ``slope`` differentiates."""
         terms = [
-            row[i] * function.diff(q)
+            row[i] * slope(function, q)
             for q, row in zip(self.coordinates, self.coordinate_lift, strict=True)
             if row[i] != 0
         ]
         if i == self.n:
-            terms.append(function.diff(self.time))
+            terms.append(slope(function, self.time))
         return se.Add(*terms) if terms else se.Integer(0)
 
     def broken_relation(self, relations: Sequence[Any]) -> int | None:

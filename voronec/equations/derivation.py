@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from typing import Any
 
 import symengine as se
@@ -319,13 +319,14 @@ class Derivation:
         """
         d, connection, rates = self.definition, self.connection, self.rates
         applied = [q.xreplace(self._on_constraints) for q in d.forces]
+        slope = cache(lambda function, x: function.diff(x))  # all fields take the same ones
         result = []
         for i in range(connection.n):
-            terms = [connection.along(i, self.constrained_lagrangian)]
+            terms = [connection.along(i, self.constrained_lagrangian, slope)]
             for momentum, rate, row, force in zip(
                 self.momenta, self.dot_rates, connection.lift, applied, strict=True
             ):
-                turn = connection.along(i, rate) - connection.flow_derivative(row[i], rates)
+                turn = connection.along(i, rate, slope) - connection.flow_derivative(row[i], rates)
                 terms.append(row[i] * force - momentum * turn)
             terms += [-p * t for p, t in zip(self.momenta, self._group_terms_of(i), strict=False)]
             if d.added:  # at vdot = 0 the accelerations are the drift of the rates

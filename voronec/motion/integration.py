@@ -13,7 +13,7 @@ from math import ceil, isfinite, log2
 from sys import float_info
 from time import perf_counter, process_time
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import mpmath
 import numpy as np
@@ -36,7 +36,6 @@ from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import Divisor, NearDivisor, guard_events, without_guards
 from voronec.motion.inputs import drive
 from voronec.motion.methods import CLOSED_FORM, METHODS, choose_regular, is_exact
-from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
 from voronec.motion.motion_start import Outset, WideStart
 from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
 from voronec.motion.observables import Watch, evaluate_watch
@@ -59,12 +58,14 @@ from voronec.motion.singular_coordinates import (
 )
 from voronec.motion.soundness import Breach, Judge, Untold, require_branches
 from voronec.motion.split_models import divisor_program
-from voronec.motion.split_stepper import SplitRun
 from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
 from voronec.motion.steppers.run import Signals, constants_along
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Crossings, Trajectory, make_trajectory
+
+if TYPE_CHECKING:
+    from voronec.motion.mode_stepper import SwitchedIntegrator
 
 __all__ = ["Way", "first_success", "integrate", "other_method"]
 
@@ -247,6 +248,8 @@ class _Request:
 
     def through_splits(self) -> Trajectory:
         """On the coordinates, in one split of the velocities after another."""
+        from voronec.motion.split_stepper import SplitRun  # few motions need it, nor what is rough
+
         own = self.vocabulary.equations
         exact = is_exact(self.method, self.tol)
         charted = None if exact else with_attitude_charts(own)
@@ -468,6 +471,8 @@ class _Job:
         """The integrator of a problem that is not smooth, watched; None where it is smooth."""
         if not problem.is_rough:
             return None
+        from voronec.motion.mode_stepper import through_walls
+
         return through_walls(method, problem, self.grid, self.made.moving_form, functions)
 
     def _under_watch(

@@ -163,19 +163,19 @@ class Geometry:
 
 
 def _metric_of(values: Mapping[str, Any], rows: np.ndarray) -> np.ndarray:
-    """g = d2L/dw2 + s A^T A with s such that both parts are of one size, at one point, shape
-    (velocities, velocities) [Theory, eq. (22a)]."""
-    mass = _mass_of(values, rows.shape[1])
-    square = rows.T @ rows
-    scale = np.trace(mass) / np.trace(square) if square.any() else 0.0
-    found: np.ndarray = mass + (scale or 1.0) * square
+    """g = d2L/dw2 + s A^T A with s such that both parts are of one size, at one point, or at each
+    of several, shape (..., velocities, velocities) [Theory, eq. (22a)]."""
+    mass = _mass_of(values, rows.shape[-1])
+    square = np.swapaxes(rows, -1, -2) @ rows
+    inertia, size = (np.trace(x, axis1=-2, axis2=-1)[..., None, None] for x in (mass, square))
+    scale = np.where(size == 0, 1.0, inertia / np.where(size == 0, 1.0, size))
+    found: np.ndarray = mass + np.where(scale == 0, 1.0, scale) * square
     return found
 
 
 def _mass_of(values: Mapping[str, Any], width: int) -> np.ndarray:
-    return np.array([
-        [values[f"mass {max(a, b)},{min(a, b)}"] for b in range(width)] for a in range(width)
-    ], dtype=float)  # fmt: skip
+    table = [[values[f"mass {max(a, b)},{min(a, b)}"] for b in range(width)] for a in range(width)]
+    return np.moveaxis(np.array(table, dtype=float), (0, 1), (-2, -1))
 
 
 # -- other systems for the same motion ------------------------------------------------------
@@ -319,9 +319,12 @@ class SplitGround:
         """The form of the wide state."""
         return _wide_form(self.home.definition)
 
-    @cached_property
+    @property
     def _geometry(self) -> Program:
-        return quantities(self.wide, _geometry_entries(self.home.definition))
+        def make() -> Program:
+            return quantities(self.wide, _geometry_entries(self.home.definition))
+
+        return self.home.memo.once("geometry", make)
 
     def _entries(self, time: Any, wide: Any, constants: Any = None) -> dict[str, Any]:
         """The entries of constraints, frame and mass at a wide state, by name."""
@@ -400,7 +403,8 @@ class SplitGround:
         return self.home.memo.once(("constraints solved beside", chosen), make)
 
     def _rows_of(self, entries: Mapping[str, Any], kind: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Rows of the conditions and of the frame, with their offsets, as numbers of a kind."""
+        """Rows of the conditions and of the frame, with their offsets, as numbers of a kind, at one
+        point, or at each of several (..., rows, velocities + 1)."""
         d = self.home.definition
         conditions = len(d.constraints.matrix) + len(d.differentiated.matrix)
         return (
@@ -411,7 +415,8 @@ class SplitGround:
     def _table(self, entries: Mapping[str, Any], name: str, count: int, kind: Any) -> np.ndarray:
         width = len(self.home.definition.dots) + 1
         flat = [entries[f"{name} {i},{a}"] for i in range(count) for a in range(width)]
-        return np.array(flat, dtype=kind).reshape(count, width)
+        table = np.array(flat, dtype=kind)
+        return np.moveaxis(table.reshape(count, width, *table.shape[1:]), (0, 1), (-2, -1))
 
     def coordinate_rows(self, time: Any, wide: np.ndarray, constants: Any = None) -> np.ndarray:
         """Rows of the coordinates' velocities on a group, with their offsets; none without one."""
@@ -462,13 +467,12 @@ class SplitGround:
         wide = np.vstack([places[: len(d.coordinates)], np.zeros((len(d.dots), count))])
         _, time, changed = self._apart(places)
         entries = replace(self, changing=None)._entries(time, wide, {**self.constants, **changed})
-        rows = {name: np.broadcast_to(x, (count,)) for name, x in entries.items()}
+        table = np.array([np.broadcast_to(x, (count,)) for x in entries.values()], dtype=float)
+        sound = np.isfinite(table).all(axis=0)
+        at = dict(zip(entries, table[:, sound], strict=True))
+        conditions = self._rows_of(at, float)[0][..., :-1]
         found = np.zeros(count)
-        for k in range(count):
-            at = {name: row[k] for name, row in rows.items()}
-            if np.isfinite([*at.values()]).all():
-                conditions = self._rows_of(at, float)[0][:, :-1]
-                found[k] = np.abs(np.linalg.det(_metric_of(at, conditions)))
+        found[sound] = np.abs(np.linalg.det(_metric_of(at, conditions)))
         return found
 
     def watch_divisors(
