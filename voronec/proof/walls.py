@@ -36,7 +36,7 @@ from voronec.algebra.normal import canonical
 from voronec.algebra.points import consistent, sample_evaluable, sample_point
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.roots import ring_over
-from voronec.algebra.signs import known_sign
+from voronec.algebra.roots import known_sign
 from voronec.algebra.tape import Tape
 from voronec.algebra.terms import factors_of, rational
 from voronec.algebra.verdicts import Verdict, witness_at
