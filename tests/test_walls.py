@@ -20,7 +20,9 @@ from voronec import Case, Equation, Measure, Parameter, Poisson
 from voronec.algebra import simple_zeros
 from voronec.algebra.branches import product_of
 from voronec.algebra.simple_zeros import has_simple_zeros
+from voronec.equations.motions import Motions
 from voronec.proof.claims import check_claims
+from voronec.proof.relations.chains import check_square
 
 pytestmark = pytest.mark.slow
 
@@ -583,3 +585,14 @@ def test_rates_are_judged_with_their_period_and_beside_poles():
     system, _ = skate()
     assert "where " in f"{vo.judge(system, 'd/dt(|xdot|/cos(phi)) = 0')}"
     assert "where " not in f"{vo.judge(system, 'd/dt(xdot/cos(phi)) = 0')}"
+
+
+def test_chains_that_agree_where_a_base_is_positive_say_so():
+    """x (x'^2)^(k/2) is x x'^k where x' > 0; for k = 3 and x' < 0 it is not."""
+    line = vo.System("line", vo.Fibration((x,)), v**2 / 2, parameters=(k,))
+    free = vo.System("free", vo.Fibration((q,)), vo.velocity(q) ** 2 / 2)
+    maps = {"one": x * (v**2) ** (k / 2), "other": x * v**k}
+    known = {n: vo.Relation("line", "free", state={q: e}, name=n) for n, e in maps.items()}
+    motions = {s.name: Motions.of(s) for s in (line, free)}
+    found = check_square(vo.Square(("one",), ("other",)), known, motions.__getitem__).verdict
+    assert found.proved and found.limits == "where xdot > 0"
