@@ -60,7 +60,7 @@ def _lines(found: Comparison) -> Iterator[str]:
         yield from columns(([x, f"{d:.1e}"] for x, d in found.deviations.items()), "  ")
     elif found.remark:
         yield f"no motions compared: {found.remark}"
-    yield "equal" if found.equal else "different"
+    yield found.outcome
 
 
 def _summary(found: Comparison) -> Iterator[list[str]]:

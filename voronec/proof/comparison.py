@@ -357,7 +357,8 @@ class Comparison:
     """All that was compared of ``first`` and ``second``.
 
     ``deviations`` gives the largest difference of each variable along the motion of the first
-    one's scene ``default``; ``remark`` says why there are none.
+    one's scene ``default``; ``remark`` says why there are none.  ``exact`` is false where a side
+    has no entries of mass or force: then numbers at points stand for the accelerations.
     """
 
     first: str
@@ -365,6 +366,7 @@ class Comparison:
     rows: tuple[Row, ...]
     deviations: dict[str, float]
     remark: str = ""
+    exact: bool = True
 
     def __repr__(self) -> str:
         counts = f"{len(self.rows)} rows, {len(self.differences)} different"
@@ -387,8 +389,15 @@ class Comparison:
 
     @property
     def equal(self) -> bool:
-        """Whether everything is the same."""
+        """Whether everything is the same, by numbers at points where it is not ``exact``."""
         return not self.differences
+
+    @property
+    def outcome(self) -> str:
+        """The end of a report in words."""
+        if not self.equal:
+            return "different"
+        return "equal" if self.exact else "equal by numbers at points, which are no proof"
 
     def as_dict(self) -> dict[str, Any]:
         """Everything, as data."""
@@ -396,6 +405,7 @@ class Comparison:
             "first": self.first,
             "second": self.second,
             "equal": self.equal,
+            "exact": self.exact,
             "rows": [vars(row) for row in self.rows],
             "deviations": self.deviations,
             "remark": self.remark,
@@ -418,7 +428,8 @@ def compare(first: Side, second: Side) -> Comparison:
         *_values(first, second),
     ]
     deviations, remark = _motions(first, second)
-    return Comparison(first.name, second.name, tuple(rows), deviations, remark)
+    exact = all(group in d.groups for d in (first, second) for group in ("mass", "force"))
+    return Comparison(first.name, second.name, tuple(rows), deviations, remark, exact)
 
 
 def _derivation_of(side: Side) -> StoredDerivation:
