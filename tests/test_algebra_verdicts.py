@@ -599,3 +599,12 @@ def test_a_witness_without_variables_ends_with_its_values():
 def test_what_relations_make_imaginary_has_no_value(function):
     found = prove_equal(function(y), function(sp.sqrt(1 - x**2)), [x - 2])
     assert found.undecided and "real values" in found.method
+
+
+def test_a_proof_says_what_it_takes_for_positive() -> None:
+    """(x^2)^(k/2) is |x|^k: for k = 3 and x = -1 it is not x^k."""
+    assert prove_equal((x**2) ** (k / 2), x**k).limits == "where x > 0"
+    assert prove_equal((x**2) ** (k / 2), x**k, x > 0).limits == ""
+    assert prove_equal((1 + x**2) ** k * (1 + x**2), (1 + x**2) ** (k + 1)).limits == ""
+    whole = sp.Symbol("k", integer=True)
+    assert prove_equal(x**whole * x, x ** (whole + 1)).limits == ""

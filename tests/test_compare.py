@@ -257,7 +257,43 @@ def test_signs_that_are_declared_are_stored_with_a_derivation() -> None:
     assert known[0].positive == ("m", "k") and compare(*known).equal
     assert not compare(*unknown).equal
     older = {k: v for k, v in unknown[0].as_dict().items() if k != "positive"}
-    assert StoredDerivation.from_dict(older, "here").positive == ()
+    assert StoredDerivation.from_dict(older, "here").positive is None
+
+
+def test_what_one_side_alone_declares_is_no_ground_for_equality() -> None:
+    """|a| is a where a > 0, and the other system may have a < 0; so with x^n and |x|^n."""
+    x, a, n = sp.symbols("x a n")
+
+    def pulled(force: sp.Expr, **more: bool) -> vo.System:
+        own = (vo.Parameter(a, 1, **more), vo.Parameter(n))
+        kinetic = vo.velocity(x) ** 2 / 2
+        return vo.System("pulled", vo.Fibration(x), kinetic, parameters=own, forces={x: force})
+
+    sides = pulled(sp.Abs(a), positive=True), pulled(a)
+    kept = [StoredDerivation.of(vo.derive(side)) for side in sides]
+    again = [StoredDerivation.from_dict(json.loads(k.text()), "here") for k in kept]
+    for pair in (sides, sides[::-1], again):
+        (row,) = compare(*pair).differences
+        assert (row.status, row.domain) == ("proved", "a > 0")
+    older = {k: value for k, value in again[1].as_dict().items() if k != "positive"}
+    assert compare(again[0], StoredDerivation.from_dict(older, "here")).equal
+    (row,) = compare(pulled((x**2) ** (n / 2)), pulled(x**n)).differences
+    assert (row.status, row.domain) == ("proved", "x > 0")
+
+
+def test_numbers_at_points_are_not_called_equality() -> None:
+    """A difference of 1e-30 is seen in entries, and not in accelerations of 30 digits."""
+    x = sp.Symbol("x")
+    sides = [
+        vo.System("spring", vo.Fibration(x), (vo.velocity(x) ** 2 - k * x**2) / 2)
+        for k in (1, 1 + sp.Rational(1, 10**30))
+    ]
+    assert compare(*sides).outcome == "different"
+    kept = StoredDerivation.of(vo.derive(sides[0]))
+    short = replace(kept, groups={k: g for k, g in kept.groups.items() if k != "force"})
+    found = compare(short, sides[1])
+    assert found.equal and not found.exact and found.outcome.startswith("equal by numbers")
+    assert compare(sides[0], sides[0]).outcome == "equal"
 
 
 def test_points_have_parameters_near_their_defaults_with_their_signs() -> None:

@@ -20,7 +20,9 @@ from voronec import Case, Equation, Measure, Parameter, Poisson
 from voronec.algebra import simple_zeros
 from voronec.algebra.branches import product_of
 from voronec.algebra.simple_zeros import has_simple_zeros
+from voronec.equations.motions import Motions
 from voronec.proof.claims import check_claims
+from voronec.proof.relations.chains import check_square
 
 pytestmark = pytest.mark.slow
 
@@ -461,3 +463,136 @@ def test_a_map_that_jumps_where_the_field_does_maps_no_motion():
     relation = vo.Relation("jumps", "plain", state={q: x + sp.pi / 2 * sp.sign(x)})
     found = vo.check_relation(relation, systems=(jumps, plain)).verdict
     assert found.refuted and "jumps where x = 0, which motions cross" in found.method
+
+
+def skate(**claims):
+    phi, z = sp.symbols("phi z")
+    turn, slip = vo.velocity(phi), vo.velocity(z)
+    blade = v * sp.sin(phi) - slip * sp.cos(phi)
+    fibration = vo.Fibration((x, phi), (z,))
+    kinetic = (v**2 + slip**2 + turn**2) / 2
+    return vo.System("skate", fibration, kinetic, constraints=(blade,), **claims), phi
+
+
+def test_rates_and_images_are_proved_beside_the_poles_that_motions_pass():
+    """phi = t: cos(phi) changes its sign at pi/2, where motions go on and x' = cos(phi) vanishes;
+    |x'|/cos(phi) jumps there, and so does phi + sign(cos(phi))."""
+    system, phi = skate()
+    turn = vo.velocity(phi)
+    jump = phi + sp.sign(sp.cos(phi))
+    equations = {
+        "speed": Equation(sp.Abs(v) / sp.cos(phi), 0),
+        "turned": Equation(jump, turn),
+        "smooth": Equation(t * v / sp.cos(phi), v / sp.cos(phi)),
+    }
+    found = {c.name: c.standing for c in check_claims(skate(equations=equations)[0])}
+    assert all("where" in found[n] and "!= 0" in found[n] for n in ("speed", "turned"))
+    assert found["smooth"] == "proved"
+    free = vo.System("free", vo.Fibration((q,)), vo.velocity(q) ** 2 / 2)
+    for image, limits in ((jump, True), (t * v / sp.cos(phi), False)):
+        relation = vo.Relation("skate", "free", state={q: image})
+        verdict = vo.check_relation(relation, systems=(system, free)).verdict
+        assert verdict.proved and bool(verdict.domain) is limits
+
+
+@pytest.mark.parametrize("force", [sp.sqrt(-1 - y**2), sp.log(-1 - v**2), sp.asin(2 + y**2)])
+def test_nothing_is_proved_of_equations_that_are_real_nowhere(force):
+    plane = vo.System(
+        name="plane", fibration=vo.Fibration((x, y)), lagrangian=(v**2 + w**2) / 2,
+        forces={y: force}, integrals={"speed": v},
+    )  # fmt: skip
+    (claim,) = check_claims(plane)
+    assert claim.verdict.refuted and claim.verdict.method.startswith("there are no motions")
+    line = vo.System("free", vo.Fibration((q,)), vo.velocity(q) ** 2 / 2)
+    relation = vo.Relation("plane", "free", state={q: x})
+    assert vo.check_relation(relation, systems=(plane, line)).verdict.refuted
+    assert not vo.judge(plane, "xdot = const").proved
+
+
+def test_a_theorem_holds_where_what_it_rests_on_does():
+    def plane(second):
+        return vo.System(
+            name="plane", fibration=vo.Fibration((x, y)), lagrangian=(v**2 + w**2) / 2,
+            integrals={"a": v, "b": second}, measure=1, integrable="Euler-Jacobi",
+        )  # fmt: skip
+
+    def theorem(second):
+        return check_claims(plane(second))[-1].standing
+
+    assert theorem(sp.sqrt(w)) == "proved where ydot > 0" and theorem(w) == "proved"
+
+
+def test_a_clock_or_a_multiplier_that_vanishes_on_the_way_is_one_beside_that_place():
+    """x^2/2 has the velocity x' by the time that runs with x: it is a motion on each side of
+    x = 0, and turns back there."""
+    line = vo.System("line", vo.Fibration((x,)), v**2 / 2)
+    free = vo.System("free", vo.Fibration((q,)), vo.velocity(q) ** 2 / 2)
+    for image, factor, words in (
+        (x**2 / 2, x, "where x != 0"),
+        (x**3 / 3, x**2, "where x != 0"),
+        (x, 1 + v**2, ""),
+        (x, v, ""),
+    ):
+        relation = vo.Relation("line", "free", state={q: image}, clock=factor)
+        found = vo.check_relation(relation, systems=(line, free)).verdict
+        assert found.proved and found.limits == words
+    (claim,) = check_claims(spring(multiplier=x))
+    assert claim.standing == "proved where x != 0"
+    bracket = {(q, p): 1 / x}
+    structure = Poisson({q: x, p: v}, bracket, p**2 / 2 + q**2 / 2, clock=x)
+    (claim,) = check_claims(spring(poisson=structure))
+    assert claim.standing == "proved where x != 0"
+
+
+@pytest.mark.parametrize("image", [x + sp.sqrt(-1 - v**2), x + sp.asin(2 + v**2)])
+def test_maps_that_are_real_nowhere_are_not_proved(image):
+    line = vo.System("line", vo.Fibration((x,)), v**2 / 2)
+    free = vo.System("free", vo.Fibration((q,)), vo.velocity(q) ** 2 / 2)
+    relation = vo.Relation("line", "free", state={q: image})
+    assert not vo.check_relation(relation, systems=(line, free)).verdict.proved
+
+
+def test_what_a_search_finds_may_not_jump():
+    found = vo.search_integrals(
+        spring(), degree=2, positions=2, functions={"size": sp.Abs(x)}, denominators=(x,)
+    )
+    assert found.integrals and all(f.verdict.refuted for f in found.integrals)
+    assert not found.exhausted and "motions cross" in found.integrals[0].standing
+    fan = {"angle": sp.atan2(x, v), "other": sp.atan2(y, w)}
+    pair = vo.System("pair", vo.Fibration((x, y)), (v**2 + w**2 - x**2 - y**2) / 2)
+    found = vo.search_integrals(pair, degree=1, positions=0, functions=fan)
+    assert [f.standing for f in found.integrals] == ["proved up to multiples of 2*pi"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "d/dt d/dt |x| = -|x|",
+        "|xddot|/x = const",
+        "sgn(xddot) = const",
+        "(xddot^2 + xdot^2 - 1) sgn(xddot) = const",
+    ],
+)
+def test_equations_of_what_jumps_are_judged_false(text):
+    """x = sin(t): |x| has a corner, and x'' changes its sign."""
+    found = vo.judge(spring(), text)
+    assert found.refuted and found.verdict.witness.point["x"] == "0"
+    assert "  on its two sides" in found.lines()
+
+
+def test_rates_are_judged_with_their_period_and_beside_poles():
+    assert "up to multiples of pi" in f"{vo.judge(spring(), 'd/dt(atan(x/xdot)) = 1')}"
+    system, _ = skate()
+    assert "where " in f"{vo.judge(system, 'd/dt(|xdot|/cos(phi)) = 0')}"
+    assert "where " not in f"{vo.judge(system, 'd/dt(xdot/cos(phi)) = 0')}"
+
+
+def test_chains_that_agree_where_a_base_is_positive_say_so():
+    """x (x'^2)^(k/2) is x x'^k where x' > 0; for k = 3 and x' < 0 it is not."""
+    line = vo.System("line", vo.Fibration((x,)), v**2 / 2, parameters=(k,))
+    free = vo.System("free", vo.Fibration((q,)), vo.velocity(q) ** 2 / 2)
+    maps = {"one": x * (v**2) ** (k / 2), "other": x * v**k}
+    known = {n: vo.Relation("line", "free", state={q: e}, name=n) for n, e in maps.items()}
+    motions = {s.name: Motions.of(s) for s in (line, free)}
+    found = check_square(vo.Square(("one",), ("other",)), known, motions.__getitem__).verdict
+    assert found.proved and found.limits == "where xdot > 0"

@@ -36,7 +36,7 @@ from voronec.algebra.normal import canonical
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import SHARP
 from voronec.algebra.ring import Ring
-from voronec.algebra.roots import domain_conditions, ring_over
+from voronec.algebra.roots import domain_conditions, known_sign, ring_over
 from voronec.algebra.tape import Tape
 from voronec.algebra.terms import factors_of, summands
 from voronec.errors import DefinitionError, EngineLimit
@@ -189,10 +189,11 @@ def _has_positive_base(node: Any, whole: frozenset[Any]) -> bool:
 
 def positive_bases(exprs: Iterable[Any], hypotheses: Iterable[Any]) -> list[Any]:
     """What counts as positive in expressions, since it is raised to powers with letters that are
-    not known to be whole numbers."""
-    whole = _whole(hypotheses)
+    not known to be whole numbers, and is not known to be so."""
+    known = [*hypotheses]
+    whole = _whole(known)
     found = [n.args[0] for n in nodes(exprs) if _has_positive_base(n, whole)]
-    return [*dict.fromkeys(found)]
+    return [b for b in dict.fromkeys(found) if known_sign(b, known) < 1]
 
 
 def _real_where(exprs: Sequence[Any], whole: frozenset[Any]) -> Iterator[Any]:

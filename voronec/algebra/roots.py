@@ -22,7 +22,7 @@ from voronec.algebra.ring import Ring
 from voronec.algebra.terms import factors_of, summands
 from voronec.errors import EngineLimit
 
-__all__ = ["Roots", "domain_conditions", "ring_over"]
+__all__ = ["Roots", "domain_conditions", "known_sign", "ring_over"]
 
 TERMS = 60
 """The sign of a factor with more terms is not asked for."""
@@ -252,3 +252,16 @@ def ring_over(
     equations, conditions = split_hypotheses(relations)
     roots = Roots.of([*exprs, *equations], conditions) if conditions else None
     return Ring(exprs, equations, work_limit, None if roots is None else roots.apart, split)
+
+
+def known_sign(expr: Any, hypotheses: Sequence[Any] = (), strict: bool = False) -> int:
+    """1 or -1 where an expression inside the door is proved to have nowhere the other sign, or 0.
+
+    ``hypotheses`` vanish, or are conditions that hold; ``strict``: nor is it zero.
+    """
+    try:
+        ring = ring_over([expr], hypotheses)
+        found = Signs.of(ring, hypotheses, bounded=True).of_fraction(ring.fraction(expr))
+    except EngineLimit:
+        return 0
+    return found.value if found is not None and (found.strict or not strict) else 0

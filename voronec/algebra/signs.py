@@ -22,7 +22,6 @@ from voronec.algebra.certificates import Signs
 from voronec.algebra.door import Door
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.ring import Ring
-from voronec.algebra.roots import ring_over
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape
 from voronec.algebra.terms import rational
@@ -30,7 +29,7 @@ from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import PROOF_LIMIT, Verdict, Witness, decide_equal
 from voronec.errors import DefinitionError, EngineLimit, quote
 
-__all__ = ["RELATIONS", "Inequality", "known_sign", "prove_inequality"]
+__all__ = ["RELATIONS", "Inequality", "prove_inequality"]
 
 
 _TIES = 60
@@ -211,16 +210,3 @@ def _symbols(given: Any) -> tuple[Any, ...]:
     """One or several symbols, given by name or themselves."""
     single = isinstance(given, str) or not isinstance(given, Iterable)
     return tuple(as_expression(s, "a symbol") for s in ((given,) if single else given))
-
-
-def known_sign(expr: Any, hypotheses: Sequence[Any] = (), strict: bool = False) -> int:
-    """1 or -1 where an expression inside the door is proved to have nowhere the other sign, or 0.
-
-    ``hypotheses`` vanish, or are conditions that hold; ``strict``: nor is it zero.
-    """
-    try:
-        ring = ring_over([expr], hypotheses)
-        found = Signs.of(ring, hypotheses, bounded=True).of_fraction(ring.fraction(expr))
-    except EngineLimit:
-        return 0
-    return found.value if found is not None and (found.strict or not strict) else 0

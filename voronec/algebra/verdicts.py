@@ -22,7 +22,7 @@ from sympy.core.function import AppliedUndef
 from sympy.logic.boolalg import Boolean
 
 from voronec.algebra.arguments import SEVERAL, accepts
-from voronec.algebra.composition import angles_of, are_equal, fold_angles
+from voronec.algebra.composition import angles_of, are_equal, fold_angles, positive_bases
 from voronec.algebra.conditions import condition, domain_of, split_hypotheses
 from voronec.algebra.door import Door
 from voronec.algebra.factors import irreducible_factors
@@ -40,6 +40,7 @@ from voronec.algebra.typeset import html_table
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = [
+    "NUMBERS",
     "Verdict",
     "Witness",
     "WitnessSearch",
@@ -52,6 +53,8 @@ __all__ = [
 
 
 DIGITS = 30
+NUMBERS = "ball arithmetic"
+"""How the two sides of an equality are told apart at a point."""
 NO_POINT = "no point was found at which both sides have real values"
 PROOF_LIMIT = 20_000_000
 """The work a proof may cost: more than a normal form, since nothing has to be written out."""
@@ -78,8 +81,8 @@ class Verdict:
 
     ``status`` is ``proved`` (the difference is zero in an exact normal form), ``refuted`` (with a
     ``witness``: ball arithmetic separates the two sides) or ``undecided``.  ``method`` says how,
-    and for an undecided question what the numbers suggest.  A proof about motions may stand up to
-    multiples of a period, ``modulo``, and where a ``domain`` bounds what is real.
+    and for an undecided question what the numbers suggest.  A proof may stand where a ``domain``
+    bounds what is real, and one about motions up to multiples of a period, ``modulo``.
     """
 
     status: str
@@ -93,6 +96,12 @@ class Verdict:
         """The period and the domain of a proof, in words."""
         period = f"up to multiples of {self.modulo}" if self.modulo else ""
         return " ".join(filter(None, (period, f"where {self.domain}" if self.domain else "")))
+
+    def where(self, *words: str) -> Verdict:
+        """A proof that stands where these hold, too; any other verdict as it is."""
+        every = (part for text in (self.domain, *words) for part in text.split(", "))
+        domain = dict.fromkeys(filter(None, every))
+        return replace(self, domain=", ".join(domain)) if self.proved else self
 
     @property
     def proved(self) -> bool:
@@ -128,7 +137,8 @@ def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
     ``relations`` are expressions that vanish, or conditions, as x > 0.  Symbols are real numbers
     with the signs that SymPy knows; unknown functions stand for arbitrary ones, and a square root
     for its non-negative value; what is raised to a power with letters that are not known to be
-    whole, nor bound by ``relations``, is positive.  Never "equal up to 1e-6": see ``Verdict``.
+    whole, nor bound by ``relations``, is taken for positive, and the ``domain`` of the answer says
+    so.  Never "equal up to 1e-6": see ``Verdict``.
     Raises ``DefinitionError`` for what is no expression.
     """
     door = Door()
@@ -144,7 +154,11 @@ def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
             raise DefinitionError("one of the relations is a nonzero number: nothing satisfies it")
         left, right = door.inward(a), door.inward(b)
         known = [*door.hypotheses, *door.lost_conditions(a), *door.lost_conditions(b)]
-        verdict = decide_equal(left, right, [*ideal, *known], pointwise=True)
+        known = [*ideal, *known]
+        verdict = decide_equal(left, right, known, pointwise=True)
+        if verdict.proved:
+            bases = positive_bases([left, right], known)
+            return verdict.where(*(f"{quote(door.outward(b))} > 0" for b in bases))
         return _possible(_fill_witness(verdict, a, b), a, b)
     except EngineLimit as limit:
         return Verdict("undecided", str(limit))
@@ -243,7 +257,7 @@ def decide_equal(
         samples, tape = [], None
     for point, (left, right) in samples:
         if not left.overlaps(right):
-            return Verdict("refuted", "ball arithmetic", witness_at(point, left, right))
+            return Verdict("refuted", NUMBERS, witness_at(point, left, right))
     reason = _difference_in_normal_form(a, b, relations)
     if reason is None:
         return Verdict("proved", "zero in exact normal form")
@@ -252,7 +266,7 @@ def decide_equal(
     found, agreeing = _look_again(WitnessSearch(a, b, relations, pointwise), tape, relations)
     if found is not None:
         point, (left, right) = found
-        return Verdict("refuted", "ball arithmetic", witness_at(point, left, right))
+        return Verdict("refuted", NUMBERS, witness_at(point, left, right))
     try:
         if are_equal(a, b, relations):
             return Verdict("proved", "zero in exact normal form, functions of functions resolved")

@@ -48,7 +48,8 @@ def _lines(found: Comparison) -> Iterator[str]:
     yield ""
     yield from columns(_summary(found), "  ")
     for row in (*found.rewritten_rows, *found.differences):
-        yield from ("", f"{row.group} {row.name}: {row.status}")
+        where = f" where {row.domain}" if row.domain else ""
+        yield from ("", f"{row.group} {row.name}: {row.status}{where}")
         for name, text in ((found.first, row.first), (found.second, row.second)):
             yield f"  {name}: {text.replace('**', '^') or '-'}"
         if row.status != "proved" and row.how:
@@ -59,7 +60,7 @@ def _lines(found: Comparison) -> Iterator[str]:
         yield from columns(([x, f"{d:.1e}"] for x, d in found.deviations.items()), "  ")
     elif found.remark:
         yield f"no motions compared: {found.remark}"
-    yield "equal" if found.equal else "different"
+    yield found.outcome
 
 
 def _summary(found: Comparison) -> Iterator[list[str]]:

@@ -79,7 +79,7 @@ def _lines(result: IntegralSearch) -> list[str]:
         rows.append(["not used", f"{', '.join(result.ignored)} (no integrals in these variables)"])
     lines += [*columns(rows), "", "found"]
     found = [
-        [f.name, f"= {plain(f.short)}", _verdict(f.verdict.status, f.independent)]
+        [f.name, f"= {plain(f.short)}", _verdict(f.standing, f.independent)]
         for f in result.integrals
     ]
     for name, equation, verdict in found:
@@ -89,5 +89,5 @@ def _lines(result: IntegralSearch) -> list[str]:
     return [*lines, "", result.statement]
 
 
-def _verdict(status: str, independent: bool) -> str:
-    return status if independent else f"{status}, a function of those before"
+def _verdict(standing: str, independent: bool) -> str:
+    return standing if independent else f"{standing}, a function of those before"

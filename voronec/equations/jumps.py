@@ -19,7 +19,7 @@ import sympy as sp
 from voronec.algebra.door import Door
 from voronec.algebra.graphs import nodes
 from voronec.algebra.normal import canonical
-from voronec.algebra.signs import known_sign
+from voronec.algebra.roots import known_sign
 from voronec.algebra.terms import factors_of
 from voronec.algebra.verdicts import decide_zero
 from voronec.equations.program.walls import plain_roots, radicands, wall_factors

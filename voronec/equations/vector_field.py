@@ -15,17 +15,22 @@ from typing import Any
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.branches import bounds_of
 from voronec.algebra.door import Door
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.matrices import determinant, is_product
 from voronec.algebra.normal import canonical
+from voronec.algebra.points import sample_evaluable
 from voronec.algebra.rank import generic_rows
+from voronec.algebra.roots import known_sign
+from voronec.algebra.tape import Tape
 from voronec.algebra.terms import atoms
+from voronec.algebra.verdicts import Verdict
 from voronec.declaration.geometry import moving_names
 from voronec.declaration.system import System
 from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.equations.derived_equations import DerivedEquations
-from voronec.errors import EngineLimit
+from voronec.errors import EngineLimit, quote
 
 __all__ = ["EquationsOfMotion", "VectorField", "for_numbers", "on_coordinates"]
 
@@ -224,6 +229,22 @@ class VectorField(EquationsOfMotion):
         slopes = [[r.diff(q) for q in self.positions] for r in self.relations]
         rows = generic_rows(slopes, self.hypotheses, failure=NO_POINT)
         return tuple(self.relations[i] for i in rows)
+
+    @cached_property
+    def existence(self) -> Verdict:
+        """Whether there are motions: whether the equations have real values at some state."""
+        bounds = dict.fromkeys(b for e in self.entries for b in bounds_of(e))
+        for b in bounds:
+            if known_sign(b, self.hypotheses, strict=True) < 0:
+                words = f"their equations are real where {quote(self.door.outward(b))} >= 0 alone"
+                return Verdict("refuted", f"there are no motions: {words}")
+        try:
+            real = not bounds or sample_evaluable(Tape(self.entries), self.hypotheses, count=1)
+        except EngineLimit:  # what nobody evaluates, as an unknown function
+            real = True
+        if real:
+            return Verdict("proved", "a state at which the equations have real values")
+        return Verdict("undecided", "no state was found at which the equations have real values")
 
     @property
     def entries(self) -> list[Any]:

@@ -44,7 +44,7 @@ from voronec.proof.closure import decide_essential
 from voronec.proof.decision import Decision, all_zero
 from voronec.proof.hamiltonian_form import decide_multiplier, decide_poisson
 from voronec.proof.measures import binding, chosen_variables, decide_measure, measured_field
-from voronec.proof.walls import across_walls
+from voronec.proof.walls import across_walls, not_vacuous
 
 __all__ = ["Claim", "case_of", "check_claims", "decide_integral", "specialise"]
 
@@ -70,7 +70,7 @@ def _decide_equation(motions: Motions, equation: Equation) -> Decision:
     residuals = [a - b for a, b in zip(found, claimed, strict=True)]
     verdict = all_zero(_number_residuals(residuals), field.hypotheses)
     inside = _number_residuals([field.read_branches(f) for f in equation.function])
-    return Decision(across_walls(verdict, field, inside), field.level)
+    return Decision(across_walls(verdict, field, inside, beyond=True), field.level)
 
 
 def _innermost(function: Any, still: frozenset[Any]) -> Any:
@@ -97,12 +97,17 @@ def _decide_integrable(motions: Motions, known: _Known) -> Decision:
         return Decision(Verdict(measured.status, f"the measure is {measured.status}"))
     field = measured_field(motions, measure)
     chosen = chosen_variables(field, measure)
-    low = field.level == "coordinates"
-    inside = [field.read(e) for e in known.integrals if low or not motions.holds_coordinate([e])]
-    functions = [e for e in inside if not e.free_symbols & _outside(motions, field, chosen)]
-    return Decision(
-        _count_integrals(field, chosen, functions, field.read(measure.density)), field.level
-    )
+    low, outside = field.level == "coordinates", _outside(motions, field, chosen)
+    usable = [k for k in known.integrals if low or not motions.holds_coordinate([k[0]])]
+    read = [(field.read(e), where) for e, where in usable]
+    inside = [(f, where) for f, where in read if not f.free_symbols & outside]
+    density = field.read(measure.density)
+    # those that are integrals everywhere may suffice
+    found = _count_integrals(field, chosen, [f for f, where in inside if not where], density)
+    if not found.proved and any(where for _, where in inside):
+        found = _count_integrals(field, chosen, [f for f, _ in inside], density)
+        found = found.where(*(where for _, where in inside))
+    return Decision(found.where(measured.domain), field.level)
 
 
 def _outside(motions: Motions, field: VectorField, chosen: Sequence[Any]) -> set[Any]:
@@ -202,17 +207,18 @@ class Claim:
 
 @dataclass(frozen=True)
 class _Known:
-    """What a theorem may rest on: integrals that are proved, a measure and the verdict on it."""
+    """What a theorem may rest on: integrals that are proved, each with where, a measure and the
+    verdict on it."""
 
-    integrals: tuple[Any, ...] = ()
+    integrals: tuple[tuple[Any, str], ...] = ()
     measure: Any = None
     verdict: Verdict | None = None
 
     def with_claims(self, system: System, claims: list[Claim]) -> _Known:
         """With what has been decided of a system and is still declared."""
-        proved = {c.name for c in claims if c.kind == "integral" and c.verdict.proved}
-        found = tuple(right_of(e) for name, e in system.integrals.items() if name in proved)
-        integrals = self.integrals + found
+        proved = {c.name: c.verdict for c in claims if c.kind == "integral" and c.verdict.proved}
+        own = ((right_of(e), proved[n].domain) for n, e in system.integrals.items() if n in proved)
+        integrals = self.integrals + tuple(own)
         for claim in claims:
             if claim.kind == "measure" and system.measure is not None:
                 return _Known(integrals, right_of(system.measure), claim.verdict)
@@ -309,6 +315,7 @@ def _decide_claim(kind: str, name: str, decide: Decide, motions: Motions, claim:
     """A claim, timed; a corrected one is two."""
     begin = clock.perf_counter()
     found = _decide_within_limits(decide, motions, right_of(claim))
+    found = replace(found, verdict=not_vacuous(found.verdict, motions.on_coordinates))
     printed, source, verdict = None, "", found.verdict
     if isinstance(claim, Corrected):
         printed = _decide_within_limits(decide, motions, claim.printed).verdict

@@ -107,7 +107,8 @@ class StoredDerivation:
 
     An entry that a group does not list is zero.  A group that is missing was too long, or beyond
     the budget of the exact algebra.  A group on the invariants names them by itself.  ``points``
-    are pairs of a point and the accelerations there; ``positive`` is declared to be so.
+    are pairs of a point and the accelerations there; ``positive`` is declared to be so, None where
+    a file says nothing of signs.
     """
 
     name: str
@@ -115,7 +116,7 @@ class StoredDerivation:
     groups: Groups
     ideals: Mapping[str, list[str]]
     points: tuple[tuple[Mapping[str, str], Mapping[str, str]], ...] = ()
-    positive: tuple[str, ...] = ()
+    positive: tuple[str, ...] | None = ()
     equations: VoronecEquations | None = field(default=None, repr=False, compare=False)
 
     @classmethod
@@ -148,7 +149,7 @@ class StoredDerivation:
             **{k: fact for k, fact in self.facts.items() if fact or k != "inputs"},
             "groups": {k: dict(g) for k, g in self.groups.items()},
             "ideals": dict(self.ideals),
-            "positive": [*self.positive],
+            "positive": [*(self.positive or ())],
             "points": [{"at": dict(at), "acceleration": dict(a)} for at, a in self.points],
         }
 
@@ -167,8 +168,9 @@ class StoredDerivation:
             points = tuple((p["at"], p["acceleration"]) for p in data["points"])
             facts = {fact: data[fact] for fact in FACTS} | {"inputs": data.get("inputs", [])}
             groups = {k: dict(g) for k, g in data["groups"].items()}
-            positive = tuple(data.get("positive", ()))  # older files say nothing of signs
-            return cls(data["system"], facts, groups, dict(data["ideals"]), points, positive)
+            positive = data.get("positive")  # older files say nothing of signs
+            signs = None if positive is None else tuple(positive)
+            return cls(data["system"], facts, groups, dict(data["ideals"]), points, signs)
         except (KeyError, TypeError, ValueError, AttributeError):
             raise DefinitionError(
                 f"{place} holds no derivation; make one by: voronec derive NAME --store FILE.json"
@@ -332,7 +334,8 @@ class Row:
 
     ``status`` is ``identical`` (the same text), ``proved`` (written differently, and equal),
     ``refuted``, ``undecided``, ``numeric`` (numbers that agree to 24 digits), or, of facts,
-    ``different``.
+    ``different``.  ``domain`` bounds where a proof holds, as where one side alone declares
+    a > 0.
     """
 
     group: str
@@ -341,6 +344,12 @@ class Row:
     first: str
     second: str
     how: str = ""
+    domain: str = ""
+
+    @property
+    def is_same(self) -> bool:
+        """Whether both sides are the same, as far as is known, for all that either admits."""
+        return self.status in ("identical", "proved", "numeric") and not self.domain
 
 
 @dataclass(frozen=True, repr=False)
@@ -348,7 +357,8 @@ class Comparison:
     """All that was compared of ``first`` and ``second``.
 
     ``deviations`` gives the largest difference of each variable along the motion of the first
-    one's scene ``default``; ``remark`` says why there are none.
+    one's scene ``default``; ``remark`` says why there are none.  ``exact`` is false where a side
+    has no entries of mass or force: then numbers at points stand for the accelerations.
     """
 
     first: str
@@ -356,6 +366,7 @@ class Comparison:
     rows: tuple[Row, ...]
     deviations: dict[str, float]
     remark: str = ""
+    exact: bool = True
 
     def __repr__(self) -> str:
         counts = f"{len(self.rows)} rows, {len(self.differences)} different"
@@ -369,17 +380,24 @@ class Comparison:
     @property
     def differences(self) -> tuple[Row, ...]:
         """What is not the same, or not known to be."""
-        return tuple(r for r in self.rows if r.status not in ("identical", "proved", "numeric"))
+        return tuple(r for r in self.rows if not r.is_same)
 
     @property
     def rewritten_rows(self) -> tuple[Row, ...]:
         """What is written differently, and proved equal."""
-        return tuple(r for r in self.rows if r.status == "proved")
+        return tuple(r for r in self.rows if r.status == "proved" and r.is_same)
 
     @property
     def equal(self) -> bool:
-        """Whether everything is the same."""
+        """Whether everything is the same, by numbers at points where it is not ``exact``."""
         return not self.differences
+
+    @property
+    def outcome(self) -> str:
+        """The end of a report in words."""
+        if not self.equal:
+            return "different"
+        return "equal" if self.exact else "equal by numbers at points, which are no proof"
 
     def as_dict(self) -> dict[str, Any]:
         """Everything, as data."""
@@ -387,6 +405,7 @@ class Comparison:
             "first": self.first,
             "second": self.second,
             "equal": self.equal,
+            "exact": self.exact,
             "rows": [vars(row) for row in self.rows],
             "deviations": self.deviations,
             "remark": self.remark,
@@ -409,7 +428,8 @@ def compare(first: Side, second: Side) -> Comparison:
         *_values(first, second),
     ]
     deviations, remark = _motions(first, second)
-    return Comparison(first.name, second.name, tuple(rows), deviations, remark)
+    exact = all(group in d.groups for d in (first, second) for group in ("mass", "force"))
+    return Comparison(first.name, second.name, tuple(rows), deviations, remark, exact)
 
 
 def _derivation_of(side: Side) -> StoredDerivation:
@@ -460,21 +480,46 @@ def _groups(first: StoredDerivation, second: StoredDerivation) -> Iterator[str]:
 def _entries(first: StoredDerivation, second: StoredDerivation, group: str) -> Iterator[Row]:
     ours, theirs = first.groups[group], second.groups[group]
     part = "reduced" if group.startswith("reduced") else ""
-    known = [*_conditions(first), *_conditions(second)]
+    shared, own = _known(first, second)
     for name in dict.fromkeys((*ours, *theirs)):
         a, b = ours.get(name, "0"), theirs.get(name, "0")
         if a == b:
             yield Row(group, name, "identical", a, b)
             continue
-        ideal = [*map(read_expression, first.ideals.get(part, ())), *known]
-        verdict = prove_equal(read_expression(a), read_expression(b), ideal)
+        ideal = [*map(read_expression, first.ideals.get(part, ())), *shared]
+        sides = read_expression(a), read_expression(b)
+        verdict = prove_equal(*sides, ideal)
+        if not verdict.proved and (used := _conditions_on(sides, own)):
+            closer = prove_equal(*sides, [*ideal, *own]).where(*map(str, used))
+            verdict = verdict if closer.undecided else closer
         how = verdict.method if verdict.witness is None else str(verdict.witness)
-        yield Row(group, name, verdict.status, a, b, how)
+        yield Row(group, name, verdict.status, a, b, how, verdict.domain)
+
+
+def _known(first: StoredDerivation, second: StoredDerivation) -> tuple[list[Any], list[Any]]:
+    """What is declared of the parameters on both sides, and what one side alone declares, in the
+    symbols that entries are read in; what a file cannot say is taken from the other side."""
+    sides = [(side, _conditions(side)) for side in (first, second)]
+    every = dict.fromkeys(c for _, own in sides for c in own)
+    alone = [c for c in every if any(c not in own and _may_say(side, c) for side, own in sides)]
+    return [c for c in every if c not in alone], alone
+
+
+def _may_say(side: StoredDerivation, condition: Any) -> bool:
+    """Whether a side, if it declared this, would be known to do so: a file keeps signs alone."""
+    is_sign = isinstance(condition, sp.StrictGreaterThan | sp.StrictLessThan)
+    return side.equations is not None or (is_sign and side.positive is not None)
+
+
+def _conditions_on(exprs: Iterable[Any], conditions: list[Any]) -> list[Any]:
+    """The conditions that hold symbols of some expressions."""
+    held = {s for e in exprs for s in e.free_symbols}
+    return [c for c in conditions if c.free_symbols & held]
 
 
 def _conditions(side: StoredDerivation) -> list[Any]:
     """What is declared of the parameters of a system, in the symbols that entries are read in."""
-    signs = [read_expression(text) > 0 for text in side.positive]
+    signs = [read_expression(text) > 0 for text in side.positive or ()]
     if side.equations is None:
         return signs
     system = side.equations.system

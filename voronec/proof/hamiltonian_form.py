@@ -41,7 +41,7 @@ from voronec.equations.connection import AffineForms
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
 from voronec.proof.decision import Decision, all_zero, zero_everywhere
-from voronec.proof.walls import across_walls
+from voronec.proof.walls import across_walls, beside_zeros
 
 __all__ = ["decide_multiplier", "decide_poisson"]
 
@@ -54,6 +54,7 @@ def decide_multiplier(motions: Motions, multiplier: sp.Expr) -> Decision:
     if found is None:
         found = _verdict(motions, field, n)
         found = across_walls(found, field, [("the multiplier", n)], periods=False)
+        found = beside_zeros(found, field, "the multiplier", n)
     return Decision(found, field.level)
 
 
@@ -178,6 +179,8 @@ def decide_poisson(motions: Motions, claim: Poisson) -> Decision:
     found = all_zero(structure.residuals(), field.hypotheses)
     found = across_walls(found, field, [*structure.named_variables()])
     found = across_walls(found, field, [*structure.named_functions()], periods=False)
+    clock = structure.read(claim.clock).xreplace(structure.meaning)
+    found = beside_zeros(found, field, "the clock", clock)
     return Decision(found, field.level)
 
 

@@ -35,15 +35,14 @@ from voronec.algebra.conditions import domain_of, moved_hypotheses, split_hypoth
 from voronec.algebra.normal import canonical
 from voronec.algebra.points import consistent, sample_evaluable, sample_point
 from voronec.algebra.precision import GENERIC
-from voronec.algebra.roots import ring_over
-from voronec.algebra.signs import known_sign
+from voronec.algebra.roots import known_sign, ring_over
 from voronec.algebra.tape import Tape
 from voronec.algebra.terms import factors_of, rational
 from voronec.algebra.verdicts import Verdict, witness_at
 from voronec.equations.vector_field import VectorField
 from voronec.errors import DefinitionError, EngineLimit, quote
 
-__all__ = ["across_walls", "flow_across_walls", "positive_domain"]
+__all__ = ["across_walls", "beside_zeros", "flow_across_walls", "not_vacuous", "positive_domain"]
 
 _SEEDS = 96
 """How many states are looked for on a wall, at most: a piece of it may be a sixteenth of all."""
@@ -63,6 +62,7 @@ def across_walls(
     functions: Sequence[tuple[str, Any]],
     periods: bool | Callable[[Any], bool] = True,
     constant: bool = False,
+    beyond: bool = False,
 ) -> Verdict:
     """A proof off the walls of some functions, as what it is with them.
 
@@ -73,11 +73,14 @@ def across_walls(
         constants that is so.
     constant
         whether the functions are proved to be constant along motions off their walls.
+    beyond
+        whether poles of the equations, which motions may pass, are looked at; it is so of what is
+        constant.
     """
     if not verdict.proved:
         return verdict
     moving = frozenset({*field.variables, field.time})
-    ground = _Ground(field, moving, periods, constant)
+    ground = _Ground(field, moving, periods, constant, beyond or constant)
     found = []
     for label, function in functions:
         if not constant or ground.has_letters or has_branches([function], function.free_symbols):
@@ -103,25 +106,42 @@ def flow_across_walls(verdict: Verdict, field: VectorField, density: Any) -> Ver
         return verdict
     moving = frozenset({*field.variables, field.time})
     try:
-        return _Ground(field, moving, False, False).verdict_on_flow(density, verdict)
+        return _Ground(field, moving, False, False, False).verdict_on_flow(density, verdict)
     except EngineLimit as limit:
         return Verdict("undecided", f"the walls of the field: {limit}")
+
+
+def not_vacuous(verdict: Verdict, field: VectorField) -> Verdict:
+    """A proof about motions, unless it is not known that there are any."""
+    return verdict if not verdict.proved or field.existence.proved else field.existence
+
+
+def beside_zeros(verdict: Verdict, field: VectorField, name: str, function: Any) -> Verdict:
+    """A proof in which something must not vanish, as a clock, beside zeros that motions pass."""
+    moving = frozenset({*field.variables, field.time})
+    if not verdict.proved or not function.free_symbols & moving:
+        return verdict
+    ground = _Ground(field, moving, periods=False, constant=False, beyond=False)
+    try:
+        found = [h for h in divisors_of(1 / function, field.relations) if h.free_symbols & moving]
+        passed = [h for h in found if ground.is_passed(h)]
+    except EngineLimit:
+        return verdict.where(f"{name} != 0")
+    return verdict.where(*(f"{_show(field.door.outward(h))} != 0" for h in passed))
 
 
 def positive_domain(field: VectorField, exprs: Sequence[Any], known: Sequence[Any]) -> list[str]:
     """What a proof takes for positive in expressions inside the door, in words: bases under letters
     that may be whole numbers, for all that hypotheses say that are ``known``."""
     found = positive_bases(exprs, known)
-    open_ones = [b for b in found if not any(known_sign(b, k) for k in (known, field.conditions))]
+    open_ones = [b for b in found if known_sign(b, field.conditions) < 1]
     return [f"{_show(field.door.outward(b))} > 0" for b in open_ones]
 
 
 def _join_proofs(verdict: Verdict, found: Sequence[Verdict]) -> Verdict:
     """A proof with the periods and the domain of several."""
-    both = (verdict, *found)
-    modulo = ", ".join(dict.fromkeys(v.modulo for v in both if v.modulo))
-    domain = ", ".join(dict.fromkeys(v.domain for v in both if v.domain))
-    return replace(verdict, modulo=modulo, domain=domain)
+    modulo = ", ".join(dict.fromkeys(v.modulo for v in (verdict, *found) if v.modulo))
+    return replace(verdict, modulo=modulo).where(*(v.domain for v in found))
 
 
 @dataclass(frozen=True)
@@ -132,6 +152,7 @@ class _Ground:
     variables: frozenset[Any]
     periods: bool | Callable[[Any], bool]
     constant: bool
+    beyond: bool
 
     @property
     def relations(self) -> tuple[Any, ...]:
@@ -145,7 +166,7 @@ class _Ground:
 
     def verdict_on(self, function: Any, proof: Verdict) -> Verdict:
         """The verdict on one function with a proof off its walls."""
-        gaps = self._gaps(function) if self.constant else []
+        gaps = self._gaps(function) if self.beyond else []
         proof = replace(proof, domain=", ".join(gaps))
         if is_plain(function, self.variables, essential=not self.constant):
             return self._with_domain(proof, function)
@@ -212,6 +233,10 @@ class _Ground:
         """Whether a function is negative at some state at which the inertia is positive."""
         found = islice(self._states([bound], self.hypotheses), _ENOUGH)
         return any(v < 0 and _is_positive(mass) for _, (v,), mass in found)
+
+    def is_passed(self, h: Any) -> bool:
+        """Whether motions may pass from one side of h = 0 to the other."""
+        return not (self._has_sign(h) or self._is_kept(h)) and self._has_sides(h)
 
     # -- singular places -----------------------------------------------------------------------
 

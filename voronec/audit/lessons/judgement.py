@@ -20,10 +20,11 @@ import sympy as sp
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.algebra.text import as_expression
 from voronec.algebra.typeset import caret_text, plain_text, symbol_latex
-from voronec.algebra.verdicts import Verdict, decide_equal
+from voronec.algebra.verdicts import NUMBERS, Verdict, decide_equal
 from voronec.audit.latex.nodes import (
     Chain,
     Derivative,
+    Differential,
     Dot,
     Name,
     Node,
@@ -42,9 +43,9 @@ from voronec.declaration.system import System
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations, derive
-from voronec.errors import DefinitionError, did_you_mean
+from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 from voronec.proof.claims import decide_integral
-from voronec.proof.walls import positive_domain
+from voronec.proof.walls import across_walls, not_vacuous, positive_domain
 
 __all__ = ["CONSTANT", "Judgement", "Language", "judge"]
 
@@ -142,6 +143,10 @@ class Judgement:
             if verdict.limits:
                 lines.append(f"  {verdict.limits}")
             return [*lines, f"  {GROUNDS[self.ground]}"] if verdict.proved else lines
+        if verdict.method != NUMBERS:
+            lines = ["comes out", f"  refuted: {verdict.method}", "  at the state"]
+            lines += [f"    {name} = {value}" for name, value in witness.point.items()]
+            return [*lines, "  on its two sides", f"    {witness.left}", f"    {witness.right}"]
         constant = self.ground == "integral"
         why = "at which its rate is not zero" if constant else "at which the two sides differ"
         sides = ("its rate is",) if constant else ("the left side is", "the right side is")
@@ -160,6 +165,7 @@ class Judgement:
             "read": [plain_text(e) for e in self.read],
             "verdict": self.verdict.status,
             "why": self.verdict.method,
+            "limits": self.verdict.limits,
             "ground": self.ground,
             "accelerations": {plain_name(s): plain_text(v) for s, v in self.accelerations.items()},
         }
@@ -187,9 +193,16 @@ def judge(system: System | VoronecEquations, text: str) -> Judgement:
     equations = system if isinstance(system, VoronecEquations) else derive(system)
     if not isinstance(text, str):
         raise DefinitionError(f"the equation is a {type(text).__name__}, not a text")
-    sides = Language.of(equations).sides(text)
-    verdict, ground = _decide_chain(Motions.of(equations), sides)
-    used = _accelerations(equations, sides) if ground != "constraints" else {}
+    language, motions = Language.of(equations), Motions.of(equations)
+    tree = language.tree(text)
+    sides = language.sides(tree, text)
+    try:
+        verdict, ground = _decide_chain(motions, sides)
+        verdict = _across_walls(motions, verdict, language.functions_under_rates(tree))
+        verdict = not_vacuous(verdict, motions.on_coordinates)
+        used = _accelerations(equations, sides) if ground != "constraints" else {}
+    except EngineLimit as limit:
+        verdict, ground, used = Verdict("undecided", str(limit)), "motion", {}
     return Judgement(equations.system, text, tuple(sides), verdict, ground, used)
 
 
@@ -202,6 +215,14 @@ def _decide_chain(motions: Motions, sides: list[Any]) -> tuple[Verdict, str]:
                 return verdict, ground
     weight = [*GROUNDS]
     return max(found, key=lambda pair: weight.index(pair[1]))
+
+
+def _across_walls(motions: Motions, verdict: Verdict, functions: list[Any]) -> Verdict:
+    """A proof by derivatives of functions, with the walls of these: one that jumps has none."""
+    field, places = motions.on_coordinates, _places(motions)
+    read = ((caret_text(f), field.door.inward(f)) for f in functions)
+    inside = [(words, field.express(f).xreplace(places)) for words, f in read]
+    return across_walls(verdict, field, inside, beyond=True)
 
 
 def _links(motions: Motions, sides: list[Any]) -> Iterator[tuple[Verdict, str]]:
@@ -232,9 +253,7 @@ def _decide(field: VectorField, sides: list[Any]) -> Verdict:
     """Whether two sides are equal, with what counts as positive in them."""
     left, right = sides
     found = decide_equal(left, right, field.hypotheses, pointwise=True)
-    if not found.proved:
-        return found
-    return replace(found, domain=", ".join(positive_domain(field, sides, field.hypotheses)))
+    return found.where(*positive_domain(field, sides, field.hypotheses)) if found.proved else found
 
 
 def _places(motions: Motions) -> dict[Any, Any]:
@@ -253,8 +272,9 @@ def _constant(motions: Motions, value: Any) -> Verdict:
     inside = field.door.inward(value)
     if inside.free_symbols.isdisjoint(places):
         return decide_integral(motions, value).verdict
-    rate = field.derivative(field.express(inside).xreplace(places))
-    return _decide(field, [rate, se.Integer(0)])
+    function = field.express(inside).xreplace(places)
+    found = _decide(field, [field.derivative(function), se.Integer(0)])
+    return across_walls(found, field, [("", function)], constant=True)
 
 
 def _accelerations(equations: VoronecEquations, sides: list[Any]) -> dict[Any, Any]:
@@ -341,12 +361,9 @@ class Language:
         dotted = {plain_name(q) + "dot" for q in self.equations.coordinates}
         return {name: value for name, value in self.symbols.items() if name not in dotted}
 
-    def sides(self, text: str) -> list[Any]:
-        """The values of what stands between the signs of equality.
-
-        ``DefinitionError`` names the place of what is not understood, and of a symbol that the
-        system does not have, with the nearest one.
-        """
+    def tree(self, text: str) -> Chain:
+        """An equation as it is read; ``DefinitionError`` names the place of what is not
+        understood."""
         dots = {velocity(q) for q in self.equations.coordinates}
         free = [v for v in self.equations.velocities if v not in dots]
         moving = [plain_name(x) for x in (*self.equations.coordinates, *free)]
@@ -365,6 +382,14 @@ class Language:
             what = f"'{sign}' is no sign of equality" if sign else "there is no sign of equality"
             raise DefinitionError(f"{what} in '{text}'; write left = right, or = const")
         self._refuse_doubtful(tree, text)
+        return tree
+
+    def sides(self, tree: Chain, text: str) -> list[Any]:
+        """The values of what stands between the signs of equality.
+
+        ``DefinitionError`` names the place of a symbol that the system does not have, with the
+        nearest one.
+        """
         values = [self._value(part, text, tree) for part in tree.parts]
         self._refuse_zero_divisors(tree, text)
         return values
@@ -382,6 +407,19 @@ class Language:
             if getattr(divisor, "free_symbols", None) and _equal(motions, divisor, 0)[0].proved:
                 what = "this divides by what is zero along every motion; take the divisor out"
                 raise complain(text, node.at[0], what)
+
+    def functions_under_rates(self, tree: Chain) -> list[Any]:
+        """The functions of which an equation takes rates, those that are rates themselves too."""
+        found: dict[Any, None] = {}
+        for node in walk(tree):
+            if isinstance(node, Derivative | Differential | Dot):
+                value = self._value_of(node.body)
+                for _ in range(getattr(node, "order", 1)):
+                    if not isinstance(value, sp.Expr):
+                        break
+                    found.setdefault(value)
+                    value = self.study.motion.derivative(value)
+        return [*found]
 
     def _refuse_doubtful(self, tree: Chain, text: str) -> None:
         """Derivatives that one book takes along the motion, or on the constraints, and another

@@ -20,7 +20,7 @@ import symengine as se
 
 from voronec.algebra.graphs import nodes
 from voronec.algebra.numeric_functions import CASE, CHOICE, numeric_name
-from voronec.algebra.signs import known_sign
+from voronec.algebra.roots import known_sign
 from voronec.algebra.stages import split_number
 from voronec.algebra.terms import factors_of, summands
 from voronec.equations.program.weight import operation_count

@@ -25,7 +25,7 @@ from voronec.algebra.graphs import is_flat, nodes
 from voronec.algebra.memo import remember
 from voronec.algebra.numeric_functions import formula
 from voronec.algebra.ring import Ring
-from voronec.algebra.signs import known_sign
+from voronec.algebra.roots import known_sign
 from voronec.algebra.terms import factors_of, is_exponential, rational, summands
 from voronec.errors import EngineLimit
 

@@ -13,7 +13,7 @@ from voronec.algebra.graphs import nodes
 from voronec.algebra.normal import canonical, canonical_for_numbers
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
-from voronec.algebra.signs import known_sign
+from voronec.algebra.roots import known_sign
 from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import all_vanish
 from voronec.errors import EngineLimit

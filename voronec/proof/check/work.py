@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 
-from voronec.algebra.verdicts import Verdict
+from voronec.algebra.verdicts import NUMBERS, Verdict
 from voronec.declaration.catalogue import Entry
 from voronec.declaration.plugin_files import failure
 from voronec.declaration.source_digest import engine_folder
@@ -131,5 +131,5 @@ def _finding(kind: str, name: str, verdict: Verdict, reason: str) -> Finding:
     if status == "undecided" and "agree to" in how:
         status = "numeric"
     if verdict.witness is not None:
-        how = f"{verdict.witness}" + ("" if how == "ball arithmetic" else f"; {how}")
+        how = f"{verdict.witness}" + ("" if how == NUMBERS else f"; {how}")
     return Finding(kind, name, status, how, reason, verdict.limits)

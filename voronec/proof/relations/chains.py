@@ -23,6 +23,7 @@ from voronec.proof.relations.functions import Functions, formal, substitute
 from voronec.proof.relations.orders import all_at_zero, at_zero
 from voronec.proof.relations.parameters import applications
 from voronec.proof.relations.statemap import StateMap
+from voronec.proof.walls import positive_domain
 
 __all__ = ["CheckedSquare", "check_square"]
 
@@ -114,7 +115,10 @@ def _agreement(first: _Chain, second: _Chain) -> Verdict:
                 verdict = _compare_functions(x, first, second) or verdict
             if not verdict.proved:
                 return Verdict(verdict.status, f"'{x}': {verdict.method}", verdict.witness)
-    return decide_equal(first.clock, second.clock, first.hypotheses)
+    verdict = decide_equal(first.clock, second.clock, first.hypotheses)
+    images = [e for c in (first, second) for e in (*c.state.values(), *c.parameters.values())]
+    images += [first.clock, second.clock]
+    return verdict.where(*positive_domain(first.start, images, first.hypotheses))
 
 
 def _compare_functions(function: Any, first: _Chain, second: _Chain) -> Verdict | None:

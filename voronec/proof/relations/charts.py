@@ -64,7 +64,7 @@ def _decide(motions: Motions, name: str) -> Verdict:
     relation = Relation(
         home.system.name, there.name, state=chart.values(motions.system), parameters=own
     )
-    found = decided_at_limit(StateMap.of(relation, known.__getitem__))[1]
+    found = decided_at_limit(StateMap.of(relation, known.__getitem__), beyond=False)[1]
     return replace(found, modulo=found.modulo or inverse.modulo) if found.proved else found
 
 

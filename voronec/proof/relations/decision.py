@@ -46,7 +46,7 @@ from voronec.proof.relations.orders import all_at_zero, at_zero, vanishes
 from voronec.proof.relations.parameters import applications
 from voronec.proof.relations.possible import possible_values
 from voronec.proof.relations.statemap import StateMap
-from voronec.proof.walls import across_walls
+from voronec.proof.walls import across_walls, beside_zeros, not_vacuous
 
 __all__ = [
     "CheckedRelation",
@@ -167,21 +167,28 @@ def check_relation(relation: Relation, motions: Callable[[str], Motions]) -> Che
     Raises ``DefinitionError`` where the relation maps too little or too much.
     """
     start = clock.perf_counter()
-    statemap = complete_velocities(StateMap.of(relation, motions))
-    stated, verdict = decided_at_limit(statemap)
-    pulled = _pulled_claims(stated, verdict.domain) if not verdict.refuted else ()
+    read = StateMap.of(relation, motions)
+    kinds, pulled = tuple[str, ...](), tuple[Claim, ...]()
+    try:
+        statemap = complete_velocities(read)
+        stated, verdict = decided_at_limit(statemap)
+        verdict = not_vacuous(verdict, statemap.source)
+        kinds = _kinds_of(_stated_map(statemap, stated))
+        pulled = () if verdict.refuted else tuple(_pulled_claims(stated, verdict.domain))
+    except EngineLimit as limit:
+        verdict = Verdict("undecided", str(limit))
     return CheckedRelation(
         relation=relation,
-        kinds=_kinds_of(_stated_map(statemap, stated)),
-        levels=(statemap.source.level, statemap.target.level),
+        kinds=kinds,
+        levels=(read.source.level, read.target.level),
         verdict=verdict,
-        pulled=tuple(pulled),
+        pulled=pulled,
         seconds=clock.perf_counter() - start,
     )
 
 
-def decided_at_limit(statemap: StateMap) -> tuple[StateMap, Verdict]:
-    """The verdict, and the map on which it was found.
+def decided_at_limit(statemap: StateMap, beyond: bool = True) -> tuple[StateMap, Verdict]:
+    """The verdict, and the map on which it was found; ``beyond`` as in ``across_walls``.
 
     A limit of first order, where everything has one, is an exact relation of the limits: all that
     is in a residual is continuous there.
@@ -190,12 +197,12 @@ def decided_at_limit(statemap: StateMap) -> tuple[StateMap, Verdict]:
     if limit is not None and limit.order == 1:
         try:
             there = at_limit(statemap)
-            verdict = _decide_map(there)
+            verdict = _decide_map(there, beyond)
             if not verdict.undecided:
                 return there, verdict
         except EngineLimit:
             pass  # a pole that cancels, say: the residuals are expanded instead
-    return statemap, _decide_map(statemap)
+    return statemap, _decide_map(statemap, beyond)
 
 
 def _stated_map(statemap: StateMap, decided: StateMap) -> StateMap:
@@ -237,7 +244,7 @@ def at_limit(statemap: StateMap) -> StateMap:
     )
 
 
-def _decide_map(statemap: StateMap) -> Verdict:
+def _decide_map(statemap: StateMap, beyond: bool) -> Verdict:
     """Whether DPhi f = nu g(Phi), with nu not zero and a target that is determined there."""
     for verdict in (*_grounds(statemap), *_unsound_functions(statemap)):
         if not verdict.proved:
@@ -247,10 +254,10 @@ def _decide_map(statemap: StateMap) -> Verdict:
         if not verdict.proved:
             return replace(verdict, method=f"{place}: {verdict.method}")
     proof = possible_values(statemap)
-    return _across_walls(statemap, proof) if proof.proved else proof
+    return _across_walls(statemap, proof, beyond) if proof.proved else proof
 
 
-def _across_walls(statemap: StateMap, verdict: Verdict) -> Verdict:
+def _across_walls(statemap: StateMap, verdict: Verdict, beyond: bool) -> Verdict:
     """The proof with the walls of the map: positions and the time jump by periods of the target;
     parameters that hold state, potentials, velocities and the clock may not jump."""
     target, field = statemap.target, statemap.scaled_source
@@ -259,9 +266,12 @@ def _across_walls(statemap: StateMap, verdict: Verdict) -> Verdict:
     verdict = across_walls(verdict, field, [*_potentials(statemap)], periods=False)
     for x in (*target.positions, target.time):
         image = [(f"the image '{x}'", statemap.state[x])]
-        verdict = across_walls(verdict, field, image, periods=partial(statemap.is_period, x))
+        periods = partial(statemap.is_period, x)
+        verdict = across_walls(verdict, field, image, periods, beyond=beyond)
     fast = [(f"the image '{v}'", statemap.state[v]) for v in target.velocities]
-    return across_walls(verdict, field, [*fast, ("the clock", statemap.clock)], periods=False)
+    fast += [("the clock", statemap.clock)]
+    verdict = across_walls(verdict, field, fast, periods=False, beyond=beyond)
+    return beside_zeros(verdict, field, "the clock", statemap.clock)
 
 
 def _potentials(statemap: StateMap) -> Iterator[tuple[str, Any]]:
@@ -393,11 +403,7 @@ def _determinant(rows: Matrix, relations: Sequence[Any]) -> Any:
 def _pulled_claims(statemap: StateMap, domain: str) -> Iterator[Claim]:
     """The claims of the target as they stand for the source, on the domain of the relation."""
     for claim in _carried_claims(statemap):
-        if domain and claim.verdict.proved:
-            both = dict.fromkeys(filter(None, (domain, claim.verdict.domain)))
-            yield replace(claim, verdict=replace(claim.verdict, domain=", ".join(both)))
-        else:
-            yield claim
+        yield replace(claim, verdict=claim.verdict.where(domain))
 
 
 def _carried_claims(statemap: StateMap) -> Iterator[Claim]:
@@ -441,7 +447,8 @@ def _claim(
         if verdict.proved:
             field, is_constant = statemap.scaled_source, kind == "integral"
             inside = [("", f) for f in functions]
-            verdict = across_walls(verdict, field, inside, kind != "measure", is_constant)
+            moves = kind != "measure"
+            verdict = across_walls(verdict, field, inside, moves, is_constant, beyond=moves)
     except Infinite:
         return
     except EngineLimit as reached:

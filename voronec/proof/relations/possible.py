@@ -11,7 +11,7 @@ from typing import Any
 from symengine.lib.symengine_wrapper import Boolean, BooleanAtom
 
 from voronec.algebra.conditions import comparisons, split_hypotheses
-from voronec.algebra.signs import known_sign
+from voronec.algebra.roots import known_sign
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.errors import quote
 from voronec.proof.relations.statemap import StateMap

@@ -28,6 +28,13 @@ class FoundIntegral:
     verdict: Verdict
     independent: bool
 
+    @property
+    def standing(self) -> str:
+        """The verdict in words, with its period and its domain, or why there is no proof."""
+        found = self.verdict
+        words = " ".join(filter(None, (found.status, found.limits)))
+        return words if found.proved else f"{words}: {found.method}"
+
 
 @dataclass(frozen=True, repr=False)
 class IntegralSearch:
@@ -68,7 +75,7 @@ class IntegralSearch:
 
     def _repr_html_(self) -> str:
         """For notebooks: what was found, and what is proved."""
-        found = [(f.name, f"${latex_of(f.short, ())}$: {f.verdict.status}") for f in self.integrals]
+        found = [(f.name, f"${latex_of(f.short, ())}$: {f.standing}") for f in self.integrals]
         rows = [("form", self.form), *found, ("statement", self.statement)]
         return html_table(f"first integrals of {self.system}", rows)
 
@@ -147,6 +154,7 @@ class IntegralSearch:
                     "expression": plain_text(f.expression),
                     "short": plain_text(f.short),
                     "verdict": f.verdict.status,
+                    "limits": f.verdict.limits,
                     "independent": f.independent,
                 }
                 for f in self.integrals

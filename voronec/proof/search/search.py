@@ -57,6 +57,7 @@ from voronec.proof.search.lifting import (
 from voronec.proof.search.probe import Probe, Values
 from voronec.proof.search.residues import Array
 from voronec.proof.search.result import FoundIntegral, IntegralSearch
+from voronec.proof.walls import across_walls, not_vacuous
 
 __all__ = ["Ansatz", "Letter", "Question", "search_integrals", "searches"]
 
@@ -232,7 +233,7 @@ class _Run:
             by_factor.setdefault(factor, []).append(monomial)
         short = se.Add(*[c * se.Add(*group) for c, group in by_factor.items()])
         spelled = short.xreplace({a: x.value for a, x in zip(plain, letters, strict=True)})
-        verdict = _proof(mechanics.derivative(spelled), mechanics.hypotheses)
+        verdict = _proof(mechanics, spelled)
         named = {door_symbol: x.name for door_symbol, x in zip(plain, letters, strict=True)}
         door = mechanics.door
         shown = door.outward(short).xreplace({door.outward(a): n for a, n in named.items()})
@@ -291,11 +292,14 @@ def _classes(question: Question, limit: int) -> list[Array]:
     return sorted(classes, key=lambda c: (int(ansatz.degrees(c).max()), len(c)))
 
 
-def _proof(rate: Any, relations: Sequence[Any]) -> Verdict:
+def _proof(mechanics: VectorField, function: Any) -> Verdict:
+    """Whether a function is constant along motions, those that cross its walls among them."""
     try:
-        return decide_zero(rate, relations)
+        found = decide_zero(mechanics.derivative(function), mechanics.hypotheses)
     except EngineLimit as limit:
         return Verdict("undecided", str(limit))
+    found = across_walls(found, mechanics, [("", function)], constant=True)
+    return not_vacuous(found, mechanics)
 
 
 @dataclass(frozen=True)
