@@ -596,3 +596,28 @@ def test_chains_that_agree_where_a_base_is_positive_say_so():
     motions = {s.name: Motions.of(s) for s in (line, free)}
     found = check_square(vo.Square(("one",), ("other",)), known, motions.__getitem__).verdict
     assert found.proved and found.limits == "where xdot > 0"
+
+
+@pytest.mark.parametrize(
+    ("power", "status"), [(sp.Symbol("n", integer=True), "proved"), (sp.Symbol("n"), "undecided")]
+)
+def test_whole_powers_of_negative_bases_are_real(power, status):
+    """(-1 - y^2)^n is real for every whole n; its base was said to be negative, and it refuted."""
+    potential = (-1 - y**2) ** power
+    plane = vo.System(
+        name="plane", fibration=vo.Fibration((x, y)), lagrangian=(v**2 + w**2) / 2 - potential,
+        parameters=(power,), integrals={"energy": (v**2 + w**2) / 2 + potential, "speed": v},
+    )  # fmt: skip
+    energy_, speed = check_claims(plane)
+    assert energy_.verdict.status == status and speed.verdict.proved
+
+
+def test_what_is_real_in_no_piece_that_is_taken_refutes_nothing():
+    """The root of -1 - x^2 stands in a piece that no x takes."""
+    pieces = sp.Piecewise((sp.sqrt(-1 - x**2), x**2 < 0), (-x, True))
+    system = vo.System(
+        name="pieces", fibration=vo.Fibration((x,)), lagrangian=v**2 / 2, forces={x: pieces},
+        integrals={"energy": energy},
+    )  # fmt: skip
+    (claim,) = check_claims(system)
+    assert not claim.verdict.refuted

@@ -493,10 +493,11 @@ def is_plain(expr: Any, moving: frozenset[Any], essential: bool) -> bool:
     )
 
 
-def bounds_of(expr: Any) -> list[Any]:
-    """The functions that have to be positive for an expression to be real."""
+def bounds_of(expr: Any, pieces: bool = True) -> list[Any]:
+    """The functions that have to be positive for an expression to be real, but for bases under
+    letters, which may be whole numbers; without ``pieces`` those in whatever piece is taken."""
     found: dict[Any, None] = {}
-    for node in _nodes(expr):
+    for node in _nodes(expr) if pieces else _nodes_of_every_piece(expr):
         if isinstance(node, (se.asin, se.acos, se.atanh)):
             found.setdefault(1 - node.args[0] ** 2)
         elif isinstance(node, se.acosh):
@@ -505,9 +506,25 @@ def bounds_of(expr: Any) -> list[Any]:
             isinstance(node, se.Pow)
             and node.args[0] != se.E
             and not isinstance(node.args[1], se.Integer)
+            and not node.args[1].free_symbols
         ):
             found.setdefault(node.args[0])
     return [*found]
+
+
+def _nodes_of_every_piece(expr: Any) -> Iterator[Any]:
+    """Nodes but for those in a product with a sum of signs, as 1 + sign(x), which may be zero."""
+    waiting, known = [expr], set[Any]()
+    while waiting:
+        node = waiting.pop()
+        if node in known:
+            continue
+        known.add(node)
+        yield node
+        is_piece = isinstance(node, se.Mul) and any(
+            isinstance(factor, se.Add) and factor.atoms(se.sign) for factor in node.args
+        )
+        waiting += () if is_piece else node.args
 
 
 def branch_arguments(expr: Any, moving: frozenset[Any]) -> list[Any]:

@@ -234,7 +234,7 @@ class VectorField(EquationsOfMotion):
     def existence(self) -> Verdict:
         """Whether there are motions: whether the equations have real values at some state."""
         bounds = dict.fromkeys(b for e in self.entries for b in bounds_of(e))
-        for b in bounds:
+        for b in dict.fromkeys(b for e in self.entries for b in bounds_of(e, pieces=False)):
             if known_sign(b, self.hypotheses, strict=True) < 0:
                 words = f"their equations are real where {quote(self.door.outward(b))} >= 0 alone"
                 return Verdict("refuted", f"there are no motions: {words}")

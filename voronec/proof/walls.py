@@ -213,9 +213,13 @@ class _Ground:
     def _with_domain(self, proof: Verdict, function: Any) -> Verdict:
         """The proof with the domain on which the function is real, where that is less than all."""
         bounds = bounds_of(function)
-        for b in bounds:
+        for b in bounds_of(function, pieces=False):
             if known_sign(b, self.hypotheses, strict=True) < 0:
                 return Verdict("refuted", f"it has no real value, since {self._write(b)} < 0")
+        for b in positive_bases([function], self.hypotheses):
+            if known_sign(b, self.hypotheses, strict=True) < 0:
+                why = f"{self._write(b)} < 0 stands under a letter that may be no whole number"
+                return Verdict("undecided", why)
         if bounds and not sample_evaluable(Tape([function]), self.hypotheses, count=1):
             return Verdict("undecided", "no state was found at which it has a real value")
         moving = [b for b in bounds if b.free_symbols & self.variables]
