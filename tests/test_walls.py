@@ -621,3 +621,18 @@ def test_what_is_real_in_no_piece_that_is_taken_refutes_nothing():
     )  # fmt: skip
     (claim,) = check_claims(system)
     assert not claim.verdict.refuted
+
+
+def test_a_density_may_have_another_factor_beyond_a_pole_that_motions_pass():
+    """1/cos(phi) is the density of the form that motions keep, and one of three times as much
+    beyond cos(phi) = 0 is not, nor are signs that are hidden in a root."""
+    phi = sp.Symbol("phi")
+    cosine = sp.cos(phi)
+    cut = "where sin(phi/2) - cos(phi/2) != 0, sin(phi/2) + cos(phi/2) != 0"
+    for density, limits in (
+        (1 / cosine, ""),
+        ((2 + sp.sign(cosine)) / cosine, cut),
+        (sp.sqrt(cosine**2) / cosine**2, cut),
+    ):
+        (claim,) = check_claims(skate(measure=density)[0])
+        assert claim.verdict.proved and claim.verdict.limits == limits, density

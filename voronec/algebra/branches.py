@@ -527,23 +527,25 @@ def _nodes_of_every_piece(expr: Any) -> Iterator[Any]:
         waiting += () if is_piece else node.args
 
 
-def branch_arguments(expr: Any, moving: frozenset[Any]) -> list[Any]:
-    """Functions of which an expression is analytic wherever none is zero or infinite.
+def branch_arguments(expr: Any, moving: frozenset[Any]) -> dict[Any, bool]:
+    """Functions of which an expression is analytic wherever none is zero or infinite; and whether
+    it is real only where they are not negative, since they stand under roots alone.
 
     A logarithm adds none: where it is real on both sides of a place, it is the same function there.
     """
-    found: dict[Any, None] = {}
+    found: dict[Any, bool] = {}
     for node in _nodes(expr):
         if not is_branching(node) or isinstance(node, (se.log, se.atanh)):
             continue
-        for inside in node.args[:1] if isinstance(node, se.Pow) else node.args:
+        is_root = isinstance(node, se.Pow)
+        for inside in node.args[:1] if is_root else node.args:
             if isinstance(node, se.floor):
                 inside = se.sin(se.pi * inside)
             elif isinstance(node, _OPEN):
                 inside = 1 - inside**2
             if inside.free_symbols & moving:
-                found.setdefault(inside)
-    return [*found]
+                found[inside] = is_root and found.get(inside, True)
+    return found
 
 
 def has_branches(exprs: Iterable[Any], moving: frozenset[Any]) -> bool:

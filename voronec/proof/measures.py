@@ -65,7 +65,7 @@ def decide_measure(motions: Motions, measure: Measure) -> Decision:
         residual = defect(field, field.read_density(measure.density), chosen)
         found = all_zero([("", residual)], field.hypotheses)
         inside = [("the density", field.read_branches(measure.density))]
-        found = across_walls(found, field, inside, periods=False)
+        found = across_walls(found, field, inside, periods=False, beyond=True)
         found = flow_across_walls(found, field, field.read(measure.density))
     return Decision(found, field.level)
 

@@ -250,17 +250,20 @@ class _Ground:
         Velocities are bound there, so that what is 0/0 of independent velocities need not jump on
         a wall: a motion comes to xdot = 0 and cos(phi) = 0 together, and Abs(xdot)/cos(phi) jumps.
         A function is the same on both sides where all that it has branches of stays along motions,
-        or has one sign in whatever velocities.
+        or has one sign in whatever velocities; what stands under roots alone has it, where real.
         """
-        insides = branch_arguments(function, self.variables)
-        insides = [
-            e for e in insides if not self._vanishes(self.field.derivative(e), self.hypotheses)
-        ]
+        insides = {
+            e: is_root
+            for e, is_root in branch_arguments(function, self.variables).items()
+            if not self._vanishes(self.field.derivative(e), self.hypotheses)
+        }
         try:
             poles = self._poles if insides else []
         except EngineLimit:
             return ["the equations are regular"]
-        open_ones = [h for h in poles if not all(self._is_unit(e, h) for e in insides)]
+        open_ones = [
+            h for h in poles if not all(self._is_unit(e, h, r) for e, r in insides.items())
+        ]
         return [f"{self._write(h)} != 0" for h in open_ones]
 
     @cached_property
@@ -278,14 +281,19 @@ class _Ground:
             for e in (_CLOSE, -_CLOSE)
         )
 
-    def _is_unit(self, expr: Any, h: Any) -> bool:
-        """Whether it is a function of positions with one sign, and not zero all over h = 0."""
+    def _is_unit(self, expr: Any, h: Any, signed: bool) -> bool:
+        """Whether it is a function of positions with one sign, maybe known to be ``signed``, and
+        not zero all over h = 0; what is signed may be so there, if that is on one side alone."""
+        if not expr.free_symbols.isdisjoint(self.field.velocities):
+            return False
         there = (*self.hypotheses, h)
-        factors = product_of(expr, self.relations, self.variables).powers
-        return expr.free_symbols.isdisjoint(self.field.velocities) and all(
-            any(known_sign(f, known) for known in (self.field.conditions, there))
+        powers = product_of(expr, self.relations, self.variables).powers
+        if signed and powers.get(h, 0) % 2:
+            return True
+        return all(
+            (signed or any(known_sign(f, known) for known in (self.field.conditions, there)))
             and not self._vanishes(f, there)
-            for f in factors
+            for f in powers
             if f.free_symbols & self.variables
         )
 
