@@ -352,6 +352,7 @@ def test_what_is_proved_holds_at_points_chosen_afterwards(left, right, p, q):
             assert separated(verdict, one, other)
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(terms, terms)
 def test_the_binomial_theorem_is_never_refuted(p, q):
