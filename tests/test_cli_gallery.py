@@ -70,6 +70,7 @@ def test_without_a_name_pages_of_a_dozen_motions(
         (("demchenko", "--out", "x.gif"), "a picture ends in .svg, .png or .pdf"),
         (("demchenko", "--set", "u=1"), "set parameters only"),
         (("demchenko", "--set", "R2=-1"), "parameter 'R2' = -1 must be positive"),
+        (("demchenko", "--set", "R1=0"), "on the ball has no value with R1 = 0"),
     ],
 )
 def test_refusals(call: Call, arguments: tuple[str, ...], words: str) -> None:

@@ -231,7 +231,8 @@ def find(
 
 
 def held_parameters(system: System, given: Mapping[Any, Any]) -> dict[Any, Any]:
-    """Parameters to be held, exactly, by symbol; ``DefinitionError`` for what no body has."""
+    """Parameters to be held, exactly, by symbol; ``DefinitionError`` for what no body has, and
+    where the declared traces have no value."""
     found = read_parameters(system, given)
     for p in system.parameters:
         if p.symbol in found:
@@ -240,6 +241,13 @@ def held_parameters(system: System, given: Mapping[Any, Any]) -> dict[Any, Any]:
             except DefinitionError as error:
                 raise DefinitionError(f"system '{system.name}': {error}") from None
     require_possible(system, {plain_name(s): v for s, v in found.items()})
+    for curve in declared_traces(system).curves:
+        if any(c.xreplace(found).has(sp.nan, sp.zoo) for c in (*curve.cosine, *curve.phi)):
+            values = ", ".join(f"{plain_name(s)} = {v}" for s, v in found.items())
+            raise DefinitionError(
+                f"system '{system.name}': the trace {curve.title} has no value with {values}, since "
+                "its quadratures divide by zero; hold other values"
+            )
     return found
 
 
