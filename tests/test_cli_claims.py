@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from pathlib import Path
 
 import pytest
@@ -68,8 +69,21 @@ def test_a_run_whose_integral_is_none_fails(
     monkeypatch.chdir(tmp_path)
     path = write(tmp_path, '"place": 1 + x', "sp.cos(phi)")
     assert main(["run", path, "--method", "scipy"]) == 1
-    assert "drifts far beyond the tolerance" in capsys.readouterr().err
+    told = capsys.readouterr().err
+    assert "the integral 'place' drifts far beyond the tolerance" in told and "has no value" in told
     assert main(["run", write(tmp_path, '"spin": Dphi', "sp.cos(phi)"), "--method", "scipy"]) == 0
+
+
+def test_warnings_are_one_line_without_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As of a damaged cache: two lines told the file and the line of the engine, too."""
+    told: list[str] = []
+
+    def execute(_: object) -> int:
+        told.append(warnings.formatwarning("damaged", UserWarning, "packs.py", 64))  # type: ignore[arg-type]
+        return 0
+
+    monkeypatch.setattr("voronec.cli.listing.execute", execute)
+    assert main(["list"]) == 0 and told == ["voronec: warning: damaged\n"]
 
 
 def test_a_large_system_is_told_by_its_size(capsys: pytest.CaptureFixture[str]) -> None:

@@ -479,6 +479,18 @@ def test_a_section_goes_on_in_another_split(method: str) -> None:
     assert section.speed == pytest.approx([(b - a) / (2 * h) for a, b in around], rel=1e-6)
 
 
+def test_the_patience_of_a_section_counts_from_the_last_crossing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of one that is followed alone, from where its split is singular: it was given up once all its
+    steps together were more."""
+    monkeypatch.setattr("voronec.motion.one_by_one.PATIENCE", 60)
+    start = {"xdot": 1, "phidot": 1}
+    turns = vo.section(blade(), "y - 1", initial=start, crossings=40, outputs=("phi",))
+    assert turns.ends == ("complete",) and turns.cost.steps > 120
+    assert turns.t == pytest.approx(np.pi / 2 + 2 * np.pi * np.arange(40), abs=1e-10)
+
+
 def test_a_run_ends_where_no_split_leads_on(monkeypatch: pytest.MonkeyPatch) -> None:
     # both wheels of a bicycle that tumbles come to touch the ground where their conditions are one
     monkeypatch.setattr("voronec.motion.divisors.Random", lambda _: Random(1))

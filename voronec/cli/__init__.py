@@ -10,6 +10,7 @@ import contextlib
 import gc
 import os
 import sys
+import warnings
 from collections.abc import Iterator, Sequence
 from importlib import import_module
 from pathlib import Path
@@ -55,9 +56,20 @@ def _execute(arguments: Sequence[str] | None) -> int:
     if chosen.module is None:
         parser.print_help()
         return 0
-    with _files_alone(), _rare_collection():
+    with _files_alone(), _rare_collection(), _plain_warnings():
         status: int = import_module(chosen.module).execute(chosen)
     return status
+
+
+@contextlib.contextmanager
+def _plain_warnings() -> Iterator[None]:
+    """Warnings are one line for people, without the line of code that gave them."""
+    before = warnings.formatwarning
+    warnings.formatwarning = lambda message, *_: f"voronec: warning: {message}\n"
+    try:
+        yield
+    finally:
+        warnings.formatwarning = before
 
 
 OBJECTS = 100_000

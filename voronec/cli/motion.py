@@ -58,10 +58,11 @@ def execute(arguments: Namespace) -> int:
     if arguments.animate:
         files += _animate(trajectory, Path(arguments.animate))
     _report(trajectory, scene, files, arguments.json)
-    if _unsound(trajectory):
+    if lost := _lost_integrals(trajectory):
         warn(
-            "an integral drifts far beyond the tolerance: it is not constant, or the motion is "
-            "wrong; 'voronec check' proves or refutes it"
+            f"the integral {lost} drifts far beyond the tolerance: it is not constant, the motion "
+            "comes to where it has no value or jumps, or is wrong; 'voronec check' says where it "
+            "is proved, or refutes it"
         )
         return 1
     return 130 if trajectory.interrupted else 0
@@ -119,10 +120,10 @@ def _report(trajectory: Trajectory, scene: str | None, files: list[Path], as_jso
     print("wrote " + ", ".join(str(f) for f in files))
 
 
-def _unsound(trajectory: Trajectory) -> bool:
-    """Whether a declared integral moves by more than the tolerance can excuse."""
+def _lost_integrals(trajectory: Trajectory) -> str:
+    """Which declared integrals move by more than the tolerance can excuse."""
     bound = max(1e-6, 1e5 * trajectory.cost.tolerance)
-    return any(not value <= bound for value in trajectory.drift.values())
+    return ", ".join(f"'{x}'" for x, value in trajectory.drift.items() if not value <= bound)
 
 
 def _span(trajectory: Trajectory) -> str:

@@ -354,7 +354,8 @@ def _note(
 
 LONGER, SPARE = 4.0, 1.25
 """A motion alone is followed so many times longer until it has made all its passages; where it has
-made some, so many times as long as the others need at their pace, if that is less."""
+made some, so many times as long as the others need at their pace, if that is less; and never much
+beyond the end of its patience."""
 FIRST = 16.0
 """It is followed over so many units of its time scale at first, or over twice the time up to where
 it failed."""
@@ -453,6 +454,13 @@ def end_at_cuts(alone: LoneMotions, passages: SectionPassages) -> None:
             passages.errors[i] = error
 
 
+def _steps_since(run: Trajectory) -> int:
+    """About how many steps the run has made since its last passage."""
+    begin, end = float(run.t[0]), float(run.t[-1])
+    last = max([begin, *map(float, run.events[PLANE].t)])
+    return int(run.cost.steps * (end - last) / (end - begin)) if end > begin else 0
+
+
 def _pass_alone(
     alone: LoneMotions, watch: SectionWatch, passages: SectionPassages, level: sp.Expr, i: int
 ) -> None:
@@ -460,11 +468,9 @@ def _pass_alone(
     event = Event(level, PLANE, passages.direction)
     unit = time_scale(motions, motions.time, motions.states[i], motions.values[i])
     way = np.nan_to_num(passages.reached[i] - motions.time, posinf=0.0, neginf=0.0)
-    span, run = max(FIRST * unit, 2 * float(way)), None
+    span, idle, run = max(FIRST * unit, 2 * float(way)), 0, None
     while run is None or not (
-        len(run.events[PLANE]) >= passages.wanted
-        or run.t[-1] >= passages.until
-        or run.cost.steps > PATIENCE
+        len(run.events[PLANE]) >= passages.wanted or run.t[-1] >= passages.until or idle > PATIENCE
     ):
         try:
             end = min(motions.time + span, passages.until)
@@ -475,8 +481,9 @@ def _pass_alone(
                 raise
         if run.interrupted:
             raise KeyboardInterrupt
-        pace = len(run.events[PLANE]) / passages.wanted
-        span *= min(LONGER, SPARE / pace) if pace else LONGER
+        idle, pace = _steps_since(run), len(run.events[PLANE]) / passages.wanted
+        rest = SPARE * max(1, PATIENCE / max(1, idle))
+        span *= min(LONGER, rest, SPARE / pace if pace else LONGER)
     alone.costs.append(run.cost)
     if i in motions.wrong:
         alone.place(i, run)
@@ -484,12 +491,12 @@ def _pass_alone(
     if run.notes:
         passages.notes[i] = run.notes
     passed, passages.parts[i] = run.events[PLANE], []
-    passages.count[i], passages.idle[i] = 0, run.cost.steps
+    passages.count[i], passages.idle[i] = 0, 0
     t = np.asarray(passed.t, dtype=float)
     full = np.stack([np.asarray(passed[plain_name(x)], dtype=float) for x in names], axis=-1)
     states = motions.on_ground(i, t, full)
     speeds = crossing_speeds(motions, watch, t, states, motions.values[i], unit)
     passages.put(i, t, states, speeds)
     largest = np.abs(speeds).max(initial=0.0)
-    passages.note_range(i, float(run.t[-1]), run.cost.steps, (np.nan, np.nan, largest))
+    passages.note_range(i, float(run.t[-1]), idle, (np.nan, np.nan, largest))
     passages.steps += run.cost.steps
