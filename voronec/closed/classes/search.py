@@ -245,8 +245,8 @@ def held_parameters(system: System, given: Mapping[Any, Any]) -> dict[Any, Any]:
         if any(c.xreplace(found).has(sp.nan, sp.zoo) for c in (*curve.cosine, *curve.phi)):
             values = ", ".join(f"{plain_name(s)} = {v}" for s, v in found.items())
             raise DefinitionError(
-                f"system '{system.name}': the trace {curve.title} has no value with {values}, since "
-                "its quadratures divide by zero; hold other values"
+                f"system '{system.name}': the trace {curve.title} has no value with {values}, "
+                "since its quadratures divide by zero; hold other values"
             )
     return found
 
