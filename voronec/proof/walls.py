@@ -287,15 +287,15 @@ class _Ground:
         if not expr.free_symbols.isdisjoint(self.field.velocities):
             return False
         there = (*self.hypotheses, h)
+
+        def stays(f: Any, power: int) -> bool:
+            if signed and f == h:
+                return bool(power % 2)
+            has_sign = signed or any(known_sign(f, k) for k in (self.field.conditions, there))
+            return has_sign and not self._vanishes(f, there)
+
         powers = product_of(expr, self.relations, self.variables).powers
-        if signed and powers.get(h, 0) % 2:
-            return True
-        return all(
-            (signed or any(known_sign(f, known) for known in (self.field.conditions, there)))
-            and not self._vanishes(f, there)
-            for f in powers
-            if f.free_symbols & self.variables
-        )
+        return all(stays(f, k) for f, k in powers.items() if f.free_symbols & self.variables)
 
     # -- one wall -------------------------------------------------------------------------------
 
