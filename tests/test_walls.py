@@ -6,6 +6,7 @@ instant at which it crosses a wall.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 
@@ -626,7 +627,7 @@ def test_what_is_real_in_no_piece_that_is_taken_refutes_nothing():
 def test_a_density_may_have_another_factor_beyond_a_pole_that_motions_pass():
     """1/cos(phi) is the density of the form that motions keep, and one of three times as much
     beyond cos(phi) = 0 is not, nor are signs that are hidden in a root."""
-    phi = sp.Symbol("phi")
+    phi, z = sp.symbols("phi z")
     cosine = sp.cos(phi)
     cut = "where sin(phi/2) - cos(phi/2) != 0, sin(phi/2) + cos(phi/2) != 0"
     for density, limits in (
@@ -636,3 +637,13 @@ def test_a_density_may_have_another_factor_beyond_a_pole_that_motions_pass():
     ):
         (claim,) = check_claims(skate(measure=density)[0])
         assert claim.verdict.proved and claim.verdict.limits == limits, density
+    twin = replace(skate(measure=(2 + sp.sign(cosine)) / cosine)[0], name="twin")
+    relation = vo.Relation("skate", "twin", state={x: x, phi: phi, z: z})
+    (carried,) = vo.check_relation(relation, systems=(skate()[0], twin)).pulled
+    assert carried.kind == "measure" and carried.verdict.limits == cut
+
+
+def test_nothing_is_searched_for_where_there_are_no_motions():
+    nowhere = spring(forces={x: -sp.sqrt(-1 - x**2)})
+    with pytest.raises(vo.DefinitionError, match="'spring': there are no motions"):
+        vo.search_integrals(nowhere, degree=1, positions=1)

@@ -447,8 +447,8 @@ def _claim(
         if verdict.proved:
             field, is_constant = statemap.scaled_source, kind == "integral"
             inside = [("", f) for f in functions]
-            moves = kind != "measure"
-            verdict = across_walls(verdict, field, inside, moves, is_constant, beyond=moves)
+            periods = kind != "measure"
+            verdict = across_walls(verdict, field, inside, periods, is_constant, beyond=True)
     except Infinite:
         return
     except EngineLimit as reached:

@@ -502,6 +502,8 @@ class Question:
         new = {s for v in values.values() for s in v.free_symbols}
         _check_symbols(motions.system, plain, new)
         field = _specialize(motions.field_for(plain), values)
+        if field.existence.refuted:
+            raise DefinitionError(f"system '{motions.system.name}': {field.existence.method}")
         reader = _StateReader(field, values)
         letters = [
             *reader.velocities(momenta),
