@@ -247,6 +247,7 @@ def test_what_has_no_page_is_refused_in_one_line(
     assert main(["view", "veselova-in-rn", "--out", str(tmp_path)]) == 2
     said = capsys.readouterr().err
     assert said.count("\n") == 1 and "has no shape to be viewed; declare one" in said
+    assert 'in a text file a table [[shapes]] with kind = "ball"' in said
     long = ["--times", "0:5000:20000", "--out", str(tmp_path)]
     assert main(["view", "demchenko", *long]) == 2
     said = capsys.readouterr().err

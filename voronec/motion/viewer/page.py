@@ -102,7 +102,9 @@ def check_shapes(system: System) -> None:
     if not system.shapes:
         raise DefinitionError(
             f"system '{system.name}' has no shape to be viewed; declare one, such as "
-            "shapes=(Shape.ball(R, centre=(x, y, R), attitude=rotation.matrix), Shape.plane())"
+            "shapes=(Shape.ball(R, centre=(x, y, R), attitude=rotation.matrix), Shape.plane()), "
+            'or in a text file a table [[shapes]] with kind = "ball", radius = "R" and '
+            'centre = ["x", "y", "R"]'
         )
 
 
