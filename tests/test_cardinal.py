@@ -40,6 +40,9 @@ FORCES = {
     "slope of an exponential": (
         (x * sp.exp(x) - sp.exp(x) + 1) / x**2, lambda s: mp.expm1(s) / s - 1
     ),
+    "slope of a tangent": (
+        sp.tanh(x) / x**2 - (1 - sp.tanh(x) ** 2) / x, lambda s: 1 - mp.tanh(s) / s
+    ),
     "atan": (sp.atan(x) / x, lambda s: mp.im(mp.polylog(2, 1j * s))),
     "pair": (
         sp.sinh(8 * x) / sp.sinh(9 * x),

@@ -100,6 +100,13 @@ def test_show_tells_the_whole_declaration(call: Call) -> None:
     assert data["parameters"][2]["value"] == "3/10"
 
 
+def test_a_sketch_is_written_into_new_folders(call: Call) -> None:
+    assert call("show", "sleigh", "--out", "new/deep/sleigh.svg").status == 0
+    assert "<svg" in Path("new/deep/sleigh.svg").read_text()
+    Path("taken.py").write_text("mine")
+    assert "cannot be written" in call("show", "sleigh", "--out", "taken.py/sleigh.svg").err
+
+
 def test_show_names_dynamicsymbols_as_it_names_symbols(call: Call) -> None:
     Path("moving.py").write_text(
         "import sympy as sp\nimport voronec as vo\n"
@@ -269,6 +276,7 @@ def test_a_system_without_scenes_runs_where_times_are_given(call: Call) -> None:
         ("--times 1:2:3:4", "START"),
         ("--tol 0", "--tol 0"),
         ("--tol 2", "--tol 2"),
+        ("--tol 1e-400", "--tol: '1e-400' is too small for a double; give a larger one"),
     ],
 )
 def test_run_refuses_what_makes_no_sense(call: Call, words: str, told: str) -> None:

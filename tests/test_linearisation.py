@@ -390,6 +390,11 @@ def test_values_at_which_a_linearisation_is_infinite_are_named():
         ((1 - sp.cos(X)) / X, 0),
         (sp.log(1 + X) / X, -sp.Rational(2, 3)),
         ((sp.exp(X) - 1) / X, -sp.Rational(1, 3)),
+        (X / (sp.exp(X) - 1), -sp.Rational(1, 6)),
+        (sp.tanh(2 * X) / X, sp.Rational(16, 3)),
+        (X / sp.tanh(X), -sp.Rational(2, 3)),
+        (X * sp.coth(X), -sp.Rational(2, 3)),
+        (X / sp.sinh(X), sp.Rational(1, 3)),
     ],
 )
 def test_quotients_with_a_value_are_linearised_there(potential: sp.Expr, slope: sp.Expr) -> None:

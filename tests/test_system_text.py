@@ -246,7 +246,8 @@ def test_every_command_takes_a_text(call: Call) -> None:
     for words in (("explain", file), ("cite", file), ("compare", file, file)):
         assert call(*words).status == 0
     assert call("search", "integrals", file, "--degree", "1", "--positions", "0").status == 0
-    assert "For the file, say 'rolling_coin.toml'" in call("show", "rolling_coin").err
+    for wrong_name in ("rolling_coin", "rolling_coin.tml"):
+        assert "For the file, say 'rolling_coin.toml'" in call("show", wrong_name).err
     assert "no file 'none.toml'" in call("derive", "none.toml").err
 
 

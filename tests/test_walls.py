@@ -24,6 +24,7 @@ from voronec.algebra.simple_zeros import has_simple_zeros
 from voronec.equations.motions import Motions
 from voronec.proof.claims import check_claims
 from voronec.proof.relations.chains import check_square
+from voronec.proof.relations.charts import check_charts
 
 pytestmark = pytest.mark.slow
 
@@ -647,3 +648,10 @@ def test_nothing_is_searched_for_where_there_are_no_motions():
     nowhere = spring(forces={x: -sp.sqrt(-1 - x**2)})
     with pytest.raises(vo.DefinitionError, match="'spring': there are no motions"):
         vo.search_integrals(nowhere, degree=1, positions=1)
+
+
+def test_a_chart_of_what_has_no_motions_is_no_proof():
+    turn = vo.Chart({x: -x}, singular=1, back={x: -x})
+    for forces, status in (({}, "proved"), ({x: -x * sp.sqrt(-1 - x**2)}, "refuted")):
+        (claim,) = check_charts(Motions.of(spring(forces=forces, charts={"turn": turn})))
+        assert claim.verdict.status == status

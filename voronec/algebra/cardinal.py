@@ -13,7 +13,7 @@ What cancels in the slopes of such quotients is taken together:
     cos(w)/w - sin(w)/w^2,    cosh(w)/w - sinh(w)/w^2,    exp(w)/w - (exp(w) - 1)/w^2,
     cot w - 1/w,              coth w - 1/w,             sin(w)/w^2 - 2 (1 - cos w)/w^3,
 
-and so are the slopes of tan(w)/w, atan(w)/w and log(1 + w)/w.
+and so are the slopes of tan(w)/w, tanh(w)/w, atan(w)/w and log(1 + w)/w.
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ from voronec.algebra.numeric_functions import (
     SINHC,
     SINHC_SLOPE,
     SIZE,
+    TANH_RATIO_SLOPE,
     TANH_SHORTFALL,
 )
 from voronec.algebra.terms import (
@@ -216,7 +217,7 @@ def _with_slopes(total: Any) -> Any:
         return found
     left, written = dict.fromkeys(total.args), list[Any]()
     for term in total.args:
-        for function, (partner, slope) in _slopes_in(term).items() if term in left else ():
+        for function, partner, slope in _slopes_in(term) if term in left else ():
             rest = term / function
             other = -rest * partner
             if other in left and term != other:
@@ -287,41 +288,46 @@ def _versed_slope(terms: Sequence[Any]) -> Any | None:
     return None
 
 
-def _slopes_in(term: Any) -> dict[Any, tuple[Any, Any]]:
-    """Factors f of a term with (g, s): f - g = s, and s is written without cancellation."""
-    found: dict[Any, tuple[Any, Any]] = {}
+def _slopes_in(term: Any) -> list[tuple[Any, Any, Any]]:
+    """(f, g, s) of factors f of a term: f - g = s, and s is written without cancellation."""
+    found = list[tuple[Any, Any, Any]]()
     powers = _factors(term)
     for base in powers:
         w: Any = base.args[0] if isinstance(base, _KINDS) else None
         zero = _zero(base)
         if isinstance(base, se.sin):
-            found[base] = w * se.cos(w), w**3 * se.Function(SINC_SLOPE)(w)
+            found.append((base, w * se.cos(w), w**3 * se.Function(SINC_SLOPE)(w)))
         elif isinstance(base, se.sinh):
-            found[base] = w * se.cosh(w), -(w**3) * se.Function(SINHC_SLOPE)(w)
+            found.append((base, w * se.cosh(w), -(w**3) * se.Function(SINHC_SLOPE)(w)))
         elif isinstance(base, (se.coth, se.cosh)):
             whole = base if isinstance(base, se.coth) else base / se.sinh(w)
             if whole == base or powers.get(se.sinh(w)) == -1:
-                found[whole] = 1 / w, w * se.Function(TANH_SHORTFALL)(w) / _tangent(w)
+                found.append((whole, 1 / w, w * se.Function(TANH_SHORTFALL)(w) / _tangent(w)))
+            if isinstance(base, se.coth):
+                slope = w * se.Function(TANH_RATIO_SLOPE)(w) / _tangent(w) ** 2
+                found.append((base, w / se.sinh(w) ** 2, slope))
         elif isinstance(base, se.tan):
             cosine, quotient = se.cos(w), se.Function(SINC)(w) / se.cos(w)
             slope = se.Function(SINC_SLOPE)(w) / cosine - quotient**2
-            found[base] = w * (1 + base**2), w**3 * slope
+            found.append((base, w * (1 + base**2), w**3 * slope))
         elif isinstance(base, se.atan):
-            found[base] = w / (1 + w**2), w**3 * se.Function(ATAN_RATIO_SLOPE)(w)
+            found.append((base, w / (1 + w**2), w**3 * se.Function(ATAN_RATIO_SLOPE)(w)))
         elif isinstance(base, se.tanh):
-            found[base] = w, -(w**3) * se.Function(TANH_SHORTFALL)(w)
+            slope = w**3 * se.Function(TANH_RATIO_SLOPE)(w)
+            found.append((base, w, -(w**3) * se.Function(TANH_SHORTFALL)(w)))
+            found += [(base, w * (1 - base**2), slope), (base, -w * (base**2 - 1), slope)]
         elif isinstance(base, (se.cot, se.cos)):
             whole = base if isinstance(base, se.cot) else base / se.sin(w)
             if whole == base or powers.get(se.sin(w)) == -1:
-                found[whole] = 1 / w, -w * se.Function(SINC_SLOPE)(w) / se.Function(SINC)(w)
+                found.append((whole, 1 / w, -w * se.Function(SINC_SLOPE)(w) / se.Function(SINC)(w)))
         elif zero is not None and isinstance(base, se.Add):
             w, order, _ = zero
             exponential = base + 1 if -1 in base.args else None
             if order == 1 and exponential == se.exp(w):
-                found[base] = w * se.exp(w), -(w**2) * se.Function(EXPREL_SLOPE)(w)
+                found.append((base, w * se.exp(w), -(w**2) * se.Function(EXPREL_SLOPE)(w)))
         elif isinstance(base, se.log) and zero is not None:
             w = zero[0]
-            found[base] = w / (1 + w), w**2 * se.Function(LOG_RATIO_SLOPE)(w)
+            found.append((base, w / (1 + w), w**2 * se.Function(LOG_RATIO_SLOPE)(w)))
     return found
 
 

@@ -138,7 +138,7 @@ def execute(arguments: Namespace) -> int:
 
 def _draw_sketch(subject: str, path: Path, as_json: bool) -> int:
     """Write the sketch of a system."""
-    from voronec.declaration.whole_files import replace_file
+    from voronec.cli.files import replace
     from voronec.motion.pictures.run_pictures import save
 
     if path.suffix not in PICTURES:
@@ -148,7 +148,7 @@ def _draw_sketch(subject: str, path: Path, as_json: bool) -> int:
         raise DefinitionError(f"'{subject}' declares no sketch; give its System sketch=Sketch(...)")
     stream = io.BytesIO()
     save(sketch.figure(), stream, path.suffix)
-    replace_file(path, stream.getvalue())
+    replace(path, stream.getvalue())
     print_json({"file": str(path)}) if as_json else print(f"wrote {path}")
     return 0
 

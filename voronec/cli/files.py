@@ -8,10 +8,10 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from voronec.declaration.whole_files import unwritable, workshop
+from voronec.declaration.whole_files import replace_file, unwritable, workshop
 from voronec.errors import DefinitionError
 
-__all__ = ["create", "delivery", "refuse_file", "wanted_folder"]
+__all__ = ["create", "delivery", "refuse_file", "replace", "wanted_folder"]
 
 
 @contextmanager
@@ -71,6 +71,15 @@ def refuse_file(folder: Path) -> None:
     """Raise ``DefinitionError`` where the folder to be written exists as a file."""
     if folder.exists() and not folder.is_dir():
         raise DefinitionError(f"'{folder}' is a file; give a folder with --out")
+
+
+def replace(path: Path, content: str | bytes) -> None:
+    """Write a file, in folders that are made if need be; one that is there is replaced."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except (OSError, UnicodeEncodeError) as error:
+        raise unwritable(path, error) from None
+    replace_file(path, content)
 
 
 def create(path: Path, text: str) -> None:

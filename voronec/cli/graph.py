@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.columns import columns
+from voronec.cli.files import replace
 from voronec.cli.output import print_json, progress_line, warn
 from voronec.cli.subject import is_file, name_in
-from voronec.declaration.whole_files import replace_file
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def execute(arguments: Namespace) -> int:
     data = _data(graph, known)
     _warn_of_trouble(stock)
     if path is not None:
-        replace_file(path, _content(graph, data, path.suffix))
+        replace(path, _content(graph, data, path.suffix))
     if arguments.json:
         print_json({"file": str(path)} if path is not None else data)
     elif path is not None:

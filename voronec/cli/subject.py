@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,12 +42,13 @@ def name_in(stock: Inventory, subject: str) -> str:
 
 
 def entry_of_name(name: str, find: Callable[[str], Entry] = entry_of) -> Entry:
-    """Where the system of that name stands; a file of that name is told of."""
+    """Where the system of that name stands; a file of that name, or of one that differs in its
+    suffix, is told of."""
     try:
         return find(name)
     except DefinitionError as error:
         require_suffix(Path(name))
-        for suffix in SUFFIXES:
-            if Path(name + suffix).is_file():
-                raise DefinitionError(f"{error} For the file, say '{name}{suffix}'") from None
+        for stem, suffix in product((name, os.path.splitext(name)[0]), SUFFIXES):
+            if Path(stem + suffix).is_file():
+                raise DefinitionError(f"{error} For the file, say '{stem}{suffix}'") from None
         raise

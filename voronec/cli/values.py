@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.text import name_or_formula
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, quote
 
 if TYPE_CHECKING:
     from voronec.declaration.system import System
@@ -47,7 +47,13 @@ def finite(text: str, place: str) -> float:
     """A number, which may be a formula; ``DefinitionError`` names the place."""
     from voronec.algebra.text import exact_number
 
-    return float(exact_number(text, place))
+    exact = exact_number(text, place)
+    number = float(exact)
+    if number == 0 and exact.is_zero is False:
+        raise DefinitionError(
+            f"{place}: '{quote(text)}' is too small for a double; give a larger one"
+        )
+    return number
 
 
 def tolerance(text: str | None) -> float:

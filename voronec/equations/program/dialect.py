@@ -59,6 +59,7 @@ SLOPES = {
     numeric.SINHC_SLOPE: ("sinhc_slope", "x*cosh(x) - sinh(x)"),
     numeric.EXPREL_SLOPE: ("exprel_slope", "(x - 1)*exp(x) + 1"),
     numeric.TANH_SHORTFALL: ("tanh_rest", "x - tanh(x)"),
+    numeric.TANH_RATIO_SLOPE: ("tanh_ratio_slope", "tanh(x) - x*(1 - tanh(x)*tanh(x))"),
     numeric.LOG_RATIO_SLOPE: ("log1p_ratio_slope", "log1p(x) - x/(1 + x)"),
     numeric.ATAN_RATIO_SLOPE: ("atan_ratio_slope", "atan(x) - x/(1 + x*x)"),
 }

@@ -59,13 +59,14 @@ _CHOICES, _SIZES = {"numpy": "where", "casadi": "if_else"}, {"numpy": "abs", "ca
 _COLUMNS = ("vertsplit", "vertcat", "horzcat")
 _HELPERS = (
     "expm1 where multiply if_else fabs exp sin cos sinh cosh tanh log1p atan arctan hyp0f1 hyp1f1 "
-    "hyp2f1 errstate"
+    "hyp1f2 hyp2f1 errstate"
 ).split()
 _IN_DIGITS = {
     numeric.SINC_SLOPE: "hyp0f1(mpf(5)/2, -x*x/4)/3",
     numeric.SINHC_SLOPE: "hyp0f1(mpf(5)/2, x*x/4)/3",
     numeric.EXPREL_SLOPE: "hyp1f1(2, 3, x)/2",
     numeric.TANH_SHORTFALL: "hyp0f1(mpf(5)/2, x*x/4)/3/cosh(x)",
+    numeric.TANH_RATIO_SLOPE: "hyp1f2(1, 2, mpf(5)/2, x*x)*2/3/cosh(x)**2",
     numeric.LOG_RATIO_SLOPE: "hyp2f1(2, 2, 3, -x)/2",
     numeric.ATAN_RATIO_SLOPE: "hyp2f1(mpf(3)/2, 2, mpf(5)/2, -x*x)*2/3",
 }

@@ -31,6 +31,7 @@ from voronec.proof.decision import all_zero, verdict_of
 from voronec.proof.relations.decision import decided_at_limit
 from voronec.proof.relations.parameters import applications
 from voronec.proof.relations.statemap import StateMap, is_period
+from voronec.proof.walls import not_vacuous
 
 __all__ = ["check_charts"]
 
@@ -65,6 +66,7 @@ def _decide(motions: Motions, name: str) -> Verdict:
         home.system.name, there.name, state=chart.values(motions.system), parameters=own
     )
     found = decided_at_limit(StateMap.of(relation, known.__getitem__), beyond=False)[1]
+    found = not_vacuous(found, motions.on_coordinates)
     return replace(found, modulo=found.modulo or inverse.modulo) if found.proved else found
 
 
