@@ -15,6 +15,7 @@ from voronec import (
     Equation,
     Fibration,
     System,
+    Verdict,
     check_claims,
     prove_equal,
     velocity,
@@ -609,3 +610,12 @@ def test_a_proof_says_what_it_takes_for_positive() -> None:
     assert prove_equal((1 + x**2) ** k * (1 + x**2), (1 + x**2) ** (k + 1)).limits == ""
     whole = sp.Symbol("k", integer=True)
     assert prove_equal(x**whole * x, x ** (whole + 1)).limits == ""
+
+
+def test_conditions_with_commas_in_them_stay_whole() -> None:
+    first, second = "P(u, v) != 0", "Derivative(Q(u), (u, v)) > 0, x > 0"
+    found = Verdict("proved", "", domain=first).where(second, "x > 0", first)
+    assert found.domain == f"{first}, {second}"
+    assert found.where("R(w, v) != 0").domain == f"{first}, {second}, R(w, v) != 0"
+    cut = found.where("sqrt(x*m**... > 0", "y > 0")
+    assert cut.where("y > 0").domain == cut.domain

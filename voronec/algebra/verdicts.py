@@ -75,6 +75,17 @@ class Witness:
         return f"{self.left} against {self.right}" + (f" at {at}" if at else "")
 
 
+def _conditions_of(domain: str) -> list[str]:
+    """The conditions of a domain, which stand apart by commas outside brackets; what is cut short
+    by dots may leave some open."""
+    found, depth = [""], 0
+    for part in domain.split(", "):
+        found[-1] += f", {part}" if depth else part
+        depth = 0 if "..." in part else depth + part.count("(") - part.count(")")
+        found += [] if depth else [""]
+    return found
+
+
 @dataclass(frozen=True)
 class Verdict:
     """The answer to "are these equal?".
@@ -99,7 +110,7 @@ class Verdict:
 
     def where(self, *words: str) -> Verdict:
         """A proof that stands where these hold, too; any other verdict as it is."""
-        every = (part for text in (self.domain, *words) for part in text.split(", "))
+        every = (part for text in (self.domain, *words) for part in _conditions_of(text))
         domain = dict.fromkeys(filter(None, every))
         return replace(self, domain=", ".join(domain)) if self.proved else self
 

@@ -86,13 +86,6 @@ class FibreSolution:
     offset: tuple[Any, ...]
 
 
-Slope = Callable[[Any, Any], Any]
-
-
-def _slope(function: Any, x: Any) -> Any:
-    return function.diff(x)
-
-
 @dataclass(frozen=True)
 class EhresmannConnection:
     """The horizontal lift of a frame: qdot_a = lift[a][i] v_i + lift[a][n].
@@ -130,7 +123,7 @@ class EhresmannConnection:
         columns = [self.group.coordinate_rates(column) for column in zip(*self.lift, strict=True)]
         return tuple(zip(*columns, strict=True))
 
-    def along(self, i: int, function: Any, slope: Slope = _slope) -> Any:
+    def along(self, i: int, function: Any, slope: Callable[..., Any] = se.diff) -> Any:
         """h_i(function): the derivative along a horizontal field; ``slope`` differentiates."""
         terms = [
             row[i] * slope(function, q)

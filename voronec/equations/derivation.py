@@ -319,7 +319,7 @@ class Derivation:
         """
         d, connection, rates = self.definition, self.connection, self.rates
         applied = [q.xreplace(self._on_constraints) for q in d.forces]
-        slope = cache(lambda function, x: function.diff(x))  # all fields take the same ones
+        slope = cache(se.diff)  # all fields take the same ones
         result = []
         for i in range(connection.n):
             terms = [connection.along(i, self.constrained_lagrangian, slope)]

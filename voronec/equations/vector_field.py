@@ -233,13 +233,13 @@ class VectorField(EquationsOfMotion):
     @cached_property
     def existence(self) -> Verdict:
         """Whether there are motions: whether the equations have real values at some state."""
-        bounds = dict.fromkeys(b for e in self.entries for b in bounds_of(e))
         for b in dict.fromkeys(b for e in self.entries for b in bounds_of(e, pieces=False)):
             if known_sign(b, self.hypotheses, strict=True) < 0:
                 words = f"their equations are real where {quote(self.door.outward(b))} >= 0 alone"
                 return Verdict("refuted", f"there are no motions: {words}")
         try:
-            real = not bounds or sample_evaluable(Tape(self.entries), self.hypotheses, count=1)
+            everywhere = not any(map(bounds_of, self.entries))
+            real = everywhere or sample_evaluable(Tape(self.entries), self.hypotheses, count=1)
         except EngineLimit:  # what nobody evaluates, as an unknown function
             real = True
         if real:

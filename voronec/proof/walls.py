@@ -79,8 +79,7 @@ def across_walls(
     """
     if not verdict.proved:
         return verdict
-    moving = frozenset({*field.variables, field.time})
-    ground = _Ground(field, moving, periods, constant, beyond or constant)
+    ground = _Ground(field, periods, constant, beyond or constant)
     found = []
     for label, function in functions:
         if not constant or ground.has_letters or has_branches([function], function.free_symbols):
@@ -104,9 +103,8 @@ def flow_across_walls(verdict: Verdict, field: VectorField, density: Any) -> Ver
     """
     if not verdict.proved:
         return verdict
-    moving = frozenset({*field.variables, field.time})
     try:
-        return _Ground(field, moving, False, False, False).verdict_on_flow(density, verdict)
+        return _Ground(field).verdict_on_flow(density, verdict)
     except EngineLimit as limit:
         return Verdict("undecided", f"the walls of the field: {limit}")
 
@@ -118,10 +116,10 @@ def not_vacuous(verdict: Verdict, field: VectorField) -> Verdict:
 
 def beside_zeros(verdict: Verdict, field: VectorField, name: str, function: Any) -> Verdict:
     """A proof in which something must not vanish, as a clock, beside zeros that motions pass."""
-    moving = frozenset({*field.variables, field.time})
+    ground = _Ground(field)
+    moving = ground.variables
     if not verdict.proved or not function.free_symbols & moving:
         return verdict
-    ground = _Ground(field, moving, periods=False, constant=False, beyond=False)
     try:
         found = [h for h in divisors_of(1 / function, field.relations) if h.free_symbols & moving]
         passed = [h for h in found if ground.is_passed(h)]
@@ -149,10 +147,14 @@ class _Ground:
     """The field across whose motions walls lie."""
 
     field: VectorField
-    variables: frozenset[Any]
-    periods: bool | Callable[[Any], bool]
-    constant: bool
-    beyond: bool
+    periods: bool | Callable[[Any], bool] = False
+    constant: bool = False
+    beyond: bool = False
+
+    @cached_property
+    def variables(self) -> frozenset[Any]:
+        """What moves."""
+        return frozenset({*self.field.variables, self.field.time})
 
     @property
     def relations(self) -> tuple[Any, ...]:
@@ -176,8 +178,7 @@ class _Ground:
         open_walls = [h for h in open_walls if not self._is_kept(h)]
         met = [j for wall in branches.walls() if (j := self._jump(wall)) is not None]
         jumps = [j for j in met if not j.domain]
-        domains = dict.fromkeys(filter(None, (*(j.domain for j in met), *proof.domain.split(", "))))
-        proof = replace(proof, domain=", ".join(domains))
+        proof = replace(proof, domain="").where(*(j.domain for j in met), proof.domain)
         seen = [j for j in met if j.witness is not None]
         false = [j for j in jumps if j.witness is not None and j.period is None]
         if seen and self._is_constant(function):

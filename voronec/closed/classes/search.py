@@ -243,7 +243,7 @@ def held_parameters(system: System, given: Mapping[Any, Any]) -> dict[Any, Any]:
     require_possible(system, {plain_name(s): v for s, v in found.items()})
     for curve in declared_traces(system).curves:
         if any(c.xreplace(found).has(sp.nan, sp.zoo) for c in (*curve.cosine, *curve.phi)):
-            values = ", ".join(f"{plain_name(s)} = {v}" for s, v in found.items())
+            values = _in_words(found)
             raise DefinitionError(
                 f"system '{system.name}': the trace {curve.title} has no value with {values}, "
                 "since its quadratures divide by zero; hold other values"
@@ -251,9 +251,13 @@ def held_parameters(system: System, given: Mapping[Any, Any]) -> dict[Any, Any]:
     return found
 
 
+def _in_words(values: Mapping[Any, Any]) -> str:
+    return ", ".join(f"{plain_name(s)} = {v}" for s, v in values.items())
+
+
 def _impossible(known: DeclaredTraces, curve: Curve, label: str, own: Mapping[Any, Any]) -> str:
     """Why no motion with these parameters is of a class, as far as degrees tell."""
-    values = ", ".join(f"{plain_name(s)} = {v}" for s, v in own.items())
+    values = _in_words(own)
     slope = sp.cancel(curve.cosine[1].xreplace(dict(own)))
     if slope == 0 and label not in ("parallel", "point"):
         return f"class {label} {curve.title} does not exist: the trace is a parallel with {values}"
@@ -365,7 +369,7 @@ class _StartSearch:
     def failure(self) -> str:
         """Why nothing was found."""
         what = f"class {self.label} {self.curve.title}"
-        values = ", ".join(f"{plain_name(s)} = {v}" for s, v in self.fixed.items())
+        values = _in_words(self.fixed)
         place = f" with {values}" if values else ""
         if self.tallies and self.tallies.keys() <= {"point", "parallel"}:
             only = " and ".join(sorted(self.tallies))
