@@ -514,6 +514,10 @@ def bounds_of(expr: Any, pieces: bool = True) -> list[Any]:
 
 def _nodes_of_every_piece(expr: Any) -> Iterator[Any]:
     """Nodes but for those in a product with a sum of signs, as 1 + sign(x), which may be zero."""
+    signed = set[Any]()  # found in one pass: to ask each factor for its signs takes a square of it
+    for node in _nodes(expr):
+        if isinstance(node, se.sign) or not signed.isdisjoint(node.args):
+            signed.add(node)
     waiting, known = [expr], set[Any]()
     while waiting:
         node = waiting.pop()
@@ -522,7 +526,7 @@ def _nodes_of_every_piece(expr: Any) -> Iterator[Any]:
         known.add(node)
         yield node
         is_piece = isinstance(node, se.Mul) and any(
-            isinstance(factor, se.Add) and factor.atoms(se.sign) for factor in node.args
+            isinstance(factor, se.Add) and factor in signed for factor in node.args
         )
         waiting += () if is_piece else node.args
 
