@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -64,7 +64,6 @@ class Conditions:
     elsewhere: bool = False
 
 
-@cache
 def conditions(known: DeclaredTraces, curve: Curve, label: str) -> Conditions:
     """What makes a motion start at a parallel, with cusps or poles as its class says."""
     parts = set(label.split("+"))
@@ -282,6 +281,11 @@ class _StartSearch:
     dice: np.random.Generator
     tallies: Counter[str] = field(default_factory=Counter)
 
+    @cached_property
+    def conditions(self) -> Conditions:
+        """What the start has to meet."""
+        return conditions(self.known, self.curve, self.label)
+
     def parameters(self, turn: int) -> dict[Any, Any] | None:
         """Exact values: the defaults first, later drawn around them; None for no possible body."""
         system, own = self.known.system, {}
@@ -324,7 +328,7 @@ class _StartSearch:
     def _starts(self, own: Mapping[Any, Any]) -> Iterator[dict[Any, Any]]:
         """Coordinates and velocities, exact."""
         system = self.known.system
-        wanted = conditions(self.known, self.curve, self.label)
+        wanted = self.conditions
         plain = len(wanted.vanishing) == 1
         moving = [q for q in system.coordinates if self.known.place.has(q)]
         for _ in range(DRAWS // 100 if plain else FEW if wanted.further else SOLUTIONS):
@@ -353,7 +357,7 @@ class _StartSearch:
         self.tallies[found.label] += 1
         if found.label != self.label:
             return None
-        if conditions(self.known, self.curve, self.label).elsewhere:
+        if self.conditions.elsewhere:
             start = elsewhere(closed, start)
         start = fill(system, own, start)
         usual = {p.symbol: p.value for p in system.parameters}
