@@ -297,7 +297,9 @@ def test_a_second_check_reuses_and_an_edit_does_not(tmp_path: Path) -> None:
     assert [reused(), reused()] == [False, True]
     for kept in store.folder.rglob("*.json"):
         kept.write_text('{"kind": 1}')
-    assert [reused(), reused()] == [False, True]
+    with pytest.warns(UserWarning, match="is damaged; it is made anew") as told:
+        assert [reused(), reused()] == [False, True]
+    assert len(told) == 1
 
 
 def test_what_was_broken_is_tried_again(tmp_path: Path) -> None:

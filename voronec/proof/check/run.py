@@ -257,8 +257,8 @@ def _known(store: Store | None, keys: dict[Unit, str]) -> dict[Unit, Result]:
     """Results of earlier checks.  What failed is tried again: the cause may lie outside."""
     found = {}
     for unit, key in keys.items():
-        result = Result.from_dict(store.load(key, "result")) if store is not None else None
-        if result is not None and result.status != "broken":
+        kept = store.load(key, "result") if store is not None else None
+        if kept is not None and (result := Result.from_dict(kept)).status != "broken":
             found[unit] = mark_as_known(result)
     return found
 
