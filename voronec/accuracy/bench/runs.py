@@ -41,6 +41,7 @@ LONGEST = 30.0
 
 COARSE_TO_FINE = (1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16)
 DOUBLE_TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12, 2.3e-14)
+"""What is asked of Taylor's method, and of those whose finest is scipy's."""
 
 
 def _prepare(question: ReferenceProblem, method: str, full: bool) -> Run:

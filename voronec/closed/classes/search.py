@@ -140,6 +140,7 @@ def _solve_start(
 
 
 SHARE = sp.Rational(1, 3)
+"""Such a motion begins at this part of its range, off both ends."""
 LARGEST = 60
 """The largest denominator of a cosine at which a motion is started anew."""
 
@@ -192,7 +193,10 @@ REACH = 4
 FEWEST = 3
 """So many draws are looked at exactly where no picture could be made of any."""
 FACTORS = tuple(sp.Rational(*q) for q in ((1, 1), (1, 2), (2, 1), (3, 2), (2, 3), (3, 1), (1, 3)))
+"""What a default may be multiplied by: ratios that print shortly."""
 DRAWS, SOLUTIONS, FEW, ROUNDS, CANDIDATES = 3000, 30, 10, 5, 12
+"""Starts that are drawn, where a condition is solved, and where two are, which takes longer; rounds
+of these, and of each so many that look best are tried exactly, which takes longest."""
 PERIODS = 12
 """A curve that closes after no more periods is liked."""
 

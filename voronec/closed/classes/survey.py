@@ -232,6 +232,7 @@ def _exact_label(system: System, row: list[Any], trace: str | None) -> tuple[str
 
 LOOPS = ("A", "B", "C")
 CHUNK = 20_000
+"""Motions that are classified at once: their arrays stay within some megabytes."""
 
 
 @dataclass(frozen=True)

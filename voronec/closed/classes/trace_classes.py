@@ -88,6 +88,7 @@ REVERSALS = ("A", "B", "C")
 BITS = (FIRST, GENERIC, SHARP)
 """Bits at which the sign of a drift is looked for."""
 SHARPNESS = 2.0**-53
+"""A double's last digit: so sharp a ball tells as much as any double."""
 
 
 @dataclass(frozen=True)
@@ -473,6 +474,7 @@ def _isolate_roots(values: list[Any]) -> list[tuple[Any, int]]:
 
 
 DEGREE = 4
+"""Of the right side f: elliptic functions invert no more."""
 
 
 @dataclass(frozen=True)
