@@ -21,8 +21,8 @@ from voronec.cli.check import shorten_square
 from voronec.declaration import source_digest as sources
 from voronec.declaration.whole_files import Store
 from voronec.proof.check import Inventory, check_catalogue
-from voronec.proof.check.record import Finding, Report, Result
-from voronec.proof.check.run import Worker
+from voronec.proof.check.catalogue_check import Worker
+from voronec.proof.check.report import Finding, Report, Result
 from voronec.proof.check.unit import units_of
 
 pytestmark = pytest.mark.slow

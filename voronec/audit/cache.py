@@ -25,7 +25,7 @@ from voronec.declaration.whole_files import Store
 __all__ = ["Basis", "Cache"]
 
 
-DECIDER = "voronec.audit.run"
+DECIDER = "voronec.audit.paper_audit"
 """The module that decides what an audit says."""
 
 

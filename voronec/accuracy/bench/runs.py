@@ -18,8 +18,8 @@ import numpy as np
 from voronec.accuracy.bench.agreement import ACCURACY, reference
 from voronec.accuracy.bench.call_time import SetupTime
 from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, time_fastest
+from voronec.accuracy.bench.measurement import Bench, Measured, Point
 from voronec.accuracy.bench.peers import PEERS
-from voronec.accuracy.bench.record import Bench, Measured, Point
 from voronec.accuracy.problem import ReferenceProblem
 from voronec.accuracy.reference import ReferenceSolution
 from voronec.algebra.symbols import plain_name

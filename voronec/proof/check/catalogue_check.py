@@ -18,7 +18,7 @@ from voronec.algebra.arguments import CALLABLE, COUNT, SEVERAL, Kind, accepts
 from voronec.declaration.whole_files import Store
 from voronec.errors import DefinitionError, quote
 from voronec.proof.check.inventory import Inventory, Trouble, names_read
-from voronec.proof.check.record import Finding, Report, Result, mark_as_known
+from voronec.proof.check.report import Finding, Report, Result, mark_as_known
 from voronec.proof.check.unit import Unit, units_of
 
 if TYPE_CHECKING:
