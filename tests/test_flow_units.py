@@ -286,5 +286,5 @@ def test_first_steps_that_are_short_in_their_units_do_not_keep_later_ones_short(
     runs = vo.ensemble(spring, {x: [0.0, 1e60], rate: 1.0}, times=[0, 1])
     assert runs.cost.steps < 1000 and abs(runs["x"][1, -1] / 1e60 - np.cos(1)) < 1e-12
     free = vo.System("free", vo.Fibration((x,)), rate**2 / 2)
-    far = vo.ensemble(free, {x: [1.0, 2.0], rate: 1.0}, times=[0, 1e308])
+    far = vo.ensemble(free, {x: [1.0, 2.0], rate: 1.0}, times=[0, 1e308], method="heyoka")
     assert (far["x"][:, -1] == 1e308).all()
