@@ -148,6 +148,8 @@ def test_stages_of_calls_are_told_apart(call: Call, spring: str) -> None:
     assert answer.status == 0 and answer.err == ""
     seconds = json.loads(answer.out)["seconds"]
     assert seconds["first ever"].keys() <= {*STAGES, OTHER}
+    order = [*STAGES]  # the first that fits counts
+    assert order.index("elimination") < order.index("code") < order.index("derivation")
     assert all(seconds[call]["import"] > 0 for call in ("first ever", "first in a process"))
     # a name taken from a package asks Python's importer, even where nothing is loaded any more
     loading = seconds["second"].get("import", 0.0)

@@ -37,6 +37,10 @@ __all__ = [
 STAGES = {
     "import": ("<frozen importlib",),
     "compilation": ("/heyoka/",),
+    "elimination": (
+        "/voronec/algebra/elimination", "/voronec/algebra/stages",
+        "/voronec/equations/program/low_rank",
+    ),
     "code": ("/voronec/equations/program/",),
     "choice of the model": ("/voronec/motion/model/", "/voronec/motion/numeric_model"),
     "derivation": ("/voronec/equations/",),
