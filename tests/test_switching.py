@@ -1,5 +1,7 @@
 """Right sides that are not smooth: friction, steps, switches, motions held on walls."""
 
+from importlib.util import find_spec
+
 import mpmath as mp
 import numpy as np
 import pytest
@@ -592,7 +594,7 @@ def test_an_ensemble_whose_first_start_goes_nowhere_says_why(method):
             np.abs(found["xdot"][[i for i, v in enumerate(speeds) if v], -1] - 2).max(initial=0)
             < 1e-11
         )
-        if any(speeds):
+        if any(speeds) and (method != "auto" or find_spec("heyoka")):
             assert found.cost.method == ("heyoka" if method == "auto" else method)
 
 
