@@ -330,7 +330,8 @@ class Branches:
             except _UnknownSign as needed:
                 waiting += [{**assumed, needed.expr: s} for s in (1, -1)]
                 continue
-            edge = any((above.inside[n] + e).expand() == 0 for n, e in below.inside.items())
+            both = above.inside.keys() & below.inside.keys()
+            edge = any((above.inside[n] + below.inside[n]).expand() == 0 for n in both)
             where = tuple(s * e for e, s in assumed.items())
             yield BranchWall(h, *sides, where, edge, whole and whole[1])
 

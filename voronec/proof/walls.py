@@ -321,7 +321,7 @@ class _Ground:
         there = (*self.hypotheses, h)
         # before states are sought in vain: a proof that no motion crosses costs less
         if self._is_kept(h):
-            return _Jump("", None, None, f"{self._write(h)} != 0")
+            return _Jump("", None, None, self._beside(wall))
         found = next(self._crossings(wall, there, _FIRST), None)
         if found is None and self._is_singular(there):
             return None  # what is constant beside poles alone is told of all of them
@@ -330,7 +330,7 @@ class _Ground:
             words = f"it jumps where {self._place(wall)}, which motions cross"
             # a map or a density that jumps where the field does still tears the motion that crosses
             is_excused = self.constant and self._is_jump_of_field(h)
-            domain = f"{self._write(h)} != 0" if is_excused else ""
+            domain = self._beside(wall) if is_excused else ""
             is_turn = self._vanishes(wall.turned - wall.above, there)
             period = self._period(jump) if is_turn else None
             return _Jump(words, period, witness_at(*found), domain)
@@ -499,6 +499,12 @@ class _Ground:
     def _is_constant(self, function: Any) -> bool:
         """Whether a function is constant off its walls."""
         return all(self._vanishes(function.diff(x), self.hypotheses) for x in self.variables)
+
+    def _beside(self, wall: BranchWall) -> str:
+        """Where a wall is not, in words."""
+        if wall.whole is not None:
+            return f"{self._write(wall.function + wall.whole)} is no whole number"
+        return f"{self._write(wall.function)} != 0"
 
     def _place(self, wall: BranchWall) -> str:
         """Where a wall is, in words."""
