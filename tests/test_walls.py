@@ -667,7 +667,7 @@ def test_steps_inside_of_other_functions_and_roots_of_one_side_end_in_a_verdict(
     assert not check_claims(kick)[0].verdict.proved
     root_of_side = sp.sqrt((v / sp.cos(x)) * (1 + sp.sign(v / sp.cos(x))))
     assert not check_claims(spring(integrals={"F": root_of_side}))[0].verdict.proved
-    system, phi = skate()
+    _, phi = skate()
     slope = v / sp.cos(phi)
     piece = skate(integrals={"F": sp.sqrt(slope * (1 + sp.sign(slope)))})[0]
     assert check_claims(piece)[0].verdict.proved
