@@ -42,13 +42,8 @@ J = m * R**2 * k**2 / (1 - k**2)
 K = m * R**2 / (1 - k**2)
 
 # The angular velocity in space, and along: the meridian, the parallel, the normal.
-spin = sp.Matrix(
-    [
-        Dbeta * sp.cos(alpha) + Dpsi * sp.sin(alpha) * sp.sin(beta),
-        Dbeta * sp.sin(alpha) - Dpsi * sp.cos(alpha) * sp.sin(beta),
-        Dalpha + Dpsi * sp.cos(beta),
-    ]
-)
+rotation = kinematics.Rotation.euler("zxz", alpha, beta, psi)
+spin = rotation.space_rates
 outwards = spin[0] * sp.cos(phi) + spin[1] * sp.sin(phi)
 around = spin[1] * sp.cos(phi) - spin[0] * sp.sin(phi)
 normal = (spin[2] - c * r * outwards) / q
@@ -144,7 +139,7 @@ SYSTEM = System(
             R,
             centre=place,
             contact=contact_point,
-            attitude=kinematics.Rotation.euler("zxz", alpha, beta, psi).matrix,
+            attitude=rotation.matrix,
         ),
         Shape.surface(
             (r, phi), contact_point, ((0, sp.Rational(3, 2)), (0, 2 * sp.pi)), role="ground"

@@ -18,13 +18,13 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Limit, Plane, Quadratures, Relation, Square, Trace, kinematics, velocity
+from voronec import Plane, Quadratures, Relation, Square, Trace, kinematics, velocity
 from voronec.kinematics import matrix_product
 
-m, R, A, C, k, h = sp.symbols("m R A C k h")
+m, R, A, C, k = sp.symbols("m R A C k")
 
 rolling = kinematics.BalancedBall.on_plane(R, m, (A, A, C), (0, 0, k))
-ball, D, whole = rolling.ball, rolling.motion.contact_inertia, rolling.motion.whole
+ball, D = rolling.ball, rolling.contact_inertia
 omega, normal = rolling.motion.spin, rolling.motion.normal
 u, v, theta = ball.base
 x, y = ball.fibre
@@ -50,8 +50,6 @@ s, tau, n = matrix_product(body.T, omega)
 upward = sp.cos(u)
 axial = k + excess * omega[2]  # K
 rho = sp.sqrt(1 + 4 * beta * upward**2)
-in_ball = whole.xreplace(dict(zip(normal, ball.normal, strict=True)))
-horizontal = tuple(matrix_product(ball.contact.attitude[:2, :], in_ball))
 quartic = (
     (h2 - C5**2 / A - Q * L**2) / P
     + 2 * C5 * (Q * L + k) / (A * P) * z
@@ -87,7 +85,7 @@ MOTION = Quadratures(
     velocities=dict(zip(omega, matrix_product(body, contact_spin), strict=True)),
     plane=Plane(
         place=(x, y),
-        direction=horizontal,
+        direction=rolling.horizontal_momentum,
         length=H,
         rates=(0, -R / (P * E) * (H * F + drift)),
         slopes=(R * whole_axial / (H * E), 0),
@@ -114,13 +112,7 @@ RELATIONS = (
     Relation.of(
         SYSTEM, "gyroscopic-ball-on-plane", {**moments, "kappa1": 0, "kappa2": 0, "kappa3": k}
     ),
-    Relation.of(
-        SYSTEM,
-        "chaplygin-ball",
-        moments,
-        limit=Limit(h, {k: h}),
-        note="the gyroscope is taken away",
-    ),
+    Relation.of(SYSTEM, "chaplygin-ball", moments, vanish=k, note="the gyroscope is taken away"),
 )
 SQUARES = (
     Square.through(

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Equation, Measure, Parameter, Relation, kinematics, time, velocity
+from voronec import Equation, Measure, Parameter, Relation, kinematics, time
 
 x, y, phi = sp.symbols("x y phi")
 v, w = sp.symbols("v w")
@@ -19,10 +19,7 @@ m, J, a, g = sp.symbols("m J a g")
 growth = 1 + g * time
 sleigh = kinematics.Sleigh(m, J, a)
 K = sleigh.turning_inertia
-centre_velocity = sleigh.centre_velocity
-kinetic = (
-    growth * (m * (centre_velocity[0] ** 2 + centre_velocity[1] ** 2) + J * velocity(phi) ** 2) / 2
-)
+kinetic = growth * sleigh.kinetic
 
 SYSTEM = sleigh.system(
     name="growing-sleigh",

@@ -50,6 +50,7 @@ for body, heading in enumerate(headings):
     kinetic += (masses[body] * (pace[0] ** 2 + pace[1] ** 2) + moments[body] * turning**2) / 2
     constraints.append(pace[0] * sp.sin(heading) - pace[1] * sp.cos(heading))
 
+forward = velocity(x) * sp.cos(theta0) + velocity(y) * sp.sin(theta0)
 alpha, beta = theta0 - theta1, theta1 - theta2
 mass_along = m0 + J1 * sp.sin(alpha) ** 2 / l1**2
 mass_along += sp.cos(alpha) ** 2 * (m1 + J2 * sp.sin(beta) ** 2 / l2**2 + m2 * sp.cos(beta) ** 2)
@@ -92,12 +93,7 @@ SYSTEM = System(
     "to the middle of the axle before it.",
     sketch=SKETCH,
     fibration=Fibration(base=(x, theta0), fibre=(y, theta1, theta2)),
-    frame=Frame.quasi(
-        {
-            v: velocity(x) * sp.cos(theta0) + velocity(y) * sp.sin(theta0),
-            w: velocity(theta0),
-        }
-    ),
+    frame=Frame.quasi({v: forward, w: velocity(theta0)}),
     lagrangian=kinetic,
     constraints=tuple(constraints),
     meanings={

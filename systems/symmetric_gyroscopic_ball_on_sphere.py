@@ -26,9 +26,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Case, Limit, Relation, Square, kinematics
+from voronec import Case, Relation, Square, kinematics
 
-R1, R2, m, A, C, k, h = sp.symbols("R1 R2 m A C k h")
+R1, R2, m, A, C, k = sp.symbols("R1 R2 m A C k")
 
 ball = kinematics.BalancedBall.on_sphere(R1, R2, m, (A, A, C), (0, 0, k))
 solution = kinematics.SymmetricBallMotion(ball.motion)
@@ -66,12 +66,7 @@ RELATIONS = (
     Relation.of(
         SYSTEM, "gyroscopic-ball-on-sphere", {**moments, "kappa1": 0, "kappa2": 0, "kappa3": k}
     ),
-    Relation.of(
-        SYSTEM,
-        "symmetric-ball-on-sphere",
-        limit=Limit(h, {k: h}),
-        note="the gyroscope is taken away",
-    ),
+    Relation.of(SYSTEM, "symmetric-ball-on-sphere", vanish=k, note="the gyroscope is taken away"),
     Relation.of(SYSTEM, "bobylev-ball", {"R": R2}, grow=R1, note="the sphere becomes a plane"),
 )
 SQUARES = (

@@ -35,9 +35,8 @@ m, J, a, b, R, C = sp.symbols("m J a b R C")
 Dx, Dy, Dphi, Dleft, Dright = map(velocity, (x, y, phi, left, right))
 cos, sin = sp.cos(phi), sp.sin(phi)
 
-forward = Dx * cos + Dy * sin
-kinetic = m * (Dx**2 + Dy**2 + a**2 * Dphi**2) / 2 + J * Dphi**2 / 2
-kinetic += m * a * Dphi * (Dy * cos - Dx * sin) + C * (Dleft**2 + Dright**2) / 2
+car = kinematics.Sleigh(m, J, a)
+kinetic = car.kinetic + C * (Dleft**2 + Dright**2) / 2
 
 # The inertia against driving and turning, the wheels' spin with it.
 drive = m + 2 * C / R**2
@@ -70,12 +69,12 @@ SYSTEM = System(
     "slipping and turn independently.",
     sketch=SKETCH,
     fibration=Fibration(base=(left, right), fibre=(x, y, phi)),
-    frame=Frame.quasi({v: forward, w: Dphi}),
+    frame=Frame.quasi({v: car.forward, w: Dphi}),
     lagrangian=kinetic,
     constraints=(
         Dx * sin - Dy * cos,
-        forward - b * Dphi - R * Dleft,
-        forward + b * Dphi - R * Dright,
+        car.forward - b * Dphi - R * Dleft,
+        car.forward + b * Dphi - R * Dright,
     ),
     meanings={
         **kinematics.place_meanings((x, y), "the middle of the axle"),
@@ -130,19 +129,10 @@ SYSTEM = System(
         ),
     },
     bodies=(
-        Body(
-            m, (Dx - a * Dphi * sin, Dy + a * Dphi * cos, 0), (0, 0, J), (0, 0, Dphi), title="car"
-        ),
+        Body(m, (*car.centre_velocity, 0), (0, 0, J), (0, 0, Dphi), title="car"),
         *(
-            Body(
-                0,
-                (0, 0, 0),
-                (0, C, 0),
-                (0, turned, Dphi),
-                turning=(0, 0, Dphi),
-                title=f"{side} wheel",
-            )
-            for side, turned in (("left", Dleft), ("right", Dright))
+            Body(0, (0, 0, 0), (0, C, 0), (0, turned, Dphi), turning=(0, 0, Dphi), title=wheel)
+            for wheel, turned in (("left wheel", Dleft), ("right wheel", Dright))
         ),
     ),
     shapes=(

@@ -14,13 +14,13 @@ from __future__ import annotations
 
 import sympy as sp
 
-from voronec import Limit, Plane, Quadratures, Relation, Square, Trace, kinematics, velocity
+from voronec import Plane, Quadratures, Relation, Square, Trace, kinematics, velocity
 from voronec.kinematics import matrix_product
 
-m, R, A, k, h = sp.symbols("m R A k h")
+m, R, A, k = sp.symbols("m R A k")
 
 rolling = kinematics.BalancedBall.on_plane(R, m, (A, A, A), (0, 0, k))
-ball, D, whole = rolling.ball, rolling.motion.contact_inertia, rolling.motion.whole
+ball, D = rolling.ball, rolling.contact_inertia
 omega, normal = rolling.motion.spin, rolling.motion.normal
 u, v, theta = ball.base
 x, y = ball.fibre
@@ -38,8 +38,6 @@ S1, S2 = P * C5 / A, -k * (2 * A + D) / (2 * A)
 S = S0 + S1 * z + S2 * z**2
 N = C5 - k * z
 W = h2 - N**2 / A
-in_ball = whole.xreplace(dict(zip(normal, ball.normal, strict=True)))
-horizontal = tuple(matrix_product(ball.contact.attitude[:2, :], in_ball))
 contact_spin = sp.Matrix([sp.sin(u) * velocity(v), -velocity(u), N / A])  # (s, tau, n) again
 vertical = A * n + k * sp.cos(u)
 MOTION = Quadratures(
@@ -57,7 +55,7 @@ MOTION = Quadratures(
     velocities=dict(zip(omega, matrix_product(body, contact_spin), strict=True)),
     plane=Plane(
         place=(x, y),
-        direction=horizontal,
+        direction=rolling.horizontal_momentum,
         length=H,
         rates=(0, -R / P * (H + (k * S - k**2 * (1 - z**2)) / H)),
         slopes=(R * k / H, 0),
@@ -80,9 +78,7 @@ SYSTEM = rolling.system(
 
 RELATIONS = (
     Relation.of(SYSTEM, "bobylev-ball", {"A": A, "C": A}),
-    Relation.of(
-        SYSTEM, "homogeneous-ball", limit=Limit(h, {k: h}), note="the gyroscope is taken away"
-    ),
+    Relation.of(SYSTEM, "homogeneous-ball", vanish=k, note="the gyroscope is taken away"),
 )
 SQUARES = (
     Square.through(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 from voronec.audit import Audit, Paper, Record, Section
-from voronec.audit.run import audit_section
+from voronec.audit.paper_audit import audit_section
 from voronec.audit.transcript import Formula, formulas_by_label
 from voronec.declaration.catalogue import load_paper
 

@@ -14,7 +14,7 @@ from voronec.systems.demchenko.sentences.claims import residuals
 import voronec as vo
 from voronec.audit import Check, Display, Motion, Paper, Quoted, Section, Sentence, Study, Verdict
 from voronec.audit import audit_paper as audited
-from voronec.audit.run import Work, items
+from voronec.audit.paper_audit import Work, items
 from voronec.audit.transcript import Transcript, formulas_by_label
 
 pytestmark = pytest.mark.slow

@@ -28,7 +28,7 @@ from voronec.systems.demchenko.paper.contemporary import CONTEMPORARY, studies
 
 import voronec as vo
 from voronec.audit import Display, Paper, Section, audit_paper
-from voronec.audit.run import audit_section
+from voronec.audit.paper_audit import audit_section
 
 pytestmark = pytest.mark.slow
 

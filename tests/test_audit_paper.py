@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 from demchenko_audit import audit_of, labels, paper, records_of
 
-from voronec.audit import audit_paper, run
+from voronec.audit import audit_paper, paper_audit
 
 pytestmark = pytest.mark.slow
 
@@ -62,7 +62,7 @@ def test_the_audit_of_the_paper_is_that_of_its_sections(audit, monkeypatch):
         assert known.keys() == labels().keys()
         return records_of(section.title)
 
-    monkeypatch.setattr(run, "audit_section", kept)
+    monkeypatch.setattr(paper_audit, "audit_section", kept)
     assert audit_paper(paper()) == audit
 
 

@@ -17,7 +17,7 @@ from voronec.systems.demchenko.paper.quadratures import QUADRATURES
 from voronec.systems.demchenko.paper.special_solutions import SPECIAL_SOLUTIONS
 
 from voronec.audit import FormulaRecord, Range, Record, Study
-from voronec.audit.run import audit_section
+from voronec.audit.paper_audit import audit_section
 
 pytestmark = pytest.mark.slow
 

@@ -25,7 +25,7 @@ from voronec.audit import (
     audit_paper,
 )
 from voronec.audit.judge import SectionContext, judge_sentence
-from voronec.audit.run import audit_section
+from voronec.audit.paper_audit import audit_section
 from voronec.audit.transcript import Transcript, formulas_by_label
 from voronec.declaration.catalogue import load_paper
 from voronec.errors import DefinitionError

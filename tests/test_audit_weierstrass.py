@@ -11,7 +11,7 @@ from demchenko_audit import records_of
 
 import voronec as vo
 from voronec.audit import Display
-from voronec.audit.run import audit_section
+from voronec.audit.paper_audit import audit_section
 from voronec.audit.transcript import Transcript
 from voronec.declaration.catalogue import load_paper
 

@@ -18,9 +18,9 @@ from voronec.accuracy import bench
 from voronec.accuracy.bench import agreement
 from voronec.accuracy.bench import runs as own
 from voronec.accuracy.bench.contender import Contender, NotHere, Outcome
+from voronec.accuracy.bench.measurement import Measured, Point
 from voronec.accuracy.bench.peers import numba_dop853, physics, scipy_lambdify
 from voronec.accuracy.bench.peers.hand_programs import BY_HAND, start_values
-from voronec.accuracy.bench.record import Measured, Point
 from voronec.accuracy.bench.runs import CONTENDERS, contenders
 from voronec.accuracy.bench.work_precision_picture import plot_work_precision
 from voronec.accuracy.problem import level, lowest

@@ -21,8 +21,8 @@ from voronec.cli.check import shorten_square
 from voronec.declaration import source_digest as sources
 from voronec.declaration.whole_files import Store
 from voronec.proof.check import Inventory, check_catalogue
-from voronec.proof.check.record import Finding, Report, Result
-from voronec.proof.check.run import Worker
+from voronec.proof.check.catalogue_check import Worker
+from voronec.proof.check.report import Finding, Report, Result
 from voronec.proof.check.unit import units_of
 
 pytestmark = pytest.mark.slow
@@ -297,7 +297,9 @@ def test_a_second_check_reuses_and_an_edit_does_not(tmp_path: Path) -> None:
     assert [reused(), reused()] == [False, True]
     for kept in store.folder.rglob("*.json"):
         kept.write_text('{"kind": 1}')
-    assert [reused(), reused()] == [False, True]
+    with pytest.warns(UserWarning, match="is damaged; it is made anew") as told:
+        assert [reused(), reused()] == [False, True]
+    assert len(told) == 1
 
 
 def test_what_was_broken_is_tried_again(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from plugins import install
 from voronec.declaration import catalogue
 from voronec.errors import DefinitionError
 from voronec.proof.check import Inventory
-from voronec.proof.check.record import failure_line
+from voronec.proof.check.report import failure_line
 from voronec.proof.check.unit import units_of
 from voronec.proof.check.work import Derivations, examine
 from voronec.testing import STATEMENTS, conformance

@@ -120,6 +120,19 @@ def test_every_file_that_the_architecture_names_is_there() -> None:
     assert [n for n in named if not any(f"/{f}".endswith(f"/{n}") for f in files)] == []
 
 
+def test_the_five_walks_name_functions_that_are_there() -> None:
+    page = (ROOT / "docs" / "architecture.md").read_text()
+    walks = page.partition("## Five walks")[2].partition("## Files")[0].split("\n\n**")[1:]
+    source = "\n".join(p.read_text() for p in (ROOT / "voronec").rglob("*.py"))
+    known = {
+        *re.findall(r"^ *(?:def|class) (\w+)", source, re.M),
+        *re.findall(r"^[A-Z]+", source, re.M),
+    }
+    named = [re.findall(r"`(?:\w+\.)?(?!py`)(\w+)`", walk) for walk in walks]
+    assert len(walks) == 5 and all(len(names) >= 10 for names in named)
+    assert [name for names in named for name in names if name not in known] == []
+
+
 def test_each_formula_of_the_theory_is_cited_where_it_is_computed() -> None:
     """Numbers rise by one, letters follow their number, and no range stands for what is in it."""
     theory, cited = (ROOT / "docs" / "theory.md").read_text(), set()

@@ -131,3 +131,35 @@ def test_a_class_has_its_name_for_itself():
         "Root",
         "Section",
     }
+
+
+def bare_numbers(text: str) -> list[str]:
+    """Constants of a module that are numbers of somebody's choice, and say neither below nor beside
+    them what they are; those that follow each other may share what is said."""
+    module, lines, found = ast.parse(text), text.splitlines(), list[str]()
+    waiting: list[str] = []
+    for node in module.body:
+        targets = [t for t in getattr(node, "targets", []) if isinstance(t, ast.Name)]
+        values = [*ast.walk(node.value)] if targets and isinstance(node, ast.Assign) else []
+        plain = (ast.Constant, ast.Tuple, ast.Load, ast.BinOp, ast.operator, ast.UnaryOp, ast.USub)
+        numbers = [v.value for v in values if isinstance(v, ast.Constant)]
+        if numbers and all(isinstance(v, plain) for v in values):
+            chosen = [n for n in numbers if isinstance(n, int | float) and n not in (0, 1)]
+            if chosen and len(chosen) == len(numbers) and "#" not in lines[node.lineno - 1]:
+                waiting.append(targets[0].id)
+            continue
+        said = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+        found += [] if said else waiting
+        waiting = []
+    return found + waiting
+
+
+def test_numbers_say_what_they_are_for():
+    texts = {p: p.read_text("utf-8") for p in PACKAGE.rglob("*.py")}
+    found = {
+        str(p.relative_to(PACKAGE)): bare for p, t in texts.items() if (bare := bare_numbers(t))
+    }
+    assert found == {}
+    assert bare_numbers('A = 3\nB = (1e-5, 2)\n"""both"""\nC = 4  # of them\nD = -5\nE = "x"') == [
+        "D"
+    ]

@@ -120,3 +120,14 @@ def test_entries_are_found_however_they_are_laid_out() -> None:
 def test_names_have_their_letters_in_a_citation() -> None:
     entry = r"@book{K, author={J{\k e}drzej N{\o}rsett and {\L}ukasz \k{A}}, title={\kappa}}"
     assert citation(entry) == "Jędrzej Nørsett and Łukasz Ą (n. d.). \\kappa."
+
+
+def test_help_on_a_kind_of_tool_does_none_of_its_work(
+    build: ModuleType, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from shared.kinds import run
+
+    monkeypatch.setattr(build, "main", lambda: pytest.fail("it works"))
+    monkeypatch.setattr(sys, "argv", ["build.py", "pages", "--help"])
+    assert run("all kinds", {"pages": "pages.systems"}) == 0
+    assert capsys.readouterr().out.startswith("Rebuild the pages of the systems")

@@ -10,7 +10,7 @@ import pytest
 
 from voronec.cli import main
 from voronec.cli.files import create, delivery, wanted_folder
-from voronec.declaration.whole_files import draft, replace_file, workshop
+from voronec.declaration.whole_files import Store, draft, replace_file, workshop
 from voronec.errors import DefinitionError
 
 pytestmark = pytest.mark.slow
@@ -52,6 +52,22 @@ def test_a_file_stays_as_it_was_where_the_disk_is_full(tmp_path):
     )
     assert done.stdout.count("cannot be written") == 2 and not done.stderr
     assert old.read_text() == "old" and [*tmp_path.iterdir()] == [old]
+
+
+@pytest.mark.parametrize(
+    "text", [b"", b"\xff", b"{}", b"3", b"null", b"[1, 2]", b'["a", "{}"]', b'["a", "{}", 1]']
+)
+def test_a_kept_result_that_is_damaged_is_named_once_and_replaced(tmp_path, text):
+    store, key = Store(tmp_path), "k" * 24
+    store.save(key, "part", {"a": 1})
+    assert store.load(key, "part") == {"a": 1}
+    (file,) = (f for f in tmp_path.rglob("*") if f.is_file())
+    file.write_bytes(text)
+    with pytest.warns(UserWarning, match=f"'{file}' is damaged; it is made anew"):
+        assert store.load(key, "part") is None
+    assert store.load(key, "part") is None
+    store.save(key, "part", {"a": 2})
+    assert store.load(key, "part") == {"a": 2}
 
 
 def test_drafts_that_fail_leave_nothing(tmp_path):

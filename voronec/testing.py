@@ -31,8 +31,8 @@ from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import did_you_mean
 from voronec.motion import integrate
 from voronec.proof.check import Inventory, Result
-from voronec.proof.check.record import failure_line
-from voronec.proof.check.run import trouble_result
+from voronec.proof.check.catalogue_check import trouble_result
+from voronec.proof.check.report import failure_line
 from voronec.proof.check.unit import Unit, units_of
 from voronec.proof.check.work import Derivations, examine
 from voronec.proof.comparison import is_general, random_point

@@ -42,7 +42,7 @@ OWN = "voronec"
 def read_results() -> list[Result]:
     """The results on which the committed pages rest."""
     entries = json.loads((FOLDER / RESULTS).read_text("utf-8"))
-    return [r for r in map(Result.from_dict, entries) if r is not None]
+    return [*map(Result.from_dict, entries)]
 
 
 def _without_times(result: Result) -> Result:

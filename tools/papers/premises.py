@@ -25,8 +25,8 @@ from typing import Any
 import voronec as vo
 from voronec.algebra.symbols import velocity
 from voronec.audit import Check, Sentence
+from voronec.audit.paper_audit import AuditItem, Work, items
 from voronec.audit.record import worst
-from voronec.audit.run import AuditItem, Work, items
 from voronec.audit.transcript import formulas_by_label
 from voronec.declaration.catalogue import load_paper
 from voronec.errors import VoronecError

@@ -16,8 +16,8 @@ from voronec.audit.consistency import Examination
 from voronec.audit.formula import Formula
 from voronec.audit.latex.nodes import Chain, Integral, Node, Sum
 from voronec.audit.meaning import SENSELESS, evaluate
+from voronec.audit.paper_audit import AuditItem, Work, items
 from voronec.audit.record import VERDICTS
-from voronec.audit.run import AuditItem, Work, items
 from voronec.audit.slots import Labels
 from voronec.audit.structure import are_multiples, holds_always, integrand, new_names
 from voronec.audit.transcript import assignments

@@ -8,6 +8,9 @@ from importlib import import_module
 
 __all__ = ["run"]
 
+PARSERS = {"argparse", "campaign_parser"}
+"""What a module has by whose options ``--help`` is one; of others it prints what they do."""
+
 
 def run(about: str | None, modules: Mapping[str, str]) -> int:
     """The exit status of ``main`` of the module whose kind is the first word of the command.
@@ -22,5 +25,9 @@ def run(about: str | None, modules: Mapping[str, str]) -> int:
         print(f"there is no kind '{words[0]}'; kinds are {', '.join(modules)}", file=sys.stderr)
         return 2
     sys.argv = [f"{script} {words[0]}", *words[1:]]
-    status: int = import_module(modules[words[0]]).main()
+    module = import_module(modules[words[0]])
+    if not PARSERS & vars(module).keys() and {"-h", "--help"} & {*words[1:]}:
+        print((module.__doc__ or "").strip())
+        return 0
+    status: int = module.main()
     return status

@@ -53,6 +53,7 @@ __all__ = [
 
 
 DIGITS = 30
+"""Of the values of a witness that are told."""
 NUMBERS = "ball arithmetic"
 """How the two sides of an equality are told apart at a point."""
 NO_POINT = "no point was found at which both sides have real values"
@@ -382,12 +383,15 @@ FAILURE = 20
 """How many points one costs that is not found: Newton's method goes to its end."""
 MOST_POINTS = 600
 MOST_WALLS = 12
+"""For a witness so many points are looked at, at most, beside so many walls and edges."""
 FACTOR_WORK = 20_000
 """Term products for the factors of a wall; without them it is taken as it stands."""
 BITS, MORE_BITS = GENERIC, 800
+"""Bits at a point, and where agreement to 200 digits is to be seen."""
 KINDS = 12
 """How many kinds of points, by the signs of walls, are looked at with more digits."""
 BISECTIONS = 26
+"""Of a way between two points, towards a wall: to a hundred-millionth of it."""
 CLIMBS, STEPS = 8, 60
 """Walks towards a domain that no point was found in, and the steps of each."""
 

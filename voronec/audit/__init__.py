@@ -8,8 +8,8 @@ from voronec.audit.cache import Cache
 from voronec.audit.display import Check, Convention, Display
 from voronec.audit.meaning import direction
 from voronec.audit.paper import Paper, Section
+from voronec.audit.paper_audit import audit_paper
 from voronec.audit.record import Audit, FormulaRecord, Record
-from voronec.audit.run import audit_paper
 from voronec.audit.sentence import Sentence
 from voronec.audit.slots import Interval, Quoted, Reference, one_of, tight
 from voronec.audit.study import Motion, Range, Study

@@ -25,7 +25,7 @@ from voronec.declaration.whole_files import Store
 __all__ = ["Basis", "Cache"]
 
 
-DECIDER = "voronec.audit.run"
+DECIDER = "voronec.audit.paper_audit"
 """The module that decides what an audit says."""
 
 
@@ -101,7 +101,7 @@ SECTIONS = 200
 
 @dataclass(frozen=True)
 class Cache:
-    """A folder with one file for each unit; a file that is missing or broken is no verdict."""
+    """A folder with one file for each unit; a file that is missing or damaged is no verdict."""
 
     folder: Path
 
@@ -112,12 +112,8 @@ class Cache:
 
     def load(self, key: str, ordinal: int) -> list[Examination] | None:
         """The verdicts of a unit, or ``None``."""
-        try:
-            return [
-                _read_examination(entry) for entry in Store(self.folder).load(key, str(ordinal))
-            ]
-        except (ValueError, TypeError, KeyError, AttributeError):
-            return None
+        kept = Store(self.folder).load(key, str(ordinal))
+        return None if kept is None else [_read_examination(entry) for entry in kept]
 
     def store(self, key: str, ordinal: int, found: Sequence[Examination]) -> None:
         """Keep the verdicts of a unit, whole or not at all."""

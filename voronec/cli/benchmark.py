@@ -181,7 +181,7 @@ def _row(measured: Measured, point: Point) -> list[str]:
 
 def _equal(bench: Bench) -> list[str]:
     """Times at equal error, and how many times slower than the fastest of ours."""
-    from voronec.accuracy.bench.record import AT
+    from voronec.accuracy.bench.measurement import AT
 
     head = ["at equal error"]
     for error in AT:

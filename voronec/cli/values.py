@@ -40,7 +40,9 @@ def outputs_of(text: str | None) -> tuple[Any, ...]:
 
 
 INSTANTS = 1001
+"""Of a run whose times give no number: smooth on any screen."""
 MOST_INSTANTS = 10_000_000
+"""Some gigabytes of states; more are a slip of the pen."""
 
 
 def finite(text: str, place: str) -> float:

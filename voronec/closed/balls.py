@@ -44,6 +44,7 @@ def _rotation_about(spin: Sequence[Any], t: Any) -> list[Any]:
 
 
 GUARD = 32
+"""Bits that an evaluation may lose before it is begun anew with more."""
 MOST = 1 << 15
 """Bits beyond which an enclosure is given up."""
 

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from voronec.algebra.precision import FIRST, SHARP
+from voronec.algebra.precision import FIRST, GENERIC, SHARP
 from voronec.algebra.symbols import plain_name
 from voronec.closed.arithmetic import ball, precise
 from voronec.closed.compiled_motion import reading_of, velocities_in_doubles
@@ -42,6 +42,7 @@ __all__ = ["TURN", "Clock", "MotionIntegral", "clock_of", "sample_in_own_time", 
 STEP = 0.125
 """In z, of whose sine and cosine x is a quickly converging series."""
 POINTS = 8
+"""Of Gauss's rule on such a step, exact to degree 15: the rest is below rounding."""
 LARGE = 16.0
 """A factor of a logarithm or an angle beyond which the closed terms are not used."""
 
@@ -97,7 +98,8 @@ class MotionIntegral:
         return np.asarray(known[place + most] + self._between(grid[place + most], taus))
 
 
-FINE = 192
+FINE = GENERIC
+"""Bits of constants of which doubles in pieces are made."""
 PIECE = 26
 """Bits of the pieces of a period: whole numbers of them are exact."""
 SPLIT = float(2**27 + 1)
@@ -105,6 +107,7 @@ SPLIT = float(2**27 + 1)
 NODES = 256
 """Of a table of a period, from which Newton's method starts."""
 ROUNDS = 100
+"""Doublings, and steps of Newton's method: few are needed, but a loop has to end."""
 SPARE = 12
 """Digits of the other time beyond those that are asked for."""
 

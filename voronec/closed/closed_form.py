@@ -460,6 +460,7 @@ STEEP = 1e-2
 """Where the sine of a colatitude read off a frame is smaller, balls are asked: a double that is
 right to 8e-16 tell longitudes no better than to 1e-13."""
 DIGITS = 20
+"""Of such balls: a double's, and some to lose."""
 BLOCK = 8192
 """Instants that are read at once, so few that they stay in the cache."""
 

@@ -18,6 +18,7 @@ import sympy as sp
 from flint import arb
 
 from voronec.algebra.memo import Memo
+from voronec.algebra.precision import FIRST, GENERIC, PROOF
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import as_expression
 from voronec.closed.arithmetic import Function, ball, compile_expressions, exact, precise, vanishes
@@ -121,7 +122,7 @@ def _nonzero(problem: InversionProblem, expr: Any) -> bool:
     return problem.sign(expr) != 0
 
 
-LADDER = (64, 192, 512, 1000)
+LADDER = (FIRST, GENERIC, PROOF, 1000)
 """Bits at which a sign is looked for; where the last still leaves it open, algebra decides."""
 BEYOND = (4000, 16000)
 """And where algebra proves nothing, or that the number is not zero, however small."""

@@ -107,6 +107,7 @@ def _ratios(own: CompiledMotion) -> Sequence[Ratio]:
 BITS = FIRST
 """Bits that a number must have before it is rounded to a double."""
 MOST = 1 << 13
+"""Bits beyond which a number stays unrounded: it is zero, or the quotient has no value."""
 NOTHING = 2.0**-1000
 """A number below this is none for doubles."""
 

@@ -61,6 +61,7 @@ def _frame(a: sp.Expr, b: sp.Expr, c: sp.Expr) -> sp.Matrix:
 
 
 LADDER = (FIRST, PROOF, 4 * PROOF)
+"""Bits at which a vector is told to point upwards or down; one that all but lies counts as up."""
 MOST = 1 << 12
 """Bits at which the start is computed, at most."""
 SPARE = 24

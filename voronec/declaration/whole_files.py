@@ -13,9 +13,11 @@ import shutil
 import sys
 import tempfile
 import time
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -90,7 +92,8 @@ class Store:
     """Results as JSON, in a folder with one subfolder for each digest; of these the newest
     ``capacity`` stay.
 
-    A file that is missing or broken is no result.
+    A file that is missing is no result, nor is one that is not as it was written: that is named,
+    and goes.
     """
 
     folder: Path
@@ -103,17 +106,27 @@ class Store:
 
     def load(self, key: str, name: str) -> Any:
         """What was kept, or ``None``."""
+        file = self._file(key, name)
         try:
-            return json.loads(self._file(key, name).read_text(encoding="utf-8"))
-        except (OSError, ValueError):
+            mark, text = json.loads(file.read_bytes())
+            if mark == sha256(text.encode()).hexdigest():
+                return json.loads(text)
+        except OSError:
             return None
+        except (ValueError, TypeError, AttributeError):
+            pass
+        warnings.warn(f"the kept result '{file}' is damaged; it is made anew", stacklevel=2)
+        with suppress(OSError):
+            file.unlink()
+        return None
 
     def save(self, key: str, name: str, value: Any) -> None:
         """Keep a value."""
         file = self._file(key, name)
         if not file.parent.exists():
             make_room(self.folder, self.capacity)
-        keep_file(file, json.dumps(value).encode())
+        text = json.dumps(value)
+        keep_file(file, json.dumps([sha256(text.encode()).hexdigest(), text]).encode())
 
     def _file(self, key: str, name: str) -> Path:
         return self.folder / key[:24] / f"{name}.json"

@@ -53,6 +53,7 @@ __all__ = [
 
 
 BITS = 320
+"""Of constants of which double doubles are made: what a late time magnifies is to be lost."""
 SWIFTEST = 2.0**58
 """Radians in half a period, of which two doubles leave all digits of an angle."""
 NOTHING = 1e-25

@@ -24,6 +24,7 @@ NODES, CHECKS = 16, 9
 CELLS = 4096
 """Parts of half a period; a panel is a number of them that is a power of two."""
 WIDEST, NARROWEST = 1024, 4
+"""Of panels in cells: at first, and where a function that needs narrower ones is given up."""
 MOST = 512
 """Panels that are worth their while."""
 BOUND = 3e-15

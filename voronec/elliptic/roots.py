@@ -107,6 +107,7 @@ def _discs(polynomial: acb_poly, places: list[acb]) -> list[acb] | None:
 
 
 FIRST_BITS = 64
+"""At first: hardly dearer than doubles, and enough for nearly all motions."""
 MOST_BITS = 1 << 13
 """Beyond this, or eight times what was asked for, no decision is tried again."""
 

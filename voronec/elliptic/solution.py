@@ -21,6 +21,7 @@ from voronec.errors import EngineLimit
 __all__ = ["Enclosed", "Solution", "accurate", "exact_time", "invert"]
 
 GUARD = 64
+"""Bits beyond those asked for: inversions and logarithms lose some."""
 PEOPLE = 60
 """Bits of what is shown to people: a double's, and some."""
 

@@ -33,9 +33,13 @@ __all__ = [
 ]
 
 NEGLIGIBLE = 1e-18
+"""Below half a unit in the last place of a double, even of sums of many terms."""
 MOST_TERMS = 12
+"""Of theta series: with a nome below exp(-pi) the next is far below a double's last digit."""
 MOST_RIPPLES = 64
+"""Of the series of an angle; one that falls more slowly is left to the arc tangent."""
 LARGEST = 1e290
+"""Infinite, for doubles that are multiplied once more."""
 NEAREST = 0.6
 """Poles nearer than this are left to the arc tangent: powers of cos 2z would cancel."""
 

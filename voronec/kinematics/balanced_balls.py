@@ -28,7 +28,7 @@ from voronec.kinematics.families import (
     rotor_words,
 )
 from voronec.kinematics.rubber import RubberMotion
-from voronec.kinematics.vectors import Vector, cross, dot, three
+from voronec.kinematics.vectors import Vector, cross, dot, matrix_product, three
 
 __all__ = ["BalancedBall", "BallMotion", "SymmetricBallMotion"]
 
@@ -207,6 +207,12 @@ class BalancedBall:
     def motion(self) -> BallMotion:
         """Its motion without slip, reduced to omega and gamma, with claims that always hold."""
         return BallMotion(self.ball.inertia, self.contact_inertia, self.rotor, self.epsilon)
+
+    @property
+    def horizontal_momentum(self) -> tuple[sp.Expr, ...]:
+        """G + kappa along the x and y of a plane, where it is constant, in angles and omega."""
+        whole = self.motion.whole.xreplace(dict(zip(GAMMA, self.ball.normal, strict=True)))
+        return tuple(matrix_product(self.ball.contact.attitude[:2, :], whole))
 
     @cached_property
     def rubber(self) -> RubberMotion:

@@ -36,6 +36,7 @@ __all__ = [
 
 Pair = tuple[int, int]
 DIMENSIONS = range(2, 10)
+"""Of spaces in which bodies turn: with one digit, so that names such as w12 are read one way."""
 
 
 @dataclass(frozen=True)

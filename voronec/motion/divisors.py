@@ -83,6 +83,7 @@ and metrics, which cost more, so few are looked at."""
 REACH = np.pi
 """Places are taken so far around the start, in units of one or of the coordinate's size."""
 HALVINGS = 40
+"""Of a bracket of doubles, to next to rounding."""
 POLE = 1e-5
 """Where the metric is nearer to being singular than this part of the usual, coordinates fail."""
 TRUE = 1e-3

@@ -136,6 +136,7 @@ KINDS = {
 }
 """What may become of a variable, in the order of being told, and what that is called."""
 WIDTH = 96
+"""Letters in a line of text."""
 LONGEST = 60
 """A formula with more characters is not written out."""
 

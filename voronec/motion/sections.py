@@ -167,6 +167,7 @@ def _lead_back(integrals: Integrals, guess: np.ndarray, target: np.ndarray) -> n
 
 
 INSTANTS = 4001
+"""Of the trial: a quantity that comes back often is seen to do so."""
 RETURNS = 3
 """How often a quantity must come back within the trial."""
 STILL = 1e-9

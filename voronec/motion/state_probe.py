@@ -178,7 +178,10 @@ class StateProbe:
             masses = self.masses(t, states) / scale
             masses[~np.isfinite(masses).all(axis=(1, 2))] = base / scale
             sizes = np.linalg.eigvalsh(masses)
-            small = np.abs(sizes).min(axis=1) < SINGULAR * np.abs(sizes).max(axis=1)
+            least = np.abs(sizes).min(axis=1)
+            small = least < SINGULAR * np.abs(sizes).max(axis=1)
+            for i in np.flatnonzero(small & bool(units.all())):  # others may have grown without end
+                small[i] = min(least[i], _smallest(masses[i], masses[i])) < SINGULAR
             bad = np.flatnonzero(((sizes < 0).sum(axis=1) != negative) | small)
             return int(bad[0]) if len(bad) else None
 

@@ -89,11 +89,14 @@ def _on_relations(system: System, point: Mapping[Any, Any]) -> dict[Any, Any]:
 
 
 FORMAT = 1
+"""Of stored derivations; another one is not read."""
 LONGEST = 20_000
 """A group of entries with more characters is not stored; the values at points stand for it."""
 POINTS = 2
+"""Of values kept beside the entries: one may be special, two are not."""
 ABSENT = "not computed"
 DIGITS = 30
+"""Of these values: twice a double's, so that rounding is told from a difference."""
 SETS = ("parameters", "inputs")
 """Facts that are the same in any order."""
 FACTS = ("base", "fibre", "velocities", "parameters", "relations", "kind", "growth", "integrable")

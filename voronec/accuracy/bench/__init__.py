@@ -6,8 +6,8 @@ a ``Bench`` of all methods.  Peers are optional: what is not installed is named,
 
 from voronec.accuracy.bench.agreement import reference
 from voronec.accuracy.bench.call_time import CallStages, SetupTime, measure_calls, measure_setup
+from voronec.accuracy.bench.measurement import At, Bench, Measured, Point, at_error, observed_order
 from voronec.accuracy.bench.question import ask
-from voronec.accuracy.bench.record import At, Bench, Measured, Point, at_error, observed_order
 from voronec.accuracy.bench.runs import CONTENDERS, measure
 from voronec.accuracy.problem import ReferenceProblem
 from voronec.accuracy.reference import ReferenceSolution, difference

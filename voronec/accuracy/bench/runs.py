@@ -18,8 +18,8 @@ import numpy as np
 from voronec.accuracy.bench.agreement import ACCURACY, reference
 from voronec.accuracy.bench.call_time import SetupTime
 from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, time_fastest
+from voronec.accuracy.bench.measurement import Bench, Measured, Point
 from voronec.accuracy.bench.peers import PEERS
-from voronec.accuracy.bench.record import Bench, Measured, Point
 from voronec.accuracy.problem import ReferenceProblem
 from voronec.accuracy.reference import ReferenceSolution
 from voronec.algebra.symbols import plain_name
@@ -41,6 +41,7 @@ LONGEST = 30.0
 
 COARSE_TO_FINE = (1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16)
 DOUBLE_TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12, 2.3e-14)
+"""What is asked of Taylor's method, and of those whose finest is scipy's."""
 
 
 def _prepare(question: ReferenceProblem, method: str, full: bool) -> Run:

@@ -137,6 +137,7 @@ HEADINGS = ("method", "error", "condition", "roundings", "drift", "seconds", "ve
 VERDICTS = ("met", "kept", "refused", "missed", "lost")
 TALLY = ("method", "cases", *VERDICTS, "roundings, median", "roundings, worst", "missed or lost")
 WIDTHS = (16, 9, 9, 9, 9, 9)
+"""Of columns of the table in a terminal; the last has the rest of the line."""
 
 
 def cells(trial: Trial) -> list[str]:

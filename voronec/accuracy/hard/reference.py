@@ -51,6 +51,7 @@ __all__ = [
 RETURN = 1e-18
 """How far the state may be from its start after one period."""
 ITERATIONS = 12
+"""Of Newton's method, which doubles digits: more are wanted where there is no period."""
 LOOKS = 400
 """Into how many parts a stretch of time is cut where the period is looked for."""
 

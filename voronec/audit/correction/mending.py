@@ -71,6 +71,7 @@ __all__ = ["Correction", "CorrectionSearch", "Screen", "Spare", "correct"]
 
 
 SEEDS = 12
+"""Points at which a formula is tried: most letters are undefined at some, and a few suffice."""
 
 
 @dataclass(frozen=True)
@@ -215,6 +216,7 @@ SINGLES = 250
 PROOFS = 60
 """How many changes that numbers allow are put to the proof."""
 REPAIRS = 8
+"""So many changes that give a formula a meaning are tried, each with a second one."""
 
 ORDER = {**dict.fromkeys("< \\le \\leq".split(), -1), **dict.fromkeys("> \\ge \\geq".split(), 1)}
 """Relations that rise from left to right, and that fall."""

@@ -47,6 +47,7 @@ BITS = GENERIC
 WORK = {Derivative: 20, Partial: 250}
 """How many derivatives are taken symbolically: they cost more than all else together."""
 TOLERANCE = 1e-9
+"""Of doubles that went through a formula: far above rounding, far below any misprint."""
 
 
 def close(a: Any, b: Any, scale: Any = 1.0) -> bool:

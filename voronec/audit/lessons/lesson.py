@@ -373,6 +373,7 @@ def _tex(name: str) -> str:
 
 
 WIDTH = 96
+"""Letters in a line of text."""
 COLUMN = 52.0
 """How wide a formula on the page may be, in em."""
 

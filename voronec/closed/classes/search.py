@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -64,7 +64,6 @@ class Conditions:
     elsewhere: bool = False
 
 
-@cache
 def conditions(known: DeclaredTraces, curve: Curve, label: str) -> Conditions:
     """What makes a motion start at a parallel, with cusps or poles as its class says."""
     parts = set(label.split("+"))
@@ -141,6 +140,7 @@ def _solve_start(
 
 
 SHARE = sp.Rational(1, 3)
+"""Such a motion begins at this part of its range, off both ends."""
 LARGEST = 60
 """The largest denominator of a cosine at which a motion is started anew."""
 
@@ -193,7 +193,10 @@ REACH = 4
 FEWEST = 3
 """So many draws are looked at exactly where no picture could be made of any."""
 FACTORS = tuple(sp.Rational(*q) for q in ((1, 1), (1, 2), (2, 1), (3, 2), (2, 3), (3, 1), (1, 3)))
+"""What a default may be multiplied by: ratios that print shortly."""
 DRAWS, SOLUTIONS, FEW, ROUNDS, CANDIDATES = 3000, 30, 10, 5, 12
+"""Starts that are drawn, where a condition is solved, and where two are, which takes longer; rounds
+of these, and of each so many that look best are tried exactly, which takes longest."""
 PERIODS = 12
 """A curve that closes after no more periods is liked."""
 
@@ -282,6 +285,11 @@ class _StartSearch:
     dice: np.random.Generator
     tallies: Counter[str] = field(default_factory=Counter)
 
+    @cached_property
+    def conditions(self) -> Conditions:
+        """What the start has to meet."""
+        return conditions(self.known, self.curve, self.label)
+
     def parameters(self, turn: int) -> dict[Any, Any] | None:
         """Exact values: the defaults first, later drawn around them; None for no possible body."""
         system, own = self.known.system, {}
@@ -324,7 +332,7 @@ class _StartSearch:
     def _starts(self, own: Mapping[Any, Any]) -> Iterator[dict[Any, Any]]:
         """Coordinates and velocities, exact."""
         system = self.known.system
-        wanted = conditions(self.known, self.curve, self.label)
+        wanted = self.conditions
         plain = len(wanted.vanishing) == 1
         moving = [q for q in system.coordinates if self.known.place.has(q)]
         for _ in range(DRAWS // 100 if plain else FEW if wanted.further else SOLUTIONS):
@@ -353,7 +361,7 @@ class _StartSearch:
         self.tallies[found.label] += 1
         if found.label != self.label:
             return None
-        if conditions(self.known, self.curve, self.label).elsewhere:
+        if self.conditions.elsewhere:
             start = elsewhere(closed, start)
         start = fill(system, own, start)
         usual = {p.symbol: p.value for p in system.parameters}

@@ -17,7 +17,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -233,6 +232,7 @@ def _exact_label(system: System, row: list[Any], trace: str | None) -> tuple[str
 
 LOOPS = ("A", "B", "C")
 CHUNK = 20_000
+"""Motions that are classified at once: their arrays stay within some megabytes."""
 
 
 @dataclass(frozen=True)
@@ -314,7 +314,6 @@ class _TraceFunctions:
     level: Callable[..., list[BoundedNumber]]
 
 
-@cache
 def _formulas(known: DeclaredTraces, curve: Curve) -> _TraceFunctions:
     values = (*known.quartic, *curve.cosine, *curve.phi)
     return _TraceFunctions(
@@ -326,7 +325,7 @@ def _formulas(known: DeclaredTraces, curve: Curve) -> _TraceFunctions:
 def _survey(
     known: DeclaredTraces, curve: Curve, values: list[np.ndarray], every_drift: bool
 ) -> Survey:
-    formulas = _formulas(known, curve)
+    formulas = known.memo.once(("in bounds", curve), lambda: _formulas(known, curve))
     own = values[len(values) - len(known.system.parameters) :]
     *constants, place, rate = formulas.initial_values(*values)
     raw = formulas.level(*own, *constants)

@@ -44,7 +44,7 @@ and everything about the class of a trace is in the roots of f and of phi.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache, cached_property
 from typing import Any
@@ -52,6 +52,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.door import Door
+from voronec.algebra.memo import Memo
 from voronec.algebra.normal import canonical
 from voronec.algebra.precision import FIRST, GENERIC, SHARP
 from voronec.algebra.symbols import plain_name
@@ -87,6 +88,7 @@ REVERSALS = ("A", "B", "C")
 BITS = (FIRST, GENERIC, SHARP)
 """Bits at which the sign of a drift is looked for."""
 SHARPNESS = 2.0**-53
+"""A double's last digit: so sharp a ball tells as much as any double."""
 
 
 @dataclass(frozen=True)
@@ -472,6 +474,7 @@ def _isolate_roots(values: list[Any]) -> list[tuple[Any, int]]:
 
 
 DEGREE = 4
+"""Of the right side f: elliptic functions invert no more."""
 
 
 @dataclass(frozen=True)
@@ -517,6 +520,7 @@ class DeclaredTraces:
     initial_values: tuple[Any, ...]
     quartic: tuple[Any, ...]
     curves: tuple[Curve, ...]
+    memo: Memo = field(default_factory=Memo, init=False)
 
     @property
     def motion(self) -> Quadratures:

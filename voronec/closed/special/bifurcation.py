@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from voronec.algebra.precision import PROOF
 from voronec.algebra.text import as_expression
 from voronec.closed.arithmetic import ball, compile_expressions, exact, precise
 from voronec.closed.special.plane import Strip, sign_on, strips
@@ -190,7 +191,7 @@ def _limits(
     function = compile_expressions(exprs, (family.place, family.rate))
 
     def points(w: Fraction) -> np.ndarray:
-        with precise(512):
+        with precise(PROOF):
             places = [ball(low).union(ball(high)) for low, high in strip.places_at(w)]
             columns = [function([place, ball(w)]) for place in places]
             return np.array([[float(v) for v in column] for column in columns])

@@ -148,7 +148,7 @@ def sign_on(expr: sp.Expr, at: Mapping[sp.Symbol, tuple[Fraction, Fraction]]) ->
     from flint import arb
 
     function = compile_expressions((expr,), tuple(at))
-    with precise(256):
+    with precise(SHARP):
         balls = [arb(_quotient(a)).union(arb(_quotient(b))) for a, b in at.values()]
         (value,) = function(balls)
     if value > 0:

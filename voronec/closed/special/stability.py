@@ -24,6 +24,7 @@ from voronec.errors import DefinitionError, EngineLimit
 __all__ = ["Stability", "decide_stability", "sign_of"]
 
 PRECISIONS = (FIRST, SHARP, 1024, 4096)
+"""Bits at which a sign is looked for; after the second algebra is asked whether it is zero."""
 
 
 @dataclass(frozen=True)

@@ -45,6 +45,7 @@ __all__ = [
 MOST = 12
 """Larger blocks, and blocks of longer entries than the next, are not looked at."""
 LONGEST = 200
+"""Operations in all entries; longer ones are no product of a few vectors in practice."""
 ONE = se.Integer(1)
 
 

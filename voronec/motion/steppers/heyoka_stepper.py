@@ -159,6 +159,7 @@ def taylor(problem: Problem) -> Stepper:
         try:
             return _Drive(hy, machine, problem, grid, ticker).run()
         finally:
+            machine.log.levels = None  # it holds the problem, and with it the system
             pool.at_rest[:] = [machine]
 
     def run(grid: np.ndarray) -> Run:

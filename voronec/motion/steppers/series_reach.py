@@ -66,6 +66,7 @@ the units of a state that is all but zero, and steps of any length have it."""
 MOMENTS = 2.0**-40 * np.arange(1, 5)
 """Next to no time, as parts of the step: the motion goes on by some units in the last place."""
 HALVINGS = 40
+"""After so many a step is no part of any span."""
 MANY = 1_000
 """Where the defect of each step is looked at, they are taken so many at a time, at most: all are
 held in memory, and some may have been taken in vain."""

@@ -55,8 +55,11 @@ the states, is rounding."""
 BESIDE, TALL = 1e-6, 100.0
 """A pole is told by values so many times larger than at this part of a span from it."""
 TRIES = 200
+"""Of Brent's method for a root, which bisects where nothing better helps."""
 NARROWINGS = 40
+"""Of a golden section: to 1e-8 of the step, below which an extremum is flat in doubles."""
 GOLDEN = 0.381966
+"""The smaller part of a golden section, 1 - 1/phi."""
 
 
 def early_looks(start: Any, length: Any) -> np.ndarray:

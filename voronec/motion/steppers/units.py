@@ -244,6 +244,7 @@ TURN = 2 * np.pi
 COARSE = float(np.ldexp(np.round(np.ldexp(TURN, 30)), -30))
 """A turn in 33 bits, whose small multiples are exact; FINE is the rest of it."""
 FINE = 2 * (float(np.float64(np.pi) - COARSE / 2)) + 2.4492935982947064e-16
+"""The rest of a turn: of COARSE, and of 2 pi beyond its double."""
 
 
 @dataclass

@@ -1,8 +1,13 @@
 """Everything that systems declare, checked: claims, relations, squares, and what is broken."""
 
+from voronec.proof.check.catalogue_check import (
+    check_catalogue,
+    check_relation,
+    known_results,
+    user_store,
+)
 from voronec.proof.check.inventory import Inventory, Trouble, graph
-from voronec.proof.check.record import Finding, Report, Result, failure_line
-from voronec.proof.check.run import check_catalogue, check_relation, known_results, user_store
+from voronec.proof.check.report import Finding, Report, Result, failure_line
 
 __all__ = [
     "Finding",

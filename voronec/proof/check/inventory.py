@@ -99,21 +99,15 @@ class Contents:
     troubles: tuple[Trouble, ...] = ()
 
     @classmethod
-    def from_dict(cls, data: Any) -> Contents | None:
-        """The contents that were written as a dictionary; ``None`` where the data are none."""
-        try:
-            systems = {
-                n: Summary(**s | {"scenes": (*s["scenes"],)}) for n, s in data["systems"].items()
-            }
-            faces = (
-                Face(**f | {"first": (*f["first"],), "second": (*f["second"],)})
-                for f in data["faces"]
-            )
-            return cls(
-                systems, data["families"], tuple(Edge(**e) for e in data["relations"]), tuple(faces)
-            )
-        except (AttributeError, KeyError, TypeError):
-            return None
+    def from_dict(cls, data: Mapping[str, Any]) -> Contents:
+        """The contents that were written as a dictionary."""
+        systems = {
+            n: Summary(**s | {"scenes": (*s["scenes"],)}) for n, s in data["systems"].items()
+        }
+        faces = tuple(
+            Face(**f | {"first": (*f["first"],), "second": (*f["second"],)}) for f in data["faces"]
+        )
+        return cls(systems, data["families"], tuple(Edge(**e) for e in data["relations"]), faces)
 
 
 @dataclass(frozen=True)
@@ -148,9 +142,9 @@ class Inventory:
         files = closure(e.origin.resolve() for e in self.entries.values() if e.origin is not None)
         store = Store.of_user("catalogue", CATALOGUES)
         key = digest(repr(self.entries), sorted(files), DECIDER)
-        kept = Contents.from_dict(store.load(key, "contents"))
+        kept = store.load(key, "contents")
         if kept is not None:
-            return kept
+            return Contents.from_dict(kept)
         found = _survey(self.entries)
         if not found.troubles:  # the cause may lie outside
             store.save(key, "contents", asdict(found))

@@ -11,7 +11,7 @@ from voronec.declaration.plugin_files import failure
 from voronec.declaration.source_digest import engine_folder
 from voronec.equations.motions import Motions
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
-from voronec.proof.check.record import Finding, Result
+from voronec.proof.check.report import Finding, Result
 from voronec.proof.check.unit import Unit
 from voronec.proof.claims import Claim, check_claims
 

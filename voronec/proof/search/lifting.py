@@ -221,6 +221,7 @@ def _value(terms: dict[Monomial, Any], points: Array, p: int) -> Array:
 
 
 BATCH = 128
+"""Points that are solved for at a time: their table stays in the cache."""
 SPARE = 6
 """Points beyond the number of unknown coefficients."""
 

@@ -274,6 +274,7 @@ class Variety:
 
 
 TRIES = 20
+"""Points that may be singular modulo a prime, one after the other."""
 
 
 @dataclass(frozen=True)

@@ -38,6 +38,7 @@ __all__ = [
 ]
 
 TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16)
+"""Those of our own runs."""
 NORMAL = ("gamma1", "gamma2", "gamma3")
 SPIN = ("omega1", "omega2", "omega3")
 

@@ -24,9 +24,11 @@ from voronec.equations.program import Program, scalar_source
 __all__ = ["BY_NUMBA", "right_hand_side", "stepper_source", "unroll"]
 
 STAGES = 12
+"""Of DOP853 [HairerNorsettWanner1993]."""
 LONGEST = 20_000
 """Characters of a right-hand side beyond which no hand writes it out."""
 TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14)
+"""To where rounding ends all gain."""
 
 
 def _prepare(question: ReferenceProblem, ours: bool) -> Run:

@@ -37,6 +37,7 @@ MOMENTS: Mapping[str, tuple[str, str, str]] = {
 }
 """The balls on a plane, with the parameters that are their principal moments."""
 STEPS = (2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4)
+"""Coarse to fine, to where rounding and the soft contact end all gain."""
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from voronec.algebra.arguments import CALLABLE, COUNT, SEVERAL, Kind, accepts
 from voronec.declaration.whole_files import Store
 from voronec.errors import DefinitionError, quote
 from voronec.proof.check.inventory import Inventory, Trouble, names_read
-from voronec.proof.check.record import Finding, Report, Result, mark_as_known
+from voronec.proof.check.report import Finding, Report, Result, mark_as_known
 from voronec.proof.check.unit import Unit, units_of
 
 if TYPE_CHECKING:
@@ -257,8 +257,8 @@ def _known(store: Store | None, keys: dict[Unit, str]) -> dict[Unit, Result]:
     """Results of earlier checks.  What failed is tried again: the cause may lie outside."""
     found = {}
     for unit, key in keys.items():
-        result = Result.from_dict(store.load(key, "result")) if store is not None else None
-        if result is not None and result.status != "broken":
+        kept = store.load(key, "result") if store is not None else None
+        if kept is not None and (result := Result.from_dict(kept)).status != "broken":
             found[unit] = mark_as_known(result)
     return found
 

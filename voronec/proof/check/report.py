@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -76,15 +76,12 @@ class Result:
         return asdict(self) | {"status": self.status}
 
     @classmethod
-    def from_dict(cls, data: Any) -> Result | None:
-        """The result that ``as_dict`` wrote; ``None`` where the data are no result."""
-        try:
-            given = {k: v for k, v in data.items() if k != "status"}
-            given["findings"] = tuple(Finding(**f) for f in given["findings"])
-            given["notes"], given["systems"] = tuple(given["notes"]), tuple(given["systems"])
-            return cls(**given)
-        except (AttributeError, KeyError, TypeError):
-            return None
+    def from_dict(cls, data: Mapping[str, Any]) -> Result:
+        """The result that ``as_dict`` wrote."""
+        given = {k: v for k, v in data.items() if k != "status"}
+        given["findings"] = tuple(Finding(**f) for f in given["findings"])
+        given["notes"], given["systems"] = tuple(given["notes"]), tuple(given["systems"])
+        return cls(**given)
 
 
 @dataclass(frozen=True, repr=False)
