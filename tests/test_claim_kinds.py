@@ -520,3 +520,16 @@ def test_one_motion_serves_several_questions():
     motions = Motions.of(top(integrals=EULER))
     assert [c.verdict.status for c in vo.check_claims(motions)] == ["proved"] * 4
     assert motions.on_invariants.dimension == 5
+
+
+def test_what_divides_by_a_hidden_zero_has_no_value():
+    """Inside, both are one root; what was infinite had no derivative, and so was an integral."""
+    nothing = sp.Abs(v) - sp.sqrt(v**2)
+    for hidden in (v / nothing, v + sp.log(nothing)):
+        for kind, claims in (
+            ("integral", {"integrals": {"F": hidden}}),
+            ("equation", {"equations": {"F": Equation(hidden, 0)}}),
+            ("measure", {"measure": Measure(hidden, (phi, v, w))}),
+        ):
+            verdict = only(skate(**claims), kind).verdict
+            assert verdict.refuted and "has no value" in verdict.method

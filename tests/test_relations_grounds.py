@@ -212,7 +212,7 @@ def test_where_no_point_is_found_nothing_is_refuted():
 
 def test_the_kind_of_a_limit_is_that_of_its_map_at_the_limit():
     found = check("spring", "free", state={q: h * x}, limit=vo.Limit(h, {k: h}))
-    assert found.kinds == ("limit", "reduction", "embedding")
+    assert found.kinds == ("limit", "constant map")
 
 
 def circle(name, *relations, density=1):

@@ -655,3 +655,24 @@ def test_a_chart_of_what_has_no_motions_is_no_proof():
     for forces, status in (({}, "proved"), ({x: -x * sp.sqrt(-1 - x**2)}, "refuted")):
         (claim,) = check_charts(Motions.of(spring(forces=forces, charts={"turn": turn})))
         assert claim.verdict.status == status
+
+
+def test_steps_inside_of_other_functions_and_roots_of_one_side_end_in_a_verdict():
+    """A derivative of a floor has no value on a wall, and a root that is zero on one side of a wall
+    has nothing below it there: both ended in an error of another library."""
+    kicked = v**2 / 2 - sp.Abs(x)
+    kick = vo.System(
+        "kick", vo.Fibration((x,)), kicked, integrals={"F": t * sp.sign(x) + v + sp.floor(x)}
+    )
+    assert not check_claims(kick)[0].verdict.proved
+    root_of_side = sp.sqrt((v / sp.cos(x)) * (1 + sp.sign(v / sp.cos(x))))
+    assert not check_claims(spring(integrals={"F": root_of_side}))[0].verdict.proved
+    _, phi = skate()
+    slope = v / sp.cos(phi)
+    piece = skate(integrals={"F": sp.sqrt(slope * (1 + sp.sign(slope)))})[0]
+    assert check_claims(piece)[0].verdict.proved
+
+
+def test_walls_of_floors_are_told_in_words():
+    flat = vo.System("free", vo.Fibration((x,)), v**2 / 2, integrals={"F": v + sp.floor(v)})
+    assert check_claims(flat)[0].standing == "proved where xdot is no whole number"

@@ -251,6 +251,15 @@ class Branches:
         for h, whole in self._found.items():
             yield from self._pieces(h, whole)
 
+    @property
+    def cuts(self) -> list[Any]:
+        """The functions whose zeros are walls, but for the places where floors step."""
+        return [h for h, whole in self._found.items() if whole is None]
+
+    def beyond(self, h: Any, side: int) -> Any:
+        """The expression as it is wherever a function has the sign of ``side``."""
+        return _Side(self, h, side, side, {}, is_local=False)(self.expr)
+
     def product(self, expr: Any) -> Factorisation:
         """The factors of an expression."""
         return product_of(expr, self.relations, self.moving)
@@ -321,7 +330,8 @@ class Branches:
             except _UnknownSign as needed:
                 waiting += [{**assumed, needed.expr: s} for s in (1, -1)]
                 continue
-            edge = any((above.inside[n] + e).expand() == 0 for n, e in below.inside.items())
+            both = above.inside.keys() & below.inside.keys()
+            edge = any((above.inside[n] + below.inside[n]).expand() == 0 for n in both)
             where = tuple(s * e for e, s in assumed.items())
             yield BranchWall(h, *sides, where, edge, whole and whole[1])
 
@@ -336,7 +346,8 @@ class _UnknownSign(Exception):
 
 @dataclass
 class _Side:
-    """Rewrites expressions as they are on one side of a wall, arctangents on the one ``angles``."""
+    """Rewrites expressions as they are on one side of a wall, arctangents on the one ``angles``;
+    near the wall where that ``is_local``, and else wherever h has that sign."""
 
     branches: Branches
     h: Any
@@ -344,6 +355,7 @@ class _Side:
     angles: int
     assumed: dict[Any, int]
     floor: Any = None
+    is_local: bool = True
     inside: dict[Any, Any] = field(default_factory=dict)
     _known: dict[Any, Any] = field(default_factory=dict)
 
@@ -364,7 +376,7 @@ class _Side:
             return self._angle(args[0])
         if isinstance(expr, se.atan2):
             return self._turn(*args)
-        if isinstance(expr, se.log):
+        if isinstance(expr, se.log) and self.is_local:
             k, rest = self._split(args[0])
             if k:
                 self.inside[expr] = rest
@@ -391,7 +403,7 @@ class _Side:
 
     def _assume(self, expr: Any) -> Any:
         """The sign of an expression on this piece of the wall."""
-        if expr.is_Number:
+        if expr.is_Number or not self.is_local:
             return se.sign(expr)
         for known, sign in self.assumed.items():
             for turn in (1, -1):
@@ -407,6 +419,8 @@ class _Side:
             return base**exponent
         self.inside[node] = rest
         order = k * exponent
+        if not self.is_local:
+            return (self.side * self.h) ** order * rest**exponent
         if not isinstance(order, se.Rational):
             return se.exp(order * self._logarithm) * rest**exponent
         if isinstance(order, se.Integer):
@@ -427,7 +441,7 @@ class _Side:
         """atan2(y, x) = pi sign(y) + atan2(-y, -x) where x < 0; both over a power of |h|."""
         (k, up), (m, right) = self._split(y, self.angles), self._split(x, self.angles)
         least = min(k, m)
-        if not least and not k:
+        if (not least and not k) or not self.is_local:
             return se.atan2(y, x)
         h = self.angles * self.h
         y, x = h ** (k - least) * up, h ** (m - least) * right

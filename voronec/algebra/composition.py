@@ -30,7 +30,7 @@ from voronec.algebra.conditions import split_hypotheses
 from voronec.algebra.factors import fraction_factors
 from voronec.algebra.field import WORK_LIMIT
 from voronec.algebra.generators import TRIGONOMETRIC, linear_terms, prime_factors
-from voronec.algebra.graphs import is_atom, nodes
+from voronec.algebra.graphs import is_atom, is_flat, nodes
 from voronec.algebra.memo import remember
 from voronec.algebra.normal import canonical
 from voronec.algebra.points import sample_evaluable
@@ -229,6 +229,8 @@ class Composition:
             return expr
         if isinstance(expr, se.Pow):
             return self._power(*expr.args)
+        if is_flat(expr):
+            return se.Integer(0)
         arguments = [self.resolve(a) for a in expr.args]
         if isinstance(expr, TRIGONOMETRIC):
             return self._trigonometric(type(expr), arguments[0])

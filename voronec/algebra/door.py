@@ -57,6 +57,9 @@ RATES = 4
 anybody writes, and the equations differentiate twice."""
 
 
+_NO_VALUES = (se.zoo, se.nan, se.oo)
+
+
 class Door:
     """Translates between a user's SymPy symbols and the plain symbols inside.
 
@@ -110,11 +113,14 @@ class Door:
     def inward(self, expr: Any) -> Any:
         """The symengine expression of a SymPy expression (or number)."""
         try:
-            return self._enter(as_expression(expr))
+            found = self._enter(as_expression(expr))
         except RecursionError:
             raise DefinitionError("an expression is nested too deeply to be read") from None
         except (RuntimeError, ZeroDivisionError) as error:  # symengine's word for a bad value
             raise DefinitionError(f"'{expr}' has no value: {quote(error)}") from None
+        if any(map(found.has, _NO_VALUES)):
+            raise DefinitionError(f"'{quote(expr)}' has no value: it is infinite or undefined")
+        return found
 
     def inward_all(self, exprs: Iterable[Any]) -> list[Any]:
         """``inward`` for each of several expressions."""

@@ -44,6 +44,7 @@ from voronec.proof.closure import decide_essential
 from voronec.proof.decision import Decision, all_zero
 from voronec.proof.hamiltonian_form import decide_multiplier, decide_poisson
 from voronec.proof.measures import binding, chosen_variables, decide_measure, measured_field
+from voronec.proof.nondegeneracy import where_independent
 from voronec.proof.walls import across_walls, not_vacuous
 
 __all__ = ["Claim", "case_of", "check_claims", "decide_integral", "specialise"]
@@ -104,9 +105,10 @@ def _decide_integrable(motions: Motions, known: _Known) -> Decision:
     density = field.read(measure.density)
     # those that are integrals everywhere may suffice
     found = _count_integrals(field, chosen, [f for f, where in inside if not where], density)
-    if not found.proved and any(where for _, where in inside):
-        found = _count_integrals(field, chosen, [f for f, _ in inside], density)
-        found = found.where(*(where for _, where in inside))
+    if (not found.proved or found.domain) and any(where for _, where in inside):
+        every = _count_integrals(field, chosen, [f for f, _ in inside], density)
+        if not (found.proved and every.domain):
+            found = every.where(*(where for _, where in inside))
     return Decision(found.where(measured.domain), field.level)
 
 
@@ -132,10 +134,11 @@ def _count_integrals(
     slopes = [[f.diff(x) for x in chosen] for f in (*relations, *functions)]
     rank = generic_rank(slopes, field.hypotheses) if slopes else 0
     independent = rank - len(relations)
-    if independent >= dimension - 2:
-        why = f"a measure and {independent} independent integrals in {dimension} dimensions"
-        return Verdict("proved", f"Euler and Jacobi: {why}")
-    return Verdict("undecided", f"at the points tried {independent} integrals are independent")
+    if independent < dimension - 2:
+        return Verdict("undecided", f"at the points tried {independent} integrals are independent")
+    why = f"a measure and {independent} independent integrals in {dimension} dimensions"
+    found = Verdict("proved", f"Euler and Jacobi: {why}")
+    return where_independent(found, field, functions, chosen, relations, dimension - 2)
 
 
 Decide = Callable[[Motions, Any], Decision]

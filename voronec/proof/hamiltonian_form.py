@@ -41,6 +41,7 @@ from voronec.equations.connection import AffineForms
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
 from voronec.proof.decision import Decision, all_zero, zero_everywhere
+from voronec.proof.nondegeneracy import where_independent, where_nonzero
 from voronec.proof.walls import across_walls, beside_zeros
 
 __all__ = ["decide_multiplier", "decide_poisson"]
@@ -53,7 +54,8 @@ def decide_multiplier(motions: Motions, multiplier: sp.Expr) -> Decision:
     found = zero_everywhere(n, "the multiplier", field.hypotheses)
     if found is None:
         found = _verdict(motions, field, n)
-        found = across_walls(found, field, [("the multiplier", n)], periods=False)
+        found = across_walls(found, field, [("the multiplier", n)], periods=False, beyond=True)
+        found = where_nonzero(found, field, "the multiplier", n)
         found = beside_zeros(found, field, "the multiplier", n)
     return Decision(found, field.level)
 
@@ -178,8 +180,17 @@ def decide_poisson(motions: Motions, claim: Poisson) -> Decision:
         return Decision(Verdict("refuted", why), field.level)
     found = all_zero(structure.residuals(), field.hypotheses)
     found = across_walls(found, field, [*structure.named_variables()])
-    found = across_walls(found, field, [*structure.named_functions()], periods=False)
+    found = across_walls(found, field, [*structure.named_functions()], periods=False, beyond=True)
+    found = where_independent(
+        found,
+        field,
+        [*structure.meaning.values()],
+        field.variables,
+        structure.bound,
+        len(structure.symbols),
+    )
     clock = structure.read(claim.clock).xreplace(structure.meaning)
+    found = where_nonzero(found, field, "the clock", clock)
     found = beside_zeros(found, field, "the clock", clock)
     return Decision(found, field.level)
 
@@ -222,11 +233,16 @@ class _Structure:
         return table
 
     @cached_property
+    def bound(self) -> tuple[Any, ...]:
+        """The relations, where the variables are as many as are independent."""
+        found = self.field.independent_relations
+        count = len(self.symbols) + len(found)
+        return found if count == len(self.field.variables) else ()
+
+    @cached_property
     def inverse(self) -> list[list[Any]] | None:
         """dx/dz, a row for each state variable; None where z does not determine x."""
-        field, functions = self.field, [*self.meaning.values()]
-        if len(functions) + len(field.independent_relations) == len(field.variables):
-            functions = [*functions, *field.independent_relations]
+        field, functions = self.field, [*self.meaning.values(), *self.bound]
         size = len(field.variables)
         if len(functions) != size:
             return None

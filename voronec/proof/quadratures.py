@@ -33,7 +33,7 @@ from voronec.equations.vector_field import VectorField
 from voronec.errors import EngineLimit
 from voronec.proof.claims import Claim
 from voronec.proof.decision import all_zero, verdict_of
-from voronec.proof.walls import across_walls
+from voronec.proof.walls import across_walls, not_vacuous
 
 __all__ = ["InSpace", "QuadratureGround", "check_motion", "statements"]
 
@@ -289,7 +289,7 @@ def check_motion(motions: Motions) -> Iterator[Claim]:
         return
     for name, decide in statements(QuadratureGround(motions.on_coordinates, system.motion)):
         begin = clock.perf_counter()
-        verdict = verdict_of(decide)
+        verdict = not_vacuous(verdict_of(decide), motions.on_coordinates)
         seconds, reason = clock.perf_counter() - begin, system.undecided.get(name, "")
         yield Claim("motion", name, verdict, "coordinates", seconds, reason=reason)
 

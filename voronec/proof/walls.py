@@ -115,13 +115,15 @@ def not_vacuous(verdict: Verdict, field: VectorField) -> Verdict:
 
 
 def beside_zeros(verdict: Verdict, field: VectorField, name: str, function: Any) -> Verdict:
-    """A proof in which something must not vanish, as a clock, beside zeros that motions pass."""
+    """A proof in which something must neither vanish nor be infinite, as a clock, beside its zeros
+    and poles that motions pass."""
     ground = _Ground(field)
     moving = ground.variables
     if not verdict.proved or not function.free_symbols & moving:
         return verdict
     try:
-        found = [h for h in divisors_of(1 / function, field.relations) if h.free_symbols & moving]
+        both = [h for e in (1 / function, function) for h in divisors_of(e, field.relations)]
+        found = dict.fromkeys(h for h in both if h.free_symbols & moving)
         passed = [h for h in found if ground.is_passed(h)]
     except EngineLimit:
         return verdict.where(f"{name} != 0")
@@ -256,7 +258,10 @@ class _Ground:
         insides = {
             e: is_root
             for e, is_root in branch_arguments(function, self.variables).items()
-            if not self._vanishes(self.field.derivative(e), self.hypotheses)
+            if not (
+                self._is_unit_everywhere(e)
+                or self._vanishes(self.field.derivative(e), self.hypotheses)
+            )
         }
         try:
             poles = self._poles if insides else []
@@ -266,6 +271,14 @@ class _Ground:
             h for h in poles if not all(self._is_unit(e, h, r) for e, r in insides.items())
         ]
         return [f"{self._write(h)} != 0" for h in open_ones]
+
+    def _is_unit_everywhere(self, expr: Any) -> bool:
+        """Whether it is a function of positions of one sign that is zero in codimension two only:
+        an irreducible factor of odd power with more zeros would change the sign there."""
+        if not expr.free_symbols.isdisjoint(self.field.velocities) or not self._has_sign(expr):
+            return False
+        powers = product_of(expr, self.relations, self.variables).powers
+        return all(k % 2 for h, k in powers.items() if h.free_symbols & self.variables)
 
     @cached_property
     def _poles(self) -> list[Any]:
@@ -308,7 +321,7 @@ class _Ground:
         there = (*self.hypotheses, h)
         # before states are sought in vain: a proof that no motion crosses costs less
         if self._is_kept(h):
-            return _Jump("", None, None, f"{self._write(h)} != 0")
+            return _Jump("", None, None, self._beside(wall))
         found = next(self._crossings(wall, there, _FIRST), None)
         if found is None and self._is_singular(there):
             return None  # what is constant beside poles alone is told of all of them
@@ -317,7 +330,7 @@ class _Ground:
             words = f"it jumps where {self._place(wall)}, which motions cross"
             # a map or a density that jumps where the field does still tears the motion that crosses
             is_excused = self.constant and self._is_jump_of_field(h)
-            domain = f"{self._write(h)} != 0" if is_excused else ""
+            domain = self._beside(wall) if is_excused else ""
             is_turn = self._vanishes(wall.turned - wall.above, there)
             period = self._period(jump) if is_turn else None
             return _Jump(words, period, witness_at(*found), domain)
@@ -486,6 +499,12 @@ class _Ground:
     def _is_constant(self, function: Any) -> bool:
         """Whether a function is constant off its walls."""
         return all(self._vanishes(function.diff(x), self.hypotheses) for x in self.variables)
+
+    def _beside(self, wall: BranchWall) -> str:
+        """Where a wall is not, in words."""
+        if wall.whole is not None:
+            return f"{self._write(wall.function + wall.whole)} is no whole number"
+        return f"{self._write(wall.function)} != 0"
 
     def _place(self, wall: BranchWall) -> str:
         """Where a wall is, in words."""

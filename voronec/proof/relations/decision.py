@@ -26,6 +26,7 @@ from typing import Any
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.branches import has_branches
 from voronec.algebra.conditions import split_hypotheses
 from voronec.algebra.elimination import independent_columns, null_vectors, solve_linear
 from voronec.algebra.matrices import determinant, dot
@@ -41,6 +42,7 @@ from voronec.equations.motions import Motions
 from voronec.errors import EngineLimit
 from voronec.proof.claims import Claim
 from voronec.proof.measures import defect
+from voronec.proof.nondegeneracy import where_independent, where_nonzero, where_of_rank
 from voronec.proof.relations.functions import Infinite
 from voronec.proof.relations.orders import all_at_zero, at_zero, vanishes
 from voronec.proof.relations.parameters import applications
@@ -271,7 +273,23 @@ def _across_walls(statemap: StateMap, verdict: Verdict, beyond: bool) -> Verdict
     fast = [(f"the image '{v}'", statemap.state[v]) for v in target.velocities]
     fast += [("the clock", statemap.clock)]
     verdict = across_walls(verdict, field, fast, periods=False, beyond=beyond)
+    verdict = _where_regular(statemap, verdict)
+    verdict = where_nonzero(verdict, field, "the clock", statemap.clock)
     return beside_zeros(verdict, field, "the clock", statemap.clock)
+
+
+def _where_regular(statemap: StateMap, verdict: Verdict) -> Verdict:
+    """The proof where the mass of the target is regular on the image, on every piece of it."""
+    size, field = len(statemap.target.mass), statemap.scaled_source
+    mass = [statemap.pull_back(e) for row in statemap.target.mass for e in row]
+    if not has_branches(mass, frozenset(field.variables)):
+        return verdict
+    doubt = "whether the mass of the target is regular on the image is open"
+
+    def rows(exprs: Sequence[Any]) -> Matrix:
+        return [[*exprs[i : i + size]] for i in range(0, len(exprs), size)]
+
+    return where_of_rank(verdict, field, mass, rows, size, doubt)
 
 
 def _potentials(statemap: StateMap) -> Iterator[tuple[str, Any]]:
@@ -449,6 +467,8 @@ def _claim(
             inside = [("", f) for f in functions]
             periods = kind != "measure"
             verdict = across_walls(verdict, field, inside, periods, is_constant, beyond=True)
+            if kind == "measure":
+                verdict = where_nonzero(verdict, field, "the density", inside[0][1])
     except Infinite:
         return
     except EngineLimit as reached:
@@ -538,10 +558,14 @@ def _kinds_of(statemap: StateMap) -> tuple[str, ...]:
         the parameters of the source fill fewer dimensions than those of the target.
     automorphism
         it leads from a system to itself.
+    constant map
+        all states go to one, and nothing is told of the source.
     reduction, embedding
         the state map forgets part of the source; does not fill the target.
     change of coordinates, equality
         states correspond one to one, under other names or the same ones.
+
+    Where a parameter or a side of a wall makes the rank of the state map less, that is told last.
     """
     words = []
     is_limit = statemap.relation.limit is not None
@@ -561,6 +585,9 @@ def _kinds_of(statemap: StateMap) -> tuple[str, ...]:
 
 def _by_rank(statemap: StateMap, is_named: bool) -> Iterator[str]:
     rank, sizes = _state_rank(statemap), (statemap.source.dimension, statemap.target.dimension)
+    if not rank and any(sizes):
+        yield "constant map"
+        return
     if rank < sizes[0]:
         yield "reduction"
     if rank < sizes[1]:
@@ -570,6 +597,19 @@ def _by_rank(statemap: StateMap, is_named: bool) -> Iterator[str]:
             yield "change of coordinates"
         elif not is_named:
             yield "equality"
+    if not statemap.is_identity and statemap.small is None:
+        domain = _where_of_full_rank(statemap, rank).domain
+        yield from [f"of less rank unless {domain}"] if domain else []
+
+
+def _where_of_full_rank(statemap: StateMap, rank: int) -> Verdict:
+    """Where the state map has the rank that it has at a generic state."""
+    field = statemap.scaled_source
+    images = [statemap.state[x] for x in statemap.target.variables]
+    proof = Verdict("proved", "the rank at a point")
+    return where_independent(
+        proof, field, images, field.variables, field.independent_relations, rank
+    )
 
 
 def _state_rank(statemap: StateMap) -> int:
