@@ -386,11 +386,12 @@ def test_what_the_budget_cannot_reach_is_not_integrated_again() -> None:
         asked.append(t)
         return np.stack([states[:, 1], -states[:, 0]], axis=-1)
 
-    t = np.linspace(0, 8, residual_windows.WIDTH)
+    t = np.linspace(0, 4, 2 * residual_windows.WIDTH - 1)
     states = np.stack([np.cos(t), -np.sin(t)], axis=-1)
-    assert residual_windows.again(rates, t, states, 1e-10, steps=1e4) is None and not asked
-    off = residual_windows.again(rates, t, states, 1e-10, steps=30)
-    assert off is not None and off.max() < 1 and asked
+    states[residual_windows.WIDTH :] += 1e-3
+    windows = residual_windows.Windows.spread(len(t), 2)
+    assert not residual_windows.disobedient(t, states, rates, 1e-10, windows, 1000) and not asked
+    assert residual_windows.disobedient(t, states, rates, 1e-10, windows, 60) == [8] and asked
 
 
 @pytest.mark.parametrize("method", ["heyoka", "flint"])

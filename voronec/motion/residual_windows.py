@@ -30,9 +30,9 @@ __all__ = [
     "LookGrid",
     "Rates",
     "Windows",
+    "affordable_windows",
     "again",
     "disobedient",
-    "is_affordable",
     "pace_of",
     "program_rates",
     "spread",
@@ -230,24 +230,22 @@ def _inverse_bases(nodes: np.ndarray) -> np.ndarray:
     return found
 
 
-def is_affordable(steps: Any, tol: float) -> Any:
-    """Whether windows that took so many steps can be integrated ``again`` within the budget."""
-    return TWICE * steps * min(1.0, (tol / FINE) ** (1 / 8)) <= BUDGET
+def affordable_windows(rows: np.ndarray, t: np.ndarray, steps: float, tol: float) -> np.ndarray:
+    """Those of some windows of a grid that can be integrated ``again`` within the budget, where all
+    of the grid took so many steps of order 8 or more: there are no fewer, unless they may be
+    coarser."""
+    parts = np.ptp(t[rows], axis=1) / (np.ptp(t) or 1.0)
+    return rows[TWICE * steps * parts * min(1.0, (tol / FINE) ** (1 / 8)) <= BUDGET]
 
 
-def again(
-    rates: Rates, t: np.ndarray, states: np.ndarray, tol: float, steps: float = 0.0
-) -> np.ndarray | None:
+def again(rates: Rates, t: np.ndarray, states: np.ndarray, tol: float) -> np.ndarray | None:
     """The defect of the last state of a window, by variable, in units of what is allowed: the
     motion is integrated again from the first state by a Runge-Kutta method.
 
     Also from a start nearby, which tells how far what the tolerance leaves open grows, and, in
     doubt, from one that is some roundings away.  None where that cannot be done within the budget
-    of evaluations.  ``steps`` are those that the motion took in the window by a method of order 8
-    or more: this one takes no fewer, unless it may be coarser.
+    of evaluations.
     """
-    if not is_affordable(steps, tol):
-        return None
     from scipy.integrate import DOP853
 
     size = np.maximum(1.0, np.abs(states).max(initial=0.0))
@@ -291,11 +289,12 @@ def _signs(count: int) -> np.ndarray:
 
 
 def disobedient(
-    t: np.ndarray, states: np.ndarray, rates: Rates, tol: float, windows: Windows
+    t: np.ndarray, states: np.ndarray, rates: Rates, tol: float, windows: Windows, steps: float
 ) -> list[int]:
-    """The first rows of windows whose states do not obey the equations; what seems not to is
-    integrated again."""
+    """The first rows of windows whose states do not obey the equations, of a grid that took so many
+    steps; what seems not to is integrated again."""
     found = []
+    windows = Windows(affordable_windows(windows.rows, t, steps, tol))
     for i in windows.doubtful(t, states, rates)[:WORST]:
         rows = windows.rows[i]
         off = again(rates, t[rows], states[rows], tol)

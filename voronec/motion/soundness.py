@@ -34,9 +34,9 @@ from voronec.motion.residual_windows import (
     WORST,
     Rates,
     Windows,
+    affordable_windows,
     again,
     disobedient,
-    is_affordable,
     program_rates,
     spread,
 )
@@ -119,12 +119,12 @@ class Judge:
         """First rows of windows whose states do not obey the equations that were integrated."""
         if not self.spans:
             rates = program_rates(self.program, self.at)
-            return disobedient(t, states, rates, self.tol, self._windows(t, MOST))
+            return disobedient(t, states, rates, self.tol, self._windows(t, MOST), self.steps)
         windows, found = self._windows(t, MOST), list[int]()
         for span in self.spans:
             own = windows.within(t, span.first, span.last)
             if len(own.rows):
-                found += disobedient(t, states, span.rates, self.tol, own)
+                found += disobedient(t, states, span.rates, self.tol, own, self.steps)
         return found
 
     def _windows(self, t: np.ndarray, most: int) -> Windows:
@@ -150,7 +150,7 @@ class Judge:
         rates = original_rates(self.equations, constants, self.changing)
         if rates is None:
             return None
-        rows = disobedient(t, states, rates, self.tol, self._windows(t, FEW))
+        rows = disobedient(t, states, rates, self.tol, self._windows(t, FEW), self.steps)
         return Breach(DISOBEDIENT, min(rows)) if rows else None
 
     def _losses(self, t: np.ndarray, states: np.ndarray) -> tuple[list[Breach], tuple[str, ...]]:
@@ -420,8 +420,7 @@ class JudgeOfMany:
         can be integrated again; to the windows they are one long motion, and the parameters
         variables at rest."""
         count, size, n = states.shape
-        parts = np.ptp(t[single], axis=1) / (np.ptp(t) or 1.0)
-        single = single[is_affordable(steps * parts, self.tol)]
+        single = affordable_windows(single, t, steps, self.tol)
         if not len(single):
             return {}
         windows = Windows((size * np.arange(count)[:, None, None] + single).reshape(-1, WIDTH))
@@ -446,8 +445,7 @@ class JudgeOfMany:
             if i in found or looks[i] < 0:
                 continue
             one = program_rates(self.program, partial(_constants, values[i].tolist()))
-            part = float(np.ptp(times[rows]) / np.ptp(t))
-            off = again(one, times[rows], joined[rows, :n], self.tol, steps * part)
+            off = again(one, times[rows], joined[rows, :n], self.tol)
             if off is not None and off.max() > 1:
                 found[i] = Breach(DISOBEDIENT, int(rows[0] % size))
         return found
