@@ -46,6 +46,9 @@ DEPENDENT = 1e-11
 CANCELLATION = 1e4
 """Digits are lost where terms are so many times larger than what is left of them: four of the
 sixteen of a double."""
+LONGEST = 2000
+"""Expressions of more operations, as those of a bicycle, take minutes to be written as programs;
+of eight constraints elimination without pivots may lose all digits."""
 PART = 1e-8
 """A multiplier with a larger part in a vector that A^T annihilates is not unique."""
 
@@ -171,13 +174,12 @@ def reactions_of_state(equations: VoronecEquations) -> list[Any]:
 
 def _shorter(equations: VoronecEquations, raw: Any) -> Any:
     """The normal form of an expression, where the equations have one and it is shorter;
-    ``EngineLimit`` for expressions that take stages."""
+    ``EngineLimit`` for what is too long."""
     short = raw
     if not equations.is_large and equations.in_normal_form:
         with suppress(EngineLimit):
             short = min(raw, equations.exact.polish([raw])[0], key=lambda e: operations([e]))
-    if short is raw and equations.form.stages:
-        # equal parts of graphs so deep, made apart, cannot be told to be equal in time
+    if operations([short]) > LONGEST:
         raise EngineLimit(
             f"system '{equations.system.name}': its reactions are too long for formulas, events "
             "and sections; ask for each as an output of its own, on a fine grid"
