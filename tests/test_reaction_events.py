@@ -133,3 +133,41 @@ def test_a_name_that_the_system_has_given_stays_its_own() -> None:
 def test_reactions_that_are_too_long_are_refused_at_once(name: str) -> None:
     with pytest.raises(vo.EngineLimit, match="too long for formulas, events and sections; ask for"):
         vo.integrate(vo.load(name), times=[0, 1], events="reaction 1")
+
+
+@pytest.mark.filterwarnings("error")
+def test_where_a_skate_on_a_slope_is_not_pressed_aside_in_all_splits() -> None:
+    """The fibre fails where cos(phi) vanishes, and the run goes on in other velocities."""
+    x, y, phi = sp.symbols("x y phi")
+    dx, dy, dphi = map(vo.velocity, (x, y, phi))
+    skate = vo.System(
+        name="skate",
+        fibration=vo.Fibration(base=(x, phi), fibre=(y,)),
+        lagrangian=dx**2 + dy**2 + 3 * dphi**2 / 2 - x,
+        constraints=(dx * sp.sin(phi) - dy * sp.cos(phi),),
+    )
+    run = vo.integrate(
+        skate, times=np.linspace(0, 9, 901), initial={phi: 0.3, dphi: 1, dx: 0.2},
+        events="reaction 1", outputs=("reaction 1", phi),
+    )  # fmt: skip
+    found = run.events["reaction 1"]
+    assert run.cost.switches and np.abs(found["reaction 1"]).max() < 1e-12
+    assert np.count_nonzero(np.diff(np.sign(run["reaction 1"]))) == len(found) == 4
+
+
+def test_on_a_hoop_that_grows_the_reaction_bears_its_acceleration() -> None:
+    t = vo.time
+    hoop = vo.System(
+        name="hoop",
+        fibration=vo.Fibration(base=(theta,), fibre=(r,)),
+        lagrangian=(Dr**2 + r**2 * Dtheta**2) / 2 - 9 * r * sp.cos(theta),
+        constraints=(Dr - t * sp.sin(t) / 10,),
+    )
+    run = vo.integrate(
+        hoop, times=[0, 2], initial={theta: 0.5, r: 1}, events="reaction 1",
+        outputs=("r", "theta", "thetadot"),
+    )  # fmt: skip
+    found = run.events["reaction 1"]
+    outward = (np.sin(found.t) + found.t * np.cos(found.t)) / 10
+    pressure = outward - found["r"] * found["thetadot"] ** 2 + 9 * np.cos(found["theta"])
+    assert len(found) == 2 and np.abs(pressure).max() < 1e-12

@@ -237,7 +237,7 @@ def evaluate_watch(
     multipliers, lost = _multipliers(watch.multipliers, program, t, states, values, series)
     if lost.any():
         exactly = np.frompyfunc(mpmath.mpf, 1, 1)
-        with mpmath.workprec(GENERIC):
+        with mpmath.workprec(GENERIC), np.errstate(invalid="ignore"):  # constants without value
             there = exactly(states[lost]), list(exactly(np.asarray(values, dtype=float)))
             more = evaluate_extras(program, t[lost], *there)
             found, _ = _multipliers(watch.multipliers, program, t[lost], *there, more)
