@@ -12,6 +12,7 @@ import sympy as sp
 from tool_modules import tool
 
 import voronec as vo
+from voronec.audit.lessons import methods
 from voronec.audit.lessons.methods import METHODS, MethodComparison, MethodEquations, compare_sides
 from voronec.cli import main
 
@@ -80,6 +81,20 @@ def test_wrong_bodies_are_refused(given: dict[str, Any], said: str) -> None:
             name="slide", fibration=vo.Fibration((x,)), lagrangian=vo.velocity(x) ** 2,
             bodies=vo.Body(**{"mass": 1, **given}),
         )  # fmt: skip
+
+
+def test_a_method_that_cannot_be_written_out_leaves_the_others(monkeypatch) -> None:
+    def kane(problem):
+        raise vo.EngineLimit("more terms than the budget")
+
+    whole = solved("sleigh")
+    own = tuple(kane if m is methods.kane else m for m in methods.METHODS)
+    monkeypatch.setattr(methods, "METHODS", own)
+    found = vo.by_methods(vo.load("sleigh"))
+    assert [m.name for m in found.methods] == [m.name for m in whole.methods if m.name != "Kane"]
+    assert found.proved and dict(found.limits) == {"kane": "more terms than the budget"}
+    assert "The other methods give the same equations: proved." in str(found)
+    assert found.as_dict()["limits"] == dict(found.limits)
 
 
 def test_what_is_too_large_is_told_in_one_line() -> None:

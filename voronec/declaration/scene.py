@@ -125,8 +125,8 @@ class Scene:
     ``outputs`` are what is wanted, and nothing else need be computed: coordinates, velocities,
     invariants, integrals by name, expressions in the first three, ``configuration`` (all
     coordinates), the title of a contact's trace in the drawing, ``reaction k`` (the multiplier of
-    constraint k, from 1).  Empty means all coordinates and velocities.  ``caption`` says in a
-    sentence what there is to see.
+    constraint k, from 1; in expressions ``reaction_k``).  Empty means all coordinates and
+    velocities.  ``caption`` says in a sentence what there is to see.
     """
 
     initial: Mapping[Any, Any]

@@ -99,8 +99,8 @@ def _refuted_integrals(motions: Motions) -> tuple[str, ...]:
 def _output_expressions(vocabulary: Vocabulary, outputs: Sequence[Any]) -> dict[str, sp.Expr]:
     """Outputs in the user's symbols; a reaction is what its multiplier is computed from."""
     spelled = vocabulary.read_outputs(outputs)
-    found = dict(spelled.terms)
-    if spelled.reactions:
+    found = {n: e for n, e in spelled.terms.items() if not vocabulary.holds_reactions([e])}
+    if spelled.reactions or len(found) < len(spelled.terms):
         equations = vocabulary.equations
         entries = Multipliers.of(equations.definition).entries.values()
         held = {equations.door.outward(s) for e in entries for s in e.free_symbols}

@@ -15,7 +15,7 @@ from voronec.equations.attitudes import euler_angles
 from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.errors import IntegrationError, VoronecError
+from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.motion.divisors import NEAR, Divisor
 from voronec.motion.initial_conditions import parameter_values, start_of, starts_in_arrays
 from voronec.motion.model import smallest_model
@@ -59,7 +59,9 @@ def ground(vocabulary: Vocabulary, wanted: Mapping[str, sp.Expr]) -> Ground:
     equations = vocabulary.equations
     own = equations.form
     integrals = {name: vocabulary.claims[name] for name in equations.system.integrals}
-    model = smallest_model(Motions.of(equations), wanted, integrals) if wanted else None
+    model = None
+    if wanted and not vocabulary.holds_reactions(wanted.values()):
+        model = smallest_model(Motions.of(equations), wanted, integrals)
     # an angle that is read off needs its branch followed along the motion
     if model is not None and model.start and wanted.keys() <= model.outputs.keys():
         return Ground(
@@ -248,6 +250,11 @@ def many(
     basis = ground(vocabulary, wanted)
     looked = {**basis.quantities, **{f"integral {n}": e for n, e in basis.integrals.items()}}
     program = Program.of(basis.form, looked)
+    if program.is_rough and vocabulary.holds_reactions(wanted.values()):
+        raise DefinitionError(
+            f"system '{equations.system.name}': reactions are not known while friction holds a "
+            "motion on a wall; ask for them of single motions, by integrate"
+        )
     below = _below(equations, basis)
     needed = {str(s) for p in (program, below) for b in (p.derivative, p.extras) for s in b.symbols}
     constants, wrong = _constants(vocabulary, scene, parameters, len(starts), needed)

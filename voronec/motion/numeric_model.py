@@ -112,7 +112,8 @@ def make_model(
     the coordinates.
     """
     wanted = vocabulary.read_outputs(outputs)
-    if wanted.reactions:
+    forces = vocabulary.holds_reactions((*wanted.terms.values(), *functions.values()))
+    if wanted.reactions or forces:
         return whole(vocabulary, outputs, functions)
     equations, raw = vocabulary.equations, vocabulary.equations.raw.form
     names = {f"event {name}": e for name, e in functions.items()}
@@ -209,7 +210,9 @@ def whole(
 ) -> ProgrammedModel:
     """The equations as they are, on coordinates and velocities."""
     form = vocabulary.equations.form
-    watch = watch_of(vocabulary, outputs)
+    terms = vocabulary.read_outputs(outputs).terms
+    forces = vocabulary.holds_reactions((*terms.values(), *functions.values()))
+    watch = replace(watch_of(vocabulary, outputs), forces=forces)
     inside = {name: vocabulary.inward(e) for name, e in functions.items()}
     states = (*form.coordinates, *form.velocities)
     return ProgrammedModel(

@@ -60,7 +60,8 @@ class Watch:
     ``outputs`` in order; those in ``reactions``, positions of constraints, come from
     ``multipliers`` and the accelerations, those in ``branches`` are angles read off others; the
     rest are ``expressions`` of their own.  ``besides`` are coordinates and velocities that nobody
-    asked for and that are known without being integrated.
+    asked for and that are known without being integrated; ``forces`` says whether expressions, or
+    functions of events, hold reactions.
     """
 
     outputs: tuple[str, ...]
@@ -72,6 +73,7 @@ class Watch:
     multipliers: Multipliers | None = None
     branches: Mapping[str, AngleBranch] = field(default_factory=dict)
     besides: tuple[str, ...] = ()
+    forces: bool = False
 
     @classmethod
     def of(
@@ -105,7 +107,7 @@ class Watch:
 
     def require_reactions(self, held: bool, system: str) -> None:
         """Refuse reactions of a motion that was ``held`` on a wall."""
-        if held and self.reactions:
+        if held and (self.reactions or self.forces):
             raise DefinitionError(
                 f"system '{system}': reactions are not known while friction holds the motion on a "
                 "wall; leave them out, or end the run before"
@@ -235,7 +237,7 @@ def evaluate_watch(
     multipliers, lost = _multipliers(watch.multipliers, program, t, states, values, series)
     if lost.any():
         exactly = np.frompyfunc(mpmath.mpf, 1, 1)
-        with mpmath.workprec(GENERIC):
+        with mpmath.workprec(GENERIC), np.errstate(invalid="ignore"):  # constants without value
             there = exactly(states[lost]), list(exactly(np.asarray(values, dtype=float)))
             more = evaluate_extras(program, t[lost], *there)
             found, _ = _multipliers(watch.multipliers, program, t[lost], *there, more)

@@ -7,13 +7,18 @@ frame; A holds the constraints as they are given, and the derivatives of the rel
 redundant coordinates.  The accelerations v' come from the equations of motion; w' solves the
 differentiated conditions on the velocities.  Both systems are linear, small, and solved in numbers
 on the whole grid at once: nothing is inverted in symbols.
+
+Events need functions of the state.  There the same systems are solved by steps of elimination that
+share their parts, as an expression graph, of which a program makes assignments: with independent
+rows A, lambda solves A A^T lambda = A r.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import symengine as se
@@ -22,18 +27,28 @@ from voronec.algebra.matrices import dot
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.rank import independent_rows
+from voronec.algebra.shape import operations
 from voronec.algebra.tape import Tape
 from voronec.algebra.text import as_expression
 from voronec.equations.definition import Definition
-from voronec.errors import DefinitionError
+from voronec.equations.program.low_rank import solve_mass, solve_symmetric
+from voronec.equations.program.straight import without_stages
+from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Multipliers", "conditions_of"]
+if TYPE_CHECKING:
+    from voronec.equations.derivation import FirstOrderForm
+    from voronec.equations.voronec_equations import VoronecEquations
+
+__all__ = ["Multipliers", "conditions_of", "reactions_of_state"]
 
 DEPENDENT = 1e-11
 """A singular value below this part of the largest counts as zero."""
 CANCELLATION = 1e4
 """Digits are lost where terms are so many times larger than what is left of them: four of the
 sixteen of a double."""
+LONGEST = 2000
+"""Expressions of more operations, as those of a bicycle, take minutes to be written as programs;
+of eight constraints elimination without pivots may lose all digits."""
 PART = 1e-8
 """A multiplier with a larger part in a vector that A^T annihilates is not unique."""
 
@@ -63,7 +78,7 @@ class Multipliers:
 
         Raises ``DefinitionError`` where they are not unique at generic points.
         """
-        _check_unique(d)
+        _independent(d)
         rates = d.group.coordinate_rates(d.dots) if d.group is not None else d.dots
         conditions = conditions_of(d)
         momenta = [d.lagrangian.diff(w) for w in d.dots]
@@ -134,6 +149,53 @@ class Multipliers:
         return mass.reshape(-1, size, size), still, left.reshape(-1, rows, size), right
 
 
+def reactions_of_state(equations: VoronecEquations) -> list[Any]:
+    """lambda_k of each constraint k inside the door, in q, w, t and the parameters.
+
+    Raises ``DefinitionError`` where they are not unique at generic points, ``EngineLimit`` where
+    they are too long.
+    """
+    d = equations.definition
+    multipliers, kept = Multipliers.of(d), _independent(d)
+    total = len(multipliers.entries) + len(multipliers.fixed)
+    flat = [multipliers.entries.get(_name(i), multipliers.fixed.get(i)) for i in range(total)]
+    n = multipliers.width
+    form = without_stages(equations.form, {})[0]
+    moved = _accelerations(d, form)
+    mass, still, rows = flat[: n * n], flat[n * n : n * n + n], flat[n * n + n :]
+    applied = [dot(mass[i * n : i * n + n], moved) + still[i] for i in range(n)]
+    forms = [rows[k * n : k * n + n] for k in kept]
+    gram = [[dot(a, b) for b in forms] for a in forms]
+    right = [dot(row, applied) for row in forms]
+    found = dict(zip(kept, solve_symmetric(gram, right, se.sympify), strict=True))
+    raw = [found[k].xreplace(form.rates_by_velocity) for k in range(multipliers.count)]
+    return [_shorter(equations, e) for e in raw]
+
+
+def _shorter(equations: VoronecEquations, raw: Any) -> Any:
+    """The normal form of an expression, where the equations have one and it is shorter;
+    ``EngineLimit`` for what is too long."""
+    short = raw
+    if not equations.is_large and equations.in_normal_form:
+        with suppress(EngineLimit):
+            short = min(raw, equations.exact.polish([raw])[0], key=lambda e: operations([e]))
+    if operations([short]) > LONGEST:
+        raise EngineLimit(
+            f"system '{equations.system.name}': its reactions are too long for formulas, events "
+            "and sections; ask for each as an output of its own, on a fine grid"
+        )
+    return short
+
+
+def _accelerations(d: Definition, form: FirstOrderForm) -> list[Any]:
+    """w' along the motion, from w(q, v, t)."""
+    slopes = solve_mass(form.mass, form.force, se.sympify, form.parameters)
+    moving = dict(zip((*form.coordinates, *form.velocities), (*form.rates, *slopes), strict=True))
+    known = form.rates_by_velocity
+    own = [se.sympify(known.get(w, w)).xreplace(known) for w in d.dots]
+    return [e.diff(form.time) + se.Add(*[e.diff(x) * f for x, f in moving.items()]) for e in own]
+
+
 def _name(i: int) -> str:
     return f"for the reactions, {i}"
 
@@ -161,8 +223,9 @@ def conditions_of(d: Definition) -> list[tuple[Any, ...]]:
     return [(*row, offset) for row, offset in forms]
 
 
-def _check_unique(d: Definition) -> None:
-    """Constraints are independent; together with the relations they need not be."""
+def _independent(d: Definition) -> list[int]:
+    """Which rows of constraints, then relations, are independent; ``DefinitionError`` where a
+    constraint depends on others: constraints do not, but together with the relations they may."""
     slopes = [[r.diff(q) for q in d.coordinates] for r in d.relations]
     if d.group is not None:  # along the fields X_a
         fields = [*zip(*d.group.fields, strict=True)]
@@ -170,11 +233,12 @@ def _check_unique(d: Definition) -> None:
     forms = [*d.constraints.matrix, *slopes]
     count, width = len(d.constraints.matrix), len(d.dots)
     if len(forms) == count:
-        return
+        return [*range(count)]
     tape = Tape([entry for form in forms for entry in form])
     for _, values in sample_evaluable(tape, d.relations, GENERIC, count=1):
         rows = [values[i : i + width] for i in range(0, len(values), width)]
-        rank = len(independent_rows(rows, GENERIC))
+        kept = independent_rows(rows, GENERIC)
+        rank = len(kept)
         for k in range(count):
             if len(independent_rows(rows[:k] + rows[k + 1 :], GENERIC)) == rank:
                 raise DefinitionError(
@@ -182,6 +246,8 @@ def _check_unique(d: Definition) -> None:
                     f"constraint {k + 1} depends on the others and the relations; "
                     "voronec.reaction_forces gives the forces along the coordinates"
                 )
+        return list(kept)
+    return [*range(count)]
 
 
 def _drift(d: Definition, rates: Sequence[Any], expr: Any) -> Any:

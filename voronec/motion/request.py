@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -30,6 +31,7 @@ from voronec.declaration.reading import (
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, did_you_mean, quote
+from voronec.motion.reactions import reactions_of_state
 
 if TYPE_CHECKING:
     from voronec.equations.voronec_equations import VoronecEquations
@@ -111,9 +113,9 @@ def quantity(vocabulary: Vocabulary, key: Any, role: str = "output") -> tuple[st
     symbols.  ``DefinitionError`` for a name that the system does not know.
     """
     system = vocabulary.equations.system
-    known = vocabulary.known
+    known = {**vocabulary.reaction_terms, **vocabulary.known}
     if isinstance(key, str) and key not in known:
-        key = name_or_formula(key, f"system '{system.name}': the {role}")
+        key = name_or_formula(vocabulary.spell(key), f"system '{system.name}': the {role}")
     if isinstance(key, str):
         name = vocabulary.name(key, known, role)
         return name, as_expression(known[name])
@@ -418,6 +420,35 @@ class Vocabulary:
         return {f"reaction {k + 1}": k for k in range(len(self.equations.system.constraints))}
 
     @cached_property
+    def _reaction_symbols(self) -> tuple[sp.Symbol, ...]:
+        """What stands for reactions in expressions; no system has such symbols."""
+        return tuple(map(sp.Symbol, self.reactions))
+
+    @cached_property
+    def _in_formulas(self) -> dict[str, sp.Symbol]:
+        """The reactions by their names in formulas, where names hold no spaces, ``reaction_1``, but
+        for names that the system has given."""
+        taken = {*self.symbols, *self.equations.system.invariants}
+        names = {symbol.name.replace(" ", "_"): symbol for symbol in self._reaction_symbols}
+        return {name: symbol for name, symbol in names.items() if name not in taken}
+
+    def spell(self, text: str) -> str:
+        """A formula in which reactions may be called as they are among outputs."""
+        for name, symbol in self._in_formulas.items():
+            text = re.sub(rf"\b{symbol}\b", name, text)
+        return text
+
+    @property
+    def reaction_terms(self) -> dict[str, sp.Symbol]:
+        """The symbols of reactions by all their names."""
+        return {symbol.name: symbol for symbol in self._reaction_symbols} | self._in_formulas
+
+    def holds_reactions(self, exprs: Iterable[sp.Expr]) -> bool:
+        """Whether some are functions of the state that only accelerations tell, in coordinates."""
+        symbols = {*self._reaction_symbols}
+        return any(e.free_symbols & symbols for e in exprs)
+
+    @cached_property
     def groups(self) -> dict[str, tuple[Any, ...]]:
         """Outputs that stand for several: the whole configuration, and each trace of a contact that
         the system draws."""
@@ -479,36 +510,51 @@ class Vocabulary:
     def _read_condition(self, key: Any) -> tuple[str, sp.Expr]:
         system, known = self.equations.system, self.known
         if isinstance(key, str) and key not in (*known, *self.reactions, *self.groups):
-            key = name_or_formula(key, f"system '{system.name}': an output")
+            key = name_or_formula(self.spell(key), f"system '{system.name}': an output")
         if isinstance(key, str):
             name = self.name(key, [*known, *self.reactions, *self.groups], "output")
+            if name in self.reactions:
+                return name, self._reaction_symbols[self.reactions[name]]
             if name not in known:
                 raise DefinitionError(
-                    f"system '{system.name}': '{name}' is no function of the state in one "
-                    "expression, which events and formulas take; ask for it as an output of its own"
+                    f"system '{system.name}': '{name}' stands for several quantities, where events "
+                    "and formulas take one; ask for it as an output of its own"
                 )
             return name, known[name]
         given = expression(key, f"system '{system.name}': an output")
         if given in self.inputs:
             return plain_name(given), self.inputs[given]
-        expr = given.xreplace(self.inputs)
+        short = {sp.Symbol(name): symbol for name, symbol in self._in_formulas.items()}
+        expr = given.xreplace(self.inputs).xreplace(short)
         for symbol in sorted(expr.free_symbols, key=str):
-            if str(symbol) not in {*self.symbols, *system.invariants}:
+            if str(symbol) not in {*self.symbols, *system.invariants, *self.reactions}:
+                among = [*self.symbols, *system.invariants, *self._in_formulas]
                 raise DefinitionError(
                     f"system '{system.name}': the output '{given}' contains '{symbol}'"
-                    f"{did_you_mean(str(symbol), [*self.symbols, *system.invariants])}"
+                    f"{did_you_mean(str(symbol), among)}"
                 )
         name = label(given)
+        if expr in self._reaction_symbols:
+            return str(expr), expr
         if expr not in system.invariant_symbols and (name != str(given) or name in self.symbols):
             name = self.name(name, self.symbols, "output")
             return name, self.symbols[name]
         return name, expr
 
     def inward(self, expr: Any) -> Any:
-        """A user's expression inside the door, its invariants spelled out."""
-        system = self.equations.system
+        """A user's expression inside the door, its invariants and reactions spelled out."""
+        system, door = self.equations.system, self.equations.definition.door
         meaning = dict(zip(system.invariant_symbols, system.invariants.values(), strict=True))
-        return self.equations.definition.door.inward(as_expression(expr).xreplace(meaning))
+        spelled = as_expression(expr).xreplace(meaning)
+        inside = door.inward(spelled)
+        if not self.holds_reactions([spelled]):
+            return inside
+        found = self.equations.memo.once(
+            "reactions of the state", lambda: reactions_of_state(self.equations)
+        )
+        return inside.xreplace(
+            dict(zip(map(door.inward, self._reaction_symbols), found, strict=True))
+        )
 
     def _plain(self, key: Any, role: str) -> str:
         try:
@@ -539,8 +585,9 @@ def name_values(vocabulary: Vocabulary, given: Mapping[Any, Any], role: str) -> 
 class Event:
     """Where ``function`` passes through zero, or jumps through it.
 
-    ``function`` is a name, a symbol or an expression, as for outputs, but no reaction; ``name``
-    says how the trajectory calls it (by default as the function reads).  ``direction`` 1 asks for
+    ``function`` is a name, a symbol or an expression, as for outputs, reactions among them
+    (``reaction 1``, in expressions ``reaction_1``); ``name`` says how the trajectory calls it (by
+    default as the function reads).  ``direction`` 1 asks for
     passages where the function grows with time, -1 for those where it falls, 0 for both.  ``stop``
     ends the run at the first one.  A zero at the start of the motion is none, nor is one that the
     function touches without a change of sign; one at the last instant counts, whatever would come

@@ -13,10 +13,11 @@ The record of all methods is their text, and data.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from itertools import pairwise
 from time import process_time
+from types import MappingProxyType
 from typing import Any
 
 import symengine as se
@@ -348,23 +349,34 @@ def by_methods(system: System | VoronecEquations) -> MethodComparison:
     accelerations that a method gives solved must satisfy the equations of the next.
 
     Raises ``DefinitionError`` for redundant coordinates, groups and forces that hold accelerations,
-    ``EngineLimit`` for systems too large to be written out, such as the bicycle.
+    ``EngineLimit`` for systems too large to be written out by any, such as the bicycle; a method
+    that is alone in this is named among the ``limits``, and those beside it are compared.
     """
     begun = process_time()
     problem = Statement.of(system)
-    found: tuple[MethodEquations, ...] = ()
-    try:
-        for method in METHODS:
-            found = (*found, method(problem))
-    except EngineLimit as error:
-        name, done = problem.equations.system.name, ", ".join(m.name for m in found)
+    found: list[MethodEquations] = []
+    limits: dict[str, str] = {}
+    for method in METHODS:
+        try:
+            found.append(method(problem))
+        except EngineLimit as error:
+            limits[_title(method)] = str(error)
+    if not found:
+        name, reason = problem.equations.system.name, next(iter(limits.values()))
         raise EngineLimit(
-            f"system '{name}': {f'{done} done' if done else 'no method done'}; the next step is "
-            f"too large to be written out ({error}); 'voronec derive {name}' has the equations, "
-            "and vo.multiplier_acceleration those with multipliers, to be compared in numbers"
-        ) from None
+            f"system '{name}': no method done; the next step is too large to be written out "
+            f"({reason}); 'voronec derive {name}' has the equations, and "
+            "vo.multiplier_acceleration those with multipliers, to be compared in numbers"
+        )
     equalities = tuple(compare_sides(problem, a, b) for a, b in pairwise(found))
-    return MethodComparison(problem, found, equalities, process_time() - begun)
+    return MethodComparison(
+        problem, tuple(found), equalities, process_time() - begun, MappingProxyType(limits)
+    )
+
+
+def _title(method: Callable[[Statement], MethodEquations]) -> str:
+    """What a method is called that did not come to its end."""
+    return method.__name__.replace("_", " ")
 
 
 def compare_sides(problem: Statement, left: MethodEquations, right: MethodEquations) -> Equality:
@@ -552,12 +564,14 @@ class Equality:
 
 @dataclass(frozen=True)
 class MethodComparison:
-    """One problem by all methods, and the proofs that they agree."""
+    """One problem by all methods, and the proofs that they agree; ``limits`` says of those that
+    cannot be written out why."""
 
     problem: Statement
     methods: tuple[MethodEquations, ...]
     equalities: tuple[Equality, ...]
     seconds: float
+    limits: Mapping[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         names = ", ".join(method.name for method in self.methods)
@@ -575,8 +589,8 @@ class MethodComparison:
 
     @property
     def proved(self) -> bool:
-        """Whether every equality is proved."""
-        return all(e.verdict.proved for e in self.equalities)
+        """Whether there are equalities, and every one is proved."""
+        return bool(self.equalities) and all(e.verdict.proved for e in self.equalities)
 
     def lines(self) -> list[str]:
         """What is asked, each method with its steps and equations, and the proofs."""
@@ -595,8 +609,12 @@ class MethodComparison:
         for e in self.equalities:
             why = f"{e.verdict.status}, {e.verdict.method}"
             lines.append(f"  {e.left} = {e.right}: {why}")
+        lines += [
+            f"  {name}: too large to be written out, {why}" for name, why in self.limits.items()
+        ]
         if self.proved:
-            lines.append("  All methods give the same equations: proved.")
+            who = "The other" if self.limits else "All"
+            lines.append(f"  {who} methods give the same equations: proved.")
         return lines
 
     def as_dict(self) -> dict[str, Any]:
@@ -617,6 +635,7 @@ class MethodComparison:
                 }
                 for method in self.methods
             ],
+            "limits": dict(self.limits),
             "equalities": [
                 {
                     "left": e.left,

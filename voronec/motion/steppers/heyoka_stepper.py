@@ -220,12 +220,13 @@ def _integrator(problem: Problem, log: Log, winding: TurnCount, hy: Any) -> Any:
         kind.append(_event_of(event, levels.names.index(event.name), expr, log, winding, hy))
     system = taylor_system(program, units)
     count = parameter_count([e for _, e in system] + watched, hy)
+    beside = levels.extras.weight(levels.parameters) if levels is not None else 0.0
     return hy.taylor_adaptive(
         system,
         (problem.start / winding.units).tolist(),
         pars=[1.0] * count,
         tol=winding.tolerance(problem.tol),
-        compact_mode=program.weight > COMPACT,
+        compact_mode=program.weight + beside > COMPACT,
         **{kind: found for kind, found in kinds.items() if found},
     )
 
