@@ -165,6 +165,8 @@ def test_a_state_where_it_fails() -> None:
         ("v(t + 1) = v + t v", "a value at an instant or a product"),
         (r"\dot\phi^2(2t) = 2t\dot\phi^2", "a value at an instant or a product"),
         ("(v + w)(t) = v + w", "a value at an instant or a product"),
+        (r"\dot v = \cos\phi t", "the cos of a product with t, or t times a cos"),
+        ("v' = sin 2a t", "the sin of a product with t"),
         (r"\ln|v|^2 = 2\ln|v|", "write one with parentheses"),
         (r"1\frac12 v = \frac12 v", "a mixed number or a product"),
         # what no motion gives a value
@@ -236,6 +238,8 @@ def test_what_a_proof_rests_on(text: str, ground: str) -> None:
         ("d^2phi/dt^2 = w'", r"\phi''(t) = \dot w(t)"),
         ("v**2 = v*v", "$v^{2} = v v$."),
         ("sin(t)*v' = a w^2 * sin(t)", r"\sin(t)\dot v(t) = a w^2(t)\sin t"),
+        ("sin(t)^2 v' = a w^2 sin^2 t", r"\sin^2(t)\dot v = \sin^{2}(t) a w^{2}(t)"),
+        ("cos(a*t) v' = a w^2 cos(a t)", r"\cos(at)\dot v = a w^2\cos(a t)"),
         ("2*t*v = (t + t) v", r"2(t)v = (t+t)v"),
         ("ln(abs(v)^2) = 2*ln(abs(v))", r"\ln(|v|^2) = 2\ln|v|"),
         ("v' = a |w|^2", r"\dot v = a\lvert w\rvert^{2}"),

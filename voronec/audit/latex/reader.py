@@ -300,7 +300,7 @@ def _elementary(reader: Reader, token: Token) -> Node:
     if reader.peek() == "^":
         reader.take()
         power = reader.argument()
-    start = reader.begin()
+    start, bare = reader.begin(), reader.peek() not in _CLOSERS.values()
     if reader.kind() == "number":
         argument = Product((reader.factor(), reader.factor()), reader.since(start))
     elif reader.vocabulary.by_hand:
@@ -310,6 +310,10 @@ def _elementary(reader: Reader, token: Token) -> Node:
     if reader.vocabulary.by_hand and power == _MINUS_ONE:
         what = f"this may be 1/{token.text[1:]} or the inverse function; write one of these"
         raise complain(reader.source, token.start, what, Misprint)
+    if reader.vocabulary.by_hand and bare and reader.peek() == "t":
+        name = token.text[1:]
+        what = f"this may be the {name} of a product with t, or t times a {name}; write parentheses"
+        raise complain(reader.source, token.start, what, Ambiguous)
     node: Node = Elementary(token.text[1:], argument, reader.since(token.start))
     return node if power is None else Power(node, power, reader.since(token.start))
 

@@ -362,12 +362,14 @@ def _ends_name(words: Sequence[Token], end: int) -> bool:
     function and no bracket, which ``(t)`` multiplies or gives an argument."""
     if end == 0:
         return False
-    last = words[end - 1]
+    last, start = words[end - 1], end - 1
     if last.text == "}":
-        opening = next((k for k in range(end) if _closing(words, k) == end - 1), 0)
-        return opening > 0 and words[opening - 1].text in ("\\dot", "\\ddot", "\\dddot", "_", "^")
-    if end > 1 and words[end - 2].text in ("_", "^"):
-        return True
+        start = next((k for k in range(end) if _closing(words, k) == end - 1), 0)
+    before = words[start - 1].text if start else ""
+    if before == "^":
+        return _ends_name(words, start - 1)
+    if before == "_" or last.text == "}":
+        return before in ("_", "\\dot", "\\ddot", "\\dddot")
     others = ("d", *_FUNCTIONS.values())
     named = last.kind in ("letter", "text") and last.text not in others
     return named or last.text in GREEK or last.text == "'"
