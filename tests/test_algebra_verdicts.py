@@ -597,6 +597,12 @@ def test_a_witness_without_variables_ends_with_its_values():
     )
 
 
+def test_a_complex_exponent_is_beyond_the_engine():
+    n = sp.Symbol("n", integer=True)
+    for left, right in ((sp.exp(sp.I * x), sp.cos(x)), (sp.exp(sp.I * sp.pi * n), (-1) ** n)):
+        assert prove_equal(left, right).undecided
+
+
 @pytest.mark.parametrize("function", [sp.exp, lambda u: sp.sqrt(sp.cos(u)), sp.log])
 def test_what_relations_make_imaginary_has_no_value(function):
     found = prove_equal(function(y), function(sp.sqrt(1 - x**2)), [x - 2])

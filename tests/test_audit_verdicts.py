@@ -56,6 +56,18 @@ def test_an_identity_is_proved():
     assert one(r"\sin^2x+\cos^2x=1").verdict == "proved"
 
 
+def test_a_value_at_an_instant_is_no_product():
+    """x(0) = 0 was proved, as 0 x = 0; a product shows its sign, and a dictionary has functions."""
+    for printed in ("x(0)=0", r"\dot x(0)=0", "w(t+1)=w(t)+w", r"\sin x(0)=0", "x^2(t)=tx^2"):
+        formula = one(printed)
+        assert (formula.verdict, formula.correction) == ("undecided", None), printed
+        assert "a value at an instant or a product" in formula.method
+    assert one(r"x\cdot(t+1)=xt+x").verdict == "proved"
+    assert one("2(t+1)x=2(1+t)x").verdict == one("m(x+1)=mx+m").verdict == "proved"
+    function = replace(oscillator(), names={**oscillator().names, r"x(\cdot)": lambda s: s**2})
+    assert one("x(t+1)=t^2+2t+1", study=function).verdict == "proved"
+
+
 def test_every_link_of_a_chain_counts():
     assert one("x+x=2x=x+x").verdict == "proved"
     assert one("x+x=2x=3x").verdict == "misprint"

@@ -234,6 +234,19 @@ def test_a_claim_beyond_the_budget_is_undecided():
     assert not verdict_on(sleigh, measure=1 / (huge + 1) + hidden).proved
 
 
+def test_a_claim_with_a_function_that_is_not_known_may_be_true():
+    """The error function of the energy is an integral; that the engine has none refutes nothing."""
+    x, d = sp.Symbol("x"), velocity(sp.Symbol("x"))
+    spring = System(name="spring", fibration=Fibration((x,)), lagrangian=(d**2 - x**2) / 2)
+    energy = d**2 + x**2
+    for claim in (
+        {"integrals": {"error function": sp.erf(energy)}},
+        {"measure": 2 + sp.besselj(0, energy) ** 2},
+    ):
+        verdict = verdict_on(spring, **claim)
+        assert verdict.undecided and "does not differentiate" in verdict.method, claim
+
+
 def test_a_claim_that_divides_by_a_hidden_zero_has_an_answer():
     sleigh, w, phi = vo.load("sleigh"), *sp.symbols("w phi")
     nowhere = w / (sp.sin(phi) ** 2 + sp.cos(phi) ** 2 - 1)

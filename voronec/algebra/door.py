@@ -31,7 +31,11 @@ from voronec.algebra.terms import factors_of, is_fraction
 from voronec.algebra.text import as_expression, quote
 from voronec.errors import DefinitionError
 
-__all__ = ["RATES", "Door"]
+__all__ = ["RATES", "Door", "UnknownFunction"]
+
+
+class UnknownFunction(DefinitionError):
+    """A function that has a meaning, and none in the engine."""
 
 
 _FUNCTIONS = {
@@ -176,7 +180,7 @@ class Door:
         pieces = _written_with_signs(expr)
         if pieces is not None:
             return self._enter(pieces)
-        raise DefinitionError(
+        raise UnknownFunction(
             f"'{expr}' is of kind {name}, which the engine does not differentiate; "
             "write it with elementary functions or an unknown function"
         )

@@ -16,6 +16,8 @@ from typing import Any
 
 import symengine as se
 
+from voronec.errors import EngineLimit
+
 __all__ = ["DEGREE", "ExponentBasis"]
 
 DEGREE = 60
@@ -93,4 +95,7 @@ def _content(terms: Mapping[Any, Any]) -> Any:
 def _orientation(terms: Mapping[Any, Any]) -> tuple[Any, int]:
     """The first term by name that is no number, with the sign of its number; of numbers None."""
     first = min((t for t in terms if not t.is_Number), key=str, default=None)
-    return first, -1 if first is not None and terms[first] < 0 else 1
+    number = terms.get(first, se.Integer(1))
+    if not number.is_real:
+        raise EngineLimit(f"the number '{number}' is not rational")
+    return first, -1 if number < 0 else 1

@@ -27,7 +27,7 @@ from voronec.audit.hooks import HookError, call_hook
 from voronec.audit.latex.displays import Piece
 from voronec.audit.latex.nodes import Chain
 from voronec.audit.latex.reader import read, read_tokens
-from voronec.audit.latex.tokens import ELLIPSES, Misprint, Token
+from voronec.audit.latex.tokens import ELLIPSES, Ambiguous, Misprint, Token
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
 from voronec.audit.record import FormulaRecord
 from voronec.audit.sentence import Sentence
@@ -216,7 +216,10 @@ def _source(record: FormulaRecord, check: Check, bench: SectionContext) -> str:
 def _unreadable(
     formula: Formula, check: Check, bench: SectionContext, error: DefinitionError
 ) -> FormulaRecord:
-    """What cannot be read as printed is a misprint where a small change makes it true."""
+    """What cannot be read as printed is a misprint where a small change makes it true, unless it
+    can be read in two ways."""
+    if isinstance(error, Ambiguous):
+        return FormulaRecord(formula.printed, "undecided", str(error))
     found = _made_true(formula, check, bench, f"it cannot be read as printed ({error})")
     if found is None and isinstance(error, Misprint):
         return FormulaRecord(formula.printed, "misprint", f"it cannot be read as printed: {error}")

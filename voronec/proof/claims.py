@@ -41,7 +41,7 @@ from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, quote
 from voronec.proof.closure import decide_essential
-from voronec.proof.decision import Decision, all_zero
+from voronec.proof.decision import Decision, all_zero, verdict_on_failure
 from voronec.proof.hamiltonian_form import decide_multiplier, decide_poisson
 from voronec.proof.measures import binding, chosen_variables, decide_measure, measured_field
 from voronec.proof.nondegeneracy import where_independent
@@ -331,10 +331,8 @@ def _decide_claim(kind: str, name: str, decide: Decide, motions: Motions, claim:
 def _decide_within_limits(decide: Decide, motions: Motions, claim: Any) -> Decision:
     try:
         return decide(motions, claim)
-    except EngineLimit as limit:
-        return Decision(Verdict("undecided", str(limit)))
-    except DefinitionError as error:  # this claim makes no sense; the others stand all the same
-        return Decision(Verdict("refuted", str(error)))
+    except (EngineLimit, DefinitionError) as error:  # the other claims stand all the same
+        return Decision(verdict_on_failure(error))
 
 
 def _correction_verdict(right: Verdict, printed: Verdict) -> Verdict:

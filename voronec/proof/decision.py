@@ -6,10 +6,11 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from voronec.algebra.door import UnknownFunction
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Decision", "all_zero", "verdict_of", "zero_everywhere"]
+__all__ = ["Decision", "all_zero", "verdict_of", "verdict_on_failure", "zero_everywhere"]
 
 
 @dataclass(frozen=True)
@@ -25,10 +26,14 @@ def verdict_of(decide: Callable[[], Verdict]) -> Verdict:
     same."""
     try:
         return decide()
-    except EngineLimit as limit:
-        return Verdict("undecided", str(limit))
-    except DefinitionError as error:
-        return Verdict("refuted", str(error))
+    except (EngineLimit, DefinitionError) as error:
+        return verdict_on_failure(error)
+
+
+def verdict_on_failure(error: EngineLimit | DefinitionError) -> Verdict:
+    """What makes no sense is refuted; what holds a function that is not known here may be true."""
+    known = not isinstance(error, EngineLimit | UnknownFunction)
+    return Verdict("refuted" if known else "undecided", str(error))
 
 
 def all_zero(residuals: Iterable[tuple[str, Any]], relations: Sequence[Any] = ()) -> Verdict:

@@ -43,6 +43,7 @@ from voronec.audit.latex.tokens import (
     ELLIPSES,
     FUNCTIONS,
     GREEK,
+    Ambiguous,
     Misprint,
     Token,
     complain,
@@ -299,7 +300,7 @@ def _elementary(reader: Reader, token: Token) -> Node:
     if reader.peek() == "^":
         reader.take()
         power = reader.argument()
-    start = reader.begin()
+    start, bare = reader.begin(), reader.peek() not in _CLOSERS.values()
     if reader.kind() == "number":
         argument = Product((reader.factor(), reader.factor()), reader.since(start))
     elif reader.vocabulary.by_hand:
@@ -309,6 +310,10 @@ def _elementary(reader: Reader, token: Token) -> Node:
     if reader.vocabulary.by_hand and power == _MINUS_ONE:
         what = f"this may be 1/{token.text[1:]} or the inverse function; write one of these"
         raise complain(reader.source, token.start, what, Misprint)
+    if reader.vocabulary.by_hand and bare and reader.peek() == "t":
+        name = token.text[1:]
+        what = f"this may be the {name} of a product with t, or t times a {name}; write parentheses"
+        raise complain(reader.source, token.start, what, Ambiguous)
     node: Node = Elementary(token.text[1:], argument, reader.since(token.start))
     return node if power is None else Power(node, power, reader.since(token.start))
 
@@ -503,6 +508,10 @@ _BETWEEN: dict[str, Callable[[Node, Node, tuple[int, int]], Node]] = {
 }
 
 
+_INSTANT = ("t", "+", "-", "/", "\\cdot", "\\pi")
+"""What numbers stand beside where an instant is written."""
+
+
 class Reader:
     """Recursive descent over the words; one method for each construct."""
 
@@ -633,6 +642,9 @@ class Reader:
         node = scripts(self, self.atom(), start)
         if self.peek() == "(" and self._applies(node):
             node = Call(node, self.group(self.take()), self.since(start))
+        elif self.peek() == "(" and self._takes_instant(node):
+            what = "this may be a value at an instant or a product; only the product is read,"
+            self.fail(f"{what} written with \\cdot", Ambiguous)
         return scripts(self, node, start) if self.peek() in ("^", "_", "'") else node
 
     def _applies(self, node: Node) -> bool:
@@ -641,6 +653,18 @@ class Reader:
         if not isinstance(node, Name):
             return False
         return self.vocabulary.applies(node.head) or self._holds_list()
+
+    def _takes_instant(self, node: Node) -> bool:
+        r"""Whether the parenthesis ahead may hold an instant: ``x(0)``, ``\sin x(t + 1)``; behind
+        a number it does not, and behind a bracket only ``(t)``."""
+        inside, end = self.tokens[self.position + 1 :], 0
+        while end < len(inside) and (inside[end].kind == "number" or inside[end].text in _INSTANT):
+            end += 1
+        base = node.base if isinstance(node, Power) else node
+        if isinstance(base, Number) or not end or [t.text for t in inside[end : end + 1]] != [")"]:
+            return False
+        named = isinstance(base, (Name, Dot, Elementary))
+        return named or [t.text for t in inside[:end]] == ["t"]
 
     def _holds_list(self) -> bool:
         """Whether the parenthesis ahead holds a comma of its own."""

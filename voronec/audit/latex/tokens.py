@@ -62,6 +62,10 @@ class Misprint(DefinitionError):
     """A bracket, a term or an order that is wrong in print, whatever the letters mean."""
 
 
+class Ambiguous(DefinitionError):
+    """What may be printed well, and can be read in two ways."""
+
+
 def complain(
     source: str, at: int, what: str, kind: type[DefinitionError] = DefinitionError
 ) -> DefinitionError:

@@ -55,6 +55,8 @@ _FUNCTIONS = {
 _TAIL = re.compile(
     r"(?:\\q?quad|\\\\|\\hfill|\s)*\(\d+[a-z']?\)\s*$|(?:\\q?quad|\\\\\s|\\\\$)+\s*$"
 )
+_FRACTION = re.compile(r"(\{ \d+ \}|\d) (\{ \d+ \}|\d)|\d\d")
+"""A quotient of two numbers, behind its command."""
 _OPEN, _CLOSE = ("(", "[", "{"), (")", "]", "}")
 _BREAKS = {"+", "-", "=", "/", "*", "\\cdot", "^", "", *_OPEN}
 
@@ -349,10 +351,28 @@ def _stars(words: list[Token]) -> list[Token]:
 
 
 def _applied_to_time(words: list[Token], position: int) -> tuple[int, list[Token]] | None:
-    """``x(t)`` is x."""
+    r"""``x(t)`` is x, and so is what stands on a name: ``\dot x(t)``, ``x^2(t)``."""
     texts = [w.text for w in words[position : position + 3]]
-    applied = texts == ["(", "t", ")"] and position and words[position - 1].text not in _BREAKS
+    applied = texts == ["(", "t", ")"] and _ends_name(words, position)
     return (position + 3, []) if applied else None
+
+
+def _ends_name(words: Sequence[Token], end: int) -> bool:
+    """Whether a name ends at a position, with its dots, primes, index and exponent: no number, no
+    function and no bracket, which ``(t)`` multiplies or gives an argument."""
+    if end == 0:
+        return False
+    last, start = words[end - 1], end - 1
+    if last.text == "}":
+        start = next((k for k in range(end) if _closing(words, k) == end - 1), 0)
+    before = words[start - 1].text if start else ""
+    if before == "^":
+        return _ends_name(words, start - 1)
+    if before == "_" or last.text == "}":
+        return before in ("_", "\\dot", "\\ddot", "\\dddot")
+    others = ("d", *_FUNCTIONS.values())
+    named = last.kind in ("letter", "text") and last.text not in others
+    return named or last.text in GREEK or last.text == "'"
 
 
 def _rate(words: list[Token], position: int) -> tuple[int, list[Token]] | None:
@@ -416,16 +436,51 @@ def _exponent(words: list[Token], position: int) -> tuple[int, list[Token]] | No
 
 
 def _refuse_ambiguous(source: str, words: Sequence[Token]) -> None:
+    """``Misprint`` at the first word that can be read in two ways."""
+    for position in range(len(words)):
+        for doubt in (_quotient_in_doubt, _size_in_doubt, _number_in_doubt):
+            what = doubt(words, position)
+            if what:
+                raise complain(source, words[position].start, what, Misprint)
+
+
+def _quotient_in_doubt(words: Sequence[Token], position: int) -> str:
     """``a/2b`` may be (a/2) b or a/(2 b); with a space or a sign between them it is the first."""
-    for k in range(1, len(words) - 2):
-        if words[k].text != "/" or words[k + 1].kind not in ("number", "letter"):
-            continue
-        whole = words[k - 1].kind == "number" and words[k + 1].kind == "number"
-        after = words[k + 2]
-        starts = after.kind in ("letter", "number") or after.text in GREEK
-        if starts and not whole and after.start == words[k + 1].end and words[k + 1].text != "d":
-            what = "this quotient can be read in two ways; write (a/b) c or a/(b c)"
-            raise complain(source, words[k + 1].start, what, Misprint)
+    below, after = position, position + 1
+    if below < 2 or after >= len(words) or words[below - 1].text != "/":
+        return ""
+    number = words[below].kind == "number"
+    if not (number or words[below].kind == "letter") or words[below].text == "d":
+        return ""
+    starts = words[after].kind in ("letter", "number") or words[after].text in GREEK
+    whole = words[below - 2].kind == "number" and number
+    beside = words[after].start == words[below].end
+    doubt = "this quotient can be read in two ways; write (a/b) c or a/(b c)"
+    return doubt if starts and beside and not whole else ""
+
+
+def _size_in_doubt(words: Sequence[Token], position: int) -> str:
+    r"""``\ln|x|^2`` may be the square of a logarithm, or the logarithm of a square."""
+    argument = words[position + 1 : position + 3]
+    if words[position].text not in ELEMENTARY or [w.text for w in argument] != ["(", "abs"]:
+        return ""
+    bars = argument[0].start == argument[1].start  # brackets that bars have become
+    after = words[_closing(words, position + 1) + 1 :][:1]
+    doubt = "this is the power of a function or of its argument; write one with parentheses"
+    return doubt if bars and [w.text for w in after] == ["^"] else ""
+
+
+def _number_in_doubt(words: Sequence[Token], position: int) -> str:
+    r"""``1\frac12`` may be one and a half, or a product."""
+    inside = position and words[position - 1].text in ("^", "_", "\\frac", "\\sqrt", "}")
+    texts = [w.text for w in words[position + 1 : position + 8]]
+    bare = texts[:1] == ["\\frac"] and _FRACTION.match(" ".join(texts[1:])) is not None
+    mixed = words[position].kind == "number" and not inside and bare
+    return (
+        "this may be a mixed number or a product; write one fraction, or \\cdot between"
+        if mixed
+        else ""
+    )
 
 
 def spelling_of(
