@@ -44,7 +44,7 @@ WIDTH = 9
 RELATIVE, ROUNDING = 1e-6, 1e-7
 """A defect is looked into where it is larger than these parts of the way that a variable goes in
 the window, and of the state's size: less than a tenth of the first of the size counts never."""
-RESOLUTION, COARSE = 2.0, 0.25
+RESOLUTION, COARSE = 2.0, 0.5
 """A window is to be so many times in which a motion changes by as much as it is; instants
 that are farther apart than the second are too coarse for nine of them to resolve it."""
 FAR_APART = 2.0**16
