@@ -65,6 +65,29 @@ def test_the_essential_variables_rest_on_the_whole_family(family):
     assert family.proved().proved
 
 
+@pytest.mark.parametrize("name", ["bobylev-ball", "zhukovsky-ball"])
+def test_a_family_in_letters_is_followed_by_the_equations(name):
+    """The variable of Bobylev's ball is no cosine, and its velocities turn with an angle."""
+    ball = vo.load(name)
+    family = precessions(ball)
+    assert family.proved().proved
+    wrong = {c: e + int(str(c) == "C5") for c, e in family.constants.items()}
+    assert dataclasses.replace(family, constants=wrong).proved().refuted
+    at = family.numbers(R(1, 5), R(1, 2), {})
+    angle, cosine = family.colatitude
+    u = sp.acos(cosine.xreplace(at))
+    place = {**at, angle: u, sp.Symbol("v"): 0, sp.Symbol("theta"): 0}
+    start = {str(q): sp.N(e.xreplace(place)) for q, e in family.state.items()}
+    motion = vo.integrate(
+        ball, initial={"u": u, "v": 0, "theta": 0, **start}, times=np.linspace(0, 5, 6),
+        outputs=("u", "v", "theta"), method="scipy",
+    )  # fmt: skip
+    assert np.ptp(motion["u"]) < 1e-9
+    for q, rate in family.rates.items():
+        found = float(rate.xreplace(dict(family.levels)).xreplace(at))
+        assert np.abs(motion[str(q)] - found * motion.t).max() < 1e-9
+
+
 def test_a_wrong_family_is_not_at_rest(family):
     constants = {c: e * (2 if str(c) == "C5" else 1) for c, e in family.constants.items()}
     assert dataclasses.replace(family, constants=constants).proved().refuted

@@ -19,11 +19,13 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
+import symengine as se
 import sympy as sp
 
 from voronec.algebra.arguments import VALUES, accepts
+from voronec.algebra.door import Door
 from voronec.algebra.factors import in_factors
-from voronec.algebra.normal import shorten
+from voronec.algebra.normal import quotient, shorten, shortest
 from voronec.algebra.symbols import velocity
 from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import Verdict, prove_equal
@@ -107,14 +109,18 @@ def essential_rates(family: Precessions) -> dict[Any, sp.Expr]:
 
 
 def at_rest(family: Precessions) -> Verdict:
-    """Whether the rates of all essential variables vanish on the family."""
+    """Whether all essential variables move as they do on the family: angles at their rates, the
+    colatitude rests, and velocities change with the angles in them alone."""
     for variable, rate in essential_rates(family).items():
-        verdict = prove_equal(_on_family(family, rate), 0)
+        value = family.state.get(variable, variable)
+        turning = value.free_symbols & family.quadratures.integrals.keys()
+        told = sp.Add(*(sp.diff(value, q) * family.rates[q] for q in turning))
+        verdict = prove_equal(_on_family(family, rate), told.xreplace(dict(family.levels)))
         if not verdict.proved:
             return Verdict(
                 verdict.status, f"the rate of {variable}: {verdict.method}", verdict.witness
             )
-    return Verdict("proved", "the rates of the essential variables vanish in exact normal form")
+    return Verdict("proved", "the essential variables move so, in exact normal form")
 
 
 def linear_matrix(family: Precessions) -> sp.Matrix:
@@ -125,9 +131,9 @@ def linear_matrix(family: Precessions) -> sp.Matrix:
 
 
 def _on_family(family: Precessions, value: sp.Expr) -> sp.Expr:
-    (angle,) = family.quadratures.meaning.free_symbols
     own = family.at_colatitude(value.xreplace(dict(family.state)))
-    return as_expression(own.subs(angle, sp.acos(family.place)))
+    angle, cosine = family.colatitude
+    return as_expression(own if angle is None else own.subs(angle, sp.acos(cosine)))
 
 
 @dataclass(frozen=True, repr=False)
@@ -175,13 +181,23 @@ class Precessions:
         own = as_expression(value).xreplace(dict(self.constants))
         return short(own.xreplace(dict(self.values)))
 
-    def at_colatitude(self, value: Any) -> Any:
-        """A function of the state, or a matrix of such, where the colatitude has the cosine x."""
+    @property
+    def colatitude(self) -> tuple[Any, sp.Expr]:
+        """The angle by which the variable is known, and its cosine by x; None where there is no
+        such angle."""
         meaning, x = self.quadratures.meaning, self.place
-        if not isinstance(meaning, sp.cos):
-            return value.xreplace({meaning: x})
-        (angle,) = meaning.args
-        return value.subs({sp.cos(angle): x, sp.sin(angle): sp.sqrt(1 - x**2)})
+        if isinstance(meaning, sp.cos):
+            return meaning.args[0], x
+        own = (t for t in self.quadratures.traces if meaning.has(t.colatitude))
+        found = next(((t.colatitude, t.cosine) for t in own), (None, x))
+        return found[0], found[1].xreplace(dict(self.values))
+
+    def at_colatitude(self, value: Any) -> Any:
+        """A function of the state, or a matrix of such, where the variable is x."""
+        angle, cosine = self.colatitude
+        if angle is None:
+            return value.xreplace({self.quadratures.meaning: self.place})
+        return value.subs({sp.cos(angle): cosine, sp.sin(angle): sp.sqrt(1 - cosine**2)})
 
     @cached_property
     def state(self) -> Mapping[Any, sp.Expr]:
@@ -193,15 +209,13 @@ class Precessions:
     def levels(self) -> Mapping[sp.Symbol, sp.Expr]:
         """The constants that the quartic does not hold, by the state: the length of a vector."""
         rest = {c: e for c, e in self.quadratures.constants.items() if c not in self.constants}
-        found = {c: self.at_colatitude(e).xreplace(dict(self.state)) for c, e in rest.items()}
-        return MappingProxyType({c: self._level(e) for c, e in found.items()})
+        return MappingProxyType({c: self._level(e) for c, e in rest.items()})
 
     def _level(self, value: sp.Expr) -> sp.Expr:
         """A level in its shortest form; of a root, what is under it."""
-        inside = value.xreplace(dict(self.values))
-        if inside.is_Pow and inside.exp == sp.S.Half:
-            return sp.sqrt(short(inside.base))
-        return short(inside)
+        if value.is_Pow and value.exp == sp.S.Half:
+            return sp.sqrt(self._level(value.base))
+        return short(self.at_colatitude(value).xreplace({**self.state, **self.values}))
 
     @cached_property
     def rates(self) -> Mapping[Any, sp.Expr]:
@@ -448,27 +462,27 @@ def _solve_constants(
     quartic: sp.Expr, rate: sp.Expr, x: sp.Symbol, constants: Sequence[sp.Symbol]
 ) -> tuple[dict[sp.Symbol, sp.Expr], sp.Expr, sp.Expr, sp.Symbol] | None:
     """The constants by three equations; of the last one its coefficient and its rest, too."""
-    equations = [rate, quartic, sp.diff(quartic, x)]
-    if len(constants) != len(equations):
+    door = Door()
+    equations = door.inward_all([rate, quartic, sp.diff(quartic, x)])
+    place, *left = door.inward_all([x, *constants])
+    if len(left) != len(equations):
         return None
-    found: dict[sp.Symbol, sp.Expr] = {}
-    left = list(constants)
+    found: dict[Any, Any] = {}
     for equation in equations:
-        above = _above(equation.xreplace(found))
-        linear = [c for c in left if sp.degree(above, c) == 1]
+        above, _ = quotient(equation.xreplace(found))
+        slopes = {c: above.diff(c) for c in left}
+        linear = [c for c, e in slopes.items() if e != 0 and c not in e.free_symbols]
         if not linear:
             return None
         # A coefficient without x vanishes for no place: such a constant is solved for first.
-        constant = min(linear, key=lambda c: sp.diff(above, c).has(x))
-        poly = sp.Poly(above, constant)
-        slope, rest = poly.nth(1), poly.nth(0)
-        value = short(-rest / slope)
-        found = {c: short(e.xreplace({constant: value})) for c, e in found.items()}
-        found[constant] = value
+        constant = min(linear, key=lambda c: place in slopes[c].free_symbols)
+        value = -above.xreplace({constant: se.Integer(0)}) / slopes[constant]
+        rest, slope = quotient(value)
+        found = {c: e.xreplace({constant: value}) for c, e in found.items()} | {constant: value}
+        found = {c: shortest([e])[0] for c, e in found.items()}
         left.remove(constant)
-    common = sp.gcd(slope, rest)
-    order = {c: found[c] for c in constants}
-    return order, sp.cancel(slope / common), sp.cancel(rest / common), constant
+    order = {c: door.outward(found[door.inward(c)]) for c in constants}
+    return order, door.outward(slope), door.outward(rest), door.outward(constant)
 
 
 def _branches_of(
