@@ -1,6 +1,7 @@
 """Right sides that are not smooth: friction, steps, switches, motions held on walls."""
 
 from importlib.util import find_spec
+from shutil import which
 
 import mpmath as mp
 import numpy as np
@@ -20,6 +21,7 @@ pytestmark = pytest.mark.slow
 x, y, t = sp.Symbol("x"), sp.Symbol("y"), vo.time
 Dx, Dy = vo.velocity(x), vo.velocity(y)
 METHODS = ("heyoka", "scipy", "lsoda", "flint", "auto")
+COMPILED = ("python", *(["numba"] if find_spec("numba") else []), *(["c"] if which("cc") else []))
 PRECISION = {"flint": 1e-30}
 ERROR = {"flint": 1e-26, "lsoda": 1e-9}
 
@@ -886,3 +888,32 @@ def test_a_wall_on_which_the_equations_are_0_over_0_ends_a_motion_of_many_digits
     with pytest.raises(IntegrationError, match="not defined after") as error:
         vo.integrate(point, times=[0, 0.1, 2], initial={x: 2, y: 1, Dy: -1}, tol=1e-25)
     assert len(error.value.trajectory) == 2
+
+
+@pytest.mark.parametrize("method", [*METHODS, "python"])
+@pytest.mark.parametrize("corner", [0, -3])
+def test_a_load_that_sets_in_leads_away_from_a_corner_at_rest(method, corner):
+    """x'' = -k x + a s from rest, s = t - 1, with k > 0 on one side, 0 or 1 on the other: beside
+    the corner the way is a s^3/6, less than the rounding of a step's dense output."""
+    z, late = x - corner, sp.Max(0, t - 1)
+    pulls = sp.Piecewise((-z, z < 0), (-4 * z, True))
+    sine = float(1 - mp.sin(1))
+    cases = (
+        (pulls + late, float(1 - mp.sin(2) / 2) / 4), (pulls - late, -sine),
+        (-abs(z) + late, sine), (-abs(z) - late, float(1 - mp.sinh(1))),
+        (-sp.Max(z, 0) + late, sine), (-sp.Max(z, 0) - late, -1 / 6),
+    )  # fmt: skip
+    for force, way in cases:
+        found = motion(mass_point(force), (corner, 0), 2, method)
+        assert abs(float(found["x"][-1]) - corner - way) < max(error(method), 1e-15), force
+
+
+@pytest.mark.parametrize("method", [*METHODS, *COMPILED])
+def test_a_table_that_sets_in_leads_away_from_a_corner_at_rest(method):
+    pulls = sp.Piecewise((-x, x < 0), (-4 * x, True))
+    pushed = vo.System(
+        "pushed", vo.Fibration(base=(x,)), lagrangian=Dx**2 / 2, forces={x: pulls + y}, inputs=(y,)
+    )
+    ramp = {y: vo.Table([0, 1, 2], [0, 0, 1], "linear")}
+    found = motion(pushed, (0, 0), 2, method, inputs=ramp)
+    assert abs(float(found["x"][-1]) - float(1 - mp.sin(2) / 2) / 4) < max(error(method), 1e-15)
