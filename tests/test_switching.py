@@ -696,15 +696,20 @@ def test_a_motion_may_end_in_any_precision_just_where_it_switches():
     assert float(back["xdot"][-1]) == pytest.approx(0.5, abs=1e-9)
 
 
-def test_an_integral_that_jumps_with_friction_is_told_of():
-    """Of each half of a swing it is one."""
+@pytest.mark.parametrize("method", [*METHODS, "python"])
+def test_an_integral_that_jumps_with_friction_is_told_of(method):
+    """Of each half of a swing it is one; at both ends, where nothing moves, it has other values."""
     swing = vo.System(
         name="swing", fibration=vo.Fibration(x), lagrangian=(Dx**2 - x**2) / 2,
         forces={x: -sp.sign(Dx)}, integrals={"half": Dx**2 + (x + sp.sign(Dx)) ** 2},
     )  # fmt: skip
-    run = vo.integrate(swing, initial={x: 4, Dx: 0}, times=[0, 1, 4, 8])
-    assert any("'half' jumps with the forces, and drifts" in note for note in run.notes)
-    assert not vo.integrate(swing, initial={x: 3, Dx: -1}, times=[1, 2, 3]).notes
+    given = {"method": method, "tol": PRECISION.get(method, 1e-13)}
+    for times in ([0, 8], [0, 1, 4, 8], np.linspace(0, 8, 31)):
+        run = vo.integrate(swing, initial={x: 4, Dx: 0}, times=times, **given)
+        (note,) = run.notes
+        assert "'half' jumps with the forces, and drifts" in note
+        assert ("by 16," if len(times) == 2 else "by 7,") in note
+    assert not vo.integrate(swing, initial={x: 3, Dx: -1}, times=[1, 2, 3], **given).notes
 
 
 @pytest.mark.parametrize("method", METHODS)

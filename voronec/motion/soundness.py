@@ -65,6 +65,9 @@ those of each of many motions."""
 DISOBEDIENT = "the states do not obey the equations"
 SLOPE = 6e-6
 """The step of difference quotients: the cube root of the rounding."""
+JUMP = 0.01
+"""A quantity jumps at a state where it changes, beside it, by less than this part of what it
+changes on the first step away from it."""
 
 
 @dataclass(frozen=True)
@@ -157,7 +160,8 @@ class Judge:
         rows = spread(len(t), ROWS)
         relations = {name: (key, "") for name, key in self.relations.items()}
         relations |= {f"{e} = 0": (f"vanishing {e}", "") for e in self.vanishing}
-        conserved = ConservedQuantities({**self.integrals, **relations}, self._extras())
+        names = {**self.integrals, **relations}
+        conserved = ConservedQuantities(names, self._extras(), self.jumping)
         breaches, notes = [], []
         lost = conserved.losses(t[rows], states[rows], self.tol, self.steps)
         for name, (i, change, allowed) in lost.items():
@@ -202,10 +206,13 @@ class ConservedQuantities:
     give the size of their terms (empty where these are not known).
 
     ``extras(t, states)`` gives all quantities of the program at times (k,) and states (k, n).
+    Where they are ``jumping`` a state may lie just on a jump: slopes across it say nothing, and
+    a quantity has its value there, though none is beside it.
     """
 
     names: Mapping[str, tuple[str, str]]
     extras: Callable[[np.ndarray, np.ndarray], Mapping[str, np.ndarray]]
+    jumping: bool = False
 
     def losses(
         self, t: np.ndarray, states: np.ndarray, tol: float, steps: int
@@ -254,10 +261,15 @@ class ConservedQuantities:
                 moved = states.copy()
                 moved[:, j] += places * step
                 ends.append(self.extras(t, moved)[key])
+            above, below, far_above, far_below = ends
             with np.errstate(all="ignore"):
-                total += np.abs(ends[0] - ends[1]) / (2 * step)
-                near, far = here - (ends[0] + ends[1]) / 2, here - (ends[2] + ends[3]) / 2
-                rough = np.fmax(rough, np.abs(4 * near - far) / 3)
+                flat = np.abs(far_above - above) + np.abs(far_below - below)
+                jumps = flat < JUMP * np.maximum(np.abs(above - here), np.abs(below - here))
+                jumps &= self.jumping
+                total += np.where(jumps, flat, np.abs(above - below)) / (2 * step)
+                near, far = here - (above + below) / 2, here - (far_above + far_below) / 2
+                off = np.where(jumps, 0.0, np.abs(4 * near - far) / 3)
+                rough = np.fmax(rough, off)
         return total * largest, rough
 
 
