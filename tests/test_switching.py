@@ -922,3 +922,23 @@ def test_a_table_that_sets_in_leads_away_from_a_corner_at_rest(method):
     ramp = {y: vo.Table([0, 1, 2], [0, 0, 1], "linear")}
     found = motion(pushed, (0, 0), 2, method, inputs=ramp)
     assert abs(float(found["x"][-1]) - float(1 - mp.sin(2) / 2) / 4) < max(error(method), 1e-15)
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "lsoda", "python"])
+def test_an_integral_that_jumps_is_told_of_where_velocities_are_split(method):
+    """A skate turns through a right angle, where ydot = xdot tan(theta) ends, until friction stops
+    it after 8 units of time: the integral is 1 before, and 0 from there on."""
+    theta = sp.Symbol("theta")
+    turn = vo.velocity(theta)
+    skate = vo.System(
+        "skate", vo.Fibration(base=(x, theta), fibre=(y,)),
+        lagrangian=(Dx**2 + Dy**2 + turn**2) / 2,
+        constraints=(Dx * sp.sin(theta) - Dy * sp.cos(theta),),
+        forces={theta: -sp.sign(turn) / 8},
+        integrals={"work": turn**2 + theta * sp.sign(turn) / 4},
+    )  # fmt: skip
+    start = {x: 0, y: 0, theta: 0, Dx: 1, turn: 1}
+    run = vo.integrate(skate, initial=start, times=[0, 4, 9, 12], method=method, tol=1e-12)
+    assert np.abs(run["work"] - [1, 1, 0, 0]).max() < 1e-9
+    (note,) = run.notes
+    assert "'work' jumps with the forces, and drifts" in note and "changed by 1," in note

@@ -93,10 +93,10 @@ class Judge:
 
     ``integrals`` and ``relations`` name extra quantities of the program, and those that give the
     size of the terms; ``vanishing`` are further relations, expressions in the program's symbols;
-    parameters that are ``changing`` are those of the start among the ``values``; of integrals that
-    are ``jumping`` with the forces no proof holds across the jumps.  Before its instants ``looks``
-    the grid has more, for the equations' sake; of what is not smooth ``spans`` are those between
-    its switches.
+    parameters that are ``changing`` are those of the start among the ``values``; of the integrals
+    ``jumping`` with the forces, named in the same way, no proof holds across the jumps.  Before its
+    instants ``looks`` the grid has more, for the equations' sake; of what is not smooth ``spans``
+    are those between its switches.
     """
 
     equations: VoronecEquations
@@ -108,7 +108,7 @@ class Judge:
     relations: Mapping[str, str]
     vanishing: Sequence[Any] = ()
     changing: Signals | None = None
-    jumping: bool = False
+    jumping: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     looks: Sequence[int] = ()
     spans: Sequence[SmoothSpan] = ()
 
@@ -136,10 +136,6 @@ class Judge:
         jumps = (span for signal in inputs for span in signal.sharp)
         return Windows.of(len(t), most, self.looks).beside(t, jumps)
 
-    def drift_notes(self, t: np.ndarray, states: np.ndarray) -> tuple[str, ...]:
-        """What is to be said of integrals that need not stay."""
-        return self._losses(t, states)[1]
-
     def at(self, t: np.ndarray) -> list[Any]:
         """The values of the parameters at times (k,): doubles, or arrays of them."""
         return values_along(self.changing, map(str, self.program.parameters), self.values, t)
@@ -160,10 +156,10 @@ class Judge:
         rows = spread(len(t), ROWS)
         relations = {name: (key, "") for name, key in self.relations.items()}
         relations |= {f"{e} = 0": (f"vanishing {e}", "") for e in self.vanishing}
-        names = {**self.integrals, **relations}
-        conserved = ConservedQuantities(names, self._extras(), self.jumping)
+        extras, run = self._extras(), (t[rows], states[rows], self.tol, self.steps)
         breaches, notes = [], []
-        lost = conserved.losses(t[rows], states[rows], self.tol, self.steps)
+        lost = ConservedQuantities({**self.integrals, **relations}, extras).losses(*run)
+        lost |= ConservedQuantities(self.jumping, extras, jumping=True).losses(*run)
         for name, (i, change, allowed) in lost.items():
             amount = f"by {change:.2g}, where the tolerance allows {allowed:.2g}"
             if name in relations:
@@ -171,14 +167,14 @@ class Judge:
             elif self._is_certain(name):
                 breaches.append(Breach(f"the integral '{name}' drifts {amount}", int(rows[i - 1])))
             else:
-                why = "jumps with the forces" if self.jumping else MERE_CLAIM
+                why = "jumps with the forces" if name in self.jumping else MERE_CLAIM
                 notes.append(_drift_note(name, why, t[rows[i]], amount))
         return breaches, tuple(notes)
 
     def _is_certain(self, name: str) -> bool:
         """Whether an integral must stay: proofs take parameters for constants, and hold between
         jumps."""
-        if self.jumping or self.changing is not None:
+        if name in self.jumping or self.changing is not None:
             return False
         return is_proved(self.equations, self.equations.system.integrals[name])
 
