@@ -942,3 +942,21 @@ def test_an_integral_that_jumps_is_told_of_where_velocities_are_split(method):
     assert np.abs(run["work"] - [1, 1, 0, 0]).max() < 1e-9
     (note,) = run.notes
     assert "'work' jumps with the forces, and drifts" in note and "changed by 1," in note
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+def test_ensembles_and_sections_tell_of_integrals_that_are_not_kept_with_friction(method):
+    swing = vo.System(
+        name="swing", fibration=vo.Fibration(x), lagrangian=(Dx**2 - x**2) / 2,
+        forces={x: -sp.sign(Dx) / 8},
+        integrals={"half": Dx**2 + (x + sp.sign(Dx) / 8) ** 2, "energy": Dx**2 + x**2},
+    )  # fmt: skip
+    both = vo.ensemble(swing, {x: [3, 4], Dx: [-1, 0]}, times=[0, 1, 4, 8], method=method)
+    starts = {x: [3, 4], Dx: [-1, -1]}
+    some = vo.section(swing, x, starts=starts, crossings=3, until=20, method=method)
+    for many in (both, some):
+        assert len(many.notes) == 2 and not many.errors
+        for notes in many.notes.values():
+            told = "".join(notes)
+            assert len(notes) == 2 and "'energy' is only claimed, and drifts" in told
+            assert "'half' jumps with the forces, and drifts" in told

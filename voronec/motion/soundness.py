@@ -80,7 +80,7 @@ class Breach:
     claim: bool = False
 
 
-MERE_CLAIM = "is only claimed"
+MERE_CLAIM, JUMPING = "is only claimed", "jumps with the forces"
 
 
 def _drift_note(name: str, why: str, time: float, amount: str) -> str:
@@ -167,7 +167,7 @@ class Judge:
             elif self._is_certain(name):
                 breaches.append(Breach(f"the integral '{name}' drifts {amount}", int(rows[i - 1])))
             else:
-                why = "jumps with the forces" if name in self.jumping else MERE_CLAIM
+                why = JUMPING if name in self.jumping else MERE_CLAIM
                 notes.append(_drift_note(name, why, t[rows[i]], amount))
         return breaches, tuple(notes)
 
@@ -348,24 +348,27 @@ def _evaluator(form: Any) -> Any:
 class JudgeOfMany:
     """The same of motions of one program, each with values of its own.
 
-    ``integrals`` maps names of integrals to those of extra quantities of the program.
+    ``integrals`` maps names of integrals to those of extra quantities of the program; those
+    ``jumping`` do so with the forces.
     """
 
     equations: VoronecEquations
     program: Program
     tol: float
     integrals: Mapping[str, str]
+    jumping: frozenset[str] = frozenset()
     _proofs: dict[str, bool] = field(default_factory=dict)
 
     def breaches(
         self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float,
-        looks: Sequence[int] = (),
+        looks: Sequence[int] = (), smooth: bool = True,
     ) -> tuple[dict[int, Breach], dict[int, tuple[str, ...]]]:  # fmt: skip
         """What went wrong with which motion, and what is to be said of mere claims: states
         (m, k, n) at ``t`` (k,), parameters (m, p); each took so many steps.  Before its instants
-        ``looks`` the grid has more, for the equations' sake."""
+        ``looks`` the grid has more, for the equations' sake; these are looked at where they are
+        ``smooth``, else there is more than one right side."""
         single = Windows.of(len(t), EACH, looks).rows
-        found = self._disobedient(t, states, values, steps, single)
+        found = self._disobedient(t, states, values, steps, single) if smooth else {}
         notes = dict[int, tuple[str, ...]]()
         for i, breach in self.losses(np.broadcast_to(t, states.shape[:2]), states, values, steps):
             if breach.claim:
@@ -405,15 +408,16 @@ class JudgeOfMany:
             each = np.broadcast_to(values, (len(rows), len(values)))
             return at_each(function, names, times, rows, each)
 
-        lost = ConservedQuantities({name: (key, key)}, extras).losses(
-            t, states, self.tol, int(steps)
-        )
+        jumps = name in self.jumping
+        quantity = ConservedQuantities({name: (key, key)}, extras, jumps)
+        lost = quantity.losses(t, states, self.tol, int(steps))
         if name not in lost:
             return None
         row, change, allowed = lost[name]
         amount = f"by {change:.2g}, where the tolerance allows {allowed:.2g}"
-        if not self._is_proved(name):
-            return Breach(_drift_note(name, MERE_CLAIM, t[row], amount), row, claim=True)
+        if jumps or not self._is_proved(name):
+            why = JUMPING if jumps else MERE_CLAIM
+            return Breach(_drift_note(name, why, t[row], amount), row, claim=True)
         return Breach(f"the integral '{name}' drifts {amount}", row - 1)
 
     @remember("_proofs")
