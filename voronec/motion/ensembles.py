@@ -289,7 +289,7 @@ class _ResultRows:
                 motions.program,
                 tol,
                 {name: f"integral {name}" for name in integrals},
-                frozenset() if switched is None else switched.jumping,
+                frozenset() if switched is None else switched.jumps,
             ),
             errors=dict(motions.wrong),
         )

@@ -131,7 +131,7 @@ class SwitchedMotions:
         return cls(motions, str(switched.chosen["method"]), tol, reason, switched)
 
     @property
-    def jumping(self) -> frozenset[str]:
+    def jumps(self) -> frozenset[str]:
         """The integrals that jump with the forces."""
         integrals = self.motions.ground.integrals.items()
         return frozenset(name for name, e in integrals if e.atoms(se.sign, se.floor))

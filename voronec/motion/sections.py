@@ -426,7 +426,7 @@ def _follow(
         run=perf_counter() - ready, steps=passages.steps, evaluations=passages.steps,
     )  # fmt: skip
     _refuse_nothing(motions, passages, surface, value)
-    jumping = frozenset[str]() if switched is None else switched.jumping
+    jumping = frozenset[str]() if switched is None else switched.jumps
     _cut_unsound(motions, passages, cost, jumping)
     return cost
 

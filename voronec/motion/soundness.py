@@ -80,7 +80,7 @@ class Breach:
     claim: bool = False
 
 
-MERE_CLAIM, JUMPING = "is only claimed", "jumps with the forces"
+MERE_CLAIM, JUMPS = "is only claimed", "jumps with the forces"
 
 
 def _drift_note(name: str, why: str, time: float, amount: str) -> str:
@@ -167,7 +167,7 @@ class Judge:
             elif self._is_certain(name):
                 breaches.append(Breach(f"the integral '{name}' drifts {amount}", int(rows[i - 1])))
             else:
-                why = JUMPING if name in self.jumping else MERE_CLAIM
+                why = JUMPS if name in self.jumping else MERE_CLAIM
                 notes.append(_drift_note(name, why, t[rows[i]], amount))
         return breaches, tuple(notes)
 
@@ -416,7 +416,7 @@ class JudgeOfMany:
         row, change, allowed = lost[name]
         amount = f"by {change:.2g}, where the tolerance allows {allowed:.2g}"
         if jumps or not self._is_proved(name):
-            why = JUMPING if jumps else MERE_CLAIM
+            why = JUMPS if jumps else MERE_CLAIM
             return Breach(_drift_note(name, why, t[row], amount), row, claim=True)
         return Breach(f"the integral '{name}' drifts {amount}", row - 1)
 
