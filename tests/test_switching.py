@@ -1,6 +1,7 @@
 """Right sides that are not smooth: friction, steps, switches, motions held on walls."""
 
 from importlib.util import find_spec
+from shutil import which
 
 import mpmath as mp
 import numpy as np
@@ -20,6 +21,7 @@ pytestmark = pytest.mark.slow
 x, y, t = sp.Symbol("x"), sp.Symbol("y"), vo.time
 Dx, Dy = vo.velocity(x), vo.velocity(y)
 METHODS = ("heyoka", "scipy", "lsoda", "flint", "auto")
+COMPILED = ("python", *(["numba"] if find_spec("numba") else []), *(["c"] if which("cc") else []))
 PRECISION = {"flint": 1e-30}
 ERROR = {"flint": 1e-26, "lsoda": 1e-9}
 
@@ -694,15 +696,20 @@ def test_a_motion_may_end_in_any_precision_just_where_it_switches():
     assert float(back["xdot"][-1]) == pytest.approx(0.5, abs=1e-9)
 
 
-def test_an_integral_that_jumps_with_friction_is_told_of():
-    """Of each half of a swing it is one."""
+@pytest.mark.parametrize("method", [*METHODS, "python"])
+def test_an_integral_that_jumps_with_friction_is_told_of(method):
+    """Of each half of a swing it is one; at both ends, where nothing moves, it has other values."""
     swing = vo.System(
         name="swing", fibration=vo.Fibration(x), lagrangian=(Dx**2 - x**2) / 2,
         forces={x: -sp.sign(Dx)}, integrals={"half": Dx**2 + (x + sp.sign(Dx)) ** 2},
     )  # fmt: skip
-    run = vo.integrate(swing, initial={x: 4, Dx: 0}, times=[0, 1, 4, 8])
-    assert any("'half' jumps with the forces, and drifts" in note for note in run.notes)
-    assert not vo.integrate(swing, initial={x: 3, Dx: -1}, times=[1, 2, 3]).notes
+    given = {"method": method, "tol": PRECISION.get(method, 1e-13)}
+    for times in ([0, 8], [0, 1, 4, 8], np.linspace(0, 8, 31)):
+        run = vo.integrate(swing, initial={x: 4, Dx: 0}, times=times, **given)
+        (note,) = run.notes
+        assert "'half' jumps with the forces, and drifts" in note
+        assert ("by 16," if len(times) == 2 else "by 7,") in note
+    assert not vo.integrate(swing, initial={x: 3, Dx: -1}, times=[1, 2, 3], **given).notes
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -886,3 +893,70 @@ def test_a_wall_on_which_the_equations_are_0_over_0_ends_a_motion_of_many_digits
     with pytest.raises(IntegrationError, match="not defined after") as error:
         vo.integrate(point, times=[0, 0.1, 2], initial={x: 2, y: 1, Dy: -1}, tol=1e-25)
     assert len(error.value.trajectory) == 2
+
+
+@pytest.mark.parametrize("method", [*METHODS, "python"])
+@pytest.mark.parametrize("corner", [0, -3])
+def test_a_load_that_sets_in_leads_away_from_a_corner_at_rest(method, corner):
+    """x'' = -k x + a s from rest, s = t - 1, with k > 0 on one side, 0 or 1 on the other: beside
+    the corner the way is a s^3/6, less than the rounding of a step's dense output."""
+    z, late = x - corner, sp.Max(0, t - 1)
+    pulls = sp.Piecewise((-z, z < 0), (-4 * z, True))
+    sine = float(1 - mp.sin(1))
+    cases = (
+        (pulls + late, float(1 - mp.sin(2) / 2) / 4), (pulls - late, -sine),
+        (-abs(z) + late, sine), (-abs(z) - late, float(1 - mp.sinh(1))),
+        (-sp.Max(z, 0) + late, sine), (-sp.Max(z, 0) - late, -1 / 6),
+    )  # fmt: skip
+    for force, way in cases:
+        found = motion(mass_point(force), (corner, 0), 2, method)
+        assert abs(float(found["x"][-1]) - corner - way) < max(error(method), 1e-15), force
+
+
+@pytest.mark.parametrize("method", [*METHODS, *COMPILED])
+def test_a_table_that_sets_in_leads_away_from_a_corner_at_rest(method):
+    pulls = sp.Piecewise((-x, x < 0), (-4 * x, True))
+    pushed = vo.System(
+        "pushed", vo.Fibration(base=(x,)), lagrangian=Dx**2 / 2, forces={x: pulls + y}, inputs=(y,)
+    )
+    ramp = {y: vo.Table([0, 1, 2], [0, 0, 1], "linear")}
+    found = motion(pushed, (0, 0), 2, method, inputs=ramp)
+    assert abs(float(found["x"][-1]) - float(1 - mp.sin(2) / 2) / 4) < max(error(method), 1e-15)
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "lsoda", "python"])
+def test_an_integral_that_jumps_is_told_of_where_velocities_are_split(method):
+    """A skate turns through a right angle, where ydot = xdot tan(theta) ends, until friction stops
+    it after 8 units of time: the integral is 1 before, and 0 from there on."""
+    theta = sp.Symbol("theta")
+    turn = vo.velocity(theta)
+    skate = vo.System(
+        "skate", vo.Fibration(base=(x, theta), fibre=(y,)),
+        lagrangian=(Dx**2 + Dy**2 + turn**2) / 2,
+        constraints=(Dx * sp.sin(theta) - Dy * sp.cos(theta),),
+        forces={theta: -sp.sign(turn) / 8},
+        integrals={"work": turn**2 + theta * sp.sign(turn) / 4},
+    )  # fmt: skip
+    start = {x: 0, y: 0, theta: 0, Dx: 1, turn: 1}
+    run = vo.integrate(skate, initial=start, times=[0, 4, 9, 12], method=method, tol=1e-12)
+    assert np.abs(run["work"] - [1, 1, 0, 0]).max() < 1e-9
+    (note,) = run.notes
+    assert "'work' jumps with the forces, and drifts" in note and "changed by 1," in note
+
+
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+def test_ensembles_and_sections_tell_of_integrals_that_are_not_kept_with_friction(method):
+    swing = vo.System(
+        name="swing", fibration=vo.Fibration(x), lagrangian=(Dx**2 - x**2) / 2,
+        forces={x: -sp.sign(Dx) / 8},
+        integrals={"half": Dx**2 + (x + sp.sign(Dx) / 8) ** 2, "energy": Dx**2 + x**2},
+    )  # fmt: skip
+    both = vo.ensemble(swing, {x: [3, 4], Dx: [-1, 0]}, times=[0, 1, 4, 8], method=method)
+    starts = {x: [3, 4], Dx: [-1, -1]}
+    some = vo.section(swing, x, starts=starts, crossings=3, until=20, method=method)
+    for many in (both, some):
+        assert len(many.notes) == 2 and not many.errors
+        for notes in many.notes.values():
+            told = "".join(notes)
+            assert len(notes) == 2 and "'energy' is only claimed, and drifts" in told
+            assert "'half' jumps with the forces, and drifts" in told

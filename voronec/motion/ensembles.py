@@ -289,6 +289,7 @@ class _ResultRows:
                 motions.program,
                 tol,
                 {name: f"integral {name}" for name in integrals},
+                frozenset() if switched is None else switched.jumps,
             ),
             errors=dict(motions.wrong),
         )
@@ -516,10 +517,8 @@ def _fill_judgements(
     ):
         failed |= {int(at) + i: error for i, error in errors.items()}
     values, each, looks = filled.motions.values[where], steps / len(where), filled.looks
-    smooth = filled.switched is None  # else the equations have more than one right side
-    judged = (
-        filled.judge.breaches(looks.whole, rows, values, each, looks.ends) if smooth else ({}, {})
-    )
+    smooth = filled.switched is None
+    judged = filled.judge.breaches(looks.whole, rows, values, each, looks.ends, smooth)
     filled.notes.update((int(where[i]), notes) for i, notes in judged[1].items())
     for i, breach in judged[0].items():
         time, state = float(looks.whole[breach.row]), rows[i, breach.row].copy()

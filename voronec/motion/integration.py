@@ -513,23 +513,16 @@ class _Job:
         self, trajectory: Trajectory, run: Run, values: Sequence[Any], smooth: bool,
         looks: Sequence[int],
     ) -> tuple[Breach | None, tuple[str, ...]]:  # fmt: skip
-        """What went wrong with a run that came to its end, if anything did, and notes.
-
-        Where the right side is not smooth, what jumps with it is not looked at.
-        """
+        """What went wrong with a run that came to its end, if anything did, and notes."""
         made, equations = self.made, self.vocabulary.equations
         watch = made.watch
         judge = Judge(
             equations, made.program, [float(x) for x in values], trajectory.cost.tolerance,
             run.steps, watch.integrals_to_follow(smooth), watch.relations, made.relations,
-            self.outset.changing, looks=looks, spans=run.spans,
+            self.outset.changing, watch.integrals_to_follow(smooth, jumping=True), looks, run.spans,
         )  # fmt: skip
         t, states = run.t.astype(float), run.states.astype(float)
         breach, notes = judge.breach(t, states)
-        rest = watch.integrals_to_follow(True).items() - judge.integrals.items()
-        if rest:
-            jumping = replace(judge, integrals=dict(rest), jumping=True)
-            notes = (*notes, *jumping.drift_notes(t, states))
         form = equations.raw.form
         own = [str(x) for x in (*form.coordinates, *form.velocities)]
         if smooth and breach is None and {*own} <= {*trajectory.series, *trajectory.names}:

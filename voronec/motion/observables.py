@@ -113,14 +113,17 @@ class Watch:
                 "wall; leave them out, or end the run before"
             )
 
-    def integrals_to_follow(self, smooth: bool) -> dict[str, tuple[str, str]]:
+    def integrals_to_follow(
+        self, smooth: bool, jumping: bool = False
+    ) -> dict[str, tuple[str, str]]:
         """The integrals to follow, each with the size of its terms, by the names under which the
-        program computes them; where the right side is not smooth, those that do not jump with it.
+        program computes them; where the right side is not smooth, those that do not jump with it,
+        or those ``jumping``.
         """
         return {
             name: (key, self.sizes[name])
             for name, key in self.integrals.items()
-            if smooth or not self.expressions[key].atoms(se.sign, se.floor)
+            if jumping == (not smooth and bool(self.expressions[key].atoms(se.sign, se.floor)))
         }
 
 

@@ -130,6 +130,12 @@ class SwitchedMotions:
         reason = f"{switched.chosen['reason']}; not smooth, so one by one"
         return cls(motions, str(switched.chosen["method"]), tol, reason, switched)
 
+    @property
+    def jumps(self) -> frozenset[str]:
+        """The integrals that jump with the forces."""
+        integrals = self.motions.ground.integrals.items()
+        return frozenset(name for name, e in integrals if e.atoms(se.sign, se.floor))
+
     def along(self, i: int, grid: np.ndarray) -> tuple[np.ndarray, IntegrationError | None, int]:
         """Motion i along a grid: states (k, n), the error that ended it, steps."""
         state, values = self.motions.states[i], self.motions.values[i]

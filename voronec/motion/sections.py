@@ -426,8 +426,8 @@ def _follow(
         run=perf_counter() - ready, steps=passages.steps, evaluations=passages.steps,
     )  # fmt: skip
     _refuse_nothing(motions, passages, surface, value)
-    if switched is None:  # else the equations have more than one right side
-        _cut_unsound(motions, passages, cost)
+    jumping = frozenset[str]() if switched is None else switched.jumps
+    _cut_unsound(motions, passages, cost, jumping)
     return cost
 
 
@@ -511,11 +511,14 @@ def _refuse_nothing(motions: Many, passages: SectionPassages, surface: str, valu
     )
 
 
-def _cut_unsound(motions: Many, passages: SectionPassages, cost: Cost) -> None:
-    """Of motions that lose a proved integral keep the points before that, and say so."""
+def _cut_unsound(
+    motions: Many, passages: SectionPassages, cost: Cost, jumping: frozenset[str]
+) -> None:
+    """Of motions that lose a proved integral keep the points before that, and say so; those
+    ``jumping`` with the forces need not be kept."""
     own = motions.vocabulary.equations
     integrals = {name: f"integral {name}" for name in motions.ground.integrals}
-    judge = JudgeOfMany(own, motions.program, cost.tolerance, integrals)
+    judge = JudgeOfMany(own, motions.program, cost.tolerance, integrals, jumping)
     steps = cost.steps / max(1, len(motions.sound))
     for i in motions.sound:
         if not passages.parts[i]:

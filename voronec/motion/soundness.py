@@ -65,6 +65,9 @@ those of each of many motions."""
 DISOBEDIENT = "the states do not obey the equations"
 SLOPE = 6e-6
 """The step of difference quotients: the cube root of the rounding."""
+JUMP = 0.01
+"""A quantity jumps at a state where it changes, beside it, by less than this part of what it
+changes on the first step away from it."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +80,7 @@ class Breach:
     claim: bool = False
 
 
-MERE_CLAIM = "is only claimed"
+MERE_CLAIM, JUMPS = "is only claimed", "jumps with the forces"
 
 
 def _drift_note(name: str, why: str, time: float, amount: str) -> str:
@@ -90,10 +93,10 @@ class Judge:
 
     ``integrals`` and ``relations`` name extra quantities of the program, and those that give the
     size of the terms; ``vanishing`` are further relations, expressions in the program's symbols;
-    parameters that are ``changing`` are those of the start among the ``values``; of integrals that
-    are ``jumping`` with the forces no proof holds across the jumps.  Before its instants ``looks``
-    the grid has more, for the equations' sake; of what is not smooth ``spans`` are those between
-    its switches.
+    parameters that are ``changing`` are those of the start among the ``values``; of the integrals
+    ``jumping`` with the forces, named in the same way, no proof holds across the jumps.  Before its
+    instants ``looks`` the grid has more, for the equations' sake; of what is not smooth ``spans``
+    are those between its switches.
     """
 
     equations: VoronecEquations
@@ -105,7 +108,7 @@ class Judge:
     relations: Mapping[str, str]
     vanishing: Sequence[Any] = ()
     changing: Signals | None = None
-    jumping: bool = False
+    jumping: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     looks: Sequence[int] = ()
     spans: Sequence[SmoothSpan] = ()
 
@@ -133,10 +136,6 @@ class Judge:
         jumps = (span for signal in inputs for span in signal.sharp)
         return Windows.of(len(t), most, self.looks).beside(t, jumps)
 
-    def drift_notes(self, t: np.ndarray, states: np.ndarray) -> tuple[str, ...]:
-        """What is to be said of integrals that need not stay."""
-        return self._losses(t, states)[1]
-
     def at(self, t: np.ndarray) -> list[Any]:
         """The values of the parameters at times (k,): doubles, or arrays of them."""
         return values_along(self.changing, map(str, self.program.parameters), self.values, t)
@@ -157,9 +156,10 @@ class Judge:
         rows = spread(len(t), ROWS)
         relations = {name: (key, "") for name, key in self.relations.items()}
         relations |= {f"{e} = 0": (f"vanishing {e}", "") for e in self.vanishing}
-        conserved = ConservedQuantities({**self.integrals, **relations}, self._extras())
+        extras, run = self._extras(), (t[rows], states[rows], self.tol, self.steps)
         breaches, notes = [], []
-        lost = conserved.losses(t[rows], states[rows], self.tol, self.steps)
+        lost = ConservedQuantities({**self.integrals, **relations}, extras).losses(*run)
+        lost |= ConservedQuantities(self.jumping, extras, jumping=True).losses(*run)
         for name, (i, change, allowed) in lost.items():
             amount = f"by {change:.2g}, where the tolerance allows {allowed:.2g}"
             if name in relations:
@@ -167,14 +167,14 @@ class Judge:
             elif self._is_certain(name):
                 breaches.append(Breach(f"the integral '{name}' drifts {amount}", int(rows[i - 1])))
             else:
-                why = "jumps with the forces" if self.jumping else MERE_CLAIM
+                why = JUMPS if name in self.jumping else MERE_CLAIM
                 notes.append(_drift_note(name, why, t[rows[i]], amount))
         return breaches, tuple(notes)
 
     def _is_certain(self, name: str) -> bool:
         """Whether an integral must stay: proofs take parameters for constants, and hold between
         jumps."""
-        if self.jumping or self.changing is not None:
+        if name in self.jumping or self.changing is not None:
             return False
         return is_proved(self.equations, self.equations.system.integrals[name])
 
@@ -202,10 +202,13 @@ class ConservedQuantities:
     give the size of their terms (empty where these are not known).
 
     ``extras(t, states)`` gives all quantities of the program at times (k,) and states (k, n).
+    Where they are ``jumping`` a state may lie just on a jump: slopes across it say nothing, and
+    a quantity has its value there, though none is beside it.
     """
 
     names: Mapping[str, tuple[str, str]]
     extras: Callable[[np.ndarray, np.ndarray], Mapping[str, np.ndarray]]
+    jumping: bool = False
 
     def losses(
         self, t: np.ndarray, states: np.ndarray, tol: float, steps: int
@@ -254,10 +257,15 @@ class ConservedQuantities:
                 moved = states.copy()
                 moved[:, j] += places * step
                 ends.append(self.extras(t, moved)[key])
+            above, below, far_above, far_below = ends
             with np.errstate(all="ignore"):
-                total += np.abs(ends[0] - ends[1]) / (2 * step)
-                near, far = here - (ends[0] + ends[1]) / 2, here - (ends[2] + ends[3]) / 2
-                rough = np.fmax(rough, np.abs(4 * near - far) / 3)
+                flat = np.abs(far_above - above) + np.abs(far_below - below)
+                jumps = flat < JUMP * np.maximum(np.abs(above - here), np.abs(below - here))
+                jumps &= self.jumping
+                total += np.where(jumps, flat, np.abs(above - below)) / (2 * step)
+                near, far = here - (above + below) / 2, here - (far_above + far_below) / 2
+                off = np.where(jumps, 0.0, np.abs(4 * near - far) / 3)
+                rough = np.fmax(rough, off)
         return total * largest, rough
 
 
@@ -340,24 +348,27 @@ def _evaluator(form: Any) -> Any:
 class JudgeOfMany:
     """The same of motions of one program, each with values of its own.
 
-    ``integrals`` maps names of integrals to those of extra quantities of the program.
+    ``integrals`` maps names of integrals to those of extra quantities of the program; those
+    ``jumping`` do so with the forces.
     """
 
     equations: VoronecEquations
     program: Program
     tol: float
     integrals: Mapping[str, str]
+    jumping: frozenset[str] = frozenset()
     _proofs: dict[str, bool] = field(default_factory=dict)
 
     def breaches(
         self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float,
-        looks: Sequence[int] = (),
+        looks: Sequence[int] = (), smooth: bool = True,
     ) -> tuple[dict[int, Breach], dict[int, tuple[str, ...]]]:  # fmt: skip
         """What went wrong with which motion, and what is to be said of mere claims: states
         (m, k, n) at ``t`` (k,), parameters (m, p); each took so many steps.  Before its instants
-        ``looks`` the grid has more, for the equations' sake."""
+        ``looks`` the grid has more, for the equations' sake; these are looked at where they are
+        ``smooth``, else there is more than one right side."""
         single = Windows.of(len(t), EACH, looks).rows
-        found = self._disobedient(t, states, values, steps, single)
+        found = self._disobedient(t, states, values, steps, single) if smooth else {}
         notes = dict[int, tuple[str, ...]]()
         for i, breach in self.losses(np.broadcast_to(t, states.shape[:2]), states, values, steps):
             if breach.claim:
@@ -397,15 +408,16 @@ class JudgeOfMany:
             each = np.broadcast_to(values, (len(rows), len(values)))
             return at_each(function, names, times, rows, each)
 
-        lost = ConservedQuantities({name: (key, key)}, extras).losses(
-            t, states, self.tol, int(steps)
-        )
+        jumps = name in self.jumping
+        quantity = ConservedQuantities({name: (key, key)}, extras, jumps)
+        lost = quantity.losses(t, states, self.tol, int(steps))
         if name not in lost:
             return None
         row, change, allowed = lost[name]
         amount = f"by {change:.2g}, where the tolerance allows {allowed:.2g}"
-        if not self._is_proved(name):
-            return Breach(_drift_note(name, MERE_CLAIM, t[row], amount), row, claim=True)
+        if jumps or not self._is_proved(name):
+            why = JUMPS if jumps else MERE_CLAIM
+            return Breach(_drift_note(name, why, t[row], amount), row, claim=True)
         return Breach(f"the integral '{name}' drifts {amount}", row - 1)
 
     @remember("_proofs")

@@ -334,12 +334,12 @@ class SplitRun:
         """A stretch up to where it went wrong, if it did; what is to be said is noted."""
         watch, home = split.watch, self.ground.home
         watch.require_reactions(part.held, home.system.name)
-        integrals = watch.integrals_to_follow(smooth)
         judge = Judge(
             home, split.program,
             [float(x) for x in self.ground.values(split.program, float(part.t[0]))],
-            self.chosen["tolerance"], part.steps, integrals, watch.relations,
-            changing=self.ground.changing, looks=looks, spans=part.spans,
+            self.chosen["tolerance"], part.steps, watch.integrals_to_follow(smooth),
+            watch.relations, (), self.ground.changing,
+            watch.integrals_to_follow(smooth, jumping=True), looks, part.spans,
         )  # fmt: skip
         t, states = part.t.astype(float), part.states.astype(float)
         breach, notes = judge.breach(t, states)

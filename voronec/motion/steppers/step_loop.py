@@ -41,6 +41,9 @@ __all__ = [
 ]
 
 
+Levels = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""Times (k,) and states (k, n) to the events' functions (k, m)."""
+
 LOOKS = 8
 """Parts of a step at whose ends the functions are looked at."""
 TOUCH = 0.1
@@ -97,15 +100,8 @@ def crossings(
     ``first`` step of a run others may be zero at its start, and again soon after it.
     """
     start, end = stride.start, stride.end
-    times = np.array([start + (end - start) * i / LOOKS for i in range(LOOKS)] + [end])
-    values = levels(times, stride.at(times))
-    for column, event in events.items():
-        if event.name in walls and values[0, column] <= 0:
-            values[0, column] = GRAIN
-            # what stays at zero, as a push that is just what friction bears, does not fall
-            values[values[:, column] == 0, column] = GRAIN
-        elif event.name not in walls:
-            _leave_touches(values[:, column])
+    times, values = _look_along(events, levels, stride, walls)
+    on_wall = values[0] == GRAIN
     touches, found = _may_touch(values), []
     brackets = _early_brackets(levels, stride, times[1], walls, events) if first else []
     for i, column in np.argwhere(touches | crosses(values[:-1], values[1:])).tolist():
@@ -120,7 +116,10 @@ def crossings(
             moment = np.array([time], dtype=times.dtype)
             return levels(moment, stride.at(moment))[0, column]
 
-        if is_touch and (turn := _turn(level, bracket, event.name in walls)):
+        # beside the wall that a step leaves, values are the rounding of its dense output
+        leaves = on_wall[column] and bracket[0][0] == start and values.dtype != object
+        least = _rounding(levels, stride, values, column) if is_touch and leaves else 0.0
+        if is_touch and (turn := _turn(level, bracket, event.name in walls, least)):
             bracket.insert(1, turn)
         for (a, before), (b, after) in pairwise(bracket):
             if crosses(before, after, event.direction if end > start else -event.direction):
@@ -128,6 +127,24 @@ def crossings(
                 if event.name in walls or not _is_pole(level, (a, before), time, (b, after)):
                     found.append((time, event))
     return sorted(found, key=lambda pair: abs(pair[0] - start))
+
+
+def _look_along(
+    events: Mapping[int, Event], levels: Levels, stride: Stride, walls: frozenset[str]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Times (k,) along a step and the functions there (k, m): a wall on which it starts is beyond
+    none, and zeros where others touch it are no passages."""
+    start, end = stride.start, stride.end
+    times = np.array([start + (end - start) * i / LOOKS for i in range(LOOKS)] + [end])
+    values = levels(times, stride.at(times))
+    for column, event in events.items():
+        if event.name in walls and values[0, column] <= 0:
+            values[0, column] = GRAIN
+            # what stays at zero, as a push that is just what friction bears, does not fall
+            values[values[:, column] == 0, column] = GRAIN
+        elif event.name not in walls:
+            _leave_touches(values[:, column])
+    return times, values
 
 
 def _is_pole(
@@ -204,18 +221,30 @@ def _leave_touches(values: np.ndarray) -> None:
         here[i] = GRAIN if before[i] > 0 else -GRAIN
 
 
+def _rounding(levels: Levels, stride: Stride, values: np.ndarray, column: int) -> float:
+    """The rounding of a function in a step, by its ``values`` there (k, m): of its terms, and of
+    dense output, which is that of the largest change."""
+    state = stride.at(np.array([stride.start]))
+    moved = state + np.diag(TINY * state[0])
+    times = np.full(len(moved) + 1, stride.start)
+    here, *others = levels(times, np.vstack([state, moved]))[:, column]
+    terms = np.nansum(np.abs(np.array(others) - here)) / TINY
+    return float(ROUNDINGS * (terms + np.nanmax(np.abs(values[:, column]))))
+
+
 def _turn(
-    function: Callable[[Any], Any], bracket: Sequence[tuple[Any, Any]], or_zero: bool
-) -> tuple[Any, Any] | None:
-    """A point between two, and the value there, where the function has the other sign, ``or_zero``;
-    None where it keeps its own."""
+    function: Callable[[Any], Any], bracket: Sequence[tuple[Any, Any]], or_zero: bool,
+    least: float = 0.0,
+) -> tuple[Any, Any] | None:  # fmt: skip
+    """A point between two, and the value there, where the function has the other sign by more than
+    the ``least``, or else ``or_zero``; None where it keeps its own."""
     (a, value), (b, _) = bracket
     sign = 1 if value > 0 else -1
     c, d = a + (b - a) * GOLDEN, b - (b - a) * GOLDEN
     low, high = function(c), function(d)
     for _ in range(NARROWINGS):
         for place, level in ((c, low), (d, high)):
-            if sign * level < 0 or (or_zero and level == 0):
+            if sign * level < -least or (or_zero and level == least == 0):
                 return place, level
         if sign * low < sign * high:
             b, d, high = d, c, low
@@ -311,10 +340,6 @@ class Walker(Protocol):
     @property
     def evaluations(self) -> int:
         """How often the right-hand side was evaluated so far."""
-
-
-Levels = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""Times (k,) and states (k, n) to the events' functions (k, m)."""
 
 
 def level_function(problem: Problem) -> Levels:
