@@ -38,6 +38,7 @@ __all__ = [
     "level_function",
     "march",
     "root",
+    "rounding",
 ]
 
 
@@ -52,6 +53,9 @@ RATIO, RATIOS, ROUNDINGS = 4.0, 26, 2e-15
 """Where a function is zero at the start of a run, it is looked at after so many spans, each so many
 times longer than the one before, too: it may be zero again soon. Less than the last, in units of
 the states, is rounding."""
+ROUNDOFF = 1e-15
+"""What rounding makes of a state, in units of its size: where a function goes beyond zero and comes
+back by less than that makes of it, it touches zero."""
 BESIDE, TALL = 1e-6, 100.0
 """A pole is told by values so many times larger than at this part of a span from it."""
 TRIES = 200
@@ -86,6 +90,18 @@ def early_returns(values: np.ndarray, states: np.ndarray) -> dict[int, tuple[int
     return found
 
 
+def rounding(levels: Levels, time: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """By how much rounding may change functions (m,) at a time (1,): ``states`` (k, n) are that,
+    then others on the way, which tell how large each is; of many digits it does not count."""
+    here = states[:1]
+    if states.dtype == object:
+        return np.zeros(levels(time, here).shape[1])
+    rows = np.vstack([here, here + ROUNDOFF * np.diag(np.abs(states).max(axis=0))])
+    with np.errstate(all="ignore"):
+        values = levels(np.repeat(time, len(rows)), rows)
+        return np.asarray(np.nansum(np.abs(values[1:] - values[:1]), axis=0))
+
+
 def crossings(
     events: Mapping[int, Event], levels: Callable[..., np.ndarray], stride: Stride,
     walls: frozenset[str] = frozenset(), first: bool = False,
@@ -98,7 +114,8 @@ def crossings(
     """
     start, end = stride.start, stride.end
     times = np.array([start + (end - start) * i / LOOKS for i in range(LOOKS)] + [end])
-    values = levels(times, stride.at(times))
+    states = stride.at(times)
+    values = levels(times, states)
     for column, event in events.items():
         if event.name in walls and values[0, column] <= 0:
             values[0, column] = GRAIN
@@ -120,7 +137,11 @@ def crossings(
             moment = np.array([time], dtype=times.dtype)
             return levels(moment, stride.at(moment))[0, column]
 
-        if is_touch and (turn := _turn(level, bracket, event.name in walls)):
+        is_wall, depth = event.name in walls, 0.0
+        if is_touch and not is_wall:
+            middle = np.array([bracket[0][0] + (bracket[1][0] - bracket[0][0]) / 2], times.dtype)
+            depth = rounding(levels, middle, np.vstack([stride.at(middle), states]))[column]
+        if is_touch and (turn := _turn(level, bracket, is_wall, depth)):
             bracket.insert(1, turn)
         for (a, before), (b, after) in pairwise(bracket):
             if crosses(before, after, event.direction if end > start else -event.direction):
@@ -205,17 +226,17 @@ def _leave_touches(values: np.ndarray) -> None:
 
 
 def _turn(
-    function: Callable[[Any], Any], bracket: Sequence[tuple[Any, Any]], or_zero: bool
+    function: Callable[[Any], Any], bracket: Sequence[tuple[Any, Any]], or_zero: bool, depth: Any
 ) -> tuple[Any, Any] | None:
-    """A point between two, and the value there, where the function has the other sign, ``or_zero``;
-    None where it keeps its own."""
+    """A point between two, and the value there, where the function has the other sign, beyond a
+    ``depth``, ``or_zero``; None where it keeps its own."""
     (a, value), (b, _) = bracket
     sign = 1 if value > 0 else -1
     c, d = a + (b - a) * GOLDEN, b - (b - a) * GOLDEN
     low, high = function(c), function(d)
     for _ in range(NARROWINGS):
         for place, level in ((c, low), (d, high)):
-            if sign * level < 0 or (or_zero and level == 0):
+            if sign * level < -depth or (or_zero and level == 0):
                 return place, level
         if sign * low < sign * high:
             b, d, high = d, c, low
@@ -405,10 +426,12 @@ class _March:
             self.is_on_wall = self.is_on_wall and self.stays(stride, fine)
             stride, found = self.cut(stride, found, fine)
             for time, event in found:
-                state = stride.at(np.array([time], dtype=self.states.dtype))[0]
-                if self.log.enter(event, time, state):
-                    end = time
+                if self.log.stopped and not self.log.is_at_end(time):
                     break
+                if not self.log.stopped:
+                    end, state = time, stride.at(np.array([time], dtype=self.states.dtype))[0]
+                self.log.enter(event, end, state)
+            end = end if self.log.stopped else stride.end
         reached = self.count_until(end)
         self.idle += 1
         if reached > self.done:
