@@ -431,3 +431,24 @@ def test_a_zero_is_found_to_the_last_digit_in_few_looks() -> None:
     looks.clear()
     assert root(lambda t: looks.append(t) or (t - 0.3) ** 3, 0.0, -0.027, 2.0, 4.913) == 0.3
     assert len(looks) < 130
+
+
+@pytest.mark.parametrize("method", [*DOUBLES, "flint", *COMPILED])
+def test_what_touches_zero_is_none_and_what_dips_below_it_two(method: str) -> None:
+    touch, dip = vo.Event(x + 1, "touch"), vo.Event(x + 1 - sp.Float("1e-9"), "dip")
+    found = cosine(method, tol=1e-13, events=(touch, dip)).events
+    apart = np.arccos(1 - 1e-9)
+    places = [turn * np.pi + side * apart for turn in (1, 3) for side in (-1, 1)]
+    assert len(found["touch"]) == 0 and close(found["dip"].t, places, 1e-6)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+@pytest.mark.parametrize("method", [*DOUBLES, "flint", "python"])
+def test_all_that_happens_at_the_instant_of_a_stop_is_told(method: str, way: int) -> None:
+    stops = [vo.Event(k * x, f"{k}", stop=True) for k in (1, 2)]
+    later = vo.Event(x + sp.Rational(1, 10**6), "later")
+    found = cosine(method, way * GRID, events=(*stops, vo.Event(x * Dx, "product"), later))
+    assert found.stopped in ("1", "2") and len(found.events["later"]) == 0
+    for name in ("1", "2", "product"):
+        assert close(found.events[name].t, [way * np.pi / 2])
+        assert found.events[name].t[0] == found.t[-1]

@@ -54,6 +54,7 @@ from voronec.motion.steppers.step_loop import (
     early_returns,
     level_function,
     root,
+    rounding,
 )
 from voronec.motion.steppers.units import CHUNK, LEAST, SHORT, TurnCount, natural_units
 
@@ -89,6 +90,8 @@ COMPACT = 60.0
 NARROW, WIDE, WIDER = 1e-12, 1e-2, 8.0
 """About a zero of a series its function is looked at this part of a step before and after, and ever
 farther off by the third, up to the second, until its signs differ."""
+AROUND = 1 / 16
+"""Of a step; so far about a zero it is seen how large states are, and their rounding is told."""
 LATE = 1e-6
 """This part of the last step before its end, a function is looked at that may be zero there."""
 IDLE = 16
@@ -211,13 +214,15 @@ def _integrator(problem: Problem, log: Log, winding: TurnCount, hy: Any) -> Any:
     moving = _moving_extras(levels) if levels is not None else set()
     watched: list[Any] = []
     kinds: dict[str, list[Any]] = {"nt_events": [], "t_events": []}
+    names = levels.names if levels is not None else ()
+    columns = {event.name: (names.index(event.name), event) for event in problem.events}
     for event in problem.events:
         if levels is None or event.name not in moving:
             continue  # a constant passes through nothing, and heyoka takes none
         expr = functions[event.name] + (GRAIN if event.name in problem.walls else SPECK)
         watched.append(expr)
         kind = kinds["t_events" if event.stop else "nt_events"]
-        kind.append(_event_of(event, levels.names.index(event.name), expr, log, winding, hy))
+        kind.append(_event_of(event, columns, expr, log, winding, hy))
     system = taylor_system(program, units)
     count = parameter_count([e for _, e in system] + watched, hy)
     beside = levels.extras.weight(levels.parameters) if levels is not None else 0.0
@@ -254,24 +259,49 @@ def _moving_extras(levels: Program) -> set[str]:
     return {name for name, expr in pairs if se.sympify(expr).free_symbols & moving}
 
 
-def _event_of(event: Event, column: int, expr: Any, log: Log, winding: TurnCount, hy: Any) -> Any:
-    """heyoka's own event, which writes into the log; ``column`` is that of its function."""
+def _event_of(
+    event: Event, columns: dict[str, tuple[int, Event]], expr: Any, log: Log, winding: TurnCount,
+    hy: Any,
+) -> Any:  # fmt: skip
+    """heyoka's own event, which writes into the log; ``columns`` are those of all events.
+
+    heyoka calls but one of those that stop it at one instant; it enters the others."""
     kinds = hy.event_direction
     direction = {1: kinds.positive, -1: kinds.negative, 0: kinds.any}[event.direction]
 
-    def enter(integrator: Any, time: float) -> bool:
-        def level(moment: float) -> float:
-            integrator.update_d_output(moment)
-            states = winding.whole(integrator.d_output)[None, :]
-            assert log.levels is not None
-            return float(log.levels(np.array([moment]), states)[0, column])
+    def passage(integrator: Any, time: float, name: str) -> float | None:
+        (column, own), levels = columns[name], log.levels
+        assert levels is not None
 
-        is_wall, step = event.name in log.walls, abs(integrator.last_h)
-        passed = time if is_wall else _passage(level, time, step, event.direction)
-        if passed is None or log.holds(event, passed, NARROW * step):
+        def state(moment: float) -> np.ndarray:
+            integrator.update_d_output(moment)
+            return winding.whole(integrator.d_output)
+
+        def level(moment: float) -> float:
+            return float(levels(np.array([moment]), state(moment)[None, :])[0, column])
+
+        if name in log.walls:
+            return None if log.holds(own, time, 0.0) else time
+        step = integrator.last_h
+        rows = np.stack([state(time + part * step) for part in (0, -AROUND, AROUND)])
+        depth = float(rounding(levels, np.array([time]), rows)[column])
+        passed = _passage(level, time, abs(step), own.direction, depth)
+        return None if passed is None or log.holds(own, passed, NARROW * abs(step)) else passed
+
+    def enter(integrator: Any, time: float) -> bool:
+        passed = passage(integrator, time, event.name)
+        if passed is None:
             return False
         integrator.update_d_output(passed)
-        return log.enter(event, passed, winding.whole(integrator.d_output))
+        state = winding.whole(integrator.d_output)
+        if log.enter(event, passed, state):
+            for name, (_, other) in columns.items():
+                if name == event.name or name in log.walls:
+                    continue
+                again = passage(integrator, passed, name)
+                if again is not None and log.is_at_end(again):
+                    log.enter(other, passed, state)
+        return bool(log.stopped)
 
     def note(integrator: Any, time: float, _sign: int) -> None:
         enter(integrator, time)
@@ -285,10 +315,10 @@ def _event_of(event: Event, column: int, expr: Any, log: Log, winding: TurnCount
 
 
 def _passage(
-    level: Callable[[float], float], time: float, step: float, direction: int
+    level: Callable[[float], float], time: float, step: float, direction: int, depth: float
 ) -> float | None:
     """When a function of the time passes zero in a direction, about a zero of its series in a
-    ``step``; None where it only touches zero.
+    ``step``; None where it only touches zero, or goes beyond it by no more than a ``depth``.
 
     Where a function has a zero of third order, its series, whose coefficients are rounded, has one
     or three, off by the cube root of the rounding: the function itself is asked.
@@ -298,7 +328,7 @@ def _passage(
         before, after = level(time - reach), level(time + reach)
         if not np.isfinite([before, after]).all():
             return time
-        if crosses(before, after) and after != 0:
+        if crosses(before, after) and min(abs(before), abs(after)) > depth:
             if not crosses(before, after, direction):
                 return None
             if reach == least:
@@ -435,10 +465,8 @@ class _Drive:
         for event in sorted(own, key=lambda event: event.stop):
             before, after = values[:, names.index(event.name)]
             passes = crosses(before, after, order * event.direction)
-            if passes and not self.log.holds(event, time, near) and self.log.enter(
-                event, time, state
-            ):  # fmt: skip
-                return
+            if passes and not self.log.holds(event, time, near):
+                self.log.enter(event, time, state)
 
     def chunk(self) -> Halt | None:
         self.machine.fit_units()

@@ -66,6 +66,9 @@ INFINITE = "the state is no longer finite"
 SINGULAR = "the motion cannot be continued"
 AT_START = 1e-12
 """A crossing nearer to the start than this, in units of the span, is the start itself."""
+AT_END = 1e-14
+"""Crossings no farther from the one that stops a run than this, in units of the span or time,
+belong to one instant."""
 DISTANT = 20
 """A run that is stopped by hand so many steps after the last point of its grid keeps where it stood
 besides: what took so long is not thrown away."""
@@ -280,6 +283,11 @@ class Log:
     walls: frozenset[str] = frozenset()
     levels: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None
 
+    def is_at_end(self, time: Any) -> bool:
+        """Whether an instant is, but for rounding, the one at which the run was stopped."""
+        end = self.last[0]
+        return bool(abs(time - end) <= AT_END * max(abs(end), self.span))
+
     def holds(self, event: Event, time: float, near: float) -> bool:
         """Whether the crossing that was kept last of an event is as near as that."""
         rows = self.rows.get(event.name, [])
@@ -292,7 +300,7 @@ class Log:
             return False
         self.rows.setdefault(event.name, []).append((time, state))
         if event.stop:
-            self.stopped = event.name
+            self.stopped = self.stopped or event.name
         return event.stop
 
     @property

@@ -38,6 +38,7 @@ __all__ = [
     "level_function",
     "march",
     "root",
+    "rounding",
 ]
 
 
@@ -55,6 +56,9 @@ RATIO, RATIOS, ROUNDINGS = 4.0, 26, 2e-15
 """Where a function is zero at the start of a run, it is looked at after so many spans, each so many
 times longer than the one before, too: it may be zero again soon. Less than the last, in units of
 the states, is rounding."""
+ROUNDOFF = 1e-15
+"""What rounding makes of a state, in units of its size: where a function goes beyond zero and comes
+back by less than that makes of it, it touches zero."""
 BESIDE, TALL = 1e-6, 100.0
 """A pole is told by values so many times larger than at this part of a span from it."""
 TRIES = 200
@@ -89,6 +93,18 @@ def early_returns(values: np.ndarray, states: np.ndarray) -> dict[int, tuple[int
     return found
 
 
+def rounding(levels: Levels, time: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """By how much rounding may change functions (m,) at a time (1,): ``states`` (k, n) are that,
+    then others on the way, which tell how large each is; of many digits it does not count."""
+    here = states[:1]
+    if states.dtype == object:
+        return np.zeros(levels(time, here).shape[1])
+    rows = np.vstack([here, here + ROUNDOFF * np.diag(np.abs(states).max(axis=0))])
+    with np.errstate(all="ignore"):
+        values = levels(np.repeat(time, len(rows)), rows)
+        return np.asarray(np.nansum(np.abs(values[1:] - values[:1]), axis=0))
+
+
 def crossings(
     events: Mapping[int, Event], levels: Callable[..., np.ndarray], stride: Stride,
     walls: frozenset[str] = frozenset(), first: bool = False,
@@ -100,8 +116,21 @@ def crossings(
     ``first`` step of a run others may be zero at its start, and again soon after it.
     """
     start, end = stride.start, stride.end
+<<<<<<< HEAD
     times, values = _look_along(events, levels, stride, walls)
     on_wall = values[0] == GRAIN
+=======
+    times = np.array([start + (end - start) * i / LOOKS for i in range(LOOKS)] + [end])
+    states = stride.at(times)
+    values = levels(times, states)
+    for column, event in events.items():
+        if event.name in walls and values[0, column] <= 0:
+            values[0, column] = GRAIN
+            # what stays at zero, as a push that is just what friction bears, does not fall
+            values[values[:, column] == 0, column] = GRAIN
+        elif event.name not in walls:
+            _leave_touches(values[:, column])
+>>>>>>> 8202002b81e06b9c3091b8da6aca9d56dedb9026
     touches, found = _may_touch(values), []
     brackets = _early_brackets(levels, stride, times[1], walls, events) if first else []
     for i, column in np.argwhere(touches | crosses(values[:-1], values[1:])).tolist():
@@ -116,10 +145,18 @@ def crossings(
             moment = np.array([time], dtype=times.dtype)
             return levels(moment, stride.at(moment))[0, column]
 
+<<<<<<< HEAD
         # beside the wall that a step leaves, values are the rounding of its dense output
         leaves = on_wall[column] and bracket[0][0] == start and values.dtype != object
         least = _rounding(levels, stride, values, column) if is_touch and leaves else 0.0
         if is_touch and (turn := _turn(level, bracket, event.name in walls, least)):
+=======
+        is_wall, depth = event.name in walls, 0.0
+        if is_touch and not is_wall:
+            middle = np.array([bracket[0][0] + (bracket[1][0] - bracket[0][0]) / 2], times.dtype)
+            depth = rounding(levels, middle, np.vstack([stride.at(middle), states]))[column]
+        if is_touch and (turn := _turn(level, bracket, is_wall, depth)):
+>>>>>>> 8202002b81e06b9c3091b8da6aca9d56dedb9026
             bracket.insert(1, turn)
         for (a, before), (b, after) in pairwise(bracket):
             if crosses(before, after, event.direction if end > start else -event.direction):
@@ -233,18 +270,29 @@ def _rounding(levels: Levels, stride: Stride, values: np.ndarray, column: int) -
 
 
 def _turn(
+<<<<<<< HEAD
     function: Callable[[Any], Any], bracket: Sequence[tuple[Any, Any]], or_zero: bool,
     least: float = 0.0,
 ) -> tuple[Any, Any] | None:  # fmt: skip
     """A point between two, and the value there, where the function has the other sign by more than
     the ``least``, or else ``or_zero``; None where it keeps its own."""
+=======
+    function: Callable[[Any], Any], bracket: Sequence[tuple[Any, Any]], or_zero: bool, depth: Any
+) -> tuple[Any, Any] | None:
+    """A point between two, and the value there, where the function has the other sign, beyond a
+    ``depth``, ``or_zero``; None where it keeps its own."""
+>>>>>>> 8202002b81e06b9c3091b8da6aca9d56dedb9026
     (a, value), (b, _) = bracket
     sign = 1 if value > 0 else -1
     c, d = a + (b - a) * GOLDEN, b - (b - a) * GOLDEN
     low, high = function(c), function(d)
     for _ in range(NARROWINGS):
         for place, level in ((c, low), (d, high)):
+<<<<<<< HEAD
             if sign * level < -least or (or_zero and level == least == 0):
+=======
+            if sign * level < -depth or (or_zero and level == 0):
+>>>>>>> 8202002b81e06b9c3091b8da6aca9d56dedb9026
                 return place, level
         if sign * low < sign * high:
             b, d, high = d, c, low
@@ -430,10 +478,12 @@ class _March:
             self.is_on_wall = self.is_on_wall and self.stays(stride, fine)
             stride, found = self.cut(stride, found, fine)
             for time, event in found:
-                state = stride.at(np.array([time], dtype=self.states.dtype))[0]
-                if self.log.enter(event, time, state):
-                    end = time
+                if self.log.stopped and not self.log.is_at_end(time):
                     break
+                if not self.log.stopped:
+                    end, state = time, stride.at(np.array([time], dtype=self.states.dtype))[0]
+                self.log.enter(event, end, state)
+            end = end if self.log.stopped else stride.end
         reached = self.count_until(end)
         self.idle += 1
         if reached > self.done:
