@@ -116,21 +116,8 @@ def crossings(
     ``first`` step of a run others may be zero at its start, and again soon after it.
     """
     start, end = stride.start, stride.end
-<<<<<<< HEAD
-    times, values = _look_along(events, levels, stride, walls)
+    times, states, values = _look_along(events, levels, stride, walls)
     on_wall = values[0] == GRAIN
-=======
-    times = np.array([start + (end - start) * i / LOOKS for i in range(LOOKS)] + [end])
-    states = stride.at(times)
-    values = levels(times, states)
-    for column, event in events.items():
-        if event.name in walls and values[0, column] <= 0:
-            values[0, column] = GRAIN
-            # what stays at zero, as a push that is just what friction bears, does not fall
-            values[values[:, column] == 0, column] = GRAIN
-        elif event.name not in walls:
-            _leave_touches(values[:, column])
->>>>>>> 8202002b81e06b9c3091b8da6aca9d56dedb9026
     touches, found = _may_touch(values), []
     brackets = _early_brackets(levels, stride, times[1], walls, events) if first else []
     for i, column in np.argwhere(touches | crosses(values[:-1], values[1:])).tolist():
@@ -145,18 +132,17 @@ def crossings(
             moment = np.array([time], dtype=times.dtype)
             return levels(moment, stride.at(moment))[0, column]
 
-<<<<<<< HEAD
-        # beside the wall that a step leaves, values are the rounding of its dense output
-        leaves = on_wall[column] and bracket[0][0] == start and values.dtype != object
-        least = _rounding(levels, stride, values, column) if is_touch and leaves else 0.0
-        if is_touch and (turn := _turn(level, bracket, event.name in walls, least)):
-=======
-        is_wall, depth = event.name in walls, 0.0
-        if is_touch and not is_wall:
-            middle = np.array([bracket[0][0] + (bracket[1][0] - bracket[0][0]) / 2], times.dtype)
+        is_wall, begin = event.name in walls, bracket[0][0]
+        leaves = bool(on_wall[column]) and begin == start
+        depth: Any = 0.0
+        if is_touch and leaves and states.dtype != object:
+            # beside the wall that a step leaves, values are the rounding of its dense output, too
+            depth = 2 * rounding(levels, times[:1], states[:1])[column]
+            depth += ROUNDINGS * np.nanmax(np.abs(values[:, column]))
+        elif is_touch and not is_wall:
+            middle = np.array([begin + (bracket[1][0] - begin) / 2], times.dtype)
             depth = rounding(levels, middle, np.vstack([stride.at(middle), states]))[column]
         if is_touch and (turn := _turn(level, bracket, is_wall, depth)):
->>>>>>> 8202002b81e06b9c3091b8da6aca9d56dedb9026
             bracket.insert(1, turn)
         for (a, before), (b, after) in pairwise(bracket):
             if crosses(before, after, event.direction if end > start else -event.direction):
@@ -168,12 +154,13 @@ def crossings(
 
 def _look_along(
     events: Mapping[int, Event], levels: Levels, stride: Stride, walls: frozenset[str]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Times (k,) along a step and the functions there (k, m): a wall on which it starts is beyond
-    none, and zeros where others touch it are no passages."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Times (k,) along a step, the states and the functions there (k, m): a wall on which it starts
+    is beyond none, and zeros where others touch it are no passages."""
     start, end = stride.start, stride.end
     times = np.array([start + (end - start) * i / LOOKS for i in range(LOOKS)] + [end])
-    values = levels(times, stride.at(times))
+    states = stride.at(times)
+    values = levels(times, states)
     for column, event in events.items():
         if event.name in walls and values[0, column] <= 0:
             values[0, column] = GRAIN
@@ -181,7 +168,7 @@ def _look_along(
             values[values[:, column] == 0, column] = GRAIN
         elif event.name not in walls:
             _leave_touches(values[:, column])
-    return times, values
+    return times, states, values
 
 
 def _is_pole(
@@ -258,41 +245,18 @@ def _leave_touches(values: np.ndarray) -> None:
         here[i] = GRAIN if before[i] > 0 else -GRAIN
 
 
-def _rounding(levels: Levels, stride: Stride, values: np.ndarray, column: int) -> float:
-    """The rounding of a function in a step, by its ``values`` there (k, m): of its terms, and of
-    dense output, which is that of the largest change."""
-    state = stride.at(np.array([stride.start]))
-    moved = state + np.diag(TINY * state[0])
-    times = np.full(len(moved) + 1, stride.start)
-    here, *others = levels(times, np.vstack([state, moved]))[:, column]
-    terms = np.nansum(np.abs(np.array(others) - here)) / TINY
-    return float(ROUNDINGS * (terms + np.nanmax(np.abs(values[:, column]))))
-
-
 def _turn(
-<<<<<<< HEAD
-    function: Callable[[Any], Any], bracket: Sequence[tuple[Any, Any]], or_zero: bool,
-    least: float = 0.0,
-) -> tuple[Any, Any] | None:  # fmt: skip
-    """A point between two, and the value there, where the function has the other sign by more than
-    the ``least``, or else ``or_zero``; None where it keeps its own."""
-=======
     function: Callable[[Any], Any], bracket: Sequence[tuple[Any, Any]], or_zero: bool, depth: Any
 ) -> tuple[Any, Any] | None:
     """A point between two, and the value there, where the function has the other sign, beyond a
-    ``depth``, ``or_zero``; None where it keeps its own."""
->>>>>>> 8202002b81e06b9c3091b8da6aca9d56dedb9026
+    ``depth``, or else is zero, ``or_zero``; None where it keeps its own."""
     (a, value), (b, _) = bracket
     sign = 1 if value > 0 else -1
     c, d = a + (b - a) * GOLDEN, b - (b - a) * GOLDEN
     low, high = function(c), function(d)
     for _ in range(NARROWINGS):
         for place, level in ((c, low), (d, high)):
-<<<<<<< HEAD
-            if sign * level < -least or (or_zero and level == least == 0):
-=======
-            if sign * level < -depth or (or_zero and level == 0):
->>>>>>> 8202002b81e06b9c3091b8da6aca9d56dedb9026
+            if sign * level < -depth or (or_zero and level == depth == 0):
                 return place, level
         if sign * low < sign * high:
             b, d, high = d, c, low
