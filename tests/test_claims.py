@@ -138,6 +138,11 @@ def test_the_sleigh_has_no_simple_measure():
     assert verdict_on(balanced, measure=1).proved
 
 
+def test_the_divergence_of_a_size_is_that_of_a_real_number():
+    x = sp.Symbol("x")
+    assert vo.divergence(sp.Abs(x), {x: sp.Abs(x) * x}) == 2 * x**2 + sp.Abs(x) ** 2
+
+
 @pytest.mark.parametrize("bent", [0, 1], ids=["quadratic", "quartic"])
 def test_the_divergence_is_the_divergence(bent):
     """(1 + x^2 + bent v^2) vdot = -k v - x v^2, xdot = v: by hand, and d(v^2 x)/dt."""
