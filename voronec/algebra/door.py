@@ -26,11 +26,15 @@ from voronec.algebra.text import as_expression, quote
 from voronec.algebra.walled_functions import written_with_signs
 from voronec.errors import DefinitionError
 
-__all__ = ["RATES", "Door", "UnknownFunction"]
+__all__ = ["RATES", "Door", "NoValue", "UnknownFunction"]
 
 
 class UnknownFunction(DefinitionError):
     """A function that has a meaning, and none in the engine."""
+
+
+class NoValue(DefinitionError):
+    """What is infinite or undefined wherever its symbols are."""
 
 
 _FUNCTIONS = {
@@ -118,9 +122,9 @@ class Door:
         except RecursionError:
             raise DefinitionError("an expression is nested too deeply to be read") from None
         except (RuntimeError, ZeroDivisionError) as error:  # symengine's word for a bad value
-            raise DefinitionError(f"'{expr}' has no value: {quote(error)}") from None
+            raise NoValue(f"'{expr}' has no value: {quote(error)}") from None
         if any(map(found.has, _NO_VALUES)):
-            raise DefinitionError(f"'{quote(expr)}' has no value: it is infinite or undefined")
+            raise NoValue(f"'{quote(expr)}' has no value: it is infinite or undefined")
         return found
 
     def inward_all(self, exprs: Iterable[Any]) -> list[Any]:
