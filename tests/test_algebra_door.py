@@ -9,7 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from sympy.physics.mechanics import dynamicsymbols
 
-from voronec import DefinitionError, EngineLimit, time, velocity
+from voronec import DefinitionError, EngineLimit, prove_equal, time, velocity
 from voronec.algebra.door import Door
 from voronec.algebra.symbols import is_symbolic_name, plain_name
 
@@ -282,3 +282,12 @@ def test_signs_of_powers_are_taken_of_their_bases():
     ):
         door = Door()
         assert door.inward(expr) == door.inward(same)
+
+
+def test_what_sympy_differentiates_as_complex_is_real_inside():
+    for size in (sp.Abs(x), sp.Abs(x * y), sp.Abs(y + sp.sin(x))):
+        inner = size.args[0]
+        own = inner.diff(x)
+        assert prove_equal(sp.diff(size, x), sp.sign(inner) * own).proved
+        assert prove_equal(sp.Derivative(size, x), inner * own / size).proved
+    assert Door().inward(sp.diff(sp.arg(x), x)) == 0

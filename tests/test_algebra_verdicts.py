@@ -625,3 +625,14 @@ def test_conditions_with_commas_in_them_stay_whole() -> None:
     assert found.where("R(w, v) != 0").domain == f"{first}, {second}, R(w, v) != 0"
     cut = found.where("sqrt(x*m**... > 0", "y > 0")
     assert cut.where("y > 0").domain == cut.domain
+
+
+@pytest.mark.parametrize(
+    "nothing", [1 / (sp.Abs(x) - sp.sqrt(x**2)), sp.log(sp.Abs(x) - sp.sqrt(x**2))]
+)
+def test_what_has_a_value_nowhere_is_neither_equal_nor_different(nothing):
+    for sides in ((nothing, y), (y, nothing)):
+        found = prove_equal(*sides)
+        assert found.undecided and "has no value" in found.method
+    with pytest.raises(DefinitionError, match="has no value"):
+        prove_equal(x, y, [nothing])  # as a relation it is a mistake

@@ -328,3 +328,19 @@ def test_a_chart_is_proved_for_every_function_of_what_it_turns():
 
     assert verdicts(turned(across))["turned"].proved
     assert not verdicts(turned(across**3))["turned"].proved
+
+
+def test_the_velocity_of_a_size_is_that_of_a_real_number():
+    x, y = sp.symbols("x y")
+    xdot, ydot = map(vo.velocity, (x, y))
+    length = sp.Abs(2 + sp.cos(x))
+    chart = vo.Chart(
+        {y: y + length}, x, back={y: y - length},
+        changes={"lagrangian": (xdot**2 + (ydot + sp.sin(x) * xdot) ** 2) / 2},
+    )  # fmt: skip
+    particle = vo.System(
+        name="particle", fibration=vo.Fibration((x, y)), lagrangian=(xdot**2 + ydot**2) / 2,
+        charts={"bent": chart},
+    )  # fmt: skip
+    assert not chart.values(particle)[ydot].has(sp.re, sp.im)
+    assert verdicts(particle)["bent"].proved

@@ -138,6 +138,39 @@ def test_the_sleigh_has_no_simple_measure():
     assert verdict_on(balanced, measure=1).proved
 
 
+@pytest.mark.parametrize(
+    ("relation", "status", "words"),
+    [
+        (lambda x, y: x**2 + y**2 + 1, "refuted", "no motions: x**2 + y**2 + 1 = 0 holds nowhere"),
+        (lambda x, y: sp.sin(x) - y**2 - 2, "refuted", "there are no motions"),
+        (lambda x, y: sp.sqrt(x) + 1 + y**2, "refuted", "there are no motions"),
+        (lambda x, y: x**4 * y**2 + x**2 * y**4 - 3 * x**2 * y**2 + 2, "undecided", "no point"),
+    ],
+)
+@pytest.mark.parametrize("framed", [False, True])
+def test_relations_that_no_state_meets_leave_no_motions(relation, status, words, framed):
+    x, y, w = sp.symbols("x y w")
+    bound = relation(x, y)
+    split = ((x, y), ()) if framed else ((x,), (y,))
+    empty = System(
+        name="empty",
+        fibration=Fibration(*split, relations=(bound,)),
+        lagrangian=(velocity(x) ** 2 + velocity(y) ** 2) / 2,
+        frame=vo.Frame.quasi({w: velocity(x) / bound.diff(y)}) if framed else None,
+        integrals={"x": x},
+        measure=1,
+    )
+    found = vo.check_claims(empty)
+    assert [c.kind for c in found] == ["integral", "measure"]
+    assert {c.verdict.status for c in found} == {status}
+    assert all(words in c.verdict.method for c in found)
+
+
+def test_the_divergence_of_a_size_is_that_of_a_real_number():
+    x = sp.Symbol("x")
+    assert vo.divergence(sp.Abs(x), {x: sp.Abs(x) * x}) == 2 * x**2 + sp.Abs(x) ** 2
+
+
 @pytest.mark.parametrize("bent", [0, 1], ids=["quadratic", "quartic"])
 def test_the_divergence_is_the_divergence(bent):
     """(1 + x^2 + bent v^2) vdot = -k v - x v^2, xdot = v: by hand, and d(v^2 x)/dt."""

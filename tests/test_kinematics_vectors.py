@@ -45,6 +45,24 @@ def test_derivatives_are_those_of_sympy():
             assert sp.srepr(kinematics.derivative(function, name)) == sp.srepr(function.diff(name))
 
 
+@pytest.mark.parametrize(
+    ("function", "slope"),
+    [
+        (sp.Abs(x * y), y * sp.sign(x * y)),
+        (sp.atan2(y, sp.Abs(x)), -y * sp.sign(x) / (x**2 + y**2)),
+        (y ** sp.Abs(x), y ** sp.Abs(x) * sp.log(y) * sp.sign(x)),
+        (x * sp.Max(x, y), sp.Max(x, y) + x * (1 + sp.sign(x - y)) / 2),
+        (sp.Piecewise((sp.Abs(x), y > 0), (x * sp.sign(x), True)), sp.sign(x)),
+        (sp.Mod(x, y), 1),
+    ],
+)  # fmt: skip
+def test_derivatives_are_those_of_real_variables(function, slope):
+    found = kinematics.derivative(function, x)
+    assert not found.has(sp.re, sp.im, sp.Derivative)
+    sides = [{x: a, y: b} for a in (-0.7, 1.3) for b in (0.4, 1.9)]
+    assert all(abs((found - slope).subs(at).n()) < 1e-12 for at in sides)
+
+
 def test_names_in_shared_parts_are_looked_for_once():
     shared = x
     for _ in range(60):  # 2^60 paths lead to x

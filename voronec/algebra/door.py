@@ -4,11 +4,6 @@ Inside, every coordinate, velocity and parameter is a plain symengine symbol tha
 user's name; so ``dynamicsymbols`` stay outside and come back on the way out.  What SymPy knows of
 a symbol, its sign above all, stands in ``hypotheses``, which go along with what is to be decided.
 Decimal numbers are read as the decimals they were written as: ``9.81`` is ``981/100``.
-
-Functions in pieces - steps, limits, cases - are written with absolute values, signs and floors.
-Those three are what the engine knows of walls: an absolute value is a root, and a sign or a floor
-has no slope off its wall.  What is written with them has the values of the original on the walls
-too, where a sign is zero: an indicator is (s^2 + s)/2 for g > 0, 1 - s^2 for g = 0, s = sign(g).
 """
 
 from __future__ import annotations
@@ -22,20 +17,24 @@ import symengine as se
 import sympy as sp
 from symengine.lib.symengine_wrapper import BooleanAtom
 from sympy.core.function import AppliedUndef
-from sympy.logic.boolalg import BooleanFunction
 
 from voronec.algebra.graphs import derivative_at, nodes
 from voronec.algebra.memo import remember
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.algebra.terms import factors_of, is_fraction
 from voronec.algebra.text import as_expression, quote
+from voronec.algebra.walled_functions import written_with_signs
 from voronec.errors import DefinitionError
 
-__all__ = ["RATES", "Door", "UnknownFunction"]
+__all__ = ["RATES", "Door", "NoValue", "UnknownFunction"]
 
 
 class UnknownFunction(DefinitionError):
     """A function that has a meaning, and none in the engine."""
+
+
+class NoValue(DefinitionError):
+    """What is infinite or undefined wherever its symbols are."""
 
 
 _FUNCTIONS = {
@@ -56,6 +55,8 @@ _NUMBERS = {
     sp.I: se.I,
     sp.GoldenRatio: (1 + se.sqrt(se.Integer(5))) / 2,
 }
+_PARTS = (sp.re, sp.im, sp.conjugate)
+"""What ``sympy.diff`` makes of |x|, where x is any symbol; here it is real."""
 RATES = 4
 """Inputs occur with derivatives below this order: the rate of one in a Lagrangian is the least that
 anybody writes, and the equations differentiate twice."""
@@ -121,9 +122,9 @@ class Door:
         except RecursionError:
             raise DefinitionError("an expression is nested too deeply to be read") from None
         except (RuntimeError, ZeroDivisionError) as error:  # symengine's word for a bad value
-            raise DefinitionError(f"'{expr}' has no value: {quote(error)}") from None
+            raise NoValue(f"'{expr}' has no value: {quote(error)}") from None
         if any(map(found.has, _NO_VALUES)):
-            raise DefinitionError(f"'{quote(expr)}' has no value: it is infinite or undefined")
+            raise NoValue(f"'{quote(expr)}' has no value: it is infinite or undefined")
         return found
 
     def inward_all(self, exprs: Iterable[Any]) -> list[Any]:
@@ -164,6 +165,8 @@ class Door:
             return _size(self._enter(expr.args[0]))
         if isinstance(expr, sp.sign):
             return _sign(self._enter(expr.args[0]))
+        if isinstance(expr, _PARTS) and _is_real(expr.args[0]):
+            return se.Integer(0) if isinstance(expr, sp.im) else self._enter(expr.args[0])
         if isinstance(expr, sp.sinc):
             return se.sin(self._enter(expr.args[0])) / self._enter(expr.args[0])
         return self._function(expr)
@@ -177,7 +180,7 @@ class Door:
             return 1 / _RECIPROCALS[name](self._enter(expr.args[0]))
         if name in _OF_RECIPROCALS:
             return _OF_RECIPROCALS[name](1 / self._enter(expr.args[0]))
-        pieces = _written_with_signs(expr)
+        pieces = written_with_signs(expr)
         if pieces is not None:
             return self._enter(pieces)
         raise UnknownFunction(
@@ -191,6 +194,8 @@ class Door:
         own = self._inward.get(expr.expr, expr.expr)
         if time in expr.variables and isinstance(own, sp.Symbol | se.Symbol):
             raise DefinitionError(f"the derivative '{expr}' {_mend(expr)}")
+        if not isinstance(expr.expr, AppliedUndef) and (found := self._of_real(expr)) is not None:
+            return found
         meant = expr if _is_plain(expr) else expr.doit()
         if meant != expr:
             return self._enter(meant)
@@ -206,6 +211,17 @@ class Door:
         for variable, count in expr.variable_count:
             inner = inner.diff(self._enter(variable), int(count))
         return inner
+
+    def _of_real(self, expr: sp.Derivative) -> Any:
+        """A derivative by symbols, taken inside, where all are real: SymPy makes real and imaginary
+        parts of |x|.  None by the time, and of functions that the engine does not have."""
+        by = [(self._enter(v), int(n)) for v, n in expr.variable_count if v != time]
+        if len(by) < len(expr.variable_count) or any(not isinstance(v, se.Symbol) for v, _ in by):
+            return None
+        try:
+            return reduce(lambda slope, one: slope.diff(*one), by, self._enter(expr.expr))
+        except UnknownFunction:
+            return None
 
     def _substitution(self, expr: sp.Expr, variables: Sequence[Any], points: Sequence[Any]) -> Any:
         """An expression at points; its bound variables are nobody's symbols."""
@@ -308,6 +324,15 @@ def _sign(inner: Any) -> Any:
     return _sign(base) ** exponent
 
 
+def _is_real(expr: sp.Expr) -> bool:
+    """Whether an expression is real wherever its symbols are."""
+    if isinstance(expr, sp.Symbol | AppliedUndef | sp.Rational):
+        return True
+    whole = isinstance(expr, sp.Pow) and expr.exp.is_Integer
+    kinds = sp.Add | sp.Mul | sp.sin | sp.cos | sp.exp | sp.Abs | sp.sign
+    return (whole or isinstance(expr, kinds)) and all(map(_is_real, expr.args))
+
+
 def _is_even_root(exponent: Any) -> bool:
     return isinstance(exponent, se.Rational) and int(exponent.q) % 2 == 0
 
@@ -380,92 +405,3 @@ def _known_of(thing: sp.Expr, inside: Any) -> Iterator[Any]:
         step = 2 if thing.is_odd or thing.is_even else 1
         whole = (inside + shift) / step
         yield se.Eq(se.floor(whole), whole)
-
-
-HALF = sp.Rational(1, 2)
-
-
-def _written_with_signs(expr: Any) -> sp.Expr | None:
-    """A function in pieces by ``Abs``, ``sign`` and ``floor``; None for any other expression.
-
-    The argument is the node itself: what is inside of its arguments stays as it is.
-    """
-    rule = _RULES.get(type(expr).__name__)
-    return None if rule is None else rule(expr)
-
-
-def _step(expr: Any) -> sp.Expr:
-    g, middle = expr.args[0], expr.args[1] if len(expr.args) > 1 else HALF
-    side = sp.sign(g)
-    return (1 + side) / 2 + (middle - HALF) * (1 - side**2)
-
-
-def _largest(expr: Any) -> sp.Expr:
-    return reduce(lambda a, b: (a + b + sp.Abs(a - b)) / 2, sp.ordered(expr.args))
-
-
-def _least(expr: Any) -> sp.Expr:
-    return reduce(lambda a, b: (a + b - sp.Abs(a - b)) / 2, sp.ordered(expr.args))
-
-
-def _remainder(expr: Any) -> sp.Expr:
-    a, b = expr.args
-    return a - b * sp.floor(a / b)
-
-
-def _cases(expr: Any) -> sp.Expr:
-    """The first case whose condition holds."""
-    total, none_before = sp.Integer(0), sp.Integer(1)
-    for value, condition in expr.args:
-        here = _indicator(condition)
-        total += value * none_before * here
-        none_before *= 1 - here
-    if none_before != 0 and expr.args[-1][1] != sp.true:
-        raise DefinitionError(
-            f"'{expr}' says nothing where none of its conditions holds; end it with a case "
-            "(value, True)"
-        )
-    return total
-
-
-def _indicator(condition: Any) -> sp.Expr:
-    """1 where a condition holds, 0 where it does not."""
-    if condition in (sp.true, True):
-        return sp.Integer(1)
-    if condition in (sp.false, False):
-        return sp.Integer(0)
-    relation = _RELATIONS.get(type(condition))
-    if relation is not None:
-        return relation(sp.sign(condition.lhs - condition.rhs))
-    if isinstance(condition, BooleanFunction) and type(condition) in _CONNECTIVES:
-        return _CONNECTIVES[type(condition)]([_indicator(c) for c in condition.args])
-    raise DefinitionError(
-        f"the condition '{condition}' is not made of comparisons; use <, <=, >, >=, Eq, Ne with "
-        "&, | and ~"
-    )
-
-
-_RELATIONS: dict[Any, Callable[[Any], sp.Expr]] = {
-    sp.StrictGreaterThan: lambda s: (s**2 + s) / 2,
-    sp.StrictLessThan: lambda s: (s**2 - s) / 2,
-    sp.GreaterThan: lambda s: 1 - (s**2 - s) / 2,
-    sp.LessThan: lambda s: 1 - (s**2 + s) / 2,
-    sp.Equality: lambda s: 1 - s**2,
-    sp.Unequality: lambda s: s**2,
-}
-_CONNECTIVES: dict[Any, Callable[[list[Any]], sp.Expr]] = {
-    sp.And: sp.prod,
-    sp.Or: lambda given: 1 - sp.prod([1 - x for x in given]),
-    sp.Not: lambda given: 1 - given[0],
-    sp.ITE: lambda given: given[0] * given[1] + (1 - given[0]) * given[2],
-    sp.Xor: lambda given: reduce(lambda a, b: a + b - 2 * a * b, given),
-}
-_RULES: dict[str, Callable[[Any], sp.Expr]] = {
-    "Heaviside": _step,
-    "Max": _largest,
-    "Min": _least,
-    "Mod": _remainder,
-    "Piecewise": _cases,
-    "ceiling": lambda expr: -sp.floor(-expr.args[0]),
-    "frac": lambda expr: expr.args[0] - sp.floor(expr.args[0]),
-}

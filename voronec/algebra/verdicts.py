@@ -24,7 +24,7 @@ from sympy.logic.boolalg import Boolean
 from voronec.algebra.arguments import SEVERAL, accepts
 from voronec.algebra.composition import angles_of, are_equal, fold_angles, positive_bases
 from voronec.algebra.conditions import condition, domain_of, split_hypotheses
-from voronec.algebra.door import Door
+from voronec.algebra.door import Door, NoValue
 from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.generators import linear_terms
 from voronec.algebra.graphs import nodes
@@ -153,7 +153,8 @@ def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
     with the signs that SymPy knows; unknown functions stand for arbitrary ones, and a square root
     for its non-negative value; what is raised to a power with letters that are not known to be
     whole, nor bound by ``relations``, is taken for positive, and the ``domain`` of the answer says
-    so.  Never "equal up to 1e-6": see ``Verdict``.
+    so.  What turns out to have no value anywhere, as 1/(|x| - sqrt(x^2)), is undecided: both sides
+    are defined nowhere.  Never "equal up to 1e-6": see ``Verdict``.
     Raises ``DefinitionError`` for what is no expression.
     """
     door = Door()
@@ -167,7 +168,10 @@ def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
         ideal = [_take_in(r, door) for r in ((relations,) if single else relations)]
         if any(r == se.false or (r.is_Number and r != 0) for r in ideal):
             raise DefinitionError("one of the relations is a nonzero number: nothing satisfies it")
-        left, right = door.inward(a), door.inward(b)
+        try:
+            left, right = door.inward(a), door.inward(b)
+        except NoValue as refusal:
+            return Verdict("undecided", str(refusal))
         known = [*door.hypotheses, *door.lost_conditions(a), *door.lost_conditions(b)]
         known = [*ideal, *known]
         verdict = decide_equal(left, right, known, pointwise=True)

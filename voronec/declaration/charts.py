@@ -13,6 +13,7 @@ import sympy as sp
 
 from voronec.algebra.arguments import takes_fields
 from voronec.algebra.symbols import plain_name, velocity
+from voronec.declaration.derivatives import derivative
 from voronec.declaration.reading import expression, fixed_mapping, quote, several
 from voronec.errors import DefinitionError
 
@@ -111,7 +112,7 @@ class Chart:
             if name not in given and plain_name(dots.get(x, x)) in given:
                 moved = given[plain_name(dots[x])]
                 pairs = [(q, dot) for dot, q in dots.items()]
-                found[x] = sp.Add(*[sp.diff(moved, q) * dot for q, dot in pairs])
+                found[x] = sp.Add(*[derivative(moved, q) * dot for q, dot in pairs])
             else:
                 found[x] = given.get(name, x)
         return found

@@ -10,6 +10,7 @@ from importlib import import_module as _import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from voronec.declaration.derivatives import derivative
     from voronec.kinematics.balanced_balls import BalancedBall, BallMotion, SymmetricBallMotion
     from voronec.kinematics.balls import RollingBall, contact_momentum
     from voronec.kinematics.bodies import (
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from voronec.kinematics.bodies_in_rn import BodyInRn
     from voronec.kinematics.carried_contact import CarriedContact
     from voronec.kinematics.convex import ConvexBody
-    from voronec.kinematics.derivatives import derivative
     from voronec.kinematics.ellipsoids import RollingEllipsoid
     from voronec.kinematics.forms import SurfaceForms
     from voronec.kinematics.groups import (
@@ -108,13 +108,13 @@ __all__ = [
 ]
 
 _HOME = {
+    ".declaration.derivatives": "derivative",
     "balanced_balls": "BalancedBall BallMotion SymmetricBallMotion",
     "balls": "RollingBall contact_momentum",
     "bodies": "axial_rotor kinetic_energy point_velocity uniform_field_energy",
     "bodies_in_rn": "BodyInRn",
     "carried_contact": "CarriedContact",
     "convex": "ConvexBody",
-    "derivatives": "derivative",
     "ellipsoids": "RollingEllipsoid",
     "forms": "SurfaceForms",
     "groups": "BodyVelocity skew skew_entries wedge_square",
@@ -139,7 +139,7 @@ _HOME = {
 def __getattr__(name: str) -> Any:
     for module, names in _HOME.items():
         if name in names.split():
-            return getattr(_import_module(f"voronec.kinematics.{module}"), name)
+            return getattr(_import_module(f".{module}", __name__), name)
     raise AttributeError(f"module 'voronec.kinematics' has no attribute '{name}'")
 
 

@@ -11,6 +11,7 @@ import sympy as sp
 from voronec.algebra.symbols import velocity
 from voronec.declaration.charts import Chart
 from voronec.declaration.claims import Equation, Measure
+from voronec.declaration.derivatives import derivative
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.scene import Scene
 from voronec.declaration.shapes import Shape
@@ -21,7 +22,6 @@ from voronec.kinematics.balls import GAMMA, OMEGA, ZERO
 from voronec.kinematics.bodies import kinetic_energy, point_velocity
 from voronec.kinematics.carried_contact import carried_vectors, form_values
 from voronec.kinematics.convex import ConvexBody
-from voronec.kinematics.derivatives import derivative
 from voronec.kinematics.families import (
     FIXED_RADIUS,
     Words,

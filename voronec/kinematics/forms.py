@@ -11,9 +11,9 @@ import sympy as sp
 
 from voronec.algebra.arguments import SEQUENCE, require
 from voronec.algebra.symbols import velocity
+from voronec.declaration.derivatives import derivative
 from voronec.declaration.reading import expression
 from voronec.errors import DefinitionError, quote
-from voronec.kinematics.derivatives import derivative
 from voronec.kinematics.rotations import distinct_names
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import Vector, cross, three
@@ -145,11 +145,11 @@ class SurfaceForms:
         """
         (u, v), (e, g), (d, dd) = self.coordinates, self.first, self.second
         twice_mean, width = d / e + dd / g, self._lengths[0] * self._lengths[1]
-        ev, gu = sp.diff(e, v), sp.diff(g, u)
-        bending = sp.diff(ev / width, v) + sp.diff(gu / width, u)
+        ev, gu = derivative(e, v), derivative(g, u)
+        bending = derivative(ev / width, v) + derivative(gu / width, u)
         return (
-            sp.diff(d, v) - ev * twice_mean / 2,
-            sp.diff(dd, u) - gu * twice_mean / 2,
+            derivative(d, v) - ev * twice_mean / 2,
+            derivative(dd, u) - gu * twice_mean / 2,
             bending / 2 + d * dd / width,
         )
 
@@ -167,8 +167,8 @@ class SurfaceForms:
         highest = sp.diff(self.first[1], u, 2)
         slope = sp.diff(sp.expand(gauss), highest) if highest.is_Derivative else sp.Integer(1)
         pairs = [
-            (sp.diff(self.second[0], v), sp.diff(self.second[0], v) - d_v),
-            (sp.diff(self.second[1], u), sp.diff(self.second[1], u) - dd_u),
+            (derivative(self.second[0], v), derivative(self.second[0], v) - d_v),
+            (derivative(self.second[1], u), derivative(self.second[1], u) - dd_u),
             (highest, highest - sp.expand(gauss) / slope),
         ]
         along = zip((u, v), self._turns, self._steps, strict=True)
@@ -178,11 +178,11 @@ class SurfaceForms:
             for vector, own in moved:
                 turned = cross(turn, vector)
                 pairs += [
-                    (sp.diff(x, q), a - b) for x, a, b in zip(vector, own, turned, strict=True)
+                    (derivative(x, q), a - b) for x, a, b in zip(vector, own, turned, strict=True)
                 ]
             for tensor in tensors:
                 change = tensor * _hat(turn) - _hat(turn) * tensor
-                pairs += [(sp.diff(x, q), y) for x, y in zip(tensor, change, strict=True)]
+                pairs += [(derivative(x, q), y) for x, y in zip(tensor, change, strict=True)]
         return {name: sp.expand(value) for name, value in pairs if name.is_Derivative}
 
     @property

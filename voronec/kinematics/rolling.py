@@ -20,9 +20,9 @@ import sympy as sp
 from voronec.algebra.arguments import instance, require
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import as_expression
+from voronec.declaration.derivatives import derivative
 from voronec.declaration.shapes import Shape
 from voronec.errors import DefinitionError
-from voronec.kinematics.derivatives import derivative
 from voronec.kinematics.forms import SurfaceForms, principal_forms
 from voronec.kinematics.rotations import distinct_names
 from voronec.kinematics.surfaces import Surface

@@ -14,6 +14,7 @@ from voronec.algebra.door import Door
 from voronec.algebra.normal import shortest
 from voronec.algebra.symbols import time, velocity
 from voronec.algebra.verdicts import decide_equal
+from voronec.declaration.derivatives import derivative
 from voronec.declaration.reading import expression, several
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.kinematics.rotations import distinct_names
@@ -115,7 +116,7 @@ class Surface:
         (-g' cos v, -g' sin v, f')/s: outward where g falls.
         """
         f, g = (expression(part, "a profile") for part in profile)
-        reach = sp.sqrt(sp.diff(f, u) ** 2 + sp.diff(g, u) ** 2)
+        reach = sp.sqrt(derivative(f, u) ** 2 + derivative(g, u) ** 2)
         return cls((u, v), (f * sp.cos(v), f * sp.sin(v), g), (reach, f))
 
     @property

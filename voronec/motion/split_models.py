@@ -33,6 +33,7 @@ from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.terms import factors_of
 from voronec.algebra.text import as_expression
 from voronec.declaration.charts import Chart
+from voronec.declaration.derivatives import derivative
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.system import System, bare, system_in
 from voronec.equations.definition import Definition, read
@@ -827,7 +828,7 @@ def numbers_of_chart(
     wanted = [d.door.inward(chart.singular), d.door.inward(chart.singular_there).xreplace(images)]
     # slopes as sympy has them: x/(x^2 + y^2) of an arctangent is defined where x or y is zero
     wanted += (
-        [d.door.inward(sp.diff(values[q], x)) for q in outside for x in outside]
+        [d.door.inward(derivative(values[q], x)) for q in outside for x in outside]
         if slopes
         else images.values()
     )

@@ -16,8 +16,11 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.arguments import callback
+from voronec.algebra.conditions import condition
+from voronec.algebra.door import Door
 from voronec.algebra.graphs import is_atom
 from voronec.algebra.rank import generic_rank
+from voronec.algebra.roots import known_sign
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.typeset import html_table
 from voronec.algebra.verdicts import Verdict
@@ -35,7 +38,7 @@ from voronec.declaration.claims import (
 )
 from voronec.declaration.reading import expression
 from voronec.declaration.scene import Parameter
-from voronec.declaration.system import System
+from voronec.declaration.system import System, require_system
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations
@@ -235,16 +238,36 @@ def check_claims(
 
     ``progress`` is called with the words for each claim before it is decided.  Raises
     ``DefinitionError`` where the definition of the system makes no sense; a claim that makes none
-    is refuted.
+    is refuted.  Where no equations can be derived the claims are undecided, or refuted where it is
+    proved that there are no motions.
     """
     tell = callback("check_claims", "progress", progress) or (lambda _: None)
-    motions = system if isinstance(system, Motions) else Motions.of(system)
-    own = motions.system
-    claims = _claims_of(motions, _Known(), tell)
+    own = require_system(getattr(system, "system", system))
+    try:
+        motions = system if isinstance(system, Motions) else Motions.of(system)
+        _ = motions.on_coordinates
+    except EngineLimit as limit:
+        claims = _claims_without_equations(own, limit)
+    else:
+        claims = _claims_of(motions, _Known(), tell)
     known = [*claims]
     for name, case in own.cases.items():
         claims += _claims_of_case(own, name, case, known, tell)
     return [_with_reason(claim, own) for claim in claims]
+
+
+def _claims_without_equations(system: System, limit: EngineLimit) -> list[Claim]:
+    """The claims of a system whose equations are beyond the engine, as of one whose relations no
+    state meets: all of them have one verdict."""
+    door = Door(system.known_symbols(), system.inputs)
+    relations = [(r, door.inward(r)) for r in system.fibration.relations]
+    known = [*(condition(c, door.inward) for c in system.conditions), *door.hypotheses]
+    empty = [r for r, inside in relations if known_sign(inside, known, strict=True) != 0]
+    words = [f"there are no motions: {quote(r)} = 0 holds nowhere" for r in empty]
+    verdict = Verdict("refuted", words[0]) if empty else Verdict("undecided", str(limit))
+    named = [(c.kind, c.name) for c in declared_claims(system)]
+    named += [("descent", ", ".join(system.invariants))] if system.invariants else []
+    return [Claim(kind, name, verdict) for kind, name in named]
 
 
 def _claims_of_case(

@@ -23,6 +23,7 @@ from voronec.algebra.rank import generic_rank, generic_rows
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.declaration.claims import Measure
+from voronec.declaration.derivatives import derivative
 from voronec.declaration.reading import expression, quote
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import NO_POINT, VectorField
@@ -47,7 +48,7 @@ def divergence(density: Any, flow: Mapping[Any, Any]) -> sp.Expr:
     for x in rates:
         plain_name(x)  # refuses what is no variable
     named = {x: sp.Symbol(x) if isinstance(x, str) else x for x in rates}
-    return sp.Add(*[sp.diff(own * rate, named[x]) for x, rate in rates.items()])
+    return sp.Add(*[derivative(own * rate, named[x]) for x, rate in rates.items()])
 
 
 def decide_measure(motions: Motions, measure: Measure) -> Decision:
