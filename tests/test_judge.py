@@ -169,6 +169,13 @@ def test_a_state_where_it_fails() -> None:
         ("v' = sin 2a t", "the sin of a product with t"),
         (r"\ln|v|^2 = 2\ln|v|", "write one with parentheses"),
         (r"1\frac12 v = \frac12 v", "a mixed number or a product"),
+        ("1 1/2 v = v/2", "two numbers stand side by side"),
+        (r"\ln a v = v\ln a", "the ln of a product with v, or v times a ln"),
+        (r"\cos 2\phi w = w\cos(2\phi)", "the cos of a product with w"),
+        (r"\sin\phi/2 = \frac{1}{2}\sin\phi", "the sin of a quotient, or a sin divided"),
+        ("v2 = 2v", "character 2: this number may be an index, a power or a factor"),
+        (r"\dot\phi2 = 2w", "this number may be an index, a power or a factor"),
+        (r"1{,}500v = 1500v", "before decimals or part thousands"),
         # what no motion gives a value
         ("v' (v' - a w^2)/(v' - a w^2) = a w^2", "character 18: this divides by what is zero"),
         ("(v' - a w^2)(v' - a w^2)^{-1} = 1", "character 14: this divides by what is zero"),
@@ -213,6 +220,15 @@ def test_letters_of_print_are_read_like_those_of_latex(text: str, other: str | N
     assert (one.read, one.verdict.status) == (two.read, two.verdict.status)
 
 
+def test_a_number_behind_a_name_with_a_number_is_no_factor() -> None:
+    """x12 was read as 2 x1."""
+    x1, m = sp.symbols("x1 m")
+    one = vo.System("one", vo.Fibration(x1), m * vo.velocity(x1) ** 2 / 2, parameters=(m,))
+    with pytest.raises(vo.DefinitionError, match=r"character 3: this number may be an index"):
+        vo.judge(one, "x12 = 2 x1")
+    assert vo.judge(one, "x1 2 = 2 x1").proved
+
+
 @pytest.mark.parametrize(
     ("text", "ground"),
     [
@@ -242,6 +258,8 @@ def test_what_a_proof_rests_on(text: str, ground: str) -> None:
         ("cos(a*t) v' = a w^2 cos(a t)", r"\cos(at)\dot v = a w^2\cos(a t)"),
         ("2*t*v = (t + t) v", r"2(t)v = (t+t)v"),
         ("ln(abs(v)^2) = 2*ln(abs(v))", r"\ln(|v|^2) = 2\ln|v|"),
+        ("v' = 0.5 a w^2 + a w^2/2", r"\dot v = 0{,}5aw^2 + \tfrac12 a w^2"),
+        ("v ln(2) = v*ln 2", r"\ln 2\cdot v = v\ln{2}"),
         ("v' = a |w|^2", r"\dot v = a\lvert w\rvert^{2}"),
         ("v' = a w w", r"\dot v = a\,w\times w \qquad (4)"),
         ("sign(v)*abs(v) = v", r"\operatorname{sgn}v\,\left|v\right| = v"),

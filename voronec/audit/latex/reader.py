@@ -1,12 +1,14 @@
 r"""Reads LaTeX mathematics into a tree, in the dialect of papers on mechanics.
 
-Products are written side by side; ``\sin u\cos v`` is (sin u)(cos v); ``\frac12`` and ``\dot u_1``
-need no braces; a name followed by a parenthesis is applied where the vocabulary says that it is a
-function, or where the parenthesis holds a list.
+Products are written side by side; ``\sin u\cos v`` is (sin u)(cos v), and ``\sin u v``, which may
+be the sine of uv, is refused, unless the vocabulary or braces say what is meant: ``\sin{uv}``;
+``\frac12`` and ``\dot u_1`` need no braces; a name followed by a parenthesis is applied where the
+vocabulary says that it is a function, or where the parenthesis holds a list.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NoReturn
@@ -257,6 +259,9 @@ def atom(reader: Reader, token: Token) -> Node:
     """What ``token``, already taken, begins; scripts after it are not read."""
     text, at = token.text, (token.start, token.end)
     if token.kind == "number":
+        if "," in text:
+            what = "this comma may stand before decimals or part thousands; write a point, or none"
+            raise complain(reader.source, token.start, what, Ambiguous)
         return Number(text, at)
     if text == "d" and _starts_name(reader):
         return Differential(reader.factor(), "d", reader.since(token.start))
@@ -279,8 +284,8 @@ def atom(reader: Reader, token: Token) -> Node:
     raise complain(reader.source, token.start, f"'{text}' is not understood")
 
 
-def _starts_name(reader: Reader) -> bool:
-    return reader.kind() == "letter" or reader.peek() in GREEK | ACCENTS | {"\\dot"}
+def _starts_name(reader: Reader, ahead: int = 0) -> bool:
+    return reader.kind(ahead) == "letter" or reader.peek(ahead) in GREEK | ACCENTS | {"\\dot"}
 
 
 def _group(reader: Reader, token: Token) -> Node:
@@ -301,32 +306,56 @@ def _elementary(reader: Reader, token: Token) -> Node:
         reader.take()
         power = reader.argument()
     start, bare = reader.begin(), reader.peek() not in _CLOSERS.values()
-    if reader.kind() == "number":
-        argument = Product((reader.factor(), reader.factor()), reader.since(start))
-    elif reader.vocabulary.by_hand:
-        argument = _argument_by_hand(reader, start)
-    else:
-        argument = scripts(reader, reader.atom(), start)
-    if reader.vocabulary.by_hand and power == _MINUS_ONE:
+    argument = _function_argument(reader, start)
+    if power == _MINUS_ONE:
         what = f"this may be 1/{token.text[1:]} or the inverse function; write one of these"
-        raise complain(reader.source, token.start, what, Misprint)
-    if reader.vocabulary.by_hand and bare and reader.peek() == "t":
-        name = token.text[1:]
-        what = f"this may be the {name} of a product with t, or t times a {name}; write parentheses"
         raise complain(reader.source, token.start, what, Ambiguous)
+    if bare and not reader.vocabulary.narrow_functions:
+        _refuse_open_argument(reader, token)
     node: Node = Elementary(token.text[1:], argument, reader.since(token.start))
     return node if power is None else Power(node, power, reader.since(token.start))
 
 
-def _argument_by_hand(reader: Reader, start: int) -> Node:
-    r"""``sin(x)^2`` is the square of a sine; ``\sin x^2`` may be that, or the sine of a square."""
-    if reader.peek() in _CLOSERS.values():
+def _function_argument(reader: Reader, start: int) -> Node:
+    r"""``\sin 2u`` is the sine of 2u; ``\sin x^2`` may be a square, or the sine of one."""
+    if reader.kind() == "number":
+        number = reader.factor()
+        more = not reader.ends_term() and reader.peek() not in ("\\cdot", *_BETWEEN)
+        return Product((number, reader.factor()), reader.since(start)) if more else number
+    if reader.vocabulary.by_hand and reader.peek() in _CLOSERS.values():
         return reader.atom()
     argument = scripts(reader, reader.atom(), start)
-    if isinstance(argument, Power):
+    if reader.vocabulary.by_hand and isinstance(argument, Power):
         what = "this is the power of a function or of its argument; write one with parentheses"
-        raise complain(reader.source, start, what, Misprint)
+        raise complain(reader.source, start, what, Ambiguous)
     return argument
+
+
+def _refuse_open_argument(reader: Reader, token: Token) -> None:
+    r"""``\cos\omega t`` may be the cosine of a product, ``\sin u/2`` the sine of a half.
+
+    A factor with a dot, a function or a differential is none of the argument: ``\sin u\dot v``.
+    """
+    name, after = token.text[1:], reader.peek()
+    if after == "/":
+        divided = reader.kind(1) in ("number", "letter") or reader.peek(1) in GREEK
+        what = f"this may be the {name} of a quotient, or a {name} divided; write parentheses"
+    else:
+        divided = _is_plain_letter(reader)
+        said = after.lstrip("\\")
+        what = (
+            f"this may be the {name} of a product with {said}, or {said} times a {name}; "
+            "write parentheses"
+        )
+    if divided:
+        raise complain(reader.source, token.start, what, Ambiguous)
+
+
+def _is_plain_letter(reader: Reader) -> bool:
+    """Whether a letter is ahead that is no sign of a differential or a variation."""
+    word = reader.kind() == "text" and not reader.vocabulary.applies(reader.peek())
+    letter = word or reader.kind() == "letter" or reader.peek() in GREEK | ACCENTS
+    return letter and not (reader.peek() in ("d", "\\delta") and _starts_name(reader, 1))
 
 
 def _read_accent(reader: Reader, token: Token) -> Node:
@@ -480,6 +509,7 @@ def _indices(reader: Reader) -> tuple[Node, ...]:
     if reader.peek() != "{":
         return (reader.argument(),)
     reader.take()
+    outside, reader.in_index = reader.in_index, True
     parenthesis = reader.peek() == "("
     if parenthesis:
         reader.take()
@@ -493,6 +523,7 @@ def _indices(reader: Reader) -> tuple[Node, ...]:
     if parenthesis:
         reader.take(")")
     reader.take("}")
+    reader.in_index = outside
     return tuple(found)
 
 
@@ -508,6 +539,8 @@ _BETWEEN: dict[str, Callable[[Node, Node, tuple[int, int]], Node]] = {
 }
 
 
+_FRACTIONS = ("\\frac", "\\dfrac", "\\tfrac")
+_NUMERIC = re.compile(r"(?:\{\d+\}|\d)(?:\{\d+\}|\d)")
 _INSTANT = ("t", "+", "-", "/", "\\cdot", "\\pi")
 """What numbers stand beside where an instant is written."""
 
@@ -523,6 +556,7 @@ class Reader:
         all_labels: bool = False,
     ) -> None:
         self.tokens, self.source, self.vocabulary = tokens, source, vocabulary
+        self.in_index = False
         self.all_labels = all_labels
         self.position = 0
 
@@ -532,8 +566,9 @@ class Reader:
         index = self.position + ahead
         return self.tokens[index].text if index < len(self.tokens) else ""
 
-    def kind(self) -> str:
-        return self.tokens[self.position].kind if self.position < len(self.tokens) else ""
+    def kind(self, ahead: int = 0) -> str:
+        index = self.position + ahead
+        return self.tokens[index].kind if index < len(self.tokens) else ""
 
     def take(self, wanted: str | None = None) -> Token:
         if self.position >= len(self.tokens):
@@ -608,10 +643,28 @@ class Reader:
             elif text in _BETWEEN or text == "\\oplus":
                 factors = self._join(text, factors, start)
             else:
+                self._refuse_number_in_doubt(factors)
                 factors.append(self.factor())
         if not factors:
             self.fail("a term is missing", Misprint)
         return _product(factors, self.since(start))
+
+    def _refuse_number_in_doubt(self, factors: list[Node]) -> None:
+        r"""``1\frac12`` may be one and a half, ``10\,000`` one number; indices stand so."""
+        behind = bool(factors) and self.tokens[self.position - 1].kind == "number"
+        if self.in_index or not behind or not isinstance(factors[-1], Number):
+            return
+        if self.peek() in _FRACTIONS and self._is_numeric(self.position + 1):
+            what = "this may be a mixed number or a product; write one fraction, or \\cdot between"
+            self.fail(what, Ambiguous)
+        if self.kind() == "number":
+            what = "two numbers stand side by side; write one number, or \\cdot between"
+            self.fail(what, Ambiguous)
+
+    def _is_numeric(self, position: int) -> bool:
+        r"""Whether numbers alone stand above and below a line: ``\frac12``, ``\frac{1}{2}``."""
+        texts = "".join(t.text for t in self.tokens[position : position + 6])
+        return _NUMERIC.match(texts) is not None
 
     def ends_term(self) -> bool:
         """Whether no further factor follows."""

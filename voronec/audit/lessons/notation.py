@@ -44,7 +44,7 @@ _SAME = {
         ("acos", "arccos"), ("atan", "arctan"), ("sh", "sinh"), ("ch", "cosh"), ("th", "tanh"),
     )},
     "\\times": "\\cdot", "\\ast": "\\cdot", "\\equiv": "=", "\\lvert": "|", "\\rvert": "|",
-    "\\vert": "|", "\\dfrac": "\\frac", "\\{": "(", "\\}": ")",
+    "\\vert": "|", "\\dfrac": "\\frac", "\\tfrac": "\\frac", "\\{": "(", "\\}": ")",
 }  # fmt: skip
 """Commands, and what they mean where there are no vectors."""
 _FUNCTIONS = {
@@ -55,8 +55,6 @@ _FUNCTIONS = {
 _TAIL = re.compile(
     r"(?:\\q?quad|\\\\|\\hfill|\s)*\(\d+[a-z']?\)\s*$|(?:\\q?quad|\\\\\s|\\\\$)+\s*$"
 )
-_FRACTION = re.compile(r"(\{ \d+ \}|\d) (\{ \d+ \}|\d)|\d\d")
-"""A quotient of two numbers, behind its command."""
 _OPEN, _CLOSE = ("(", "[", "{"), (")", "]", "}")
 _BREAKS = {"+", "-", "=", "/", "*", "\\cdot", "^", "", *_OPEN}
 
@@ -143,7 +141,12 @@ def _decimal(
     if not beside or kinds != ["number", "letter", "number"] or parts[1].text in spelled:
         return None
     text = "".join(w.text for w in parts)
-    if parts[1].text not in "eE" or not parts[-1].text.isdecimal() or len(parts[-1].text) > 3:
+    if (
+        "," in text
+        or parts[1].text not in "eE"
+        or not parts[-1].text.isdecimal()
+        or len(parts[-1].text) > 3
+    ):
         return None
     return end, [replace(parts[0], text=f"{Decimal(text):f}", end=parts[-1].end)]
 
@@ -438,7 +441,7 @@ def _exponent(words: list[Token], position: int) -> tuple[int, list[Token]] | No
 def _refuse_ambiguous(source: str, words: Sequence[Token]) -> None:
     """``Misprint`` at the first word that can be read in two ways."""
     for position in range(len(words)):
-        for doubt in (_quotient_in_doubt, _size_in_doubt, _number_in_doubt):
+        for doubt in (_quotient_in_doubt, _size_in_doubt):
             what = doubt(words, position)
             if what:
                 raise complain(source, words[position].start, what, Misprint)
@@ -468,19 +471,6 @@ def _size_in_doubt(words: Sequence[Token], position: int) -> str:
     after = words[_closing(words, position + 1) + 1 :][:1]
     doubt = "this is the power of a function or of its argument; write one with parentheses"
     return doubt if bars and [w.text for w in after] == ["^"] else ""
-
-
-def _number_in_doubt(words: Sequence[Token], position: int) -> str:
-    r"""``1\frac12`` may be one and a half, or a product."""
-    inside = position and words[position - 1].text in ("^", "_", "\\frac", "\\sqrt", "}")
-    texts = [w.text for w in words[position + 1 : position + 8]]
-    bare = texts[:1] == ["\\frac"] and _FRACTION.match(" ".join(texts[1:])) is not None
-    mixed = words[position].kind == "number" and not inside and bare
-    return (
-        "this may be a mixed number or a product; write one fraction, or \\cdot between"
-        if mixed
-        else ""
-    )
 
 
 def spelling_of(
