@@ -334,15 +334,17 @@ def _function_argument(reader: Reader, start: int) -> Node:
 def _refuse_open_argument(reader: Reader, token: Token) -> None:
     r"""``\cos\omega t`` may be the cosine of a product, ``\sin u/2`` the sine of a half.
 
-    A factor with a dot, a function or a differential is none of the argument: ``\sin u\dot v``.
+    A factor with a dot, a function or a differential is none of the argument: ``\sin u\dot v``,
+    ``\sin u(1 + \cos u)``.
     """
     name, after = token.text[1:], reader.peek()
     if after == "/":
         divided = reader.kind(1) in ("number", "letter") or reader.peek(1) in GREEK
         what = f"this may be the {name} of a quotient, or a {name} divided; write parentheses"
     else:
-        divided = _is_plain_letter(reader)
-        said = after.lstrip("\\")
+        instant = after == "(" and reader.takes_instant(Elementary(name, None))  # told as that
+        divided = _is_plain_letter(reader) or (_is_plain_bracket(reader) and not instant)
+        said = "(...)" if after == "(" else after.lstrip("\\")
         what = (
             f"this may be the {name} of a product with {said}, or {said} times a {name}; "
             "write parentheses"
@@ -356,6 +358,20 @@ def _is_plain_letter(reader: Reader) -> bool:
     word = reader.kind() == "text" and not reader.vocabulary.applies(reader.peek())
     letter = word or reader.kind() == "letter" or reader.peek() in GREEK | ACCENTS
     return letter and not (reader.peek() in ("d", "\\delta") and _starts_name(reader, 1))
+
+
+def _is_plain_bracket(reader: Reader) -> bool:
+    """Whether a parenthesis is ahead that holds neither dots nor functions."""
+    if reader.peek() != "(":
+        return False
+    depth = ahead = 0
+    while reader.peek(ahead) not in ELEMENTARY | {"", "'", "\\dot", "\\ddot"}:
+        text = reader.peek(ahead)
+        depth += (text in _CLOSERS.values()) - (text in _CLOSERS)
+        if depth == 0:
+            return True
+        ahead += 1
+    return False
 
 
 def _read_accent(reader: Reader, token: Token) -> Node:
@@ -418,6 +434,9 @@ def scripts(reader: Reader, node: Node, start: int) -> Node:
     while reader.peek() in ("_", "^", "'", '"'):
         mark = reader.take().text
         if mark in ("'", '"'):
+            if exponent is not None and reader.vocabulary.by_hand:
+                what = "this may be the rate of a power or a power of the rate; write parentheses"
+                reader.fail(what, Ambiguous)
             primes += 1 if mark == "'" else 2
         elif mark == "_":
             sub = _indices(reader)
@@ -695,9 +714,12 @@ class Reader:
         node = scripts(self, self.atom(), start)
         if self.peek() == "(" and self._applies(node):
             node = Call(node, self.group(self.take()), self.since(start))
-        elif self.peek() == "(" and self._takes_instant(node):
+        elif self.peek() == "(" and self.takes_instant(node):
             what = "this may be a value at an instant or a product; only the product is read,"
             self.fail(f"{what} written with \\cdot", Ambiguous)
+        elif self.peek() == "(" and self._takes_name(node):
+            what = f"this may be a function of {self.peek(1)}, or a product; write the name alone,"
+            self.fail(f"{what} or \\cdot between", Ambiguous)
         return scripts(self, node, start) if self.peek() in ("^", "_", "'") else node
 
     def _applies(self, node: Node) -> bool:
@@ -707,7 +729,7 @@ class Reader:
             return False
         return self.vocabulary.applies(node.head) or self._holds_list()
 
-    def _takes_instant(self, node: Node) -> bool:
+    def takes_instant(self, node: Node) -> bool:
         r"""Whether the parenthesis ahead may hold an instant: ``x(0)``, ``\sin x(t + 1)``; behind
         a number it does not, and behind a bracket only ``(t)``."""
         inside, end = self.tokens[self.position + 1 :], 0
@@ -718,6 +740,20 @@ class Reader:
             return False
         named = isinstance(base, (Name, Dot, Elementary))
         return named or [t.text for t in inside[:end]] == ["t"]
+
+    def _takes_name(self, node: Node) -> bool:
+        """Whether a name stands before a single name in parentheses, as in ``v(x)``; ``cos(x)``
+        without its backslash is another fault."""
+        run = ""
+        for token in reversed(self.tokens[: self.position]):
+            if token.kind != "letter" or f"\\{run}" in ELEMENTARY:
+                break
+            run = token.text + run
+        if f"\\{run}" in ELEMENTARY:
+            return False
+        alone = self.kind(1) == "letter" or self.peek(1) in GREEK
+        named = self.vocabulary.by_hand and isinstance(node, (Name, Dot))
+        return named and alone and self.peek(2) == ")"
 
     def _holds_list(self) -> bool:
         """Whether the parenthesis ahead holds a comma of its own."""

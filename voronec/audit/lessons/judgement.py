@@ -491,6 +491,8 @@ class Language:
         whole = re.match(word, text[at:])
         bare = whole[0] if whole is not None else name.lstrip("\\")
         alike = _ALIKE.get(name.split("_")[0], "")
+        if name == "\\pm":
+            return complain(text, at, "this sign makes two equations; write each by itself")
         near = f"; did you mean '{alike}'?" if alike in known else did_you_mean(bare, known)
         if bare in ("lambda", "mu") or bare.startswith(("lambda_", "mu_")):
             near = "; equations are judged without multipliers: eliminate them"

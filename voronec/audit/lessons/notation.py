@@ -9,12 +9,23 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from itertools import pairwise
+from typing import Any
 
-from voronec.audit.latex.tokens import ELEMENTARY, GREEK, Misprint, Token, complain, tokenize
+from voronec.audit.latex.displays import RELATIONS
+from voronec.audit.latex.tokens import (
+    ELEMENTARY,
+    GREEK,
+    Ambiguous,
+    Misprint,
+    Token,
+    complain,
+    tokenize,
+)
 
 __all__ = ["command_of", "spelling_of", "words_of"]
 
@@ -30,7 +41,7 @@ _NO_RATIO = ("^", "t", "L", "T", "V")
 """What does not stand behind the ``d`` of a quotient of changes."""
 _SUPERSCRIPTS = re.compile("[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+")
 _BEGINNING = re.compile(r"[\s$]*(?:\\\[|\\\(|\\begin\{[a-z]+\*?\})?\s*")
-_END = re.compile(r"[\s$.,;]*(?:\\\]|\\\)|\\end\{[a-z]+\*?\})?[\s$.,;]*$")
+_END = re.compile(r"(?:\\[,;: ]|[\s$.,;])*(?:\\\]|\\\)|\\end\{[a-z]+\*?\})?[\s$.,;]*$")
 _COMMANDS = {
     **{command[1:]: command for command in (*ELEMENTARY, *GREEK)},
     **{f"a{name}": f"\\arc{name}" for name in ("sin", "cos", "tan")},
@@ -53,8 +64,14 @@ _FUNCTIONS = {
 }  # fmt: skip
 """Functions by name, and what the dictionary calls them."""
 _TAIL = re.compile(
-    r"(?:\\q?quad|\\\\|\\hfill|\s)*\(\d+[a-z']?\)\s*$|(?:\\q?quad|\\\\\s|\\\\$)+\s*$"
+    r"(?:\\q?quad|\\\\|\\hfill|\s)+\(\d+[a-z']?\)\s*$|(?:\\q?quad|\\\\\s|\\\\$)+\s*$"
 )
+_DIRECTIONS = re.compile(
+    r"(?:(?P<left>\\left|\\lvert|\\[bB]igg?l)|\\right|\\rvert|\\[bB]igg?r)(?![a-zA-Z])"
+)
+"""Bars of which the print says whether they open."""
+_AFTER_SIZE = {"+", "/", "*", "\\cdot", "^", "_", ",", "", ")", "]", "}"}
+"""What does not stand behind a bar that opens."""
 _OPEN, _CLOSE = ("(", "[", "{"), (")", "]", "}")
 _BREAKS = {"+", "-", "=", "/", "*", "\\cdot", "^", "", *_OPEN}
 
@@ -76,13 +93,10 @@ def words_of(text: str, spelled: Mapping[str, str]) -> list[Token]:
         source, words, _COMMANDS | dict(spelled) if plain else _long(spelled), plain
     )
     words = [_common(w) for w in words]
-    bars = [w for w in words if w.text == "|"]
-    if len(bars) % 2:
-        raise complain(source, bars[-1].start, "this bar has no partner; write |v|", Misprint)
     words = _stars(_each(words, _primes))
     for change in (_third, _applied_to_time, _quotients, _rate):
         words = _each(words, change)
-    words = _each(_sizes(words), _function)
+    words = _each(_sizes(source, words), _function)
     words = _each(words, _exponent) if plain else words
     words = _own_d(words) if "d" in spelled else _each(words, _ratio)
     _refuse_ambiguous(source, words)
@@ -234,23 +248,83 @@ def _sign(place: Token, text: str) -> Token:
     return replace(place, kind="sign", text=text)
 
 
-def _sizes(words: list[Token]) -> list[Token]:
-    """``|v|`` is the function ``abs``, applied; a bar opens at the beginning of a term, and where
-    none is open in its bracket."""
+def _sizes(source: str, words: list[Token]) -> list[Token]:
+    """``|v|`` is the function ``abs``, applied."""
+    bars = [k for k, word in enumerate(words) if word.text == "|"]
+    opens = dict(zip(bars, _sides(source, words, bars), strict=True))
     found: list[Token] = []
-    open_bars: list[int] = []
-    depth = 0
-    for word in words:
-        depth += (word.text in _OPEN) - (word.text in _CLOSE)
+    for position, word in enumerate(words):
         if word.text != "|":
             found.append(word)
-        elif open_bars and open_bars[-1] == depth and found[-1].text not in _BREAKS:
-            open_bars.pop()
-            found += [_sign(word, ")"), _sign(word, ")")]
-        else:
-            open_bars.append(depth)
+        elif opens[position]:
             found += [_sign(word, "("), replace(word, kind="text", text="abs"), _sign(word, "(")]
+        else:
+            found += [_sign(word, ")"), _sign(word, ")")]
     return found
+
+
+@dataclass(frozen=True)
+class _Bars:
+    """Which bars before a place open, the depths of those that are not closed, and whether
+    ``b|-c|`` is read as a product, where the bar may close as well."""
+
+    opens: tuple[bool, ...] = ()
+    depths: tuple[int, ...] = ()
+    strange: bool = False
+
+
+def _sides(source: str, words: Sequence[Token], bars: Sequence[int]) -> tuple[bool, ...]:
+    """Of each bar whether it opens: it closes where it can, unless that leaves one open.
+
+    ``Misprint`` where one has no partner, ``Ambiguous`` for ``|a|b|-c|``.
+    """
+    readings, depth = [_Bars()], 0
+    for position, word in enumerate(words):
+        depth += (word.text in _OPEN) - (word.text in _CLOSE)
+        if word.text == "|":
+            readings = [r for old in readings for r in _next(source, words, position, depth, old)]
+            readings = _first_two(readings)
+        elif word.text in RELATIONS or word.text in _CLOSE:
+            least = depth if word.text in RELATIONS else depth + 1
+            readings = [r for r in readings if not r.depths or r.depths[-1] < least]
+    whole = [r for r in readings if not r.depths]
+    if not whole:
+        what = "this bar has no partner; write |v|, or \\left|...\\right| where bars are nested"
+        raise complain(source, words[bars[-1]].start, what, Misprint)
+    if len(whole) > 1 and whole[0].strange:
+        what = "these bars can be read in two ways; write \\left|...\\right|"
+        raise complain(source, words[bars[0]].start, what, Ambiguous)
+    return whole[0].opens
+
+
+def _next(
+    source: str, words: Sequence[Token], position: int, depth: int, old: _Bars
+) -> list[_Bars]:
+    """What a bar may be: one that closes comes first."""
+    before = words[position - 1].text if position else ""
+    after = words[position + 1].text if position + 1 < len(words) else ""
+    begins = old.opens[-1] if before == "|" else before in _BREAKS | RELATIONS | ELEMENTARY
+    printed = _DIRECTIONS.match(source, words[position].start)
+    left = printed is not None and (printed["left"] or "") != ""
+    right = printed is not None and not left
+    found = []
+    if not left and not begins and old.depths and old.depths[-1] == depth:
+        found.append(replace(old, opens=(*old.opens, False), depths=old.depths[:-1]))
+    if not right and after not in _AFTER_SIZE | RELATIONS:
+        strange = old.strange or (not begins and not left and after == "-")
+        found.append(_Bars((*old.opens, True), (*old.depths, depth), strange))
+    return found
+
+
+def _first_two(readings: Sequence[_Bars]) -> list[_Bars]:
+    """Of those that go on alike the first two, which are as good as all."""
+    kept: list[_Bars] = []
+    count: Counter[Any] = Counter()
+    for reading in readings:
+        key = reading.depths, reading.opens[-1]
+        count[key] += 1
+        kept += [reading] if count[key] <= 2 else []
+    return kept
 
 
 def _function(words: list[Token], position: int) -> tuple[int, list[Token]] | None:
