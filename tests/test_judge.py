@@ -174,6 +174,7 @@ def test_a_state_where_it_fails() -> None:
         (r"\cos 2\phi w = w\cos(2\phi)", "the cos of a product with w"),
         (r"\sin\phi/2 = \frac{1}{2}\sin\phi", "the sin of a quotient, or a sin divided"),
         (r"\cos a(v + w) = v\cos a + w\cos a", "the cos of a product with (...)"),
+        (r"\ln 2\,v = v\ln{2}", "the ln of a product, or of the number alone"),
         ("v(x) = v", "character 2: this may be a function of x, or a product"),
         ("v'(x) = v' x", "this may be a function of x, or a product"),
         ("v^2' = 2v v'", "this may be the rate of a power or a power of the rate"),

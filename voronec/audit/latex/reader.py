@@ -312,6 +312,8 @@ def _elementary(reader: Reader, token: Token) -> Node:
         raise complain(reader.source, token.start, what, Ambiguous)
     if bare and not reader.vocabulary.narrow_functions:
         _refuse_open_argument(reader, token)
+        if token.text in _LOGARITHMS and isinstance(argument, Product):
+            _refuse_gap(reader, token, argument)
     node: Node = Elementary(token.text[1:], argument, reader.since(token.start))
     return node if power is None else Power(node, power, reader.since(token.start))
 
@@ -329,6 +331,18 @@ def _function_argument(reader: Reader, start: int) -> Node:
         what = "this is the power of a function or of its argument; write one with parentheses"
         raise complain(reader.source, start, what, Ambiguous)
     return argument
+
+
+_LOGARITHMS = ("\\ln", "\\log", "\\exp")
+
+
+def _refuse_gap(reader: Reader, token: Token, argument: Product) -> None:
+    r"""``\ln 2\,v`` may be (ln 2) v; ``\ln 2v`` is not, and a sine is never one of a number."""
+    number, factor = argument.factors
+    if number.at[1] != factor.at[0]:
+        name = token.text[1:]
+        what = f"this may be the {name} of a product, or of the number alone; write parentheses"
+        raise complain(reader.source, token.start, what, Ambiguous)
 
 
 def _refuse_open_argument(reader: Reader, token: Token) -> None:
