@@ -8,12 +8,19 @@ vocabulary says that it is a function, or where the parenthesis holds a list.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NoReturn
 
 from voronec.audit.latex.displays import RELATIONS
+from voronec.audit.latex.doubts import (
+    fraction_of_numbers,
+    function_without_backslash,
+    instant,
+    open_argument,
+    single_name,
+    starts_name,
+)
 from voronec.audit.latex.nodes import (
     POINT,
     Bound,
@@ -263,7 +270,7 @@ def atom(reader: Reader, token: Token) -> Node:
             what = "this comma may stand before decimals or part thousands; write a point, or none"
             raise complain(reader.source, token.start, what, Ambiguous)
         return Number(text, at)
-    if text == "d" and _starts_name(reader):
+    if text == "d" and starts_name(*reader.place):
         return Differential(reader.factor(), "d", reader.since(token.start))
     if text == "\\delta" and reader.vocabulary.variations and reader.peek() not in ("", "_", "^"):
         return Variation(reader.factor(), reader.since(token.start))
@@ -282,10 +289,6 @@ def atom(reader: Reader, token: Token) -> Node:
         what = f"something before '{text}' is missing"
         raise complain(reader.source, token.start, what, Misprint)
     raise complain(reader.source, token.start, f"'{text}' is not understood")
-
-
-def _starts_name(reader: Reader, ahead: int = 0) -> bool:
-    return reader.kind(ahead) == "letter" or reader.peek(ahead) in GREEK | ACCENTS | {"\\dot"}
 
 
 def _group(reader: Reader, token: Token) -> Node:
@@ -311,7 +314,9 @@ def _elementary(reader: Reader, token: Token) -> Node:
         what = f"this may be 1/{token.text[1:]} or the inverse function; write one of these"
         raise complain(reader.source, token.start, what, Ambiguous)
     if bare and not reader.vocabulary.narrow_functions:
-        _refuse_open_argument(reader, token)
+        doubt = open_argument(token.text[1:], *reader.place, reader.vocabulary)
+        if doubt:
+            raise complain(reader.source, token.start, doubt, Ambiguous)
         if token.text in _LOGARITHMS and isinstance(argument, Product):
             _refuse_gap(reader, token, argument)
     node: Node = Elementary(token.text[1:], argument, reader.since(token.start))
@@ -343,49 +348,6 @@ def _refuse_gap(reader: Reader, token: Token, argument: Product) -> None:
         name = token.text[1:]
         what = f"this may be the {name} of a product, or of the number alone; write parentheses"
         raise complain(reader.source, token.start, what, Ambiguous)
-
-
-def _refuse_open_argument(reader: Reader, token: Token) -> None:
-    r"""``\cos\omega t`` may be the cosine of a product, ``\sin u/2`` the sine of a half.
-
-    A factor with a dot, a function or a differential is none of the argument: ``\sin u\dot v``,
-    ``\sin u(1 + \cos u)``.
-    """
-    name, after = token.text[1:], reader.peek()
-    if after == "/":
-        divided = reader.kind(1) in ("number", "letter") or reader.peek(1) in GREEK
-        what = f"this may be the {name} of a quotient, or a {name} divided; write parentheses"
-    else:
-        instant = after == "(" and reader.takes_instant(Elementary(name, None))  # told as that
-        divided = _is_plain_letter(reader) or (_is_plain_bracket(reader) and not instant)
-        said = "(...)" if after == "(" else after.lstrip("\\")
-        what = (
-            f"this may be the {name} of a product with {said}, or {said} times a {name}; "
-            "write parentheses"
-        )
-    if divided:
-        raise complain(reader.source, token.start, what, Ambiguous)
-
-
-def _is_plain_letter(reader: Reader) -> bool:
-    """Whether a letter is ahead that is no sign of a differential or a variation."""
-    word = reader.kind() == "text" and not reader.vocabulary.applies(reader.peek())
-    letter = word or reader.kind() == "letter" or reader.peek() in GREEK | ACCENTS
-    return letter and not (reader.peek() in ("d", "\\delta") and _starts_name(reader, 1))
-
-
-def _is_plain_bracket(reader: Reader) -> bool:
-    """Whether a parenthesis is ahead that holds neither dots nor functions."""
-    if reader.peek() != "(":
-        return False
-    depth = ahead = 0
-    while reader.peek(ahead) not in ELEMENTARY | {"", "'", "\\dot", "\\ddot"}:
-        text = reader.peek(ahead)
-        depth += (text in _CLOSERS.values()) - (text in _CLOSERS)
-        if depth == 0:
-            return True
-        ahead += 1
-    return False
 
 
 def _read_accent(reader: Reader, token: Token) -> Node:
@@ -572,12 +534,6 @@ _BETWEEN: dict[str, Callable[[Node, Node, tuple[int, int]], Node]] = {
 }
 
 
-_FRACTIONS = ("\\frac", "\\dfrac", "\\tfrac")
-_NUMERIC = re.compile(r"(?:\{\d+\}|\d)(?:\{\d+\}|\d)")
-_INSTANT = ("t", "+", "-", "/", "\\cdot", "\\pi")
-"""What numbers stand beside where an instant is written."""
-
-
 class Reader:
     """Recursive descent over the words; one method for each construct."""
 
@@ -598,6 +554,11 @@ class Reader:
     def peek(self, ahead: int = 0) -> str:
         index = self.position + ahead
         return self.tokens[index].text if index < len(self.tokens) else ""
+
+    @property
+    def place(self) -> tuple[list[Token], int]:
+        """The words, and how far they are read."""
+        return self.tokens, self.position
 
     def kind(self, ahead: int = 0) -> str:
         index = self.position + ahead
@@ -687,17 +648,12 @@ class Reader:
         behind = bool(factors) and self.tokens[self.position - 1].kind == "number"
         if self.in_index or not behind or not isinstance(factors[-1], Number):
             return
-        if self.peek() in _FRACTIONS and self._is_numeric(self.position + 1):
+        if fraction_of_numbers(*self.place):
             what = "this may be a mixed number or a product; write one fraction, or \\cdot between"
             self.fail(what, Ambiguous)
         if self.kind() == "number":
             what = "two numbers stand side by side; write one number, or \\cdot between"
             self.fail(what, Ambiguous)
-
-    def _is_numeric(self, position: int) -> bool:
-        r"""Whether numbers alone stand above and below a line: ``\frac12``, ``\frac{1}{2}``."""
-        texts = "".join(t.text for t in self.tokens[position : position + 6])
-        return _NUMERIC.match(texts) is not None
 
     def ends_term(self) -> bool:
         """Whether no further factor follows."""
@@ -746,28 +702,17 @@ class Reader:
     def takes_instant(self, node: Node) -> bool:
         r"""Whether the parenthesis ahead may hold an instant: ``x(0)``, ``\sin x(t + 1)``; behind
         a number it does not, and behind a bracket only ``(t)``."""
-        inside, end = self.tokens[self.position + 1 :], 0
-        while end < len(inside) and (inside[end].kind == "number" or inside[end].text in _INSTANT):
-            end += 1
-        base = node.base if isinstance(node, Power) else node
-        if isinstance(base, Number) or not end or [t.text for t in inside[end : end + 1]] != [")"]:
-            return False
+        inside, base = instant(*self.place), node.base if isinstance(node, Power) else node
         named = isinstance(base, (Name, Dot, Elementary))
-        return named or [t.text for t in inside[:end]] == ["t"]
+        return inside != "" and not isinstance(base, Number) and (named or inside == "t")
 
     def _takes_name(self, node: Node) -> bool:
         """Whether a name stands before a single name in parentheses, as in ``v(x)``; ``cos(x)``
         without its backslash is another fault."""
-        run = ""
-        for token in reversed(self.tokens[: self.position]):
-            if token.kind != "letter" or f"\\{run}" in ELEMENTARY:
-                break
-            run = token.text + run
-        if f"\\{run}" in ELEMENTARY:
-            return False
-        alone = self.kind(1) == "letter" or self.peek(1) in GREEK
         named = self.vocabulary.by_hand and isinstance(node, (Name, Dot))
-        return named and alone and self.peek(2) == ")"
+        return (
+            named and single_name(*self.place) != "" and not function_without_backslash(*self.place)
+        )
 
     def _holds_list(self) -> bool:
         """Whether the parenthesis ahead holds a comma of its own."""
