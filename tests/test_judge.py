@@ -175,6 +175,7 @@ def test_a_state_where_it_fails() -> None:
         (r"\sin\phi/2 = \frac{1}{2}\sin\phi", "the sin of a quotient, or a sin divided"),
         (r"\cos a(v + w) = v\cos a + w\cos a", "the cos of a product with (...)"),
         (r"\ln 2\,v = v\ln{2}", "the ln of a product, or of the number alone"),
+        (r"\operatorname{sgn}v w = w\operatorname{sgn}v", "the sgn of a product with w"),
         ("v(x) = v", "character 2: this may be a function of x, or a product"),
         ("v'(x) = v' x", "this may be a function of x, or a product"),
         ("v^2' = 2v v'", "this may be the rate of a power or a power of the rate"),
@@ -273,6 +274,7 @@ def test_what_a_proof_rests_on(text: str, ground: str) -> None:
         ("abs(v abs(w) a) = abs(v w a)", r"\left|v\left|w\right|a\right| = |v w a|"),
         ("abs(ln(abs(v))) = abs(-ln(abs(v)))", r"|\ln|v|| = |-\ln|v||"),
         ("abs(v) - a*abs(w) = -a*abs(w) + abs(v)", "|v| - a|w| = -a|w| + |v|"),
+        ("cos(phi)*abs(v) = abs(v)*cos(phi)", r"\cos\phi|v| = |v|\cos\phi"),
         ("v exp(1) = v*exp(1)", r"v\exp 1 = v\exp(1)"),
         ("v' = a*w^2", r"\dot v = a w^2\,."),
         (

@@ -49,7 +49,7 @@ def open_argument(
         number = position + 1 < len(words) and words[position + 1].kind == "number"
         what = f"this may be the {name} of a quotient, or a {name} divided; write parentheses"
         return what if number or _is_letter(words, position + 1) else ""
-    bracket = _bracket_without_dots(words, position) and not instant(words, position)
+    bracket = _bracket_without_dots(words, position, vocabulary) and not instant(words, position)
     said = "(...)" if bracket else after.lstrip("\\")
     what = f"this may be the {name} of a product with {said}, or {said} times a {name}"
     doubt = bracket or _plain_letter(words, position, vocabulary)
@@ -70,7 +70,9 @@ def _plain_letter(words: Sequence[Token], position: int, vocabulary: LatexVocabu
     return (letter or _is_letter(words, position)) and not differential
 
 
-def _bracket_without_dots(words: Sequence[Token], position: int) -> bool:
+def _bracket_without_dots(
+    words: Sequence[Token], position: int, vocabulary: LatexVocabulary
+) -> bool:
     """Whether a parenthesis is ahead that holds neither dots nor functions."""
     if _text(words, position) != "(":
         return False
@@ -79,7 +81,7 @@ def _bracket_without_dots(words: Sequence[Token], position: int) -> bool:
         depth += (word.text in ("(", "[", "{")) - (word.text in (")", "]", "}"))
         if depth == 0:
             return True
-        if word.text in ELEMENTARY | {"'", "\\dot", "\\ddot"}:
+        if word.text in ELEMENTARY | {"'", "\\dot", "\\ddot"} or vocabulary.applies(word.text):
             return False
     return False
 

@@ -17,6 +17,7 @@ from itertools import pairwise
 from typing import Any
 
 from voronec.audit.latex.displays import RELATIONS
+from voronec.audit.latex.doubts import open_argument
 from voronec.audit.latex.tokens import (
     ELEMENTARY,
     GREEK,
@@ -26,6 +27,7 @@ from voronec.audit.latex.tokens import (
     complain,
     tokenize,
 )
+from voronec.audit.latex.vocabulary import LatexVocabulary
 
 __all__ = ["command_of", "spelling_of", "words_of"]
 
@@ -63,6 +65,7 @@ _FUNCTIONS = {
     "floor": "floor", "ceiling": "ceiling", "Heaviside": "Heaviside",
 }  # fmt: skip
 """Functions by name, and what the dictionary calls them."""
+_KNOWN = LatexVocabulary(frozenset(_FUNCTIONS.values()))
 _TAIL = re.compile(
     r"(?:\\q?quad|\\\\|\\hfill|\s)+\(\d+[a-z']?\)\s*$|(?:\\q?quad|\\\\\s|\\\\$)+\s*$"
 )
@@ -96,7 +99,7 @@ def words_of(text: str, spelled: Mapping[str, str]) -> list[Token]:
     words = _stars(_each(words, _primes))
     for change in (_third, _applied_to_time, _quotients, _rate):
         words = _each(words, change)
-    words = _each(_sizes(source, words), _function)
+    words = _each(_sizes(source, words), lambda given, at: _function(source, given, at))
     words = _each(words, _exponent) if plain else words
     words = _own_d(words) if "d" in spelled else _each(words, _ratio)
     _refuse_ambiguous(source, words)
@@ -327,7 +330,7 @@ def _first_two(readings: Sequence[_Bars]) -> list[_Bars]:
     return kept
 
 
-def _function(words: list[Token], position: int) -> tuple[int, list[Token]] | None:
+def _function(source: str, words: list[Token], position: int) -> tuple[int, list[Token]] | None:
     r"""``\operatorname{sgn} v`` is ``sgn(v)``, ``e^{v}`` the exponential."""
     word, after = words[position], words[position + 1 : position + 2]
     applied = word.kind == "text" and word.text in _FUNCTIONS.values()
@@ -336,6 +339,10 @@ def _function(words: list[Token], position: int) -> tuple[int, list[Token]] | No
     if not (applied or power) or start >= len(words) or (applied and words[start].text == "("):
         return None
     end = _atom(words, start)
+    bare = applied and words[start].text not in _OPEN
+    doubt = open_argument(word.text, words, end, _KNOWN) if bare else ""
+    if doubt:
+        raise complain(source, word.start, doubt, Ambiguous)
     name = replace(word, kind="command", text="\\exp") if power else word
     return end, [name, _sign(word, "("), *words[start:end], _sign(word, ")")]
 
