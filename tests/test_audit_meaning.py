@@ -50,7 +50,7 @@ def test_products_are_written_side_by_side():
     ("latex", "expected"),
     [
         (r"\sin u\cos v", sp.sin(u) * sp.cos(v)),
-        (r"\sin u v", sp.sin(u) * v),
+        (r"\sin{u}v", sp.sin(u) * v),
         (r"\sin 2u", sp.sin(2 * u)),
         (r"\sin^2u_1", sp.sin(sp.Symbol("u1")) ** 2),
         (r"k\mu' \cos{u}_1", k * sp.Symbol("mu1") * sp.cos(sp.Symbol("u1"))),

@@ -68,6 +68,30 @@ def test_a_value_at_an_instant_is_no_product():
     assert one("x(t+1)=t^2+2t+1", study=function).verdict == "proved"
 
 
+def test_what_can_be_read_in_two_ways_is_undecided_unless_the_transcription_says_how():
+    """Each was called a misprint, and corrected, or proved."""
+    for printed, words in {
+        r"\cos wt=\cos(wt)": "the cos of a product with t, or t times a cos",
+        r"\ln xm=\ln x+\ln m": "the ln of a product with m, or m times a ln",
+        r"\cos2wt=\cos(2wt)": "the cos of a product with t",
+        r"\sin x/2=\sin(x/2)": "the sin of a quotient, or a sin divided",
+        r"1\frac12m=\frac32m": "a mixed number or a product",
+        r"1\dfrac{1}{2}m=\frac32m": "a mixed number or a product",
+        r"10\,000m=10000m": "two numbers stand side by side",
+        r"1{,}500m=1500m": "this comma may stand before decimals or part thousands",
+        r"\tan^{-1}(x)=\arctan x": "1/tan or the inverse function",
+    }.items():
+        formula = one(printed)
+        assert (formula.verdict, formula.correction) == ("undecided", None), printed
+        assert words in formula.method
+    assert one(r"\cos{wt}=\cos(tw)").verdict == one(r"\cos{w}t=t\cos w").verdict == "proved"
+    assert one(r"\sin x\dot x=\dot x\sin x").verdict == "proved"
+    assert one(r"\ln2\cdot x=x\ln2").verdict == one("0{,}5m=m/2").verdict == "proved"
+    own = replace(oscillator(), narrow_functions=True)
+    assert one(r"\cos wt=t\cos(w)", study=own).verdict == "proved"
+    assert one(r"\cos wt=\cos(tw)", study=own).verdict == "misprint"
+
+
 def test_every_link_of_a_chain_counts():
     assert one("x+x=2x=x+x").verdict == "proved"
     assert one("x+x=2x=3x").verdict == "misprint"

@@ -169,6 +169,23 @@ def test_a_state_where_it_fails() -> None:
         ("v' = sin 2a t", "the sin of a product with t"),
         (r"\ln|v|^2 = 2\ln|v|", "write one with parentheses"),
         (r"1\frac12 v = \frac12 v", "a mixed number or a product"),
+        ("1 1/2 v = v/2", "two numbers stand side by side"),
+        (r"\ln a v = v\ln a", "the ln of a product with v, or v times a ln"),
+        (r"\cos 2\phi w = w\cos(2\phi)", "the cos of a product with w"),
+        (r"\sin\phi/2 = \frac{1}{2}\sin\phi", "the sin of a quotient, or a sin divided"),
+        (r"\cos a(v + w) = v\cos a + w\cos a", "the cos of a product with (...)"),
+        (r"\ln 2\,v = v\ln{2}", "the ln of a product, or of the number alone"),
+        (r"\operatorname{sgn}v w = w\operatorname{sgn}v", "the sgn of a product with w"),
+        ("v(x) = v", "character 2: this may be a function of x, or a product"),
+        ("v'(x) = v' x", "this may be a function of x, or a product"),
+        ("v^2' = 2v v'", "this may be the rate of a power or a power of the rate"),
+        ("2v = v(2)", "a value at an instant or a product"),
+        ("|v|w|-a| = |v| w |a|", r"these bars can be read in two ways; write \left|...\right|"),
+        (r"\left|v\left|w\right| = 0", r"no partner; write |v|, or \left|...\right|"),
+        (r"v = \pm v", "character 5: this sign makes two equations"),
+        ("v2 = 2v", "character 2: this number may be an index, a power or a factor"),
+        (r"\dot\phi2 = 2w", "this number may be an index, a power or a factor"),
+        (r"1{,}500v = 1500v", "before decimals or part thousands"),
         # what no motion gives a value
         ("v' (v' - a w^2)/(v' - a w^2) = a w^2", "character 18: this divides by what is zero"),
         ("(v' - a w^2)(v' - a w^2)^{-1} = 1", "character 14: this divides by what is zero"),
@@ -213,6 +230,15 @@ def test_letters_of_print_are_read_like_those_of_latex(text: str, other: str | N
     assert (one.read, one.verdict.status) == (two.read, two.verdict.status)
 
 
+def test_a_number_behind_a_name_with_a_number_is_no_factor() -> None:
+    """x12 was read as 2 x1."""
+    x1, m = sp.symbols("x1 m")
+    one = vo.System("one", vo.Fibration(x1), m * vo.velocity(x1) ** 2 / 2, parameters=(m,))
+    with pytest.raises(vo.DefinitionError, match=r"character 3: this number may be an index"):
+        vo.judge(one, "x12 = 2 x1")
+    assert vo.judge(one, "x1 2 = 2 x1").proved
+
+
 @pytest.mark.parametrize(
     ("text", "ground"),
     [
@@ -242,6 +268,19 @@ def test_what_a_proof_rests_on(text: str, ground: str) -> None:
         ("cos(a*t) v' = a w^2 cos(a t)", r"\cos(at)\dot v = a w^2\cos(a t)"),
         ("2*t*v = (t + t) v", r"2(t)v = (t+t)v"),
         ("ln(abs(v)^2) = 2*ln(abs(v))", r"\ln(|v|^2) = 2\ln|v|"),
+        ("v' = 0.5 a w^2 + a w^2/2", r"\dot v = 0{,}5aw^2 + \tfrac12 a w^2"),
+        ("v ln(2) = v*ln 2", r"\ln 2\cdot v = v\ln{2}"),
+        ("abs(abs(v) - 1) = abs(1 - abs(v))", "||v| - 1| = |1 - |v||"),
+        ("abs(v abs(w) a) = abs(v w a)", r"\left|v\left|w\right|a\right| = |v w a|"),
+        ("abs(ln(abs(v))) = abs(-ln(abs(v)))", r"|\ln|v|| = |-\ln|v||"),
+        ("abs(v) - a*abs(w) = -a*abs(w) + abs(v)", "|v| - a|w| = -a|w| + |v|"),
+        ("cos(phi)*abs(v) = abs(v)*cos(phi)", r"\cos\phi|v| = |v|\cos\phi"),
+        ("v exp(1) = v*exp(1)", r"v\exp 1 = v\exp(1)"),
+        ("v' = a*w^2", r"\dot v = a w^2\,."),
+        (
+            "ydot*cos(phi)*(1 + cos(phi)) = xdot sin(phi) (1 + cos phi)",
+            r"\dot y\cos\phi(1 + \cos\phi) = \dot x\sin\phi(1+\cos\phi)",
+        ),
         ("v' = a |w|^2", r"\dot v = a\lvert w\rvert^{2}"),
         ("v' = a w w", r"\dot v = a\,w\times w \qquad (4)"),
         ("sign(v)*abs(v) = v", r"\operatorname{sgn}v\,\left|v\right| = v"),

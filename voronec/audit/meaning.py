@@ -81,10 +81,13 @@ ELEMENTARY: dict[str, Callable[[Any], Any]] = {
 
 def _call(node: Call, study: Study, where: Where) -> Any:
     """The value of a function of the dictionary, or of an expression that lists what it holds."""
-    inner = (part for argument in node.arguments for part in walk(argument))
-    if node.function in inner and not _is_quantity_too(node.function, study):
-        raise Misprint(f"'{_kind_or_key(node.function)}' stands among its own arguments")
     function = _function(node.function, study)
+    inner = [part for argument in node.arguments for part in walk(argument)]
+    named = inner.count(node.function)
+    if function is not None:  # f(f(x))
+        named -= [part.function for part in inner if isinstance(part, Call)].count(node.function)
+    if named and not _is_quantity_too(node.function, study):
+        raise Misprint(f"'{_kind_or_key(node.function)}' stands among its own arguments")
     value: Any = evaluate(node.function, study, where) if function is None else None
     if callable(value) and not isinstance(value, sp.Basic):
         function = value  # a member of a family of functions

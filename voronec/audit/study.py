@@ -135,7 +135,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class Study:
-    """A dictionary to a derived system.
+    r"""A dictionary to a derived system.
 
     names
         LaTeX name -> SymPy expression, vector, function of the indices, or function.
@@ -151,6 +151,8 @@ class Study:
         heads of names whose superscript may be a Roman numeral, as in ``x^{II}``.
     functions
         heads of names that a parenthesis applies.
+    narrow_functions
+        whether the paper writes ``\sin u v`` for (sin u) v throughout; else that is undecided.
     defined
         names that the paper itself defines, as trees; filled by the audit.
     given
@@ -189,6 +191,7 @@ class Study:
     labelled: frozenset[str] = frozenset()
     numbered: frozenset[str] = frozenset()
     functions: frozenset[str] = frozenset()
+    narrow_functions: bool = False
     defined: Mapping[str, Node] = field(default_factory=dict)
     given: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
     relations: tuple[sp.Expr, ...] = ()
@@ -256,6 +259,7 @@ class Study:
             self.functions | plain,
             self.labelled,
             self.numbered,
+            narrow_functions=self.narrow_functions,
             variations="\\delta" not in heads.values(),
         )
 

@@ -203,6 +203,7 @@ class WithRotor:
             motion=self.motion,
             in_velocities=self.in_velocities(),
             positive=(sp.sin(u), sp.sin(u1)),
+            narrow_functions=True,
             context=self,
             source=SOURCE,
         )
@@ -211,6 +212,7 @@ class WithRotor:
         upright = Study(
             {**names, **self.upright()},
             motion=self.motion,
+            narrow_functions=True,
             given=condition,
             context=self,
             source=f"{SOURCE}; a vertical momentum, by linear elimination",
@@ -271,7 +273,8 @@ class ReducedBall:
         names |= symbols | ratios(self.eqs) | {"P": P, "I": mass * sp.diff(P, mass)}
         motion = Motion.of(self.eqs).solved(self.eqs)
         sines = tuple(sp.sin(symbol) for symbol in (names["u"], names["u_1"]))
-        return Study({"t": vo.time, **names}, motion=motion, positive=sines, context=self)
+        names = {"t": vo.time, **names}
+        return Study(names, motion=motion, positive=sines, narrow_functions=True, context=self)
 
     def equation(self, row: int) -> sp.Expr:
         """Row of mass * vdot - force."""

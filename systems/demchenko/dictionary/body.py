@@ -205,6 +205,7 @@ class Body:
                 variations=variations,
                 given=surfaces.roots,
                 positive=surfaces.positive,
+                narrow_functions=True,
                 context=self,
                 note=note,
                 source=SOURCE,
@@ -212,6 +213,7 @@ class Body:
             "quasi": Study(
                 quasi,
                 motion=surfaces.motion,
+                narrow_functions=True,
                 given=given,
                 context=self,
                 note=note,

@@ -168,6 +168,7 @@ class Space:
                 self.names,
                 motion=motion,
                 labelled=frozenset({r"\mathfrak{v}"}),
+                narrow_functions=True,
                 given=self.rules,
                 positive=self.surfaces.positive,
                 context=self,

@@ -257,6 +257,7 @@ class Level:
             motion=self.motion,
             numbered=frozenset("x"),
             functions=HEADS,
+            narrow_functions=True,
             given=given,
             ranges=RANGES,
             scope=(RANGES[0].name,),

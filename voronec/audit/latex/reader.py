@@ -1,8 +1,9 @@
 r"""Reads LaTeX mathematics into a tree, in the dialect of papers on mechanics.
 
-Products are written side by side; ``\sin u\cos v`` is (sin u)(cos v); ``\frac12`` and ``\dot u_1``
-need no braces; a name followed by a parenthesis is applied where the vocabulary says that it is a
-function, or where the parenthesis holds a list.
+Products are written side by side; ``\sin u\cos v`` is (sin u)(cos v), and ``\sin u v``, which may
+be the sine of uv, is refused, unless the vocabulary or braces say what is meant: ``\sin{uv}``;
+``\frac12`` and ``\dot u_1`` need no braces; a name followed by a parenthesis is applied where the
+vocabulary says that it is a function, or where the parenthesis holds a list.
 """
 
 from __future__ import annotations
@@ -12,6 +13,14 @@ from dataclasses import replace
 from typing import NoReturn
 
 from voronec.audit.latex.displays import RELATIONS
+from voronec.audit.latex.doubts import (
+    fraction_of_numbers,
+    function_without_backslash,
+    instant,
+    open_argument,
+    single_name,
+    starts_name,
+)
 from voronec.audit.latex.nodes import (
     POINT,
     Bound,
@@ -257,8 +266,11 @@ def atom(reader: Reader, token: Token) -> Node:
     """What ``token``, already taken, begins; scripts after it are not read."""
     text, at = token.text, (token.start, token.end)
     if token.kind == "number":
+        if "," in text:
+            what = "this comma may stand before decimals or part thousands; write a point, or none"
+            raise complain(reader.source, token.start, what, Ambiguous)
         return Number(text, at)
-    if text == "d" and _starts_name(reader):
+    if text == "d" and starts_name(*reader.place):
         return Differential(reader.factor(), "d", reader.since(token.start))
     if text == "\\delta" and reader.vocabulary.variations and reader.peek() not in ("", "_", "^"):
         return Variation(reader.factor(), reader.since(token.start))
@@ -279,10 +291,6 @@ def atom(reader: Reader, token: Token) -> Node:
     raise complain(reader.source, token.start, f"'{text}' is not understood")
 
 
-def _starts_name(reader: Reader) -> bool:
-    return reader.kind() == "letter" or reader.peek() in GREEK | ACCENTS | {"\\dot"}
-
-
 def _group(reader: Reader, token: Token) -> Node:
     items = reader.group(token)
     if len(items) == 1:
@@ -301,32 +309,45 @@ def _elementary(reader: Reader, token: Token) -> Node:
         reader.take()
         power = reader.argument()
     start, bare = reader.begin(), reader.peek() not in _CLOSERS.values()
-    if reader.kind() == "number":
-        argument = Product((reader.factor(), reader.factor()), reader.since(start))
-    elif reader.vocabulary.by_hand:
-        argument = _argument_by_hand(reader, start)
-    else:
-        argument = scripts(reader, reader.atom(), start)
-    if reader.vocabulary.by_hand and power == _MINUS_ONE:
+    argument = _function_argument(reader, start)
+    if power == _MINUS_ONE:
         what = f"this may be 1/{token.text[1:]} or the inverse function; write one of these"
-        raise complain(reader.source, token.start, what, Misprint)
-    if reader.vocabulary.by_hand and bare and reader.peek() == "t":
-        name = token.text[1:]
-        what = f"this may be the {name} of a product with t, or t times a {name}; write parentheses"
         raise complain(reader.source, token.start, what, Ambiguous)
+    if bare and not reader.vocabulary.narrow_functions:
+        doubt = open_argument(token.text[1:], *reader.place, reader.vocabulary)
+        if doubt:
+            raise complain(reader.source, token.start, doubt, Ambiguous)
+        if token.text in _LOGARITHMS and isinstance(argument, Product):
+            _refuse_gap(reader, token, argument)
     node: Node = Elementary(token.text[1:], argument, reader.since(token.start))
     return node if power is None else Power(node, power, reader.since(token.start))
 
 
-def _argument_by_hand(reader: Reader, start: int) -> Node:
-    r"""``sin(x)^2`` is the square of a sine; ``\sin x^2`` may be that, or the sine of a square."""
-    if reader.peek() in _CLOSERS.values():
+def _function_argument(reader: Reader, start: int) -> Node:
+    r"""``\sin 2u`` is the sine of 2u; ``\sin x^2`` may be a square, or the sine of one."""
+    if reader.kind() == "number":
+        number = reader.factor()
+        more = not reader.ends_term() and reader.peek() not in ("\\cdot", *_BETWEEN)
+        return Product((number, reader.factor()), reader.since(start)) if more else number
+    if reader.vocabulary.by_hand and reader.peek() in _CLOSERS.values():
         return reader.atom()
     argument = scripts(reader, reader.atom(), start)
-    if isinstance(argument, Power):
+    if reader.vocabulary.by_hand and isinstance(argument, Power):
         what = "this is the power of a function or of its argument; write one with parentheses"
-        raise complain(reader.source, start, what, Misprint)
+        raise complain(reader.source, start, what, Ambiguous)
     return argument
+
+
+_LOGARITHMS = ("\\ln", "\\log", "\\exp")
+
+
+def _refuse_gap(reader: Reader, token: Token, argument: Product) -> None:
+    r"""``\ln 2\,v`` may be (ln 2) v; ``\ln 2v`` is not, and a sine is never one of a number."""
+    number, factor = argument.factors
+    if number.at[1] != factor.at[0]:
+        name = token.text[1:]
+        what = f"this may be the {name} of a product, or of the number alone; write parentheses"
+        raise complain(reader.source, token.start, what, Ambiguous)
 
 
 def _read_accent(reader: Reader, token: Token) -> Node:
@@ -389,6 +410,9 @@ def scripts(reader: Reader, node: Node, start: int) -> Node:
     while reader.peek() in ("_", "^", "'", '"'):
         mark = reader.take().text
         if mark in ("'", '"'):
+            if exponent is not None and reader.vocabulary.by_hand:
+                what = "this may be the rate of a power or a power of the rate; write parentheses"
+                reader.fail(what, Ambiguous)
             primes += 1 if mark == "'" else 2
         elif mark == "_":
             sub = _indices(reader)
@@ -480,6 +504,7 @@ def _indices(reader: Reader) -> tuple[Node, ...]:
     if reader.peek() != "{":
         return (reader.argument(),)
     reader.take()
+    outside, reader.in_index = reader.in_index, True
     parenthesis = reader.peek() == "("
     if parenthesis:
         reader.take()
@@ -493,6 +518,7 @@ def _indices(reader: Reader) -> tuple[Node, ...]:
     if parenthesis:
         reader.take(")")
     reader.take("}")
+    reader.in_index = outside
     return tuple(found)
 
 
@@ -508,10 +534,6 @@ _BETWEEN: dict[str, Callable[[Node, Node, tuple[int, int]], Node]] = {
 }
 
 
-_INSTANT = ("t", "+", "-", "/", "\\cdot", "\\pi")
-"""What numbers stand beside where an instant is written."""
-
-
 class Reader:
     """Recursive descent over the words; one method for each construct."""
 
@@ -523,6 +545,7 @@ class Reader:
         all_labels: bool = False,
     ) -> None:
         self.tokens, self.source, self.vocabulary = tokens, source, vocabulary
+        self.in_index = False
         self.all_labels = all_labels
         self.position = 0
 
@@ -532,8 +555,14 @@ class Reader:
         index = self.position + ahead
         return self.tokens[index].text if index < len(self.tokens) else ""
 
-    def kind(self) -> str:
-        return self.tokens[self.position].kind if self.position < len(self.tokens) else ""
+    @property
+    def place(self) -> tuple[list[Token], int]:
+        """The words, and how far they are read."""
+        return self.tokens, self.position
+
+    def kind(self, ahead: int = 0) -> str:
+        index = self.position + ahead
+        return self.tokens[index].kind if index < len(self.tokens) else ""
 
     def take(self, wanted: str | None = None) -> Token:
         if self.position >= len(self.tokens):
@@ -608,10 +637,23 @@ class Reader:
             elif text in _BETWEEN or text == "\\oplus":
                 factors = self._join(text, factors, start)
             else:
+                self._refuse_number_in_doubt(factors)
                 factors.append(self.factor())
         if not factors:
             self.fail("a term is missing", Misprint)
         return _product(factors, self.since(start))
+
+    def _refuse_number_in_doubt(self, factors: list[Node]) -> None:
+        r"""``1\frac12`` may be one and a half, ``10\,000`` one number; indices stand so."""
+        behind = bool(factors) and self.tokens[self.position - 1].kind == "number"
+        if self.in_index or not behind or not isinstance(factors[-1], Number):
+            return
+        if fraction_of_numbers(*self.place):
+            what = "this may be a mixed number or a product; write one fraction, or \\cdot between"
+            self.fail(what, Ambiguous)
+        if self.kind() == "number":
+            what = "two numbers stand side by side; write one number, or \\cdot between"
+            self.fail(what, Ambiguous)
 
     def ends_term(self) -> bool:
         """Whether no further factor follows."""
@@ -642,9 +684,12 @@ class Reader:
         node = scripts(self, self.atom(), start)
         if self.peek() == "(" and self._applies(node):
             node = Call(node, self.group(self.take()), self.since(start))
-        elif self.peek() == "(" and self._takes_instant(node):
+        elif self.peek() == "(" and self.takes_instant(node):
             what = "this may be a value at an instant or a product; only the product is read,"
             self.fail(f"{what} written with \\cdot", Ambiguous)
+        elif self.peek() == "(" and self._takes_name(node):
+            what = f"this may be a function of {self.peek(1)}, or a product; write the name alone,"
+            self.fail(f"{what} or \\cdot between", Ambiguous)
         return scripts(self, node, start) if self.peek() in ("^", "_", "'") else node
 
     def _applies(self, node: Node) -> bool:
@@ -654,17 +699,20 @@ class Reader:
             return False
         return self.vocabulary.applies(node.head) or self._holds_list()
 
-    def _takes_instant(self, node: Node) -> bool:
+    def takes_instant(self, node: Node) -> bool:
         r"""Whether the parenthesis ahead may hold an instant: ``x(0)``, ``\sin x(t + 1)``; behind
         a number it does not, and behind a bracket only ``(t)``."""
-        inside, end = self.tokens[self.position + 1 :], 0
-        while end < len(inside) and (inside[end].kind == "number" or inside[end].text in _INSTANT):
-            end += 1
-        base = node.base if isinstance(node, Power) else node
-        if isinstance(base, Number) or not end or [t.text for t in inside[end : end + 1]] != [")"]:
-            return False
+        inside, base = instant(*self.place), node.base if isinstance(node, Power) else node
         named = isinstance(base, (Name, Dot, Elementary))
-        return named or [t.text for t in inside[:end]] == ["t"]
+        return inside != "" and not isinstance(base, Number) and (named or inside == "t")
+
+    def _takes_name(self, node: Node) -> bool:
+        """Whether a name stands before a single name in parentheses, as in ``v(x)``; ``cos(x)``
+        without its backslash is another fault."""
+        named = self.vocabulary.by_hand and isinstance(node, (Name, Dot))
+        return (
+            named and single_name(*self.place) != "" and not function_without_backslash(*self.place)
+        )
 
     def _holds_list(self) -> bool:
         """Whether the parenthesis ahead holds a comma of its own."""

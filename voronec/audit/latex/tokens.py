@@ -13,6 +13,7 @@ __all__ = [
     "ELLIPSES",
     "FUNCTIONS",
     "GREEK",
+    "Ambiguous",
     "Misprint",
     "Token",
     "complain",
@@ -37,10 +38,12 @@ ELLIPSES = frozenset(r"\dots \ldots \cdots".split())
 
 
 _WORD = re.compile(
-    r"(?P<space>\s+|%[^\n]*)|(?P<command>\\(?:[a-zA-Z]+\*?|.))|(?P<number>\d+(?:\.\d+)?)"
+    r"(?P<space>\s+|%[^\n]*)|(?P<command>\\(?:[a-zA-Z]+\*?|.))|(?P<number>\d+(?:(?:\.|\{,\})\d+)?)"
     r"|(?P<letter>[a-zA-Z])|(?P<sign>[-+*/=<>()\[\]{}^_,.:;'|&\"!~])",
     re.DOTALL,
 )
+_THOUSANDS = re.compile(r"[1-9]\d{0,2}\{,\}\d{3}")
+"""A comma that may stand before decimals, or part thousands: the reader refuses such a number."""
 _SILENT = set(
     r"\, \; \! \: \> \  ~ & \nonumber \notag \displaystyle \textstyle \limits \nolimits".split()
 ) | {"\\ "}
@@ -108,6 +111,8 @@ def tokenize(source: str, offset: int = 0, end: int | None = None) -> list[Token
             position = match.start() + 5
             found.append(Token("text", "const", match.start(), position))
             continue
+        if kind == "number" and not _THOUSANDS.fullmatch(text):
+            text = text.replace("{,}", ".")
         start, size = match.start() if size is None else size, None
         found.append(Token(kind, text, start, position))
     return found

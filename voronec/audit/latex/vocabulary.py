@@ -22,7 +22,9 @@ class LatexVocabulary:
     a label too.  ``wide_sums``: a sum sign reaches to the end of its group, not only over the next
     term.  ``by_hand``: as people write and type, a prime is a derivative by the time, a bracket
     after ``\frac{d}{dt}``, or after the name of a function, is all that these apply to, and what
-    can be read in two ways is refused.  ``variations``: ``\delta`` before a name makes a variation
+    can be read in two ways is refused.  ``narrow_functions``: as the paper writes throughout, a
+    function without a parenthesis takes the one name behind it, ``\sin u v`` is (sin u) v.
+    ``variations``: ``\delta`` before a name makes a variation
     of it, and is no name itself.
     """
 
@@ -31,6 +33,7 @@ class LatexVocabulary:
     numbered: frozenset[str] = frozenset()
     wide_sums: bool = False
     by_hand: bool = False
+    narrow_functions: bool = False
     variations: bool = True
 
     def applies(self, head: str) -> bool:

@@ -28,14 +28,16 @@ from voronec.audit.latex.nodes import (
     Dot,
     Name,
     Node,
+    Number,
     Partial,
     Power,
+    Product,
     Quotient,
     Variation,
     walk,
 )
 from voronec.audit.latex.reader import read_tokens
-from voronec.audit.latex.tokens import Misprint, complain
+from voronec.audit.latex.tokens import Ambiguous, Misprint, complain
 from voronec.audit.lessons.notation import command_of, spelling_of, words_of
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
 from voronec.audit.study import Motion, Study, name_or_nothing
@@ -391,8 +393,17 @@ class Language:
         nearest one.
         """
         values = [self._value(part, text, tree) for part in tree.parts]
+        self._refuse_numbers_behind(tree, text)
         self._refuse_zero_divisors(tree, text)
         return values
+
+    def _refuse_numbers_behind(self, tree: Chain, text: str) -> None:
+        """``x2``, ``x12`` beside a name x1: what stands so is no product, whatever it is."""
+        for node in walk(tree):
+            for left, right in pairwise(node.factors if isinstance(node, Product) else ()):
+                if isinstance(right, Number) and left.at[1] == right.at[0]:
+                    what = "this number may be an index, a power or a factor; write x_2, x^2, 2 x"
+                    raise complain(text, right.at[0], what, Ambiguous)
 
     def _refuse_zero_divisors(self, tree: Chain, text: str) -> None:
         """What no motion gives a value: SymPy makes f/f one before it is seen that f is zero."""
@@ -480,6 +491,8 @@ class Language:
         whole = re.match(word, text[at:])
         bare = whole[0] if whole is not None else name.lstrip("\\")
         alike = _ALIKE.get(name.split("_")[0], "")
+        if name == "\\pm":
+            return complain(text, at, "this sign makes two equations; write each by itself")
         near = f"; did you mean '{alike}'?" if alike in known else did_you_mean(bare, known)
         if bare in ("lambda", "mu") or bare.startswith(("lambda_", "mu_")):
             near = "; equations are judged without multipliers: eliminate them"

@@ -9,12 +9,25 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from itertools import pairwise
+from typing import Any
 
-from voronec.audit.latex.tokens import ELEMENTARY, GREEK, Misprint, Token, complain, tokenize
+from voronec.audit.latex.displays import RELATIONS
+from voronec.audit.latex.doubts import open_argument
+from voronec.audit.latex.tokens import (
+    ELEMENTARY,
+    GREEK,
+    Ambiguous,
+    Misprint,
+    Token,
+    complain,
+    tokenize,
+)
+from voronec.audit.latex.vocabulary import LatexVocabulary
 
 __all__ = ["command_of", "spelling_of", "words_of"]
 
@@ -30,7 +43,7 @@ _NO_RATIO = ("^", "t", "L", "T", "V")
 """What does not stand behind the ``d`` of a quotient of changes."""
 _SUPERSCRIPTS = re.compile("[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+")
 _BEGINNING = re.compile(r"[\s$]*(?:\\\[|\\\(|\\begin\{[a-z]+\*?\})?\s*")
-_END = re.compile(r"[\s$.,;]*(?:\\\]|\\\)|\\end\{[a-z]+\*?\})?[\s$.,;]*$")
+_END = re.compile(r"(?:\\[,;: ]|[\s$.,;])*(?:\\\]|\\\)|\\end\{[a-z]+\*?\})?[\s$.,;]*$")
 _COMMANDS = {
     **{command[1:]: command for command in (*ELEMENTARY, *GREEK)},
     **{f"a{name}": f"\\arc{name}" for name in ("sin", "cos", "tan")},
@@ -44,7 +57,7 @@ _SAME = {
         ("acos", "arccos"), ("atan", "arctan"), ("sh", "sinh"), ("ch", "cosh"), ("th", "tanh"),
     )},
     "\\times": "\\cdot", "\\ast": "\\cdot", "\\equiv": "=", "\\lvert": "|", "\\rvert": "|",
-    "\\vert": "|", "\\dfrac": "\\frac", "\\{": "(", "\\}": ")",
+    "\\vert": "|", "\\dfrac": "\\frac", "\\tfrac": "\\frac", "\\{": "(", "\\}": ")",
 }  # fmt: skip
 """Commands, and what they mean where there are no vectors."""
 _FUNCTIONS = {
@@ -52,11 +65,16 @@ _FUNCTIONS = {
     "floor": "floor", "ceiling": "ceiling", "Heaviside": "Heaviside",
 }  # fmt: skip
 """Functions by name, and what the dictionary calls them."""
+_KNOWN = LatexVocabulary(frozenset(_FUNCTIONS.values()))
 _TAIL = re.compile(
-    r"(?:\\q?quad|\\\\|\\hfill|\s)*\(\d+[a-z']?\)\s*$|(?:\\q?quad|\\\\\s|\\\\$)+\s*$"
+    r"(?:\\q?quad|\\\\|\\hfill|\s)+\(\d+[a-z']?\)\s*$|(?:\\q?quad|\\\\\s|\\\\$)+\s*$"
 )
-_FRACTION = re.compile(r"(\{ \d+ \}|\d) (\{ \d+ \}|\d)|\d\d")
-"""A quotient of two numbers, behind its command."""
+_DIRECTIONS = re.compile(
+    r"(?:(?P<left>\\left|\\lvert|\\[bB]igg?l)|\\right|\\rvert|\\[bB]igg?r)(?![a-zA-Z])"
+)
+"""Bars of which the print says whether they open."""
+_AFTER_SIZE = {"+", "/", "*", "\\cdot", "^", "_", ",", "", ")", "]", "}"}
+"""What does not stand behind a bar that opens."""
 _OPEN, _CLOSE = ("(", "[", "{"), (")", "]", "}")
 _BREAKS = {"+", "-", "=", "/", "*", "\\cdot", "^", "", *_OPEN}
 
@@ -78,13 +96,10 @@ def words_of(text: str, spelled: Mapping[str, str]) -> list[Token]:
         source, words, _COMMANDS | dict(spelled) if plain else _long(spelled), plain
     )
     words = [_common(w) for w in words]
-    bars = [w for w in words if w.text == "|"]
-    if len(bars) % 2:
-        raise complain(source, bars[-1].start, "this bar has no partner; write |v|", Misprint)
     words = _stars(_each(words, _primes))
     for change in (_third, _applied_to_time, _quotients, _rate):
         words = _each(words, change)
-    words = _each(_sizes(words), _function)
+    words = _each(_sizes(source, words), lambda given, at: _function(source, given, at))
     words = _each(words, _exponent) if plain else words
     words = _own_d(words) if "d" in spelled else _each(words, _ratio)
     _refuse_ambiguous(source, words)
@@ -143,7 +158,12 @@ def _decimal(
     if not beside or kinds != ["number", "letter", "number"] or parts[1].text in spelled:
         return None
     text = "".join(w.text for w in parts)
-    if parts[1].text not in "eE" or not parts[-1].text.isdecimal() or len(parts[-1].text) > 3:
+    if (
+        "," in text
+        or parts[1].text not in "eE"
+        or not parts[-1].text.isdecimal()
+        or len(parts[-1].text) > 3
+    ):
         return None
     return end, [replace(parts[0], text=f"{Decimal(text):f}", end=parts[-1].end)]
 
@@ -231,26 +251,86 @@ def _sign(place: Token, text: str) -> Token:
     return replace(place, kind="sign", text=text)
 
 
-def _sizes(words: list[Token]) -> list[Token]:
-    """``|v|`` is the function ``abs``, applied; a bar opens at the beginning of a term, and where
-    none is open in its bracket."""
+def _sizes(source: str, words: list[Token]) -> list[Token]:
+    """``|v|`` is the function ``abs``, applied."""
+    bars = [k for k, word in enumerate(words) if word.text == "|"]
+    opens = dict(zip(bars, _sides(source, words, bars), strict=True))
     found: list[Token] = []
-    open_bars: list[int] = []
-    depth = 0
-    for word in words:
-        depth += (word.text in _OPEN) - (word.text in _CLOSE)
+    for position, word in enumerate(words):
         if word.text != "|":
             found.append(word)
-        elif open_bars and open_bars[-1] == depth and found[-1].text not in _BREAKS:
-            open_bars.pop()
-            found += [_sign(word, ")"), _sign(word, ")")]
-        else:
-            open_bars.append(depth)
+        elif opens[position]:
             found += [_sign(word, "("), replace(word, kind="text", text="abs"), _sign(word, "(")]
+        else:
+            found += [_sign(word, ")"), _sign(word, ")")]
     return found
 
 
-def _function(words: list[Token], position: int) -> tuple[int, list[Token]] | None:
+@dataclass(frozen=True)
+class _Bars:
+    """Which bars before a place open, the depths of those that are not closed, and whether
+    ``b|-c|`` is read as a product, where the bar may close as well."""
+
+    opens: tuple[bool, ...] = ()
+    depths: tuple[int, ...] = ()
+    strange: bool = False
+
+
+def _sides(source: str, words: Sequence[Token], bars: Sequence[int]) -> tuple[bool, ...]:
+    """Of each bar whether it opens: it closes where it can, unless that leaves one open.
+
+    ``Misprint`` where one has no partner, ``Ambiguous`` for ``|a|b|-c|``.
+    """
+    readings, depth = [_Bars()], 0
+    for position, word in enumerate(words):
+        depth += (word.text in _OPEN) - (word.text in _CLOSE)
+        if word.text == "|":
+            readings = [r for old in readings for r in _next(source, words, position, depth, old)]
+            readings = _first_two(readings)
+        elif word.text in RELATIONS or word.text in _CLOSE:
+            least = depth if word.text in RELATIONS else depth + 1
+            readings = [r for r in readings if not r.depths or r.depths[-1] < least]
+    whole = [r for r in readings if not r.depths]
+    if not whole:
+        what = "this bar has no partner; write |v|, or \\left|...\\right| where bars are nested"
+        raise complain(source, words[bars[-1]].start, what, Misprint)
+    if len(whole) > 1 and whole[0].strange:
+        what = "these bars can be read in two ways; write \\left|...\\right|"
+        raise complain(source, words[bars[0]].start, what, Ambiguous)
+    return whole[0].opens
+
+
+def _next(
+    source: str, words: Sequence[Token], position: int, depth: int, old: _Bars
+) -> list[_Bars]:
+    """What a bar may be: one that closes comes first."""
+    before = words[position - 1].text if position else ""
+    after = words[position + 1].text if position + 1 < len(words) else ""
+    begins = old.opens[-1] if before == "|" else before in _BREAKS | RELATIONS | ELEMENTARY
+    printed = _DIRECTIONS.match(source, words[position].start)
+    left = printed is not None and (printed["left"] or "") != ""
+    right = printed is not None and not left
+    found = []
+    if not left and not begins and old.depths and old.depths[-1] == depth:
+        found.append(replace(old, opens=(*old.opens, False), depths=old.depths[:-1]))
+    if not right and after not in _AFTER_SIZE | RELATIONS:
+        strange = old.strange or (not begins and not left and after == "-")
+        found.append(_Bars((*old.opens, True), (*old.depths, depth), strange))
+    return found
+
+
+def _first_two(readings: Sequence[_Bars]) -> list[_Bars]:
+    """Of those that go on alike the first two, which are as good as all."""
+    kept: list[_Bars] = []
+    count: Counter[Any] = Counter()
+    for reading in readings:
+        key = reading.depths, reading.opens[-1]
+        count[key] += 1
+        kept += [reading] if count[key] <= 2 else []
+    return kept
+
+
+def _function(source: str, words: list[Token], position: int) -> tuple[int, list[Token]] | None:
     r"""``\operatorname{sgn} v`` is ``sgn(v)``, ``e^{v}`` the exponential."""
     word, after = words[position], words[position + 1 : position + 2]
     applied = word.kind == "text" and word.text in _FUNCTIONS.values()
@@ -259,6 +339,10 @@ def _function(words: list[Token], position: int) -> tuple[int, list[Token]] | No
     if not (applied or power) or start >= len(words) or (applied and words[start].text == "("):
         return None
     end = _atom(words, start)
+    bare = applied and words[start].text not in _OPEN
+    doubt = open_argument(word.text, words, end, _KNOWN) if bare else ""
+    if doubt:
+        raise complain(source, word.start, doubt, Ambiguous)
     name = replace(word, kind="command", text="\\exp") if power else word
     return end, [name, _sign(word, "("), *words[start:end], _sign(word, ")")]
 
@@ -438,7 +522,7 @@ def _exponent(words: list[Token], position: int) -> tuple[int, list[Token]] | No
 def _refuse_ambiguous(source: str, words: Sequence[Token]) -> None:
     """``Misprint`` at the first word that can be read in two ways."""
     for position in range(len(words)):
-        for doubt in (_quotient_in_doubt, _size_in_doubt, _number_in_doubt):
+        for doubt in (_quotient_in_doubt, _size_in_doubt):
             what = doubt(words, position)
             if what:
                 raise complain(source, words[position].start, what, Misprint)
@@ -468,19 +552,6 @@ def _size_in_doubt(words: Sequence[Token], position: int) -> str:
     after = words[_closing(words, position + 1) + 1 :][:1]
     doubt = "this is the power of a function or of its argument; write one with parentheses"
     return doubt if bars and [w.text for w in after] == ["^"] else ""
-
-
-def _number_in_doubt(words: Sequence[Token], position: int) -> str:
-    r"""``1\frac12`` may be one and a half, or a product."""
-    inside = position and words[position - 1].text in ("^", "_", "\\frac", "\\sqrt", "}")
-    texts = [w.text for w in words[position + 1 : position + 8]]
-    bare = texts[:1] == ["\\frac"] and _FRACTION.match(" ".join(texts[1:])) is not None
-    mixed = words[position].kind == "number" and not inside and bare
-    return (
-        "this may be a mixed number or a product; write one fraction, or \\cdot between"
-        if mixed
-        else ""
-    )
 
 
 def spelling_of(
