@@ -348,7 +348,7 @@ def statuses(kind, stated):
 
 OPEN = {
     "bounce given", "square falls abs", "limit order root", "limit log", "bracket of sizes",
-    "bracket of a bounce", "bracket clock jumps",
+    "bracket of a bounce", "bracket clock jumps", "chart sign",
 }  # fmt: skip
 """False, and left undecided."""
 
