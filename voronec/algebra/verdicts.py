@@ -113,9 +113,9 @@ class Verdict:
         """A proof that stands where these hold, too; any other verdict as it is."""
         every = (part for text in (self.domain, *words) for part in _conditions_of(text))
         domain = dict.fromkeys(filter(None, every))
-        for side in [*domain]:  # what has a sign is not zero
-            function, has_sign = side[:-4], side.endswith((" > 0", " < 0")) and " or " not in side
-            domain.pop(f"{function} != 0" if has_sign else "", None)
+        signs = [c[:-4] for c in domain if c.endswith((" > 0", " < 0")) and " or " not in c]
+        for function in signs:  # what has a sign is not zero
+            domain.pop(f"{function} != 0", None)
         return replace(self, domain=", ".join(domain)) if self.proved else self
 
     @property

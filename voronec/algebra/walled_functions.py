@@ -1,9 +1,9 @@
 """Functions in pieces written with absolute values, signs and floors.
 
-Functions in pieces - steps, limits, cases - are written with absolute values, signs and floors.
-Those three are what the engine knows of walls: an absolute value is a root, and a sign or a floor
-has no slope off its wall.  What is written with them has the values of the original on the walls
-too, where a sign is zero: an indicator is (s^2 + s)/2 for g > 0, 1 - s^2 for g = 0, s = sign(g).
+Steps, limits and cases are such functions.  Absolute values, signs and floors are what the engine
+knows of walls: an absolute value is a root, and a sign or a floor has no slope off its wall.  What
+is written with them has the values of the original on the walls too, where a sign is zero: an
+indicator is (s^2 + s)/2 for g > 0, 1 - s^2 for g = 0, s = sign(g).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from sympy.logic.boolalg import BooleanFunction
 
 from voronec.errors import DefinitionError
 
-__all__ = ["written_with_signs"]
+__all__ = ["IN_PIECES", "written_with_signs"]
 
 HALF = sp.Rational(1, 2)
 
@@ -27,7 +27,7 @@ def written_with_signs(expr: Any) -> sp.Expr | None:
 
     The argument is the node itself: what is inside of its arguments stays as it is.
     """
-    rule = _RULES.get(type(expr).__name__)
+    rule = _RULES.get(type(expr))
     return None if rule is None else rule(expr)
 
 
@@ -97,12 +97,14 @@ _CONNECTIVES: dict[Any, Callable[[list[Any]], sp.Expr]] = {
     sp.ITE: lambda given: given[0] * given[1] + (1 - given[0]) * given[2],
     sp.Xor: lambda given: reduce(lambda a, b: a + b - 2 * a * b, given),
 }
-_RULES: dict[str, Callable[[Any], sp.Expr]] = {
-    "Heaviside": _step,
-    "Max": _largest,
-    "Min": _least,
-    "Mod": _remainder,
-    "Piecewise": _cases,
-    "ceiling": lambda expr: -sp.floor(-expr.args[0]),
-    "frac": lambda expr: expr.args[0] - sp.floor(expr.args[0]),
+_RULES: dict[type, Callable[[Any], sp.Expr]] = {
+    sp.Heaviside: _step,
+    sp.Max: _largest,
+    sp.Min: _least,
+    sp.Mod: _remainder,
+    sp.Piecewise: _cases,
+    sp.ceiling: lambda expr: -sp.floor(-expr.args[0]),
+    sp.frac: lambda expr: expr.args[0] - sp.floor(expr.args[0]),
 }
+IN_PIECES = tuple(_RULES)
+"""The functions that are written so."""

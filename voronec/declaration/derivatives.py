@@ -15,7 +15,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.symbols import names_in
-from voronec.algebra.walled_functions import written_with_signs
+from voronec.algebra.walled_functions import IN_PIECES, written_with_signs
 from voronec.declaration.reading import expression
 from voronec.errors import DefinitionError, quote
 
@@ -23,7 +23,6 @@ __all__ = ["derivative"]
 
 
 _REAL_ONLY = (sp.Abs, sp.sign, sp.floor)
-_IN_PIECES = (sp.Heaviside, sp.Max, sp.Min, sp.Mod, sp.ceiling, sp.frac, sp.Piecewise)
 
 
 def derivative(function: Any, variable: sp.Expr) -> sp.Expr:
@@ -65,10 +64,10 @@ class _Derivatives(dict[sp.Basic, sp.Expr]):
             return sp.Integer(0)
         if isinstance(node, sp.Piecewise):
             return sp.Piecewise(*[(self.of(value), where) for value, where in node.args])
-        if isinstance(node, _IN_PIECES):
+        if isinstance(node, IN_PIECES):
             return self.of(written_with_signs(node))
         known = isinstance(node, sp.Function) and not isinstance(node, AppliedUndef)
-        if (known and len(node.args) == 1) or node.has(*_REAL_ONLY, *_IN_PIECES):
+        if (known and len(node.args) == 1) or node.has(*_REAL_ONLY, *IN_PIECES):
             return self._chain(node)
         return node.diff(self.variable)
 

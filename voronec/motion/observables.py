@@ -23,6 +23,7 @@ __all__ = [
     "Watch",
     "evaluate_extras",
     "evaluate_watch",
+    "jumps",
     "size_of_terms",
     "watch_of",
 ]
@@ -123,8 +124,13 @@ class Watch:
         return {
             name: (key, self.sizes[name])
             for name, key in self.integrals.items()
-            if jumping == (not smooth and bool(self.expressions[key].atoms(se.sign, se.floor)))
+            if jumping == (not smooth and jumps(self.expressions[key]))
         }
+
+
+def jumps(expr: Any) -> bool:
+    """Whether an expression jumps where signs and floors do, as with dry friction."""
+    return bool(expr.atoms(se.sign, se.floor))
 
 
 def watch_of(

@@ -33,6 +33,7 @@ from voronec.motion.integration import integrate
 from voronec.motion.methods import METHODS
 from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
 from voronec.motion.motion_pool import Many
+from voronec.motion.observables import jumps
 from voronec.motion.request import Event, Values, begin_of, label
 from voronec.motion.section_passages import PATIENCE, SectionPassages, SectionWatch
 from voronec.motion.state_probe import quantities
@@ -134,7 +135,7 @@ class SwitchedMotions:
     def jumps(self) -> frozenset[str]:
         """The integrals that jump with the forces."""
         integrals = self.motions.ground.integrals.items()
-        return frozenset(name for name, e in integrals if e.atoms(se.sign, se.floor))
+        return frozenset(name for name, e in integrals if jumps(e))
 
     def along(self, i: int, grid: np.ndarray) -> tuple[np.ndarray, IntegrationError | None, int]:
         """Motion i along a grid: states (k, n), the error that ended it, steps."""

@@ -45,7 +45,7 @@ def where_independent(
     rank: int,
 ) -> Verdict:
     """A proof that needs ``rank`` of some functions of variables to be independent where relations
-    ``bound`` these."""  # fmt: skip
+    ``bound`` these."""
 
     def slopes(exprs: Sequence[Any]) -> Rows:
         return [[f.diff(x) for x in variables] for f in (*bound, *exprs)]

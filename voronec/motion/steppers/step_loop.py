@@ -62,7 +62,7 @@ back by less than that makes of it, it touches zero."""
 BESIDE, TALL = 1e-6, 100.0
 """A pole is told by values so many times larger than at this part of a span from it."""
 TRIES = 200
-"""Of Brent's method for a root, which bisects where nothing better helps."""
+"""Of secants and bisections for a root: one of four halves what is left; doubles need no more."""
 NARROWINGS = 40
 """Of a golden section: to 1e-8 of the step, below which an extremum is flat in doubles."""
 GOLDEN = 0.381966
