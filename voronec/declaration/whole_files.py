@@ -47,7 +47,6 @@ PREFIX = ".voronec-"
 LOCK = "lock"
 DIGEST = 64
 """The digits of the digest that a sealed file begins with."""
-OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 FORGOTTEN = 60.0
 """Seconds after which a workshop that nobody has locked is a leftover: locking takes none."""
 
@@ -81,8 +80,7 @@ def _caches() -> Path:
         usual = home / "Library" / "Caches"
     else:
         named, usual = os.environ.get("XDG_CACHE_HOME", ""), home / ".cache"
-    places = (Path(named), usual, Path(os.devnull))
-    return next(place for place in places if place.is_absolute())
+    return next(p for p in (Path(named), usual, Path(os.devnull)) if p.is_absolute())
 
 
 def make_private(folder: Path, *inside: Path) -> None:
@@ -114,7 +112,7 @@ def _is_ours(place: Path, above: bool = False) -> bool:
         return True  # a user's data is private by its list of rights, which Python does not read
     seen = place.stat() if above else place.lstat()
     owners = (os.geteuid(), 0) if above else (os.geteuid(),)
-    is_shared = seen.st_mode & OTHERS_WRITE and not (above and seen.st_mode & stat.S_ISVTX)
+    is_shared = seen.st_mode & 0o022 and not (above and seen.st_mode & stat.S_ISVTX)
     return seen.st_uid in owners and not is_shared and not stat.S_ISLNK(seen.st_mode)
 
 

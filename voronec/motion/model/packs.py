@@ -96,8 +96,7 @@ class Packs:
 def _read(file: Path) -> dict[str, bytes]:
     """What a file holds; nothing where there is none, where it is not as it was written, or where
     others may have written it: to unpickle is to run."""
-    content = read_sealed(file, "model")
-    if content is None:
+    if (content := read_sealed(file, "model")) is None:
         return {}
     with suppress(OSError):
         os.utime(file)

@@ -29,13 +29,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from voronec.declaration.whole_files import (
-    OTHERS_WRITE,
-    has_foreign,
-    keep_file,
-    make_room,
-    user_cache,
-)
+from voronec.declaration.whole_files import has_foreign, keep_file, make_room, user_cache
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["COMPILER", "kept_function", "kept_library", "sound_source"]
@@ -200,5 +194,5 @@ def _digests(folder: Path) -> dict[str, str]:
 
 def _write_list(folder: Path) -> None:
     for made in folder.rglob("*"):  # where a group shares its files, compilers let it write them
-        made.chmod(made.stat().st_mode & ~OTHERS_WRITE)
+        made.chmod(made.stat().st_mode & ~0o022)
     keep_file(folder / LIST, json.dumps(_digests(folder)).encode())
