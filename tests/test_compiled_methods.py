@@ -191,8 +191,9 @@ def test_a_kept_library_is_read_and_a_damaged_one_is_named_and_made_anew(
 def test_what_cannot_be_kept_runs_all_the_same() -> None:
     first = moved("c")["x"]
     c_loop.cache_clear()
-    shutil.rmtree(user_cache("code"))
-    user_cache("code").write_text("a file where the folder would be")
+    folder = user_cache("code")
+    shutil.rmtree(folder)
+    folder.write_text("a file where the folder would be")
     assert (moved("c")["x"] == first).all()
 
 

@@ -4,13 +4,24 @@ import os
 import signal
 import subprocess
 import sys
+import threading
+import warnings
 from pathlib import Path
 
 import pytest
 
 from voronec.cli import main
 from voronec.cli.files import create, delivery, wanted_folder
-from voronec.declaration.whole_files import Store, draft, replace_file, workshop
+from voronec.declaration.whole_files import (
+    Store,
+    draft,
+    keep_file,
+    keep_sealed,
+    read_sealed,
+    replace_file,
+    user_cache,
+    workshop,
+)
 from voronec.errors import DefinitionError
 
 pytestmark = pytest.mark.slow
@@ -197,3 +208,132 @@ def test_what_is_no_file_is_not_replaced(tmp_path):
     with pytest.raises(DefinitionError, match="no file that could be replaced"):
         replace_file(pipe, "text")
     assert pipe.is_fifo() and [*tmp_path.iterdir()] == [pipe]
+
+
+UNIX = pytest.mark.skipif(sys.platform != "linux", reason="caches lie elsewhere, or have no modes")
+
+
+def owned(place):
+    if os.geteuid():
+        pytest.skip("only root gives files away")
+    os.chown(place, 65534, 65534)
+
+
+def writable(place):
+    place.chmod(0o777 if place.is_dir() else 0o666)
+
+
+def linked(place):
+    place.rename(place.with_name("elsewhere"))
+    place.symlink_to(place.with_name("elsewhere"))
+
+
+@UNIX
+@pytest.mark.parametrize("give", [owned, writable, linked])
+@pytest.mark.parametrize(
+    "inside",
+    ["", "voronec", "voronec/part", f"voronec/part/{'k' * 24}", f"voronec/part/{'k' * 24}/x.json"],
+)
+def test_a_cache_that_others_can_change_is_named_once_and_not_used(
+    tmp_path, monkeypatch, give, inside
+):
+    base = tmp_path / "base"
+    monkeypatch.setenv("XDG_CACHE_HOME", str(base))
+    Store.of_user("part").save("k" * 24, "x", 1)
+    assert Store.of_user("part").load("k" * 24, "x") == 1
+    if give is linked and not inside:
+        pytest.skip("the folder of all caches may be a link")
+    (kept,) = base.rglob("x.json")
+    before = kept.read_bytes()
+    give(base / inside)
+    with pytest.warns(UserWarning, match="belongs to another user") as told:
+        assert Store.of_user("part").load("k" * 24, "x") is None
+    assert len(told) == 1 and f"'{base / inside}'" in str(told[0].message)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert Store.of_user("part").load("k" * 24, "x") is None
+        Store.of_user("part").save("k" * 24, "x", 2)
+        replaced = inside.endswith(".json")  # in a folder of ours what others own gives way
+        assert Store.of_user("part").load("k" * 24, "x") == (2 if replaced else None)
+    assert replaced or kept.read_bytes() == before
+    assert not (replaced and give is linked) or (kept.parent / "elsewhere").read_bytes() == before
+
+
+@UNIX
+def test_folders_of_caches_are_private(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "new"))
+    (tmp_path / "new" / "voronec").mkdir(parents=True)
+    (tmp_path / "new").chmod(0o755)
+    (tmp_path / "new" / "voronec").chmod(0o755)
+    mask = os.umask(0)
+    try:
+        Store.of_user("part").save("k" * 24, "x", 1)
+    finally:
+        os.umask(mask)
+    for place in (tmp_path / "new" / "voronec").rglob("*"):
+        assert place.stat().st_mode & 0o777 == (0o700 if place.is_dir() else 0o600), place
+    assert (tmp_path / "new" / "voronec").stat().st_mode & 0o777 == 0o700
+
+
+@UNIX
+@pytest.mark.parametrize("cache", ["", "here", "./here", None])
+@pytest.mark.parametrize("home", ["", "here", None])
+def test_names_of_caches_that_are_empty_or_relative_are_ignored(tmp_path, monkeypatch, cache, home):
+    monkeypatch.chdir(tmp_path)
+    for name, value in (("XDG_CACHE_HOME", cache), ("HOME", home)):
+        if value is None:
+            monkeypatch.delenv(name, raising=False)
+        else:
+            monkeypatch.setenv(name, value)
+    monkeypatch.setattr("os.path.expanduser", lambda path: str(tmp_path / "home"))
+    expected = tmp_path / "home" / ".cache" if home is None else Path(os.devnull)
+    assert user_cache("part") == expected / "voronec" / "part"
+    assert [*tmp_path.iterdir()] == ([tmp_path / "home"] if home is None else [])
+
+
+@UNIX
+def test_drafts_follow_no_links(tmp_path):
+    """A draft by a name that can be guessed is not written, a lock that leads away not opened."""
+    victim = tmp_path / "victim"
+    victim.write_text("mine")
+    tmp_path.chmod(0o700)
+    for guess in (f"x.{os.getpid()}", "x"):
+        (tmp_path / guess).symlink_to(victim)
+    keep_file(tmp_path / "x.json", b"kept")
+    (tmp_path / ".voronec-guess").mkdir()
+    (tmp_path / ".voronec-guess" / "lock").symlink_to(victim)
+    keep_file(tmp_path / "x", b"kept")
+    replace_file(tmp_path / "y", "kept")
+    assert victim.read_text() == "mine" and (tmp_path / "x").read_bytes() == b"kept"
+    assert not (tmp_path / "x").is_symlink() and (tmp_path / ".voronec-guess" / "lock").is_symlink()
+
+
+MANY = """
+import sys
+from pathlib import Path
+from voronec.declaration.whole_files import keep_sealed
+for n in range(200):
+    keep_sealed(Path(sys.argv[1]), sys.argv[2].encode() * (100 * n + 1))
+"""
+
+
+def test_what_threads_and_processes_write_at_once_is_whole(tmp_path):
+    file = tmp_path / "folder" / "x"
+    keep_sealed(file, b"a")
+
+    def write(letter):
+        for n in range(200):
+            keep_sealed(file, letter * (100 * n + 1))
+
+    threads = [threading.Thread(target=write, args=(letter,)) for letter in (b"a", b"b")]
+    command = [sys.executable, "-c", MANY, str(file)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        processes = [subprocess.Popen([*command, letter]) for letter in "cd"]
+        for thread in threads:
+            thread.start()
+        while any(t.is_alive() for t in threads) or any(p.poll() is None for p in processes):
+            content = read_sealed(file, "thing")
+            assert content and len({*content}) == 1
+    assert not any(p.returncode for p in processes)
+    assert [*file.parent.iterdir()] == [file], "no draft is left"

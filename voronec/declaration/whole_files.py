@@ -1,8 +1,11 @@
-"""Files that appear whole or not at all, whatever ends the writing.
+"""Files that appear whole or not at all, whatever ends the writing, and the user's caches.
 
 What is written is a draft in a workshop, a hidden folder beside its place, and is moved there when
 it is done.  A workshop is locked by the process that writes in it, so that one whose process was
 killed is known, and goes when somebody next writes into the same folder.
+
+Caches hold code: models are pickles, and programs are loaded.  So they lie in folders that this
+user alone can change, and what others own or can write there is not used, but named once.
 """
 
 from __future__ import annotations
@@ -10,6 +13,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import stat
 import sys
 import tempfile
 import time
@@ -17,6 +21,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -26,8 +31,12 @@ from voronec.errors import DefinitionError
 __all__ = [
     "Store",
     "draft",
+    "has_foreign",
     "keep_file",
+    "keep_sealed",
+    "make_private",
     "make_room",
+    "read_sealed",
     "replace_file",
     "unwritable",
     "user_cache",
@@ -36,6 +45,8 @@ __all__ = [
 
 PREFIX = ".voronec-"
 LOCK = "lock"
+DIGEST = 64
+"""The digits of the digest that a sealed file begins with."""
 FORGOTTEN = 60.0
 """Seconds after which a workshop that nobody has locked is a leftover: locking takes none."""
 
@@ -47,19 +58,71 @@ def unwritable(place: Path, error: OSError | UnicodeEncodeError) -> DefinitionEr
 
 
 def user_cache(part: str) -> Path:
-    """The folder ``voronec/part`` among the user's caches; one that nobody can write in where the
-    user has no home."""
-    try:
-        home = Path.home()
-    except RuntimeError:
-        home = Path(os.devnull)
+    """The folder ``voronec/part`` among the user's caches, made if need be, which this user alone
+    can read and write; one that nobody can write in where there is none."""
+    with suppress(OSError):
+        base = _caches()
+        base.mkdir(0o700, parents=True, exist_ok=True)
+        if not has_foreign(base, above=True):
+            make_private(ours := base / "voronec")
+            make_private(ours / part)
+            return ours / part
+    return Path(os.devnull) / "voronec" / part
+
+
+def _caches() -> Path:
+    """The folder of all caches of the user.  Names that are empty or relative are ignored, as the
+    XDG Base Directory Specification has it: caches would lie wherever a command is called."""
+    home, named = Path(os.environ.get("HOME", os.path.expanduser("~"))), ""
     if sys.platform == "win32":
-        base = Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local")
+        named, usual = os.environ.get("LOCALAPPDATA", ""), home / "AppData" / "Local"
     elif sys.platform == "darwin":
-        base = home / "Library" / "Caches"
+        usual = home / "Library" / "Caches"
     else:
-        base = Path(os.environ.get("XDG_CACHE_HOME") or home / ".cache")
-    return base / "voronec" / part
+        named, usual = os.environ.get("XDG_CACHE_HOME", ""), home / ".cache"
+    return next(p for p in (Path(named), usual, Path(os.devnull)) if p.is_absolute())
+
+
+def make_private(folder: Path, *inside: Path) -> None:
+    """Make a folder that this user alone can read and write; ``PermissionError`` where others can
+    write in it, or own it or what is ``inside``."""
+    folder.mkdir(0o700, parents=True, exist_ok=True)
+    if has_foreign(folder, *inside):
+        raise PermissionError(folder)
+    with suppress(OSError):  # a disk that is read alone
+        folder.chmod(0o700)
+
+
+def has_foreign(*places: Path, above: bool = False) -> bool:
+    """Whether one of these files and folders may hold what others wrote: this is named, once.
+
+    A folder ``above`` those of caches may belong to the system, and be shared if everybody keeps
+    what is his there, as ``/tmp`` is.
+    """
+    for place in places:
+        with suppress(OSError):  # it is not there
+            if not _is_ours(place, above):
+                _name(place)
+                return True
+    return False
+
+
+def _is_ours(place: Path, above: bool = False) -> bool:
+    if sys.platform == "win32":  # there no file has a numbered owner or such a mode; the folder of
+        return True  # a user's data is private by its list of rights, which Python does not read
+    seen = place.stat() if above else place.lstat()
+    owners = (os.geteuid(), 0) if above else (os.geteuid(),)
+    is_shared = seen.st_mode & 0o022 and not (above and seen.st_mode & stat.S_ISVTX)
+    return seen.st_uid in owners and not is_shared and not stat.S_ISLNK(seen.st_mode)
+
+
+@cache
+def _name(place: Path) -> None:
+    warnings.warn(
+        f"'{place}' belongs to another user, can be written by others, or is a link: what is kept "
+        "there is not used; make it your own, or remove it",
+        stacklevel=3,
+    )
 
 
 def make_room(folder: Path, kept: int) -> None:
@@ -77,14 +140,37 @@ def make_room(folder: Path, kept: int) -> None:
 def keep_file(file: Path, content: bytes) -> None:
     """Write a file of a cache, whole or not at all; where it cannot be written, that costs only the
     time of the next process."""
-    made = file.with_suffix(f".{os.getpid()}")
     with suppress(OSError):
-        file.parent.mkdir(parents=True, exist_ok=True)
+        make_private(file.parent)
+        # new, by a name that nobody can guess, for this user alone
+        opened, made = tempfile.mkstemp(dir=file.parent)
         try:
-            made.write_bytes(content)
-            made.replace(file)
+            with open(opened, "wb") as new:
+                new.write(content)
+            os.replace(made, file)
         except OSError:
-            made.unlink()
+            os.unlink(made)
+
+
+def keep_sealed(file: Path, content: bytes) -> None:
+    """Write a file of a cache with the digest of its content."""
+    keep_file(file, sha256(content).hexdigest().encode() + content)
+
+
+def read_sealed(file: Path, what: str) -> bytes | None:
+    """The content of a file that was kept with its digest, or ``None``.
+
+    What is damaged is named as ``what``, and goes; what others may have written is not read.
+    """
+    with suppress(OSError):
+        if has_foreign(file.parent, file):
+            return None
+        content = file.read_bytes()
+        if sha256(content[DIGEST:]).hexdigest().encode() == content[:DIGEST]:
+            return content[DIGEST:]
+        warnings.warn(f"the kept {what} '{file}' is damaged; it is made anew", stacklevel=3)
+        file.unlink()
+    return None
 
 
 @dataclass(frozen=True)
@@ -106,27 +192,15 @@ class Store:
 
     def load(self, key: str, name: str) -> Any:
         """What was kept, or ``None``."""
-        file = self._file(key, name)
-        try:
-            mark, text = json.loads(file.read_bytes())
-            if mark == sha256(text.encode()).hexdigest():
-                return json.loads(text)
-        except OSError:
-            return None
-        except (ValueError, TypeError, AttributeError):
-            pass
-        warnings.warn(f"the kept result '{file}' is damaged; it is made anew", stacklevel=2)
-        with suppress(OSError):
-            file.unlink()
-        return None
+        content = read_sealed(self._file(key, name), "result")
+        return None if content is None else json.loads(content)
 
     def save(self, key: str, name: str, value: Any) -> None:
         """Keep a value."""
         file = self._file(key, name)
         if not file.parent.exists():
             make_room(self.folder, self.capacity)
-        text = json.dumps(value)
-        keep_file(file, json.dumps([sha256(text.encode()).hexdigest(), text]).encode())
+        keep_sealed(file, json.dumps(value).encode())
 
     def _file(self, key: str, name: str) -> Path:
         return self.folder / key[:24] / f"{name}.json"
@@ -178,7 +252,7 @@ def _sweep(folder: Path) -> None:
     with suppress(OSError):
         for old in folder.glob(f"{PREFIX}*"):
             with suppress(OSError):
-                if old.is_dir() and not old.is_symlink() and _is_left(old):
+                if _is_ours(old) and old.is_dir() and _is_left(old):
                     shutil.rmtree(old, ignore_errors=True)
 
 
@@ -201,7 +275,7 @@ def _lock(path: Path, flags: int = 0) -> int | None:
         import fcntl
     except ImportError:  # not on Windows
         return None
-    file = os.open(path, os.O_RDWR | flags, 0o600)
+    file = os.open(path, os.O_RDWR | os.O_NOFOLLOW | flags, 0o600)
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:

@@ -21,6 +21,7 @@ from voronec.accuracy.reference import UNIT, ReferenceSolution, difference
 from voronec.equations.program import mpmath_source, taylor_system
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
 from voronec.motion import integrate
+from voronec.motion.steppers.heyoka_stepper import heyoka
 
 __all__ = [
     "ACCURACY",
@@ -48,7 +49,7 @@ def why_not(level: ProblemLevel) -> str | None:
     Its expressions hold constants as doubles, so a fraction such as 1/3 would be rounded.
     """
     try:
-        import heyoka  # noqa: F401
+        heyoka()
     except ImportError:
         return "heyoka is not installed"
     for expr in level.program.derivative.expressions:

@@ -27,6 +27,7 @@ from voronec.accuracy.problem import DIGITS, ProblemLevel
 from voronec.accuracy.reference import output_sizes
 from voronec.equations.program import taylor_extras, taylor_system
 from voronec.errors import IntegrationError
+from voronec.motion.steppers.heyoka_stepper import heyoka
 
 __all__ = [
     "PreciseMotion",
@@ -154,8 +155,7 @@ def reel(problem: ProblemLevel, arithmetic: str, tol: float, varied: bool = True
     Without ``varied`` there are no propagators, and a run is many times faster.  Raises
     ``ImportError`` where heyoka is not installed.
     """
-    import heyoka as hy
-
+    hy = heyoka()
     kind = hy.real128 if arithmetic == "quadruple" else np.longdouble
     pairs = taylor_system(problem.program, number=kind)
     kept = [pairs[i] for i in problem.places]

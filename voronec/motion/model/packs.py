@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 import pickle
 import sys
-import warnings
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import fields, is_dataclass
@@ -25,7 +24,7 @@ import sympy as sp
 
 from voronec.declaration.source_digest import engine_digest, room_modules
 from voronec.declaration.system import System
-from voronec.declaration.whole_files import keep_file, make_room, user_cache
+from voronec.declaration.whole_files import keep_sealed, make_room, read_sealed, user_cache
 
 __all__ = ["Packs"]
 
@@ -40,8 +39,6 @@ DYNAMIC_FIELDS = (
     "invariants", "integrals", "inputs", "charts",
 )  # fmt: skip
 """The fields of a system that its equations and models come from."""
-DIGEST = 64
-"""The digits of the digest that a file begins with."""
 
 
 class Packs:
@@ -91,27 +88,20 @@ class Packs:
         only the time of the next process."""
         if self._packed.keys() == self._on_disk:
             return
-        content = pickle.dumps(self._packed)
         make_room(self._file.parent, FILES)
-        keep_file(self._file, sha256(content).hexdigest().encode() + content)
+        keep_sealed(self._file, pickle.dumps(self._packed))
         self._on_disk = {*self._packed}
 
 
 def _read(file: Path) -> dict[str, bytes]:
-    """What a file holds; nothing where there is none, or where it is not as it was written."""
-    try:
-        content = file.read_bytes()
-    except OSError:
+    """What a file holds; nothing where there is none, where it is not as it was written, or where
+    others may have written it: to unpickle is to run."""
+    if (content := read_sealed(file, "model")) is None:
         return {}
-    if sha256(content[DIGEST:]).hexdigest().encode() == content[:DIGEST]:
-        with suppress(OSError):
-            os.utime(file)
-        known: dict[str, bytes] = pickle.loads(content[DIGEST:])
-        return known
-    warnings.warn(f"the kept model '{file}' is damaged; it is made anew", stacklevel=2)
     with suppress(OSError):
-        file.unlink()
-    return {}
+        os.utime(file)
+    known: dict[str, bytes] = pickle.loads(content)
+    return known
 
 
 def _pack(value: Any, system: System) -> bytes | None:

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import symengine as se
 
-from voronec.declaration.whole_files import user_cache
+from voronec.declaration.whole_files import make_private, user_cache
 from voronec.equations.program import Program, hoist, taylor_extras, taylor_system
 from voronec.motion.request import Event
 from voronec.motion.steppers.run import (
@@ -706,9 +706,9 @@ def heyoka() -> Any:
     if is_ours:
         folder, state = user_cache("heyoka"), hy.llvm_state
         try:
-            folder.mkdir(parents=True, exist_ok=True)
+            make_private(folder, *folder.iterdir())
             state.set_diskcache_path(folder)
             state.set_diskcache_limit(ROOM)
-        except (OSError, RuntimeError):  # nobody can write there
+        except (OSError, RuntimeError):  # nobody can write there, or others can
             state.set_diskcache_enabled(False)
     return hy

@@ -4,7 +4,7 @@ each machine.
 numba keeps what it compiles beside the file in which a function stands.  So each source is written
 into a folder of its own among the user's caches, called by a digest of all that the source comes
 from.  A list of digests tells whether the files are those that were written: machine code that was
-damaged would run.
+damaged would run.  A folder appears at once and whole: code is made in a draft of it.
 
 Functions of two sources bear names of their own in machine code: of those whose names and arguments
 are the same a process keeps the one that it read first, and would run it for both.
@@ -25,15 +25,16 @@ from contextlib import suppress
 from hashlib import sha256
 from math import sqrt
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
-from voronec.declaration.whole_files import keep_file, make_room, user_cache
+from voronec.declaration.whole_files import has_foreign, keep_file, make_room, user_cache
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["COMPILER", "kept_function", "kept_library", "sound_source"]
 
+T = TypeVar("T")
 SOURCES = 200
 """How many sources keep their code; those that were made longest ago give way."""
 SOURCE, LIST, LIBRARY = "source.py", "digests.json", "library.so"
@@ -60,13 +61,12 @@ def kept_function(
             return _load(folder, text, name, signature)
         _forget(folder, "cannot be read")
     text = source()
-    try:
-        make_room(folder.parent, SOURCES)
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / SOURCE).write_text(text, encoding="utf-8")
-    except OSError:  # a folder that cannot be written costs only the time of the next run
-        return _compile(text, SOURCE, name, signature, keep=False)
-    return _load(folder, text, name, signature)
+
+    def make(draft: Path) -> Callable[..., Any]:
+        (draft / SOURCE).write_text(text, encoding="utf-8")
+        return _load(draft, text, name, signature)
+
+    return _kept(folder, make)
 
 
 def kept_library(key: str, sources: Callable[[], dict[str, str]]) -> ctypes.CDLL:
@@ -87,21 +87,26 @@ def kept_library(key: str, sources: Callable[[], dict[str, str]]) -> ctypes.CDLL
         with suppress(OSError):
             return ctypes.CDLL(str(folder / LIBRARY))
         _forget(folder, "cannot be read")
+    return _kept(folder, lambda draft: _build(place, draft, sources()))
+
+
+def _kept(folder: Path, make: Callable[[Path], T]) -> T:
+    """What is made in a draft, which becomes ``folder`` where nobody else was faster."""
+    make_room(folder.parent, SOURCES)
     try:
-        make_room(folder.parent, SOURCES)
-        folder.mkdir(parents=True, exist_ok=True)
-        draft = tempfile.TemporaryDirectory(dir=folder)
+        draft = tempfile.TemporaryDirectory(dir=folder.parent)
     except OSError:  # a folder that cannot be written costs only the time of the next run
-        with tempfile.TemporaryDirectory() as other:
-            return _build(place, Path(other), Path(other), sources())
-    with draft as other:
-        library = _build(place, Path(other), folder, sources())
-    _write_list(folder)
-    return library
+        draft = tempfile.TemporaryDirectory()
+    with draft as name:
+        made = make(Path(name))
+        _write_list(Path(name))
+        with suppress(OSError):
+            os.rename(name, folder)
+    return made
 
 
-def _build(compiler: str, draft: Path, folder: Path, sources: dict[str, str]) -> ctypes.CDLL:
-    """A library compiled in one folder, and put into another at once and whole."""
+def _build(compiler: str, draft: Path, sources: dict[str, str]) -> ctypes.CDLL:
+    """A library compiled in a folder, without its sources."""
     for name, text in sources.items():
         (draft / name).write_text(text, encoding="utf-8")
     # more than -O1 takes longer to compile and gains nothing without fused sums of products, and
@@ -111,8 +116,9 @@ def _build(compiler: str, draft: Path, folder: Path, sources: dict[str, str]) ->
         done = subprocess.run(words, cwd=draft, capture_output=True, text=True, check=False)
         if done.returncode:
             raise _failure(done.stderr)
-        (draft / LIBRARY).replace(folder / LIBRARY)
-        return ctypes.CDLL(str(folder / LIBRARY))
+        for name in sources:
+            (draft / name).unlink()
+        return ctypes.CDLL(str(draft / LIBRARY))
     except OSError as error:
         raise _failure(str(error)) from None
 
@@ -128,14 +134,15 @@ def _failure(said: str) -> EngineLimit:
 
 def _load(folder: Path, text: str, name: str, signature: str) -> Callable[..., Any]:
     """The function from the code in a folder, which is made where it is not there yet."""
-    function = _compile(text, str(folder / SOURCE), name, signature, keep=True)
+    function = _compile(text, str(folder / SOURCE), name, signature)
     if function.stats.cache_misses:
         _write_list(folder)
     return function
 
 
-def _compile(text: str, place: str, name: str, signature: str, keep: bool) -> Any:
+def _compile(text: str, place: str, name: str, signature: str) -> Any:
     import numba
+    from numba.core.compiler_lock import global_compiler_lock
 
     mark = sha256(text.encode()).hexdigest()[:24]
 
@@ -145,11 +152,16 @@ def _compile(text: str, place: str, name: str, signature: str, keep: bool) -> An
         options = {"error_model": "numpy", "fastmath": {"contract"}}
         if function.__name__ != name:
             return numba.njit(**options)(function)
-        return numba.njit(signature, cache=keep, **options)(function)
+        return numba.njit(signature, cache=True, **options)(function)
 
     # numba keeps only functions of a module that can be imported
     namespace: dict[str, Any] = {"np": np, "sqrt": sqrt, "jit": jit, "__name__": __name__}
-    exec(compile(text, place, "exec"), namespace)
+    with global_compiler_lock:  # NUMBA_CACHE_DIR would lead elsewhere
+        elsewhere, numba.config.CACHE_DIR = numba.config.CACHE_DIR, ""
+        try:
+            exec(compile(text, place, "exec"), namespace)
+        finally:
+            numba.config.CACHE_DIR = elsewhere
     return namespace[name]
 
 
@@ -159,15 +171,13 @@ def sound_source(folder: Path) -> str | None:
 
 
 def _is_sound(folder: Path) -> bool:
-    """Whether there is code in a folder, as it was written; what is damaged is named and taken
+    """Whether there is code in a folder, as this user wrote it; what is damaged is named and taken
     away."""
-    try:
+    if not folder.exists() or has_foreign(folder, *folder.rglob("*")):
+        return False
+    with suppress(OSError, ValueError):
         if json.loads((folder / LIST).read_text(encoding="utf-8")) == _digests(folder):
             return True
-    except (FileNotFoundError, NotADirectoryError):
-        return False
-    except (OSError, ValueError):
-        pass
     _forget(folder, "is damaged")
     return False
 
@@ -183,4 +193,6 @@ def _digests(folder: Path) -> dict[str, str]:
 
 
 def _write_list(folder: Path) -> None:
+    for made in folder.rglob("*"):  # where a group shares its files, compilers let it write them
+        made.chmod(made.stat().st_mode & ~0o022)
     keep_file(folder / LIST, json.dumps(_digests(folder)).encode())

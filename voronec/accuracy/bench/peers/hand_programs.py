@@ -26,6 +26,7 @@ from voronec.accuracy.bench.contender import (
 from voronec.accuracy.bench.peers.numba_dop853 import TOLERANCES as COMPILED
 from voronec.accuracy.bench.peers.numba_dop853 import stepper_source, unroll
 from voronec.accuracy.problem import ReferenceProblem
+from voronec.motion.steppers.heyoka_stepper import heyoka
 
 __all__ = [
     "BY_HAND",
@@ -66,8 +67,7 @@ def ball(moments: Sequence[float], D: float, epsilon: float) -> HandProgram:
 
     with J = (I + D)^-1 and D = m R^2 [Chaplygin1903], [DragovicGajicJovanovic2020].
     """
-    import heyoka as hy
-
+    hy = heyoka()
     inertia = np.array(moments, dtype=float)
     J = 1 / (inertia + D)
     G, gamma = hy.make_vars("G1", "G2", "G3"), hy.make_vars(*NORMAL)
@@ -102,8 +102,7 @@ def demchenko(p: Values) -> HandProgram:
     gamma is minus the ball's own normal at the contact, so u and v are its spherical angles; v is
     known up to whole turns only, and not offered.  Twelve products.
     """
-    import heyoka as hy
-
+    hy = heyoka()
     A, k, D = p["A"], p["k"], p["M"] * p["R2"] ** 2
     J, epsilon = A + D, p["R1"] / (p["R1"] + p["R2"])
     G, gamma = hy.make_vars("G1", "G2", "G3"), hy.make_vars(*NORMAL)
