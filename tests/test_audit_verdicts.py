@@ -264,7 +264,10 @@ def test_a_loose_index_is_named():
 
 
 def test_a_list_of_arguments_must_name_what_the_function_depends_on():
-    assert one("E(x,w)=E(w,x)").verdict == "proved"
+    notation = one("E(x,w)=E(w,x)")
+    assert notation.verdict == one("E=E(x,w)").verdict == "definition"
+    assert "of what a quantity is a function" in notation.method
+    assert one("2E=2E(x,w)").verdict == "proved"
     formula = one("E(x,t)=E")
     assert (formula.verdict, formula.correction) == ("misprint", "E(x,w)=E")
     assert "'E' depends on 'w'" in formula.method

@@ -147,8 +147,8 @@ def _along_the_motion(
 ) -> FormulaComparison:
     """Both sides with the accelerations of the motion; of those that are not known, one is the one
     with which the derived expression vanishes."""
-    motion = study.motion
-    truth = motion.along(call_hook(check.truth, study, where).xreplace(dict(study.given)))
+    motion, given = study.motion, dict(study.given)
+    truth = motion.along(call_hook(check.truth, study, where)).xreplace(given)
     solved: dict[Any, Any] = {}
     for dot in accelerations(study):
         slope = sp.diff(truth, dot)
@@ -157,7 +157,7 @@ def _along_the_motion(
             break
     rest = () if solved or prove_equal(truth, 0, study.relations).proved else (truth,)
     # As in an identity, what is on the right is most often what is printed.
-    sides = [motion.along(side).xreplace(solved) for side in (right, left)]
+    sides = [motion.along(side).xreplace(given).xreplace(solved) for side in (right, left)]
     said = f"{about} along the motion".strip()
     return FormulaComparison(*sides, where, said, rest, left - right)
 

@@ -43,7 +43,9 @@ class FormulaOutcome:
 
 NOTHING = Verdict("undecided", "it claims nothing; give it a relation, or its check a value")
 EMPTY = Verdict("refuted", "it says nothing: the two sides of an equality are the same")
-IDLE = Verdict("refuted", "it says nothing of the motion: it holds without the derived equation, too")
+IDLE = Verdict(
+    "refuted", "it says nothing of the motion: it holds without the derived equation, too"
+)
 SLACK = Verdict("refuted", "it says too little: the two sides of an inequality are equal")
 NEEDS_ACCELERATIONS = Verdict(
     "undecided", "it depends on accelerations that are not known; give Motion.of(eqs).solved(eqs)"
