@@ -139,16 +139,17 @@ def _equation(chain: Chain, check: Check, study: Study, where: dict[str, int]) -
     if len(chain.parts) != 2:
         raise Misprint("an equation of motion has two sides, one '=' between them")
     left, right = (value_of(part, study, where) for part in chain.parts)
-    return _along_the_motion(left, right, check, study, where)
+    truth = call_hook(check.truth, study, where) if check.truth else sp.Integer(0)
+    return _along_the_motion((left, right), truth, study, where)
 
 
 def _along_the_motion(
-    left: Any, right: Any, check: Check, study: Study, where: dict[str, int], about: str = ""
+    sides: tuple[Any, Any], truth: Any, study: Study, where: dict[str, int], about: str = ""
 ) -> FormulaComparison:
     """Both sides with the accelerations of the motion; of those that are not known, one is the one
     with which the derived expression vanishes."""
     motion, given = study.motion, dict(study.given)
-    truth = motion.along(call_hook(check.truth, study, where)).xreplace(given)
+    truth = motion.along(truth).xreplace(given)
     solved: dict[Any, Any] = {}
     for dot in accelerations(study):
         slope = sp.diff(truth, dot)
@@ -157,9 +158,9 @@ def _along_the_motion(
             break
     rest = () if solved or prove_equal(truth, 0, study.relations).proved else (truth,)
     # As in an identity, what is on the right is most often what is printed.
-    sides = [motion.along(side).xreplace(given).xreplace(solved) for side in (right, left)]
+    left, right = (motion.along(side).xreplace(given).xreplace(solved) for side in sides)
     said = f"{about} along the motion".strip()
-    return FormulaComparison(*sides, where, said, rest, left - right)
+    return FormulaComparison(right, left, where, said, rest, sides[0] - sides[1])
 
 
 def accelerations(study: Study) -> tuple[Any, ...]:
@@ -187,4 +188,5 @@ def _stationary(
         euler = sp.diff(value, variation) - study.motion.derivative(sp.diff(value, rate))
         number = {**where, letter: position + 1}
         about = "coefficient of the variation"
-        yield _along_the_motion(sp.Integer(0), euler, check, study, number, about)
+        truth = call_hook(check.truth, study, number)
+        yield _along_the_motion((sp.Integer(0), euler), truth, study, number, about)
