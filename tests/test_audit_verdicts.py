@@ -221,8 +221,13 @@ def test_a_definition_that_the_dictionary_contradicts_is_a_misprint():
 def test_a_condition_is_in_force_only_where_it_is_given():
     condition = Display(r"\begin{equation}\label{cond} m=2c\end{equation}", (Check("condition"),))
     given, without = Check(given=("cond",)), Check()
-    first, second = audit(condition, Display("$mx=2cx$", (given,)))
-    assert (first.verdict, second.verdict) == ("definition", "proved")
+    truth = replace(given, truth=lambda study, where: m * velocity(w) + c * x)
+    for printed in (
+        Display("$mx=2cx$", (given,)),
+        *(Display(r"$2\dot w=-x$", (k,)) for k in (given, truth)),
+    ):
+        first, second = audit(condition, printed)
+        assert (first.verdict, second.verdict) == ("definition", "proved")
     assert audit(condition, Display("$mx=2cx$", (without,)))[1].verdict == "misprint"
 
 

@@ -83,7 +83,8 @@ def _equal_parts(
     spoken = [p for p in chain.parts if not names_constant(p)]
     known = [p for p in spoken if whole_name(p, study) not in new]
     # What is claimed of accelerations is claimed along the motion.
-    values = [study.motion.along(value_of(p, study, where)) for p in known]
+    given = dict(study.given)
+    values = [study.motion.along(value_of(p, study, where)).xreplace(given) for p in known]
     # What is on the left is most often the quantity, and what is on the right its printed value.
     for left, right in pairwise(values):
         yield from _componentwise(right, left, where)
@@ -91,7 +92,7 @@ def _equal_parts(
         if not values:
             raise DefinitionError("nothing is said of the constant")
         change = study.motion.along(study.motion.derivative(values[0]))
-        change = change.xreplace(dict(study.given))
+        change = change.xreplace(given)
         yield from _componentwise(change * 0, change, where, "derivative along the motion")
 
 
