@@ -141,6 +141,26 @@ def test_the_sentence_on_jk_is_refuted_with_a_witness():
     assert r"\Sigma(X,Y,Z)" in formula.derived
 
 
+@pytest.mark.parametrize(
+    ("kind", "verdict"),
+    [
+        ("(0, 2)", "misprint"),
+        ("(0,3)", "proved"),
+        ("(1,1)", "misprint"),
+        ("(2,0)", "misprint"),
+        ("(1,2)", "misprint"),
+        ("(3,0)", "misprint"),
+        ("(a,b)", "undecided"),
+    ],
+)
+def test_the_kind_of_a_tensor_is_a_pair_and_not_its_sum(kind, verdict):
+    (sentence,) = [s for s in CONTEMPORARY.sentences if "tensor field" in s.quotation]
+    quotation = sentence.quotation.replace("(0,2)", kind)
+    (record,) = audit(sentences=[replace(sentence, quotation=quotation)])
+    assert record.verdict == verdict
+    assert "cannot take" not in record.decisive.method
+
+
 def test_nothing_compared_is_nothing_proved():
     assert worst([]).undecided
     assert worst([vo.prove_equal(1, 1), vo.prove_equal(1, 2), vo.prove_equal(1, 1)]).refuted
@@ -297,6 +317,11 @@ def test_integrals_that_are_listed_are_independent(kind):
         ("Markeev", "integrable", "nonintegrable", "misprint"),
         ("Markeev", "a plane", "a sphere", "undecided"),  # nobody knows
         ("The system is integrated", "-1}(0)", "-1}(1)", "misprint"),
+        (r"For $\epsilon=1$", r"\epsilon=1", r"\epsilon=-1", "misprint"),
+        (r"For $\epsilon=1$", r"\epsilon=1", r"\epsilon=2", "misprint"),
+        (r"For $\epsilon=1$", r"\epsilon=1", r"\epsilon=0", "undecided"),  # there is no such ball
+        (r"For $\epsilon=1$", "({\\mathbf\nG}", "F_4({\\mathbf G}", "undecided"),  # which one?
+        (r"For $\epsilon=1$", "=({\\mathbf\nG},\\gamma)", "", "undecided"),
     ],
 )
 def test_a_word_changed_in_a_sentence_is_seen(beginning, before, after, verdict):

@@ -169,11 +169,20 @@ def test_an_equation_of_motion_is_compared_with_the_derived_one():
     assert one(r"-cx-m\dot w=0", check).verdict == "proved"
     assert one(r"-2m\dot w=2cx", check).verdict == "proved", "a factor makes no difference"
     assert one(r"(1+x^2)m\dot w=-(1+x^2)cx", check).verdict == "proved"
-    assert one(r"mx\dot w=-cx^2", check).verdict == "misprint", "it says nothing where x = 0"
+    assert one(r"mx\dot w=-cx^2", check).verdict == "proved", "it holds along the motion"
     assert one(r"0\cdot\dot w=0", check).verdict == "misprint"
+    for true in (
+        r"\dot w=-\frac{cx}{m}",
+        r"\frac{\dot w}{c}=-\frac xm",
+        r"\dot w^2=\frac{c^2x^2}{m^2}",
+    ):
+        assert one(true, check).verdict == "proved", "no sign of m or c is known"
     wrong = one(r"m\dot w=cx", check)
     assert wrong.verdict == "misprint"
     assert one(wrong.correction, check).verdict == "proved"
+    point = {sp.Symbol(k): sp.Rational(value) for k, value in wrong.witness["point"].items()}
+    values = [sp.Float(wrong.witness[side], 30) for side in ("derived", "printed")]
+    assert values[0] == -values[1] and abs(values[1] - (c * x).subs(point)) < 10**-28
     assert r"m \dot{w}" in one(r"m\dot w=-cx", check).derived
 
 
@@ -212,8 +221,13 @@ def test_a_definition_that_the_dictionary_contradicts_is_a_misprint():
 def test_a_condition_is_in_force_only_where_it_is_given():
     condition = Display(r"\begin{equation}\label{cond} m=2c\end{equation}", (Check("condition"),))
     given, without = Check(given=("cond",)), Check()
-    first, second = audit(condition, Display("$mx=2cx$", (given,)))
-    assert (first.verdict, second.verdict) == ("definition", "proved")
+    truth = replace(given, truth=lambda study, where: m * velocity(w) + c * x)
+    for printed in (
+        Display("$mx=2cx$", (given,)),
+        *(Display(r"$2\dot w=-x$", (k,)) for k in (given, truth)),
+    ):
+        first, second = audit(condition, printed)
+        assert (first.verdict, second.verdict) == ("definition", "proved")
     assert audit(condition, Display("$mx=2cx$", (without,)))[1].verdict == "misprint"
 
 
@@ -264,7 +278,10 @@ def test_a_loose_index_is_named():
 
 
 def test_a_list_of_arguments_must_name_what_the_function_depends_on():
-    assert one("E(x,w)=E(w,x)").verdict == "proved"
+    notation = one("E(x,w)=E(w,x)")
+    assert notation.verdict == one("E=E(x,w)").verdict == "definition"
+    assert "of what a quantity is a function" in notation.method
+    assert one("2E=2E(x,w)").verdict == "proved"
     formula = one("E(x,t)=E")
     assert (formula.verdict, formula.correction) == ("misprint", "E(x,w)=E")
     assert "'E' depends on 'w'" in formula.method
@@ -351,6 +368,44 @@ def test_accelerations_that_nobody_gave_refute_nothing():
     assert one(r"E=const", study=study).verdict == "undecided"
     assert "Motion.of(eqs).solved(eqs)" in one(r"\dot w=-x", study=study).method
     assert one(r"\dot x=w", study=study).verdict == "proved"
+
+
+def test_an_equation_of_motion_is_refuted_at_a_state_of_the_motion_alone():
+    """Two masses that pull at each other: rows of mass * vdot - force, and what follows of both."""
+    n, u = sp.symbols("n u")
+    rows = (m * velocity(w) + n * velocity(u) + c * x, n * velocity(w) + m * velocity(u))
+    names = {"x": x, "w": w, "u": u, "m": m, "n": n, "c": c}
+    free = Motion(rates={x: w, y: u, w: velocity(w), u: velocity(u)})
+    values = sp.solve(rows, [velocity(w), velocity(u)])
+    check = Check(truth=lambda study, where: rows[0])
+    verdicts = {
+        r"m\dot w+n\dot u=-cx": ("proved", "proved", "proved"),
+        r"m\dot w+n\dot u=cx": ("misprint", "misprint", "misprint"),
+        r"\dot w+\frac nm\dot u=-\frac cmx": ("proved", "proved", "proved"),
+        r"(m^2-n^2)\dot w=-cmx": ("undecided", "misprint", "proved"),
+        r"(m^2-n^2)\dot w=cmx": ("undecided", "misprint", "misprint"),
+        r"(m+n)(\dot w+\dot u)=-cx": ("undecided", "misprint", "proved"),
+        r"\dot w-\dot w=0": ("misprint", "misprint", "misprint"),
+    }
+    known = ({}, {velocity(s): velocity(s) for s in (w, u)}, values)
+    for printed, expected in verdicts.items():
+        for some, verdict in zip(known, expected, strict=True):
+            study = Study(names, motion=replace(free, accelerations=some))
+            formula = one(printed, check, study=study)
+            assert formula.verdict == verdict, (printed, some)
+            if verdict == "undecided":
+                assert "accelerations that are not known" in formula.method
+    silent = one(r"\dot w-\dot w=0", check, study=Study(names, motion=free))
+    assert "it says nothing of the motion" in silent.method
+
+
+def test_what_vanishes_without_accelerations_binds_as_a_relation_does():
+    check = Check(truth=lambda study, where: x * y - 1)
+    study = Study({"x": x, "y": y})
+    assert one(r"x=\frac1y", check, study=study).verdict == "proved"
+    assert one("x^2y=x", check, study=study).verdict == "proved"
+    assert one("x=y", check, study=study).verdict == "misprint"
+    assert one("xy-yx=0", check, study=study).verdict == "misprint"
 
 
 def test_what_has_no_rate_is_constant_only_where_it_is_a_parameter():

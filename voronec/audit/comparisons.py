@@ -10,6 +10,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import time
+from voronec.algebra.verdicts import prove_equal
 from voronec.audit.display import Check
 from voronec.audit.hooks import call_hook
 from voronec.audit.latex.nodes import Chain, Integral
@@ -27,14 +28,16 @@ __all__ = ["FormulaComparison", "accelerations", "comparisons", "value_of"]
 class FormulaComparison:
     """Two values that a formula claims to be equal, and for which indices.
 
-    ``dots`` are the accelerations, for an equation that may bear a factor.
+    ``relations`` vanish along the motion, besides those of the study; ``free`` is what an equation
+    of motion says must vanish, before anything is put in for accelerations.
     """
 
     left: Any
     right: Any
     where: dict[str, int]
     about: str = ""
-    dots: tuple[Any, ...] = ()
+    relations: tuple[Any, ...] = ()
+    free: Any = None
 
 
 def comparisons(chain: Chain, check: Check, study: Study) -> Iterator[FormulaComparison]:
@@ -80,7 +83,8 @@ def _equal_parts(
     spoken = [p for p in chain.parts if not names_constant(p)]
     known = [p for p in spoken if whole_name(p, study) not in new]
     # What is claimed of accelerations is claimed along the motion.
-    values = [study.motion.along(value_of(p, study, where)) for p in known]
+    given = dict(study.given)
+    values = [study.motion.along(value_of(p, study, where)).xreplace(given) for p in known]
     # What is on the left is most often the quantity, and what is on the right its printed value.
     for left, right in pairwise(values):
         yield from _componentwise(right, left, where)
@@ -88,7 +92,7 @@ def _equal_parts(
         if not values:
             raise DefinitionError("nothing is said of the constant")
         change = study.motion.along(study.motion.derivative(values[0]))
-        change = change.xreplace(dict(study.given))
+        change = change.xreplace(given)
         yield from _componentwise(change * 0, change, where, "derivative along the motion")
 
 
@@ -137,9 +141,27 @@ def _equation(chain: Chain, check: Check, study: Study, where: dict[str, int]) -
         raise Misprint("an equation of motion has two sides, one '=' between them")
     left, right = (value_of(part, study, where) for part in chain.parts)
     truth = call_hook(check.truth, study, where) if check.truth else sp.Integer(0)
-    truth = truth.xreplace(dict(study.given))
-    about = "left side minus right side"
-    return FormulaComparison(left - right, truth, where, about, accelerations(study))
+    return _along_the_motion((left, right), truth, study, where)
+
+
+def _along_the_motion(
+    sides: tuple[Any, Any], truth: Any, study: Study, where: dict[str, int], about: str = ""
+) -> FormulaComparison:
+    """Both sides with the accelerations of the motion; of those that are not known, one is the one
+    with which the derived expression vanishes."""
+    motion, given = study.motion, dict(study.given)
+    truth = motion.along(truth).xreplace(given)
+    solved: dict[Any, Any] = {}
+    for dot in accelerations(study):
+        slope = sp.diff(truth, dot)
+        if slope != 0 and not slope.has(dot) and prove_equal(slope, 0).refuted:
+            solved = {dot: -truth.xreplace({dot: sp.Integer(0)}) / slope}
+            break
+    rest = () if solved or prove_equal(truth, 0, study.relations).proved else (truth,)
+    # As in an identity, what is on the right is most often what is printed.
+    left, right = (motion.along(side).xreplace(given).xreplace(solved) for side in sides)
+    said = f"{about} along the motion".strip()
+    return FormulaComparison(right, left, where, said, rest, sides[0] - sides[1])
 
 
 def accelerations(study: Study) -> tuple[Any, ...]:
@@ -151,7 +173,8 @@ def accelerations(study: Study) -> tuple[Any, ...]:
 def _stationary(
     chain: Chain, check: Check, study: Study, where: dict[str, int]
 ) -> Iterator[FormulaComparison]:
-    """Integration by parts: the coefficient of each independent variation must be the truth."""
+    """Integration by parts: the coefficient of each independent variation must vanish along the
+    motion."""
     integral = next(p for p in chain.parts if isinstance(p, Integral))
     if check.truth is None:
         raise DefinitionError("a stationary principle needs a truth")
@@ -166,6 +189,5 @@ def _stationary(
         euler = sp.diff(value, variation) - study.motion.derivative(sp.diff(value, rate))
         number = {**where, letter: position + 1}
         about = "coefficient of the variation"
-        yield FormulaComparison(
-            euler, call_hook(check.truth, study, number), number, about, accelerations(study)
-        )
+        truth = call_hook(check.truth, study, number)
+        yield _along_the_motion((sp.Integer(0), euler), truth, study, number, about)

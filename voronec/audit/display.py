@@ -49,7 +49,7 @@ class Check:
     truth
         for an equation of motion: function of the study and the values ``{letter: value}`` of its
         free indices (``{"i": ...}`` for a variation), which returns the derived expression that
-        vanishes; left minus right of the formula must be that, up to a factor that is not zero.
+        vanishes along the motion; the formula must hold there, and not without it.
     value
         for a formula without a relation, or to be compared as a whole: function of the same that
         returns the derived value; the first part of the formula must equal it.

@@ -32,7 +32,13 @@ from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
 from voronec.audit.record import FormulaRecord
 from voronec.audit.sentence import Sentence
 from voronec.audit.slots import Labels, tight
-from voronec.audit.structure import free_indices, marks, mentions, new_names
+from voronec.audit.structure import (
+    free_indices,
+    marks,
+    mentions,
+    new_names,
+    states_dependence,
+)
 from voronec.audit.study import Range, Study, UnknownRate
 from voronec.audit.transcript import Transcript, assignments
 from voronec.audit.verify import FormulaOutcome, by_range, verify
@@ -365,6 +371,8 @@ def _proved_as(finding: FormulaOutcome, chain: Chain, check: Check, study: Study
         return "definition"
     if check.role == "definition" and not (finding.count and new_names(chain, study)):
         return "definition"
+    if states_dependence(chain):
+        return "definition"  # it is notation: what it says of the quantity is said elsewhere
     if check.role == "cited" or check.cited:
         return "cited"  # it is what was meant; whether that is a fact is not proved here
     return "convention" if finding.partial else "proved"

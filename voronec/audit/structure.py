@@ -41,6 +41,7 @@ __all__ = [
     "names_constant",
     "new_names",
     "says_nothing",
+    "states_dependence",
     "whole_name",
 ]
 
@@ -176,3 +177,9 @@ def says_nothing(chain: Chain) -> bool:
     """Whether a formula sets something equal to itself."""
     links = zip(pairwise(chain.parts), chain.relations, strict=True)
     return any(relation == "=" and a == b for (a, b), relation in links)
+
+
+def states_dependence(chain: Chain) -> bool:
+    """Whether a formula says no more than of what a quantity is a function, as F = F(x)."""
+    names = {part.function if isinstance(part, Call) else part for part in chain.parts}
+    return len(names) == 1 and {*chain.relations} == {"="}

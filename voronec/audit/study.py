@@ -53,7 +53,8 @@ class Motion:
 
     ``rates``: symbol -> its time derivative, which may hold acceleration symbols.
     ``constrained``: velocity symbol -> its value on the constraints.
-    ``accelerations``: acceleration symbol -> its value along the motion, where that is known.
+    ``accelerations``: acceleration symbol -> its value along the motion, where that is known; one
+    that is its own value is free, as where forces are arbitrary.
     ``constants``: the symbols that do not change; None for all that have no rate, as long as they
     are no rates themselves.
 

@@ -7,9 +7,6 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
-import sympy as sp
-
-from voronec.algebra.normal import shorten
 from voronec.algebra.signs import prove_inequality
 from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import Verdict, prove_equal
@@ -19,7 +16,6 @@ from voronec.audit.hooks import HookError, call_hook
 from voronec.audit.latex.nodes import Chain, Integral, Name, Number, walk
 from voronec.audit.structure import bare_letter, integrand, says_nothing
 from voronec.audit.study import Range, Study, key_of
-from voronec.errors import EngineLimit
 
 __all__ = ["FormulaOutcome", "by_range", "omission", "verify"]
 
@@ -47,6 +43,9 @@ class FormulaOutcome:
 
 NOTHING = Verdict("undecided", "it claims nothing; give it a relation, or its check a value")
 EMPTY = Verdict("refuted", "it says nothing: the two sides of an equality are the same")
+IDLE = Verdict(
+    "refuted", "it says nothing of the motion: it holds without the derived equation, too"
+)
 SLACK = Verdict("refuted", "it says too little: the two sides of an inequality are equal")
 NEEDS_ACCELERATIONS = Verdict(
     "undecided", "it depends on accelerations that are not known; give Motion.of(eqs).solved(eqs)"
@@ -119,14 +118,14 @@ def _order_verdict(gaps: Sequence[tuple[Any, str, Any]], where: Range) -> Verdic
 
 def _equal(comparison: FormulaComparison, check: Check, study: Study) -> Verdict:
     left, right = comparison.left, comparison.right
-    verdict = prove_equal(left, right, study.relations)
-    along = check.truth is None and check.role != "definition"  # what defines is true off it, too
-    if along and verdict.refuted and _has_unknown_accelerations(left - right, study):
+    verdict = prove_equal(left, right, (*study.relations, *comparison.relations))
+    # what defines is true off the motion, too
+    moves = check.role != "definition" and _has_unknown_accelerations(left - right, study)
+    if verdict.refuted and moves:
         return NEEDS_ACCELERATIONS
-    if verdict.proved or check.truth is None:
-        return verdict
-    if prove_equal(-left, right).proved or _proportional(left, right, comparison.dots):
-        return Verdict("proved", "zero in exact normal form")
+    free = comparison.free
+    if verdict.proved and free is not None and prove_equal(free, 0, study.relations).proved:
+        return IDLE
     return verdict
 
 
@@ -136,22 +135,6 @@ def _has_unknown_accelerations(value: Any, study: Study) -> bool:
     velocities = {s for rate in rates.values() for s in rate.free_symbols} & set(rates)
     unknown = {rates[v] for v in velocities} & set(accelerations(study))
     return bool((unknown - set(study.motion.accelerations)) & value.free_symbols)
-
-
-def _proportional(left: Any, right: Any, dots: tuple[Any, ...]) -> bool:
-    """Whether two equations, linear in the accelerations, differ by a factor that is nowhere 0."""
-    for dot in dots:
-        a, b = sp.diff(left, dot), sp.diff(right, dot)
-        if b != 0 and prove_equal(a, 0).refuted:
-            return prove_equal(left * b, right * a).proved and _nowhere_zero(a / b)
-    return False
-
-
-def _nowhere_zero(factor: Any) -> bool:
-    try:
-        return prove_inequality(shorten([factor])[0], "!=", 0).proved
-    except EngineLimit:
-        return False
 
 
 def _inequalities(chain: Chain, study: Study) -> Iterator[tuple[Any, str, Any]]:

@@ -24,7 +24,13 @@ from voronec.audit.hooks import HookError, call_hook
 from voronec.audit.latex.nodes import Call, Chain, Dot, Name, Node, walk
 from voronec.audit.meaning import SENSELESS, evaluate
 from voronec.audit.record import FormulaRecord
-from voronec.audit.structure import free_indices, mentions, names_constant, whole_name
+from voronec.audit.structure import (
+    free_indices,
+    mentions,
+    names_constant,
+    states_dependence,
+    whole_name,
+)
 from voronec.audit.study import Range, Study, key_of
 from voronec.audit.transcript import assignments, instance, text_of
 from voronec.audit.verify import FormulaOutcome
@@ -78,6 +84,8 @@ def method_of(
         parts.append("compared with the derived equation of motion")
     elif names_constant(chain.parts[-1]):
         parts.append("its derivative along the motion vanishes")
+    elif states_dependence(chain):
+        parts.append("it says of what a quantity is a function, and no more")
     if check.given:
         parts.append("given " + ", ".join(f"({label})" for label in check.given))
     return "; ".join(parts)

@@ -93,12 +93,13 @@ def _number_residuals(residuals: list[Any]) -> list[tuple[str, Any]]:
 
 
 def _decide_integrable(motions: Motions, known: _Known) -> Decision:
-    """Whether integrals and a measure suffice for the theorem of Euler and Jacobi."""
+    """Whether integrals and a measure suffice for the theorem of Euler and Jacobi; where they do
+    not, others may."""
     measure, measured = known.measure, known.verdict
     if measured is None:
-        return Decision(Verdict("refuted", "no measure is declared"))
+        return Decision(Verdict("undecided", "no measure is declared"))
     if not measured.proved:
-        return Decision(Verdict(measured.status, f"the measure is {measured.status}"))
+        return Decision(Verdict("undecided", f"the measure is {measured.status}"))
     field = measured_field(motions, measure)
     chosen = chosen_variables(field, measure)
     low, outside = field.level == "coordinates", _outside(motions, field, chosen)
@@ -128,12 +129,12 @@ def _count_integrals(
     relations = binding(field, chosen)
     rates = dict(zip(field.variables, field.components, strict=True))
     if any(field.time in e.free_symbols for e in (density, *(rates[x] for x in chosen))):
-        return Verdict("refuted", "the time occurs; the theorem is one of autonomous fields")
+        return Verdict("undecided", "the time occurs; the theorem is one of autonomous fields")
     functions = [f for f in functions if field.time not in f.free_symbols]
     dimension = len(chosen) - len(relations)
     if len(functions) < dimension - 2:
         count = f"{len(functions)} integrals in {dimension} dimensions"
-        return Verdict("refuted", f"{count}; the theorem asks for {dimension - 2}")
+        return Verdict("undecided", f"{count}; the theorem asks for {dimension - 2}")
     slopes = [[f.diff(x) for x in chosen] for f in (*relations, *functions)]
     rank = generic_rank(slopes, field.hypotheses) if slopes else 0
     independent = rank - len(relations)

@@ -66,7 +66,7 @@ def _verdict(motions: Motions, field: VectorField, n: Any) -> Verdict:
     if own.group is not None:
         return _verdict_on_group(motions, field, n)
     if not equations.has_coordinate_frame:
-        return Verdict("refuted", "the base coordinates are redundant; choose independent ones")
+        return Verdict("undecided", "the base coordinates are redundant; choose independent ones")
     base, fibre = own.coordinates[: own.base], own.coordinates[own.base :]
     dots = own.coordinate_velocities[: own.base]
     lagrangian = _constrained_lagrangian(motions, dots)
@@ -102,7 +102,7 @@ def _verdict_on_group(motions: Motions, field: VectorField, n: Any) -> Verdict:
     )
     if any(row[connection.n] != 0 for row in connection.coordinate_lift) or not chosen:
         return Verdict(
-            "refuted", "the velocities do not move the coordinates as a frame of their space"
+            "undecided", "the velocities do not move the coordinates as a frame of their space"
         )
     size, rates = range(connection.n), derivation.rates
     rows = [connection.coordinate_lift[a] for a in chosen]

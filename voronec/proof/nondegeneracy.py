@@ -25,7 +25,7 @@ from voronec.algebra.verdicts import Verdict
 from voronec.equations.vector_field import VectorField
 from voronec.errors import EngineLimit, quote
 
-__all__ = ["where_independent", "where_nonzero", "where_of_rank"]
+__all__ = ["where_independent", "where_nonzero", "where_of_rank", "where_signed"]
 
 POINTS = 6
 """At how many points of a piece a rank is looked at."""
@@ -58,6 +58,23 @@ def where_nonzero(verdict: Verdict, field: VectorField, name: str, function: Any
     """A proof that needs a function not to vanish but on hypersurfaces, as a density."""
     doubt = f"whether {name} vanishes everywhere is open"
     return where_of_rank(verdict, field, [function], lambda exprs: [[*exprs]], 1, doubt)
+
+
+def where_signed(verdict: Verdict, field: VectorField, name: str, function: Any) -> Verdict:
+    """A proof that needs a function to keep its sign, as a density, beside the zeros and poles at
+    which it may change, and at which the equations have values."""
+    if not verdict.proved:
+        return verdict
+    moving, det = {*field.variables, field.time}, field.determinant
+    known = field.hypotheses if det is None else (*field.hypotheses, det > 0)
+    try:
+        powers = product_of(function, tuple(field.relations)).powers.items()
+    except EngineLimit:
+        return verdict.where(f"{name} != 0")
+    odd = [h for h, k in powers if k % 2 and h.free_symbols & moving and not known_sign(h, known)]
+    tapes = [(h, Tape([h, *field.entries])) for h in odd]
+    met = [h for h, t in tapes if any(sample_evaluable(t, (*known, h), SHARP, count=1))]
+    return verdict.where(*(f"{quote(field.door.outward(h))} != 0" for h in met))
 
 
 def where_of_rank(

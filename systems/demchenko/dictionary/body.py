@@ -189,6 +189,7 @@ class Body:
         motion = Motion(
             {**surfaces.motion.rates, **{d: vo.velocity(d) for d in deltas}},
             surfaces.motion.constrained,
+            surfaces.motion.accelerations,
         )
         quasi = {
             **self.common,

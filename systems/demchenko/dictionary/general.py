@@ -18,7 +18,7 @@ import sympy as sp
 import voronec as vo
 from voronec.audit import Motion, Study
 
-from .principle import dalembert, lagrange
+from .principle import dalembert, forced_motion, lagrange
 
 BASE, FIBRE = 3, 2
 TOTAL = BASE + FIBRE
@@ -107,7 +107,7 @@ class General:
         )
         eqs = vo.derive(system)
         lift = tuple(tuple(sp.diff(rate, v) for v in V[:BASE]) for rate in eqs.rates)
-        motion = Motion.of(eqs, {d: vo.velocity(d) for d in DELTA})
+        motion = forced_motion(eqs, DELTA)
         return cls(names, eqs, motion, lift)
 
     def dalembert(self, where: Mapping[str, int]) -> sp.Expr:

@@ -18,7 +18,7 @@ from voronec.audit import Motion, Study, Verdict, direction
 
 from .connections import Connection
 from .general import BASE, COEFFICIENTS, DELTA, FIBRE, INDICES, TOTAL, Q, V
-from .principle import dalembert, lagrange
+from .principle import dalembert, forced_motion, lagrange
 from .subspaces import direct_sum, leading_places, null_space, span
 from .verdicts import all_equal
 
@@ -74,7 +74,7 @@ class Geometry:
             constraints=CONSTRAINTS,
         )
         eqs = vo.derive(system)
-        motion = Motion.of(eqs, {d: vo.velocity(d) for d in DELTA})
+        motion = forced_motion(eqs, DELTA)
         return cls(eqs, motion, Connection(Q, lift_of_constraints()))
 
     # -- the connection --------------------------------------------------------------------

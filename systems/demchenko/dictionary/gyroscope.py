@@ -146,7 +146,7 @@ class WithGyroscope:
         rates = dict(zip(QUASI, motion.derivative(self.spin), strict=True))
         # No acceleration: nothing here holds the second derivative of the height.
         climbing = {HEIGHT: CLIMB, CLIMB: sp.Integer(0)}
-        return Motion({**motion.rates, **rates, **climbing}, motion.constrained)
+        return replace(motion, rates={**motion.rates, **rates, **climbing})
 
     @property
     def arm(self) -> sp.Matrix:

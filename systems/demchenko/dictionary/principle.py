@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
 
 import sympy as sp
 
 import voronec as vo
 from voronec.audit import Motion
 
-__all__ = ["dalembert", "lagrange"]
+__all__ = ["dalembert", "forced_motion", "lagrange"]
+
+
+def forced_motion(eqs: Any, variations: Sequence[sp.Symbol]) -> Motion:
+    """The motion of a system with arbitrary forces: some of them give any accelerations."""
+    free = {vo.velocity(v): vo.velocity(v) for v in eqs.velocities}
+    motion = Motion.of(eqs, {d: vo.velocity(d) for d in variations})
+    return replace(motion, accelerations=free)
 
 
 def lagrange(lagrangian: sp.Expr, coordinates: Sequence[sp.Symbol]) -> tuple[sp.Expr, ...]:

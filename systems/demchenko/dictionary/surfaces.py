@@ -100,11 +100,13 @@ class Surfaces:
 
     @cached_property
     def motion(self) -> Motion:
-        """Base velocities are free, those of the fibre as the constraints have it."""
+        """Base velocities are free, as are their rates under some force; those of the fibre are as
+        the constraints have it."""
         found = dict(zip(COORDINATES, self.rates, strict=True))
         constrained = dict(zip(velocities(FIBRE), self.rates[len(BASE) :], strict=True))
         accelerations = {w: vo.velocity(w) for w in velocities(BASE)}
-        return Motion(found | accelerations, constrained)
+        free = {a: a for a in accelerations.values()}
+        return Motion(found | accelerations, constrained, free)
 
     @property
     def positive(self) -> tuple[sp.Expr, ...]:

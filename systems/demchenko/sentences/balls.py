@@ -10,6 +10,7 @@ import voronec as vo
 from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of, tight
 from voronec.audit.latex.nodes import Call, Dot, Name
 from voronec.audit.meaning import evaluate
+from voronec.audit.structure import states_dependence
 from voronec.audit.study import key_of
 from voronec.kinematics import Surface
 
@@ -140,12 +141,15 @@ def fourth(study: Study, _: Range, *, epsilon: Quoted, which: int, integral: Quo
     name = one_of(tight(integral.latex).strip("$").split("=")[0], {x: x for x in INTEGRALS})
     if relation != "=":
         return vo.Verdict("undecided", "not one value of epsilon")
-    ball = (
-        Ball.on_plane() if number == 1 else Ball.on_sphere(sp.solve(R1 / (R1 + R2) - number, R1)[0])
-    )
+    if number == 0:
+        return vo.Verdict("undecided", "no sphere has this epsilon, which is R_1/(R_1 + R_2)")
+    ball = Ball.on_plane() if number == 1 else Ball.on_sphere(number * R2 / (1 - number))
+    _, function = both_sides(integral, study)
+    if states_dependence(integral.tree(study)):
+        return vo.Verdict("undecided", f"it does not say which function '{name}' is")
     return all_of(
         agreement(which, INTEGRALS.index(name) + 1, "its number"),
-        equals([(values(integral, study)[1], study.context.integrals[name])], "the function"),
+        equals([(function, study.context.integrals[name])], "the function"),
         lambda: ball.constants([name]),
     )
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
+
 import sympy as sp
 
 import voronec as vo
-from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of
+from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of, tight
 from voronec.audit.structure import mentions
 
 from ..dictionary.general import BASE, FIBRE, TOTAL
@@ -133,12 +135,13 @@ def principal(study: Study, _: Range, *, sort: str) -> vo.Verdict:
 
 
 def tensor(study: Study, _: Range, *, slots: Quoted) -> vo.Verdict:
-    """Whether JK is linear in each of two arguments."""
-    numbers = slots.latex.strip("$() ").replace(" ", "")
-    arguments = sum(int(x) for x in numbers.split(","))
-    if arguments == 2:
+    """Whether JK is linear in each of two vectors; the tensor from which it comes takes three."""
+    kind = tight(slots.latex).strip("$")
+    if not re.fullmatch(r"\(\d,\d\)", kind):
+        raise vo.DefinitionError(f"'{slots.latex}' is no kind of tensor, as (0,2) is")
+    if kind == "(0,2)":
         return study.context.bilinear()
-    return agreement(arguments, 3, "arguments of the tensor from which it comes")
+    return agreement(kind, "(0,3)", "the kind of tensor from which it comes")
 
 
 def torus(study: Study, _: Range, *, sort: str, factor: str) -> vo.Verdict:

@@ -41,6 +41,7 @@ from voronec.declaration.relation import Relation
 from voronec.equations.motions import Motions
 from voronec.errors import EngineLimit
 from voronec.proof.claims import Claim
+from voronec.proof.decision import all_zero
 from voronec.proof.measures import defect
 from voronec.proof.nondegeneracy import where_independent, where_nonzero, where_of_rank
 from voronec.proof.relations.functions import Infinite
@@ -682,13 +683,12 @@ def _unsound(statemap: StateMap, function: Any, value: Any, held: Sequence[Any])
     part = [slopes.get(x, se.Integer(0)) for x in variables]
     if _is_spanned(statemap, part, (), variables):
         return None
+    held_by = f"the value of '{name}' holds state"
+    if not _is_spanned(statemap, part, images, variables):
+        return Verdict("refuted", f"{held_by} that is no function of its arguments")
     if _is_differentiated(statemap, name):
-        why = "holds state, and the target differentiates it"
-    elif _is_spanned(statemap, part, images, variables):
-        return None
-    else:
-        why = "holds state that is no function of its arguments"
-    return Verdict("refuted", f"the value of '{name}' {why}")
+        return Verdict("undecided", f"{held_by}, and the target differentiates it")
+    return None
 
 
 def _is_spanned(
@@ -697,7 +697,10 @@ def _is_spanned(
     """Whether a differential is a combination of those of functions and of the relations."""
     rows = [[f.diff(x) for f in (*functions, *statemap.relations)] for x in variables]
     if not rows[0]:
-        return all(decide_zero(e, statemap.hypotheses).proved for e in part)
+        found = all_zero((("", e) for e in part), statemap.hypotheses)
+        if found.undecided:
+            raise EngineLimit(found.method)
+        return found.proved
     solved = solve_linear(rows, [[e] for e in part], statemap.hypotheses)
     return not solved.contradictory
 
