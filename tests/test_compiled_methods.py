@@ -216,6 +216,28 @@ def test_without_a_compiler_and_with_a_bad_one_one_line_says_so(
         moved("c")
 
 
+def test_a_heyoka_that_cannot_be_imported_counts_as_absent(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "heyoka.py").write_text("raise ImportError('libtbb.so.12: no such file')\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "heyoka", raising=False)
+    monkeypatch.setattr(methods, "_BROKEN", {})
+    many = {"times": TIMES, "tol": 1e-11, "inputs": {tau: 0}}
+    reason = "heyoka is installed but cannot be imported: libtbb.so.12: no such file"
+    with pytest.warns(UserWarning, match=f"{reason}; it counts as absent") as told:
+        found = moved("auto")
+        several = vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, **many)
+        with pytest.raises(DefinitionError, match=f"{reason}; 'pip install heyoka'"):
+            moved("heyoka")
+        with pytest.raises(DefinitionError, match=f"{reason}; 'pip install heyoka'"):
+            vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, method="heyoka", **many)
+    assert len(told) == 1
+    assert found.cost.method == "python" and reason in found.cost.reason
+    assert several.cost.method != "heyoka" and reason in several.cost.reason
+    assert reason in methods.METHODS["heyoka"].absence
+
+
 @NO_COMPILER
 @pytest.mark.usefixtures("empty_cache")
 def test_auto_takes_it_where_heyoka_is_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -314,7 +314,16 @@ def load_paper_file(path: str | Path) -> Any:
 
 
 def unknown(kind: str, name: str, known: Iterable[str]) -> str:
-    """The message for a name that is none of the known ones: the nearest, else all of them."""
+    """The message for a name that is none of the known ones: the nearest, else all of them; for one
+    whose ending is nearly that of a file, the file."""
+    from difflib import get_close_matches
+
+    stem, ending = os.path.splitext(name)
+    if near := get_close_matches(ending, SUFFIXES):
+        return (
+            f"there is no {kind} '{name}'; its file ends in {' or '.join(SUFFIXES)}, as "
+            f"'{stem}{near[0]}'"
+        )
     return f"there is no {kind} '{name}'" + did_you_mean(name, known)
 
 

@@ -268,8 +268,7 @@ class SplitRun:
         state = split.narrow(float(time), wide.astype(float))
         values = self.ground.values(split.program, float(time), {**self.ground.constants, **bounds})
         probe = self.probe(split, float(time), values)
-        if not split.equations.system.charts:
-            probe.check(state)
+        warned = () if split.equations.system.charts else probe.check(state)
         problem = Problem(
             split.program, state, values, self._tolerance(split),
             (*self.events, *guards, *marks),
@@ -302,7 +301,9 @@ class SplitRun:
         self.prepared += perf_counter() - began
         smooth = switched is None
         looks = LookGrid.of(times, pace_of(problem, float(times[0])))
-        run = self.judge(split, poles.with_notes(stepper(looks.whole)), smooth, looks.ends)
+        run = stepper(looks.whole)
+        run = poles.with_notes(replace(run, notes=(*warned, *run.notes)))
+        run = self.judge(split, run, smooth, looks.ends)
         return looks.without_looks(run), smooth
 
     def _pole_notes(self, split: SplitModel) -> PoleNotes:

@@ -127,8 +127,9 @@ class StateProbe:
         """What a ``rates_program`` gives (l, k) at one q (n,) and several v (m, k)."""
         return rates_along(quiet(compile_program(self.program)[1], self.values), self.time, q, v)
 
-    def check(self, start: np.ndarray) -> None:
-        """Raise where no motion starts: the equations are singular or undefined."""
+    def check(self, start: np.ndarray) -> tuple[str, ...]:
+        """Raise where no motion starts: the equations are singular or undefined; a note where the
+        mass matrix is not positive definite, as that of no body is."""
         mass = self.masses(np.array([self.time]), start[None, :])[0]
         if _smallest(mass, mass) < SINGULAR:
             raise self._nowhere("the mass matrix is singular", start)
@@ -142,6 +143,12 @@ class StateProbe:
         rates = np.abs(np.array(slope, dtype=float))
         if not np.isfinite(rates).all() or self._is_infinite(start, rates):
             raise self._nowhere("the equations are not defined", start)
+        if not np.isfinite(mass).all() or not (np.linalg.eigvalsh(mass) < 0).any():
+            return ()
+        return (
+            "the mass matrix is not positive definite at the start, as that of bodies is; check "
+            "the signs of the Lagrangian and of the parameters",
+        )
 
     def _is_infinite(self, start: np.ndarray, rates: np.ndarray) -> bool:
         """Whether rates of coordinates are infinite but for rounding, as sin(pi) is no zero.
