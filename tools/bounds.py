@@ -30,8 +30,8 @@ FAST = ("-q", "-m", "not slow", "-p", "no:cacheprovider")
 
 
 def requirements(end: str, extras: Sequence[str] = EXTRAS) -> list[str]:
-    """What pip is asked for at an end: ``name==bound`` at the lowest, ``name>=bound`` at the newest,
-    each with its marker of platforms."""
+    """What pip is asked for at an end: ``name==bound`` at the lowest, ``name>=bound`` at the
+    newest, each with its marker of platforms."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     lists = (project["dependencies"], *(project["optional-dependencies"][e] for e in extras))
     every = dict.fromkeys(requirement for one in lists for requirement in one)

@@ -315,15 +315,12 @@ def load_paper_file(path: str | Path) -> Any:
 
 def unknown(kind: str, name: str, known: Iterable[str]) -> str:
     """The message for a name that is none of the known ones: the nearest, else all of them; for one
-    whose ending is nearly that of a file, the file."""
+    that ends nearly as a file does, the files that may be meant."""
     from difflib import get_close_matches
 
     stem, ending = os.path.splitext(name)
-    if near := get_close_matches(ending, SUFFIXES):
-        return (
-            f"there is no {kind} '{name}'; its file ends in {' or '.join(SUFFIXES)}, as "
-            f"'{stem}{near[0]}'"
-        )
+    if get_close_matches(ending, SUFFIXES):
+        known = [stem + suffix for suffix in SUFFIXES]
     return f"there is no {kind} '{name}'" + did_you_mean(name, known)
 
 

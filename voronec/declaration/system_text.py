@@ -171,12 +171,9 @@ class _Text:
         return self.names[name]
 
     def _fibration(self) -> Fibration:
-        given = self.top["coordinates"].table()
+        given = (item := self.top["coordinates"]).table()
         if len(given) > COORDINATES:
-            self.top["coordinates"].wrong(
-                f"{len(given)} coordinates; {COORDINATES} are read at most: declare the system in "
-                "Python"
-            )
+            item.wrong(f"{len(given)} are too many; {COORDINATES} are read, more in a Python file")
         for name, item in given.items():
             self._new(item, "a coordinate")
             self._mean(name, item)

@@ -20,7 +20,6 @@ from voronec.motion.methods import (
     COMPILATION,
     METHODS,
     STAGES,
-    absence_of,
     absent,
     compiled_method,
     method_names,
@@ -513,15 +512,15 @@ def choose_lanes(
     try:
         lanes = lanes_of(program, tol, states, values)
     except ImportError as error:
+        refusal = absent("heyoka", error)
         if method == "heyoka":
-            raise absent(method, error) from None
-        why = f"auto: {absence_of('heyoka', error)}"
+            raise refusal from None
         used = compiled_method()
         soon = bool(used) and METHODS[used].compiles_soon
         if not (soon or (used and _is_lasting(program, tol, states, values, grid))):
             used = "scipy"
         try:
-            return None, _compile_method(used, program), why
+            return None, _compile_method(used, program), f"auto: {METHODS['heyoka'].absence}"
         except EngineLimit as limit:
             return None, "scipy", f"auto: {limit}"
     except EngineLimit as limit:

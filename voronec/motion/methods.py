@@ -41,7 +41,6 @@ __all__ = [
     "METHODS",
     "STAGES",
     "Method",
-    "absence_of",
     "absent",
     "choose",
     "choose_regular",
@@ -110,11 +109,6 @@ class Method:
             if not self.library or find_spec(self.library) is not None:
                 return _BROKEN.get(self.library, "")
         return f"{self.library} is not installed"
-
-    @property
-    def is_there(self) -> bool:
-        """Whether what it wants is installed, and was imported wherever that was tried."""
-        return not self.absence
 
     @property
     def compiles_soon(self) -> bool:
@@ -195,29 +189,22 @@ METHODS: dict[str, Method] = {
 # fmt: on
 
 
-def absence_of(method: str, error: ImportError) -> str:
-    """Why a method cannot be used whose library failed to load; one that is installed counts as
-    absent from then on, with one warning."""
+def absent(method: str, error: ImportError) -> DefinitionError:
+    """The refusal of a method whose library failed to load; one that is installed counts as absent
+    from then on, with one warning."""
     own = METHODS[method]
-    if own.is_there:
+    if not own.absence:
         _BROKEN[own.library] = f"{own.library} is installed but cannot be imported: {quote(error)}"
         warnings.warn(f"{own.absence}; it counts as absent", stacklevel=2)
-    return own.absence
-
-
-def absent(method: str, error: ImportError) -> DefinitionError:
-    """The refusal of a method whose library failed to load."""
-    return DefinitionError(
-        f"{absence_of(method, error)}; 'pip install {method}', or use method='scipy'"
-    )
+    return DefinitionError(f"{own.absence}; 'pip install {method}', or use method='scipy'")
 
 
 def compiled_method() -> str:
     """The method by which ``auto`` compiles DOP853 here; empty where there is none."""
     # elsewhere what is called by this name may be no compiler, but ask to install one
-    if sys.platform == "linux" and METHODS["c"].is_there:
+    if sys.platform == "linux" and not METHODS["c"].absence:
         return "c"
-    return "numba" if METHODS["numba"].is_there else ""
+    return "" if METHODS["numba"].absence else "numba"
 
 
 def method_names(many: bool = False) -> tuple[str, ...]:
@@ -271,22 +258,19 @@ def choose(
         )
     if method in ("heyoka", "numba", "c", "python") and not problem.program.state:
         return _make_stepper("scipy", problem, f"nothing moves, and {method} wants equations")
-    if method != "auto":
-        try:
-            return _make_stepper(method, problem, "asked for")
-        except ImportError as error:
-            raise absent(method, error) from None
-    best, reason = _best(outset or problem, grid)
-    if called is not None:
-        best, reason = "scipy", f"the input '{called.name}' is a function of Python's"
+    used, reason = (method, "") if method != "auto" else _best(outset or problem, grid)
+    if called is not None and method == "auto":
+        used, reason = "scipy", f"the input '{called.name}' is a function of Python's"
     try:
-        return _make_stepper(best, problem, f"auto: {reason}")
+        return _make_stepper(used, problem, f"auto: {reason}" if reason else "asked for")
     except EngineLimit as limit:
+        if method != "auto":
+            raise
         return _make_stepper("scipy", problem, f"auto: {limit}")
     except ImportError as error:
-        if not METHODS[best].library:
-            raise
-        absence_of(best, error)
+        refusal = absent(used, error)
+        if method != "auto" or not METHODS[used].library:
+            raise refusal from None
     return choose(method, problem, grid, outset)  # among what is left
 
 

@@ -268,7 +268,8 @@ class SplitRun:
         state = split.narrow(float(time), wide.astype(float))
         values = self.ground.values(split.program, float(time), {**self.ground.constants, **bounds})
         probe = self.probe(split, float(time), values)
-        warned = () if split.equations.system.charts else probe.check(state)
+        if not split.equations.system.charts:
+            self.judge_notes += probe.check(state)
         problem = Problem(
             split.program, state, values, self._tolerance(split),
             (*self.events, *guards, *marks),
@@ -301,9 +302,7 @@ class SplitRun:
         self.prepared += perf_counter() - began
         smooth = switched is None
         looks = LookGrid.of(times, pace_of(problem, float(times[0])))
-        run = stepper(looks.whole)
-        run = poles.with_notes(replace(run, notes=(*warned, *run.notes)))
-        run = self.judge(split, run, smooth, looks.ends)
+        run = self.judge(split, poles.with_notes(stepper(looks.whole)), smooth, looks.ends)
         return looks.without_looks(run), smooth
 
     def _pole_notes(self, split: SplitModel) -> PoleNotes:

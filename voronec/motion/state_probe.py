@@ -36,6 +36,8 @@ ASIDE, FALLEN = 1e-9, 1e-3
 the second part of them."""
 NEARLY = 1e-6
 """The same, and in units of the start's diagonal, for naming the cause where a run broke down."""
+INDEFINITE = "the mass matrix is not positive definite at the start; check the signs in L"
+"""What a run is told that begins with a mass matrix that no bodies have."""
 
 Right = Callable[[float, Any], Any]
 """The right-hand side at a time and a state, whose entries may be arrays."""
@@ -143,12 +145,8 @@ class StateProbe:
         rates = np.abs(np.array(slope, dtype=float))
         if not np.isfinite(rates).all() or self._is_infinite(start, rates):
             raise self._nowhere("the equations are not defined", start)
-        if not np.isfinite(mass).all() or not (np.linalg.eigvalsh(mass) < 0).any():
-            return ()
-        return (
-            "the mass matrix is not positive definite at the start, as that of bodies is; check "
-            "the signs of the Lagrangian and of the parameters",
-        )
+        sound = not np.isfinite(mass).all() or (np.linalg.eigvalsh(mass) > 0).all()
+        return () if sound else (INDEFINITE,)
 
     def _is_infinite(self, start: np.ndarray, rates: np.ndarray) -> bool:
         """Whether rates of coordinates are infinite but for rounding, as sin(pi) is no zero.

@@ -105,9 +105,10 @@ Groups = Mapping[str, Mapping[str, str]]
 _NAMES, _TEXTS = [str], {str: str}
 _SHAPE = {
     "format": int, "system": str, "base": _NAMES, "fibre": _NAMES, "velocities": _NAMES,
-    "parameters": _NAMES, "relations": _NAMES, "inputs": _NAMES, "positive": (type(None), _NAMES), "kind": str,
-    "growth": (str, [int]), "integrable": (str, [int]), "ideals": {str: _NAMES},
-    "groups": {str: _TEXTS}, "points": [{"at": _TEXTS, "acceleration": _TEXTS}],
+    "parameters": _NAMES, "relations": _NAMES, "inputs": _NAMES, "kind": str,
+    "positive": (type(None), _NAMES), "growth": (str, [int]), "integrable": (str, [int]),
+    "ideals": {str: _NAMES}, "groups": {str: _TEXTS},
+    "points": [{"at": _TEXTS, "acceleration": _TEXTS}],
 }  # fmt: skip
 """What a file holds: types, lists of one kind, mappings by given keys or, where ``str`` stands for
 them, by any; what may be several things is a tuple of them."""
@@ -172,12 +173,11 @@ class StoredDerivation:
     @classmethod
     def from_dict(cls, data: Any, place: str) -> StoredDerivation:
         """Read what ``as_dict`` made; ``DefinitionError`` where it is something else."""
-        if isinstance(data, dict) and data.get("format", FORMAT) != FORMAT:
-            raise DefinitionError(
-                f"{place} has the format {quote(data['format'])}, not {FORMAT}; store it again"
-            )
         if isinstance(data, dict):  # older files say nothing of inputs and signs
-            data = {"inputs": [], "positive": None, **data}
+            data = {"format": FORMAT, "inputs": [], "positive": None, **data}
+            if data["format"] != FORMAT:
+                told = f"has the format {quote(data['format'])}, not {FORMAT}"
+                raise DefinitionError(f"{place} {told}; store it again")
         if not _has_shape(data, _SHAPE):
             raise DefinitionError(
                 f"{place} holds no derivation; make one by: voronec derive NAME --store FILE.json"
@@ -194,10 +194,8 @@ def _has_shape(data: Any, shape: Any) -> bool:
         return any(_has_shape(data, one) for one in shape)
     if isinstance(shape, list):
         return isinstance(data, list) and all(_has_shape(x, shape[0]) for x in data)
-    if not isinstance(shape, dict):
+    if not isinstance(shape, dict) or not isinstance(data, dict):
         return type(data) is shape
-    if not isinstance(data, dict):
-        return False
     wanted = dict.fromkeys(data, shape[str]) if str in shape else shape
     return all(k in data and _has_shape(data[k], one) for k, one in wanted.items())
 

@@ -45,7 +45,7 @@ from voronec.declaration.system import System
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations, derive
-from voronec.errors import DefinitionError, EngineLimit, did_you_mean, quote
+from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 from voronec.proof.claims import decide_integral
 from voronec.proof.walls import across_walls, not_vacuous, positive_domain
 
@@ -198,10 +198,8 @@ def judge(system: System | VoronecEquations, text: str) -> Judgement:
     if not isinstance(text, str):
         raise DefinitionError(f"the equation is a {type(text).__name__}, not a text")
     if len(text) > CHARACTERS:
-        raise DefinitionError(
-            f"the equation '{quote(text)}' has {len(text)} characters; {CHARACTERS} are read at "
-            "most: name parts of it, or judge its terms apart"
-        )
+        told = f"the equation has {len(text)} characters; {CHARACTERS} are read at most"
+        raise DefinitionError(f"{told}: judge its parts apart")
     language, motions = Language.of(equations), Motions.of(equations)
     tree = language.tree(text)
     sides = language.sides(tree, text)
