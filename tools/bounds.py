@@ -41,11 +41,11 @@ def requirements(end: str, extras: Sequence[str] = EXTRAS) -> list[str]:
 def _run(end: str, folder: Path, words: Sequence[str]) -> bool:
     """Whether the fast tests pass at an end, in an environment made in the folder."""
     venv.create(folder, with_pip=True)
-    python = folder / ("Scripts" if os.name == "nt" else "bin") / "python"
+    python = str(folder / ("Scripts" if os.name == "nt" else "bin") / "python")
     pip = [python, "-m", "pip", "--disable-pip-version-check"]
-    steps: list[list[str | Path]] = [
+    steps = [
         [*pip, "install", "-q", *requirements(end)],
-        [*pip, "install", "-q", "--no-deps", "--no-build-isolation", "-e", ROOT],
+        [*pip, "install", "-q", "--no-deps", "--no-build-isolation", "-e", str(ROOT)],
         [*pip, "freeze", "--exclude-editable"],
         [python, "-m", "pytest", *FAST, *words],
     ]
