@@ -27,7 +27,7 @@ def test_a_point_that_was_found_is_found_again_with_more_digits() -> None:
 
 def test_points_depend_on_conditions_and_precision() -> None:
     """What is kept for one question is not given to another."""
-    signs = [float(sample_point([x], conditions, 0)[x]) for conditions in ([x < 0], [x > 0])]
+    signs = [sample_point([x], conditions, 0)[x] for conditions in ([x < 0], [x > 0])]
     assert signs[0] < 0 < signs[1]
     rough, fine = (sample_point([x, y], [CURVE], 0, bits) for bits in (60, 300))
     balls = [v for v in fine.values() if isinstance(v, flint.arb)]

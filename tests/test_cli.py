@@ -416,6 +416,8 @@ def test_a_file_of_another_ending_is_never_run(call: Call, command: str) -> None
         with pytest.raises(vo.DefinitionError, match="a file must end"):
             vo.load(Path(name))
     assert "there is no file 'folder/none'" in call(command, "folder/none").err
+    near = "'disc.tml'; did you mean 'disc.toml' or 'disc.py'?"
+    assert call(command, "disc.tml").err.count(near) == 1
     with pytest.raises(vo.DefinitionError):  # longer than a name of a file may be
         vo.load(Path("x+" * 200))
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 import sympy as sp
@@ -226,7 +228,12 @@ def test_wrong_files_are_refused(call: Call) -> None:
 
 @pytest.mark.parametrize(
     ("text", "message"),
-    [("{", "is not JSON"), ("[]", "holds no derivation"), ('{"format": 7}', "has the format 7")],
+    [
+        ("{", "is not JSON"),
+        ("[" * 100_000, "is not JSON"),
+        ("[]", "holds no derivation"),
+        ('{"format": 7}', "has the format 7"),
+    ],
 )
 def test_a_file_that_holds_something_else_is_refused(
     tmp_path: Path, text: str, message: str
@@ -235,6 +242,47 @@ def test_a_file_that_holds_something_else_is_refused(
     file.write_text(text)
     with pytest.raises(vo.DefinitionError, match=message):
         read_derivation(file)
+
+
+ODD: list[Any] = [
+    None, 3, 1.5, True, "x", "(", "1/0", "",
+    [], [1], [["x"]], ["sqrt(-1)"], {}, {"a": 1}, {"x": "y"},
+]  # fmt: skip
+"""What stands in the place of each part of a stored derivation."""
+
+
+def parts_of(data: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """The paths to all parts of data of JSON, the whole first."""
+    yield path
+    keys = data if isinstance(data, dict) else range(len(data)) if isinstance(data, list) else ()
+    for key in keys:
+        yield from parts_of(data[key], (*path, key))
+
+
+def test_damaged_files_are_compared_or_refused() -> None:
+    """Every part is replaced by odd ones, and left out."""
+    ours = derived("sleigh")
+    text = ours.text()
+    refused_parts, compared = set(), 0
+    for path in parts_of(json.loads(text)):
+        for odd in (*ODD, KeyError):
+            data = json.loads(text)
+            *outer, last = ("whole", *path)
+            inner = whole = {"whole": data}
+            for key in outer:
+                inner = inner[key]
+            if odd is KeyError:
+                del inner[last]
+            else:
+                inner[last] = odd
+            try:
+                compare(StoredDerivation.from_dict(whole.get("whole"), "here"), ours)
+                compared += 1
+            except vo.DefinitionError:
+                refused_parts.add(path)
+    assert {(), ("system",), ("base", 0), ("groups", "mass", "v,v")} < refused_parts
+    assert {("ideals",), ("points", 0, "at"), ("points", 0, "at", "m")} < refused_parts
+    assert compared, "texts of expressions may be other ones"
 
 
 def test_signs_that_are_declared_are_stored_with_a_derivation() -> None:

@@ -217,6 +217,29 @@ def test_without_a_compiler_and_with_a_bad_one_one_line_says_so(
         moved("c")
 
 
+def test_a_heyoka_that_cannot_be_imported_counts_as_absent(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "heyoka.py").write_text("raise ImportError('libtbb.so.12: no such file')\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "heyoka", raising=False)
+    monkeypatch.setattr(methods, "BROKEN", {})
+    many = {"times": TIMES, "tol": 1e-11, "inputs": {tau: 0}}
+    reason = "heyoka is installed but cannot be imported: libtbb.so.12: no such file"
+    with pytest.warns(UserWarning, match=f"{reason}; it counts as absent"):
+        found = moved("auto")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # it is said once
+        several = vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, **many)
+        assert moved("auto").cost.reason == found.cost.reason
+    for ask in (moved, lambda method: vo.ensemble(PENDULUM, {"x": [0, 1]}, method=method, **many)):
+        with pytest.raises(DefinitionError, match=f"{reason}; 'pip install heyoka'"):
+            ask("heyoka")
+    assert found.cost.method == "python" and reason in found.cost.reason
+    assert several.cost.method != "heyoka" and reason in several.cost.reason
+    assert reason in methods.METHODS["heyoka"].absence
+
+
 @NO_COMPILER
 @pytest.mark.usefixtures("empty_cache")
 def test_auto_takes_it_where_heyoka_is_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -312,7 +335,7 @@ def test_kept_code_is_read_and_damaged_code_is_named_and_made_anew(
 @NO_COMPILER
 @pytest.mark.usefixtures("empty_cache")
 def test_auto_takes_it_for_heavy_programs(monkeypatch: pytest.MonkeyPatch) -> None:
-    if sys.platform != "linux" or not methods.METHODS["heyoka"].is_there:
+    if sys.platform != "linux" or methods.METHODS["heyoka"].absence:
         pytest.skip("elsewhere it is not chosen")
     assert moved("auto").cost.method == "heyoka"
     monkeypatch.setattr(methods, "HEAVY", 0)

@@ -289,7 +289,7 @@ def test_relations_are_checked_at_the_start_and_watched() -> None:
         ({"parameters": {"M": 1}}, "no parameter 'M'"),
         ({"parameters": {m: -1}}, "'m' = -1 must be positive"),
         ({"parameters": {m: "heavy"}}, "'m' = heavy is not a real number"),
-        ({"initial": {"m": 1}}, "no initial value 'm'"),
+        ({"initial": {"m": 1}}, "no initial value 'm', a parameter; give parameters={'m': ...}"),
         ({"initial": {"v": 1, "w": 1}}, "no value for the parameter.* a; give parameters="),
         ({"scene": "spin", "initial": {"ydot": 1}}, "off the constraints: 'ydot' = 1, .* 0 "),
         ({"initial": {"v": 1, "xdot": 2}, "parameters": {a: 0}}, r"where the others give 1 "),

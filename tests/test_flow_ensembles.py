@@ -216,6 +216,8 @@ def test_bad_input_is_refused_in_one_line(oscillator):
         ({"starts": {"x": [1, 2], "xdot": [1, 2, 3]}}, "has 2 entries, where others have 3"),
         ({"starts": []}, "the list of starts has no entries; give one for each motion"),
         ({"starts": {"z": [1.0]}}, "no initial value 'z'"),
+        ({"starts": [{"w": 1}]}, "no initial value 'w', a parameter; give parameters={'w': ...}"),
+        ({"starts": {w: [1]}}, "no initial value 'w', a parameter; give parameters={'w': ...}"),
         ({"starts": {"x": []}}, "one-dimensional array"),
         ({"starts": [1.0, 2.0]}, "list of mappings"),
         ({"starts": {"x": [1.0]}, "outputs": ("xx",)}, "no output 'xx'"),

@@ -296,6 +296,11 @@ BAD = {
     "missing": ({}, {}, r"no value for the input 'tau'; give inputs=\{'tau': ...\}"),
     "unknown": ({"sigma": 1}, {}, r"no input 'sigma'; declare it, System.*inputs=\(sigma,\)"),
     "near": ({"tauu": 1}, {}, "no input 'tauu'.*did you mean 'tau'"),
+    "namesake": (
+        {"tau": sp.Symbol("x", real=True)},
+        {},
+        "contains 'x'.*a different symbol of that",
+    ),
     "values alone": ({tau: np.array([1, 2])}, {}, r"\(times, values\), or voronec\.Table"),
     "a list": ({tau: [1, 2]}, {}, r"'tau' = \[1, 2\] is no value.*voronec\.Table"),
     "short": ({tau: ([0, 1], [0, 1])}, {}, "from t = 0 to 1, the motion from 0 to 2.3"),

@@ -18,6 +18,7 @@ from itertools import chain
 from pathlib import Path
 
 import pytest
+from tool_modules import tool
 
 import voronec as vo
 from voronec.cli import main
@@ -198,6 +199,17 @@ def test_the_recipe_asks_for_what_the_project_asks_for() -> None:
         assert asked[called.get(name, name)] == bound
     assert f'version: "{vo.__version__}"' in recipe
     assert asked["python"] == project["requires-python"].removeprefix(">=")
+
+
+def test_the_lower_bounds_can_be_installed_exactly() -> None:
+    bounds = tool("bounds")
+    lowest, newest = map(bounds.requirements, bounds.ENDS)
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    assert {*project["dependencies"], *project["optional-dependencies"]["test"]} <= {*newest}
+    assert len(lowest) == len(newest)
+    for pin, asked in zip(lowest, newest, strict=True):
+        assert re.fullmatch(r"[\w-]+==[\d.]+(; .*)?", pin), "one lower bound, and nothing else"
+        assert pin.replace("==", ">=", 1) == asked
 
 
 CITATION = (

@@ -340,6 +340,20 @@ def test_nothing_is_said_of_a_run_that_went_well(name: str) -> None:
         assert vo.integrate(equations, scene, method="scipy").notes == ()
 
 
+@pytest.mark.parametrize("outputs", [(), ("x",)])
+def test_a_mass_matrix_that_is_not_positive_is_told_of(outputs: tuple[str, ...]) -> None:
+    y, m = sp.symbols("y m")
+    kinetic = m * vo.velocity(x) ** 2 / 2 + x * vo.velocity(x) * vo.velocity(y) / 4
+    system = vo.System(
+        name="pair", fibration=vo.Fibration((x, y)), parameters=(m,),
+        lagrangian=kinetic + vo.velocity(y) ** 2 / 2 - y**2 / 2,
+    )  # fmt: skip
+    given = {"times": [0, 0.1], "initial": {x: 1, y: 1}, "outputs": outputs}
+    assert vo.integrate(system, **given, parameters={m: 1}).notes == ()
+    (note,) = vo.integrate(system, **given, parameters={m: -1}).notes
+    assert note == "the mass matrix is not positive definite at the start; check the signs in L"
+
+
 def test_a_motion_of_an_ensemble_that_goes_wrong_is_marked(monkeypatch: pytest.MonkeyPatch) -> None:
     dot = vo.velocity(x)
     system = dataclasses.replace(OSCILLATOR, integrals={"energy": dot**2 / 2 + x**2 / 2})

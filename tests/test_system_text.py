@@ -233,6 +233,9 @@ def test_nothing_is_run_and_nothing_explodes(tmp_path: Path) -> None:
     assert "nested too deeply" in wrong(tmp_path, SKATE + "\na = " + "[" * 5000 + "]" * 5000)
     assert "too long" in wrong(tmp_path, "a = " + "1" * 5000)
     assert "the number is too" in wrong(tmp_path, SKATE.replace("9.81", "1e999999"))
+    many = "[coordinates]\n" + "".join(f'q{i} = ""\n' for i in range(101))
+    said = wrong(tmp_path, f'name = "many"\nlagrangian = "q0dot^2"\n{many}')
+    assert "line 3, column 2: coordinates: 101 are too many; 100 are read" in said
 
 
 @pytest.mark.slow

@@ -241,6 +241,18 @@ def test_a_title_ends_no_script() -> None:
     assert text.count("</script>") == 1 and "<!--" not in text
 
 
+def test_a_title_that_holds_the_marks_of_the_page_is_shown_as_it_is() -> None:
+    x = sp.Symbol("x")
+    marks = "@SCRIPT@ @TITLE@ @STYLE@"
+    system = vo.System(
+        name="marks", title=marks, fibration=vo.Fibration((x,)),
+        lagrangian=vo.velocity(x) ** 2 / 2, shapes=(vo.Shape.ball(1, centre=(x, 0, 0)),),
+    )  # fmt: skip
+    text = Page(vo.integrate(system, times=1.0, initial={vo.velocity(x): 1})).text
+    assert f"<title>{marks}</title>" in text and text.count("</script>") == 1
+    assert text.count(marks) == 2, "in the head, and in what the script shows"
+
+
 def test_what_has_no_page_is_refused_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -59,15 +59,14 @@ def _list(cases: Sequence[HardCase], as_json: bool) -> int:
 
 
 def _methods(names: Sequence[str]) -> tuple[str, ...]:
-    from voronec.accuracy.hard.trial import available
     from voronec.errors import did_you_mean
     from voronec.motion.methods import METHODS
 
     for name in names:
         if name not in ("auto", "default", *METHODS):
             raise DefinitionError(f"there is no method '{name}'{did_you_mean(name, METHODS)}")
-        if name in METHODS and name not in available():
-            raise DefinitionError(f"method '{name}' is not installed here; leave it out")
+        if name in METHODS and METHODS[name].absence:
+            raise DefinitionError(f"method '{name}': {METHODS[name].absence}; leave it out")
     return tuple(dict.fromkeys(names))
 
 

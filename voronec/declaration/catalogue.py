@@ -314,7 +314,13 @@ def load_paper_file(path: str | Path) -> Any:
 
 
 def unknown(kind: str, name: str, known: Iterable[str]) -> str:
-    """The message for a name that is none of the known ones: the nearest, else all of them."""
+    """The message for a name that is none of the known ones: the nearest, else all of them; for one
+    that ends nearly as a file does, the files that may be meant."""
+    from difflib import get_close_matches
+
+    stem, ending = os.path.splitext(name)
+    if get_close_matches(ending, SUFFIXES):
+        known = [stem + suffix for suffix in SUFFIXES]
     return f"there is no {kind} '{name}'" + did_you_mean(name, known)
 
 

@@ -29,6 +29,7 @@ __all__ = [
     "expression",
     "fixed_mapping",
     "instants",
+    "namesake_hint",
     "quote",
     "quote_number",
     "real_number",
@@ -227,12 +228,17 @@ def require_known(
     accelerations = {velocity(x) for x in dots & known}
     if first in accelerations | {velocity(x) for x in accelerations}:
         raise DefinitionError(f"{place} contains '{first}', {NO_VELOCITY}")
-    hint = " (a different symbol of that name is declared: use one symbol object)"
-    same = any(str(first) in (str(k), plain_name(k)) for k in known)
     raise DefinitionError(
         f"{place} contains '{first}', which is neither coordinate, velocity nor parameter; declare "
-        f"it in parameters=(...), inputs=(...) or the fibration{hint if same else ''}"
+        f"it in parameters=(...), inputs=(...) or the fibration{namesake_hint(first, known)}"
     )
+
+
+def namesake_hint(unknown: sp.Expr, known: Iterable[sp.Expr]) -> str:
+    """That a known symbol has the name of an unknown one, as q1(t) has that of q1; else empty."""
+    if all(str(unknown) not in (str(k), plain_name(k)) for k in known):
+        return ""
+    return " (a different symbol of that name is declared: use one symbol object)"
 
 
 def _derivative_hint(derivative: sp.Derivative) -> str:

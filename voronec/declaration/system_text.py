@@ -55,6 +55,8 @@ STROKES = tuple(
     for name, drawn in vars(Sketch).items()
     if name[0] != "_" and getattr(drawn, "__annotations__", {}).get("return") == "Sketch"
 )
+COORDINATES = 100
+"""How many coordinates a text may declare: a chain of so many links is derived in a minute."""
 FARTHEST = 1000.0
 """How far from its origin a drawing may reach, in its own units."""
 OUTPUT = re.compile(r"[^\W\d]\w*(?: \w+)*")
@@ -169,7 +171,9 @@ class _Text:
         return self.names[name]
 
     def _fibration(self) -> Fibration:
-        given = self.top["coordinates"].table()
+        given = (item := self.top["coordinates"]).table()
+        if len(given) > COORDINATES:
+            item.wrong(f"{len(given)} are too many; {COORDINATES} are read, more in a Python file")
         for name, item in given.items():
             self._new(item, "a coordinate")
             self._mean(name, item)

@@ -16,7 +16,14 @@ import numpy as np
 
 from voronec.equations.program import HoistedProgram, Program, hoist, taylor_system
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
-from voronec.motion.methods import COMPILATION, METHODS, STAGES, compiled_method, method_names
+from voronec.motion.methods import (
+    COMPILATION,
+    METHODS,
+    STAGES,
+    absent,
+    compiled_method,
+    method_names,
+)
 from voronec.motion.steppers.heyoka_stepper import (
     COMPACT,
     LONG,
@@ -472,10 +479,8 @@ def _compile_method(method: str, program: Program) -> str:
     if loop is not None:
         try:
             loop(program)
-        except ImportError:
-            raise DefinitionError(
-                "numba is not installed; 'pip install numba', or use method='scipy'"
-            ) from None
+        except ImportError as error:
+            raise absent(method, error) from None
     return method
 
 
@@ -506,17 +511,16 @@ def choose_lanes(
         return None, _compile_method(method, program), "asked for"
     try:
         lanes = lanes_of(program, tol, states, values)
-    except ImportError:
+    except ImportError as error:
+        refusal = absent("heyoka", error)
         if method == "heyoka":
-            raise DefinitionError(
-                "heyoka is not installed; 'pip install heyoka', or use method='scipy'"
-            ) from None
+            raise refusal from None
         used = compiled_method()
         soon = bool(used) and METHODS[used].compiles_soon
         if not (soon or (used and _is_lasting(program, tol, states, values, grid))):
             used = "scipy"
         try:
-            return None, _compile_method(used, program), "auto: heyoka is not installed"
+            return None, _compile_method(used, program), f"auto: {METHODS['heyoka'].absence}"
         except EngineLimit as limit:
             return None, "scipy", f"auto: {limit}"
     except EngineLimit as limit:

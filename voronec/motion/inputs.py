@@ -25,7 +25,13 @@ from voronec.algebra.arguments import takes_fields
 from voronec.algebra.symbols import names_in, plain_name, time, velocity
 from voronec.algebra.text import formula
 from voronec.declaration.claims import right_of, without_claims
-from voronec.declaration.reading import doubles, expression, fixed_mapping, quote
+from voronec.declaration.reading import (
+    doubles,
+    expression,
+    fixed_mapping,
+    namesake_hint,
+    quote,
+)
 from voronec.declaration.scene import Parameter
 from voronec.declaration.system import System
 from voronec.declaration.table_file import KINDS, require_table
@@ -211,11 +217,11 @@ def _jet_of_expression(system: System, u: sp.Expr, value: sp.Expr) -> list[sp.Ex
         return _jet_in_time(system, u, value)
     place = f"system '{system.name}': the input '{plain_name(u)}' = {quote(value)}"
     known = {*system.known_symbols()} - {*system.inputs}
-    foreign = sorted(map(str, state - known))
+    foreign = sorted(state - known, key=str)
     if foreign:
         raise DefinitionError(
             f"{place} contains '{foreign[0]}', which is neither coordinate, velocity, parameter "
-            "nor the time"
+            f"nor the time{namesake_hint(foreign[0], known)}"
         )
     held = [system.lagrangian, *system.constraints, *system.fibration.relations]
     held += system.frame.expressions if system.frame is not None else ()

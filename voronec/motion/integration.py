@@ -410,8 +410,8 @@ class _Job:
                 probe, form=corner.form, program=corner.program, values=switched.values,
                 inertia=None,
             )  # fmt: skip
-        if switched is not None or not (made.model is None and equations.system.charts):
-            probe.check(state)
+        begun = switched is not None or not (made.model is None and equations.system.charts)
+        warned = probe.check(state) if begun else ()
         if switched is not None:
             stepper, chosen = switched.stepper, switched.chosen
         else:
@@ -420,6 +420,7 @@ class _Job:
         looks = LookGrid.of(self.grid, pace)
         ready, busy = perf_counter(), process_time()
         run = stepper(looks.whole)
+        run = replace(run, notes=(*warned, *run.notes))
         run = run if notes is None else notes.with_notes(run)
         if watched:
             run = without_guards(run, watched, self.vocabulary)

@@ -16,7 +16,9 @@ in closed form is evaluated, where the span is long: ``voronec.motion.integratio
 from __future__ import annotations
 
 import sys
+import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from importlib.util import find_spec
@@ -24,7 +26,7 @@ from math import inf
 from shutil import which
 from typing import TYPE_CHECKING, Any
 
-from voronec.errors import DefinitionError, EngineLimit
+from voronec.errors import DefinitionError, EngineLimit, quote
 from voronec.motion.tolerances import EXACT, FINEST
 
 if TYPE_CHECKING:
@@ -39,6 +41,7 @@ __all__ = [
     "METHODS",
     "STAGES",
     "Method",
+    "absent",
     "choose",
     "choose_regular",
     "compiled_method",
@@ -47,6 +50,8 @@ __all__ = [
 ]
 
 Loop = Callable[..., Callable[..., int]]
+BROKEN: dict[str, str] = {}
+"""Libraries that are installed and could not be imported, and what is said of them."""
 CLOSED_FORM = "closed-form"
 """Evaluates a declared motion; it takes no steps, and is no integrator."""
 
@@ -95,14 +100,15 @@ class Method:
     sound_steps: float = inf
 
     @property
-    def is_there(self) -> bool:
-        """Whether what it wants is installed."""
-        try:
-            if self.compiler and which(self.compiler) is None:
-                return False
-            return not self.library or find_spec(self.library) is not None
-        except (ImportError, ValueError):
-            return False
+    def absence(self) -> str:
+        """Why it cannot be used, as far as that is known without a look into its library; empty
+        where it can."""
+        if self.compiler and which(self.compiler) is None:
+            return f"there is no command '{self.compiler}'"
+        with suppress(ImportError, ValueError):
+            if not self.library or find_spec(self.library) is not None:
+                return BROKEN.get(self.library, "")
+        return f"{self.library} is not installed"
 
     @property
     def compiles_soon(self) -> bool:
@@ -183,12 +189,22 @@ METHODS: dict[str, Method] = {
 # fmt: on
 
 
+def absent(method: str, error: ImportError) -> DefinitionError:
+    """The refusal of a method whose library failed to load; one that is installed counts as absent
+    from then on, with one warning."""
+    own = METHODS[method]
+    if not own.absence:
+        BROKEN[own.library] = f"{own.library} is installed but cannot be imported: {quote(error)}"
+        warnings.warn(f"{own.absence}; it counts as absent", stacklevel=2)
+    return DefinitionError(f"{own.absence}; 'pip install {method}', or use method='scipy'")
+
+
 def compiled_method() -> str:
     """The method by which ``auto`` compiles DOP853 here; empty where there is none."""
     # elsewhere what is called by this name may be no compiler, but ask to install one
-    if sys.platform == "linux" and METHODS["c"].is_there:
+    if sys.platform == "linux" and not METHODS["c"].absence:
         return "c"
-    return "numba" if METHODS["numba"].is_there else ""
+    return "" if METHODS["numba"].absence else "numba"
 
 
 def method_names(many: bool = False) -> tuple[str, ...]:
@@ -242,15 +258,20 @@ def choose(
         )
     if method in ("heyoka", "numba", "c", "python") and not problem.program.state:
         return _make_stepper("scipy", problem, f"nothing moves, and {method} wants equations")
-    if method != "auto":
-        return _make_stepper(method, problem, "asked for")
-    method, reason = _best(outset or problem, grid)
-    if called is not None:
-        method, reason = "scipy", f"the input '{called.name}' is a function of Python's"
+    used, reason = (method, "") if method != "auto" else _best(outset or problem, grid)
+    if called is not None and method == "auto":
+        used, reason = "scipy", f"the input '{called.name}' is a function of Python's"
     try:
-        return _make_stepper(method, problem, f"auto: {reason}")
+        return _make_stepper(used, problem, f"auto: {reason}" if reason else "asked for")
     except EngineLimit as limit:
+        if method != "auto":
+            raise
         return _make_stepper("scipy", problem, f"auto: {limit}")
+    except ImportError as error:
+        refusal = absent(used, error)
+        if method != "auto" or not METHODS[used].library:
+            raise refusal from None
+    return choose(method, problem, grid, outset)  # among what is left
 
 
 def choose_regular(
@@ -269,9 +290,10 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
         return "flint", "the tolerance is finer than doubles"
     if not problem.program.state:
         return "scipy", "nothing moves"
-    there = METHODS["heyoka"].is_there
+    absence = METHODS["heyoka"].absence
+    there = not absence
     if not there and _is_short(problem, grid, LOAD_OPERATIONS):
-        return "python", "heyoka is not installed, and the run is short"
+        return "python", f"{absence}, and the run is short"
     brief = problem.brief is not None
     if there and not (problem.tol >= FINEST and problem.program.weight > HEAVY):
         return "heyoka", "heyoka is installed"
@@ -279,9 +301,9 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
         return "python", "the run takes less time than compiling for heyoka"
     compiled = "" if brief else compiled_method()
     if not there and not compiled:
-        return "scipy", "heyoka is not installed"
+        return "scipy", absence
     if compiled and METHODS[compiled].compiles_soon:
-        return compiled, "a heavy program" if there else "heyoka is not installed"
+        return compiled, absence or "a heavy program"
     from voronec.motion.steppers.scipy_stepper import estimated_steps
 
     cost = STAGES * (problem.program.operations + 1)
@@ -292,9 +314,9 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
         other = "heyoka" if there else compiled
         if steps is not None:
             return "scipy", f"about {steps} steps take less time than compiling for {other}"
-        return ("heyoka", "heyoka is installed") if there else ("scipy", "heyoka is not installed")
+        return ("heyoka", "heyoka is installed") if there else ("scipy", absence)
     if not there:
-        return compiled, "heyoka is not installed, and there are many steps"
+        return compiled, f"{absence}, and there are many steps"
     if compiled and steps > LONG_RUN:
         return compiled, "many steps of a heavy program"
     return "heyoka", "heyoka is installed"
@@ -323,11 +345,6 @@ def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Stepper, 
         make = partial(make_with_event_states, make)
     problem = replace(problem, tol=max(problem.tol, made.finest))
     chosen = {"method": method, "reason": reason, "tolerance": problem.tol}
-    try:
-        if problem.changing is not None:
-            return in_pieces(make, problem, anew=made.exact), chosen
-        return make(problem), chosen
-    except ImportError:
-        raise DefinitionError(
-            f"{method} is not installed; 'pip install {method}', or use method='scipy'"
-        ) from None
+    if problem.changing is not None:
+        return in_pieces(make, problem, anew=made.exact), chosen
+    return make(problem), chosen

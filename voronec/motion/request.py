@@ -573,6 +573,9 @@ def name_values(vocabulary: Vocabulary, given: Mapping[Any, Any], role: str) -> 
     result: dict[str, Any] = {}
     argument = "parameters" if role == "parameter" else "initial"
     for key, value in texts_read(fixed_mapping(given, argument, "name: value"), role).items():
+        if argument == "initial" and str(key) in system.parameter_names:
+            told = f"'{key}', a parameter; give parameters={{'{key}': ...}}"
+            raise DefinitionError(f"system '{system.name}' has no {role} {told}")
         name = vocabulary.name(key, among, role)
         if name in result:
             raise DefinitionError(f"system '{system.name}': the {role} '{name}' is given twice")

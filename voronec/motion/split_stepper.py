@@ -269,7 +269,7 @@ class SplitRun:
         values = self.ground.values(split.program, float(time), {**self.ground.constants, **bounds})
         probe = self.probe(split, float(time), values)
         if not split.equations.system.charts:
-            probe.check(state)
+            self.judge_notes += probe.check(state)
         problem = Problem(
             split.program, state, values, self._tolerance(split),
             (*self.events, *guards, *marks),

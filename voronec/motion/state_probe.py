@@ -36,6 +36,8 @@ ASIDE, FALLEN = 1e-9, 1e-3
 the second part of them."""
 NEARLY = 1e-6
 """The same, and in units of the start's diagonal, for naming the cause where a run broke down."""
+INDEFINITE = "the mass matrix is not positive definite at the start; check the signs in L"
+"""What a run is told that begins with a mass matrix that no bodies have."""
 
 Right = Callable[[float, Any], Any]
 """The right-hand side at a time and a state, whose entries may be arrays."""
@@ -127,8 +129,9 @@ class StateProbe:
         """What a ``rates_program`` gives (l, k) at one q (n,) and several v (m, k)."""
         return rates_along(quiet(compile_program(self.program)[1], self.values), self.time, q, v)
 
-    def check(self, start: np.ndarray) -> None:
-        """Raise where no motion starts: the equations are singular or undefined."""
+    def check(self, start: np.ndarray) -> tuple[str, ...]:
+        """Raise where no motion starts: the equations are singular or undefined; a note where the
+        mass matrix is not positive definite, as that of no body is."""
         mass = self.masses(np.array([self.time]), start[None, :])[0]
         if _smallest(mass, mass) < SINGULAR:
             raise self._nowhere("the mass matrix is singular", start)
@@ -142,6 +145,8 @@ class StateProbe:
         rates = np.abs(np.array(slope, dtype=float))
         if not np.isfinite(rates).all() or self._is_infinite(start, rates):
             raise self._nowhere("the equations are not defined", start)
+        sound = not np.isfinite(mass).all() or (np.linalg.eigvalsh(mass) > 0).all()
+        return () if sound else (INDEFINITE,)
 
     def _is_infinite(self, start: np.ndarray, rates: np.ndarray) -> bool:
         """Whether rates of coordinates are infinite but for rounding, as sin(pi) is no zero.

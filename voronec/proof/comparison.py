@@ -102,6 +102,16 @@ SETS = ("parameters", "inputs")
 FACTS = ("base", "fibre", "velocities", "parameters", "relations", "kind", "growth", "integrable")
 
 Groups = Mapping[str, Mapping[str, str]]
+_NAMES, _TEXTS = [str], {str: str}
+_SHAPE = {
+    "format": int, "system": str, "base": _NAMES, "fibre": _NAMES, "velocities": _NAMES,
+    "parameters": _NAMES, "relations": _NAMES, "inputs": _NAMES, "kind": str,
+    "positive": (type(None), _NAMES), "growth": (str, [int]), "integrable": (str, [int]),
+    "ideals": {str: _NAMES}, "groups": {str: _TEXTS},
+    "points": [{"at": _TEXTS, "acceleration": _TEXTS}],
+}  # fmt: skip
+"""What a file holds: types, lists of one kind, mappings by given keys or, where ``str`` stands for
+them, by any; what may be several things is a tuple of them."""
 
 
 @dataclass(frozen=True)
@@ -163,21 +173,31 @@ class StoredDerivation:
     @classmethod
     def from_dict(cls, data: Any, place: str) -> StoredDerivation:
         """Read what ``as_dict`` made; ``DefinitionError`` where it is something else."""
-        try:
+        if isinstance(data, dict):  # older files say nothing of inputs and signs
+            data = {"format": FORMAT, "inputs": [], "positive": None, **data}
             if data["format"] != FORMAT:
-                raise DefinitionError(
-                    f"{place} has the format {data['format']}, not {FORMAT}; store it again"
-                )
-            points = tuple((p["at"], p["acceleration"]) for p in data["points"])
-            facts = {fact: data[fact] for fact in FACTS} | {"inputs": data.get("inputs", [])}
-            groups = {k: dict(g) for k, g in data["groups"].items()}
-            positive = data.get("positive")  # older files say nothing of signs
-            signs = None if positive is None else tuple(positive)
-            return cls(data["system"], facts, groups, dict(data["ideals"]), points, signs)
-        except (KeyError, TypeError, ValueError, AttributeError):
+                told = f"has the format {quote(data['format'])}, not {FORMAT}"
+                raise DefinitionError(f"{place} {told}; store it again")
+        if not _has_shape(data, _SHAPE):
             raise DefinitionError(
                 f"{place} holds no derivation; make one by: voronec derive NAME --store FILE.json"
-            ) from None
+            )
+        points = tuple((p["at"], p["acceleration"]) for p in data["points"])
+        facts = {fact: data[fact] for fact in (*FACTS, "inputs")}
+        signs = None if data["positive"] is None else tuple(data["positive"])
+        return cls(data["system"], facts, data["groups"], data["ideals"], points, signs)
+
+
+def _has_shape(data: Any, shape: Any) -> bool:
+    """Whether what JSON holds has a shape, as ``_SHAPE`` says it."""
+    if isinstance(shape, tuple):
+        return any(_has_shape(data, one) for one in shape)
+    if isinstance(shape, list):
+        return isinstance(data, list) and all(_has_shape(x, shape[0]) for x in data)
+    if not isinstance(shape, dict) or not isinstance(data, dict):
+        return type(data) is shape
+    wanted = dict.fromkeys(data, shape[str]) if str in shape else shape
+    return all(k in data and _has_shape(data[k], one) for k, one in wanted.items())
 
 
 def _positive(system: System) -> Iterator[str]:
@@ -195,7 +215,7 @@ def read_derivation(path: str | Path) -> StoredDerivation:
     try:
         with file_errors(Path(path), "a stored derivation"):
             data = json.loads(Path(path).read_text(encoding="utf-8"))
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise DefinitionError(f"'{path}' is not JSON: {error}") from None
     return StoredDerivation.from_dict(data, f"'{path}'")
 

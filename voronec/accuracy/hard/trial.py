@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
@@ -22,7 +22,7 @@ from voronec.motion import Trajectory, integrate
 from voronec.motion.methods import METHODS
 from voronec.motion.tolerances import EXACT
 
-__all__ = ["FLOOR", "CaseResult", "Trial", "attempt", "available", "bound", "trials"]
+__all__ = ["FLOOR", "CaseResult", "Trial", "attempt", "bound", "trials"]
 
 
 FLOOR = 1e-10
@@ -153,11 +153,6 @@ class CaseResult:
         return all(t.good for t in self.trials if t.automatic)
 
 
-def available(methods: Iterable[str] = METHODS) -> tuple[str, ...]:
-    """Those of the methods that are installed."""
-    return tuple(m for m in methods if METHODS[m].is_there)
-
-
 def trials(
     cases: Sequence[HardCase],
     methods: Sequence[str] = (),
@@ -185,7 +180,8 @@ def trials(
             yield CaseResult(case, None, (Trial(case.name, "-", "unjudged", reason=str(limit)),))
             continue
         own = ("closed-form",) if case.level and equations.system.motion is not None else ()
-        for method in methods or ("auto", "default", *available(case.methods), *own):
+        there = [m for m in case.methods if not METHODS[m].absence]
+        for method in methods or ("auto", "default", *there, *own):
             if any(t.automatic and t.chosen == method for t in found):
                 continue
             say(f"{position + 1}/{len(cases)} {case.name}: {method} ...")

@@ -60,6 +60,8 @@ GROUNDS = {
 """On what an equation rests that is proved."""
 LONGEST = 400
 """How long an acceleration is that is printed whole."""
+CHARACTERS = 5000
+"""How long an equation may be: more than a page of print, which is judged in seconds."""
 CONSTANT = sp.Symbol("const")
 """What stands for a constant of the motion."""
 BEYOND = sp.Symbol("{rate beyond those of accelerations}")
@@ -195,6 +197,9 @@ def judge(system: System | VoronecEquations, text: str) -> Judgement:
     equations = system if isinstance(system, VoronecEquations) else derive(system)
     if not isinstance(text, str):
         raise DefinitionError(f"the equation is a {type(text).__name__}, not a text")
+    if len(text) > CHARACTERS:
+        told = f"the equation has {len(text)} characters; {CHARACTERS} are read at most"
+        raise DefinitionError(f"{told}: judge its parts apart")
     language, motions = Language.of(equations), Motions.of(equations)
     tree = language.tree(text)
     sides = language.sides(tree, text)

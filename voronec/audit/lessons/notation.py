@@ -399,9 +399,9 @@ def _run(words: Sequence[Token], start: int, plain: bool) -> list[Token]:
 
 def _parts(text: str, spelled: Mapping[str, str]) -> list[str]:
     """A run cut into the longest names that are known, from the left; else into single signs."""
-    found = []
+    found, longest = [], max(map(len, spelled), default=1)
     while text:
-        size = next((n for n in range(len(text), 1, -1) if text[:n] in spelled), 0)
+        size = next((n for n in range(min(len(text), longest), 1, -1) if text[:n] in spelled), 0)
         if not size:
             size = len(re.match(r"\d+(?:\.\d+)?|.", text).group())  # type: ignore[union-attr]
         found.append(text[:size])

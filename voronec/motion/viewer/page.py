@@ -10,6 +10,7 @@ import hashlib
 import html
 import json
 import os
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -273,8 +274,8 @@ class Page:
         )
         title = html.escape(self.system.title or self.system.name)
         parts = {"POLICY": policy, "TITLE": title, "STYLE": style, "SCRIPT": script}
-        for name, part in parts.items():
-            page = page.replace(f"@{name}@", part, 1)
+        # in one pass: what fills a place may itself hold the mark of another
+        page = re.sub("@([A-Z]+)@", lambda mark: parts[mark[1]], page)
         if len(page.encode()) > LARGEST:
             raise DefinitionError(
                 f"system '{self.system.name}': the scene is too long for a page, "
