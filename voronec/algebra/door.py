@@ -155,7 +155,10 @@ class Door:
             return se.exp(self._enter(expr.exp))
         if isinstance(expr, AppliedUndef):
             function = se.Function(str(expr.func.__name__))
-            return function(*[self._enter(a) for a in expr.args])
+            inside = function(*[self._enter(a) for a in expr.args])
+            if expr.func._kwargs:  # assumptions, with which it goes out again
+                self._outward.setdefault(inside, expr)
+            return inside
         if isinstance(expr, sp.Derivative):
             return self._derivative(expr)
         if isinstance(expr, sp.Subs):
