@@ -228,9 +228,11 @@ def solve_speeds(
     equations: Sequence[Any], speeds: Sequence[Any], dots: Sequence[Any], fresh: Sequence[Any]
 ) -> Speeds:
     """Solve kinematic equations for the speeds; ``fresh[j]`` is the rate of the coordinate that
-    speed j gets where no other belongs to it."""
-    rows = [[e.diff(u) for u in speeds] for e in equations]
+    speed j gets where no other belongs to it.  Where there are more equations than speeds, those
+    that hold the least define the speeds: u = qdot does, and the others are constraints."""
     moving = {*speeds, *dots}
+    equations = sorted(equations, key=lambda e: len(e.free_symbols & moving))
+    rows = [[e.diff(u) for u in speeds] for e in equations]
     for row, equation in zip(rows, equations, strict=True):
         if any(e.free_symbols & moving for e in row):
             raise DefinitionError(

@@ -91,7 +91,8 @@ class _Reading:
         """Solve the kinematic equations, and give speeds without a coordinate one."""
         door = Door([*model.coordinates, *map(velocity, model.coordinates), *model.all_speeds])
         taken = {plain_name(x) for x in (*model.coordinates, *model.all_speeds)}
-        equations = door.inward_all(model.kinematic)
+        still = dict.fromkeys(door.inward_all(model.still), ZERO)
+        equations = [door.inward(e).xreplace(still) for e in model.kinematic]
         dots = [door.inward(velocity(q)) for q in model.coordinates]
         symbols = door.inward_all(model.all_speeds)
         names = [f"integral_{plain_name(u)}" for u in model.all_speeds]
@@ -112,7 +113,7 @@ class _Reading:
             free,
             door.inward_all(model.configuration),
         )
-        return cls(model, door, coordinates, speeds, Components(door, meaning), places)
+        return cls(model, door, coordinates, speeds, Components(door, meaning | still), places)
 
     def system(self, name: str, parameters: Any) -> System:
         """The declaration."""
@@ -337,7 +338,8 @@ class MechanicsModel:
 
     ``kinematic`` are the kinematic differential equations, ``configuration`` and ``motion`` the
     constraints on coordinates and on velocities, all expressions that vanish; ``later`` are the
-    coordinates that the user calls dependent.  ``lagrangian`` is None in a model of Kane's.
+    coordinates that the user calls dependent, ``still`` the auxiliary speeds that turn a body, by
+    which it would have no orientation: they are zero.  ``lagrangian`` is None in a model of Kane's.
     """
 
     frame: Any
@@ -345,6 +347,7 @@ class MechanicsModel:
     later: tuple[sp.Expr, ...] = ()
     speeds: tuple[sp.Expr, ...] = ()
     dependent_speeds: tuple[sp.Expr, ...] = ()
+    still: tuple[sp.Expr, ...] = ()
     kinematic: tuple[sp.Expr, ...] = ()
     configuration: tuple[sp.Expr, ...] = ()
     motion: tuple[sp.Expr, ...] = ()
@@ -408,17 +411,21 @@ def _kane(
 ) -> MechanicsModel:
     """Arguments of KanesMethod, those after ``forcelist`` for SymPy alone; accelerations follow from the velocities, and auxiliary speeds are
     dependent ones, bound to vanish."""
-    later, auxiliary = _names(q_dependent, "q_dependent"), _names(u_auxiliary, "u_auxiliary")
+    later, bodies = _names(q_dependent, "q_dependent"), _bodies(bodies)
+    auxiliary = _names(u_auxiliary, "u_auxiliary")
+    still = tuple(u for u in auxiliary if any(_turns(u, body, frame) for body in bodies))
+    auxiliary = tuple(u for u in auxiliary if u not in still)
     return MechanicsModel(
         frame=frame,
         coordinates=_names(q_ind, "q_ind") + later,
         later=later,
         speeds=_names(u_ind, "u_ind"),
         dependent_speeds=_names(u_dependent, "u_dependent") + auxiliary,
+        still=still,
         kinematic=_several(kd_eqs),
         configuration=_several(configuration_constraints),
         motion=_several(velocity_constraints) + auxiliary,
-        bodies=_bodies(bodies),
+        bodies=bodies,
         loads=_loads(forcelist),
     )
 
@@ -550,6 +557,12 @@ def _bodies(things: Any) -> tuple[Any, ...]:
                 "Particle"
             )
     return bodies
+
+
+def _turns(speed: sp.Expr, body: Any, frame: Any) -> bool:
+    """Whether a body's angular velocity holds a speed."""
+    turn = body.frame.ang_vel_in(frame).args if hasattr(body, "frame") else ()
+    return any(column.has(speed) for column, _ in turn)
 
 
 def _loads(things: Any) -> tuple[tuple[Any, Any], ...]:
