@@ -72,6 +72,7 @@ def kane_speeds(kane: Any, seed: str) -> tuple[dict[sp.Expr, Any], dict[sp.Expr,
         near = {q: x * mp.mpf("0.95") ** len(seed) for q, x in point.items() if q in kane.q}
         with contextlib.suppress(ValueError):  # links that are too short
             point = solved(kane._f_h, [*kane._qdep], numbers(names, seed) | near)
+    point |= {x: mp.mpf(0) for u in kane._uaux for x in (u, u.diff(t))}
     if kane._udep:
         point = solved(kane._k_nh * kane.u + kane._f_nh, [*kane._udep], point)
     rates = mp.lu_solve(valued(kane.mass_matrix, point), valued(kane.forcing, point))
