@@ -50,9 +50,9 @@ def solved(exprs: Any, unknown: Any, point: dict[sp.Expr, Any]) -> dict[sp.Expr,
 
 
 def valued(matrix: Any, point: dict[sp.Expr, Any]) -> mp.matrix:
-    """A matrix in numbers; derivatives are replaced before what they are derivatives of."""
-    symbols = {k: sp.Dummy() for k in sorted(point, key=lambda k: -len(str(k)))}
-    plain = sp.Matrix(matrix).subs(symbols)
+    """A matrix in numbers; derivatives are replaced as a whole."""
+    symbols = {k: sp.Dummy() for k in point}
+    plain = sp.Matrix(matrix).xreplace(symbols)
     call = sp.lambdify([list(symbols.values())], plain.tolist(), "mpmath", cse=True)
     return mp.matrix(call([point[k] for k in symbols]))
 

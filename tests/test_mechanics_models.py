@@ -814,7 +814,7 @@ def cart_with_torques() -> Any:
                 + method._k_kqdot_implicit * method.q.diff(t), method.bodies, loads)  # fmt: skip
 
 
-SLOW = ("balls_on_rods_that_collide", "disc_with_six_coordinates")
+SLOW = ("balls_on_rods_that_collide", "four_bars_with_a_skate")
 
 
 def method_of(source: Any) -> Any:
