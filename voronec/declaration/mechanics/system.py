@@ -494,19 +494,22 @@ def _of_lagrange_method(method: Any, bodies: Any = None, forcelist: Any = None) 
 
 
 def _of_system(system: Any, bodies: Any = None, forcelist: Any = None) -> MechanicsModel:
-    """A System of SymPy's; its velocity constraints are derivatives of the holonomic ones first,
-    where they are not given."""
-    from sympy.physics.mechanics import LagrangesMethod
+    """A System of SymPy's: one without speeds is for Lagrange's method; the velocity constraints
+    of others are derivatives of the holonomic ones first, where they are not given."""
+    from sympy.physics.mechanics import Lagrangian
 
-    if isinstance(system.eom_method, LagrangesMethod):
-        return _of_lagrange_method(system.eom_method, bodies, forcelist)
-    derived = len(system.holonomic_constraints) if system._vel_constrs is None else 0
+    bodies = system.bodies if bodies is None else bodies
     loads = [*(system.loads if forcelist is None else forcelist)]
     loads += [load for actuator in system.actuators for load in actuator.to_loads()]
+    held = system.holonomic_constraints
+    if all(isinstance(u, sp.Derivative) for u in system.u):
+        energy = Lagrangian(system.frame, *_bodies(bodies))
+        rows = system.nonholonomic_constraints
+        return _lagrange(energy, system.q, loads, None, system.frame, held, rows)
+    derived = len(held) if system._vel_constrs is None else 0
     return _kane(
-        system.frame, system.q_ind, system.u_ind, system.kdes, system.q_dep,
-        system.holonomic_constraints, system.u_dep, [*system.velocity_constraints][derived:], None,
-        system.u_aux, system.bodies if bodies is None else bodies, loads,
+        system.frame, system.q_ind, system.u_ind, system.kdes, system.q_dep, held, system.u_dep,
+        [*system.velocity_constraints][derived:], None, system.u_aux, bodies, loads,
     )  # fmt: skip
 
 
