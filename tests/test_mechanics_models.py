@@ -4,7 +4,6 @@ with the reason."""
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -168,7 +167,10 @@ def inertia_about_the_hinge() -> Any:
     hinge.set_vel(ground, u[0] * ground.x)
     centre = fixed(hinge, "Ao", a * rod.y, ground, rod)
     inertia = me.inertia(rod, *syms("Ix Iy Iz"))
-    bodies = [me.Particle("cart", hinge, m_c), me.RigidBody("rod", centre, rod, m_a, (inertia, hinge))]
+    bodies = [
+        me.Particle("cart", hinge, m_c),
+        me.RigidBody("rod", centre, rod, m_a, (inertia, hinge)),
+    ]
     loads = [(centre, -g * m_a * ground.y), (hinge, -g * m_c * ground.y)]
     loads += [(hinge, (push - k * (q[0] - slack)) * ground.x)]
     return kane(ground, q, u, rates(q, u), bodies, loads)
@@ -351,7 +353,9 @@ def swinging(rods: int, **more: Any) -> Any:
     return me.LagrangesMethod(energy, q, forcelist=loads, frame=ground, **more)
 
 
-@model("SymPy, test_lagrange.py, simp_pen; test_linearize.py; docs, linearize; PyDy, simple_pendulum")
+@model(
+    "SymPy, test_lagrange.py, simp_pen; test_linearize.py; docs, linearize; PyDy, simple_pendulum"
+)
 def pendulum_of_lagrange() -> Any:
     return swinging(1)
 
@@ -361,7 +365,9 @@ def two_pendulums_of_lagrange() -> Any:
     return swinging(2)
 
 
-@model("SymPy, test_lagrange.py and test_linearize.py, rolling_disc; docs, rollingdisc_example_lagrange")
+@model(
+    "SymPy, test_lagrange.py, test_linearize.py, rolling_disc; docs, rollingdisc_example_lagrange"
+)
 def disc_of_lagrange() -> Any:
     q = ds("q1:4")
     r, m, g = syms("r m g")
@@ -448,7 +454,9 @@ def pin_joint() -> Any:
     wall, link = me.RigidBody("wall"), me.RigidBody("link")
     system = me.System.from_newtonian(wall)
     length, g = syms("l g")
-    system.add_joints(me.PinJoint("pin", wall, link, child_point=-length * link.x, joint_axis=wall.z))
+    system.add_joints(
+        me.PinJoint("pin", wall, link, child_point=-length * link.x, joint_axis=wall.z)
+    )
     system.apply_uniform_gravity(-g * wall.y)
     return formed(system)
 
@@ -461,7 +469,9 @@ def two_pin_joints() -> Any:
     system = me.System.from_newtonian(wall)
     for parent, link, x, v in ((wall, first, q[0], u[0]), (first, last, q[1], u[1])):
         arm = -length * link.x
-        joint = me.PinJoint(f"to {link.name}", parent, link, x, v, child_point=arm, joint_axis=wall.z)
+        joint = me.PinJoint(
+            f"to {link.name}", parent, link, x, v, child_point=arm, joint_axis=wall.z
+        )
         system.add_joints(joint)
     system.add_loads(*[(b.masscenter, m * g * wall.x) for b in (first, last)])
     return formed(system)
@@ -480,7 +490,9 @@ def chaos_pendulum_of_joints() -> Any:
     system = me.System.from_newtonian(ground)
     system.add_joints(
         me.PinJoint("J1", ground, rod, theta, omega, child_point=-l_a * rod.z, joint_axis=ground.y),
-        me.PinJoint("J2", rod, plate, phi, alpha, parent_point=(l_b - l_a) * rod.z, joint_axis=rod.z),
+        me.PinJoint(
+            "J2", rod, plate, phi, alpha, parent_point=(l_b - l_a) * rod.z, joint_axis=rod.z
+        ),
     )
     system.add_loads((rod.masscenter, m_a * g * ground.z), (plate.masscenter, m_b * g * ground.z))
     return formed(system)
@@ -635,7 +647,10 @@ def atwoods_machine() -> Any:
     return kane(ground, [q], [u], rates([q], [u]), bodies, loads)
 
 
-@model("SymPy, docs, biomechanics and biomechanical-model-example", "write it with elementary functions")
+@model(
+    "SymPy, docs, biomechanics and biomechanical-model-example",
+    "write it with elementary functions",
+)
 def muscle_with_a_measured_curve() -> Any:
     q, u = ds("q u")
     m, strength = syms("m F_max")
@@ -732,7 +747,9 @@ def free_flyer() -> Any:
     centre.set_vel(ground, along(v, ground))
     speeds = dict(zip([a.diff(t) for a in q], u, strict=True))
     own.set_ang_vel(ground, own.ang_vel_in(ground).subs(speeds))
-    body = me.RigidBody("B", centre, own, sp.Symbol("m"), (me.inertia(own, *syms("I_x I_y I_z")), centre))
+    body = me.RigidBody(
+        "B", centre, own, sp.Symbol("m"), (me.inertia(own, *syms("I_x I_y I_z")), centre)
+    )
     loads = [(centre, along(ds("F1:4"), own)), (own, along(ds("T1:4"), own))]
     return kane(ground, [*x, *q], [*v, *u], rates([*x, *q], [*v, *u]), [body], loads)
 
@@ -764,7 +781,9 @@ def baby_boot() -> Any:
     return kane(ground, q, u, rates(q, u), bodies, loads)
 
 
-@model("PyDy, three_link_conical_pendulum; docs, three-link-conical-pendulum", "that of no orientation")
+@model(
+    "PyDy, three_link_conical_pendulum; docs, three-link-conical-pendulum", "that of no orientation"
+)
 def conical_pendulum() -> Any:
     """Its angular velocities are set to what is not the rate of its rotations."""
     (alpha, beta), (omega, delta) = ds("alpha beta"), ds("omega delta")

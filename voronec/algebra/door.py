@@ -184,6 +184,8 @@ class Door:
         if name in _OF_RECIPROCALS:
             return _OF_RECIPROCALS[name](1 / self._enter(expr.args[0]))
         pieces = written_with_signs(expr)
+        if pieces is None and isinstance(expr, sp.Function) and expr.doit() != expr:
+            pieces = expr.doit()  # a curve with a formula, as of muscles
         if pieces is not None:
             return self._enter(pieces)
         raise UnknownFunction(

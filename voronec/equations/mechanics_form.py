@@ -135,9 +135,8 @@ class MechanicsForm:
         """Each variable -> a function of the time by its name; inputs are such functions, too."""
         system = self.equations.system
         moving = (*system.coordinates, *system.velocities, *system.inputs)
-        return {
-            x: x if isinstance(x, AppliedUndef) else sp.Function(plain_name(x))(time) for x in moving
-        }
+        named = {x: sp.Function(plain_name(x))(time) for x in moving}
+        return {x: x if isinstance(x, AppliedUndef) else f for x, f in named.items()}
 
     def _name_rates(self, matrix: Any) -> sp.Matrix:
         """A matrix in functions of the time: rates of inputs first, which hold the inputs."""

@@ -260,7 +260,8 @@ class _Reading:
             order = [*kept, *(i for i in range(len(rows)) if i not in kept)]
             left, right = [rows[i][:-1] for i in order], [[rows[i][-1]] for i in order]
             odd = solve_linear(left, right, relations, len(kept)).contradictory
-            said = [quote(self.door.outward(own[order[k]])) for k in odd or range(len(kept), len(order))]
+            named = odd or range(len(kept), len(order))
+            said = [quote(self.door.outward(own[order[k]])) for k in named]
             if odd:
                 raise DefinitionError(
                     f"from_mechanics: the constraint '{said[0]}' = 0 contradicts the others; leave "
@@ -409,8 +410,8 @@ def _kane(
     kd_eqs_solver: Any = None,
     constraint_solver: Any = None,
 ) -> MechanicsModel:
-    """Arguments of KanesMethod, those after ``forcelist`` for SymPy alone; accelerations follow from the velocities, and auxiliary speeds are
-    dependent ones, bound to vanish."""
+    """Arguments of KanesMethod, those after ``forcelist`` for SymPy alone; accelerations follow
+    from the velocities, and auxiliary speeds are dependent ones, bound to vanish."""
     later, bodies = _names(q_dependent, "q_dependent"), _bodies(bodies)
     auxiliary = _names(u_auxiliary, "u_auxiliary")
     still = tuple(u for u in auxiliary if any(_turns(u, body, frame) for body in bodies))
