@@ -647,10 +647,7 @@ def atwoods_machine() -> Any:
     return kane(ground, [q], [u], rates([q], [u]), bodies, loads)
 
 
-@model(
-    "SymPy, docs, biomechanics and biomechanical-model-example",
-    "write it with elementary functions",
-)
+@model("SymPy, docs, biomechanics and biomechanical-model-example")
 def muscle_with_a_measured_curve() -> Any:
     q, u = ds("q u")
     m, strength = syms("m F_max")
