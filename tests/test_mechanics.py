@@ -354,3 +354,18 @@ def test_axes_turned_by_exponentials_of_speeds_cost_nothing() -> None:
     point = {x: mp.mpf(k + 2) / 7 for k, x in enumerate((*q, *u))}
     plain, turned = (valued(e.mass, point) ** -1 * valued(e.force, point) for e in found)
     assert mp.norm(plain - turned) < 1e-12
+
+
+def test_auxiliary_speeds_that_turn_a_body_are_zero() -> None:
+    q, u, a, b = me.dynamicsymbols("q u a b")
+    ground, centre = me.ReferenceFrame("N"), me.Point("C")
+    centre.set_vel(ground, 0)
+    found = []
+    for held in ((), (a, b)):  # by two speeds across its pin a body has no orientation
+        own = ground.orientnew("A", "Axis", [q, ground.z])
+        across = sum((v * e for v, e in zip(held, own, strict=False)), 0 * own.x)
+        own.set_ang_vel(ground, u * own.z + across)
+        body = me.RigidBody("b", centre, own, 1, (me.inertia(own, 1, 2, 3), centre))
+        given = {"kd_eqs": [q.diff(t) - u], "bodies": [body], "u_auxiliary": held}
+        found.append(vo.from_mechanics(ground, [q], [u], **given))
+    assert found[0] == found[1]
