@@ -72,7 +72,7 @@ def kane_speeds(kane: Any, seed: str) -> tuple[dict[sp.Expr, Any], dict[sp.Expr,
         near = {q: x * mp.mpf("0.95") ** len(seed) for q, x in point.items() if q in kane.q}
         with contextlib.suppress(ValueError):  # links that are too short
             point = solved(kane._f_h, [*kane._qdep], numbers(names, seed) | near)
-    point |= {x: mp.mpf(0) for u in kane._uaux for x in (u, u.diff(t))}
+    point |= {x: mp.mpf(0) for u in models.auxiliary_speeds(kane) for x in (u, u.diff(t))}
     if kane._udep:
         point = solved(kane._k_nh * kane.u + kane._f_nh, [*kane._udep], point)
     rates = mp.lu_solve(valued(kane.mass_matrix, point), valued(kane.forcing, point))
@@ -274,7 +274,8 @@ def test_auxiliary_speeds_bring_the_reactions_that_kanes_method_finds() -> None:
         forces = me.dynamicsymbols("f1:4")
         expected = solved(kane.auxiliary_eqs, forces, own | dict.fromkeys(forces, mp.mpf(1)))
     system = vo.from_mechanics(models.rolling_disc_with_contact_forces())
-    values = {k: v for k, v in point.items() if not k.has(sp.Derivative) and k not in kane._uaux}
+    idle = models.auxiliary_speeds(kane)
+    values = {k: v for k, v in point.items() if not k.has(sp.Derivative) and k not in idle}
     at = dict.fromkeys(system.coordinates, 1) | values | dict.fromkeys(forces, 0)
     found = vo.reaction_forces(system, at, DIGITS).multipliers
     for force, ours in zip(forces, found, strict=False):
