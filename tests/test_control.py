@@ -390,8 +390,7 @@ def test_expansions_at_numbers_are_those_of_sympy() -> None:
 
 
 def test_controllability_at_regular_points() -> None:
-    """At angles that are numbers, where angles stand in differences alone, and where a pivot
-    vanishes, though the motion is regular."""
+    """At angles that are numbers, and where angles stand in differences alone."""
     third = sp.Rational(1, 3)
     car = vo.derive(trailers(1)).control
     for angle in (third, sp.pi / 2):
