@@ -142,7 +142,7 @@ def test_every_reference_of_a_system_has_its_entry(call: Call, name: str) -> Non
 def test_derive_tells_kind_growth_equations_and_curvature(call: Call) -> None:
     lines = call("derive", "sleigh").out.splitlines()
     for line in (
-        "kind                    chaplygin",
+        "kind            chaplygin",
         "growth vector           (2, 3) of 3",
         "integrable constraints  none of 1",
         "  dx/dt    = v*cos(phi)",

@@ -40,7 +40,10 @@ from voronec.algebra.text import as_expression
 from voronec.algebra.typeset import plain_text
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.equations.connection import AffineForms
+from voronec.equations.definition import read
+from voronec.equations.derivation import Derivation
 from voronec.equations.derived_equations import DerivedEquations
+from voronec.equations.flags import flag
 from voronec.equations.vector_field import VectorField, on_coordinates
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 
@@ -132,9 +135,7 @@ class Control:
             return Accessibility((0,), dimension, nothing)
         while tops and growth[-1] < dimension:
             if Tape([e for field in tops for e in field]).size > NODES:
-                why = f"brackets are too large after dimension {growth[-1]} of {dimension}"
-                verdict = self._on_leaves(partial(Verdict, "undecided", why))
-                return Accessibility(tuple(growth), dimension, verdict)
+                return self._from_residues(growth)
             brackets = [self._bracket(x, y) for x in (drift, *fields) for y in tops]
             made = [b for b in brackets if any(e != 0 for e in b)]
             new = self._independent([*frame, *made])[len(frame) :]
@@ -153,6 +154,26 @@ class Control:
             exceptions += self._exceptions([g[first:] for g in self.inner_fields])
         distinct = tuple(dict.fromkeys(exceptions))
         return Accessibility(tuple(growth), dimension, proof, distinct)
+
+    def _from_residues(self, growth: Sequence[int]) -> Accessibility:
+        """What is said where brackets are too large after some dimensions: a full rank at a point
+        modulo a prime is a proof; a smaller one is that of a generic point."""
+        (drift, fields), dimension = self._after_feedback, self.system_field.dimension
+        why, found = "brackets are too large", tuple(growth)
+        variables, bound = self.system_field.variables, self.system_field.relations
+        with suppress(EngineLimit):
+            if not bound:
+                found = flag((drift, *fields), fields, self._bracket, tuple, variables, dimension)
+                why = "brackets span no more at a random point"
+        if found[-1] == dimension:
+            words = (
+                f"the brackets span all {dimension} dimensions at a point modulo a prime, and so"
+            )
+            proof = Verdict("proved", f"{words} on an open dense set, for almost all parameters")
+            return Accessibility(found, dimension, proof)
+        why = f"{why} after dimension {found[-1]} of {dimension}"
+        verdict = self._on_leaves(partial(Verdict, "undecided", why))
+        return Accessibility(found, dimension, verdict)
 
     @cached_property
     def _has_walls(self) -> bool:
@@ -218,7 +239,8 @@ class Control:
         """
         self._require_still()
         at, held = self._point(point or {})
-        control = self._with_inputs(held)
+        form = self if self._has_values(at) else self._derive_near(at)
+        control = form._with_inputs(held)
         control._require_equilibrium(at)
         words = f"brackets up to degree {DEGREES[-1]} do not span all dimensions at the point"
         found: Verdict | None = None
@@ -229,6 +251,18 @@ class Control:
         if (found is None or found.undecided) and self.accessibility.verdict.refuted:
             return self.accessibility.verdict
         return Verdict("undecided", words) if found is None else found
+
+    def _has_values(self, at: Mapping[Any, Any]) -> bool:
+        """Whether drift and fields are defined at a point as they are written."""
+        exprs = [e for field in (self.inner_drift, *self.inner_fields) for e in field]
+        values = (as_expression(se.sympify(e).xreplace(dict(at))) for e in exprs)
+        return not any(value.has(sp.nan, sp.zoo, sp.oo) for value in values)
+
+    def _derive_near(self, at: Mapping[Any, Any]) -> Control:
+        """The form whose elimination has pivots that do not vanish at a point, where it can."""
+        definition = read(self.equations.system, {str(s): as_expression(x) for s, x in at.items()})
+        raw, exact = (Derivation(definition, tidy) for tidy in (False, True))
+        return control_form(replace(self.equations, definition=definition, raw=raw, exact=exact))
 
     def _with_inputs(self, values: Sequence[Any]) -> Control:
         """The same with inputs that are counted from these values."""
@@ -508,7 +542,10 @@ def control_form(equations: DerivedEquations) -> Control:
         )
     first = len(field.rates)
     columns = [(*row, o) for row, o in zip(forms.matrix[first:], forms.offset[first:], strict=True)]
-    solved = field.solve([list(row) for row in columns])
+    near = definition.near
+    solved = (
+        solve_linear(field.mass, columns, field.hypotheses, near=near).values if columns else []
+    )
     width = len(letters) + 1
     flat = [e for row in solved for e in row]
     with suppress(EngineLimit):

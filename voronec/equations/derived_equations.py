@@ -27,6 +27,7 @@ from voronec.algebra.tape import Tape
 from voronec.algebra.terms import atoms
 from voronec.algebra.verdicts import all_vanish
 from voronec.declaration.system import System
+from voronec.equations.connection import EhresmannConnection
 from voronec.equations.curvature import (
     Brackets,
     Curvature,
@@ -253,10 +254,12 @@ class DerivedEquations:
     def distribution(self) -> Distribution:
         """Growth vector and integrable constraints."""
         free = self.has_coordinate_frame
-        return grow(
-            self.definition,
-            self._exact_or_raw(lambda d: d.coordinate_connection if free else d.connection),
-        )
+
+        def connection(d: Derivation) -> EhresmannConnection:
+            return d.coordinate_connection if free else d.connection
+
+        raw = connection(self.raw)
+        return grow(self.definition, raw, lambda: self._exact_or_raw(connection))
 
     @cached_property
     def orders(self) -> dict[str, int]:
@@ -269,8 +272,18 @@ class DerivedEquations:
 
     @property
     def growth(self) -> tuple[int, ...]:
-        """The growth vector of the distribution at a generic point."""
-        return self.distribution.growth
+        """The growth vector of the distribution at a generic point.
+
+        ``EngineLimit`` where it is cut off, for brackets grow too large; its beginning is
+        ``distribution.growth``.
+        """
+        found = self.distribution
+        if found.cut:
+            raise EngineLimit(
+                f"system '{self.system.name}': brackets grow too large after the "
+                f"dimensions {found.growth} of {found.dimension}; distribution.growth has these"
+            )
+        return found.growth
 
     @property
     def integrable(self) -> tuple[int, ...]:

@@ -6,7 +6,8 @@ vector.  A constraint is integrable where its form annihilates the involutive cl
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,6 +22,7 @@ from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import decide_zero
 from voronec.equations.connection import EhresmannConnection
 from voronec.equations.definition import Definition
+from voronec.equations.flags import flag
 from voronec.errors import EngineLimit
 
 __all__ = ["Distribution", "grow"]
@@ -51,17 +53,57 @@ class Distribution:
     closed: bool = False
 
 
-def grow(definition: Definition, connection: EhresmannConnection) -> Distribution:
-    """The growth vector at a generic point, and the constraints proved to be integrable."""
-    n = connection.n
-    timed = _uses_time(definition, connection)
-    space = _Space(connection, timed)
-    fields = [_field(connection, i, timed) for i in range(n + 1 if timed else n)]
+def grow(
+    definition: Definition, raw: EhresmannConnection, exact: Callable[[], EhresmannConnection]
+) -> Distribution:
+    """The growth vector at a generic point, and the constraints proved to be integrable.
+
+    ``raw`` is the connection as it was derived, ``exact`` makes its normal form: brackets are made
+    of it where residues do not serve, and where they do not span everything.
+    """
+    timed = _uses_time(definition, raw)
+    dimension = _Space(raw, timed).dimension
+    if raw.group is None:
+        dimension -= _RankOracle(definition.relations).relations(raw.coordinates)
+    growth: tuple[int, ...] = ()
+    if not definition.relations:
+        with suppress(EngineLimit):
+            growth = _Space(raw, timed).flag(dimension)
+    if growth and growth[-1] == dimension:  # no form annihilates everything
+        return Distribution(growth, (), (), dimension, timed)
+    space = _Space(exact(), timed)
+    made = _bracket(definition, space, dimension)
+    standing = _integrability(definition, space.connection, made.new, timed)
+    if (
+        made.cut
+    ):  # what annihilates the brackets that were made may not annihilate those that were not
+        standing = ["undecided" if s == "proved" else s for s in standing]
+    return Distribution(
+        growth=growth or made.growth,
+        integrable=tuple(i for i, s in enumerate(standing) if s == "proved"),
+        undecided=tuple(i for i, s in enumerate(standing) if s == "undecided"),
+        dimension=dimension,
+        timed=timed,
+        cut=made.cut and not growth,
+        closed=made.closed,
+    )
+
+
+@dataclass(frozen=True)
+class _Closure:
+    """Brackets that were made, as ``new`` fields beside the first ones, and how they grew."""
+
+    growth: tuple[int, ...]
+    new: list[Field]
+    cut: bool
+    closed: bool
+
+
+def _bracket(definition: Definition, space: _Space, dimension: int) -> _Closure:
+    """Brackets of brackets, until they bring nothing new, or are too large."""
+    fields = space.fields
     frame, tops, growth = list(fields), list(fields), [len(fields)]
     rank_of = _RankOracle(definition.relations)
-    dimension = space.dimension
-    if connection.group is None:
-        dimension -= rank_of.relations(connection.coordinates)
     cut = closed = False
     while tops and growth[-1] < dimension:
         cut = Tape([e for field in tops for e in field]).size > NODES
@@ -80,18 +122,7 @@ def grow(definition: Definition, connection: EhresmannConnection) -> Distributio
             break
         frame += tops
         growth.append(len(frame))
-    standing = _integrability(definition, connection, frame[len(fields) :], timed)
-    if cut:  # what annihilates the brackets that were made may not annihilate those that were not
-        standing = ["undecided" if s == "proved" else s for s in standing]
-    return Distribution(
-        growth=tuple(growth),
-        integrable=tuple(i for i, s in enumerate(standing) if s == "proved"),
-        undecided=tuple(i for i, s in enumerate(standing) if s == "undecided"),
-        dimension=dimension,
-        timed=timed,
-        cut=cut,
-        closed=closed,
-    )
+    return _Closure(tuple(growth), frame[len(fields) :], cut, closed)
 
 
 def _is_spanned(fields: Sequence[Field], frame: Sequence[Field], relations: Sequence[Any]) -> bool:
@@ -161,11 +192,6 @@ def _uses_time(definition: Definition, connection: EhresmannConnection) -> bool:
     return moving or any(row[-1] != 0 for row in connection.lift)
 
 
-def _field(connection: EhresmannConnection, i: int, timed: bool) -> Field:
-    column = [row[i] for row in connection.lift]
-    return (*column, se.Integer(int(i == connection.n))) if timed else tuple(column)
-
-
 @dataclass(frozen=True)
 class _Space:
     """Where the fields live: along the coordinates, or the fields of a group, and the time."""
@@ -178,6 +204,24 @@ class _Space:
         """The number of components of a field."""
         return len(self.connection.lift) + int(self.timed)
 
+    @property
+    def fields(self) -> list[Field]:
+        """The horizontal fields; with the time, that of motions at rest is the last."""
+        columns = [*zip(*self.connection.lift, strict=True)]
+        if not self.timed:
+            return columns[:-1]
+        return [(*c, se.Integer(int(i == self.connection.n))) for i, c in enumerate(columns)]
+
+    @property
+    def variables(self) -> tuple[Any, ...]:
+        """The coordinates, and the time where it is one."""
+        connection = self.connection
+        return (*connection.coordinates, *((connection.time,) if self.timed else ()))
+
+    def flag(self, full: int) -> tuple[int, ...]:
+        """The growth vector, from residues."""
+        return flag(self.fields, self.fields, self.bracket, self.rates, self.variables, full)
+
     def bracket(self, x: Field, y: Field) -> Field:
         """[x, y]."""
         moved = tuple(self._along(x, b) - self._along(y, a) for a, b in zip(x, y, strict=True))
@@ -188,16 +232,20 @@ class _Space:
         turned += [se.Integer(0)] * int(self.timed)
         return tuple(m + t for m, t in zip(moved, turned, strict=True))
 
+    def rates(self, field: Field) -> list[Any]:
+        """Those of the variables along a field."""
+        group = self.connection.group
+        if group is None:
+            return list(field)
+        rates = group.coordinate_rates(field[: len(group.velocities)])
+        return rates + [field[-1]] * int(self.timed)
+
     def _along(self, field: Field, function: Any) -> Any:
-        coordinates, group = self.connection.coordinates, self.connection.group
-        rates = list(
-            field if group is None else group.coordinate_rates(field[: len(group.velocities)])
-        )
-        variables = list(coordinates)
-        if self.timed:
-            variables.append(self.connection.time)
-            rates += [field[-1]] if group is not None else []
-        terms = [f * function.diff(q) for f, q in zip(rates, variables, strict=True) if f != 0]
+        terms = [
+            rate * function.diff(q)
+            for rate, q in zip(self.rates(field), self.variables, strict=True)
+            if rate != 0
+        ]
         return se.Add(*terms) if terms else se.Integer(0)
 
 

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from voronec.equations.mechanics_form import MechanicsForm
     from voronec.equations.program import Program
 
-__all__ = ["VoronecEquations", "derive", "equation_rows", "equations_lines"]
+__all__ = ["VoronecEquations", "derive", "distribution_lines", "equation_rows", "equations_lines"]
 
 
 def _latex(eqs: VoronecEquations, expr: sp.Expr) -> str:
@@ -84,18 +84,24 @@ def equations_lines(eqs: VoronecEquations, width: int = WIDTH) -> list[str]:
     return lines
 
 
-def _facts(eqs: VoronecEquations) -> list[list[str]]:
-    count = len(eqs.system.constraints)
+def distribution_lines(eqs: VoronecEquations) -> list[str]:
+    """How the distribution of the constraints grows, and which of them integrate: an analysis that
+    may take longer than the equations."""
+    found, count = eqs.distribution, len(eqs.system.constraints)
     some = f"number{'s' * (len(eqs.integrable) > 1)} "
     whole = ", ".join(f"{i + 1}" for i in eqs.integrable)
-    more = ", ..." if eqs.distribution.cut else ""
-    growth = "(" + ", ".join(map(str, eqs.growth)) + more + ")"
-    timed = ", the time included" if eqs.distribution.timed else ""
-    rows = [["kind", eqs.kind]]
-    rows.append(["growth vector", f"{growth} of {eqs.distribution.dimension}{timed}"])
+    more = ", ... (cut off at its budget)" if found.cut else ""
+    growth = "(" + ", ".join(map(str, found.growth)) + more + ")"
+    timed = ", the time included" if found.timed else ""
+    rows = [["growth vector", f"{growth} of {found.dimension}{timed}"]]
     if count:
-        none = "undecided" if eqs.distribution.cut else f"none of {count}"
+        none = "undecided" if found.undecided else f"none of {count}"
         rows.append(["integrable constraints", f"{some}{whole} of {count}" if whole else none])
+    return ["", *columns(rows)]
+
+
+def _facts(eqs: VoronecEquations) -> list[list[str]]:
+    rows = [["kind", eqs.kind]]
     relations = eqs.system.fibration.relations
     rows += [["relation, differentiated", f"{caret_text(e)} = 0"] for e in relations]
     frame = eqs.system.frame
@@ -230,7 +236,7 @@ class VoronecEquations(DerivedEquations):
         if shell is not None and shell.has_trait("kernel"):
             import_module("IPython.display").display(self)
         else:
-            print("\n".join(equations_lines(self)))
+            print("\n".join([*equations_lines(self), *distribution_lines(self)]))
 
     def __repr__(self) -> str:
         return f"VoronecEquations({self.system.name!r}, velocities=({_names(self)}))"
@@ -325,7 +331,8 @@ class VoronecEquations(DerivedEquations):
             "velocities": [plain_name(v) for v in self.velocities],
             "parameters": [p.name for p in self.system.parameters],
             "kind": self.kind,
-            "growth": list(self.growth),
+            "growth": list(self.distribution.growth),
+            "growth_is_cut_off": self.distribution.cut,
             "integrable_constraints": [i + 1 for i in self.integrable],
             "normal_form": self.in_normal_form,
         }
