@@ -35,10 +35,12 @@ from voronec.equations.curvature import (
     curvature_of,
     vertical_parts,
 )
+from voronec.equations.connection import EhresmannConnection
 from voronec.equations.definition import Definition
 from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.equations.distribution import Distribution, grow
 from voronec.equations.evaluation import acceleration, acceleration_tape
+from voronec.equations.integrable import Integrable, integrate
 from voronec.equations.staged_equations import lean_form
 from voronec.errors import EngineLimit
 
@@ -250,13 +252,23 @@ class DerivedEquations:
         return "chaplygin" if free else "voronec"
 
     @cached_property
-    def distribution(self) -> Distribution:
-        """Growth vector and integrable constraints."""
+    def _lift(self) -> EhresmannConnection:
+        """The horizontal fields, exact where that can be."""
         free = self.has_coordinate_frame
-        return grow(
-            self.definition,
-            self._exact_or_raw(lambda d: d.coordinate_connection if free else d.connection),
+        found: EhresmannConnection = self._exact_or_raw(
+            lambda d: d.coordinate_connection if free else d.connection
         )
+        return found
+
+    @cached_property
+    def distribution(self) -> Distribution:
+        """The growth of the distribution that the horizontal fields span."""
+        return grow(self.definition, self._lift)
+
+    @cached_property
+    def _integrable(self) -> Integrable:
+        found = self.distribution
+        return integrate(self.definition, self._lift, found.dimension - found.growth[-1])
 
     @cached_property
     def orders(self) -> dict[str, int]:
@@ -273,9 +285,26 @@ class DerivedEquations:
         return self.distribution.growth
 
     @property
-    def integrable(self) -> tuple[int, ...]:
-        """Positions of the constraints that are integrable (holonomic)."""
-        return self.distribution.integrable
+    def integrable(self) -> tuple[sp.Expr, ...]:
+        """The combinations of the constraints that integrate, as many as the dimension exceeds that
+        of the involutive closure: affine in the velocities of the coordinates (of the frame of a
+        group), zero along all motions, a basis that does not depend on how the constraints are
+        combined.
+
+        Those that ``leaves`` integrate come first.  Raises ``EngineLimit`` where it is undecided
+        what integrates.
+        """
+        return tuple(map(self.door.outward, self._integrable.forms))
+
+    @property
+    def leaves(self) -> tuple[sp.Expr, ...]:
+        """Functions of coordinates and time that the constraints hold constant: independent, their
+        differentials combinations of ``integrable``, of which fewer have one where no closed form
+        was found.  They serve as relations and as integrals.
+
+        Raises ``EngineLimit`` as ``integrable`` does.
+        """
+        return tuple(map(self.door.outward, self._integrable.functions))
 
     def acceleration(self, point: Mapping[Any, Any], digits: int = 30) -> dict[sp.Expr, sp.Float]:
         """Second time derivatives of all coordinates, to ``digits`` digits, by ball arithmetic.

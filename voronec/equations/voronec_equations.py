@@ -85,17 +85,12 @@ def equations_lines(eqs: VoronecEquations, width: int = WIDTH) -> list[str]:
 
 
 def _facts(eqs: VoronecEquations) -> list[list[str]]:
-    count = len(eqs.system.constraints)
-    some = f"number{'s' * (len(eqs.integrable) > 1)} "
-    whole = ", ".join(f"{i + 1}" for i in eqs.integrable)
     more = ", ..." if eqs.distribution.cut else ""
     growth = "(" + ", ".join(map(str, eqs.growth)) + more + ")"
     timed = ", the time included" if eqs.distribution.timed else ""
     rows = [["kind", eqs.kind]]
     rows.append(["growth vector", f"{growth} of {eqs.distribution.dimension}{timed}"])
-    if count:
-        none = "undecided" if eqs.distribution.cut else f"none of {count}"
-        rows.append(["integrable constraints", f"{some}{whole} of {count}" if whole else none])
+    rows += _integrable_rows(eqs)
     relations = eqs.system.fibration.relations
     rows += [["relation, differentiated", f"{caret_text(e)} = 0"] for e in relations]
     frame = eqs.system.frame
@@ -103,6 +98,22 @@ def _facts(eqs: VoronecEquations) -> list[list[str]]:
         return [*rows, ["velocities", _names(eqs)]]
     pairs = zip(frame.velocities, frame.expressions, strict=True)
     return [*rows, *(["quasi-velocity", f"{caret_text(v)} = {caret_text(e)}"] for v, e in pairs)]
+
+
+def _integrable_rows(eqs: VoronecEquations) -> list[list[str]]:
+    """How many combinations of the constraints integrate, these, and what they hold constant."""
+    count = len(eqs.system.constraints)
+    if not count:
+        return []
+    try:
+        forms, leaves = eqs.integrable, eqs.leaves
+    except EngineLimit as limit:
+        return [["integrable combinations", f"undecided: {limit}"]]
+    rows = [["integrable combinations", f"{len(forms) or 'none'} of {count}"]]
+    for i, form in enumerate(forms):
+        without = "" if i < len(leaves) else ", no function found in closed form"
+        rows.append(["combination", f"{caret_text(form)} = 0{without}"])
+    return rows + [["held constant", caret_text(f)] for f in leaves]
 
 
 def _motion(eqs: VoronecEquations, width: int) -> list[str]:
@@ -175,6 +186,15 @@ def _program(eqs: VoronecEquations) -> str | None:
         return eqs.python()
     except DefinitionError:
         return None
+
+
+def _integrable_data(eqs: VoronecEquations) -> dict[str, Any]:
+    try:
+        forms, leaves = eqs.integrable, eqs.leaves
+    except EngineLimit:
+        return {"integrable_combinations": "undecided", "held_constant": "undecided"}
+    found = {"integrable_combinations": forms, "held_constant": leaves}
+    return {key: [*map(plain_text, exprs)] for key, exprs in found.items()}
 
 
 def _coefficients(eqs: VoronecEquations, fibre: list[str], base: list[str]) -> dict[str, Any]:
@@ -326,7 +346,7 @@ class VoronecEquations(DerivedEquations):
             "parameters": [p.name for p in self.system.parameters],
             "kind": self.kind,
             "growth": list(self.growth),
-            "integrable_constraints": [i + 1 for i in self.integrable],
+            **_integrable_data(self),
             "normal_form": self.in_normal_form,
         }
         if not self.in_normal_form:  # written out, a shared graph is endless

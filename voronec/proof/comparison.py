@@ -211,7 +211,7 @@ def _plain_facts(eqs: VoronecEquations) -> dict[str, Any]:
         "inputs": _names(system.inputs),
         "kind": _within(lambda: eqs.kind),
         "growth": ABSENT if general else _within(lambda: [int(n) for n in eqs.growth]),
-        "integrable": ABSENT if general else _within(lambda: [i + 1 for i in eqs.integrable]),
+        "integrable": ABSENT if general else _within(lambda: [*map(plain_text, eqs.integrable)]),
     }
 
 
