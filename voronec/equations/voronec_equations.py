@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import import_module
-from textwrap import wrap
+from textwrap import shorten, wrap
 from typing import TYPE_CHECKING, Any
 
 import symengine as se
@@ -108,11 +108,12 @@ def _integrable_rows(eqs: VoronecEquations) -> list[list[str]]:
     try:
         forms, leaves = eqs.integrable, eqs.leaves
     except EngineLimit as limit:
-        return [["integrable combinations", f"undecided: {limit}"]]
+        most = eqs.distribution.dimension - eqs.growth[-1]
+        return [["integrable combinations", f"undecided, at most {most} of {count}: {limit}"]]
     rows = [["integrable combinations", f"{len(forms) or 'none'} of {count}"]]
     for i, form in enumerate(forms):
         without = "" if i < len(leaves) else ", no function found in closed form"
-        rows.append(["combination", f"{caret_text(form)} = 0{without}"])
+        rows.append(["combination", f"{shorten(caret_text(form), 2 * WIDTH, placeholder=' ...')} = 0{without}"])
     return rows + [["held constant", caret_text(f)] for f in leaves]
 
 
