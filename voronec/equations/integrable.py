@@ -9,7 +9,7 @@ basis the constraints are written in; they have integrals by the theorem of Frob
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, product
 from typing import Any
 
@@ -20,13 +20,14 @@ from voronec.algebra.elimination import null_vectors
 from voronec.algebra.matrices import dot
 from voronec.algebra.normal import shortest
 from voronec.algebra.rank import generic_rows
+from voronec.algebra.shape import operations
 from voronec.algebra.verdicts import all_vanish, decide_zero
 from voronec.equations.connection import EhresmannConnection
 from voronec.equations.definition import Definition
 from voronec.equations.distribution import Space
 from voronec.errors import EngineLimit
 
-__all__ = ["Integrable", "integrate"]
+__all__ = ["Integrable", "integrate", "solve_in_steps"]
 
 Rows = list[list[Any]]
 Defects = Callable[[Rows, Rows], Rows]
@@ -66,27 +67,31 @@ def integrate(definition: Definition, connection: EhresmannConnection, most: int
         for f in (definition.differentiated, definition.constraints)
     )
     plain = definition.group is None  # forms over the fields of a group have no potentials
+    rows, order = [*given, *bound], _fibre_first(definition.base, space.dimension)
+    if connection.n == definition.base:  # solved for the fibre they are in normal form, maybe
+        solved = connection.lift[connection.n :]
+        units = [[se.Integer(int(row is other)) for other in solved] for row in solved]
+        pairs = zip(solved, units, strict=True)
+        rows = [[*(-e for e in row[:-1]), *unit, -row[-1]] for row, unit in pairs]
+
+    def slopes_of(rows: Rows, _: Rows) -> Rows:
+        return [[e.diff(q) for e in c] for q in variables for c in zip(*rows, strict=True)]
+
+    def brackets(rows: Rows, fields: Rows) -> Rows:
+        found = [space.bracket(tuple(x), tuple(y)) for x, y in combinations(fields, 2)]
+        return [[dot(w, b) for w in rows] for b in found]
+
     own = [row for row in given if plain and most and _is_closed(row, variables, relations)]
     forms: Rows = []
-    units: list[int] = []
-    if len(_enlarging(bound, own, relations)) < most:
-
-        def brackets(rows: Rows, fields: Rows) -> Rows:
-            found = [space.bracket(tuple(x), tuple(y)) for x, y in combinations(fields, 2)]
-            return [[dot(w, b) for w in rows] for b in found]
-
-        def slopes_of(rows: Rows, _: Rows) -> Rows:
-            return [[e.diff(q) for e in c] for q in variables for c in zip(*rows, strict=True)]
-
-        last = space.dimension - 1  # the time
-        order = [*range(definition.base, last), *range(definition.base), last]
-        forms, units = _flag([*given, *bound], order, brackets, relations)
-        constant, _ = _flag(forms, order, slopes_of, relations) if plain else ([], [])
-        own += [_without_denominators(row, relations) for row in (*constant, *forms)]
+    columns: list[int] = []
+    for defects in (slopes_of, brackets) if plain else (brackets,):
+        if len(_enlarging(bound, own, relations)) < most:
+            forms, columns = _flag(rows, order, defects, relations)
+            own += [_without_denominators(row, relations) for row in forms]
     own = _enlarging(bound, own, relations)
     functions: list[Any] = []
     slopes = bound
-    for f in _functions(own, forms, units, variables, relations) if plain else ():
+    for f in _functions(own, forms, columns, variables, relations) if plain else ():
         slope = [f.diff(x) for x in variables]
         if _enlarging(slopes, [slope], relations):
             functions.append(f)
@@ -97,6 +102,28 @@ def integrate(definition: Definition, connection: EhresmannConnection, most: int
     ordered = [*(row for row in own if row not in last), *last]
     dots = (*definition.dots, se.Integer(1))
     return Integrable(tuple(dot(row, dots) for row in ordered), tuple(functions))
+
+
+def solve_in_steps(definition: Definition, connection: EhresmannConnection) -> EhresmannConnection:
+    """The connection in the coordinate frame with its lift in normal form, brought to it after each
+    step of the elimination; as it is where that does not do."""
+    order = _fibre_first(definition.base, len(connection.lift) + 1)
+    forms = (definition.constraints, definition.differentiated)
+    rows = [[*r, o] for f in forms for r, o in zip(f.matrix, f.offset, strict=True)]
+    try:
+        solved, units = _reduced(rows, order, definition.relations)
+    except EngineLimit:
+        return connection
+    n = connection.n
+    if n != definition.base or units != order[: len(connection.lift) - n]:
+        return connection
+    fibre = [(*(-e for e in row[:n]), -row[-1]) for row in solved]
+    return replace(connection, lift=(*connection.lift[:n], *fibre))
+
+
+def _fibre_first(base: int, width: int) -> list[int]:
+    """The columns of the fibre, then of the base, the time last."""
+    return [*range(base, width - 1), *range(base), width - 1]
 
 
 def _flag(
@@ -111,12 +138,12 @@ def _flag(
     """
     units: list[int] = []
     while rows:
-        units = [order[k] for k in generic_rows([[r[j] for r in rows] for j in order], relations)]
-        fields = _shortest(null_vectors(rows, units, relations), relations)
-        rows = [[se.Integer(int(j == u)) for j in range(len(order))] for u in units]
+        rows, units = _reduced(rows, order, relations)
+        free = [j for j in sorted(order) if j not in units]
+        fields = [[se.Integer(int(i == j)) for i in sorted(order)] for j in free]
         for row, u in zip(rows, units, strict=True):
-            for j, x in zip(sorted({*order} - {*units}), fields, strict=True):
-                row[j] = -x[u]
+            for j, field in zip(free, fields, strict=True):
+                field[u] = -row[j]
         found = _shortest(defects(rows, fields), relations)
         kept = _enlarging([], found, relations)
         if not kept:
@@ -127,6 +154,25 @@ def _flag(
         factors = null_vectors(kept, pivots, relations)
         rows = [[dot(m, column) for column in zip(*rows, strict=True)] for m in factors]
     return rows, units
+
+
+def _reduced(
+    rows: Rows, order: Sequence[int], relations: Sequence[Any]
+) -> tuple[Rows, list[int]]:
+    """Rows that span the same, with units in the first columns, in an order, that can have them;
+    in normal form after each step, since what cancels would grow beyond use."""
+    units = [order[k] for k in generic_rows([[r[j] for r in rows] for j in order], relations)]
+    done: Rows = []
+    rows = _shortest(rows, relations)
+    for u in units:
+        able = [row for row in rows if generic_rows([[row[u]]], relations)]
+        pivot = min(able, key=lambda row: operations([row[u]]))
+        head = [e / pivot[u] for e in pivot]
+        below = [row for row in rows if row is not pivot]
+        turned = [[a - row[u] * b for a, b in zip(row, head, strict=True)] for row in done + below]
+        head, *turned = _shortest([head, *turned], relations)
+        done, rows = [*turned[: len(done)], head], turned[len(done) :]
+    return done, units
 
 
 def _enlarging(known: Rows, rows: Rows, relations: Sequence[Any]) -> Rows:
