@@ -27,6 +27,7 @@ from voronec.algebra.tape import Tape
 from voronec.algebra.terms import atoms
 from voronec.algebra.verdicts import all_vanish
 from voronec.declaration.system import System
+from voronec.equations.connection import EhresmannConnection
 from voronec.equations.curvature import (
     Brackets,
     Curvature,
@@ -35,12 +36,11 @@ from voronec.equations.curvature import (
     curvature_of,
     vertical_parts,
 )
-from voronec.equations.connection import EhresmannConnection
 from voronec.equations.definition import Definition
 from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.equations.distribution import Distribution, grow
 from voronec.equations.evaluation import acceleration, acceleration_tape
-from voronec.equations.integrable import Integrable, integrate, solve_in_steps
+from voronec.equations.integrable import integrate, solve_in_steps
 from voronec.equations.staged_equations import lean_form
 from voronec.errors import EngineLimit
 
@@ -268,7 +268,7 @@ class DerivedEquations:
         return grow(self.definition, self._lift)
 
     @cached_property
-    def _integrable(self) -> Integrable:
+    def _integrable(self) -> tuple[list[Any], list[Any]]:
         found = self.distribution
         return integrate(self.definition, self._lift, found.dimension - found.growth[-1])
 
@@ -296,7 +296,7 @@ class DerivedEquations:
         Those that ``leaves`` integrate come first.  Raises ``EngineLimit`` where it is undecided
         what integrates.
         """
-        return tuple(map(self.door.outward, self._integrable.forms))
+        return tuple(map(self.door.outward, self._integrable[0]))
 
     @property
     def leaves(self) -> tuple[sp.Expr, ...]:
@@ -306,7 +306,7 @@ class DerivedEquations:
 
         Raises ``EngineLimit`` as ``integrable`` does.
         """
-        return tuple(map(self.door.outward, self._integrable.functions))
+        return tuple(map(self.door.outward, self._integrable[1]))
 
     def acceleration(self, point: Mapping[Any, Any], digits: int = 30) -> dict[sp.Expr, sp.Float]:
         """Second time derivatives of all coordinates, to ``digits`` digits, by ball arithmetic.

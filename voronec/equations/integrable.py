@@ -9,7 +9,7 @@ basis the constraints are written in; they have integrals by the theorem of Frob
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations, product
 from typing import Any
 
@@ -27,7 +27,7 @@ from voronec.equations.definition import Definition
 from voronec.equations.distribution import Space
 from voronec.errors import EngineLimit
 
-__all__ = ["Integrable", "integrate", "solve_in_steps"]
+__all__ = ["integrate", "solve_in_steps"]
 
 Rows = list[list[Any]]
 Defects = Callable[[Rows, Rows], Rows]
@@ -36,29 +36,15 @@ LONG = 40
 """Integrands of more operations are not tried: SymPy takes seconds for each, in vain mostly."""
 
 
-@dataclass(frozen=True)
-class Integrable:
-    """What integrates of the constraints, inside the door.
+def integrate(
+    definition: Definition, connection: EhresmannConnection, most: int
+) -> tuple[list[Any], list[Any]]:
+    """What integrates of the constraints: a basis of the one-forms that annihilate the closure, the
+    differentials of relations left out, each as a combination of the velocities that vanishes; and
+    functions held constant, whose differentials span the first of the forms.
 
-    ``forms``: a basis of the one-forms that annihilate the closure, the differentials of relations
-    left out, each written as a combination of the velocities that vanishes.  ``functions`` are held
-    constant; their differentials span all but the last ``open`` of the forms.
-    """
-
-    forms: tuple[Any, ...] = ()
-    functions: tuple[Any, ...] = ()
-
-    @property
-    def open(self) -> int:
-        """For how many forms no function was found in closed form."""
-        return len(self.forms) - len(self.functions)
-
-
-def integrate(definition: Definition, connection: EhresmannConnection, most: int) -> Integrable:
-    """The forms, proved to annihilate the closure and to be all, with functions whose differentials
-    are proved to be combinations of them; ``most`` is an upper bound for their number.
-
-    Raises ``EngineLimit`` where the forms are beyond the exact algebra.
+    That the forms annihilate it is proved, and that there are no others; ``most`` is an upper bound
+    for their number.  Raises ``EngineLimit`` where they are beyond the exact algebra.
     """
     relations, space = definition.relations, Space(connection, True)
     variables = (*definition.coordinates, definition.time)
@@ -67,12 +53,11 @@ def integrate(definition: Definition, connection: EhresmannConnection, most: int
         for f in (definition.differentiated, definition.constraints)
     )
     plain = definition.group is None  # forms over the fields of a group have no potentials
-    rows, order = [*given, *bound], _fibre_first(definition.base, space.dimension)
+    rows = [*given, *bound]
     if connection.n == definition.base:  # solved for the fibre they are in normal form, maybe
         solved = connection.lift[connection.n :]
-        units = [[se.Integer(int(row is other)) for other in solved] for row in solved]
-        pairs = zip(solved, units, strict=True)
-        rows = [[*(-e for e in row[:-1]), *unit, -row[-1]] for row, unit in pairs]
+        unit = se.eye(len(solved)).tolist()
+        rows = [[*(-e for e in r[:-1]), *unit[i], -r[-1]] for i, r in enumerate(solved)]
 
     def slopes_of(rows: Rows, _: Rows) -> Rows:
         return [[e.diff(q) for e in c] for q in variables for c in zip(*rows, strict=True)]
@@ -86,7 +71,7 @@ def integrate(definition: Definition, connection: EhresmannConnection, most: int
     columns: list[int] = []
     for defects in (slopes_of, brackets) if plain else (brackets,):
         if len(_enlarging(bound, own, relations)) < most:
-            forms, columns = _flag(rows, order, defects, relations)
+            forms, columns = _flag(rows, definition.base, defects, relations)
             own += [_without_denominators(row, relations) for row in forms]
     own = _enlarging(bound, own, relations)
     functions: list[Any] = []
@@ -96,54 +81,39 @@ def integrate(definition: Definition, connection: EhresmannConnection, most: int
         if _enlarging(slopes, [slope], relations):
             functions.append(f)
             slopes = [*slopes, slope]
-        if len(functions) == len(own):
-            break
     last = _enlarging(slopes, own, relations)
     ordered = [*(row for row in own if row not in last), *last]
-    dots = (*definition.dots, se.Integer(1))
-    return Integrable(tuple(dot(row, dots) for row in ordered), tuple(functions))
+    return [dot(row, (*definition.dots, se.Integer(1))) for row in ordered], functions
 
 
 def solve_in_steps(definition: Definition, connection: EhresmannConnection) -> EhresmannConnection:
     """The connection in the coordinate frame with its lift in normal form, brought to it after each
     step of the elimination; as it is where that does not do."""
-    order = _fibre_first(definition.base, len(connection.lift) + 1)
-    forms = (definition.constraints, definition.differentiated)
+    n, forms = connection.n, (definition.constraints, definition.differentiated)
     rows = [[*r, o] for f in forms for r, o in zip(f.matrix, f.offset, strict=True)]
     try:
-        solved, units = _reduced(rows, order, definition.relations)
+        solved, units = _reduced(rows, definition.base, definition.relations)
     except EngineLimit:
         return connection
-    n = connection.n
-    if n != definition.base or units != order[: len(connection.lift) - n]:
+    if units != [*range(n, len(connection.lift))]:
         return connection
     fibre = [(*(-e for e in row[:n]), -row[-1]) for row in solved]
     return replace(connection, lift=(*connection.lift[:n], *fibre))
 
 
-def _fibre_first(base: int, width: int) -> list[int]:
-    """The columns of the fibre, then of the base, the time last."""
-    return [*range(base, width - 1), *range(base), width - 1]
-
-
 def _flag(
-    rows: Rows, order: Sequence[int], defects: Defects, relations: Sequence[Any]
+    rows: Rows, base: int, defects: Defects, relations: Sequence[Any]
 ) -> tuple[Rows, list[int]]:
-    """The last of the modules I_(k+1) = {w in I_k : every defect of w vanishes}, from rows that span
-    the first: with units in the first columns, in an order, that can have them, so that every basis
-    gives the same rows; and these columns.
+    """The last of the modules I_(k+1) = {w in I_k : every defect of w vanishes}, of which rows span
+    the first, as reduced rows, the same for every basis; and the columns of their units.
 
     What is left out on the way has a defect, by pivots proved not to vanish; what stays has none,
     in normal form.
     """
     units: list[int] = []
     while rows:
-        rows, units = _reduced(rows, order, relations)
-        free = [j for j in sorted(order) if j not in units]
-        fields = [[se.Integer(int(i == j)) for i in sorted(order)] for j in free]
-        for row, u in zip(rows, units, strict=True):
-            for j, field in zip(free, fields, strict=True):
-                field[u] = -row[j]
+        rows, units = _reduced(rows, base, relations)
+        fields = null_vectors(rows, units, relations)
         found = _shortest(defects(rows, fields), relations)
         kept = _enlarging([], found, relations)
         if not kept:
@@ -156,20 +126,23 @@ def _flag(
     return rows, units
 
 
-def _reduced(
-    rows: Rows, order: Sequence[int], relations: Sequence[Any]
-) -> tuple[Rows, list[int]]:
-    """Rows that span the same, with units in the first columns, in an order, that can have them;
-    in normal form after each step, since what cancels would grow beyond use."""
+def _reduced(rows: Rows, base: int, relations: Sequence[Any]) -> tuple[Rows, list[int]]:
+    """Rows that span the same, with units in the first columns that can have them, those of the
+    fibre before those of the base and the time; in normal form after each step, since what cancels
+    would grow beyond use."""
+    time = len(rows[0]) - 1 if rows else base
+    order = [*range(base, time), *range(base), time]
     units = [order[k] for k in generic_rows([[r[j] for r in rows] for j in order], relations)]
     done: Rows = []
     rows = _shortest(rows, relations)
     for u in units:
         able = [row for row in rows if generic_rows([[row[u]]], relations)]
+        if not able:
+            raise EngineLimit("no pivot of the constraints is proved not to vanish")
         pivot = min(able, key=lambda row: operations([row[u]]))
         head = [e / pivot[u] for e in pivot]
-        below = [row for row in rows if row is not pivot]
-        turned = [[a - row[u] * b for a, b in zip(row, head, strict=True)] for row in done + below]
+        left = [*done, *(row for row in rows if row is not pivot)]
+        turned = [[a - row[u] * b for a, b in zip(row, head, strict=True)] for row in left]
         head, *turned = _shortest([head, *turned], relations)
         done, rows = [*turned[: len(done)], head], turned[len(done) :]
     return done, units
@@ -231,7 +204,9 @@ def _potential(row: list[Any], variables: Sequence[Any], relations: Sequence[Any
         (rest,) = shortest([e - found.diff(x)], relations)
         found += _primitive(rest, x)
     pairs = zip(row, variables, strict=True)
-    if not found.has(se.nan) and all(decide_zero(e - found.diff(x), relations).proved for e, x in pairs):
+    if not found.has(se.nan) and all(
+        decide_zero(e - found.diff(x), relations).proved for e, x in pairs
+    ):
         yield found
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import import_module
@@ -102,19 +103,24 @@ def _facts(eqs: VoronecEquations) -> list[list[str]]:
 
 def _integrable_rows(eqs: VoronecEquations) -> list[list[str]]:
     """How many combinations of the constraints integrate, these, and what they hold constant."""
-    count = len(eqs.system.constraints)
-    if not count:
-        return []
-    try:
-        forms, leaves = eqs.integrable, eqs.leaves
-    except EngineLimit as limit:
+    count, (forms, leaves) = len(eqs.system.constraints), _integrated(eqs).values()
+    if isinstance(forms, str):
         most = eqs.distribution.dimension - eqs.growth[-1]
-        return [["integrable combinations", f"undecided, at most {most} of {count}: {limit}"]]
-    rows = [["integrable combinations", f"{len(forms) or 'none'} of {count}"]]
+        return [["integrable combinations", f"undecided, at most {most} of {count}"]]
+    rows = [["integrable combinations", f"{len(forms) or 'none'} of {count}"]] if count else []
     for i, form in enumerate(forms):
         without = "" if i < len(leaves) else ", no function found in closed form"
-        rows.append(["combination", f"{shorten(caret_text(form), 2 * WIDTH, placeholder=' ...')} = 0{without}"])
-    return rows + [["held constant", caret_text(f)] for f in leaves]
+        text = shorten(form.replace("**", "^"), 2 * WIDTH, placeholder=" ...")
+        rows.append(["combination", f"{text} = 0{without}"])
+    return rows + [["held constant", leaf.replace("**", "^")] for leaf in leaves]
+
+
+def _integrated(eqs: VoronecEquations) -> dict[str, Any]:
+    """The combinations of the constraints that integrate and what they hold constant, as text."""
+    found: list[Any] = ["undecided", "undecided"]
+    with suppress(EngineLimit):
+        found = [[*map(plain_text, part)] for part in (eqs.integrable, eqs.leaves)]
+    return dict(zip(("integrable_combinations", "held_constant"), found, strict=True))
 
 
 def _motion(eqs: VoronecEquations, width: int) -> list[str]:
@@ -187,15 +193,6 @@ def _program(eqs: VoronecEquations) -> str | None:
         return eqs.python()
     except DefinitionError:
         return None
-
-
-def _integrable_data(eqs: VoronecEquations) -> dict[str, Any]:
-    try:
-        forms, leaves = eqs.integrable, eqs.leaves
-    except EngineLimit:
-        return {"integrable_combinations": "undecided", "held_constant": "undecided"}
-    found = {"integrable_combinations": forms, "held_constant": leaves}
-    return {key: [*map(plain_text, exprs)] for key, exprs in found.items()}
 
 
 def _coefficients(eqs: VoronecEquations, fibre: list[str], base: list[str]) -> dict[str, Any]:
@@ -347,7 +344,7 @@ class VoronecEquations(DerivedEquations):
             "parameters": [p.name for p in self.system.parameters],
             "kind": self.kind,
             "growth": list(self.growth),
-            **_integrable_data(self),
+            **_integrated(self),
             "normal_form": self.in_normal_form,
         }
         if not self.in_normal_form:  # written out, a shared graph is endless
