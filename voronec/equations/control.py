@@ -206,10 +206,12 @@ class Control:
         """Refuted, where the constraints alone keep motions from most places, whatever moves them:
         a few small fields, where those of the state may be too large; else what is said of these.
         """
-        holds = self.equations.distribution
-        if holds.timed or not holds.closed:
+        holds, count = self.equations.distribution, 0
+        with suppress(EngineLimit):
+            count = len(self.equations.integrable)
+        if holds.timed or not count:
             return otherwise()
-        places = f"{holds.growth[-1]} of their {holds.dimension} dimensions, in normal form"
+        places = f"{holds.dimension - count} of their {holds.dimension} dimensions, in normal form"
         return Verdict("refuted", f"the constraints keep coordinates on surfaces of {places}")
 
     def _closure(self, frame: Sequence[Vector], brackets: Sequence[Vector]) -> Verdict:

@@ -40,6 +40,7 @@ from voronec.equations.definition import Definition
 from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.equations.distribution import Distribution, grow
 from voronec.equations.evaluation import acceleration, acceleration_tape
+from voronec.equations.integrable import integrate, solve_in_steps
 from voronec.equations.staged_equations import lean_form
 from voronec.errors import EngineLimit
 
@@ -251,15 +252,27 @@ class DerivedEquations:
         return "chaplygin" if free else "voronec"
 
     @cached_property
+    def _lift(self) -> EhresmannConnection:
+        """The horizontal fields, exact where that can be."""
+        if not self.has_coordinate_frame:
+            found: EhresmannConnection = self._exact_or_raw(lambda d: d.connection)
+            return found
+        try:
+            return self.exact.coordinate_connection
+        except EngineLimit:
+            return solve_in_steps(self.definition, self.raw.coordinate_connection)
+
+    @cached_property
     def distribution(self) -> Distribution:
-        """Growth vector and integrable constraints."""
+        """The growth of the distribution that the horizontal fields span."""
         free = self.has_coordinate_frame
+        raw = self.raw.coordinate_connection if free else self.raw.connection
+        return grow(self.definition, raw, lambda: self._lift)
 
-        def connection(d: Derivation) -> EhresmannConnection:
-            return d.coordinate_connection if free else d.connection
-
-        raw = connection(self.raw)
-        return grow(self.definition, raw, lambda: self._exact_or_raw(connection))
+    @cached_property
+    def _integrable(self) -> tuple[list[Any], list[Any]]:
+        found = self.distribution
+        return integrate(self.definition, self._lift, found.dimension - found.growth[-1])
 
     @cached_property
     def orders(self) -> dict[str, int]:
@@ -286,9 +299,26 @@ class DerivedEquations:
         return found.growth
 
     @property
-    def integrable(self) -> tuple[int, ...]:
-        """Positions of the constraints that are integrable (holonomic)."""
-        return self.distribution.integrable
+    def integrable(self) -> tuple[sp.Expr, ...]:
+        """The combinations of the constraints that integrate, as many as the dimension exceeds that
+        of the involutive closure: affine in the velocities of the coordinates (of the frame of a
+        group), zero along all motions, a basis that does not depend on how the constraints are
+        combined.
+
+        Those that ``leaves`` integrate come first.  Raises ``EngineLimit`` where it is undecided
+        what integrates.
+        """
+        return tuple(map(self.door.outward, self._integrable[0]))
+
+    @property
+    def leaves(self) -> tuple[sp.Expr, ...]:
+        """Functions of coordinates and time that the constraints hold constant: independent, their
+        differentials combinations of ``integrable``, of which fewer have one where no closed form
+        was found.  They serve as relations and as integrals.
+
+        Raises ``EngineLimit`` as ``integrable`` does.
+        """
+        return tuple(map(self.door.outward, self._integrable[1]))
 
     def acceleration(self, point: Mapping[Any, Any], digits: int = 30) -> dict[sp.Expr, sp.Float]:
         """Second time derivatives of all coordinates, to ``digits`` digits, by ball arithmetic.
