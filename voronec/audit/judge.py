@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, wraps
+from functools import wraps
 from itertools import combinations
 from typing import Any
 
@@ -25,15 +25,22 @@ from voronec.audit.display import Check, Decision
 from voronec.audit.formula import Formula
 from voronec.audit.hooks import HookError, call_hook
 from voronec.audit.latex.displays import Piece
-from voronec.audit.latex.nodes import Chain
+from voronec.audit.latex.nodes import Chain, walk
 from voronec.audit.latex.reader import read, read_tokens
-from voronec.audit.latex.tokens import ELLIPSES, Ambiguous, Misprint, Token
+from voronec.audit.latex.tokens import (
+    ELLIPSES,
+    Ambiguous,
+    Misprint,
+    Token,
+    Unfamiliar,
+    complain,
+)
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
 from voronec.audit.record import FormulaRecord
 from voronec.audit.sentence import Sentence
 from voronec.audit.slots import Labels, tight
 from voronec.audit.structure import free_indices, marks, mentions, new_names
-from voronec.audit.study import Range, Study, UnknownRate
+from voronec.audit.study import Range, Study, UnknownRate, name_or_nothing
 from voronec.audit.transcript import Transcript, assignments
 from voronec.audit.verify import FormulaOutcome, by_range, verify
 from voronec.audit.wording import (
@@ -98,12 +105,10 @@ class SectionContext:
                 return True
         return False
 
-    @cached_property
-    def has_enough_formulas(self) -> bool:
-        """Whether enough other formulas are there to tell what the paper's letters are."""
-        displays = (*self.transcript.section.displays, *self.transcript.section.inline)
-        pieces = sum(len(unit.pieces) for display in displays for unit in display.units)
-        return pieces > OTHERS
+    @property
+    def complete(self) -> bool:
+        """Whether what is not known here is a fault of the print."""
+        return self.transcript.section.complete
 
     def refuse_unknown(self, where: str) -> None:
         """``DefinitionError`` where a check names a study, a range or a label that is not there."""
@@ -216,27 +221,45 @@ def _source(record: FormulaRecord, check: Check, bench: SectionContext) -> str:
 def _unreadable(
     formula: Formula, check: Check, bench: SectionContext, error: DefinitionError
 ) -> FormulaRecord:
-    """What cannot be read as printed is a misprint where a small change makes it true, unless it
-    can be read in two ways."""
-    if isinstance(error, Ambiguous):
-        return FormulaRecord(formula.printed, "undecided", str(error))
-    found = _made_true(formula, check, bench, f"it cannot be read as printed ({error})")
-    if found is None and isinstance(error, Misprint):
-        return FormulaRecord(formula.printed, "misprint", f"it cannot be read as printed: {error}")
-    return found or FormulaRecord(formula.printed, "undecided", f"it cannot be read: {error}")
+    """What cannot be read is a misprint where that is a fault of the print; else it is not read."""
+    found = None
+    if not isinstance(error, Ambiguous) and (bench.complete or _is_fault(error)):
+        found = _made_true(formula, check, bench, f"it cannot be read as printed ({error})")
+        if found is None and isinstance(error, Misprint):
+            fault = f"it cannot be read as printed: {error}"
+            return FormulaRecord(formula.printed, "misprint", fault)
+    return found or FormulaRecord(formula.printed, "not read", str(error))
+
+
+def _is_fault(error: Exception) -> bool:
+    """Whether an error is a fault of the print, whatever signs and letters a paper uses."""
+    return isinstance(error, Misprint) and not isinstance(error, Unfamiliar)
 
 
 def _senseless(
     formula: Formula, check: Check, bench: SectionContext, error: Exception
 ) -> FormulaRecord:
-    """The same for what has no value as printed, such as a name that nothing introduces."""
-    found = None
-    if isinstance(error, FAULTS_OF_PRINT) and not isinstance(error, UnknownRate):
+    """The same for what has no value as printed, such as a name that is not in the dictionary."""
+    if isinstance(error, UnknownRate) or not isinstance(error, FAULTS_OF_PRINT):
+        return FormulaRecord(formula.printed, "undecided", str(error))
+    if bench.complete or _is_fault(error):
         found = _made_true(formula, check, bench, f"it has no value as printed ({error})")
-    fault = "" if found is not None else _meaningless(formula, check, bench, error)
-    if fault:
-        return FormulaRecord(formula.printed, "misprint", f"it has no value as printed: {fault}")
-    return found or FormulaRecord(formula.printed, "undecided", str(error))
+        fault = "" if found is not None else _meaningless(formula, check, bench, error)
+        if fault:
+            fault = f"it has no value as printed: {fault}"
+            return FormulaRecord(formula.printed, "misprint", fault)
+        if found is not None:
+            return found
+    return FormulaRecord(formula.printed, "not read", _placed(formula, check, bench, error))
+
+
+def _placed(formula: Formula, check: Check, bench: SectionContext, error: Exception) -> str:
+    """What is not known, with the place of the name."""
+    if not isinstance(error, UnknownName):
+        return str(error)
+    names = walk(formula.tree(bench.study(check).vocabulary))
+    at = next((n.at[0] for n in names if name_or_nothing(n) == error.name), formula.piece.at[0])
+    return str(complain(formula.unit.display, at, str(error)))
 
 
 def _meaningless(formula: Formula, check: Check, bench: SectionContext, error: Exception) -> str:
@@ -248,8 +271,6 @@ def _meaningless(formula: Formula, check: Check, bench: SectionContext, error: E
         return str(error)
     if not isinstance(error, UnknownName):
         return ""
-    if not bench.has_enough_formulas:
-        return ""  # it may be the dictionary that lacks it
     chain = formula.tree(bench.study(check).vocabulary)
     if check.role == "definition" and error.name in mentions(chain.parts[0]):
         return f"it introduces nothing, and '{error.name}' has no value"
@@ -257,9 +278,6 @@ def _meaningless(formula: Formula, check: Check, bench: SectionContext, error: E
         return ""
     return f"nothing introduces '{error.name}', and no other formula here has it"
 
-
-OTHERS = 3
-"""With more other formulas in its section, a letter that no one of them has was misprinted."""
 
 FAULTS_OF_PRINT = (DefinitionError, TypeError, ValueError, AttributeError)
 """What may be wrong in print: a name, a vector in the place of a number; no limit of the engine."""
@@ -387,7 +405,7 @@ def _said_before(formula: Formula, chain: Chain, study: Study, bench: SectionCon
 def _unused_name(formula: Formula, chain: Chain, check: Check, bench: SectionContext) -> str:
     """A name that a definition introduces and nothing else has; else nothing."""
     names = sorted(new_names(chain, bench.study(check)))
-    if not bench.has_enough_formulas or any(
+    if not bench.complete or any(
         bench.is_mentioned(x, formula, check, anywhere=True) for x in names
     ):
         return ""
@@ -406,7 +424,7 @@ def _wrong_range(formula: Formula, chain: Chain, study: Study) -> str:
     """What is wrong with the printed ranges of the indices, ``i=1,\\dots,n``; else nothing."""
     phrase = formula.piece.phrase
     if phrase.startswith("for ") and phrase.split()[1] not in UNIVERSAL:
-        return f"it holds for all, and is printed '{phrase}'"
+        raise Unfamiliar(f"it holds for all, and is printed '{phrase}'")
     for words in formula.piece.quantifiers:
         if any(word.text == "\\in" for word in words):
             fault = _wrong_domain([word.text for word in words], study)
@@ -417,11 +435,10 @@ def _wrong_range(formula: Formula, chain: Chain, study: Study) -> str:
             continue  # no range of an index
         letter, after = words[0].text, _last_part(words)
         if equal != [1] or letter not in study.indices:
-            return "the range of an index reads '" + " ".join(w.text for w in words) + "'"
+            raise Unfamiliar(f"the range of an index reads '{' '.join(w.text for w in words)}'")
         if letter not in free_indices(chain, study):
-            return (
-                f"a range is printed for the index {_spoken_name(letter)}, which is not free here"
-            )
+            what = f"a range is printed for the index {_spoken_name(letter)}, which is not free here"
+            raise Unfamiliar(what)
         top = read_tokens(words[after:], formula.unit.display, study.vocabulary)
         numbers = [word.text for word in words[2:after] if word.text not in (",", *ELLIPSES)]
         last = evaluate(top.parts[0], study)
@@ -440,7 +457,7 @@ def _wrong_domain(words: Sequence[str], study: Study) -> str:
     cut = words.index("\\in")
     vector, space = tight(" ".join(words[:cut])), tight(" ".join(words[cut + 1 :]))
     if vector not in study.domains:
-        return f"it is printed for all {vector}, of which nothing is known here"
+        raise Unfamiliar(f"it is printed for all {vector}, of which nothing is known here")
     if space != study.domains[vector]:
         return f"{vector} lies in {study.domains[vector]}, and is printed to lie in {space}"
     return ""

@@ -49,7 +49,7 @@ from voronec.audit.latex.nodes import (
     Wedge,
     walk,
 )
-from voronec.audit.latex.tokens import Misprint
+from voronec.audit.latex.tokens import Misprint, Unfamiliar
 from voronec.audit.latex.vocabulary import CALL
 from voronec.audit.structure import free_indices
 from voronec.audit.study import Study, UnknownRate, key_of, spell
@@ -161,7 +161,7 @@ def _listed_symbols(items: tuple[Node, ...], study: Study, where: Where) -> set[
             raise Misprint(f"a list of arguments has '{_kind_or_key(item)}' twice")
         if not is_named(item):
             what = f"a list of arguments holds a {_kind_or_key(item).lower()}, which is no variable"
-            raise Misprint(what)
+            raise Unfamiliar(what)
         if isinstance(item, Name) and item.head in study.functions:
             raise Misprint(f"a list of arguments holds '{_kind_or_key(item)}', which is a function")
     values = _listed_values(items, study, where)
@@ -283,7 +283,7 @@ def _member(family: Any, values: list[int], name: str) -> Any:
             return family(*values)
         except (IndexError, KeyError):
             pass
-    raise Misprint(f"'{name}' has no member with the indices {values}")
+    raise Unfamiliar(f"'{name}' has no member with the indices {values}")
 
 
 def _integer(node: Node, study: Study, where: Where) -> int:
@@ -292,7 +292,7 @@ def _integer(node: Node, study: Study, where: Where) -> int:
     except UnknownName:
         raise UnknownName(spell(node), index=True) from None
     if not getattr(value, "is_Integer", False):
-        raise Misprint(f"the index '{spell(node)}' has no integer value")
+        raise Unfamiliar(f"the index '{spell(node)}' has no integer value")
     return int(value)
 
 
@@ -377,7 +377,7 @@ def _partial(node: Partial, study: Study, where: Where) -> Any:
 def _variable(node: Node, study: Study, where: Where) -> sp.Symbol:
     symbol = evaluate(node, study, where)
     if not isinstance(symbol, sp.Symbol):
-        raise Misprint(f"'{_kind_or_key(node)}' is not a variable to differentiate by")
+        raise Unfamiliar(f"'{_kind_or_key(node)}' is not a variable to differentiate by")
     return symbol
 
 
@@ -403,10 +403,10 @@ def _power(node: Power, study: Study, where: Where) -> Any:
     exponent = evaluate(node.exponent, study, where)
     if isinstance(base, sp.MatrixBase) and not base.is_square:
         if exponent != 2:
-            raise Misprint("a vector has a square, but no other power")
+            raise Unfamiliar("a vector has a square, but no other power")
         return base.dot(base)
     if isinstance(base, sp.MatrixBase) and not exponent.is_Integer:
-        raise Misprint("the power of a matrix must be an integer")
+        raise Unfamiliar("the power of a matrix must be an integer")
     if base == 0 and exponent.is_negative:
         raise _division_by_zero(node.base, study, where)
     return base**exponent

@@ -55,6 +55,7 @@ from voronec.audit.latex.tokens import (
     Ambiguous,
     Misprint,
     Token,
+    Unfamiliar,
     complain,
     tokenize,
 )
@@ -188,7 +189,7 @@ def _partial_fraction(reader: Reader, token: Token) -> Node | None:
         reader.take()
         variables.extend(_repeat(reader.factor()))
     if reader.peek() != "}":
-        reader.fail("below the line of a derivative stand variables alone", Misprint)
+        reader.fail("below the line of a derivative stand variables alone", Unfamiliar)
     reader.take()
     if not variables:
         reader.fail("a partial derivative needs a variable")
@@ -241,7 +242,7 @@ def _order(reader: Reader) -> int:
     reader.take()
     order = reader.argument()
     if not isinstance(order, Number):
-        reader.fail("the order of a derivative must be a number", Misprint)
+        reader.fail("the order of a derivative must be a number", Unfamiliar)
     return int(order.text)
 
 
@@ -287,7 +288,7 @@ def atom(reader: Reader, token: Token) -> Node:
     before = reader.tokens[reader.position - 2].text if reader.position > 1 else ""
     if text in (")", "]", "}") and before != "{":  # braces around nothing bear an index
         what = f"something before '{text}' is missing"
-        raise complain(reader.source, token.start, what, Misprint)
+        raise complain(reader.source, token.start, what, Unfamiliar)
     raise complain(reader.source, token.start, f"'{text}' is not understood")
 
 
@@ -640,7 +641,8 @@ class Reader:
                 self._refuse_number_in_doubt(factors)
                 factors.append(self.factor())
         if not factors:
-            self.fail("a term is missing", Misprint)
+            dangling = self.peek() == "}" or self.tokens[self.position - 1].text == "\\cdot"
+            self.fail("a term is missing", Unfamiliar if dangling else Misprint)
         return _product(factors, self.since(start))
 
     def _refuse_number_in_doubt(self, factors: list[Node]) -> None:
@@ -734,7 +736,8 @@ class Reader:
             items.append(self._item())
         if self.peek() != closer and (self.peek() in (*_CLOSERS, "") or not self._is_balanced()):
             what = f"the '{opening.text}' here is not closed: '{closer}' is missing"
-            raise complain(self.source, opening.start, what, Misprint)
+            kind = Unfamiliar if self._is_balanced() else Misprint  # [a, b)
+            raise complain(self.source, opening.start, what, kind)
         self.take(closer)
         return tuple(items)
 

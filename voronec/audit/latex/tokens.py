@@ -16,6 +16,7 @@ __all__ = [
     "Ambiguous",
     "Misprint",
     "Token",
+    "Unfamiliar",
     "complain",
     "tokenize",
 ]
@@ -63,6 +64,10 @@ class Token:
 
 class Misprint(DefinitionError):
     """A bracket, a term or an order that is wrong in print, whatever the letters mean."""
+
+
+class Unfamiliar(Misprint):
+    """What breaks a rule that not every paper keeps: a fault only where all its signs are known."""
 
 
 class Ambiguous(DefinitionError):
