@@ -58,17 +58,18 @@ def test_an_identity_is_proved():
 
 def test_a_value_at_an_instant_is_no_product():
     """x(0) = 0 was proved, as 0 x = 0; a product shows its sign, and a dictionary has functions."""
-    for printed in ("x(0)=0", r"\dot x(0)=0", "w(t+1)=w(t)+w", r"\sin x(0)=0", "x^2(t)=tx^2"):
+    for printed in ("x(0)=0", r"\dot x(0)=0", "w(t+1)=w(t)+w", r"\sin x(0)=0", "x^2(2t)=2tx^2"):
         formula = one(printed)
-        assert (formula.verdict, formula.correction) == ("undecided", None), printed
+        assert (formula.verdict, formula.correction) == ("not read", None), printed
         assert "a value at an instant or a product" in formula.method
-    assert one(r"x\cdot(t+1)=xt+x").verdict == "proved"
+    assert one(r"x\cdot(t+1)=xt+x").verdict == one(r"\dot x(t)^2=w^2(t)").verdict == "proved"
+    assert one("m(t)=m").verdict == "not read"
     assert one("2(t+1)x=2(1+t)x").verdict == one("m(x+1)=mx+m").verdict == "proved"
     function = replace(oscillator(), names={**oscillator().names, r"x(\cdot)": lambda s: s**2})
     assert one("x(t+1)=t^2+2t+1", study=function).verdict == "proved"
 
 
-def test_what_can_be_read_in_two_ways_is_undecided_unless_the_transcription_says_how():
+def test_what_can_be_read_in_two_ways_is_not_read_unless_the_transcription_says_how():
     """Each was called a misprint, and corrected, or proved."""
     for printed, words in {
         r"\cos wt=\cos(wt)": "the cos of a product with t, or t times a cos",
@@ -80,13 +81,24 @@ def test_what_can_be_read_in_two_ways_is_undecided_unless_the_transcription_says
         r"10\,000m=10000m": "two numbers stand side by side",
         r"1{,}500m=1500m": "this comma may stand before decimals or part thousands",
         r"\tan^{-1}(x)=\arctan x": "1/tan or the inverse function",
+        r"\sin x^2=\sin(x^2)": "the power of a function or of its argument",
+        "w^2/2m=w^2/(2m)": "this quotient can be read in two ways",
+        "xw/m c=xwc/m": "this quotient can be read in two ways",
+        r"w/2\sqrt m=w/(2\sqrt m)": "this quotient can be read in two ways",
+        "w/m(m+c)=w/(m(m+c))": "this quotient can be read in two ways",
+        r"\frac{d}{dt}(x+w)m=m\frac{d}{dt}(x+w)": "a factor of what is differentiated",
+        "x2=2x": "this number may be an index, a power or a factor",
+        "x(w)=w": "a function of w, or a product",
+        "|x|w|-m|=m|xw|": "these bars can be read in two ways",
+        "(2) x=2x": "a factor, or the number of the formula",
     }.items():
-        formula = one(printed)
-        assert (formula.verdict, formula.correction) == ("undecided", None), printed
+        formula = one(printed, complete=True)
+        assert (formula.verdict, formula.correction) == ("not read", None), printed
         assert words in formula.method
     assert one(r"\cos{wt}=\cos(tw)").verdict == one(r"\cos{w}t=t\cos w").verdict == "proved"
     assert one(r"\sin x\dot x=\dot x\sin x").verdict == "proved"
     assert one(r"\ln2\cdot x=x\ln2").verdict == one("0{,}5m=m/2").verdict == "proved"
+    assert one(r"w/{m}(m+c)=w+wc/m").verdict == one("dx/dt m=mw").verdict == "proved"
     own = replace(oscillator(), narrow_functions=True)
     assert one(r"\cos wt=t\cos(w)", study=own).verdict == "proved"
     assert one(r"\cos wt=\cos(tw)", study=own).verdict == "misprint"
@@ -230,18 +242,31 @@ def test_another_convention_is_told_from_a_misprint():
     assert "against (eq)" in formula.method
 
 
-def test_what_cannot_be_read_or_decided_is_undecided_and_says_why():
-    assert "'z' is not in the dictionary" in one("x+z=y").method
-    assert one("x+z=y").verdict == "undecided"
-    assert r"'\heartsuit' is not understood" in one(r"x+\heartsuit=y").method
-    assert one(r"x+\heartsuit=y").verdict == "undecided"
+@pytest.mark.parametrize(
+    ("printed", "why"),
+    [
+        ("x+z=y", r"character 4: the name 'z' is not in the dictionary; add it, at '$x+ >>> z=y$'"),
+        (r"x+\heartsuit=y", r"character 4: '\heartsuit' is not understood"),
+        (r"E=\frac12mw^2+\frac12cz^2", "character 24: the name 'z' is not in the dictionary"),
+        (r"x=\begin{cases}y\\ y&x=0\end{cases}", r"'\begin' is not understood"),
+        ("x_y=y", "the index 'y' has no integer value"),
+        ("x=0,5y", "',' is not understood here"),
+        ("x=\N{GREEK SMALL LETTER OMEGA}", "'\N{GREEK SMALL LETTER OMEGA}' is not understood"),
+    ],
+)
+def test_what_is_not_known_is_not_read_and_it_is_said_what_and_where(printed, why):
+    formula = one(printed)
+    assert (formula.verdict, formula.correction) == ("not read", None)
+    assert why in formula.method
 
 
-def test_a_name_that_nothing_introduces_is_a_misprint_where_a_small_change_is_proved():
-    formula = one(r"E=\frac12mw^2+\frac12cz^2")
+def test_a_name_that_nothing_introduces_is_a_misprint_where_the_letters_are_complete():
+    formula = one(r"E=\frac12mw^2+\frac12cz^2", complete=True)
     assert (formula.verdict, formula.correction) == ("misprint", r"E=\frac12mw^2+\frac12cx^2")
     assert "'z' is not in the dictionary" in formula.method
-    assert one(r"E=\frac12mz^2+y").verdict == "undecided"  # no small change makes it true
+    formula = one(r"E=\frac12mz^2+y", complete=True)  # no small change makes it true
+    assert (formula.verdict, formula.correction) == ("misprint", None)
+    assert "nothing introduces 'z'" in formula.method
 
 
 def test_what_the_study_leaves_out_is_no_misprint_of_the_print():
@@ -293,7 +318,7 @@ def test_a_check_must_ask_for_something_that_exists():
 
 
 def test_an_unknown_name_makes_no_definition():
-    assert one("D=x").verdict == "undecided"
+    assert one("D=x").verdict == "not read"
     assert "'D' is not in the dictionary" in one("D=x").method
 
 

@@ -223,5 +223,5 @@ def _summary(trials: list[Outcome], seconds: float) -> float:
     here = sum(trial.outcome == HIT for trial in counted)
     open_ = sum(trial.outcome in OPEN for trial in counted)
     total = max(1, len(counted))
-    print(f"{here / total:.2%} at the right record, {(here + open_) / total:.2%} that, or not decided")
+    print(f"{here / total:.2%} at the right record, {(here + open_) / total:.2%} that or open")
     return here / total

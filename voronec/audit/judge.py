@@ -437,8 +437,7 @@ def _wrong_range(formula: Formula, chain: Chain, study: Study) -> str:
         if equal != [1] or letter not in study.indices:
             raise Unfamiliar(f"the range of an index reads '{' '.join(w.text for w in words)}'")
         if letter not in free_indices(chain, study):
-            what = f"a range is printed for the index {_spoken_name(letter)}, which is not free here"
-            raise Unfamiliar(what)
+            raise Unfamiliar(f"the index {_spoken_name(letter)} of the range is not free here")
         top = read_tokens(words[after:], formula.unit.display, study.vocabulary)
         numbers = [word.text for word in words[2:after] if word.text not in (",", *ELLIPSES)]
         last = evaluate(top.parts[0], study)

@@ -261,6 +261,7 @@ class Study:
             self.numbered,
             narrow_functions=self.narrow_functions,
             variations="\\delta" not in heads.values(),
+            differentials="d" not in heads.values(),
         )
 
     @cached_property

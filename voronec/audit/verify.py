@@ -123,6 +123,8 @@ def _equal(comparison: FormulaComparison, check: Check, study: Study) -> Verdict
     along = check.truth is None and check.role != "definition"  # what defines is true off it, too
     if along and verdict.refuted and _has_unknown_accelerations(left - right, study):
         return NEEDS_ACCELERATIONS
+    if verdict.refuted and (left - right).has(sp.Abs, sp.sign):
+        return NEEDS_SIGNS
     if verdict.proved or check.truth is None:
         return verdict
     if prove_equal(-left, right).proved or _proportional(left, right, comparison.dots):

@@ -1,7 +1,7 @@
 """``voronec regenerate``: every formula of a paper beside what the engine derives.
 
-The exit status is 1 where a formula stays undecided or is not read; a misprint that is found, with its witness,
-is a result and no failure.
+The exit status is 1 where a formula stays undecided or is not read; a misprint that is found, with
+its witness, is a result and no failure.
 """
 
 from __future__ import annotations
