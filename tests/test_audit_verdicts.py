@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 import sympy as sp
 
 import voronec as vo
 from voronec import DefinitionError, velocity
+from voronec.algebra.symbols import plain_name
+from voronec.algebra.typeset import symbol_latex
 from voronec.audit import Check, Convention, Display, Motion, Paper, Section, Study, audit_paper
+from voronec.declaration.catalogue import load_paper
 
 x, y, w, m, c = sp.symbols("x y w m c")
 DEFINITION = Check("definition")
@@ -411,3 +415,74 @@ def test_what_divides_by_zero_is_a_misprint(printed):
     formula = one(printed, study=study)
     assert (formula.verdict, "a denominator is zero" in formula.method) == ("misprint", True)
     assert ("('N' is zero)" in formula.method) is ("N" in printed)
+
+
+def true_displays() -> dict[str, list[str]]:
+    """Of each system the lines of the table."""
+    found: dict[str, list[str]] = {}
+    text = (Path(__file__).parent / "true_displays.txt").read_text(encoding="utf-8")
+    for line in text.splitlines():
+        if line.startswith("[") and "\\" not in line:
+            several = found.setdefault(line.strip("[]"), [])
+        elif line and not line.startswith("#"):
+            several.append(line)
+    return found
+
+
+TRUE = true_displays()
+DEFINED = {"sleigh": "$P=J+ma^2$", "chaplygin-ball": "$D=mR^2$"}
+
+
+def studies_of(name: str, transcript) -> dict[str, Study]:
+    """The letters of a system, and its energy T; the ball has vectors."""
+    if name == "chaplygin-ball":
+        return load_paper(name).sections[0].studies(transcript)
+    eqs = vo.derive(vo.load(name))
+    known = {plain_name(q): q for q in eqs.coordinates}
+    known |= {p.name: p.symbol for p in eqs.system.parameters}
+    names = {symbol_latex(k).replace(r"\phi", r"\varphi"): v for k, v in known.items()}
+    names |= {"t": vo.time, "T": eqs.theta}
+    if name == "sleigh":
+        names |= dict(zip(("v", r"\omega"), eqs.velocities, strict=True))
+    return {name: Study(names, motion=Motion.of(eqs).solved(eqs), context=eqs)}
+
+
+def verdicts_on(name: str, several: list[str]) -> list[set[str]]:
+    """Of each display the verdicts on its formulas."""
+    whole = [d if d.startswith(r"\begin") else f"\\[ {d}\n\\]" for d in several]
+    displays = tuple(map(Display, whole))
+    inline = (Display(DEFINED[name], (DEFINITION,)),) if name in DEFINED else ()
+    section = Section("s", displays, lambda page: studies_of(name, page), inline=inline)
+    records = iter(audit_paper(Paper("p", "A paper", (section,))).records)
+    units = [[next(records) for _ in display.units] for display in displays]
+    return [{f.verdict for record in found for f in record.formulas} for found in units]
+
+
+@pytest.mark.parametrize("name", TRUE)
+def test_no_true_display_is_called_a_misprint(name):
+    """In other authors' styles; what is marked is read and proved, what is unknown is not read."""
+    several = TRUE[name]
+    found = verdicts_on(name, [line.removeprefix("+ ") for line in several])
+    wrong = [line for line, said in zip(several, found, strict=True) if "misprint" in said]
+    pairs = zip(several, found, strict=True)
+    missed = [line for line, said in pairs if line.startswith("+ ") and said != {"proved"}]
+    assert (wrong, missed) == ([], [])
+
+
+def test_there_are_many_true_displays():
+    assert sum(map(len, TRUE.values())) >= 137 and len(TRUE) == 4
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["sleigh", "vertical-disc", "nonholonomic-particle"])
+def test_an_error_in_what_is_read_is_a_misprint(name):
+    """A sign turned in each display that is proved."""
+    marked = (line.removeprefix("+ ") for line in TRUE[name] if line.startswith("+ "))
+    right = [
+        line
+        for line in marked
+        if "=" in line and "=0" not in line and "onst" not in line and "|" not in line
+    ]
+    found = verdicts_on(name, [line.replace("=", "=-", 1) for line in right])
+    missed = [line for line, said in zip(right, found, strict=True) if "misprint" not in said]
+    assert right and not missed

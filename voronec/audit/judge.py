@@ -193,18 +193,16 @@ def judge_formula(
     chain: Chain | None = None
     try:
         study = bench.study(check)
-        try:
-            chain = formula.tree(study.vocabulary)
-        except DefinitionError as error:
-            record = _with_proposal(_unreadable(formula, check, bench, error), check, bench)
-            return replace(record, source=_source(record, check, bench)), None
+        chain = formula.tree(study.vocabulary)
         record = _judge_formula(formula, chain, check, study, bench)
         record = _elsewhere(record, formula, check, bench)
         record = replace(record, method=with_note(record, study))
     except HookError:
         raise
     except SENSELESS as error:
-        record = _with_proposal(_senseless(formula, check, bench, error), check, bench)
+        what = "cannot be read" if chain is None else "has no value"
+        record = _without_value(formula, check, bench, error, what)
+        record = _with_proposal(record, check, bench)
     return replace(record, says=check.says, source=_source(record, check, bench)), chain
 
 
@@ -218,38 +216,21 @@ def _source(record: FormulaRecord, check: Check, bench: SectionContext) -> str:
     return "; ".join(dict.fromkeys(s for s in several if s))
 
 
-def _unreadable(
-    formula: Formula, check: Check, bench: SectionContext, error: DefinitionError
+def _without_value(
+    formula: Formula, check: Check, bench: SectionContext, error: Exception, what: str
 ) -> FormulaRecord:
-    """What cannot be read is a misprint where that is a fault of the print; else it is not read."""
-    found = None
-    if not isinstance(error, Ambiguous) and (bench.complete or _is_fault(error)):
-        found = _made_true(formula, check, bench, f"it cannot be read as printed ({error})")
-        if found is None and isinstance(error, Misprint):
-            fault = f"it cannot be read as printed: {error}"
-            return FormulaRecord(formula.printed, "misprint", fault)
-    return found or FormulaRecord(formula.printed, "not read", str(error))
-
-
-def _is_fault(error: Exception) -> bool:
-    """Whether an error is a fault of the print, whatever signs and letters a paper uses."""
-    return isinstance(error, Misprint) and not isinstance(error, Unfamiliar)
-
-
-def _senseless(
-    formula: Formula, check: Check, bench: SectionContext, error: Exception
-) -> FormulaRecord:
-    """The same for what has no value as printed, such as a name that is not in the dictionary."""
+    """What cannot be read, or has no value, is a misprint where that is a fault of the print; what
+    is not known is not read."""
     if isinstance(error, UnknownRate) or not isinstance(error, FAULTS_OF_PRINT):
         return FormulaRecord(formula.printed, "undecided", str(error))
-    if bench.complete or _is_fault(error):
-        found = _made_true(formula, check, bench, f"it has no value as printed ({error})")
-        fault = "" if found is not None else _meaningless(formula, check, bench, error)
-        if fault:
-            fault = f"it has no value as printed: {fault}"
-            return FormulaRecord(formula.printed, "misprint", fault)
+    unusual = isinstance(error, Unfamiliar) or not isinstance(error, Misprint)
+    if not isinstance(error, Ambiguous) and (bench.complete or not unusual):
+        found = _made_true(formula, check, bench, f"it {what} as printed ({error})")
         if found is not None:
             return found
+        fault = _meaningless(formula, check, bench, error)
+        if fault:
+            return FormulaRecord(formula.printed, "misprint", f"it {what} as printed: {fault}")
     return FormulaRecord(formula.printed, "not read", _placed(formula, check, bench, error))
 
 

@@ -96,8 +96,12 @@ def _call(node: Call, study: Study, where: Where) -> Any:
     variables = _variables(study)
     applied = getattr(node.function, "head", "") in study.functions
     moving = variables | {rate for rate in study.motion.rates.values() if rate.is_Symbol}
-    if node.arguments == (Name("t"),) and not applied and value.free_symbols & moving:
-        return value  # x(t): what moves is a function of the time
+    if node.arguments == (Name("t"),) and not applied:
+        if value.free_symbols & moving:
+            return value  # x(t): what moves is a function of the time
+        raise DefinitionError(
+            f"'{_kind_or_key(node.function)}' is constant, and (t) stands behind it"
+        )
     if not value.free_symbols & variables:
         vectors = _two_vectors(node.arguments, study, where)
         if vectors is not None:
@@ -400,7 +404,7 @@ def _refuse_two_frames(value: Any, symbol: sp.Symbol, study: Study) -> None:
     """A derivative by a velocity that a function does not hold, which holds those of another frame:
     one book takes it on the constraints, and another with everything else held."""
     rates, dots = study.motion.rates, {velocity(q) for q in study.motion.rates}
-    quasi = {v for v, rate in rates.items() if rate == velocity(v)} - dots
+    quasi = {v for v, rate in rates.items() if rate == velocity(v) and rate not in rates} - dots
     held = getattr(value, "free_symbols", {symbol})
     mixed = (symbol in quasi and held & dots) or (symbol in dots and held & quasi)
     if symbol not in held and mixed:

@@ -109,6 +109,10 @@ def _lines(latex: str, start: int, end: int) -> list[tuple[int, int]]:
     return lines
 
 
+_NUMBER = re.compile(r"\(\d+[a-z']?\)")
+"""What a formula may be called behind it."""
+
+
 def _unit(latex: str, lines: list[tuple[int, int]]) -> FormulaUnit:
     labels = [m.group(1) for m in _LABEL.finditer(latex)] if len(lines) else []
     inside = [m.group(1) for a, b in lines for m in _LABEL.finditer(latex, a, b)]
@@ -119,7 +123,7 @@ def _unit(latex: str, lines: list[tuple[int, int]]) -> FormulaUnit:
     for a, b in lines:
         tokens = tokenize(latex, a, b)
         for words in _split_list(tokens):
-            if not _is_text(words):
+            if not _is_text(words) and not _NUMBER.fullmatch("".join(w.text for w in words)):
                 _append(pieces, words, said, ended)
             said, ended = words, True
         ended = bool(tokens) and tokens[-1].text in _SEPARATORS

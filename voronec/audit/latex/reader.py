@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NoReturn
 
-from voronec.audit.latex.displays import RELATIONS
+from voronec.audit.latex.displays import RELATIONS, group_end
 from voronec.audit.latex.doubts import (
     fraction_of_numbers,
     function_without_backslash,
@@ -74,7 +74,10 @@ def read(source: str, vocabulary: LatexVocabulary | None = None) -> Chain:
 
 def read_tokens(tokens: Sequence[Token], source: str, vocabulary: LatexVocabulary) -> Chain:
     """The tree of the formula that the given words of ``source`` make."""
-    return Reader(list(tokens), source, vocabulary).formula()
+    try:
+        return Reader(list(tokens), source, vocabulary).formula()
+    except RecursionError:
+        raise DefinitionError("it is nested too deeply; leave out parentheses") from None
 
 
 def read_name(source: str, vocabulary: LatexVocabulary | None = None) -> Node:
@@ -288,13 +291,9 @@ def _order(reader: Reader) -> int:
 
 
 def _denominator_is_differential(reader: Reader) -> bool:
-    depth = 0
-    for i in range(reader.position, len(reader.tokens)):
-        depth += (reader.tokens[i].text == "{") - (reader.tokens[i].text == "}")
-        if depth == 0:
-            words = [t.text for t in reader.tokens[i + 1 : i + 4]]
-            return words[:2] == ["{", "d"] and (reader.vocabulary.differentials or "t" in words)
-    return False
+    end = group_end(reader.tokens, reader.position)
+    words = [token.text for token in reader.tokens[end : end + 3]]
+    return words[:2] == ["{", "d"] and (reader.vocabulary.differentials or "t" in words)
 
 
 def _repeat(variable: Node) -> list[Node]:

@@ -368,12 +368,7 @@ class Language:
         if not words:
             raise DefinitionError("the equation is empty; write one such as \\dot v = a w^2")
         vocabulary = replace(self.study.vocabulary, primes=True)
-        try:
-            tree = read_tokens(words, source, vocabulary)
-        except RecursionError:
-            raise DefinitionError(
-                "the equation is nested too deeply; leave out parentheses"
-            ) from None
+        tree = read_tokens(words, source, vocabulary)
         if not tree.relations or {*tree.relations} != {"="}:
             sign = next((s for s in tree.relations if s != "="), "")
             what = f"'{sign}' is no sign of equality" if sign else "there is no sign of equality"

@@ -12,7 +12,6 @@ import unicodedata
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from decimal import Decimal
-from itertools import pairwise
 
 from voronec.audit.latex.tokens import ELEMENTARY, GREEK, NAMED, Token, tokenize
 
@@ -42,6 +41,8 @@ _TAIL = re.compile(
     r"(?:\\q?quad|\\\\|\\hfill|\s)+\(\d+[a-z']?\)\s*$|(?:\\q?quad|\\\\\s|\\\\$)+\s*$"
 )
 
+_SCIENTIFIC = re.compile(r"\d+(?:\.\d+)?[eE][-+]?\d{1,3}(?!\d)")
+
 
 def words_of(text: str, spelled: Mapping[str, str]) -> tuple[str, list[Token]]:
     r"""An equation as LaTeX writes it, and its words for the reader.
@@ -53,8 +54,8 @@ def words_of(text: str, spelled: Mapping[str, str]) -> tuple[str, list[Token]]:
     plain = "\\" not in source.replace("\\cdot", "").replace("\\times", "")
     source = source if source.isascii() else _in_ascii(source, plain)
     words = tokenize(source, *_bounds(source))
-    words = _each(words, lambda given, at: _decimal(given, at, spelled))
-    words = words if "e" in spelled else _each(words, _base)
+    if "e" not in spelled:
+        words = _each(_each(words, lambda given, at: _decimal(given, at, source)), _base)
     names = _COMMANDS | dict(spelled) if plain else _long(spelled)
     words = _spell_words(source, words, names, plain)
     return source, _each(words, _exponent) if plain else words
@@ -98,26 +99,14 @@ def _base(words: list[Token], position: int) -> tuple[int, list[Token]] | None:
     return (position + 1, [named]) if texts == ["e", "^"] else None
 
 
-def _decimal(
-    words: list[Token], position: int, spelled: Mapping[str, str]
-) -> tuple[int, list[Token]] | None:
-    """``1e-9``, written without spaces, as one number, unless e is a name of the system."""
-    signed = [w.text for w in words[position + 2 : position + 3]] in (["+"], ["-"])
-    end = position + 3 + signed
-    parts = words[position:end]
-    beside = all(a.end == b.start for a, b in pairwise(parts))
-    kinds = [w.kind for w in parts if w.text not in "+-"]
-    if not beside or kinds != ["number", "letter", "number"] or parts[1].text in spelled:
+def _decimal(words: list[Token], position: int, source: str) -> tuple[int, list[Token]] | None:
+    """``1e-9``, written without spaces, as one number."""
+    word = words[position]
+    match = _SCIENTIFIC.match(source, word.start) if word.kind == "number" else None
+    if match is None or "," in word.text:
         return None
-    text = "".join(w.text for w in parts)
-    if (
-        "," in text
-        or parts[1].text not in "eE"
-        or not parts[-1].text.isdecimal()
-        or len(parts[-1].text) > 3
-    ):
-        return None
-    return end, [replace(parts[0], text=f"{Decimal(text):f}", end=parts[-1].end)]
+    end = position + sum(w.start < match.end() for w in words[position:])
+    return end, [replace(word, text=f"{Decimal(match[0]):f}", end=match.end())]
 
 
 Change = Callable[[list[Token], int], tuple[int, list[Token]] | None]
