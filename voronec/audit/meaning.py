@@ -403,8 +403,7 @@ def _partial(node: Partial, study: Study, where: Where) -> Any:
 def _refuse_two_frames(value: Any, symbol: sp.Symbol, study: Study) -> None:
     """A derivative by a velocity that a function does not hold, which holds those of another frame:
     one book takes it on the constraints, and another with everything else held."""
-    rates, dots = study.motion.rates, {velocity(q) for q in study.motion.rates}
-    quasi = {v for v, rate in rates.items() if rate == velocity(v) and rate not in rates} - dots
+    quasi, dots = study.motion.quasi, study.motion.constrained.keys()
     held = getattr(value, "free_symbols", {symbol})
     mixed = (symbol in quasi and held & dots) or (symbol in dots and held & quasi)
     if symbol not in held and mixed:
