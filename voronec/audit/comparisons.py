@@ -73,7 +73,7 @@ def _equal_parts(
     chain: Chain, study: Study, where: dict[str, int], new: set[str]
 ) -> Iterator[FormulaComparison]:
     if any(isinstance(p, Integral) and p.upper is None for p in chain.parts):
-        rates = [rate(p, study, where) for p in chain.parts]
+        rates = [study.motion.along(rate(p, study, where)) for p in chain.parts]
         for left, right in pairwise(rates):
             yield from _componentwise(left, right, where, "derivative along the motion")
         return

@@ -131,13 +131,9 @@ def _size(value: Any) -> Any:
 
 
 _FUNCTIONS: dict[str, Callable[..., Any]] = {
-    "\\diag": sp.diag,
-    "\\det": sp.det,
-    "\\tr": sp.trace,
-    "abs": _size,
-    "sgn": sp.sign,
+    "\\diag": sp.diag, "\\det": sp.det, "\\tr": sp.trace, "abs": _size, "sgn": sp.sign,
     **{name: getattr(sp, name) for name in ("atan2", "floor", "ceiling", "Heaviside")},
-}
+}  # fmt: skip
 """Functions by name, unless the dictionary has its own."""
 
 
@@ -395,19 +391,22 @@ def _partial(node: Partial, study: Study, where: Where) -> Any:
         if isinstance(variable, Name) and variable.sup and not value.has(symbol):
             place, symbol = symbol, _variable(Name(variable.head, variable.sub), study, where)
             places[symbol] = place
-        _refuse_two_frames(value, symbol, study)
+        _refuse_doubtful(value, symbol, study)
         value = sp.diff(value, symbol)
     return value.xreplace(places)
 
 
-def _refuse_two_frames(value: Any, symbol: sp.Symbol, study: Study) -> None:
-    """A derivative by a velocity that a function does not hold, which holds those of another frame:
-    one book takes it on the constraints, and another with everything else held."""
+def _refuse_doubtful(value: Any, symbol: sp.Symbol, study: Study) -> None:
+    """A derivative by a velocity that a function does not hold, which holds those of another frame,
+    or of what moves by t: one book takes it on the motion, and another with everything else held.
+    """
     quasi, dots = study.motion.quasi, study.motion.constrained.keys()
     held = getattr(value, "free_symbols", {symbol})
     mixed = (symbol in quasi and held & dots) or (symbol in dots and held & quasi)
     if symbol not in held and mixed:
         raise Unfamiliar("no velocities of a frame stand in this; take those of the coordinates")
+    if symbol == time and value in study.motion.rates:
+        raise Unfamiliar("this may be a rate, or zero; a derivative along the motion has d")
 
 
 def _variable(node: Node, study: Study, where: Where) -> sp.Symbol:

@@ -123,13 +123,22 @@ def _equal(comparison: FormulaComparison, check: Check, study: Study) -> Verdict
     along = check.truth is None and check.role != "definition"  # what defines is true off it, too
     if along and verdict.refuted and _has_unknown_accelerations(left - right, study):
         return NEEDS_ACCELERATIONS
-    if verdict.refuted and (left - right).has(sp.Abs, sp.sign):
+    if verdict.refuted and not study.ranges and _hangs_on_signs(left, right):
         return NEEDS_SIGNS
     if verdict.proved or check.truth is None:
         return verdict
     if prove_equal(-left, right).proved or _proportional(left, right, comparison.dots):
         return Verdict("proved", "zero in exact normal form")
     return verdict
+
+
+def _hangs_on_signs(left: Any, right: Any) -> bool:
+    """Whether sides have sizes, or roots with which they are equal for positive symbols."""
+    if (left - right).has(sp.Abs, sp.sign):
+        return True
+    roots = any(not power.exp.is_Integer for power in (left - right).atoms(sp.Pow))
+    positive = {x: sp.Symbol(f"{x}", positive=True) for x in (left - right).free_symbols}
+    return roots and prove_equal(left.xreplace(positive), right.xreplace(positive)).proved
 
 
 def _has_unknown_accelerations(value: Any, study: Study) -> bool:

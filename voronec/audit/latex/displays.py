@@ -145,7 +145,7 @@ def _append(
         pieces[-1] = Piece(last.tokens, (*last.quantifiers, inside), phrase)
     elif _is_text(said) and words[0].text in RELATIONS:
         pieces.append(Piece(said + words))
-    elif last and (words[0].text in RELATIONS or not (ended or _has_relation(words))):
+    elif last and (words[0].text in RELATIONS or not (ended or _relates(words, last.tokens))):
         pieces[-1] = Piece(last.tokens + words, last.quantifiers, last.phrase)
     else:
         pieces.append(Piece(words))
@@ -165,8 +165,9 @@ def _is_text(words: tuple[Token, ...]) -> bool:
     return len(words) == 1 and words[0].kind in ("text", "name") and words[0].text != "const"
 
 
-def _has_relation(words: tuple[Token, ...]) -> bool:
-    return any(w.text in RELATIONS for w in words)
+def _relates(*several: tuple[Token, ...]) -> bool:
+    """Whether each of some formulas has a relation."""
+    return all(any(w.text in RELATIONS for w in words) for words in several)
 
 
 def _split_list(tokens: list[Token]) -> list[tuple[Token, ...]]:

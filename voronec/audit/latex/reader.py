@@ -335,11 +335,14 @@ def atom(reader: Reader, token: Token) -> Node:
     if text in (")", "]", "}") and before != "{":  # braces around nothing bear an index
         what = f"something before '{text}' is missing"
         raise complain(reader.source, token.start, what, Unfamiliar)
+    if text == "\\begin":
+        text += reader.source[token.end :].partition("}")[0] + "}"
     raise complain(reader.source, token.start, f"'{text}' is not understood")
 
 
 def _group(reader: Reader, token: Token) -> Node:
-    if reader.position == 1 and reader.kind() == "number" and reader.peek(1) == ")":
+    single = reader.kind() in ("number", "letter") and reader.peek(1) == ")"
+    if reader.position == 1 and single and reader.peek(2) not in {*_STOP, "", "^", "_", "'"}:
         what = "this may be a factor, or the number of the formula; write no parentheses, or \\tag"
         raise complain(reader.source, token.start, what, Ambiguous)
     items = reader.group(token)
@@ -721,8 +724,9 @@ class Reader:
                 self._refuse_number_in_doubt(factors)
                 factors.append(self.factor())
         if not factors:
-            begins = self.position == 0 or self.tokens[self.position - 1].text == "\\{"
-            unusual = begins or self.peek() in ("}", "]")  # \left\{, v^{-}, ]a, b]
+            before = self.tokens[self.position - 1].text if self.position else "\\{"
+            unusual = before in ("\\{", self.peek()) or self.peek() in ("}", "]", "\\colon")
+            # \left\{, a - - b across two lines, v^{-}, ]a, b], a =: b
             self.fail("a term is missing", Unfamiliar if unusual else Misprint)
         return _product(factors, self.since(start))
 

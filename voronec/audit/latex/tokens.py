@@ -34,10 +34,8 @@ GREEK = frozenset(
     r" \Theta \Lambda \Xi \Pi \Sigma \Phi \Psi \Omega \wp \ell".split()
 )
 """Commands that are letters by themselves."""
-NAMED = {
-    "abs": "abs", "Abs": "abs", "sgn": "sgn", "sign": "sgn", "signum": "sgn", "atan2": "atan2",
-    "floor": "floor", "ceiling": "ceiling", "Heaviside": "Heaviside",
-}  # fmt: skip
+NAMED = {name: name for name in "abs sgn atan2 floor ceiling Heaviside".split()}
+NAMED |= {"Abs": "abs", "sign": "sgn", "signum": "sgn"}
 """Functions by name, ``\\operatorname{sgn}``, and what they are called here."""
 FUNCTIONS = frozenset(r"\diag \det \tr".split()) | frozenset(NAMED.values())
 """Names of functions, to be followed by their arguments."""

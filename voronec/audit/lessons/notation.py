@@ -56,7 +56,7 @@ def words_of(text: str, spelled: Mapping[str, str]) -> tuple[str, list[Token]]:
     words = tokenize(source, *_bounds(source))
     if "e" not in spelled:
         words = _each(_each(words, lambda given, at: _decimal(given, at, source)), _base)
-    names = _COMMANDS | dict(spelled) if plain else _long(spelled)
+    names = _COMMANDS | dict(spelled) if plain else spelled
     words = _spell_words(source, words, names, plain)
     return source, _each(words, _exponent) if plain else words
 
@@ -105,7 +105,7 @@ def _decimal(words: list[Token], position: int, source: str) -> tuple[int, list[
     match = _SCIENTIFIC.match(source, word.start) if word.kind == "number" else None
     if match is None or "," in word.text:
         return None
-    end = position + sum(w.start < match.end() for w in words[position:])
+    end = _behind(words, position, match.end())
     return end, [replace(word, text=f"{Decimal(match[0]):f}", end=match.end())]
 
 
@@ -124,42 +124,31 @@ def _each(words: list[Token], change: Change) -> list[Token]:
     return found
 
 
-def _long(spelled: Mapping[str, str]) -> dict[str, str]:
-    """Names of several letters, which are told from products of letters in LaTeX, too."""
-    return {name: latex for name, latex in spelled.items() if len(name) > 1 and name.isalpha()}
-
-
 def _spell_words(
     source: str, words: list[Token], spelled: Mapping[str, str], plain: bool
 ) -> list[Token]:
     """Runs of letters, and in plain text digits, as the names that they are made of."""
+    run = re.compile(r"[A-Za-z]\w*(?:\.\d+)?" if plain else r"(?<![A-Za-z])[A-Za-z]{2,}")
 
     def spell(words: list[Token], position: int) -> tuple[int, list[Token]] | None:
-        run = _run(words, position, plain)
-        if not run:
+        word = words[position]
+        match = run.match(source, word.start) if word.kind == "letter" else None
+        if match is None or not (plain or match[0] in spelled):
             return None
-        text, found, at = source[run[0].start : run[-1].end], list[Token](), run[0].start
-        if not plain and text not in spelled:
-            return position + len(run), run
-        for part in _parts(text, spelled) if plain else [text]:
+        found, at = list[Token](), word.start
+        for part in _parts(match[0], spelled) if plain else [match[0]]:
             # the words of a name's LaTeX, all at the place where it was written
             latex = tokenize(spelled.get(part, part))
             found += [replace(w, start=at, end=at + len(part)) for w in latex]
             at += len(part)
-        return position + len(run), found
+        return _behind(words, position, at), found
 
     return _each(words, spell)
 
 
-def _run(words: Sequence[Token], start: int, plain: bool) -> list[Token]:
-    """Letters side by side, from a position on; in plain text with digits and lines below."""
-    found: list[Token] = []
-    for word in words[start:]:
-        inside = plain and found and (word.kind == "number" or word.text == "_")
-        if not (word.kind == "letter" or inside) or (found and word.start != found[-1].end):
-            break
-        found.append(word)
-    return found
+def _behind(words: Sequence[Token], position: int, end: int) -> int:
+    """The position of the first word, from one on, that does not begin before a place."""
+    return next((k for k in range(position, len(words)) if words[k].start >= end), len(words))
 
 
 def _parts(text: str, spelled: Mapping[str, str]) -> list[str]:

@@ -252,7 +252,7 @@ def reasons_list(audit: Audit, places: Places, verdict: str) -> str:
         f'<p class="method">{prose(end_sentence(f.method))}</p></li>'
         for r, f in with_verdict(audit, verdict)
     )
-    return f'<ol id="{_anchor(verdict)}-list">{items}</ol>' if items else ""
+    return f'<ol id="{verdict.replace(" ", "-")}-list">{items}</ol>' if items else ""
 
 
 def record_html(record: Record, places: Places) -> str:
@@ -357,12 +357,7 @@ def _cell(title: str, latex: str, marks: Sequence[tuple[int, int]] = (), mark: s
 
 
 def _badge(verdict: str) -> str:
-    return f'<span class="badge {_anchor(verdict)}">{verdict}</span>'
-
-
-def _anchor(verdict: str) -> str:
-    """A verdict as a name in the page."""
-    return verdict.replace(" ", "-")
+    return f'<span class="badge {verdict.replace(" ", "-")}">{verdict}</span>'
 
 
 def _method(text: str, badge: str = "") -> str:
