@@ -93,7 +93,6 @@ def test_what_can_be_read_in_two_ways_is_not_read_unless_the_transcription_says_
         "w/m(m+c)=w/(m(m+c))": "this quotient can be read in two ways",
         r"\frac{d}{dt}(x+w)m=m\frac{d}{dt}(x+w)": "a factor of what is differentiated",
         "x2=2x": "this number may be an index, a power or a factor",
-        "x(w)=w": "a function of w, or a product",
         "|x|w|-m|=m|xw|": "these bars can be read in two ways",
         "(2) x=2x": "a factor, or the number of the formula",
     }.items():
@@ -255,6 +254,7 @@ def test_another_convention_is_told_from_a_misprint():
         (r"E=\frac12mw^2+\frac12cz^2", "character 24: the name 'z' is not in the dictionary"),
         (r"x=\begin{cases}y\\ y&x=0\end{cases}", r"character 4: '\begin{cases}' is not understood"),
         ("x_y=y", "the index 'y' has no integer value"),
+        ("x(w)=w", "character 3: this may be a function of w, or a product"),
         ("x=0,5y", "',' is not understood here"),
         ("x=\N{GREEK SMALL LETTER OMEGA}", "'\N{GREEK SMALL LETTER OMEGA}' is not understood"),
     ],

@@ -337,7 +337,7 @@ def _dot(node: Dot, study: Study, where: Where) -> Any:
 
 def _require_variations(study: Study) -> None:
     if not study.variations:
-        raise DefinitionError("variations are not read here; write what holds along the motion")
+        raise Unfamiliar("variations are not read here; write what holds along the motion")
 
 
 def _variation(node: Variation, study: Study, where: Where) -> Any:

@@ -808,7 +808,7 @@ class Reader:
             self.fail(f"{what} written with \\cdot", Ambiguous)
         elif self.peek() == "(" and self._takes_name(node):
             what = f"this may be a function of {self.peek(1)}, or a product; write the name alone,"
-            self.fail(f"{what} or \\cdot between", Ambiguous)
+            self.fail(f"{what} or \\cdot between", Unfamiliar)
         return scripts(self, node, start) if self.peek() in ("^", "_", "'") else node
 
     def _named_function(self, name: Name, start: int) -> Node:
