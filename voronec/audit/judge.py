@@ -398,14 +398,18 @@ def _words(piece: Piece) -> list[list[str]]:
 
 
 UNIVERSAL = ("all", "any", "every", "each", "arbitrary")
-"""Words for what a formula that is proved holds for."""
+PARTIAL = ("some", "no")
+"""Words for what a formula that is proved holds for, and for what says less, or the opposite."""
 
 
 def _wrong_range(formula: Formula, chain: Chain, study: Study) -> str:
     """What is wrong with the printed ranges of the indices, ``i=1,\\dots,n``; else nothing."""
     phrase = formula.piece.phrase
     if phrase.startswith("for ") and phrase.split()[1] not in UNIVERSAL:
-        raise Unfamiliar(f"it holds for all, and is printed '{phrase}'")
+        fault = f"it holds for all, and is printed '{phrase}'"
+        if phrase.split()[1] not in PARTIAL:
+            raise Unfamiliar(fault)
+        return fault
     for words in formula.piece.quantifiers:
         if any(word.text == "\\in" for word in words):
             fault = _wrong_domain([word.text for word in words], study)
