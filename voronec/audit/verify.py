@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
+import sympy as sp
+
 from voronec.algebra.signs import prove_inequality
 from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import Verdict, prove_equal
@@ -123,10 +125,21 @@ def _equal(comparison: FormulaComparison, check: Check, study: Study) -> Verdict
     moves = check.role != "definition" and _has_unknown_accelerations(left - right, study)
     if verdict.refuted and moves:
         return NEEDS_ACCELERATIONS
+    if verdict.refuted and not study.ranges and _hangs_on_signs(left, right):
+        return NEEDS_SIGNS
     free = comparison.free
     if verdict.proved and free is not None and prove_equal(free, 0, study.relations).proved:
         return IDLE
     return verdict
+
+
+def _hangs_on_signs(left: Any, right: Any) -> bool:
+    """Whether sides have sizes, or roots with which they are equal for positive symbols."""
+    if (left - right).has(sp.Abs, sp.sign):
+        return True
+    roots = any(not power.exp.is_Integer for power in (left - right).atoms(sp.Pow))
+    positive = {x: sp.Symbol(f"{x}", positive=True) for x in (left - right).free_symbols}
+    return roots and prove_equal(left.xreplace(positive), right.xreplace(positive)).proved
 
 
 def _has_unknown_accelerations(value: Any, study: Study) -> bool:
