@@ -13,7 +13,6 @@ from voronec.algebra.symbols import velocity
 from voronec.algebra.text import as_expression
 from voronec.declaration.claims import Equation
 from voronec.declaration.geometry import Fibration, Frame
-from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
 from voronec.kinematics.balls import ZERO
 from voronec.kinematics.bodies import kinetic_energy, momentum_about_point, point_velocity
@@ -27,7 +26,7 @@ from voronec.kinematics.meanings import (
 )
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
-from voronec.kinematics.sketches import carried_sketch
+from voronec.kinematics.sketches import carried, rolling_sketch, wheel_of
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import column, cross, dot, three
 
@@ -84,13 +83,6 @@ class CarriedContact:
         """omega by the velocities of Euler's angles."""
         return dict(zip(self.omega, self.rotation.body_rates, strict=True))
 
-    def _sketch(self, rotor: Sequence[Any]) -> Sketch:
-        """The body, with all that is carried along."""
-        place, arm, *lines = self.vectors
-        attitude, contact = self.rotation.coordinates, self.contact
-        rolled = (*contact.body.coordinates, *contact.fixed.coordinates, contact.theta)
-        return carried_sketch(attitude, place, rolled, rotor, body="body", arm=arm, lines=lines)
-
     @property
     def vectors(self) -> tuple[sp.Matrix, sp.Matrix, sp.Matrix, sp.Matrix]:
         """o, r, e, f."""
@@ -145,31 +137,35 @@ class CarriedContact:
         """
         kappa = three(rotor, "the momentum of a rotor")
         words = {self.mass: ("mass", True), **moment_words(self.inertia), **rotor_words(kappa)}
-        momentum = self.momentum_rate(kappa)
-        lines = (q for axis in self.vectors[1:] for q in axis)
+        place, arm, *lines = self.vectors
         own = {
             "fibration": Fibration(self.base, tuple(self.rates)),
             "frame": Frame.quasi(self.spin),
             "lagrangian": self.kinetic + dot(self.omega, kappa),
             "constraints": self.constraints,
             "parameters": constants(values, words),
-            "equations": {"momentum": Equation(self.momentum, momentum)},
+            "equations": {"momentum": Equation(self.momentum, self.momentum_rate(kappa))},
             "integrals": {"energy": dot(self.momentum, self.omega) / 2},
-            "essential": (*lines, *self.contact.coordinates, *self.omega),
-            "meanings": self._meanings,
-            "sketch": self._sketch(kappa),
+            "essential": (*arm, *lines[0], *lines[1], *self.contact.coordinates, *self.omega),
+            "meanings": {
+                **euler_meanings(self.base),
+                **contact_meanings(self.contact, on=CURVATURE_LINES),
+                **vector_meanings(self.omega),
+                **vector_meanings(place, CARRIED_VECTORS[0]),
+                **vector_meanings(arm, CARRIED_VECTORS[1]),
+                **vector_meanings(lines[0], CARRIED_VECTORS[2]),
+                **vector_meanings(lines[1], CARRIED_VECTORS[3]),
+            },
+            "sketch": rolling_sketch(
+                body="body",
+                attitude=self.base,
+                **carried(self.contact, place),
+                wheel=wheel_of(kappa),
+                arm=arm,
+                lines=lines,
+            ),
         }
         return join_declarations(own, declared)
-
-    @property
-    def _meanings(self) -> dict[Any, str]:
-        vectors = zip(self.vectors, CARRIED_VECTORS, strict=True)
-        return {
-            **euler_meanings(self.base),
-            **contact_meanings(self.contact, on=CURVATURE_LINES),
-            **vector_meanings(self.omega),
-            **{q: said for x, word in vectors for q, said in vector_meanings(x, word).items()},
-        }
 
     def momentum_rate(self, rotor: Sequence[Any] = (0, 0, 0)) -> sp.ImmutableMatrix:
         """dG/dt = (G + kappa) x omega + m dr/dt x (omega x r), kappa the momentum of a rotor."""
