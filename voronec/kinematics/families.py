@@ -7,6 +7,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.text import as_expression
 from voronec.declaration.reading import fixed_mapping
 from voronec.declaration.scene import Parameter
 from voronec.declaration.system import System
@@ -73,6 +74,11 @@ def rotor_words(rotor: Sequence[Any]) -> Words:
 
 def _symbols(words: Words) -> Words:
     return {symbol: said for symbol, said in words.items() if isinstance(symbol, sp.Symbol)}
+
+
+def rolling_ratio(fixed: Any, radius: Any) -> sp.Expr:
+    """epsilon = R1/(R1 + R2) of a ball on a sphere, and 1 on a plane, where ``fixed`` is None."""
+    return sp.Integer(1) if fixed is None else as_expression(fixed / (fixed + radius))
 
 
 def join_declarations(own: Mapping[str, Any], more: Mapping[str, Any]) -> System:

@@ -24,6 +24,7 @@ from voronec.kinematics.families import (
     constants,
     join_declarations,
     moment_words,
+    rolling_ratio,
     rotor_words,
 )
 from voronec.kinematics.meanings import euler_meanings, vector_meanings
@@ -119,7 +120,7 @@ class BallOnMovingSphere:
     @property
     def epsilon(self) -> sp.Expr:
         """R1/(R1 + R2)."""
-        return self.fixed / (self.fixed + self.radius)
+        return rolling_ratio(self.fixed, self.radius)
 
     @cached_property
     def contact(self) -> sp.Matrix:
