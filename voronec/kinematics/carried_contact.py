@@ -17,7 +17,7 @@ from voronec.declaration.system import System
 from voronec.kinematics.balls import ZERO
 from voronec.kinematics.bodies import kinetic_energy, momentum_about_point, point_velocity
 from voronec.kinematics.families import constants, join_declarations, moment_words, rotor_words
-from voronec.kinematics.forms import SurfaceForms
+from voronec.kinematics.forms import SurfaceForms, curvature_lines
 from voronec.kinematics.meanings import (
     CURVATURE_LINES,
     contact_meanings,
@@ -27,7 +27,6 @@ from voronec.kinematics.meanings import (
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
 from voronec.kinematics.sketches import carried, rolling_sketch, wheel_of
-from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import column, cross, dot, three
 
 __all__ = ["CarriedContact"]
@@ -186,9 +185,7 @@ def form_values(contact: RollingContact) -> dict[str, sp.Expr]:
     """The values that the functions of ``unknown_forms`` have for two surfaces that are known."""
     found: dict[str, sp.Expr] = {}
     for surface, mark in ((contact.body, ""), (contact.fixed, "1")):
-        forms = SurfaceForms.of(surface) if isinstance(surface, Surface) else surface
-        lengths, curvatures, bendings = forms.along_lines
-        for letter, pair in zip("Lkb", (lengths, curvatures, bendings), strict=True):
+        for letter, pair in zip("Lkb", curvature_lines(surface), strict=True):
             for name, value in zip("uv", pair, strict=True):
                 found[f"{letter}_{name}{mark}"] = value
     return found

@@ -16,7 +16,7 @@ from voronec.errors import DefinitionError, quote
 __all__ = ["constants", "join_declarations"]
 
 Words = Mapping[sp.Expr, tuple[str, bool]]
-"""Symbol -> what it is, and whether it is positive."""
+"""Constant, or the number in its place -> what it is, and whether it is positive."""
 
 
 FIXED_RADIUS = ("radius of the fixed sphere, signed", False)
@@ -58,22 +58,17 @@ def moment_words(inertia: Sequence[Any]) -> Words:
     """What the principal moments are: of any body, of one with an axis, of a spherical one."""
     x, y, z = inertia
     if x == y == z:
-        return _symbols({x: ("moment of inertia", True)})
+        return {x: ("moment of inertia", True)}
     if x == y:
-        axis = {x: ("equatorial moment of inertia", True), z: ("axial moment of inertia", True)}
-        return _symbols(axis)
-    return _symbols(dict.fromkeys(inertia, ("principal moment", True)))
+        return {x: ("equatorial moment of inertia", True), z: ("axial moment of inertia", True)}
+    return dict.fromkeys(inertia, ("principal moment", True))
 
 
 def rotor_words(rotor: Sequence[Any]) -> Words:
     """What the momentum of a gyroscope is, along any direction or along the third axis."""
     axial = not any(rotor[:2])
     words = "axial momentum of the gyroscope" if axial else "momentum of the gyroscope"
-    return _symbols(dict.fromkeys(rotor, (words, False)))
-
-
-def _symbols(words: Words) -> Words:
-    return {symbol: said for symbol, said in words.items() if isinstance(symbol, sp.Symbol)}
+    return dict.fromkeys(rotor, (words, False))
 
 
 def rolling_ratio(fixed: Any, radius: Any) -> sp.Expr:

@@ -71,11 +71,6 @@ class BodyOfRevolution:
     rotor: Any = sp.Integer(0)
 
     @property
-    def spins(self) -> tuple[sp.Symbol, ...]:
-        """s, tau, n, as symbols."""
-        return tuple(SPINS)
-
-    @property
     def axis(self) -> sp.Matrix:
         """e along (e_u, e_v, n)."""
         u = self.contact.body.coordinates[0]
