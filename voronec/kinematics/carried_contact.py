@@ -15,7 +15,12 @@ from voronec.declaration.claims import Equation
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.system import System
 from voronec.kinematics.balls import ZERO
-from voronec.kinematics.bodies import kinetic_energy, momentum_about_point, point_velocity
+from voronec.kinematics.bodies import (
+    kinetic_energy,
+    momentum_about_point,
+    momentum_rate_about_point,
+    point_velocity,
+)
 from voronec.kinematics.families import constants, join_declarations, moment_words, rotor_words
 from voronec.kinematics.forms import SurfaceForms, curvature_lines
 from voronec.kinematics.meanings import (
@@ -169,10 +174,8 @@ class CarriedContact:
     def momentum_rate(self, rotor: Sequence[Any] = (0, 0, 0)) -> sp.ImmutableMatrix:
         """dG/dt = (G + kappa) x omega + m dr/dt x (omega x r), kappa the momentum of a rotor."""
         arm = self.vectors[1]
-        moved = [self.rates[q] for q in arm]
-        whole = self.momentum + sp.Matrix(rotor)
-        turned = column(cross(moved, cross(self.omega, arm)))
-        return column(cross(whole, self.omega)) + self.mass * turned
+        whole, moved = self.momentum + sp.Matrix(rotor), [self.rates[q] for q in arm]
+        return momentum_rate_about_point(whole, self.mass, self.omega, arm, moved)
 
 
 def carried_vectors(arm: Any, frame: sp.MatrixBase) -> dict[str, sp.Expr]:

@@ -91,9 +91,9 @@ class RollingEllipsoid:
     ``system`` declares it, with what is special beside.
     """
 
-    axes: Vector
+    axes: Sequence[Any]
     mass: Any
-    inertia: Vector
+    inertia: Sequence[Any]
     sphere: Any
     rotation: Rotation
     fibre: tuple[sp.Expr, ...]
@@ -279,9 +279,9 @@ class RollingEllipsoid:
             touched, ground = self.sphere * touched, Shape.ball(self.sphere, role="ground")
         turned = self.rotation.matrix
         if self.surfaces is not None:
-            pair = (self.surfaces.body, self.surfaces.fixed)
-            spheres = (Surface.sphere(1, *surface.coordinates) for surface in pair)
-            turned = RollingContact(*spheres, self.surfaces.theta).attitude
+            seen = Surface.sphere(1, *self.surfaces.body.coordinates)
+            fixed = Surface.sphere(1, *self.surfaces.fixed.coordinates)
+            turned = RollingContact(seen, fixed, self.surfaces.theta).attitude
         centre = touched - matrix_product(turned, self.body.arm.xreplace(named))
         placed = {"centre": centre, "attitude": turned, "contact": touched}
         return Shape.ellipsoid(self.axes, **placed), ground

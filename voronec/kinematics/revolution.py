@@ -18,7 +18,7 @@ from voronec.declaration.scene import Parameter, Scene
 from voronec.declaration.shapes import Shape
 from voronec.declaration.system import System
 from voronec.kinematics.balls import OMEGA
-from voronec.kinematics.bodies import kinetic_energy
+from voronec.kinematics.bodies import kinetic_energy, momentum_rate_about_point
 from voronec.kinematics.carried_contact import CARRIED_VECTORS, carried_vectors, form_values
 from voronec.kinematics.families import (
     Words,
@@ -111,9 +111,9 @@ class BodyOfRevolution:
     def momentum_rate(self) -> sp.Matrix:
         """The rates of the components of G along the moving frame."""
         whole = self.momentum + self.rotor * self.axis
-        moved = self.mass * column(cross(self.trace, cross(SPINS, self.arm)))
         turning = self.carry(self.contact.body.frame_rates)
-        return column(cross(whole, SPINS)) + moved - column(cross(turning, self.momentum))
+        rate = momentum_rate_about_point(whole, self.mass, SPINS, self.arm, self.trace)
+        return rate - column(cross(turning, self.momentum))
 
     @property
     def as_any_body(self) -> tuple[dict[Any, Any], dict[str, Any]]:
