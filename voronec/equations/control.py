@@ -43,6 +43,7 @@ from voronec.equations.connection import AffineForms
 from voronec.equations.definition import read
 from voronec.equations.derivation import Derivation
 from voronec.equations.derived_equations import DerivedEquations
+from voronec.equations.distribution import bracket_until_closed
 from voronec.equations.flags import flag
 from voronec.equations.vector_field import VectorField, on_coordinates
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
@@ -50,8 +51,6 @@ from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 __all__ = ["Accessibility", "Control", "control_form", "flatness"]
 
 Vector = tuple[Any, ...]
-NODES = 15_000
-"""Fields of more nodes are not bracketed again."""
 DEGREES = 4, 6, 8, 10, 12
 """Brackets of these degrees are made at a point, one after the other, until they suffice."""
 LONGEST = 400
@@ -126,25 +125,18 @@ class Control:
         self._require_still()
         drift, fields = self._after_feedback
         dimension = self.system_field.dimension
-        frame, tops = list(fields), list(fields)
-        kept = self._independent(frame)
-        frame = tops = [frame[i] for i in kept]
-        growth = [len(frame)]
+        found = bracket_until_closed(
+            (drift, *fields), fields, self._bracket, self._independent, dimension
+        )
+        frame, growth = found.frame, found.growth
         if not frame:
             nothing = Verdict("refuted", "the inputs move nothing, in normal form")
-            return Accessibility((0,), dimension, nothing)
-        while tops and growth[-1] < dimension:
-            if Tape([e for field in tops for e in field]).size > NODES:
-                return self._from_residues(growth)
-            brackets = [self._bracket(x, y) for x in (drift, *fields) for y in tops]
-            made = [b for b in brackets if any(e != 0 for e in b)]
-            new = self._independent([*frame, *made])[len(frame) :]
-            if not new:
-                verdict = self._on_leaves(partial(self._closure, frame, made))
-                return Accessibility(tuple(growth), dimension, verdict)
-            tops = [made[i - len(frame)] for i in new]
-            frame = [*frame, *tops]
-            growth.append(len(frame))
+            return Accessibility(growth, dimension, nothing)
+        if found.made is None:
+            return self._from_residues(growth)
+        if growth[-1] < dimension:
+            verdict = self._on_leaves(partial(self._closure, frame, found.made))
+            return Accessibility(growth, dimension, verdict)
         words = f"the brackets span all {dimension} dimensions at a point, in ball arithmetic, and "
         where = "near it" if self._has_walls else "on an open dense set, for almost all parameters"
         proof = Verdict("proved", f"{words}so {where}")
@@ -153,13 +145,13 @@ class Control:
             first = len(self.system_field.positions)
             exceptions += self._exceptions([g[first:] for g in self.inner_fields])
         distinct = tuple(dict.fromkeys(exceptions))
-        return Accessibility(tuple(growth), dimension, proof, distinct)
+        return Accessibility(growth, dimension, proof, distinct)
 
-    def _from_residues(self, growth: Sequence[int]) -> Accessibility:
+    def _from_residues(self, found: tuple[int, ...]) -> Accessibility:
         """What is said where brackets are too large after some dimensions: a full rank at a point
         modulo a prime is a proof; a smaller one is that of a generic point."""
         (drift, fields), dimension = self._after_feedback, self.system_field.dimension
-        why, found = "brackets are too large", tuple(growth)
+        why = "brackets are too large"
         variables, bound = self.system_field.variables, self.system_field.relations
         with suppress(EngineLimit):
             if not bound:

@@ -3,11 +3,11 @@
     D_1 = span of some X_j,   D_(m+1) = D_m + span of [X_i, D_m] over all i,   at a generic point
 
 A motion x' = V = u_i(t) X_i(x) transports X_j back to its start, where the series Y_j(t) has
-combinations of brackets for coefficients: Y_j = B X_j(x), where B' d_b = -B [d_b, V].  With controls
-t^(w - 1) v_i(t), deg v_i = d, brackets with r fields beside X_j stand at the orders r w to
-r (w + d), which are apart for r d < w: they lie in D_(r+1).  They span it with those of smaller r if
-their brackets with any u_i X_i do, which are the change of Y_j where the motion first goes along
-that [Theory, eq. (11a)].
+combinations of brackets for coefficients: Y_j = B X_j(x), where B' d_b = -B [d_b, V].  With
+controls t^(w - 1) v_i(t), deg v_i = d, brackets with r fields beside X_j stand at the orders r w to
+r (w + d), which are apart for r d < w: they lie in D_(r+1).  They span it with those of smaller r
+if their brackets with c_i X_i do, with random constants c_i, which are the change of Y_j where the
+motion first goes along that [Theory, eq. (11a)].
 """
 
 from __future__ import annotations
