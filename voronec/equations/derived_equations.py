@@ -40,7 +40,7 @@ from voronec.equations.definition import Definition
 from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.equations.distribution import Distribution, grow
 from voronec.equations.evaluation import acceleration, acceleration_tape
-from voronec.equations.integrable import integrate, solve_in_steps
+from voronec.equations.integrable import integrate
 from voronec.equations.staged_equations import lean_form
 from voronec.errors import EngineLimit
 
@@ -254,13 +254,11 @@ class DerivedEquations:
     @cached_property
     def _lift(self) -> EhresmannConnection:
         """The horizontal fields, exact where that can be."""
-        if not self.has_coordinate_frame:
-            found: EhresmannConnection = self._exact_or_raw(lambda d: d.connection)
-            return found
-        try:
-            return self.exact.coordinate_connection
-        except EngineLimit:
-            return solve_in_steps(self.definition, self.raw.coordinate_connection)
+        free = self.has_coordinate_frame
+        found: EhresmannConnection = self._exact_or_raw(
+            lambda d: d.coordinate_connection if free else d.connection
+        )
+        return found
 
     @cached_property
     def distribution(self) -> Distribution:
