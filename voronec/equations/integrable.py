@@ -17,7 +17,7 @@ import sympy as sp
 
 from voronec.algebra.elimination import null_vectors
 from voronec.algebra.matrices import dot
-from voronec.algebra.normal import shortest
+from voronec.algebra.normal import quotient, shortest
 from voronec.algebra.rank import generic_rows
 from voronec.algebra.shape import operations
 from voronec.algebra.verdicts import all_vanish, decide_zero
@@ -52,6 +52,10 @@ def integrate(
         for f in (definition.differentiated, definition.constraints)
     )
     plain = definition.group is None  # forms over the fields of a group have no potentials
+
+    def slopes_of(rows: Rows, _: Rows) -> Rows:
+        return [[e.diff(q) for e in c] for q in variables for c in zip(*rows, strict=True)]
+
     def brackets(rows: Rows, fields: Rows) -> Rows:
         found = [space.bracket(tuple(x), tuple(y)) for x, y in combinations(fields, 2)]
         return [[dot(w, b) for w in rows] for b in found]
@@ -59,9 +63,10 @@ def integrate(
     own = [row for row in given if plain and most and _is_closed(row, variables, relations)]
     forms: Rows = []
     columns: list[int] = []
-    if len(_enlarging(bound, own, relations)) < most:
-        forms, columns = _flag([*given, *bound], definition.base, brackets, relations)
-        own += forms
+    for defects in (slopes_of, brackets) if plain else (brackets,):
+        if len(_enlarging(bound, own, relations)) < most:
+            forms, columns = _flag([*given, *bound], definition.base, defects, relations)
+            own += [_without_denominators(row, relations) for row in forms]
     own = _enlarging(bound, own, relations)
     functions: list[Any] = []
     slopes = bound
@@ -131,6 +136,13 @@ def _enlarging(known: Rows, rows: Rows, relations: Sequence[Any]) -> Rows:
 def _shortest(rows: Rows, relations: Sequence[Any]) -> Rows:
     flat = iter(shortest([e for row in rows for e in row], relations) if rows else ())
     return [[next(flat) for _ in row] for row in rows]
+
+
+def _without_denominators(row: list[Any], relations: Sequence[Any]) -> list[Any]:
+    common = se.Integer(1)
+    for e in row:
+        common *= quotient(e * common, relations)[1]
+    return shortest([e * common for e in row], relations)
 
 
 def _is_closed(row: list[Any], variables: Sequence[Any], relations: Sequence[Any]) -> bool:
