@@ -23,7 +23,7 @@ from voronec.equations.definition import Definition
 from voronec.equations.flags import flag
 from voronec.errors import EngineLimit
 
-__all__ = ["Distribution", "Nested", "Space", "bracket_until_closed", "grow"]
+__all__ = ["Distribution", "Nested", "Space", "along", "bracket_until_closed", "grow"]
 
 Field = tuple[Any, ...]
 NODES = 15_000
@@ -59,19 +59,14 @@ def grow(
     dimension = space.dimension
     if raw.group is None and relations:
         slopes = [[r.diff(q) for q in raw.coordinates] for r in relations]
-        dimension -= len(_independent(slopes, relations))
+        dimension -= len(generic_rows(slopes, relations, BRACKETS))
     if not relations:
         with suppress(EngineLimit):
             return Distribution(space.flag(dimension), dimension, timed)
     space = Space(exact(), timed)
-    independent = partial(_independent, relations=relations)
+    independent = partial(generic_rows, relations=relations, bits=BRACKETS)
     found = bracket_until_closed(space.fields, space.fields, space.bracket, independent, dimension)
     return Distribution(found.growth, dimension, timed, found.made is None)
-
-
-def _independent(rows: Sequence[Field], relations: Sequence[Any]) -> list[int]:
-    failure = "no point was found at which the distribution is defined"
-    return generic_rows(rows, relations, BRACKETS, failure)
 
 
 @dataclass(frozen=True)
@@ -107,6 +102,12 @@ def bracket_until_closed(
         frame = [*frame, *tops]
         growth += [len(frame)] if tops else []
     return Nested(frame, tuple(growth), made)
+
+
+def along(rates: Sequence[Any], function: Any, variables: Sequence[Any]) -> Any:
+    """The derivative of a function along a field that gives rates to variables."""
+    pairs = zip(rates, variables, strict=True)
+    return se.Add(*[rate * function.diff(x) for rate, x in pairs if rate != 0])
 
 
 def _uses_time(definition: Definition, connection: EhresmannConnection) -> bool:
@@ -147,7 +148,11 @@ class Space:
 
     def bracket(self, x: Field, y: Field) -> Field:
         """[x, y]."""
-        moved = tuple(self._along(x, b) - self._along(y, a) for a, b in zip(x, y, strict=True))
+        forth, back = self.rates(x), self.rates(y)
+        moved = tuple(
+            along(forth, b, self.variables) - along(back, a, self.variables)
+            for a, b in zip(x, y, strict=True)
+        )
         group = self.connection.group
         if group is None:
             return moved
@@ -162,11 +167,3 @@ class Space:
             return list(field)
         rates = group.coordinate_rates(field[: len(group.velocities)])
         return rates + [field[-1]] * int(self.timed)
-
-    def _along(self, field: Field, function: Any) -> Any:
-        terms = [
-            rate * function.diff(q)
-            for rate, q in zip(self.rates(field), self.variables, strict=True)
-            if rate != 0
-        ]
-        return se.Add(*terms) if terms else se.Integer(0)
