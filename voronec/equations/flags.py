@@ -13,7 +13,7 @@ motion first goes along that [Theory, eq. (11a)].
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import accumulate, chain, count
 from math import ceil
@@ -21,6 +21,7 @@ from typing import Any
 
 import flint
 import symengine as se
+import sympy as sp
 
 from voronec.algebra.generators import TRIGONOMETRIC, Generators, linear_terms
 from voronec.algebra.graphs import nodes
@@ -102,7 +103,6 @@ class _Motions:
         self._source = random.Random("voronec flag")
         unit = se.eye(len(fields[0])).tolist()
         paces = [rates(x) for x in fields]
-        self._point: dict[Any, Any] = {}
         functions = self._draw_point([*variables, *chain(*paces, *fields, *carried)])
         self._moving = [*variables, *functions]
         slopes = [[f.diff(q) for q in variables] for f in functions]
@@ -112,7 +112,7 @@ class _Motions:
             Tape([*chain(*rows)], functions)
             for rows in (zip(*moving, strict=True), zip(*turning, strict=True), carried)
         )
-        self._count, self._size = len(fields), range(len(unit))
+        self._count, self._size = len(fields), len(unit)
 
     def _draw(self) -> Any:
         return flint.nmod(self._source.randrange(1, PRIME), PRIME)
@@ -123,87 +123,87 @@ class _Motions:
         found.scan(exprs)
         strange = [*found.radicals, *found.units, *found.exponents, *found.tangents]
         strange += [a for a in found.atoms if not isinstance(a, se.Symbol)]
-        strange += [a for a in found.angles if not _is_monomial(a)]
+        strange += [a for a in found.angles if not isinstance(a, se.Symbol)]
         angles = {node.args[0] for node in nodes(exprs) if isinstance(node, TRIGONOMETRIC)}
         folds = {a: linear_terms(a) for a in sorted(angles, key=str)}
         strange += [a for a, terms in folds.items() if not terms.keys() <= found.angles.keys()]
         if strange:
             raise EngineLimit(f"'{strange[0]}' has no residues modulo a prime")
-        symbols = {*found.atoms}.union(*(a.free_symbols for a in angles))
-        self._point |= {x: self._draw() for x in sorted(symbols, key=str)}
+        symbols = sorted({*found.atoms, *found.angles}, key=str)
+        self._point = {x: self._draw() for x in symbols}
+        letters = {unit: se.Symbol(f"angle {i}") for i, unit in enumerate(found.angles)}
         turns = {}
-        for unit in found.angles:
+        for letter in letters.values():
             half = self._draw()
-            turns[unit] = (1 - half**2) / (1 + half**2), 2 * half / (1 + half**2)
+            turns[se.cos(letter)] = (1 - half**2) / (1 + half**2)
+            turns[se.sin(letter)] = 2 * half / (1 + half**2)
         for angle, terms in folds.items():
-            cosine, sine = flint.nmod(1, PRIME), flint.nmod(0, PRIME)
-            for unit, factor in terms.items():
-                fold, (c, s) = int(factor * found.angles[unit]), turns[unit]
-                for _ in range(abs(fold)):
-                    t = s if fold > 0 else -s
-                    cosine, sine = cosine * c - sine * t, sine * c + cosine * t
-            values = {se.cos: cosine, se.sin: sine, se.tan: sine / cosine}
-            self._point |= {f(angle): value for f, value in values.items()}
+            folded = sp.Add(*(c * found.angles[unit] * letters[unit] for unit, c in terms.items()))
+            cosine, sine = (se.sympify(sp.expand_trig(f(folded))) for f in (sp.cos, sp.sin))
+            values = Tape([cosine, sine, sine / cosine], turns).run(turns, _residue)
+            functions = [f(angle) for f in (se.cos, se.sin, se.tan)]
+            self._point |= zip(functions, values, strict=True)
         return [f for f in self._point if not isinstance(f, se.Symbol)]
 
     def transport(self, steps: int, degree: int) -> tuple[list[Any], list[Any]]:
         """Coefficients of fields transported along a random motion, those that hold brackets with r
         fields for r = 0, 1, ..., ``steps``; and the brackets of these with a random
         combination of the fields."""
-        block, size = steps * degree + 1, range(self._count)
+        block = steps * degree + 1
         end = (steps + 1) * block  # the order of what is tiny: its square is left out
-        controls = [
-            flint.nmod_poly([self._draw() for _ in range(degree + 1)], PRIME).left_shift(block - 1)
-            for _ in size
+        controls = self._draw_series(end, degree + 1, block - 1)
+        still, tiny = self._draw_series(end, 0, 0), self._draw_series(end, 1, end)
+        plain, turned = (self._carry(steps, controls, ahead) for ahead in (still, tiny))
+        changes = [
+            [b - a for a, b in zip(*pair, strict=True)] for pair in zip(plain, turned, strict=True)
         ]
-        still, tiny = [ZERO for _ in size], [ONE.left_shift(end) * self._draw() for _ in size]
-        plain, turned = (self._carry(controls, steps, ahead, end) for ahead in (still, tiny))
-        pairs = [zip(a, b, strict=True) for a, b in zip(plain, turned, strict=True)]
-        changes = [[(b - a).right_shift(end) for a, b in pair] for pair in pairs]
         orders = [range(r * block, r * (block + degree) + 1) for r in range(steps + 1)]
         spans, brackets = (
-            [[[int(e[k]) for e in y] for y in series for k in own] for own in orders]
-            for series in (plain, changes)
+            [[[int(e.poly[first + k]) for e in y] for y in fields for k in own] for own in orders]
+            for fields, first in ((plain, 0), (changes, end))
         )
         return spans, brackets
 
+    def _draw_series(self, end: int, count: int, order: int) -> list[_Series]:
+        """For each field one with so many terms, from an order on."""
+        rows = [[self._draw() for _ in range(count)] for _ in range(self._count)]
+        return [_Series(flint.nmod_poly(row, PRIME).left_shift(order), end) for row in rows]
+
     def _carry(
-        self, controls: Sequence[Any], steps: int, tiny: Sequence[Any], end: int
-    ) -> list[list[Any]]:
-        """The series of the carried fields along the motion that goes along the fields by what is
-        ``tiny``, and then with the controls."""
-        size, length = self._size, 2 * end
-        start = {x: ONE * value for x, value in self._point.items()}
-        begin = at = self._move(start, self._along(self._rates, start, tiny, length))
+        self, steps: int, controls: Sequence[_Series], ahead: Sequence[_Series]
+    ) -> list[list[_Series]]:
+        """The carried fields along the motion that goes along the fields by what is tiny, and then
+        with the controls."""
+        end, size = controls[0].end, range(self._size)
+        start = {x: _Series(ONE * value, end) for x, value in self._point.items()}
+        begin = at = self._move(start, self._along(self._rates, start, ahead))
         for _ in range(steps):  # each round finds the brackets with one field more
-            rates = self._along(self._rates, at, controls, length)
-            at = self._move(begin, [_integral(e, end) for e in rates])
-        turn = self._along(self._slopes, start, tiny, length)
-        first = back = [[ONE * int(a == b) - turn[b * len(size) + a] for b in size] for a in size]
-        slopes = _rows(self._along(self._slopes, at, controls, length), len(size))
+            rates = self._along(self._rates, at, controls)
+            at = self._move(begin, [e.integral() for e in rates])
+        turn = _rows(self._along(self._slopes, start, ahead), self._size)
+        first = back = [[_Series(ONE * int(a == b), end) - turn[b][a] for b in size] for a in size]
+        slopes = _rows(self._along(self._slopes, at, controls), self._size)
         for _ in range(steps):
             back = [
-                [e - _integral(_dot(row, x, length), end) for e, x in zip(own, slopes, strict=True)]
+                [e - _dot(row, x).integral() for e, x in zip(own, slopes, strict=True)]
                 for own, row in zip(first, back, strict=True)
             ]
-        carried = _rows(self._run(self._carried, at, length), len(size))
-        return [[_dot(row, x, length) for row in back] for x in carried]
+        carried = _rows(self._run(self._carried, at), self._size)
+        return [[_dot(row, x) for row in back] for x in carried]
 
     def _move(self, begin: Mapping[Any, Any], changes: Sequence[Any]) -> dict[Any, Any]:
         moved = {x: begin[x] + e for x, e in zip(self._moving, changes, strict=True)}
         return {**begin, **moved}
 
     def _along(
-        self, tape: Tape, at: Mapping[Any, Any], controls: Sequence[Any], length: int
-    ) -> list[Any]:
+        self, tape: Tape, at: Mapping[Any, _Series], controls: Sequence[_Series]
+    ) -> list[_Series]:
         """What a tape has for each field, along the motion."""
-        rows = _rows(self._run(tape, at, length), self._count)
-        return [_dot(row, controls, length) for row in rows]
+        return [_dot(row, controls) for row in _rows(self._run(tape, at), self._count)]
 
-    def _run(self, tape: Tape, at: Mapping[Any, Any], length: int) -> list[Any]:
-        values = {x: _Series(e, length) for x, e in at.items()}
-        found = tape.run(values, lambda e: _Series(ONE * _residue(e), length))
-        return [e.series for e in found]
+    def _run(self, tape: Tape, at: Mapping[Any, _Series]) -> list[_Series]:
+        end = next(iter(at.values())).end
+        return tape.run(at, lambda e: _Series(ONE * _residue(e), end))
 
 
 def _rows(entries: list[Any], width: int) -> list[list[Any]]:
@@ -212,40 +212,36 @@ def _rows(entries: list[Any], width: int) -> list[list[Any]]:
 
 @dataclass(frozen=True)
 class _Series:
-    """A polynomial modulo a prime, cut off before the order ``length``."""
+    """A polynomial modulo a prime; from the order ``end`` on it is tiny, and cut off at twice."""
 
-    series: Any
-    length: int
+    poly: Any
+    end: int
 
     def __add__(self, other: _Series) -> _Series:
-        return _Series(self.series + other.series, self.length)
+        return _Series(self.poly + other.poly, self.end)
+
+    def __sub__(self, other: _Series) -> _Series:
+        return _Series(self.poly - other.poly, self.end)
 
     def __mul__(self, other: _Series) -> _Series:
-        return _Series(self.series.mul_low(other.series, self.length), self.length)
+        return _Series(self.poly.mul_low(other.poly, 2 * self.end), self.end)
 
     def __rtruediv__(self, one: int) -> _Series:
-        if self.series[0] == 0:
+        if self.poly[0] == 0:
             raise EngineLimit("a denominator vanishes at a random point")
-        return _Series(self.series.inverse_series_trunc(self.length) * one, self.length)
+        return _Series(self.poly.inverse_series_trunc(2 * self.end) * one, self.end)
+
+    def integral(self) -> _Series:
+        """That of what is not tiny, and that of what is."""
+        plain, tiny = self.poly.truncate(self.end), self.poly.right_shift(self.end)
+        return _Series(plain.integral() + tiny.integral().left_shift(self.end), self.end)
 
 
-def _dot(left: Iterable[Any], right: Iterable[Any], length: int) -> Any:
-    pairs = [(a, b) for a, b in zip(left, right, strict=True) if a.length() and b.length()]
-    return sum((a.mul_low(b, length) for a, b in pairs), ZERO)
-
-
-def _integral(series: Any, end: int) -> Any:
-    """The integral of what is not tiny, and that of what is."""
-    return series.truncate(end).integral() + series.right_shift(end).integral().left_shift(end)
+def _dot(left: Sequence[_Series], right: Sequence[_Series]) -> _Series:
+    pairs = zip(left, right, strict=True)
+    products = [a * b for a, b in pairs if a.poly.length() and b.poly.length()]
+    return sum(products, _Series(ZERO, left[0].end))
 
 
 def _residue(number: Any) -> Any:
     return flint.nmod(int(number.p), PRIME) / int(number.q)
-
-
-def _is_monomial(angle: Any) -> bool:
-    """Whether it is a product of powers of symbols: such angles, if none is a multiple of another,
-    have independent sines."""
-    factors = angle.args if isinstance(angle, se.Mul) else (angle,)
-    bases = [f.args[0] if isinstance(f, se.Pow) and f.args[1].is_Integer else f for f in factors]
-    return all(b == 1 or isinstance(b, se.Symbol) for b in bases)
