@@ -39,7 +39,7 @@ class Expansion:
     def __init__(self, point: Mapping[Any, Any], variables: Sequence[Any], order: int) -> None:
         places = [x for x in map(as_expression, point.values()) if x.is_Rational]
         self._unit = sp.Rational(1, lcm(*(int(x.q) for x in places)))
-        names = [*(f"h{i}" for i in range(len(variables))), *["t"] * any(x != 0 for x in places)]
+        names = [*(f"h{i}" for i in range(len(variables))), "t"]
         self._context = flint.fmpq_mpoly_ctx.get(names, flint.Ordering.degrevlex)
         self._order = order
         # each variable is its value and a step from there, which has a letter of its own
@@ -93,12 +93,10 @@ class Expansion:
                 f"at this point '{as_expression(expr)}' = {value} is no rational number; give a "
                 "point where all is rational, such as angles that are numbers or atan(3/4)"
             )
+        still = [0 for _ in self._moved]
         return _Ratio.of(
             *(
-                self._zero
-                + sum(
-                    (int(c) * self._context.gens()[-1] ** e for (e,), c in poly.terms()), self._zero
-                )
+                self._context.from_dict({(*still, e): int(c) for (e,), c in poly.terms()})
                 for poly in (above, below)
             )
         )
