@@ -188,7 +188,7 @@ class _Motions:
                 [e - _dot(row, x).integral() for e, x in zip(own, slopes, strict=True)]
                 for own, row in zip(first, back, strict=True)
             ]
-        carried = _rows(self._run(self._carried, at), self._size)
+        carried = _rows(self._run(self._carried, at, end), self._size)
         return [[_dot(row, x) for row in back] for x in carried]
 
     def _move(self, begin: Mapping[Any, Any], changes: Sequence[Any]) -> dict[Any, Any]:
@@ -199,10 +199,10 @@ class _Motions:
         self, tape: Tape, at: Mapping[Any, _Series], controls: Sequence[_Series]
     ) -> list[_Series]:
         """What a tape has for each field, along the motion."""
-        return [_dot(row, controls) for row in _rows(self._run(tape, at), self._count)]
+        rows = _rows(self._run(tape, at, controls[0].end), self._count)
+        return [_dot(row, controls) for row in rows]
 
-    def _run(self, tape: Tape, at: Mapping[Any, _Series]) -> list[_Series]:
-        end = next(iter(at.values())).end
+    def _run(self, tape: Tape, at: Mapping[Any, _Series], end: int) -> list[_Series]:
         return tape.run(at, lambda e: _Series(ONE * _residue(e), end))
 
 
