@@ -17,7 +17,7 @@ import sympy as sp
 
 from voronec.algebra.elimination import null_vectors
 from voronec.algebra.matrices import dot
-from voronec.algebra.normal import quotient, shortest
+from voronec.algebra.normal import shortest
 from voronec.algebra.rank import generic_rows
 from voronec.algebra.shape import operations
 from voronec.algebra.verdicts import all_vanish, decide_zero
@@ -141,7 +141,8 @@ def _shortest(rows: Rows, relations: Sequence[Any]) -> Rows:
 def _without_denominators(row: list[Any], relations: Sequence[Any]) -> list[Any]:
     common = se.Integer(1)
     for e in row:
-        common *= quotient(e * common, relations)[1]
+        (scaled,) = shortest([e * common], relations)
+        common *= se.sympify(sp.fraction(sp.together(sp.sympify(scaled)))[1])
     return shortest([e * common for e in row], relations)
 
 
