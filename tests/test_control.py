@@ -367,7 +367,7 @@ def test_expansions_are_those_of_sympy() -> None:
         along = sp.sympify(expr).subs({"a": values[0] + 3 * h, "b": values[1] + 5 * h})
         truth = [along.diff(h, k).subs(h, 0) / sp.factorial(k) for k in range(5)]
         for part, value in zip(parts, truth, strict=True):
-            found = part(3, 5)
+            found = part(3, 5, 0)
             assert abs(sp.N(value, 30) - sp.Rational(int(found.p), int(found.q))) < 1e-25
 
 
@@ -387,6 +387,12 @@ def test_expansions_at_numbers_are_those_of_sympy() -> None:
     for k, part in enumerate(parts):
         truth = sp.N(along.diff(h, k).subs(h, 0) / sp.factorial(k), 40)
         assert abs(truth - at(part.above) / at(part.below)) < 1e-30
+    still, moved = Expansion({a: se.Integer(0)}, [a], 1).of(se.sin(1) * (1 + a))
+    half = sp.tan(sp.Rational(1, 2)).n(60)
+    for part, power in ((still, (0, 1)), (moved, (1, 1))):
+        assert part.above.to_dict() == {power: 2}
+        below = sum(int(c) * half**i for (_, i), c in part.below.to_dict().items())
+        assert abs(2 * half / below - sp.sin(1).n(60)) < 1e-30
 
 
 def test_controllability_at_regular_points() -> None:

@@ -40,7 +40,7 @@ from voronec.equations.definition import Definition
 from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.equations.distribution import Distribution, grow
 from voronec.equations.evaluation import acceleration, acceleration_tape
-from voronec.equations.integrable import integrate, solve_in_steps
+from voronec.equations.integrable import integrate
 from voronec.equations.staged_equations import lean_form
 from voronec.errors import EngineLimit
 
@@ -251,28 +251,23 @@ class DerivedEquations:
         )
         return "chaplygin" if free else "voronec"
 
-    @cached_property
-    def _lift(self) -> EhresmannConnection:
-        """The horizontal fields, exact where that can be."""
-        if not self.has_coordinate_frame:
-            found: EhresmannConnection = self._exact_or_raw(lambda d: d.connection)
-            return found
-        try:
-            return self.exact.coordinate_connection
-        except EngineLimit:
-            return solve_in_steps(self.definition, self.raw.coordinate_connection)
+    def _lift(self, derivation: Derivation) -> EhresmannConnection:
+        """The horizontal fields, along the coordinates where that can be."""
+        return (
+            derivation.coordinate_connection if self.has_coordinate_frame else derivation.connection
+        )
 
     @cached_property
     def distribution(self) -> Distribution:
         """The growth of the distribution that the horizontal fields span."""
-        free = self.has_coordinate_frame
-        raw = self.raw.coordinate_connection if free else self.raw.connection
-        return grow(self.definition, raw, lambda: self._lift)
+        raw = self._lift(self.raw)
+        return grow(self.definition, raw, lambda: self._exact_or_raw(self._lift))
 
     @cached_property
     def _integrable(self) -> tuple[list[Any], list[Any]]:
         found = self.distribution
-        return integrate(self.definition, self._lift, found.dimension - found.growth[-1])
+        most = found.dimension - found.growth[-1]
+        return integrate(self.definition, self._lift(self.raw), most)
 
     @cached_property
     def orders(self) -> dict[str, int]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import symengine as se
@@ -22,7 +23,7 @@ from voronec.equations.definition import Definition
 from voronec.equations.flags import flag
 from voronec.errors import EngineLimit
 
-__all__ = ["Distribution", "Space", "grow"]
+__all__ = ["Distribution", "Nested", "Space", "along", "bracket_until_closed", "grow"]
 
 Field = tuple[Any, ...]
 NODES = 15_000
@@ -53,37 +54,60 @@ def grow(
     ``raw`` is the connection as it was derived, ``exact`` makes its normal form: brackets are made
     of it where residues do not serve.
     """
-    timed = _uses_time(definition, raw)
-    space, ranks = Space(raw, timed), _RankOracle(definition.relations)
+    timed, relations = _uses_time(definition, raw), definition.relations
+    space = Space(raw, timed)
     dimension = space.dimension
-    if raw.group is None:
-        dimension -= ranks.relations(raw.coordinates)
-    if not definition.relations:
+    if raw.group is None and relations:
+        slopes = [[r.diff(q) for q in raw.coordinates] for r in relations]
+        dimension -= len(generic_rows(slopes, relations, BRACKETS))
+    if not relations:
         with suppress(EngineLimit):
             return Distribution(space.flag(dimension), dimension, timed)
-    growth, cut = _bracket(Space(exact(), timed), ranks, dimension)
-    return Distribution(growth, dimension, timed, cut)
+    space = Space(exact(), timed)
+    independent = partial(generic_rows, relations=relations, bits=BRACKETS)
+    found = bracket_until_closed(space.fields, space.fields, space.bracket, independent, dimension)
+    return Distribution(found.growth, dimension, timed, found.made is None)
 
 
-def _bracket(space: Space, ranks: _RankOracle, dimension: int) -> tuple[tuple[int, ...], bool]:
-    """How brackets of brackets grow, until they bring nothing new; and whether they became too
-    large before."""
-    fields = space.fields
-    frame, tops, growth = list(fields), list(fields), [len(fields)]
-    while tops and growth[-1] < dimension:
+@dataclass(frozen=True)
+class Nested:
+    """Fields ``frame`` that span D_1, D_2, ... one after the other, ``growth`` of each; the
+    brackets ``made`` last, none of which enlarge the span where it ends below all dimensions, and
+    None where they would be too large."""
+
+    frame: list[Field]
+    growth: tuple[int, ...]
+    made: list[Field] | None
+
+
+def bracket_until_closed(
+    fields: Sequence[Field],
+    start: Sequence[Field],
+    bracket: Callable[[Field, Field], Field],
+    independent: Callable[[Sequence[Field]], list[int]],
+    full: int,
+) -> Nested:
+    """D_1, spanned by ``start``, and D_(m+1) = D_m + [fields, D_m], by brackets of brackets, until
+    they bring nothing new or span ``full`` dimensions; ``independent`` are the rows that enlarge
+    the span of those before them."""
+    frame = tops = [start[i] for i in independent(start)]
+    growth, made = [len(frame)], list[Field]()
+    while tops and growth[-1] < full:
         if Tape([e for field in tops for e in field]).size > NODES:
-            return tuple(growth), True
-        brackets = [
-            space.bracket(x, y)
-            for i, x in enumerate(fields)
-            for j, y in enumerate(tops)
-            if len(growth) > 1 or i < j
-        ]
-        tops = ranks.enlarge(frame, [b for b in brackets if any(e != 0 for e in b)])
-        if tops:
-            frame += tops
-            growth.append(len(frame))
-    return tuple(growth), False
+            return Nested(frame, tuple(growth), None)
+        brackets = [bracket(x, y) for x in fields for y in tops]
+        made = [b for b in brackets if any(e != 0 for e in b)]
+        new = independent([*frame, *made])[len(frame) :]
+        tops = [made[i - len(frame)] for i in new]
+        frame = [*frame, *tops]
+        growth += [len(frame)] if tops else []
+    return Nested(frame, tuple(growth), made)
+
+
+def along(rates: Sequence[Any], function: Any, variables: Sequence[Any]) -> Any:
+    """The derivative of a function along a field that gives rates to variables."""
+    pairs = zip(rates, variables, strict=True)
+    return se.Add(*[rate * function.diff(x) for rate, x in pairs if rate != 0])
 
 
 def _uses_time(definition: Definition, connection: EhresmannConnection) -> bool:
@@ -124,7 +148,11 @@ class Space:
 
     def bracket(self, x: Field, y: Field) -> Field:
         """[x, y]."""
-        moved = tuple(self._along(x, b) - self._along(y, a) for a, b in zip(x, y, strict=True))
+        forth, back = self.rates(x), self.rates(y)
+        moved = tuple(
+            along(forth, b, self.variables) - along(back, a, self.variables)
+            for a, b in zip(x, y, strict=True)
+        )
         group = self.connection.group
         if group is None:
             return moved
@@ -139,33 +167,3 @@ class Space:
             return list(field)
         rates = group.coordinate_rates(field[: len(group.velocities)])
         return rates + [field[-1]] * int(self.timed)
-
-    def _along(self, field: Field, function: Any) -> Any:
-        terms = [
-            rate * function.diff(q)
-            for rate, q in zip(self.rates(field), self.variables, strict=True)
-            if rate != 0
-        ]
-        return se.Add(*terms) if terms else se.Integer(0)
-
-
-class _RankOracle:
-    """Ranks at a generic point, by elimination in ball arithmetic."""
-
-    def __init__(self, relations: Sequence[Any]) -> None:
-        self._relations = relations
-
-    def relations(self, variables: Sequence[Any]) -> int:
-        """How many of the relations are independent."""
-        if not self._relations:
-            return 0
-        return len(self._independent([[r.diff(q) for q in variables] for r in self._relations]))
-
-    def enlarge(self, frame: Sequence[Field], candidates: Sequence[Field]) -> list[Field]:
-        """The candidates that, one after the other, enlarge the span of the frame."""
-        kept = self._independent([*frame, *candidates])
-        return [candidates[i - len(frame)] for i in kept if i >= len(frame)]
-
-    def _independent(self, rows: Sequence[Sequence[Any]]) -> list[int]:
-        failure = "no point was found at which the distribution is defined"
-        return generic_rows(rows, self._relations, BRACKETS, failure)

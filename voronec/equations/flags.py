@@ -2,30 +2,31 @@
 
     D_1 = span of some X_j,   D_(m+1) = D_m + span of [X_i, D_m] over all i,   at a generic point
 
-A motion x' = u_i(t) X_i(x) transports X_j back to its start, where the series Y_j(t) has
-combinations of brackets for coefficients.  With controls t^(w - 1) v_i(t), deg v_i = d, brackets
-with r fields beside X_j stand at the orders r w to r (w + d), which are apart for r d < w: they lie
-in D_(r+1).  They span it with those of smaller r if their brackets with all X_i do, which are the
-change of Y_j where the motion first goes along X_i [Theory, eq. (11a)].
+A motion x' = V = u_i(t) X_i(x) transports X_j back to its start, where the series Y_j(t) has
+combinations of brackets for coefficients: Y_j = B X_j(x), where B' d_b = -B [d_b, V].  With
+controls t^(w - 1) v_i(t), deg v_i = d, brackets with r fields beside X_j stand at the orders r w to
+r (w + d), which are apart for r d < w: they lie in D_(r+1).  They span it with those of smaller r
+if their brackets with c_i X_i do, with random constants c_i, which are the change of Y_j where the
+motion first goes along that [Theory, eq. (11a)].
 """
 
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import reduce
-from itertools import chain, count
+from itertools import accumulate, chain, count
 from math import ceil
 from typing import Any
 
 import flint
 import symengine as se
+import sympy as sp
 
-from voronec.algebra.generators import Generators, linear_terms
-from voronec.algebra.jets import BY_SINES
+from voronec.algebra.generators import TRIGONOMETRIC, Generators, linear_terms
+from voronec.algebra.graphs import nodes
 from voronec.algebra.matrices import dot
-from voronec.algebra.memo import remember
+from voronec.algebra.tape import Tape
 from voronec.errors import EngineLimit
 
 __all__ = ["flag"]
@@ -53,10 +54,7 @@ def flag(
     which one in 10^14 draws is.  ``EngineLimit`` where fields are no rational functions, with sines
     and cosines, of their variables.
     """
-    size = range(len(fields[0]))
-    units = [tuple(se.Integer(int(a == b)) for a in size) for b in size]
-    slopes = [[bracket(unit, x) for unit in units] for x in fields]
-    motions = _Motions([rates(x) for x in fields], slopes, start, variables)
+    motions = _Motions(fields, start, bracket, rates, variables)
     steps = FIRST
     while True:
         found = _dimensions(motions, steps)
@@ -84,206 +82,166 @@ def _dimensions(motions: _Motions, steps: int) -> list[int]:
 
 def _ranks(levels: Sequence[Sequence[Any]]) -> list[int]:
     """Those of the vectors of the first level, of the first two, ..."""
-    found, basis = [], list[Any]()
-    for level in levels:
-        rows = [*basis, *level]
-        matrix, rank = flint.nmod_mat(len(rows), len(rows[0]), [*chain(*rows)], PRIME).rref()
-        basis = [[int(e) for e in row] for row in matrix.tolist()[:rank]]
-        found.append(rank)
-    return found
+    return [
+        flint.nmod_mat(len(rows), len(rows[0]), [*chain(*rows)], PRIME).rank()
+        for rows in accumulate(levels)
+    ]
 
 
 class _Motions:
-    """Motions from one random point: ``rates[i]`` of the ``variables``, and ``slopes[i][b]``, which
-    is [d_b, X_i], of the fields that move; ``carried`` are transported."""
+    """Motions from one random point along V, with any controls: of the variables, of cosine, sine
+    and tangent of angles, and of B."""
 
     def __init__(
         self,
-        rates: Sequence[Field],
-        slopes: Sequence[Sequence[Field]],
+        fields: Sequence[Field],
         carried: Sequence[Field],
+        bracket: Callable[[Any, Any], Field],
+        rates: Callable[[Any], Field],
         variables: Sequence[Any],
     ) -> None:
         self._source = random.Random("voronec flag")
-        found = Generators()
-        found.scan(chain(*rates, *carried, *chain(*slopes)))
-        strange = [*found.radicals, *found.units, *found.exponents, *found.tangents]
-        strange += [a for a in found.atoms if not isinstance(a, se.Symbol)]
-        strange += [a for a in found.angles if not _is_monomial(a)]
-        if strange:
-            raise EngineLimit(f"'{strange[0]}' has no residues modulo a prime")
-        units = {a: a / d for a, d in found.angles.items()}
-        symbols = {*variables, *found.atoms}.union(*(a.free_symbols for a in units))
-        self._point = {x: ONE * self._draw() for x in sorted(symbols, key=str)}
-        self._turns = {a: self._draw_turn() for a in units}
-        turning = [[a.diff(q) for q in variables] for a in units.values()]
-        moving = [[*own, *(dot(row, own) for row in turning)] for own in rates]
-        columns = [zip(*own, strict=True) for own in zip(*slopes, strict=True)]
-        self._variables, self._count, self._size = variables, len(rates), len(carried[0])
-        self._rates = _Program(zip(*moving, strict=True), units)
-        self._slopes = _Program(chain(*columns), units)
-        self._carried = _Program(carried, units)
+        unit = se.eye(len(fields[0])).tolist()
+        paces = [rates(x) for x in fields]
+        functions = self._draw_point([*variables, *chain(*paces, *fields, *carried)])
+        self._moving = [*variables, *functions]
+        slopes = [[f.diff(q) for q in variables] for f in functions]
+        moving = [[*pace, *(dot(slope, pace) for slope in slopes)] for pace in paces]
+        turning = [chain(*(bracket(tuple(d), x) for d in unit)) for x in fields]
+        self._rates, self._slopes, self._carried = (
+            Tape([*chain(*rows)], functions)
+            for rows in (zip(*moving, strict=True), zip(*turning, strict=True), carried)
+        )
+        self._count, self._size = len(fields), len(unit)
 
     def _draw(self) -> Any:
         return flint.nmod(self._source.randrange(1, PRIME), PRIME)
 
-    def _draw_turn(self) -> tuple[Any, Any]:
-        half = self._draw()
-        return ONE * ((1 - half**2) / (1 + half**2)), ONE * (2 * half / (1 + half**2))
+    def _draw_point(self, exprs: Sequence[Any]) -> list[Any]:
+        """Values of all symbols, and of the functions of angles that are returned."""
+        found = Generators()
+        found.scan(exprs)
+        strange = [*found.radicals, *found.units, *found.exponents, *found.tangents]
+        strange += [a for a in found.atoms if not isinstance(a, se.Symbol)]
+        strange += [a for a in found.angles if not isinstance(a, se.Symbol)]
+        angles = {node.args[0] for node in nodes(exprs) if isinstance(node, TRIGONOMETRIC)}
+        folds = {a: linear_terms(a) for a in sorted(angles, key=str)}
+        strange += [a for a, terms in folds.items() if not terms.keys() <= found.angles.keys()]
+        if strange:
+            raise EngineLimit(f"'{strange[0]}' has no residues modulo a prime")
+        symbols = sorted({*found.atoms, *found.angles}, key=str)
+        self._point = {x: self._draw() for x in symbols}
+        letters = {unit: se.Symbol(f"angle {i}") for i, unit in enumerate(found.angles)}
+        turns = {}
+        for letter in letters.values():
+            half = self._draw()
+            turns[se.cos(letter)] = (1 - half**2) / (1 + half**2)
+            turns[se.sin(letter)] = 2 * half / (1 + half**2)
+        for angle, terms in folds.items():
+            folded = sp.Add(*(c * found.angles[unit] * letters[unit] for unit, c in terms.items()))
+            cosine, sine = (se.sympify(sp.expand_trig(f(folded))) for f in (sp.cos, sp.sin))
+            values = Tape([cosine, sine, sine / cosine], turns).run(turns, _residue)
+            functions = [f(angle) for f in (se.cos, se.sin, se.tan)]
+            self._point |= zip(functions, values, strict=True)
+        return [f for f in self._point if not isinstance(f, se.Symbol)]
 
     def transport(self, steps: int, degree: int) -> tuple[list[Any], list[Any]]:
         """Coefficients of fields transported along a random motion, those that hold brackets with r
-        fields for r = 0, 1, ..., ``steps``; and the brackets of these with all fields."""
-        block, size = steps * degree + 1, range(self._count)
+        fields for r = 0, 1, ..., ``steps``; and the brackets of these with a random
+        combination of the fields."""
+        block = steps * degree + 1
         end = (steps + 1) * block  # the order of what is tiny: its square is left out
-        controls = [
-            flint.nmod_poly([self._draw() for _ in range(degree + 1)], PRIME).left_shift(block - 1)
-            for _ in size
+        controls = self._draw_series(end, degree + 1, block - 1)
+        still, tiny = self._draw_series(end, 0, 0), self._draw_series(end, 1, end)
+        plain, turned = (self._carry(steps, controls, ahead) for ahead in (still, tiny))
+        changes = [
+            [b - a for a, b in zip(*pair, strict=True)] for pair in zip(plain, turned, strict=True)
         ]
-        tiny = [[ONE.left_shift(end) * int(i == k) for i in size] for k in (-1, *size)]
-        plain, *turned = (self._carry(controls, steps, ahead, 2 * end) for ahead in tiny)
-        pairs = [pair for own in turned for pair in zip(plain, own, strict=True)]
-        changes = [[(b - a).right_shift(end) for a, b in zip(*pair, strict=True)] for pair in pairs]
         orders = [range(r * block, r * (block + degree) + 1) for r in range(steps + 1)]
         spans, brackets = (
-            [[[int(e[k]) for e in y] for y in series for k in own] for own in orders]
-            for series in (plain, changes)
+            [[[int(e.poly[first + k]) for e in y] for y in fields for k in own] for own in orders]
+            for fields, first in ((plain, 0), (changes, end))
         )
         return spans, brackets
 
+    def _draw_series(self, end: int, count: int, order: int) -> list[_Series]:
+        """For each field one with so many terms, from an order on."""
+        rows = [[self._draw() for _ in range(count)] for _ in range(self._count)]
+        return [_Series(flint.nmod_poly(row, PRIME).left_shift(order), end) for row in rows]
+
     def _carry(
-        self, controls: Sequence[Any], steps: int, tiny: Sequence[Any], length: int
-    ) -> list[list[Any]]:
-        """The series of the carried fields along the motion that goes along the fields by what is
-        ``tiny``, and then with the controls."""
-        size = range(self._size)
-        begin = at = _Series(self._point, self._turns, length)
-        turn = [at.dot(row, tiny) for row in self._slopes.run(at)]
-        start = [[ONE * int(a == b) - turn[b * len(size) + a] for b in size] for a in size]
-        changes = [at.dot(row, tiny) for row in self._rates.run(at)]
-        begin = at = begin.move(at, self._variables, changes, lambda e: e)
+        self, steps: int, controls: Sequence[_Series], ahead: Sequence[_Series]
+    ) -> list[list[_Series]]:
+        """The carried fields along the motion that goes along the fields by what is tiny, and then
+        with the controls."""
+        end, size = controls[0].end, range(self._size)
+        start = {x: _Series(ONE * value, end) for x, value in self._point.items()}
+        begin = at = self._move(start, self._along(self._rates, start, ahead))
         for _ in range(steps):  # each round finds the brackets with one field more
-            changes = [at.dot(row, controls) for row in self._rates.run(at)]
-            at = begin.move(at, self._variables, changes, at.integral)
-        turn, back = [at.dot(row, controls) for row in self._slopes.run(at)], start
-        columns = [turn[b * len(size) : (b + 1) * len(size)] for b in size]
+            rates = self._along(self._rates, at, controls)
+            at = self._move(begin, [e.integral() for e in rates])
+        turn = _rows(self._along(self._slopes, start, ahead), self._size)
+        first = back = [[_Series(ONE * int(a == b), end) - turn[b][a] for b in size] for a in size]
+        slopes = _rows(self._along(self._slopes, at, controls), self._size)
         for _ in range(steps):
             back = [
-                [
-                    e - at.integral(at.dot(row, column))
-                    for e, column in zip(own, columns, strict=True)
-                ]
-                for own, row in zip(start, back, strict=True)
+                [e - _dot(row, x).integral() for e, x in zip(own, slopes, strict=True)]
+                for own, row in zip(first, back, strict=True)
             ]
-        return [[at.dot(row, field) for row in back] for field in self._carried.run(at)]
+        carried = _rows(self._run(self._carried, at, end), self._size)
+        return [[_dot(row, x) for row in back] for x in carried]
+
+    def _move(self, begin: Mapping[Any, Any], changes: Sequence[Any]) -> dict[Any, Any]:
+        moved = {x: begin[x] + e for x, e in zip(self._moving, changes, strict=True)}
+        return {**begin, **moved}
+
+    def _along(
+        self, tape: Tape, at: Mapping[Any, _Series], controls: Sequence[_Series]
+    ) -> list[_Series]:
+        """What a tape has for each field, along the motion."""
+        rows = _rows(self._run(tape, at, controls[0].end), self._count)
+        return [_dot(row, controls) for row in rows]
+
+    def _run(self, tape: Tape, at: Mapping[Any, _Series], end: int) -> list[_Series]:
+        return tape.run(at, lambda e: _Series(ONE * _residue(e), end))
+
+
+def _rows(entries: list[Any], width: int) -> list[list[Any]]:
+    return [entries[k : k + width] for k in range(0, len(entries), width)]
 
 
 @dataclass(frozen=True)
 class _Series:
-    """Series of symbols, and of cosine and sine of angles, along a motion: half of the ``length``,
-    and half for changes that are tiny."""
+    """A polynomial modulo a prime; from the order ``end`` on it is tiny, and cut off at twice."""
 
-    symbols: Mapping[Any, Any]
-    turns: Mapping[Any, tuple[Any, Any]]
-    length: int
+    poly: Any
+    end: int
 
-    def move(
-        self,
-        at: _Series,
-        variables: Sequence[Any],
-        rates: Sequence[Any],
-        change: Callable[[Any], Any],
-    ) -> _Series:
-        """These with the changes that rates of variables, then of angles, make at another place."""
-        moved = {q: self.symbols[q] + change(e) for q, e in zip(variables, rates, strict=False)}
-        turns = {}
-        for (angle, (c, s)), rate in zip(self.turns.items(), rates[len(variables) :], strict=True):
-            cosine, sine = (change(at.dot([e], [rate])) for e in at.turns[angle])
-            turns[angle] = c - sine, s + cosine
-        return _Series({**self.symbols, **moved}, turns, self.length)
+    def __add__(self, other: _Series) -> _Series:
+        return _Series(self.poly + other.poly, self.end)
 
-    def dot(self, left: Iterable[Any], right: Iterable[Any]) -> Any:
-        """The sum of products."""
-        pairs = [(a, b) for a, b in zip(left, right, strict=True) if a.length() and b.length()]
-        return sum((a.mul_low(b, self.length) for a, b in pairs), ZERO)
+    def __sub__(self, other: _Series) -> _Series:
+        return _Series(self.poly - other.poly, self.end)
 
-    def product(self, *factors: Any) -> Any:
-        """The product."""
-        return reduce(lambda a, b: a.mul_low(b, self.length), factors)
+    def __mul__(self, other: _Series) -> _Series:
+        return _Series(self.poly.mul_low(other.poly, 2 * self.end), self.end)
 
-    def power(self, base: Any, exponent: int) -> Any:
-        """An integer power; ``EngineLimit`` where there is none."""
-        if exponent < 0:
-            if base[0] == 0:
-                raise EngineLimit("a denominator vanishes at a random point")
-            base = base.inverse_series_trunc(self.length)
-        return base.pow_trunc(abs(exponent), self.length)
+    def __rtruediv__(self, one: int) -> _Series:
+        if self.poly[0] == 0:
+            raise EngineLimit("a denominator vanishes at a random point")
+        return _Series(self.poly.inverse_series_trunc(2 * self.end) * one, self.end)
 
-    def turn(self, folds: Sequence[tuple[Any, int]]) -> tuple[Any, Any]:
-        """Cosine and sine of a sum of multiples of angles."""
-        cosine, sine = ONE, ZERO
-        for angle, fold in folds:
-            c, s = self.turns[angle]
-            s = s if fold > 0 else -s
-            for _ in range(abs(fold)):
-                pair = cosine, sine
-                cosine, sine = self.dot(pair, [c, -s]), self.dot(pair, [s, c])
-        return cosine, sine
-
-    def integral(self, series: Any) -> Any:
-        """The integral of what is not tiny, and that of what is."""
-        end = self.length // 2
-        return series.truncate(end).integral() + series.right_shift(end).integral().left_shift(end)
+    def integral(self) -> _Series:
+        """That of what is not tiny, and that of what is."""
+        plain, tiny = self.poly.truncate(self.end), self.poly.right_shift(self.end)
+        return _Series(plain.integral() + tiny.integral().left_shift(self.end), self.end)
 
 
-class _Program:
-    """A table of expressions as steps of arithmetic with series; ``units`` are the angles whose
-    cosine and sine are known, by the terms of which they are fractions."""
-
-    def __init__(self, rows: Iterable[Sequence[Any]], units: Mapping[Any, Any]) -> None:
-        self._units = units
-        self._known: dict[Any, int] = {}
-        self._steps: list[tuple[Callable[..., Any], Sequence[int]]] = []
-        self._rows = [[self._slot(se.sympify(e)) for e in row] for row in rows]
-
-    def run(self, at: _Series) -> list[list[Any]]:
-        """The series of all expressions."""
-        values: list[Any] = []
-        for operation, slots in self._steps:
-            values.append(operation(at, *[values[k] for k in slots]))
-        return [[values[k] for k in row] for row in self._rows]
-
-    @remember("_known")
-    def _slot(self, expr: Any) -> int:
-        operation, arguments = self._operation(expr)
-        self._steps.append((operation, [self._slot(a) for a in arguments]))
-        return len(self._steps) - 1
-
-    def _operation(self, expr: Any) -> tuple[Callable[..., Any], Sequence[Any]]:
-        if isinstance(expr, se.Symbol):
-            return (lambda at: at.symbols[expr]), ()
-        if expr.is_Number:
-            number = ONE * (flint.nmod(int(expr.p), PRIME) / int(expr.q))
-            return (lambda at: number), ()
-        if isinstance(expr, se.Add):
-            return (lambda at, *terms: sum(terms, ZERO)), expr.args
-        if isinstance(expr, se.Mul):
-            return _Series.product, expr.args
-        if isinstance(expr, se.Pow):
-            exponent = int(expr.args[1])
-            return (lambda at, base: at.power(base, exponent)), expr.args[:1]
-        if not isinstance(expr, se.sin | se.cos):
-            return (lambda at, value: value), [se.sympify(BY_SINES[type(expr)](*expr.args))]
-        terms = linear_terms(expr.args[0])
-        if se.pi in terms:
-            raise EngineLimit(f"'{expr}' has no residues modulo a prime")
-        folds = [(a, int(factor * a / self._units[a])) for a, factor in terms.items()]
-        return (lambda at: at.turn(folds)[isinstance(expr, se.sin)]), ()
+def _dot(left: Sequence[_Series], right: Sequence[_Series]) -> _Series:
+    pairs = zip(left, right, strict=True)
+    products = [a * b for a, b in pairs if a.poly.length() and b.poly.length()]
+    return sum(products, _Series(ZERO, left[0].end))
 
 
-def _is_monomial(angle: Any) -> bool:
-    """Whether it is a product of powers of symbols: such angles, if none is a multiple of another,
-    have independent sines."""
-    factors = angle.args if isinstance(angle, se.Mul) else (angle,)
-    bases = [f.args[0] if isinstance(f, se.Pow) and f.args[1].is_Integer else f for f in factors]
-    return all(b == 1 or isinstance(b, se.Symbol) for b in bases)
+def _residue(number: Any) -> Any:
+    return flint.nmod(int(number.p), PRIME) / int(number.q)

@@ -9,7 +9,6 @@ basis the constraints are written in; they have integrals by the theorem of Frob
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
 from itertools import combinations, product
 from typing import Any
 
@@ -27,7 +26,7 @@ from voronec.equations.definition import Definition
 from voronec.equations.distribution import Space
 from voronec.errors import EngineLimit
 
-__all__ = ["integrate", "solve_in_steps"]
+__all__ = ["integrate"]
 
 Rows = list[list[Any]]
 Defects = Callable[[Rows, Rows], Rows]
@@ -53,11 +52,6 @@ def integrate(
         for f in (definition.differentiated, definition.constraints)
     )
     plain = definition.group is None  # forms over the fields of a group have no potentials
-    rows = [*given, *bound]
-    if connection.n == definition.base:  # solved for the fibre they are in normal form, maybe
-        solved = connection.lift[connection.n :]
-        unit = se.eye(len(solved)).tolist()
-        rows = [[*(-e for e in r[:-1]), *unit[i], -r[-1]] for i, r in enumerate(solved)]
 
     def slopes_of(rows: Rows, _: Rows) -> Rows:
         return [[e.diff(q) for e in c] for q in variables for c in zip(*rows, strict=True)]
@@ -71,7 +65,7 @@ def integrate(
     columns: list[int] = []
     for defects in (slopes_of, brackets) if plain else (brackets,):
         if len(_enlarging(bound, own, relations)) < most:
-            forms, columns = _flag(rows, definition.base, defects, relations)
+            forms, columns = _flag([*given, *bound], definition.base, defects, relations)
             own += [_without_denominators(row, relations) for row in forms]
     own = _enlarging(bound, own, relations)
     functions: list[Any] = []
@@ -84,21 +78,6 @@ def integrate(
     last = _enlarging(slopes, own, relations)
     ordered = [*(row for row in own if row not in last), *last]
     return [dot(row, (*definition.dots, se.Integer(1))) for row in ordered], functions
-
-
-def solve_in_steps(definition: Definition, connection: EhresmannConnection) -> EhresmannConnection:
-    """The connection in the coordinate frame with its lift in normal form, brought to it after each
-    step of the elimination; as it is where that does not do."""
-    n, forms = connection.n, (definition.constraints, definition.differentiated)
-    rows = [[*r, o] for f in forms for r, o in zip(f.matrix, f.offset, strict=True)]
-    try:
-        solved, units = _reduced(rows, definition.base, definition.relations)
-    except EngineLimit:
-        return connection
-    if units != [*range(n, len(connection.lift))]:
-        return connection
-    fibre = [(*(-e for e in row[:n]), -row[-1]) for row in solved]
-    return replace(connection, lift=(*connection.lift[:n], *fibre))
 
 
 def _flag(
