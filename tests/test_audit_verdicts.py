@@ -14,7 +14,17 @@ import voronec as vo
 from voronec import DefinitionError, velocity
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.typeset import symbol_latex
-from voronec.audit import Check, Convention, Display, Motion, Paper, Section, Study, audit_paper
+from voronec.audit import (
+    Check,
+    Convention,
+    Display,
+    Motion,
+    Paper,
+    Range,
+    Section,
+    Study,
+    audit_paper,
+)
 from voronec.declaration.catalogue import load_paper
 
 x, y, w, m, c = sp.symbols("x y w m c")
@@ -457,6 +467,17 @@ def test_accelerations_without_a_rate_do_not_stand_still():
     free = replace(oscillator(), motion=Motion(rates={x: w, w: velocity(w)}))
     jerk = one(r"\frac{d}{dt}\ddot x=0", study=free)
     assert jerk.verdict == "undecided" and "is not known" in jerk.method
+
+
+def test_an_inequality_of_accelerations_is_one_along_the_motion():
+    """It was refuted by accelerations that no motion has."""
+    kept = sp.symbols("p q", positive=True)
+    ranges = (Range("all", "m>0, c>0", dict(zip((m, c), kept, strict=True)), kept),)
+    study = replace(oscillator(), ranges=ranges)
+    assert one(r"x\dot w\le0", study=study).verdict == "proved"
+    assert one(r"0\le x\ddot x", study=study).verdict == "misprint"
+    free = replace(study, motion=replace(study.motion, accelerations={}))
+    assert one(r"x\dot w\le0", study=free).verdict == "undecided"
 
 
 def test_an_inequality_without_ranges_is_not_called_wrong():

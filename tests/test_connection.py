@@ -64,6 +64,9 @@ GROWTH = {
         (x,), (y,), (Dy - time * Dx - x,), ("holonomic", (2,), (y - time * x,)),
     ),
     "a moving multiple": ((x,), (y,), (time * (Dy - Dx),), ("holonomic", (1,), (y - x,))),
+    "differential where it is divided by a coordinate": (
+        (x, y), (z, s), (y * Ds - Dy, Dz - y * Dx), ("chaplygin", (2, 3), (s - sp.log(y),)),
+    ),
     "moving": ((x,), (y,), (Dy - time * Dx,), ("chaplygin", (2, 3), ())),
     "affine": ((x,), (y,), (Dy - x,), ("chaplygin", (2, 3), ())),
     "affine in the fibre": ((x,), (y,), (Dy - x * y,), ("voronec", (2, 3), ())),

@@ -331,6 +331,9 @@ def _judge_formula(
     if bench.prints:
         derived = derived_latex(chain, formula.unit.display, check, study, proved)
     if finding.verdict.refuted:
+        if formula.unit.condition and not bench.complete:
+            said = f"it is printed with '{formula.unit.condition}', and a condition is not read"
+            return FormulaRecord(printed, "not read", said, derived)
         return _judge_refutation(formula, chain, check, study, finding, derived, bench)
     if proved and not finding.count and (unused := _unused_name(formula, chain, check, bench)):
         fault = f"it introduces '{unused}', which no other formula here has"

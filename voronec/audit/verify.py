@@ -75,8 +75,11 @@ def verify(chain: Chain, check: Check, study: Study) -> FormulaOutcome:
     if any(_are_equal(gap, study) for gap in gaps):
         return FormulaOutcome(SLACK, None, finding.count)
     ordered = by_range(study, check.within, lambda _, where: _order_verdict(gaps, where))
-    if not study.ranges and ordered.verdict.refuted:
-        return FormulaOutcome(NEEDS_SIGNS)
+    if ordered.verdict.refuted:
+        if any(_has_unknown_accelerations(a - b, study) for a, _, b in gaps):
+            return FormulaOutcome(NEEDS_ACCELERATIONS)
+        if not study.ranges:
+            return FormulaOutcome(NEEDS_SIGNS)
     return ordered if finding.count == 0 else replace(ordered, count=finding.count + len(gaps))
 
 
@@ -151,10 +154,11 @@ def _has_unknown_accelerations(value: Any, study: Study) -> bool:
 
 
 def _inequalities(chain: Chain, study: Study) -> Iterator[tuple[Any, str, Any]]:
-    """The pairs of neighbouring parts between which an inequality stands."""
+    """The pairs of neighbouring parts between which an inequality stands, along the motion."""
+    along, given = study.motion.along, dict(study.given)
     for (left, right), relation in zip(pairwise(chain.parts), chain.relations, strict=True):
         if relation != "=":
-            sides = (value_of(part, study, {}) for part in (left, right))
+            sides = (along(value_of(part, study, {})).xreplace(given) for part in (left, right))
             yield next(sides), relation, next(sides)
 
 

@@ -163,6 +163,7 @@ def _functions(
     size = range(len(forms))
     slopes = {(i, k): [e.diff(variables[units[k]]) for e in forms[i]] for i in size for k in size}
     linked = nx.Graph([pair for pair, row in slopes.items() if any(e != 0 for e in row)])
+    linked.add_nodes_from(size)
     for block in map(sorted, nx.connected_components(linked)):
         cells = product(block, repeat=2)
         parts = [p for pair in cells for p in _potential(slopes[pair], variables, relations)]

@@ -44,13 +44,15 @@ class Piece:
 class FormulaUnit:
     """What bears one number in print: a label or none, source text, formulas.
 
-    ``display`` is the source in which the places of the pieces are counted.
+    ``display`` is the source in which the places of the pieces are counted, ``condition`` a word
+    such as "if", which says that they need not hold always.
     """
 
     label: str | None
     source: str
     pieces: tuple[Piece, ...]
     display: str
+    condition: str = ""
 
 
 def split_display(latex: str) -> tuple[FormulaUnit, ...]:
@@ -111,6 +113,11 @@ def _lines(latex: str, start: int, end: int) -> list[tuple[int, int]]:
 
 _NUMBER = re.compile(r"\(\d+[a-z']?\)")
 """What a formula may be called behind it."""
+_CONDITIONS = re.compile(
+    r"\W*(if|when|whenever|unless|while|provided|on|at|for(?! (?:all|any|every|each|some|no)))\b",
+    re.IGNORECASE,
+)
+"""Words behind which a condition stands."""
 
 
 def _unit(latex: str, lines: list[tuple[int, int]]) -> FormulaUnit:
@@ -120,15 +127,18 @@ def _unit(latex: str, lines: list[tuple[int, int]]) -> FormulaUnit:
     pieces: list[Piece] = []
     said: tuple[Token, ...] = ()
     ended = False
+    condition = ""
     for a, b in lines:
         tokens = tokenize(latex, a, b)
         for words in _split_list(tokens):
+            if not condition and _is_text(words) and (m := _CONDITIONS.match(words[0].text)):
+                condition = m[1]
             if not _is_text(words) and not _NUMBER.fullmatch("".join(w.text for w in words)):
                 _append(pieces, words, said, ended)
             said, ended = words, True
         ended = bool(tokens) and tokens[-1].text in _SEPARATORS
     source = "\\\\ ".join(_LABEL.sub("", latex[a:b]).strip() for a, b in lines)
-    return FormulaUnit(label, source, tuple(pieces), latex)
+    return FormulaUnit(label, source, tuple(pieces), latex, condition)
 
 
 def _append(
