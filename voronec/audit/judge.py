@@ -48,7 +48,7 @@ from voronec.audit.structure import (
 )
 from voronec.audit.study import Range, Study, UnknownRate, name_or_nothing
 from voronec.audit.transcript import Transcript, assignments
-from voronec.audit.verify import FormulaOutcome, by_range, verify
+from voronec.audit.verify import SLACK, FormulaOutcome, by_range, verify
 from voronec.audit.wording import (
     derived_latex,
     loose_index,
@@ -334,6 +334,8 @@ def _judge_formula(
         if formula.unit.condition and not bench.complete:
             said = f"it is printed with '{formula.unit.condition}', and a condition is not read"
             return FormulaRecord(printed, "not read", said, derived)
+        if finding.verdict == SLACK and not bench.complete:
+            return FormulaRecord(printed, "undecided", SLACK.method, derived)
         return _judge_refutation(formula, chain, check, study, finding, derived, bench)
     if proved and not finding.count and (unused := _unused_name(formula, chain, check, bench)):
         fault = f"it introduces '{unused}', which no other formula here has"
