@@ -15,7 +15,7 @@ import numpy as np
 
 from voronec.accuracy.bench.call_time import SetupTime
 from voronec.accuracy.problem import ReferenceProblem
-from voronec.accuracy.reference import ReferenceSolution
+from voronec.accuracy.solution import ReferenceSolution
 
 __all__ = ["AT", "At", "Bench", "Measured", "Point", "at_error", "observed_order"]
 
@@ -73,9 +73,9 @@ class Measured:
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """Every method and tolerance measured on one question, against its reference."""
+    """Every method and tolerance measured on one problem, against its reference."""
 
-    question: ReferenceProblem
+    problem: ReferenceProblem
     reference: ReferenceSolution
     methods: tuple[Measured, ...]
     machine: Mapping[str, str]
@@ -92,16 +92,16 @@ class Bench:
 
     def as_dict(self) -> dict[str, Any]:
         """All of it as plain data, for ``bench.json``."""
-        question, reference = self.question, self.reference
+        problem, reference = self.problem, self.reference
         return {
-            "system": question.system.name,
-            "scene": question.scene,
-            "times": [float(question.grid[0]), float(question.grid[-1])],
-            "instants": len(question.grid),
-            "outputs": list(question.outputs),
-            "angles": sorted(question.angles),
-            "parameters": dict(question.parameters),
-            "initial": dict(question.initial),
+            "system": problem.system.name,
+            "scene": problem.scene,
+            "times": [float(problem.grid[0]), float(problem.grid[-1])],
+            "instants": len(problem.grid),
+            "outputs": list(problem.outputs),
+            "angles": sorted(problem.angles),
+            "parameters": dict(problem.parameters),
+            "initial": dict(problem.initial),
             "machine": dict(self.machine),
             "reference": {
                 "accuracy": reference.accuracy,
