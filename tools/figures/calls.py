@@ -1,4 +1,5 @@
-"""Rows of the table of figures: whole calls in processes of their own, caches of their own."""
+"""Rows of the table of speed: whole calls and set-up, in processes of their own, with caches of
+their own."""
 
 from __future__ import annotations
 
@@ -8,42 +9,55 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
 from statistics import median
-from typing import Any
 
-from figures.extent import Extent
+from figures.problems import Extent
 from figures.table import Row
 
-__all__ = ["ROWS", "in_process"]
+__all__ = ["ROWS", "setup"]
 
-CALL = """
+CHILD = """
 import json, sys
 from time import process_time
-name, method, tried = sys.argv[1:]
+name, method, span, tried, imported = sys.argv[1:]
 if method in ("numba", "c"):
     sys.modules["heyoka"] = None
 import voronec as vo
+if imported:
+    from voronec.accuracy.bench.call_time import import_everything
+    import_everything()
 system, again = vo.load(name), []
+since = process_time() if imported else 0.0
 for _ in range(int(tried)):
     began = process_time()
-    vo.integrate(system, times=10, tol=1e-11, method=method)
+    vo.integrate(system, times=float(span), tol=1e-11, method=method)
     again.append(process_time() - began)
-    first = process_time() if len(again) == 1 else first
+    first = process_time() - since if len(again) == 1 else first
 print(json.dumps([first, min(again[1:])]))
 """
 SECOND = {"ball-on-sphere": 5, "demchenko": 12, "rattleback": 15}
 """Milliseconds that a second call may take."""
 
 
-def in_process(cache: str, *words: str) -> Any:
-    """What a fresh Python says last, as JSON, when it keeps caches in a folder."""
+def _child(
+    cache: str, name: str, method: str, span: float = 10.0, tried: int = 2, imported: bool = False
+) -> list[float]:
+    """CPU seconds of the first call in a fresh process, and the least of the others.
+
+    The process keeps its caches in a folder.  Imports are part of the first call, unless
+    everything is ``imported`` before.
+    """
     # what numba and Python themselves keep is part of an installation that has run before
     environment = os.environ | {"XDG_CACHE_HOME": cache}
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    words = [name, method, repr(span), str(tried), "imported" if imported else ""]
     done = subprocess.run(
-        [sys.executable, *words], capture_output=True, text=True, check=True, env=environment
-    )
-    return json.loads(done.stdout.splitlines()[-1])
+        [sys.executable, "-c", CHILD, *words], capture_output=True, text=True, check=True,
+        env=environment,
+    )  # fmt: skip
+    seconds: list[float] = json.loads(done.stdout.splitlines()[-1])
+    return seconds
 
 
 def _spread(times: Iterable[float]) -> tuple[float, float, float]:
@@ -56,9 +70,9 @@ def calls(extent: Extent) -> Iterator[Row]:
     """From ``vo.integrate(system, ...)`` to the trajectory, and from nothing to it."""
     for name, allowed in SECOND.items():
         with tempfile.TemporaryDirectory() as cache:
-            in_process(cache, "-c", CALL, name, "auto", "2")
+            _child(cache, name, "auto")
             found = [
-                in_process(cache, "-c", CALL, name, "auto", str(20 * extent.turns))
+                _child(cache, name, "auto", tried=20 * extent.turns)
                 for _ in range(extent.processes)
             ]
         (first, least, most), (second, low, high) = (
@@ -98,11 +112,10 @@ LATER = {
 def compiled_calls(extent: Extent) -> Iterator[Row]:
     """The methods ``numba`` and ``c`` where heyoka is not installed."""
     for method, why in COMPILERS.items():
-        words = ("-c", CALL, "ball-on-sphere", method, "2")
         with tempfile.TemporaryDirectory() as cache:
-            ever = in_process(cache, *words)[0]
+            ever = _child(cache, "ball-on-sphere", method)[0]
             later, least, most = _spread(
-                in_process(cache, *words)[0] for _ in range(extent.processes)
+                _child(cache, "ball-on-sphere", method)[0] for _ in range(extent.processes)
             )
         what = f"method `{method}`, heyoka not installed, ball-on-sphere, T = 10"
         yield Row(
@@ -114,6 +127,34 @@ def compiled_calls(extent: Extent) -> Iterator[Row]:
             "0.5 s", f"{later:.2f} s of CPU ({least:.2f} to {most:.2f})", bool(later <= 0.5),
             LATER[method],
         )  # fmt: skip
+
+
+def setup(extent: Extent) -> Iterator[Row]:
+    """From a system to an integrator that has run, cold and again; of a chain of bodies, cold."""
+    found = []
+    for _ in range(extent.processes):
+        with tempfile.TemporaryDirectory() as cache:
+            found.append(_child(cache, "chaplygin-ball", "heyoka", 0.04, 5, imported=True))
+    (cold, least, most), (warm, low, high) = (_spread(times) for times in zip(*found, strict=True))
+    what = "Chaplygin ball with method heyoka, `integrate` over a span of no length"
+    yield Row(
+        f"set-up, warm, {what}: again in the same process",
+        "0.1 s", f"{warm:.3f} s of CPU ({low:.3f} to {high:.3f})", warm <= 0.1,
+        "heyoka takes the compiled code from memory, but builds its decomposition again",
+    )  # fmt: skip
+    yield Row(
+        f"set-up, cold, {what}: derivation, smallest model and compilation, first in the process, "
+        "caches empty, imports excluded",
+        "1.5 s", f"{cold:.2f} s of CPU ({least:.2f} to {most:.2f})", cold <= 1.5,
+        "most of it is heyoka's compiler",
+    )  # fmt: skip
+    chain = str(Path(__file__).with_name("chain.py"))
+    with tempfile.TemporaryDirectory() as cache:
+        cold = _child(cache, chain, "heyoka", 0.04, imported=True)[0]
+    yield Row(
+        "chain of 7 links, 3 blades, six degrees of freedom: derivation and compilation, cold",
+        "under 10 s", f"{cold:.2f} s of CPU", cold < 10,
+    )  # fmt: skip
 
 
 ROWS: dict[str, Callable[[Extent], Iterator[Row]]] = {

@@ -28,7 +28,7 @@ from voronec.algebra.text import as_expression
 from voronec.equations.program import hoist, scalar_source
 from voronec.errors import VoronecError
 
-__all__ = ["PEERS", "Formulation", "by_hand", "sympy_right_side", "sympy_source"]
+__all__ = ["PEERS", "Formulation", "by_hand", "reduced"]
 
 LONGEST = 20_000
 """Characters of a right-hand side beyond which no hand writes it out."""
@@ -116,7 +116,7 @@ def _hand_source(program: HandProgram) -> Source:
     return sp.lambdify(arguments, tuple(rates), modules="math", cse=True), np.empty(0)
 
 
-def _reduced(problem: ReferenceProblem, name: str = "", kind: str = "written out") -> Formulation:
+def reduced(problem: ReferenceProblem, name: str = "", kind: str = "written out") -> Formulation:
     """Our equations on a level, the lowest there is unless told, with one of ``RIGHT_SIDES``."""
     try:
         at = level(problem, name) if name else lowest(problem)
@@ -306,7 +306,7 @@ def _peer(
 def _prepare_mujoco(problem: ReferenceProblem, setting: str) -> Run:
     if problem.system.name not in MUJOCO:
         raise NotHere(f"only for a ball on a plane: {', '.join(MUJOCO)}")
-    form = _reduced(problem, "invariants")
+    form = reduced(problem, "invariants")
     _require_outputs(problem, tuple(map(str, form.at.field.variables)))
     if problem.grid[0] != 0 or problem.grid[-1] < 0:
         raise NotHere("runs forward from time 0 only")
@@ -326,9 +326,9 @@ def _mujoco(setting: str) -> Contender:
     return Contender(f"mujoco-{setting}", about, STEPS, prepare, knob="step")
 
 
-ON_COORDINATES = partial(_reduced, name="coordinates", kind="solved")
-ON_INVARIANTS = partial(_reduced, name="invariants")
-PLAIN = partial(_reduced, name="invariants", kind="plain")
+ON_COORDINATES = partial(reduced, name="coordinates", kind="solved")
+ON_INVARIANTS = partial(reduced, name="invariants")
+PLAIN = partial(reduced, name="invariants", kind="plain")
 LSODA = partial(_scipy, method="LSODA")
 GOOD = "scipy {} with a good lambdify of the equations on the {}"
 PEERS = (
@@ -346,10 +346,10 @@ PEERS = (
     _peer(
         "dop853-numba-fastmath", "the same with fast-math", by_hand, partial(_numba, fast=True)
     ),
-    _peer("dop853-numba", "DOP853 compiled by numba, right-hand side by SymPy", _reduced, _numba),
+    _peer("dop853-numba", "DOP853 compiled by numba, right-hand side by SymPy", reduced, _numba),
     _peer(
         "dop853-numba-ours", "DOP853 compiled by numba, right-hand side by our program",
-        partial(_reduced, kind="program"), _numba,
+        partial(reduced, kind="program"), _numba,
     ),
     _peer(
         "dop853-lambdify-invariants", GOOD.format("DOP853", "invariants"), ON_INVARIANTS, _scipy,
