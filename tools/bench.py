@@ -8,7 +8,6 @@ methods      any system: our methods and the peers against a reference
 closed-form  the closed form: docs/closed-form.md
 references   the references of the closed form
 mechanics    models of SymPy's mechanics against SymPy
-smooth       smooth runs, old code against new
 """
 
 import sys
@@ -22,7 +21,6 @@ KINDS = {
     "closed-form": "figures.closed_form",
     "references": "figures.closed_references",
     "mechanics": "figures.mechanics",
-    "smooth": "figures.smooth",
 }
 """Kind -> the module that does it."""
 
