@@ -1,63 +1,19 @@
-"""Rows of the table of speed: whole calls and set-up, in processes of their own, with caches of
-their own."""
+"""Rows of the table of speed: whole calls and set-up, in processes of their own."""
 
 from __future__ import annotations
 
-import json
-import os
-import subprocess
-import sys
-import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from statistics import median
 
 from figures.problems import Extent
 from figures.table import Row
+from voronec.accuracy.bench import CallStages, SetupTime, measure_calls, measure_setup
 
 __all__ = ["ROWS", "setup"]
 
-CHILD = """
-import json, sys
-from time import process_time
-name, method, span, tried, imported = sys.argv[1:]
-if method in ("numba", "c"):
-    sys.modules["heyoka"] = None
-import voronec as vo
-if imported:
-    from voronec.accuracy.bench.call_time import import_everything
-    import_everything()
-system, again = vo.load(name), []
-since = process_time() if imported else 0.0
-for _ in range(int(tried)):
-    began = process_time()
-    vo.integrate(system, times=float(span), tol=1e-11, method=method)
-    again.append(process_time() - began)
-    first = process_time() - since if len(again) == 1 else first
-print(json.dumps([first, min(again[1:])]))
-"""
 SECOND = {"ball-on-sphere": 5, "demchenko": 12, "rattleback": 15}
 """Milliseconds that a second call may take."""
-
-
-def _child(
-    cache: str, name: str, method: str, span: float = 10.0, tried: int = 2, imported: bool = False
-) -> list[float]:
-    """CPU seconds of the first call in a fresh process, and the least of the others.
-
-    The process keeps its caches in a folder.  Imports are part of the first call, unless
-    everything is ``imported`` before.
-    """
-    # what numba and Python themselves keep is part of an installation that has run before
-    environment = os.environ | {"XDG_CACHE_HOME": cache}
-    environment.pop("PYTHONDONTWRITEBYTECODE", None)
-    words = [name, method, repr(span), str(tried), "imported" if imported else ""]
-    done = subprocess.run(
-        [sys.executable, "-c", CHILD, *words], capture_output=True, text=True, check=True,
-        env=environment,
-    )  # fmt: skip
-    seconds: list[float] = json.loads(done.stdout.splitlines()[-1])
-    return seconds
 
 
 def _spread(times: Iterable[float]) -> tuple[float, float, float]:
@@ -66,18 +22,17 @@ def _spread(times: Iterable[float]) -> tuple[float, float, float]:
     return median(found), min(found), max(found)
 
 
+def _calls(name: str, method: str, extent: Extent) -> list[CallStages]:
+    """Whole calls over T = 10, in pairs of fresh processes with caches of their own."""
+    return [measure_calls(name, None, 10.0, 1e-11, method=method) for _ in range(extent.processes)]
+
+
 def calls(extent: Extent) -> Iterator[Row]:
     """From ``vo.integrate(system, ...)`` to the trajectory, and from nothing to it."""
     for name, allowed in SECOND.items():
-        with tempfile.TemporaryDirectory() as cache:
-            _child(cache, name, "auto")
-            found = [
-                _child(cache, name, "auto", tried=20 * extent.turns)
-                for _ in range(extent.processes)
-            ]
-        (first, least, most), (second, low, high) = (
-            _spread(times) for times in zip(*found, strict=True)
-        )
+        found = _calls(name, "auto", extent)
+        first, least, most = _spread(sum(one.known.values()) for one in found)
+        second, low, high = _spread(sum(one.second.values()) for one in found)
         yield Row(
             f"whole call, {name}, T = 10, second call in a process",
             f"{allowed} ms",
@@ -110,14 +65,12 @@ LATER = {
 
 
 def compiled_calls(extent: Extent) -> Iterator[Row]:
-    """The methods ``numba`` and ``c`` where heyoka is not installed."""
+    """The methods ``numba`` and ``c``, which load nothing of heyoka."""
     for method, why in COMPILERS.items():
-        with tempfile.TemporaryDirectory() as cache:
-            ever = _child(cache, "ball-on-sphere", method)[0]
-            later, least, most = _spread(
-                _child(cache, "ball-on-sphere", method)[0] for _ in range(extent.processes)
-            )
-        what = f"method `{method}`, heyoka not installed, ball-on-sphere, T = 10"
+        found = _calls("ball-on-sphere", method, extent)
+        ever = median(sum(one.unknown.values()) for one in found)
+        later, least, most = _spread(sum(one.known.values()) for one in found)
+        what = f"method `{method}`, heyoka not loaded, ball-on-sphere, T = 10"
         yield Row(
             f"{what}: first call ever, imports included",
             "10 s", f"{ever:.1f} s of CPU", bool(ever <= 10), why,
@@ -130,17 +83,15 @@ def compiled_calls(extent: Extent) -> Iterator[Row]:
 
 
 def setup(extent: Extent) -> Iterator[Row]:
-    """From a system to an integrator that has run, cold and again; of a chain of bodies, cold."""
-    found = []
-    for _ in range(extent.processes):
-        with tempfile.TemporaryDirectory() as cache:
-            found.append(_child(cache, "chaplygin-ball", "heyoka", 0.04, 5, imported=True))
-    (cold, least, most), (warm, low, high) = (_spread(times) for times in zip(*found, strict=True))
+    """From a system to an integrator that is ready, cold and warm; of a chain of bodies, cold."""
+    found = [_setup("chaplygin-ball") for _ in range(extent.processes)]
+    warm, low, high = _spread(one.warm for one in found)
+    cold, least, most = _spread(one.cold for one in found)
     what = "Chaplygin ball with method heyoka, `integrate` over a span of no length"
     yield Row(
-        f"set-up, warm, {what}: again in the same process",
+        f"set-up, warm, {what}: in a process whose disk knows it, imports excluded",
         "0.1 s", f"{warm:.3f} s of CPU ({low:.3f} to {high:.3f})", warm <= 0.1,
-        "heyoka takes the compiled code from memory, but builds its decomposition again",
+        "heyoka takes the compiled code from its disk, but builds its decomposition again",
     )  # fmt: skip
     yield Row(
         f"set-up, cold, {what}: derivation, smallest model and compilation, first in the process, "
@@ -148,13 +99,18 @@ def setup(extent: Extent) -> Iterator[Row]:
         "1.5 s", f"{cold:.2f} s of CPU ({least:.2f} to {most:.2f})", cold <= 1.5,
         "most of it is heyoka's compiler",
     )  # fmt: skip
-    chain = str(Path(__file__).with_name("chain.py"))
-    with tempfile.TemporaryDirectory() as cache:
-        cold = _child(cache, chain, "heyoka", 0.04, imported=True)[0]
+    chain = _setup(str(Path(__file__).with_name("chain.py"))).cold
     yield Row(
         "chain of 7 links, 3 blades, six degrees of freedom: derivation and compilation, cold",
-        "under 10 s", f"{cold:.2f} s of CPU", cold < 10,
+        "under 10 s", f"{chain:.2f} s of CPU", chain < 10,
     )  # fmt: skip
+
+
+def _setup(name: str) -> SetupTime:
+    found = measure_setup(name, None, (), method="heyoka")
+    if found is None:
+        raise OSError(f"set-up of {name}: a fresh process failed")
+    return found
 
 
 ROWS: dict[str, Callable[[Extent], Iterator[Row]]] = {
