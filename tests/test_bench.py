@@ -388,18 +388,14 @@ def test_a_measurement_is_plain_data(spring: bench.ReferenceProblem) -> None:
     assert "numpy" in data["machine"]
 
 
-def test_an_error_is_never_less_than_the_reference_knows(
-    spring: bench.ReferenceProblem, made: Any
-) -> None:
+def test_an_error_is_never_less_than_the_reference_knows(spring: bench.ReferenceProblem) -> None:
     among = (_made("good", lambda tol: _answer(spring, 0.0)),)
     assert (
         bench.measure(spring, among=among, against=known(spring))["good"].points[0].error == 1e-16
     )
 
 
-def test_a_run_that_fails_is_kept_with_its_reason(
-    spring: bench.ReferenceProblem, made: Any
-) -> None:
+def test_a_run_that_fails_is_kept_with_its_reason(spring: bench.ReferenceProblem) -> None:
     def run(tol: float) -> Outcome:
         if tol > 1e-3:
             raise vo.IntegrationError("it broke")
@@ -410,9 +406,7 @@ def test_a_run_that_fails_is_kept_with_its_reason(
     assert [p.failed for p in points] == ["it broke", "the outputs are not finite"]
 
 
-def test_what_would_take_too_long_is_left_out_and_named(
-    spring: bench.ReferenceProblem, made: Any
-) -> None:
+def test_what_would_take_too_long_is_left_out_and_named(spring: bench.ReferenceProblem) -> None:
     among = (_made("slow", lambda tol: _answer(spring, tol, seconds=10.0)),)
     found = bench.measure(spring, among=among, against=known(spring), budget=20.0)["slow"]
     assert [p.setting for p in found.points] == [1e-2]
@@ -434,7 +428,7 @@ def test_ctrl_c_keeps_what_is_measured(spring: bench.ReferenceProblem) -> None:
 
 
 def test_only_the_part_that_the_reference_covers_is_measured(
-    spring: bench.ReferenceProblem, made: Any
+    spring: bench.ReferenceProblem,
 ) -> None:
     grids = []
 
@@ -474,16 +468,6 @@ def test_methods_and_tolerances_that_are_none_are_refused(
 ) -> None:
     with pytest.raises(vo.DefinitionError, match=message):
         bench.measure(spring, against=known(spring), **words)
-
-
-def test_ratios_are_of_times_at_equal_error(spring: bench.ReferenceProblem) -> None:
-    def method(name: str, scale: float) -> Measured:
-        points = tuple(Point(e, e, scale * s, 1, 1, {}, {}) for e, s in RUNS)
-        return Measured(name, "", points=points)
-
-    found = bench.Bench(spring, known(spring), (method("slow", 600.0), method("fast", 2.0)), {})
-    assert found.ratio("slow", "fast", 1e-8) == pytest.approx(300)
-    assert math.isnan(found.ratio("slow", "fast", 1e-14))
 
 
 def test_names_of_methods_are_not_given_twice() -> None:

@@ -85,11 +85,6 @@ class Bench:
     def __getitem__(self, name: str) -> Measured:
         return next(m for m in self.methods if m.name == name)
 
-    def ratio(self, slow: str, fast: str, error: float, extrapolate: bool = False) -> float:
-        """How many times faster one method is than another at equal error; NaN if unknown."""
-        times = [self[name].at(error, extrapolate).seconds for name in (slow, fast)]
-        return times[0] / times[1] if times[0] and times[1] else float("nan")
-
     def as_dict(self) -> dict[str, Any]:
         """All of it as plain data, for ``bench.json``."""
         problem, reference = self.problem, self.reference
