@@ -22,10 +22,10 @@ from voronec.equations.motions import Motions
 from voronec.equations.program import Block, Program, compile_program
 from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.errors import DefinitionError, EngineLimit, VoronecError, did_you_mean
+from voronec.errors import DefinitionError, EngineLimit, VoronecError
 from voronec.motion import integrate
 from voronec.motion.inputs import drive
-from voronec.motion.request import Vocabulary, number
+from voronec.motion.request import Vocabulary, number, scene_of
 
 __all__ = [
     "DIGITS",
@@ -261,8 +261,9 @@ def scene_problem(
     Raises ``DefinitionError`` for input that makes no sense, as ``integrate`` does.
     """
     declared = system.system if isinstance(system, VoronecEquations) else system
-    chosen = _scene(declared, scene)
-    own = declared.scenes[chosen]
+    chosen = declared.first_scene if scene is None else scene
+    own = scene_of(declared, chosen, needed=True, instead="a system that declares one")
+    assert chosen is not None and own is not None  # one is needed
     driven = drive(system, inputs, own, steady="a comparison of methods")
     equations, parameters = driven.equations, {**(parameters or {}), **driven.constants}
     grid = _grid(own, time, instants)
@@ -299,17 +300,6 @@ def _grid(scene: Scene, time: float | None, instants: int) -> np.ndarray:
     if instants < 2:
         raise DefinitionError(f"{instants} instants: give 2 or more")
     return np.linspace(start, end, instants)
-
-
-def _scene(system: System, scene: str | None) -> str:
-    scene = system.first_scene if scene is None else scene
-    if scene is None:
-        raise DefinitionError(f"system '{system.name}' declares no scene to measure; declare one")
-    if scene not in system.scenes:
-        raise DefinitionError(
-            f"system '{system.name}' has no scene '{scene}'{did_you_mean(scene, system.scenes)}"
-        )
-    return scene
 
 
 def _invariant_state(equations: VoronecEquations) -> tuple[Any, ...]:
