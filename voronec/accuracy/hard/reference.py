@@ -15,7 +15,7 @@ import json
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +36,7 @@ from voronec.accuracy.solution import ReferenceSolution, agreed, output_sizes
 from voronec.declaration.catalogue import load
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import EngineLimit, IntegrationError
-from voronec.motion import integrate
+from voronec.motion import Trajectory, integrate
 from voronec.motion.methods import METHODS
 
 __all__ = ["STORE", "changed_data_reference", "compute", "reference"]
@@ -188,6 +188,21 @@ def compute(case: HardCase, equations: VoronecEquations | None = None) -> Refere
     return replace(found, condition=dict(zip(names, condition.T, strict=True)))
 
 
+def _agreed(
+    case: HardCase,
+    first: tuple[str, Mapping[str, np.ndarray]],
+    second: tuple[str, Mapping[str, np.ndarray]],
+) -> ReferenceSolution:
+    """The reference of two runs by name; how far they agree is judged by the condition later."""
+    found = agreed(case.grid, [first, second])
+    if found is None or len(found.t) < case.points:
+        raise IntegrationError(
+            f"hard case '{case.name}': a run in many digits ends in what is no number, so there is "
+            "no reference; take a shorter span"
+        )
+    return found
+
+
 def _named(asked: ProblemLevel, outputs: np.ndarray) -> dict[str, np.ndarray]:
     """Outputs (k, m) by name."""
     return dict(zip(asked.program.names, outputs.T, strict=True))
@@ -250,15 +265,16 @@ def changed_data_reference(case: HardCase, equations: VoronecEquations) -> Refer
             "which is not installed; 'pip install heyoka'"
         )
     asked = case_level(case, equations)
-    run = partial(integrate, equations, scene=case.scene, times=case.grid, method="flint")
+
+    def run(tol: float, **changed: Any) -> Trajectory:
+        return integrate(
+            equations, scene=case.scene, times=case.grid, method="flint", tol=tol, **changed
+        )
+
     first, second = ({n: one[n] for n in one.outputs} for one in (run(tol=1e-25), run(tol=1e-21)))
     how = "against 21 digits, data changed in place of variations"
-    found = agreed(case.grid, [("25 digits on coordinates", first), (how, second)])
-    assert found is not None  # as in `compute`
-    followed = integrate(equations, scene=case.scene, times=case.grid, outputs=asked.names)
-    states = np.column_stack([followed[name] for name in asked.names])
-    weights = dict(zip(asked.names, sizes(asked, states).tolist(), strict=True))
-    weights |= {str(p): abs(float(x)) for p, x in _pairs(asked.program.parameters, asked.values)}
+    found = _agreed(case, ("25 digits on coordinates", first), (how, second))
+    weights = _weights(asked, run(tol=1e-21, outputs=asked.names))
     condition = {n: np.ones(len(case.grid)) for n in first}
     for kind, data in (
         ("initial", _pairs(asked.program.state, asked.start)),
@@ -275,6 +291,14 @@ def changed_data_reference(case: HardCase, equations: VoronecEquations) -> Refer
                 slope = np.asarray((ahead[n] - behind[n]) / (2 * step), dtype=float)
                 condition[n] += np.abs(slope) * weights[str(name)] / output_sizes(values)
     return replace(found, condition=condition)
+
+
+def _weights(asked: ProblemLevel, run: Trajectory) -> dict[str, float]:
+    """The sizes of what may be in error: states that the outputs need, and parameters."""
+    states = np.column_stack([run[name] for name in asked.names])
+    weights = dict(zip(asked.names, sizes(asked, states).tolist(), strict=True))
+    parameters = zip(asked.program.parameters, asked.values, strict=True)
+    return weights | {str(p): abs(float(x)) for p, x in parameters}
 
 
 def _pairs(symbols: Iterable[Any], numbers: Iterable[Any]) -> list[tuple[Any, Any]]:
