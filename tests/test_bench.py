@@ -21,7 +21,7 @@ from voronec.accuracy import reference as references
 from voronec.accuracy.bench import OWN, Contender, Measured, NotHere, Outcome, Point
 from voronec.accuracy.bench.work_precision_picture import plot_work_precision
 from voronec.accuracy.problem import level, lowest
-from voronec.accuracy.solution import agreed
+from voronec.accuracy.solution import agreement
 from voronec.equations.program import Program, compile_program
 from voronec.motion.methods import METHODS
 
@@ -119,7 +119,7 @@ def test_two_runs_meet_on_different_equations(ball: bench.ReferenceProblem) -> N
     one, other = (
         references.taylor_values(level(ball, name), 1e-30) for name in ("coordinates", "invariants")
     )
-    found = agreed(ball.grid, [("one", one), ("other", other)], 1e-25)
+    found = agreement(ball.grid, [("one", one), ("other", other)], 1e-25)
     assert found is not None and len(found.t) == len(ball.grid)
 
 
@@ -137,11 +137,11 @@ def test_runs_that_part_are_used_up_to_there(spring: bench.ReferenceProblem) -> 
     exact = dict(known(spring).values)
     wrong = {"q": exact["q"].copy(), "p": exact["p"]}
     wrong["q"][7:] += 1e-6
-    found = agreed(spring.grid, [("a", exact), ("b", wrong)], 1e-12)
+    found = agreement(spring.grid, [("a", exact), ("b", wrong)], 1e-12)
     assert found is not None and len(found.t) == 7 and found.how == ("a", "b")
     assert "up to t = 1.5 only" in found.note
     wrong["q"][1] = np.nan
-    assert agreed(spring.grid, [("a", exact), ("b", wrong)], 1e-12) is None
+    assert agreement(spring.grid, [("a", exact), ("b", wrong)], 1e-12) is None
 
 
 def test_a_reference_whose_runs_disagree_is_refused() -> None:
@@ -274,12 +274,12 @@ def test_formulations_have_our_right_hand_side(ball: bench.ReferenceProblem) -> 
     state = np.array([0.48, 0.6, 0.64, 0.5, 2.1, 0.4])  # |gamma| = 1, where forms may differ
     expected = np.array(ours(0.0, list(state), list(at.constants)))
     for kind in ("program", "sympy"):
-        function, constants = peers.reduced(ball, kind=kind).source()
+        function, constants = peers.reduction(ball, kind=kind).source()
         np.testing.assert_allclose(
             function(0.0, *state, constants), expected, rtol=1e-13, atol=1e-15
         )
     for kind in ("solved", "written out", "plain"):
-        right = peers.reduced(ball, kind=kind).right()
+        right = peers.reduction(ball, kind=kind).right()
         np.testing.assert_allclose(right(0.0, state), expected, rtol=1e-12, atol=1e-14)
 
 
@@ -288,7 +288,7 @@ def test_a_program_by_hand_is_the_engines_motion(name: str) -> None:
     hy = pytest.importorskip("heyoka")
     problem = bench.scene_problem(vo.load(name), time=3.0, instants=7)
     hand = peers.BY_HAND[name](problem.parameters)
-    named = peers.reduced(problem).values
+    named = peers.reduction(problem).values
     integrator = hy.taylor_adaptive(hand.equations, hand.start(named).tolist(), tol=1e-15)
     found = hand.back(integrator.propagate_grid(problem.grid)[-1])
     ours = vo.integrate(

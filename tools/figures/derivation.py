@@ -37,7 +37,7 @@ def derivation() -> Iterator[Row]:
     # without the quasi-velocities, which SymPy does not know
     plain = _equations_alone(ball, None)
     slow, _ = by_sympy(plain)
-    raw = median_time(lambda: _derived(plain).raw.form)
+    raw = median_time(lambda: _equations(plain).raw.form)
     exact = median_time(lambda: _normal_form(plain))
     framed = median_time(lambda: _normal_form(ball))
     for name, seconds, factor in (
@@ -78,7 +78,7 @@ def bicycle() -> Iterator[Row]:
     """A large system: derived, evaluated to 30 digits, written as a program."""
     system = vo.load("bicycle")
     point = random_point(system, 1)
-    seconds = median_time(lambda: _derived(system).acceleration(point, digits=30), runs=3)
+    seconds = median_time(lambda: _equations(system).acceleration(point, digits=30), runs=3)
     size = f"{system.lagrangian.count_ops()} operations in L"
     yield Row(
         f"bicycle ({size}), derived and its accelerations to 30 digits",
@@ -147,13 +147,13 @@ def _equations_alone(system: vo.System, frame: vo.Frame | None) -> vo.System:
     )  # fmt: skip
 
 
-def _derived(system: vo.System) -> vo.VoronecEquations:
+def _equations(system: vo.System) -> vo.VoronecEquations:
     """The equations derived anew: a copy of a system knows nothing that was derived before."""
     return vo.derive(replace(system))
 
 
 def _normal_form(system: vo.System) -> Any:
-    eqs = _derived(system)
+    eqs = _equations(system)
     return eqs.mass, eqs.force
 
 

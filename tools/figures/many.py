@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import voronec as vo
-from figures.peers import Formulation, by_hand, reduced
+from figures.peers import Formulation, by_hand
 from figures.problems import Extent
 from figures.race import OneRun, Race, clock, race
 from figures.table import Row
@@ -31,7 +31,7 @@ WAYS = {
 
 def _formulation(kind: str, problem: ReferenceProblem) -> Formulation:
     """The ball on a sphere by hand, or as the engine reduced it."""
-    return by_hand(problem) if kind == "by hand" else reduced(problem, "invariants", kind)
+    return by_hand(problem) if kind == "by hand" else reduction(problem, "invariants", kind)
 
 
 def _values(form: Formulation, rows: np.ndarray) -> np.ndarray:

@@ -28,7 +28,7 @@ from voronec.algebra.text import as_expression
 from voronec.equations.program import hoist, scalar_source
 from voronec.errors import VoronecError
 
-__all__ = ["PEERS", "Formulation", "by_hand", "reduced"]
+__all__ = ["PEERS", "Formulation", "by_hand", "reduction"]
 
 LONGEST = 20_000
 """Characters of a right-hand side beyond which no hand writes it out."""
@@ -87,7 +87,7 @@ def by_hand(problem: ReferenceProblem) -> Formulation:
     name = problem.system.name
     if name not in BY_HAND:
         raise NotHere("nobody has written this system by hand")
-    program = _installed("heyoka", lambda: BY_HAND[name](problem.parameters))
+    program = _with_package("heyoka", lambda: BY_HAND[name](problem.parameters))
     _require_outputs(problem, program.outputs)
     return Formulation(
         lowest(problem), program.start, program.back, partial(_hand_right_side, program),
@@ -116,7 +116,7 @@ def _hand_source(program: HandProgram) -> Source:
     return sp.lambdify(arguments, tuple(rates), modules="math", cse=True), np.empty(0)
 
 
-def reduced(problem: ReferenceProblem, name: str = "", kind: str = "written out") -> Formulation:
+def reduction(problem: ReferenceProblem, name: str = "", kind: str = "written out") -> Formulation:
     """Our equations on a level, the lowest there is unless told, with one of ``RIGHT_SIDES``."""
     try:
         at = level(problem, name) if name else lowest(problem)
@@ -143,14 +143,14 @@ def sympy_right_side(at: ProblemLevel, kind: str) -> RightSide:
     if kind == "solved" or sum(len(str(e)) for e in derivatives) > LONGEST:
         return _solve_by_numpy(at)
     plain = kind == "plain"
-    symbols, exprs = _renamed(at, derivatives)
+    symbols, exprs = _plain_symbols(at, derivatives)
     function = sp.lambdify(symbols, exprs, "numpy" if plain else "math", cse=not plain)
     return lambda t, y: function(t, *(y if plain else y.tolist()), *constants)
 
 
 def _solve_by_numpy(at: ProblemLevel) -> RightSide:
     n, k, constants = len(at.field.velocities), len(at.field.rates), at.constants
-    function = sp.lambdify(*_renamed(at, _rates_mass_force(at)), "numpy", cse=True)
+    function = sp.lambdify(*_plain_symbols(at, _rates_mass_force(at)), "numpy", cse=True)
 
     def right(t: float, y: np.ndarray) -> np.ndarray:
         flat = np.array(function(t, *y, *constants), dtype=float)
@@ -164,7 +164,7 @@ def _rates_mass_force(at: ProblemLevel) -> list[Any]:
     return [*at.field.rates, *(e for row in at.field.mass for e in row), *at.field.force]
 
 
-def _renamed(at: ProblemLevel, exprs: Any) -> tuple[list[sp.Symbol], list[sp.Expr]]:
+def _plain_symbols(at: ProblemLevel, exprs: Any) -> tuple[list[sp.Symbol], list[sp.Expr]]:
     """Time, variables and parameters as plain symbols, and expressions in them."""
     symbols = [at.field.time, *at.field.variables, *at.field.parameters]
     names = {as_expression(s): sp.Symbol(f"z{i}") for i, s in enumerate(symbols)}
@@ -174,7 +174,7 @@ def _renamed(at: ProblemLevel, exprs: Any) -> tuple[list[sp.Symbol], list[sp.Exp
 def sympy_source(at: ProblemLevel) -> Source:
     """As a good hand makes it: SymPy's ``cse`` of rates, mass matrix and force, printed as Python,
     and an elimination written out for the accelerations."""
-    symbols, exprs = _renamed(at, _rates_mass_force(at))
+    symbols, exprs = _plain_symbols(at, _rates_mass_force(at))
     if sum(len(str(e)) for e in exprs) > LONGEST:
         raise NotHere("the equations are too long for SymPy")
     n, k, count = len(at.field.velocities), len(at.field.rates), len(at.field.parameters)
@@ -253,7 +253,7 @@ def _numba(form: Formulation, grid: np.ndarray, fast: bool = False) -> Rows:
     """DOP853 and the right-hand side compiled together."""
     right, constants = form.source()
     start = form.start(form.values)
-    advance = _installed("numba", lambda: compiled_dop853(right, len(start), fast))
+    advance = _with_package("numba", lambda: compiled_dop853(right, len(start), fast))
 
     def rows(tol: float) -> tuple[int, int, np.ndarray]:
         states = np.empty((len(grid), len(start)))
@@ -263,7 +263,7 @@ def _numba(form: Formulation, grid: np.ndarray, fast: bool = False) -> Rows:
     return rows
 
 
-def _installed(package: str, make: Callable[[], Any]) -> Any:
+def _with_package(package: str, make: Callable[[], Any]) -> Any:
     """What takes a package; ``NotHere`` without it."""
     try:
         return make()
@@ -306,11 +306,11 @@ def _peer(
 def _prepare_mujoco(problem: ReferenceProblem, setting: str) -> Run:
     if problem.system.name not in MUJOCO:
         raise NotHere(f"only for a ball on a plane: {', '.join(MUJOCO)}")
-    form = reduced(problem, "invariants")
+    form = reduction(problem, "invariants")
     _require_outputs(problem, tuple(map(str, form.at.field.variables)))
     if problem.grid[0] != 0 or problem.grid[-1] < 0:
         raise NotHere("runs forward from time 0 only")
-    rows_at = _installed("mujoco", lambda: ball_run(form.values, problem, SETTINGS[setting]))
+    rows_at = _with_package("mujoco", lambda: ball_run(form.values, problem, SETTINGS[setting]))
 
     def run(step: float) -> Outcome:
         (steps, evaluations, known), seconds = rows_at(step)
@@ -326,9 +326,9 @@ def _mujoco(setting: str) -> Contender:
     return Contender(f"mujoco-{setting}", about, STEPS, prepare, knob="step")
 
 
-ON_COORDINATES = partial(reduced, name="coordinates", kind="solved")
-ON_INVARIANTS = partial(reduced, name="invariants")
-PLAIN = partial(reduced, name="invariants", kind="plain")
+ON_COORDINATES = partial(reduction, name="coordinates", kind="solved")
+ON_INVARIANTS = partial(reduction, name="invariants")
+PLAIN = partial(reduction, name="invariants", kind="plain")
 LSODA = partial(_scipy, method="LSODA")
 GOOD = "scipy {} with a good lambdify of the equations on the {}"
 PEERS = (
@@ -346,10 +346,10 @@ PEERS = (
     _peer(
         "dop853-numba-fastmath", "the same with fast-math", by_hand, partial(_numba, fast=True)
     ),
-    _peer("dop853-numba", "DOP853 compiled by numba, right-hand side by SymPy", reduced, _numba),
+    _peer("dop853-numba", "DOP853 compiled by numba, right-hand side by SymPy", reduction, _numba),
     _peer(
         "dop853-numba-ours", "DOP853 compiled by numba, right-hand side by our program",
-        partial(reduced, kind="program"), _numba,
+        partial(reduction, kind="program"), _numba,
     ),
     _peer(
         "dop853-lambdify-invariants", GOOD.format("DOP853", "invariants"), ON_INVARIANTS, _scipy,

@@ -22,7 +22,7 @@ from voronec.accuracy.bench import (
 )
 from voronec.motion.methods import METHODS
 
-__all__ = ["FULL", "SHORT", "Extent", "around", "exact", "measured", "problem"]
+__all__ = ["FULL", "SHORT", "Extent", "around", "exact", "measurement", "problem"]
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ def exact(name: str, extent: Extent) -> ReferenceSolution:
 
 
 @cache
-def measured(name: str, method: str, extent: Extent) -> Measured:
+def measurement(name: str, method: str, extent: Extent) -> Measured:
     """One method or peer on a problem."""
     tolerances = FEW if "lambdify" in method else ()
     bench = measure(
@@ -82,7 +82,7 @@ def measured(name: str, method: str, extent: Extent) -> Measured:
 
 def around(name: str, methods: Iterable[str], errors: Iterable[float], extent: Extent) -> Race:
     """Methods on a problem in turn, at the errors; ours in whole calls too."""
-    known = {method: measured(name, method, extent) for method in methods}
+    known = {method: measurement(name, method, extent) for method in methods}
     span = problem(name, extent).span
     first = {
         method: {p.setting: OneRun(p.error, {"run": p.per_unit * span}) for p in one.good}

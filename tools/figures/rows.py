@@ -9,7 +9,7 @@ import numpy as np
 
 import voronec as vo
 from figures.peers import by_hand
-from figures.problems import Extent, around, exact, measured, problem
+from figures.problems import Extent, around, exact, measurement, problem
 from figures.race import Race, Spread, clock
 from figures.table import Row
 from voronec.motion.methods import CLOSED_FORM
@@ -105,7 +105,7 @@ def heyoka(extent: Extent) -> Iterator[Row]:
 def finest(extent: Extent) -> Iterator[Row]:
     """How small the error becomes, and what the rounding of the start alone does."""
     asked, true = problem(BALL, extent), exact(BALL, extent)
-    ours = min(measured(BALL, "heyoka", extent).good, key=lambda p: p.error)
+    ours = min(measurement(BALL, "heyoka", extent).good, key=lambda p: p.error)
     hand = by_hand(asked)
     start = hand.start(hand.values)
 
@@ -157,7 +157,7 @@ def mujoco(extent: Extent) -> Iterator[Row]:
     theirs, ours = (found.at(n, 1e-6, extrapolate=n == names[0]) for n in names)
     ratio, span = theirs.over(ours), problem(plane, extent).span
     whole = theirs.over(found.at("heyoka", 1e-6, "whole"))
-    kind = measured(plane, names[0], extent).at(1e-6, True).kind
+    kind = measurement(plane, names[0], extent).at(1e-6, True).kind
     yield Row(
         "against MuJoCo's best setting at error 1e-6, ball on a plane, T = 100",
         "5000 times faster",

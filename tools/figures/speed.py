@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 
 from figures import calls, many, rows, table
-from figures.problems import FULL, SHORT, Extent, exact, measured, problem
+from figures.problems import FULL, SHORT, Extent, exact, measurement, problem
 from figures.table import Sheet
 from voronec.accuracy.bench import Bench
 
@@ -24,7 +24,7 @@ CURVES = (
 def curve(page: Path, extent: Extent) -> str:
     """Error against time of the methods on the ball, and what each of them is."""
     name = "ball on a sphere"
-    methods = tuple(measured(name, method, extent) for method in CURVES)
+    methods = tuple(measurement(name, method, extent) for method in CURVES)
     true = exact(name, extent)
     lines = [table.curve(Bench(problem(name, extent), true, methods, {}), page), ""]
     lines += [f"- `{m.name}`: {m.about}" for m in methods]

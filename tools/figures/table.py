@@ -103,7 +103,7 @@ class Sheet:
     packages: Sequence[str]
     missed_first: bool = False
 
-    def stored(self, page: Path) -> dict[str, Any]:
+    def earlier_figures(self, page: Path) -> dict[str, Any]:
         """What earlier runs measured, from the file beside the page."""
         file = page.with_suffix(".json")
         known: dict[str, Any] = json.loads(file.read_text("utf-8")) if file.exists() else {}
@@ -129,7 +129,7 @@ class Sheet:
                 print(f"{row.row}: {row.reached} ({row.verdict})", file=sys.stderr, flush=True)
             if page is None:
                 continue
-            known = self.stored(page)
+            known = self.earlier_figures(page)
             if name in self.rows:
                 known["rows"][name] = [asdict(row) for row in found]
             else:
@@ -175,9 +175,9 @@ def main(about: str | None, sheet_at: Callable[[bool], Sheet]) -> int:
     if unknown := [name for name in options.rows if name not in names]:
         parser.error(f"there is no row '{unknown[0]}'; rows are {', '.join(names)}")
     if options.again and options.page:
-        sheet.write(options.page, sheet.stored(options.page))
+        sheet.write(options.page, sheet.earlier_figures(options.page))
         return 0
-    if absent := [name for name in sheet.packages if not _installed(name)]:
+    if absent := [name for name in sheet.packages if not _is_there(name)]:
         parser.error(f"not installed: {', '.join(absent)}")
     rows = sheet.measure(options.rows or names, options.page)
     plain = [asdict(row) | {"verdict": row.verdict} for row in rows]
@@ -186,7 +186,7 @@ def main(about: str | None, sheet_at: Callable[[bool], Sheet]) -> int:
     return 0 if all(row.good for row in rows) else 1
 
 
-def _installed(package: str) -> bool:
+def _is_there(package: str) -> bool:
     try:
         return bool(version(package))
     except PackageNotFoundError:

@@ -90,7 +90,7 @@ STEPS = 4000
 """Taylor steps between two looks at the keyboard; a span that gets nowhere in these has a pole."""
 LEAST = 1e-3
 """The part of what is left that so many steps must cover."""
-EXTENDED, QUADRUPLE = 1e-19, 1e-33
+LONG_DOUBLE, QUADRUPLE = 1e-19, 1e-33
 """The finest tolerances of extended and of quadruple precision."""
 GUARD_BITS = 24
 """Bits kept beyond those of the tolerance."""
@@ -166,7 +166,7 @@ class _Arithmetic:
     def of(cls, hy: Any, tol: float) -> _Arithmetic:
         """Extended down to a tolerance of 1e-19, quadruple to 1e-33, arbitrary below."""
         kind, bits = np.longdouble, None
-        if tol < EXTENDED:
+        if tol < LONG_DOUBLE:
             kind = hy.real128
         if tol < QUADRUPLE:
             kind, bits = hy.real, int(GUARD_BITS - np.log2(tol))

@@ -16,7 +16,7 @@ import numpy as np
 
 from voronec.accuracy.precise_motion import precise_integrator
 from voronec.accuracy.problem import ProblemLevel, ReferenceProblem, level
-from voronec.accuracy.solution import UNIT, ReferenceSolution, agreed
+from voronec.accuracy.solution import UNIT, ReferenceSolution, agreement
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
 from voronec.motion import integrate
 from voronec.motion.methods import METHODS
@@ -50,7 +50,7 @@ def reference(problem: ReferenceProblem, needed: float = ACCURACY) -> ReferenceS
     best = closed_form_reference(problem, needed)
     for digits in () if best is not None else DIGITS:
         runs = [(name, run()) for name, run in _two_runs(problem, digits)]
-        found = agreed(problem.grid, runs, needed, problem.angles)
+        found = agreement(problem.grid, runs, needed, problem.angles)
         if found is not None and (best is None or len(found.t) > len(best.t)):
             best = found
         if best is not None and len(best.t) == len(problem.grid):
@@ -76,7 +76,7 @@ def closed_form_reference(problem: ReferenceProblem, needed: float) -> Reference
         name, run = _two_runs(crossed, DIGITS[0])[0]
         said = f"the closed form, enclosed to {DIGITS[0] + 5} digits"
         runs = [(said, closed_form_values(crossed)), (name, run())]
-        found = agreed(crossed.grid, runs, needed, problem.angles)
+        found = agreement(crossed.grid, runs, needed, problem.angles)
         if found is None or len(found.t) < len(crossed.grid):
             return None
         if crossed is problem:

@@ -9,7 +9,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
-__all__ = ["UNIT", "ReferenceSolution", "agreed", "difference", "output_sizes"]
+__all__ = ["UNIT", "ReferenceSolution", "agreement", "difference", "output_sizes"]
 
 UNIT = 2.0**-53
 """The largest relative error of rounding to a double."""
@@ -71,7 +71,7 @@ class ReferenceSolution:
         return cls(np.array(data["t"]), values, float(data["agreed"]), how, condition=condition)
 
 
-def agreed(
+def agreement(
     t: np.ndarray,
     runs: Sequence[tuple[str, Mapping[str, np.ndarray]]],
     needed: float = np.inf,

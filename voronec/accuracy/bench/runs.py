@@ -60,7 +60,7 @@ def _prepare(problem: ReferenceProblem, method: str, full: bool) -> Run:
         raise NotHere(str(refusal)) from None
 
     def run(tol: float) -> Outcome:
-        done = [one for one, _ in repeat(lambda: _finished(once(problem.grid, tol)))]
+        done = [one for one, _ in repeat(lambda: _require_end(once(problem.grid, tol)))]
         values = {n: np.asarray(done[-1][n], dtype=float) for n in problem.outputs}
         cost, drift = done[-1].cost, {n: float(x) for n, x in done[-1].drift.items()}
         seconds = min(float(one.cost.cpu) for one in done)
@@ -69,7 +69,7 @@ def _prepare(problem: ReferenceProblem, method: str, full: bool) -> Run:
     return run
 
 
-def _finished(trajectory: Trajectory) -> Trajectory:
+def _require_end(trajectory: Trajectory) -> Trajectory:
     """The trajectory; ``KeyboardInterrupt`` where a hand stopped it."""
     if trajectory.interrupted:
         raise KeyboardInterrupt

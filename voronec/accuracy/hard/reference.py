@@ -32,7 +32,7 @@ from voronec.accuracy.precise_motion import (
 )
 from voronec.accuracy.problem import ProblemLevel
 from voronec.accuracy.reference import closed_form_values, taylor_values
-from voronec.accuracy.solution import ReferenceSolution, agreed, output_sizes
+from voronec.accuracy.solution import ReferenceSolution, agreement, output_sizes
 from voronec.declaration.catalogue import load
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import EngineLimit, IntegrationError
@@ -183,18 +183,20 @@ def compute(case: HardCase, equations: VoronecEquations | None = None) -> Refere
     outputs, condition = _first_run(case, asked)
     names = asked.program.names
     name = f"{ARITHMETICS[case.arithmetic]} digits on {case.level}"
-    found = agreed(case.grid, [(name, _named(asked, outputs)), _second_run(case, equations, asked)])
+    found = agreement(
+        case.grid, [(name, _by_name(asked, outputs)), _second_run(case, equations, asked)]
+    )
     assert found is not None  # no accuracy is needed of it: it is judged by the condition
     return replace(found, condition=dict(zip(names, condition.T, strict=True)))
 
 
-def _agreed(
+def _agreement(
     case: HardCase,
     first: tuple[str, Mapping[str, np.ndarray]],
     second: tuple[str, Mapping[str, np.ndarray]],
 ) -> ReferenceSolution:
     """The reference of two runs by name; how far they agree is judged by the condition later."""
-    found = agreed(case.grid, [first, second])
+    found = agreement(case.grid, [first, second])
     if found is None or len(found.t) < case.points:
         raise IntegrationError(
             f"hard case '{case.name}': a run in many digits ends in what is no number, so there is "
@@ -203,7 +205,7 @@ def _agreed(
     return found
 
 
-def _named(asked: ProblemLevel, outputs: np.ndarray) -> dict[str, np.ndarray]:
+def _by_name(asked: ProblemLevel, outputs: np.ndarray) -> dict[str, np.ndarray]:
     """Outputs (k, m) by name."""
     return dict(zip(asked.program.names, outputs.T, strict=True))
 
@@ -233,7 +235,7 @@ def _second_run(
     if case.period and float(case.scene.times[1]) > LONGEST_CHECK:
         single, length = _case_period(case, asked, tol)
         folded = fold(single, length, case.grid).outputs
-        return "one period at two tolerances", _named(asked, folded)
+        return "one period at two tolerances", _by_name(asked, folded)
     if case.period:
         values = taylor_values(asked, TOLERANCES["extended"][0])
         return "one period against the whole span", values
@@ -273,7 +275,7 @@ def changed_data_reference(case: HardCase, equations: VoronecEquations) -> Refer
 
     first, second = ({n: one[n] for n in one.outputs} for one in (run(tol=1e-25), run(tol=1e-21)))
     how = "against 21 digits, data changed in place of variations"
-    found = _agreed(case, ("25 digits on coordinates", first), (how, second))
+    found = _agreement(case, ("25 digits on coordinates", first), (how, second))
     weights = _weights(asked, run(tol=1e-21, outputs=asked.names))
     condition = {n: np.ones(len(case.grid)) for n in first}
     for kind, data in (
