@@ -183,10 +183,8 @@ def compute(case: HardCase, equations: VoronecEquations | None = None) -> Refere
     outputs, condition = _first_run(case, asked)
     names = asked.program.names
     name = f"{ARITHMETICS[case.arithmetic]} digits on {case.level}"
-    found = agreement(
-        case.grid, [(name, _by_name(asked, outputs)), _second_run(case, equations, asked)]
-    )
-    assert found is not None  # no accuracy is needed of it: it is judged by the condition
+    first = (name, _by_name(asked, outputs))
+    found = _agreement(case, first, _second_run(case, equations, asked))
     return replace(found, condition=dict(zip(names, condition.T, strict=True)))
 
 
