@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import voronec as vo
-from figures.peers import Formulation, by_hand
+from figures.peers import Formulation, by_hand, reduction
 from figures.problems import Extent
 from figures.race import OneRun, Race, clock, race
 from figures.table import Row
