@@ -224,7 +224,7 @@ def test_a_heyoka_that_cannot_be_imported_counts_as_absent(
     (tmp_path / "heyoka.py").write_text(f"raise {kind}('libtbb.so.12: no such file')\n")
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "heyoka", raising=False)
-    monkeypatch.setattr(methods, "BROKEN", {})
+    monkeypatch.setattr(methods, "IMPORT_ERRORS", {})
     many = {"times": TIMES, "tol": 1e-11, "inputs": {tau: 0}}
     reason = "heyoka is installed but cannot be imported: libtbb.so.12: no such file"
     with pytest.warns(UserWarning, match=f"{reason}; it counts as absent"):

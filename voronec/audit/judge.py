@@ -237,10 +237,14 @@ def _without_value(
         fault = _meaningless(formula, check, bench, error)
         if fault:
             return FormulaRecord(formula.printed, "misprint", f"it {what} as printed: {fault}")
-    return FormulaRecord(formula.printed, "not read", _placed(formula, check, bench, error))
+    return FormulaRecord(
+        formula.printed, "not read", _message_with_place(formula, check, bench, error)
+    )
 
 
-def _placed(formula: Formula, check: Check, bench: SectionContext, error: Exception) -> str:
+def _message_with_place(
+    formula: Formula, check: Check, bench: SectionContext, error: Exception
+) -> str:
     """What is not known, with the place of the name."""
     if not isinstance(error, UnknownName):
         return str(error)

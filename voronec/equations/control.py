@@ -43,7 +43,7 @@ from voronec.equations.connection import AffineForms
 from voronec.equations.definition import read
 from voronec.equations.derivation import Derivation
 from voronec.equations.derived_equations import DerivedEquations
-from voronec.equations.distribution import along, bracket_until_closed
+from voronec.equations.distribution import along, close_under_brackets
 from voronec.equations.flags import flag
 from voronec.equations.vector_field import VectorField, on_coordinates
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
@@ -126,7 +126,7 @@ class Control:
         self._require_still()
         drift, fields = self._after_feedback
         dimension = self.system_field.dimension
-        found = bracket_until_closed(
+        found = close_under_brackets(
             (drift, *fields), fields, self._bracket, self._independent, dimension
         )
         frame, growth = found.frame, found.growth

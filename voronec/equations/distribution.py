@@ -23,7 +23,7 @@ from voronec.equations.definition import Definition
 from voronec.equations.flags import flag
 from voronec.errors import EngineLimit
 
-__all__ = ["Distribution", "Nested", "Space", "along", "bracket_until_closed", "grow"]
+__all__ = ["BracketClosure", "Distribution", "FieldSpace", "along", "close_under_brackets", "grow"]
 
 Field = tuple[Any, ...]
 NODES = 15_000
@@ -55,7 +55,7 @@ def grow(
     of it where residues do not serve.
     """
     timed, relations = _uses_time(definition, raw), definition.relations
-    space = Space(raw, timed)
+    space = FieldSpace(raw, timed)
     dimension = space.dimension
     if raw.group is None and relations:
         slopes = [[r.diff(q) for q in raw.coordinates] for r in relations]
@@ -63,14 +63,14 @@ def grow(
     if not relations:
         with suppress(EngineLimit):
             return Distribution(space.flag(dimension), dimension, timed)
-    space = Space(exact(), timed)
+    space = FieldSpace(exact(), timed)
     independent = partial(generic_rows, relations=relations, bits=BRACKETS)
-    found = bracket_until_closed(space.fields, space.fields, space.bracket, independent, dimension)
+    found = close_under_brackets(space.fields, space.fields, space.bracket, independent, dimension)
     return Distribution(found.growth, dimension, timed, found.made is None)
 
 
 @dataclass(frozen=True)
-class Nested:
+class BracketClosure:
     """Fields ``frame`` that span D_1, D_2, ... one after the other, ``growth`` of each; the
     brackets ``made`` last, none of which enlarge the span where it ends below all dimensions, and
     None where they would be too large."""
@@ -80,13 +80,13 @@ class Nested:
     made: list[Field] | None
 
 
-def bracket_until_closed(
+def close_under_brackets(
     fields: Sequence[Field],
     start: Sequence[Field],
     bracket: Callable[[Field, Field], Field],
     independent: Callable[[Sequence[Field]], list[int]],
     full: int,
-) -> Nested:
+) -> BracketClosure:
     """D_1, spanned by ``start``, and D_(m+1) = D_m + [fields, D_m], by brackets of brackets, until
     they bring nothing new or span ``full`` dimensions; ``independent`` are the rows that enlarge
     the span of those before them."""
@@ -94,14 +94,14 @@ def bracket_until_closed(
     growth, made = [len(frame)], list[Field]()
     while tops and growth[-1] < full:
         if Tape([e for field in tops for e in field]).size > NODES:
-            return Nested(frame, tuple(growth), None)
+            return BracketClosure(frame, tuple(growth), None)
         brackets = [bracket(x, y) for x in fields for y in tops]
         made = [b for b in brackets if any(e != 0 for e in b)]
         new = independent([*frame, *made])[len(frame) :]
         tops = [made[i - len(frame)] for i in new]
         frame = [*frame, *tops]
         growth += [len(frame)] if tops else []
-    return Nested(frame, tuple(growth), made)
+    return BracketClosure(frame, tuple(growth), made)
 
 
 def along(rates: Sequence[Any], function: Any, variables: Sequence[Any]) -> Any:
@@ -117,7 +117,7 @@ def _uses_time(definition: Definition, connection: EhresmannConnection) -> bool:
 
 
 @dataclass(frozen=True)
-class Space:
+class FieldSpace:
     """Where the fields live: along the coordinates, or the fields of a group, and the time."""
 
     connection: EhresmannConnection

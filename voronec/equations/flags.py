@@ -164,24 +164,26 @@ class _Motions:
         )
         return spans, brackets
 
-    def _draw_series(self, end: int, count: int, order: int) -> list[_Series]:
+    def _draw_series(self, end: int, count: int, order: int) -> list[_Residues]:
         """For each field one with so many terms, from an order on."""
         rows = [[self._draw() for _ in range(count)] for _ in range(self._count)]
-        return [_Series(flint.nmod_poly(row, PRIME).left_shift(order), end) for row in rows]
+        return [_Residues(flint.nmod_poly(row, PRIME).left_shift(order), end) for row in rows]
 
     def _carry(
-        self, steps: int, controls: Sequence[_Series], ahead: Sequence[_Series]
-    ) -> list[list[_Series]]:
+        self, steps: int, controls: Sequence[_Residues], ahead: Sequence[_Residues]
+    ) -> list[list[_Residues]]:
         """The carried fields along the motion that goes along the fields by what is tiny, and then
         with the controls."""
         end, size = controls[0].end, range(self._size)
-        start = {x: _Series(ONE * value, end) for x, value in self._point.items()}
+        start = {x: _Residues(ONE * value, end) for x, value in self._point.items()}
         begin = at = self._move(start, self._along(self._rates, start, ahead))
         for _ in range(steps):  # each round finds the brackets with one field more
             rates = self._along(self._rates, at, controls)
             at = self._move(begin, [e.integral() for e in rates])
         turn = _rows(self._along(self._slopes, start, ahead), self._size)
-        first = back = [[_Series(ONE * int(a == b), end) - turn[b][a] for b in size] for a in size]
+        first = back = [
+            [_Residues(ONE * int(a == b), end) - turn[b][a] for b in size] for a in size
+        ]
         slopes = _rows(self._along(self._slopes, at, controls), self._size)
         for _ in range(steps):
             back = [
@@ -196,14 +198,14 @@ class _Motions:
         return {**begin, **moved}
 
     def _along(
-        self, tape: Tape, at: Mapping[Any, _Series], controls: Sequence[_Series]
-    ) -> list[_Series]:
+        self, tape: Tape, at: Mapping[Any, _Residues], controls: Sequence[_Residues]
+    ) -> list[_Residues]:
         """What a tape has for each field, along the motion."""
         rows = _rows(self._run(tape, at, controls[0].end), self._count)
         return [_dot(row, controls) for row in rows]
 
-    def _run(self, tape: Tape, at: Mapping[Any, _Series], end: int) -> list[_Series]:
-        return tape.run(at, lambda e: _Series(ONE * _residue(e), end))
+    def _run(self, tape: Tape, at: Mapping[Any, _Residues], end: int) -> list[_Residues]:
+        return tape.run(at, lambda e: _Residues(ONE * _residue(e), end))
 
 
 def _rows(entries: list[Any], width: int) -> list[list[Any]]:
@@ -211,36 +213,36 @@ def _rows(entries: list[Any], width: int) -> list[list[Any]]:
 
 
 @dataclass(frozen=True)
-class _Series:
+class _Residues:
     """A polynomial modulo a prime; from the order ``end`` on it is tiny, and cut off at twice."""
 
     poly: Any
     end: int
 
-    def __add__(self, other: _Series) -> _Series:
-        return _Series(self.poly + other.poly, self.end)
+    def __add__(self, other: _Residues) -> _Residues:
+        return _Residues(self.poly + other.poly, self.end)
 
-    def __sub__(self, other: _Series) -> _Series:
-        return _Series(self.poly - other.poly, self.end)
+    def __sub__(self, other: _Residues) -> _Residues:
+        return _Residues(self.poly - other.poly, self.end)
 
-    def __mul__(self, other: _Series) -> _Series:
-        return _Series(self.poly.mul_low(other.poly, 2 * self.end), self.end)
+    def __mul__(self, other: _Residues) -> _Residues:
+        return _Residues(self.poly.mul_low(other.poly, 2 * self.end), self.end)
 
-    def __rtruediv__(self, one: int) -> _Series:
+    def __rtruediv__(self, one: int) -> _Residues:
         if self.poly[0] == 0:
             raise EngineLimit("a denominator vanishes at a random point")
-        return _Series(self.poly.inverse_series_trunc(2 * self.end) * one, self.end)
+        return _Residues(self.poly.inverse_series_trunc(2 * self.end) * one, self.end)
 
-    def integral(self) -> _Series:
+    def integral(self) -> _Residues:
         """That of what is not tiny, and that of what is."""
         plain, tiny = self.poly.truncate(self.end), self.poly.right_shift(self.end)
-        return _Series(plain.integral() + tiny.integral().left_shift(self.end), self.end)
+        return _Residues(plain.integral() + tiny.integral().left_shift(self.end), self.end)
 
 
-def _dot(left: Sequence[_Series], right: Sequence[_Series]) -> _Series:
+def _dot(left: Sequence[_Residues], right: Sequence[_Residues]) -> _Residues:
     pairs = zip(left, right, strict=True)
     products = [a * b for a, b in pairs if a.poly.length() and b.poly.length()]
-    return sum(products, _Series(ZERO, left[0].end))
+    return sum(products, _Residues(ZERO, left[0].end))
 
 
 def _residue(number: Any) -> Any:

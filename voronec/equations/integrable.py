@@ -23,7 +23,7 @@ from voronec.algebra.shape import operations
 from voronec.algebra.verdicts import all_vanish, decide_zero
 from voronec.equations.connection import EhresmannConnection
 from voronec.equations.definition import Definition
-from voronec.equations.distribution import Space
+from voronec.equations.distribution import FieldSpace
 from voronec.errors import EngineLimit
 
 __all__ = ["integrate"]
@@ -45,7 +45,7 @@ def integrate(
     That the forms annihilate it is proved, and that there are no others; ``most`` is an upper bound
     for their number.  Raises ``EngineLimit`` where they are beyond the exact algebra.
     """
-    relations, space = definition.relations, Space(connection, True)
+    relations, space = definition.relations, FieldSpace(connection, True)
     variables = (*definition.coordinates, definition.time)
     bound, given = (
         [[*row, offset] for row, offset in zip(f.matrix, f.offset, strict=True)]
@@ -64,18 +64,18 @@ def integrate(
     forms: Rows = []
     columns: list[int] = []
     for defects in (slopes_of, brackets) if plain else (brackets,):
-        if len(_enlarging(bound, own, relations)) < most:
+        if len(_enlargement(bound, own, relations)) < most:
             forms, columns = _flag([*given, *bound], definition.base, defects, relations)
             own += [_without_denominators(row, relations) for row in forms]
-    own = _enlarging(bound, own, relations)
+    own = _enlargement(bound, own, relations)
     functions: list[Any] = []
     slopes = bound
     for f in _functions(own, forms, columns, variables, relations) if plain else ():
         slope = [f.diff(x) for x in variables]
-        if _enlarging(slopes, [slope], relations):
+        if _enlargement(slopes, [slope], relations):
             functions.append(f)
             slopes = [*slopes, slope]
-    last = _enlarging(slopes, own, relations)
+    last = _enlargement(slopes, own, relations)
     ordered = [*(row for row in own if row not in last), *last]
     return [dot(row, (*definition.dots, se.Integer(1))) for row in ordered], functions
 
@@ -91,10 +91,10 @@ def _flag(
     """
     units: list[int] = []
     while rows:
-        rows, units = _reduced(rows, base, relations)
+        rows, units = _echelon_form(rows, base, relations)
         fields = null_vectors(rows, units, relations)
         found = _shortest(defects(rows, fields), relations)
-        kept = _enlarging([], found, relations)
+        kept = _enlargement([], found, relations)
         if not kept:
             if all_vanish([e for row in found for e in row], relations):
                 break
@@ -105,7 +105,7 @@ def _flag(
     return rows, units
 
 
-def _reduced(rows: Rows, base: int, relations: Sequence[Any]) -> tuple[Rows, list[int]]:
+def _echelon_form(rows: Rows, base: int, relations: Sequence[Any]) -> tuple[Rows, list[int]]:
     """Rows that span the same, with units in the first columns that can have them, those of the
     fibre before those of the base and the time; in normal form after each step, since what cancels
     would grow beyond use."""
@@ -127,7 +127,7 @@ def _reduced(rows: Rows, base: int, relations: Sequence[Any]) -> tuple[Rows, lis
     return done, units
 
 
-def _enlarging(known: Rows, rows: Rows, relations: Sequence[Any]) -> Rows:
+def _enlargement(known: Rows, rows: Rows, relations: Sequence[Any]) -> Rows:
     """The rows that, one after the other, enlarge the span of what is known."""
     kept = generic_rows([*known, *rows], relations)
     return [rows[i - len(known)] for i in kept if i >= len(known)]

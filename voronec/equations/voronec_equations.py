@@ -109,7 +109,7 @@ def _facts(eqs: VoronecEquations) -> list[list[str]]:
 
 def _integrable_rows(eqs: VoronecEquations) -> list[list[str]]:
     """How many combinations of the constraints integrate, these, and what they hold constant."""
-    count, (forms, leaves) = len(eqs.system.constraints), _integrated(eqs).values()
+    count, (forms, leaves) = len(eqs.system.constraints), _texts_of_integrals(eqs).values()
     if isinstance(forms, str):
         most = eqs.distribution.dimension - eqs.distribution.growth[-1]
         return [["integrable combinations", f"undecided, at most {most} of {count}"]]
@@ -121,7 +121,7 @@ def _integrable_rows(eqs: VoronecEquations) -> list[list[str]]:
     return rows + [["held constant", leaf.replace("**", "^")] for leaf in leaves]
 
 
-def _integrated(eqs: VoronecEquations) -> dict[str, Any]:
+def _texts_of_integrals(eqs: VoronecEquations) -> dict[str, Any]:
     """The combinations of the constraints that integrate and what they hold constant, as text."""
     found: list[Any] = ["undecided", "undecided"]
     with suppress(EngineLimit):
@@ -351,7 +351,7 @@ class VoronecEquations(DerivedEquations):
             "kind": self.kind,
             "growth": list(self.distribution.growth),
             "growth_is_cut_off": self.distribution.cut,
-            **_integrated(self),
+            **_texts_of_integrals(self),
             "normal_form": self.in_normal_form,
         }
         if not self.in_normal_form:  # written out, a shared graph is endless

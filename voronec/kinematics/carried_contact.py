@@ -31,7 +31,7 @@ from voronec.kinematics.meanings import (
 )
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
-from voronec.kinematics.sketches import carried, rolling_sketch, wheel_of
+from voronec.kinematics.sketches import contact_views, rolling_sketch, wheel_of
 from voronec.kinematics.vectors import column, cross, dot, three
 
 __all__ = ["CarriedContact"]
@@ -163,7 +163,7 @@ class CarriedContact:
             "sketch": rolling_sketch(
                 body="body",
                 attitude=self.base,
-                **carried(self.contact, place),
+                **contact_views(self.contact, place),
                 wheel=wheel_of(kappa),
                 arm=arm,
                 lines=lines,

@@ -41,7 +41,7 @@ from voronec.kinematics.meanings import (
 from voronec.kinematics.neumann_charts import HALF_TURN, turned_poles
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
-from voronec.kinematics.sketches import carried, rolling_sketch, wheel_of
+from voronec.kinematics.sketches import contact_views, rolling_sketch, wheel_of
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import (
     Vector,
@@ -200,7 +200,7 @@ class RollingEllipsoid:
             contact=tuple(fixed.position),
             coordinates=(u, v),
             meanings=contact_meanings(contact) | vector_meanings(o, CARRIED_VECTORS[0]),
-            drawn=carried(contact, o),
+            drawn=contact_views(contact, o),
             surfaces=contact,
         )  # fmt: skip
 
@@ -210,7 +210,7 @@ class RollingEllipsoid:
         return ConvexBody.ellipsoid(self.axes, GAMMA, HEIGHT)
 
     @cached_property
-    def turned(self) -> sp.ImmutableMatrix:
+    def normal_rate(self) -> sp.ImmutableMatrix:
         """dgamma/dt."""
         return self.body.rolling_rate(OMEGA, self.sphere)
 
@@ -327,7 +327,7 @@ class RollingEllipsoid:
             "invariants": self.invariants,
             "equations": {
                 "momentum": Equation(self.momentum, self.momentum_rate(kappa, weight)),
-                "normal": Equation(GAMMA, self.turned),
+                "normal": Equation(GAMMA, self.normal_rate),
             },
             "integrals": {"energy": dot(self.momentum, OMEGA) / 2 + weight * HEIGHT},
             "charts": self.charts,
@@ -368,7 +368,7 @@ class RollingEllipsoid:
     def momentum_rate(self, rotor: Sequence[Any] = (0, 0, 0), weight: Any = 0) -> Any:
         """dG/dt, where a ``rotor`` of constant momentum kappa is built in."""
         whole = self.momentum + sp.Matrix(rotor)
-        return self.body.momentum_rate(whole, self.mass, OMEGA, self.turned, weight)
+        return self.body.momentum_rate(whole, self.mass, OMEGA, self.normal_rate, weight)
 
 
 def _square_sum(axes: Sequence[Any], normal: Sequence[Any]) -> Any:

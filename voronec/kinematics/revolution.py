@@ -35,7 +35,7 @@ from voronec.kinematics.meanings import (
 )
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
-from voronec.kinematics.sketches import carried, rolling_sketch, wheel_of
+from voronec.kinematics.sketches import contact_views, rolling_sketch, wheel_of
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import column, cross, dot, matrix_product, three
 
@@ -171,7 +171,7 @@ class BodyOfRevolution:
             "sketch": rolling_sketch(
                 body="torus",
                 attitude=ATTITUDE.coordinates,
-                **carried(self.contact, PLACE, [q for q in further.values() if q.is_Symbol]),
+                **contact_views(self.contact, PLACE, [q for q in further.values() if q.is_Symbol]),
                 wheel=wheel_of((self.rotor,)),
             ),
         }

@@ -226,7 +226,7 @@ def wheel_of(rotor: Sequence[Any]) -> str:
     return "kappa" if any(rotor[:-1]) else str(rotor[-1])
 
 
-def carried(
+def contact_views(
     contact: RollingContact, centre: Sequence[Any], further: Sequence[Any] = ()
 ) -> dict[str, Any]:
     """What ``rolling_sketch`` shows of a body on a sphere whose motion carries along C. Neumann's

@@ -25,7 +25,7 @@ from voronec.algebra.verdicts import Verdict
 from voronec.equations.vector_field import VectorField
 from voronec.errors import EngineLimit, quote
 
-__all__ = ["where_independent", "where_nonzero", "where_of_rank", "where_signed"]
+__all__ = ["where_independent", "where_nonzero", "where_of_one_sign", "where_of_rank"]
 
 POINTS = 6
 """At how many points of a piece a rank is looked at."""
@@ -60,7 +60,7 @@ def where_nonzero(verdict: Verdict, field: VectorField, name: str, function: Any
     return where_of_rank(verdict, field, [function], lambda exprs: [[*exprs]], 1, doubt)
 
 
-def where_signed(verdict: Verdict, field: VectorField, name: str, function: Any) -> Verdict:
+def where_of_one_sign(verdict: Verdict, field: VectorField, name: str, function: Any) -> Verdict:
     """A proof that needs a function to keep its sign, as a density, beside the zeros and poles at
     which it may change, and at which the equations have values."""
     if not verdict.proved:

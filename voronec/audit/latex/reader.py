@@ -51,9 +51,9 @@ from voronec.audit.latex.tokens import (
     ACCENTS,
     ELEMENTARY,
     ELLIPSES,
+    FUNCTION_NAMES,
     FUNCTIONS,
     GREEK,
-    NAMED,
     Ambiguous,
     Misprint,
     Token,
@@ -229,11 +229,11 @@ def _total_fraction(reader: Reader, token: Token) -> Node | None:
     variables = _repeat(reader.factor())
     reader.take("}")
     _same_order(reader, order, len(variables))
-    body = _differentiated(reader) if body is None else body
+    body = _operand(reader) if body is None else body
     return Derivative(body, variables[0], order, reader.since(token.start))
 
 
-def _differentiated(reader: Reader) -> Node:
+def _operand(reader: Reader) -> Node:
     r"""What stands behind ``\frac{d}{dt}``: braces, or the whole term; a bracket before further
     factors may be all of it or not."""
     if reader.ends_term():
@@ -268,7 +268,7 @@ def _rate(reader: Reader, token: Token) -> Node | None:
         return Differential(body, "d", reader.since(token.start))
     reader.position += 3
     _same_order(reader, order, _order(reader))
-    body = _differentiated(reader) if body is None else body
+    body = _operand(reader) if body is None else body
     return Derivative(body, Name("t"), order, reader.since(token.start))
 
 
@@ -799,7 +799,7 @@ class Reader:
         node = scripts(self, self.atom(), start)
         if self.peek() == "(" and self._applies(node):
             node = Call(node, self.group(self.take()), self.since(start))
-        elif isinstance(node, Name) and node.head in NAMED and not self.ends_term():
+        elif isinstance(node, Name) and node.head in FUNCTION_NAMES and not self.ends_term():
             node = self._named_function(node, start)
         elif (applied := self.at_time(node)) is not node:
             node = applied

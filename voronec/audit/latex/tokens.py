@@ -12,8 +12,8 @@ __all__ = [
     "ELEMENTARY",
     "ELLIPSES",
     "FUNCTIONS",
+    "FUNCTION_NAMES",
     "GREEK",
-    "NAMED",
     "Ambiguous",
     "Misprint",
     "Token",
@@ -34,10 +34,10 @@ GREEK = frozenset(
     r" \Theta \Lambda \Xi \Pi \Sigma \Phi \Psi \Omega \wp \ell".split()
 )
 """Commands that are letters by themselves."""
-NAMED = {name: name for name in "abs sgn atan2 floor ceiling Heaviside".split()}
-NAMED |= {"Abs": "abs", "sign": "sgn", "signum": "sgn"}
+FUNCTION_NAMES = {name: name for name in "abs sgn atan2 floor ceiling Heaviside".split()}
+FUNCTION_NAMES |= {"Abs": "abs", "sign": "sgn", "signum": "sgn"}
 """Functions by name, ``\\operatorname{sgn}``, and what they are called here."""
-FUNCTIONS = frozenset(r"\diag \det \tr".split()) | frozenset(NAMED.values())
+FUNCTIONS = frozenset(r"\diag \det \tr".split()) | frozenset(FUNCTION_NAMES.values())
 """Names of functions, to be followed by their arguments."""
 ELLIPSES = frozenset(r"\dots \ldots \cdots".split())
 
@@ -136,8 +136,8 @@ def tokenize(source: str, offset: int = 0, end: int | None = None) -> list[Token
         if kind == "number" and not _THOUSANDS.fullmatch(text):
             text = text.replace("{,}", ".")
         start, size = match.start() if size is None else size, None
-        named = kind == "command" and text[1:] in NAMED
-        kind, text = ("name", NAMED[text[1:]]) if named else (kind, _SAME.get(text, text))
+        named = kind == "command" and text[1:] in FUNCTION_NAMES
+        kind, text = ("name", FUNCTION_NAMES[text[1:]]) if named else (kind, _SAME.get(text, text))
         found.append(Token(kind, text, start, position))
     return found
 
@@ -152,7 +152,7 @@ def _word(text: str, upright: bool, start: int, end: int) -> Token:
         return Token("command", command, start, end)
     if spaced and not upright:
         return Token("text", text, start, end)
-    return Token("letter" if len(text) == 1 else "name", NAMED.get(text, text), start, end)
+    return Token("letter" if len(text) == 1 else "name", FUNCTION_NAMES.get(text, text), start, end)
 
 
 def _argument(source: str, position: int, end: int) -> tuple[str, int]:

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from decimal import Decimal
 
-from voronec.audit.latex.tokens import ELEMENTARY, GREEK, NAMED, Token, tokenize
+from voronec.audit.latex.tokens import ELEMENTARY, FUNCTION_NAMES, GREEK, Token, tokenize
 
 __all__ = ["BASE", "command_of", "spelling_of", "words_of"]
 
@@ -178,7 +178,7 @@ def spelling_of(
     names: Sequence[str], moving: Sequence[str], latex: Callable[[str], str]
 ) -> dict[str, str]:
     r"""Plain names -> LaTeX; of what moves also ``xdot``, ``xddot``; names of functions."""
-    found = {name: f"\\mathrm{{{other}}}" for name, other in NAMED.items()}
+    found = {name: f"\\mathrm{{{other}}}" for name, other in FUNCTION_NAMES.items()}
     found |= {name: latex(name) for name in names}
     for name in moving:
         found |= {name + "dot" * order: f"\\{'d' * order}ot{{{latex(name)}}}" for order in (1, 2)}
