@@ -28,12 +28,13 @@ from voronec.equations.attitudes import angles_without_chart, euler_angles, with
 from voronec.equations.program import Program
 from voronec.equations.program.python import precision
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.errors import DefinitionError, EngineLimit, IntegrationError
+from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
 from voronec.motion.angle_cuts import CutWatch
 from voronec.motion.atlas import NEAR as CHANGE
 from voronec.motion.atlas import kept_charts
 from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import Divisor, NearDivisor, guard_events, without_guards
+from voronec.motion.formulation.ambient import ambient_formulation
 from voronec.motion.inputs import drive
 from voronec.motion.methods import CLOSED_FORM, METHODS, choose_regular, is_exact
 from voronec.motion.motion_start import Outset, WideStart
@@ -242,9 +243,31 @@ class _Request:
                 if any(near.vocabulary.equations is equations for equations in tried):
                     return None
                 tried.append(near.vocabulary.equations)
-                return replace(self, vocabulary=near.vocabulary).through_splits()
+                found = self.in_ambient()
+                return found or replace(self, vocabulary=near.vocabulary).through_splits()
 
         return [partial(attempt, way) for way in ways]
+
+    def in_ambient(self) -> Trajectory | None:
+        """In the ambient formulation; None where there is none, or where it leads no farther."""
+        home = self.vocabulary
+        wanted = home.read_outputs(self.outputs)
+        formulation = ambient_formulation(home.equations)
+        forces = home.holds_reactions((*wanted.terms.values(), *self.functions.values()))
+        if formulation is None or wanted.reactions or forces:
+            return None
+        vocabulary, time = Vocabulary.of(formulation.equations, home.inputs), float(self.grid[0])
+        with suppress(VoronecError, NearDivisor):
+            exact = is_exact(self.method, self.tol)
+            given = formulation.start(home, self.start_data, self.outset, time, exact)
+            outset = Outset.of(vocabulary, given, time, False, self.outset.changing)
+            there = replace(
+                self, vocabulary=vocabulary, outset=replace(outset, notes=self.outset.notes),
+                outputs=self.outputs or formulation.home_names, start_data=given,
+            )  # fmt: skip
+            ways = (there.in_smallest, there.otherwise, there.on_coordinates)
+            return formulation.to_home(first_success(ways, time))
+        return None
 
     def through_splits(self) -> Trajectory:
         """On the coordinates, in one split of the velocities after another."""

@@ -1,0 +1,273 @@
+"""The ambient formulation: more velocities than are free, and the constraints on them by force.
+
+Where a frame v fails, as omega1 and omega2 of a ball with (omega, gamma) = 0 do at gamma3 = 0, more
+velocities w of the body do not: with them the last constraints c = a w + a0 are no longer solved,
+but held by their reaction along w,
+
+    M w' = f + a^T lambda,    lambda = -(a M^-1 a^T)^-1 (a M^-1 f + c'),
+
+c' without the accelerations.  The motion keeps c; nothing divides by what vanishes where v fails.
+First integrals are the declared ones, in normal form where c = 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import symengine as se
+import sympy as sp
+
+from voronec.algebra.angles import Angles
+from voronec.algebra.elimination import solve_linear
+from voronec.algebra.normal import canonical
+from voronec.algebra.symbols import plain_name
+from voronec.algebra.text import as_expression
+from voronec.declaration.claims import right_of
+from voronec.declaration.geometry import Fibration, Frame
+from voronec.declaration.system import System, bare
+from voronec.equations.motions import Motions
+from voronec.equations.reduction import in_invariants
+from voronec.equations.vector_field import VectorField
+from voronec.equations.voronec_equations import VoronecEquations, derive
+from voronec.errors import EngineLimit, VoronecError
+from voronec.motion.motion_start import Outset, WideStart
+from voronec.motion.request import StartData, Vocabulary
+from voronec.motion.trajectory import Trajectory
+
+__all__ = ["Formulation", "ambient_formulation"]
+
+
+@dataclass(frozen=True)
+class Formulation:
+    """Equations in other variables for the motions of a system, ``home``.
+
+    ``from_home`` gives those of their velocities that home does not have, by name, as functions of
+    its coordinates and velocities, in the user's symbols; the other variables are the same.
+    """
+
+    home: VoronecEquations
+    equations: VoronecEquations
+    from_home: Mapping[str, sp.Expr]
+
+    @property
+    def home_names(self) -> tuple[str, ...]:
+        """The coordinates and velocities of home."""
+        system = self.home.system
+        return tuple(map(plain_name, (*system.coordinates, *system.velocities)))
+
+    def start(
+        self, vocabulary: Vocabulary, given: StartData, outset: Outset, time: float, exact: bool
+    ) -> StartData:
+        """The start in these variables: what is given exactly stays so, where velocities of home
+        are given.  ``EngineLimit`` where an ``exact`` start is not known."""
+        values = {**given.scene_initial, **given.initial}
+        if {*values} <= {*self.home_names} and outset.framed and not outset.notes:
+            found = {n: _exactly(values.get(n, 0)) for n in self.home_names}
+        elif exact:
+            raise EngineLimit("the start is not known in these variables but for rounding")
+        else:
+            found = dict(zip(self.home_names, outset.state.tolist(), strict=True))
+        symbols = {vocabulary.symbols[n]: as_expression(x) for n, x in found.items()}
+        beside = {n: e.xreplace(symbols) for n, e in self.from_home.items()}
+        if any(e.has(sp.zoo, sp.nan) for e in beside.values()) or not outset.framed:
+            beside = self._beside(vocabulary, given, outset, time)
+        return replace(given, scene_initial={}, initial={**found, **beside})
+
+    def _beside(
+        self, vocabulary: Vocabulary, given: StartData, outset: Outset, time: float
+    ) -> dict[str, float]:
+        """The velocities that home does not have, where its own are no frame."""
+        ground = outset.ground(self.home, time)
+        wide = WideStart.of(vocabulary, ground, given, False).wide
+        d, frame = self.equations.definition, self.equations.system.frame
+        assert frame is not None
+        state = dict(zip((*d.coordinates, *d.dots), wide.tolist(), strict=True))
+        state |= {se.Symbol(n): x for n, x in outset.constants.items()} | {d.time: time}
+        rows = {plain_name(v): e for v, e in zip(frame.velocities, frame.expressions, strict=True)}
+        return {n: float(d.door.inward(rows[n]).subs(state).n(real=True)) for n in self.from_home}
+
+    def to_home(self, found: Trajectory) -> Trajectory:
+        """A trajectory in these variables as one of the system."""
+        events = {name: self._own_state(rows) for name, rows in found.events.items()}
+        within = found.within
+        return replace(
+            self._own_state(found),
+            system=self.home.system,
+            events=MappingProxyType(events),
+            within=None if within is None else lambda times: self.to_home(within(times)),
+        )
+
+    def _own_state(self, rows: Any) -> Any:
+        """A trajectory, or crossings, with the state of home, where all of it is known."""
+        names = self.home_names
+        if not {*names} <= {*rows.series, *rows.names}:
+            return rows
+        state = np.stack([rows[n] for n in names], axis=-1)
+        state.flags.writeable = False
+        return replace(rows, names=names, state=state)
+
+
+def _exactly(value: Any) -> Any:
+    """A value as given, of a float the number that it is."""
+    return sp.Rational(value) if isinstance(value, float) else value
+
+
+def ambient_formulation(home: VoronecEquations) -> Formulation | None:
+    """The ambient formulation of a system whose frame declares velocities ``beside`` its own; None
+    for others, and where it is beyond the normal form."""
+
+    def make() -> Formulation | None:
+        frame = home.system.frame
+        if frame is None or not frame.beside:
+            return None
+        with suppress(VoronecError):
+            return _Released(home.system).formulation(home)
+        return None
+
+    return home.memo.once("ambient formulation", make)
+
+
+@dataclass(frozen=True)
+class _Released:
+    """A system with as many of its last constraints released as its frame has velocities beside its
+    own."""
+
+    home: System
+
+    @property
+    def count(self) -> int:
+        """How many constraints are released."""
+        return len(self._frame.beside)
+
+    @property
+    def _frame(self) -> Frame:
+        assert self.home.frame is not None
+        return self.home.frame
+
+    @cached_property
+    def free(self) -> System:
+        """The system without the constraints."""
+        home, k = self.home, self.count
+        charts = {
+            name: replace(chart, changes={n: _release(n, x, k) for n, x in chart.changes.items()})
+            for name, chart in home.charts.items()
+        }
+        base, fibre, relations = home.fibration.base, home.fibration.fibre, home.fibration.relations
+        return bare(
+            home, home.name, fibration=Fibration((*base, *fibre[-k:]), fibre[:-k], relations),
+            frame=_release("frame", home.frame, k), invariants=home.invariants, charts=charts,
+            constraints=_release("constraints", home.constraints, k),
+        )  # fmt: skip
+
+    @cached_property
+    def motions(self) -> Motions:
+        """The motions of that."""
+        return Motions.of(derive(self.free))
+
+    @cached_property
+    def flow(self) -> VectorField:
+        """Its equations, in the invariants where there are some."""
+        return self.motions.on_invariants if self.home.invariants else self.motions.on_coordinates
+
+    @cached_property
+    def constraints(self) -> list[Any]:
+        """The released constraints as functions of its state."""
+        own = [self.motions.on_coordinates.read(c) for c in self.home.constraints[-self.count :]]
+        if not self.home.invariants:
+            return own
+        found = in_invariants(self.motions.equations, own)
+        if any(c is None for c in found):
+            raise EngineLimit("a constraint has no expression in the invariants")
+        return found
+
+    @cached_property
+    def rows(self) -> list[list[Any]]:
+        """a, a row for each of the constraints."""
+        return [[c.diff(w) for w in self.flow.velocities] for c in self.constraints]
+
+    @cached_property
+    def reactions(self) -> list[Any]:
+        """a^T lambda along each of the velocities w."""
+        flow, rows = self.flow, self.rows
+        columns = [[*(row[i] for row in rows), f] for i, f in enumerate(flow.force)]
+        solved = flow.solve(columns)  # M^-1 a^T, and M^-1 f as the last column
+        products = [
+            [se.Add(*[a * x[j] for a, x in zip(row, solved, strict=True)])
+             for j in range(self.count + 1)]
+            for row in rows
+        ]  # fmt: skip
+        right = [
+            [-p[-1] - flow.at_rest(c)] for p, c in zip(products, self.constraints, strict=True)
+        ]
+        forces = solve_linear([p[:-1] for p in products], right, flow.relations).values
+        pushed = [
+            se.Add(*[row[i] * x[0] for row, x in zip(rows, forces, strict=True)])
+            for i in range(len(flow.velocities))
+        ]
+        return canonical(pushed, flow.relations)
+
+    def formulation(self, home: VoronecEquations) -> Formulation:
+        """The equations with the reactions, and how their velocities follow from those of home."""
+        meaning = {se.Symbol(n): self._inward(g) for n, g in self.home.invariants.items()}
+        charts = {
+            name: replace(chart, changes={**chart.changes, "forces": {
+                **chart.changes.get("forces", self.free.forces),
+                **self._forces({x: self._in_chart(e, chart) for x, e in meaning.items()}),
+            }})
+            for name, chart in self.free.charts.items()
+        }  # fmt: skip
+        system = replace(
+            self.free, forces={**self.free.forces, **self._forces(meaning)}, charts=charts,
+            integrals=self._integrals(),
+        )  # fmt: skip
+        return Formulation(home, derive(system), self._beside(meaning))
+
+    def _forces(self, meaning: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
+        """The reactions in the user's symbols, by velocity, with the meaning of invariants."""
+        names, out = self.free.velocities, self.motions.equations.door.outward
+        pushed = zip(names, self.reactions, strict=True)
+        return {w: out(e.xreplace(dict(meaning))) for w, e in pushed if e != 0}
+
+    def _in_chart(self, expr: Any, chart: Any) -> Any:
+        """A function of the coordinates as one of those of a chart."""
+        back = {self._inward(x): self._inward(e) for x, e in chart.values(self.free, "back").items()}
+        return canonical([Angles().resolve(expr.xreplace(back))])[0]
+
+    def _inward(self, expr: Any) -> Any:
+        return self.motions.equations.door.inward(expr)
+
+    def _integrals(self) -> dict[str, sp.Expr]:
+        """The declared integrals in the velocities w."""
+        door, found = self.motions.equations.door, {}
+        for name, claim in self.home.integrals.items():
+            given = [*self.flow.relations, *self.constraints]
+            (own,) = canonical([door.inward(right_of(claim))], given)
+            found[name] = door.outward(own)
+        return found
+
+    def _beside(self, meaning: Mapping[Any, Any]) -> dict[str, sp.Expr]:
+        """The velocities that home does not have, on its coordinates and velocities."""
+        names = self.flow.velocities[-self.count :]
+        left = [row[-self.count :] for row in self.rows]
+        right = [[-c.xreplace(dict.fromkeys(names, se.Integer(0)))] for c in self.constraints]
+        solved = solve_linear(left, right, self.flow.relations).values
+        found = canonical([x[0] for x in solved], self.flow.relations)
+        out = self.motions.equations.door.outward
+        named = zip(self._frame.beside, found, strict=True)
+        return {plain_name(w): out(e.xreplace(dict(meaning))) for w, e in named}
+
+
+def _release(part: str, declared: Any, count: int) -> Any:
+    """A part of what a system declares, where its last constraints are released."""
+    if part == "constraints":
+        return tuple(declared)[:-count]
+    if part == "frame":
+        own = dict(zip(declared.velocities, declared.expressions, strict=True))
+        return Frame.quasi({**own, **declared.beside})
+    return declared
