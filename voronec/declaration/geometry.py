@@ -97,7 +97,9 @@ class Frame:
         object.__setattr__(self, "fibre", _names(self.fibre, "frame"))
         beside = fixed_mapping(self.beside, "velocities beside a frame", "velocity: expression")
         _names(tuple(beside), "frame")
-        read_beside = {v: expression(e, f"the definition of '{plain_name(v)}'") for v, e in beside.items()}
+        read_beside = {
+            v: expression(e, f"the definition of '{plain_name(v)}'") for v, e in beside.items()
+        }
         object.__setattr__(self, "beside", MappingProxyType(read_beside))
         object.__setattr__(self, "momenta", _names(self.momenta, "momenta of the frame"))
         if self.momenta and len(self.momenta) != len(velocities):

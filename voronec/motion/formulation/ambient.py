@@ -26,7 +26,7 @@ import sympy as sp
 from voronec.algebra.angles import Angles
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.normal import canonical
-from voronec.algebra.symbols import plain_name
+from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import as_expression
 from voronec.declaration.claims import right_of
 from voronec.declaration.geometry import Fibration, Frame
@@ -64,33 +64,24 @@ class Formulation:
     def start(
         self, vocabulary: Vocabulary, given: StartData, outset: Outset, time: float, exact: bool
     ) -> StartData:
-        """The start in these variables: what is given exactly stays so, where velocities of home
-        are given.  ``EngineLimit`` where an ``exact`` start is not known."""
-        values = {**given.scene_initial, **given.initial}
-        if {*values} <= {*self.home_names} and outset.framed and not outset.notes:
-            found = {n: _exactly(values.get(n, 0)) for n in self.home_names}
+        """The start in these variables: exactly, where velocities of home are given, else by those
+        of all coordinates.  ``EngineLimit`` where an ``exact`` start is known in doubles alone."""
+        values, names = {**given.scene_initial, **given.initial}, self.home_names
+        if {*values} <= {*names} and outset.framed and not outset.notes:
+            found = {n: _exactly(values.get(n, 0)) for n in names}
         elif exact:
             raise EngineLimit("the start is not known in these variables but for rounding")
         else:
-            found = dict(zip(self.home_names, outset.state.tolist(), strict=True))
+            ground, own = outset.ground(self.home, time), self.home.system.coordinates
+            wide = None if outset.notes else WideStart.of(vocabulary, ground, given, False).wide
+            if wide is not None and np.isfinite(wide).all():
+                everything = map(plain_name, (*own, *map(velocity, own)))
+                found = dict(zip(everything, wide.tolist(), strict=True))
+                return replace(given, scene_initial={}, initial=found)
+            found = dict(zip(names, outset.state.tolist(), strict=True))
         symbols = {vocabulary.symbols[n]: as_expression(x) for n, x in found.items()}
         beside = {n: e.xreplace(symbols) for n, e in self.from_home.items()}
-        if any(e.has(sp.zoo, sp.nan) for e in beside.values()) or not outset.framed:
-            beside = self._beside(vocabulary, given, outset, time)
         return replace(given, scene_initial={}, initial={**found, **beside})
-
-    def _beside(
-        self, vocabulary: Vocabulary, given: StartData, outset: Outset, time: float
-    ) -> dict[str, float]:
-        """The velocities that home does not have, where its own are no frame."""
-        ground = outset.ground(self.home, time)
-        wide = WideStart.of(vocabulary, ground, given, False).wide
-        d, frame = self.equations.definition, self.equations.system.frame
-        assert frame is not None
-        state = dict(zip((*d.coordinates, *d.dots), wide.tolist(), strict=True))
-        state |= {se.Symbol(n): x for n, x in outset.constants.items()} | {d.time: time}
-        rows = {plain_name(v): e for v, e in zip(frame.velocities, frame.expressions, strict=True)}
-        return {n: float(d.door.inward(rows[n]).subs(state).n(real=True)) for n in self.from_home}
 
     def to_home(self, found: Trajectory) -> Trajectory:
         """A trajectory in these variables as one of the system."""
@@ -236,7 +227,9 @@ class _Released:
 
     def _in_chart(self, expr: Any, chart: Any) -> Any:
         """A function of the coordinates as one of those of a chart."""
-        back = {self._inward(x): self._inward(e) for x, e in chart.values(self.free, "back").items()}
+        back = {
+            self._inward(x): self._inward(e) for x, e in chart.values(self.free, "back").items()
+        }
         return canonical([Angles().resolve(expr.xreplace(back))])[0]
 
     def _inward(self, expr: Any) -> Any:
