@@ -250,13 +250,16 @@ class _Request:
 
     def in_ambient(self) -> Trajectory | None:
         """In the ambient formulation; None where there is none, or where it leads no farther."""
-        home = self.vocabulary
+        home, time = self.vocabulary, float(self.grid[0])
         wanted = home.read_outputs(self.outputs)
-        formulation = ambient_formulation(home.equations)
         forces = home.holds_reactions((*wanted.terms.values(), *self.functions.values()))
-        if formulation is None or wanted.reactions or forces:
+        if wanted.reactions or forces:
             return None
-        vocabulary, time = Vocabulary.of(formulation.equations, home.inputs), float(self.grid[0])
+        formulation = ambient_formulation(self.outset.ground(home.equations, time), self.outset)
+        if formulation is None:
+            return None
+        meaning = {**home.inputs, **formulation.meaning}
+        vocabulary = Vocabulary.of(formulation.equations, meaning)
         with suppress(VoronecError, NearDivisor):
             exact = is_exact(self.method, self.tol)
             given = formulation.start(home, self.start_data, self.outset, time, exact)
@@ -264,6 +267,7 @@ class _Request:
             there = replace(
                 self, vocabulary=vocabulary, outset=replace(outset, notes=self.outset.notes),
                 outputs=self.outputs or formulation.home_names, start_data=given,
+                functions={n: e.xreplace(meaning) for n, e in self.functions.items()},
             )  # fmt: skip
             ways = (there.in_smallest, there.otherwise, there.on_coordinates)
             return formulation.to_home(first_success(ways, time))

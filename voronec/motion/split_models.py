@@ -66,7 +66,7 @@ from voronec.motion.reactions import Multipliers, conditions_of
 from voronec.motion.state_probe import quantities, usual_size
 from voronec.motion.steppers.run import Signals, constants_along
 
-__all__ = ["Geometry", "SplitGround", "SplitModel", "candidates", "divisor_program"]
+__all__ = ["Geometry", "SplitGround", "SplitModel", "candidates", "divisor_program", "spell_out"]
 
 
 SHARE = 0.1
@@ -195,11 +195,11 @@ def _split_system(system: System, chosen: Sequence[int]) -> System:
     if system.fibration.relations:
         taken = {plain_name(s) for s in system.known_symbols()}
         dots = {_fresh(f"d{plain_name(q)}", taken): velocity(q) for q in own}
-        return bare(system, title, **_spell_out(system, frame), frame=Frame.quasi(dots))
+        return bare(system, title, **spell_out(system, frame), frame=Frame.quasi(dots))
     return bare(
         system,
         title,
-        **_spell_out(system, frame),
+        **spell_out(system, frame),
         frame=None,
         fibration=Fibration(tuple(own), rest),
         charts={name: _split_chart(system, chart) for name, chart in system.charts.items()},
@@ -212,7 +212,7 @@ def _fresh(name: str, taken: set[str]) -> sp.Symbol:
     return sp.Symbol(name)
 
 
-def _spell_out(
+def spell_out(
     system: System, frame: Frame | None, changes: Mapping[str, Any] | None = None
 ) -> dict[str, Any]:
     """Lagrangian, constraints and forces, with changes, without the quasi-velocities of a frame."""
@@ -244,7 +244,7 @@ def _split_chart(system: System, chart: Chart) -> Chart:
         state=own(chart.state),
         back=own(chart.back),
         twins=tuple(map(own, chart.twins)),
-        changes=_spell_out(system, frame, changes),
+        changes=spell_out(system, frame, changes),
     )
 
 
@@ -521,6 +521,14 @@ class SplitGround:
             inside = self.home.definition.door.inward(chart.singular)
             found |= dict.fromkeys(factors_of(inside))
         return tuple(found)
+
+    def may_be_dependent(self, start: np.ndarray) -> bool:
+        """Whether there are places where the coordinates are good and the constraints dependent."""
+        A, form = se.DenseMatrix(self.home.definition.constraints.matrix), self.home.raw.form
+        states = (*form.coordinates, *form.velocities)
+        below = quantities(form, {f"start {x}": x for x in states})
+        volume = (A * A.transpose()).det()
+        return bool(self._crossing_divisors([volume], form, below, start))
 
     def _crossing_divisors(
         self, found: list[Any], form: FirstOrderForm, below: Program, start: np.ndarray

@@ -38,6 +38,7 @@ from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import EngineLimit, VoronecError
 from voronec.motion.motion_start import Outset, WideStart
 from voronec.motion.request import StartData, Vocabulary
+from voronec.motion.split_models import SplitGround, spell_out
 from voronec.motion.trajectory import Trajectory
 
 __all__ = ["Formulation", "ambient_formulation"]
@@ -48,12 +49,14 @@ class Formulation:
     """Equations in other variables for the motions of a system, ``home``.
 
     ``from_home`` gives those of their velocities that home does not have, by name, as functions of
-    its coordinates and velocities, in the user's symbols; the other variables are the same.
+    its coordinates and velocities, in the user's symbols; ``meaning`` the velocities of home that
+    they do not have, as functions of theirs.  The other variables are the same.
     """
 
     home: VoronecEquations
     equations: VoronecEquations
     from_home: Mapping[str, sp.Expr]
+    meaning: Mapping[Any, sp.Expr]
 
     @property
     def home_names(self) -> tuple[str, ...]:
@@ -79,9 +82,11 @@ class Formulation:
                 found = dict(zip(everything, wide.tolist(), strict=True))
                 return replace(given, scene_initial={}, initial=found)
             found = dict(zip(names, outset.state.tolist(), strict=True))
+        lost = {*map(plain_name, self.meaning)}
         symbols = {vocabulary.symbols[n]: as_expression(x) for n, x in found.items()}
         beside = {n: e.xreplace(symbols) for n, e in self.from_home.items()}
-        return replace(given, scene_initial={}, initial={**found, **beside})
+        kept = {n: x for n, x in found.items() if n not in lost}
+        return replace(given, scene_initial={}, initial={**kept, **beside})
 
     def to_home(self, found: Trajectory) -> Trajectory:
         """A trajectory in these variables as one of the system."""
@@ -109,16 +114,22 @@ def _exactly(value: Any) -> Any:
     return sp.Rational(value) if isinstance(value, float) else value
 
 
-def ambient_formulation(home: VoronecEquations) -> Formulation | None:
-    """The ambient formulation of a system whose frame declares velocities ``beside`` its own; None
-    for others, and where it is beyond the normal form."""
+def ambient_formulation(ground: SplitGround, outset: Outset) -> Formulation | None:
+    """The ambient formulation of a system: of one whose frame declares velocities ``beside`` its
+    own in these, of another in the velocities of its coordinates; None where it is beyond the
+    normal form or constraints may become dependent, and for groups and redundant coordinates."""
+    home = ground.home
 
     def make() -> Formulation | None:
-        frame = home.system.frame
-        if frame is None or not frame.beside:
+        system, frame = home.system, home.system.frame
+        declared = frame is not None and bool(frame.beside)
+        group, charted = frame is not None and frame.is_group, frame is not None and system.charts
+        if group or system.fibration.relations or not system.constraints:
+            return None
+        if not declared and (charted or home.is_large or ground.may_be_dependent(outset.state)):
             return None
         with suppress(VoronecError):
-            return _Released(home.system).formulation(home)
+            return _Released(home, declared).formulation
         return None
 
     return home.memo.once("ambient formulation", make)
@@ -126,35 +137,58 @@ def ambient_formulation(home: VoronecEquations) -> Formulation | None:
 
 @dataclass(frozen=True)
 class _Released:
-    """A system with as many of its last constraints released as its frame has velocities beside its
-    own."""
+    """A system with constraints released: as many of the last as its frame has velocities beside
+    its own, where these are ``declared``, else all."""
 
-    home: System
+    home: VoronecEquations
+    declared: bool
 
     @property
+    def system(self) -> System:
+        """The system."""
+        return self.home.system
+
+    @cached_property
     def count(self) -> int:
         """How many constraints are released."""
-        return len(self._frame.beside)
+        frame = self.system.frame
+        return len(frame.beside) if self.declared and frame else len(self.system.constraints)
 
     @property
-    def _frame(self) -> Frame:
-        assert self.home.frame is not None
-        return self.home.frame
+    def meaning(self) -> Mapping[Any, sp.Expr]:
+        """Velocities of home that are none of these, as functions of these."""
+        frame = self.system.frame
+        if self.declared or frame is None:
+            return {}
+        return dict(zip(frame.velocities, frame.expressions, strict=True))
 
     @cached_property
     def free(self) -> System:
         """The system without the constraints."""
-        home, k = self.home, self.count
+        home, k = self.system, self.count
         charts = {
-            name: replace(chart, changes={n: _release(n, x, k) for n, x in chart.changes.items()})
+            name: replace(chart, changes={n: self._release(n, x) for n, x in chart.changes.items()})
             for name, chart in home.charts.items()
         }
-        base, fibre, relations = home.fibration.base, home.fibration.fibre, home.fibration.relations
+        base, fibre = home.fibration.base, home.fibration.fibre
+        own = spell_out(home, None if self.declared else home.frame)
         return bare(
-            home, home.name, fibration=Fibration((*base, *fibre[-k:]), fibre[:-k], relations),
-            frame=_release("frame", home.frame, k), invariants=home.invariants, charts=charts,
-            constraints=_release("constraints", home.constraints, k),
+            home, home.name, **{n: self._release(n, x) for n, x in own.items()}, charts=charts,
+            fibration=Fibration((*base, *fibre[-k:]), fibre[:-k]),
+            frame=self._release("frame", home.frame),
+            invariants=home.invariants if self.declared else {},
         )  # fmt: skip
+
+    def _release(self, part: str, declared: Any) -> Any:
+        """A part of what a system declares, where its last constraints are released."""
+        if part == "constraints":
+            return tuple(declared)[: -self.count]
+        if part != "frame":
+            return declared
+        if not self.declared:
+            return None
+        own = dict(zip(declared.velocities, declared.expressions, strict=True))
+        return Frame.quasi({**own, **declared.beside})
 
     @cached_property
     def motions(self) -> Motions:
@@ -164,13 +198,14 @@ class _Released:
     @cached_property
     def flow(self) -> VectorField:
         """Its equations, in the invariants where there are some."""
-        return self.motions.on_invariants if self.home.invariants else self.motions.on_coordinates
+        return self.motions.on_invariants if self.free.invariants else self.motions.on_coordinates
 
     @cached_property
     def constraints(self) -> list[Any]:
-        """The released constraints as functions of its state."""
-        own = [self.motions.on_coordinates.read(c) for c in self.home.constraints[-self.count :]]
-        if not self.home.invariants:
+        """The released constraints c as functions of its state."""
+        given = spell_out(self.system, self.system.frame)["constraints"][-self.count :]
+        own = [self.motions.on_coordinates.read(c) for c in given]
+        if not self.free.invariants:
             return own
         found = in_invariants(self.motions.equations, own)
         if any(c is None for c in found):
@@ -178,21 +213,16 @@ class _Released:
         return found
 
     @cached_property
-    def rows(self) -> list[list[Any]]:
-        """a, a row for each of the constraints."""
-        return [[c.diff(w) for w in self.flow.velocities] for c in self.constraints]
-
-    @cached_property
     def reactions(self) -> list[Any]:
         """a^T lambda along each of the velocities w."""
-        flow, rows = self.flow, self.rows
+        flow, k = self.flow, self.count
+        rows = [[c.diff(w) for w in flow.velocities] for c in self.constraints]
         columns = [[*(row[i] for row in rows), f] for i, f in enumerate(flow.force)]
         solved = flow.solve(columns)  # M^-1 a^T, and M^-1 f as the last column
         products = [
-            [se.Add(*[a * x[j] for a, x in zip(row, solved, strict=True)])
-             for j in range(self.count + 1)]
+            [se.Add(*[a * x[j] for a, x in zip(row, solved, strict=True)]) for j in range(k + 1)]
             for row in rows
-        ]  # fmt: skip
+        ]
         right = [
             [-p[-1] - flow.at_rest(c)] for p, c in zip(products, self.constraints, strict=True)
         ]
@@ -203,9 +233,10 @@ class _Released:
         ]
         return canonical(pushed, flow.relations)
 
-    def formulation(self, home: VoronecEquations) -> Formulation:
+    @property
+    def formulation(self) -> Formulation:
         """The equations with the reactions, and how their velocities follow from those of home."""
-        meaning = {se.Symbol(n): self._inward(g) for n, g in self.home.invariants.items()}
+        meaning = {se.Symbol(n): self._inward(g) for n, g in self.free.invariants.items()}
         charts = {
             name: replace(chart, changes={**chart.changes, "forces": {
                 **chart.changes.get("forces", self.free.forces),
@@ -217,7 +248,14 @@ class _Released:
             self.free, forces={**self.free.forces, **self._forces(meaning)}, charts=charts,
             integrals=self._integrals(),
         )  # fmt: skip
-        return Formulation(home, derive(system), self._beside(meaning))
+        below, frame = Motions.of(self.home).on_coordinates, system.frame
+        named = frame.expressions if frame is not None else self.free.velocities
+        pairs = zip(self.free.velocities, named, strict=True)
+        own = {*self.system.velocities}
+        beside = {
+            plain_name(w): below.door.outward(below.read(e)) for w, e in pairs if w not in own
+        }
+        return Formulation(self.home, derive(system), beside, self.meaning)
 
     def _forces(self, meaning: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
         """The reactions in the user's symbols, by velocity, with the meaning of invariants."""
@@ -237,30 +275,13 @@ class _Released:
 
     def _integrals(self) -> dict[str, sp.Expr]:
         """The declared integrals in the velocities w."""
-        door, found = self.motions.equations.door, {}
-        for name, claim in self.home.integrals.items():
-            given = [*self.flow.relations, *self.constraints]
-            (own,) = canonical([door.inward(right_of(claim))], given)
-            found[name] = door.outward(own)
+        door, given = self.motions.equations.door, [*self.flow.relations, *self.constraints]
+        spelled = dict(self.meaning)
+        if not self.declared:
+            names = zip(self.system.invariant_symbols, self.system.invariants.values(), strict=True)
+            spelled |= dict(names)
+        found = {}
+        for name, claim in self.system.integrals.items():
+            inside = door.inward(as_expression(right_of(claim)).xreplace(spelled))
+            found[name] = door.outward(canonical([inside], given)[0])
         return found
-
-    def _beside(self, meaning: Mapping[Any, Any]) -> dict[str, sp.Expr]:
-        """The velocities that home does not have, on its coordinates and velocities."""
-        names = self.flow.velocities[-self.count :]
-        left = [row[-self.count :] for row in self.rows]
-        right = [[-c.xreplace(dict.fromkeys(names, se.Integer(0)))] for c in self.constraints]
-        solved = solve_linear(left, right, self.flow.relations).values
-        found = canonical([x[0] for x in solved], self.flow.relations)
-        out = self.motions.equations.door.outward
-        named = zip(self._frame.beside, found, strict=True)
-        return {plain_name(w): out(e.xreplace(dict(meaning))) for w, e in named}
-
-
-def _release(part: str, declared: Any, count: int) -> Any:
-    """A part of what a system declares, where its last constraints are released."""
-    if part == "constraints":
-        return tuple(declared)[:-count]
-    if part == "frame":
-        own = dict(zip(declared.velocities, declared.expressions, strict=True))
-        return Frame.quasi({**own, **declared.beside})
-    return declared
