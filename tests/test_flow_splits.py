@@ -117,7 +117,7 @@ def test_a_run_passes_where_its_split_is_singular(name: str) -> None:
         for method, tol in METHODS if points == 2 else METHODS[:1]:
             run = vo.integrate(system, times=times, initial=start, method=method, tol=tol)
             assert worst(run, truth) < 1e-10, (method, tol)
-            assert run.cost.switches > 0
+            assert run.cost.switches == 0  # one formulation leads all the way
 
 
 @pytest.mark.parametrize("name", KNOWN)
@@ -130,10 +130,11 @@ def test_rolling_without_twist_passes_the_equator(name: str) -> None:
         run = vo.integrate(equations, times=times, initial=start, method=method, tol=tol)
         assert worst(run, truth) < 2e-10, (method, tol)
         assert max(run.drift.values()) < 1e-10
+        assert run.names == tuple(map(str, (*equations.coordinates, *equations.velocities)))
 
 
 def test_a_split_is_derived_once_for_all_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    equations, start = vo.derive(vo.load("veselova")), KNOWN["veselova"]
+    equations, start = vo.derive(vo.load("displaced-rubber-ball")), KNOWN["displaced-rubber-ball"]
     first = vo.integrate(equations, times=[0.0, -9.0], initial=start)
     monkeypatch.setattr(split_models, "Derivation", None)
     again = vo.integrate(equations, times=[0.0, -9.0], initial=start)
@@ -423,7 +424,7 @@ def test_whether_a_motion_is_followed_hangs_on_no_sample(
     truth = multiplier_motion(make(), all_velocities(make(), start), times)
     for seed in samples(monkeypatch, 4):
         run = vo.integrate(make(), times=times, initial=start, method="scipy")
-        assert worst(run, truth) < 1e-10 and run.cost.switches > 0, seed
+        assert worst(run, truth) < 1e-10, seed
 
 
 BLADE_START = {"y": 1.093, "phi": -1.457, "x": 0.519, "ydot": -0.149, "phidot": 1.294}

@@ -33,7 +33,7 @@ from voronec.motion.angle_cuts import CutWatch
 from voronec.motion.atlas import NEAR as CHANGE
 from voronec.motion.atlas import kept_charts
 from voronec.motion.chart_stepper import through_charts
-from voronec.motion.divisors import Divisor, NearDivisor, guard_events, without_guards
+from voronec.motion.divisors import NEAR, Divisor, NearDivisor, guard_events, without_guards
 from voronec.motion.formulation.ambient import ambient_formulation
 from voronec.motion.inputs import drive
 from voronec.motion.methods import CLOSED_FORM, METHODS, choose_regular, is_exact
@@ -258,8 +258,7 @@ class _Request:
         formulation = ambient_formulation(self.outset.ground(home.equations, time), self.outset)
         if formulation is None:
             return None
-        meaning = {**home.inputs, **formulation.meaning}
-        vocabulary = Vocabulary.of(formulation.equations, meaning)
+        vocabulary = formulation.vocabulary(home)
         with suppress(VoronecError, NearDivisor):
             exact = is_exact(self.method, self.tol)
             given = formulation.start(home, self.start_data, self.outset, time, exact)
@@ -267,7 +266,8 @@ class _Request:
             there = replace(
                 self, vocabulary=vocabulary, outset=replace(outset, notes=self.outset.notes),
                 outputs=self.outputs or formulation.home_names, start_data=given,
-                functions={n: e.xreplace(meaning) for n, e in self.functions.items()},
+                functions={n: e.xreplace(vocabulary.inputs) for n, e in self.functions.items()},
+                tol=min(self.tol, max(NEAR * self.tol, EXACT)),
             )  # fmt: skip
             ways = (there.in_smallest, there.otherwise, there.on_coordinates)
             return formulation.to_home(first_success(ways, time))

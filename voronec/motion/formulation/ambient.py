@@ -64,6 +64,14 @@ class Formulation:
         system = self.home.system
         return tuple(map(plain_name, (*system.coordinates, *system.velocities)))
 
+    def vocabulary(self, home: Vocabulary) -> Vocabulary:
+        """Names of home, as they are spelled in these variables."""
+
+        def make() -> Vocabulary:
+            return Vocabulary.of(self.equations, {**home.inputs, **self.meaning})
+
+        return make() if home.inputs else self.equations.memo.once("names of home", make)
+
     def start(
         self, vocabulary: Vocabulary, given: StartData, outset: Outset, time: float, exact: bool
     ) -> StartData:
@@ -275,7 +283,10 @@ class _Released:
 
     def _integrals(self) -> dict[str, sp.Expr]:
         """The declared integrals in the velocities w."""
-        door, given = self.motions.equations.door, [*self.flow.relations, *self.constraints]
+        door, given = (
+            self.motions.equations.door,
+            [*self.flow.relations, *self.constraints],
+        )
         spelled = dict(self.meaning)
         if not self.declared:
             names = zip(self.system.invariant_symbols, self.system.invariants.values(), strict=True)
