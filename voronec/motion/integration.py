@@ -34,7 +34,6 @@ from voronec.motion.atlas import NEAR as CHANGE
 from voronec.motion.atlas import kept_charts
 from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import NEAR, Divisor, NearDivisor, guard_events, without_guards
-from voronec.motion.formulation.ambient import ambient_formulation
 from voronec.motion.inputs import drive
 from voronec.motion.methods import CLOSED_FORM, METHODS, choose_regular, is_exact
 from voronec.motion.motion_start import Outset, WideStart
@@ -250,19 +249,22 @@ class _Request:
 
     def in_ambient(self) -> Trajectory | None:
         """In the ambient formulation; None where there is none, or where it leads no farther."""
+        from voronec.motion.formulation.ambient import ambient_formulation  # few motions need it
+
         home, time = self.vocabulary, float(self.grid[0])
         wanted = home.read_outputs(self.outputs)
         forces = home.holds_reactions((*wanted.terms.values(), *self.functions.values()))
-        if wanted.reactions or forces:
+        driven = home.inputs or self.outset.changing is not None
+        if wanted.reactions or forces or driven:  # what changes in time has a rate in the reactions
             return None
         formulation = ambient_formulation(self.outset.ground(home.equations, time), self.outset)
         if formulation is None:
             return None
-        vocabulary = formulation.vocabulary(home)
+        vocabulary = formulation.vocabulary
         with suppress(VoronecError, NearDivisor):
             exact = is_exact(self.method, self.tol)
             given = formulation.start(home, self.start_data, self.outset, time, exact)
-            outset = Outset.of(vocabulary, given, time, False, self.outset.changing)
+            outset = Outset.of(vocabulary, given, time, False)
             there = replace(
                 self, vocabulary=vocabulary, outset=replace(outset, notes=self.outset.notes),
                 outputs=self.outputs or formulation.home_names, start_data=given,

@@ -6,8 +6,8 @@ but held by their reaction along w,
 
     M w' = f + a^T lambda,    lambda = -(a M^-1 a^T)^-1 (a M^-1 f + c'),
 
-c' without the accelerations.  The motion keeps c; nothing divides by what vanishes where v fails.
-First integrals are the declared ones, in normal form where c = 0.
+c' without the accelerations [Theory, eq. (22b)].  The motion keeps c; nothing divides by what
+vanishes where v fails.  First integrals are the declared ones, in normal form where c = 0.
 """
 
 from __future__ import annotations
@@ -64,13 +64,12 @@ class Formulation:
         system = self.home.system
         return tuple(map(plain_name, (*system.coordinates, *system.velocities)))
 
-    def vocabulary(self, home: Vocabulary) -> Vocabulary:
+    @property
+    def vocabulary(self) -> Vocabulary:
         """Names of home, as they are spelled in these variables."""
-
-        def make() -> Vocabulary:
-            return Vocabulary.of(self.equations, {**home.inputs, **self.meaning})
-
-        return make() if home.inputs else self.equations.memo.once("names of home", make)
+        return self.equations.memo.once(
+            "names of home", lambda: Vocabulary.of(self.equations, self.meaning)
+        )
 
     def start(
         self, vocabulary: Vocabulary, given: StartData, outset: Outset, time: float, exact: bool
