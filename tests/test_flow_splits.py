@@ -135,8 +135,7 @@ def test_rolling_without_twist_passes_the_equator(name: str) -> None:
 
 @pytest.mark.parametrize(("method", "tol"), [("heyoka", 1e-13), ("scipy", 1e-13), ("auto", 1e-30)])
 def test_velocities_beside_a_frame_are_taken_where_it_fails(method: str, tol: float) -> None:
-    """A skate draws a circle; where it heads along y its speed along x tells nothing, and its energy
-    is 0/0."""
+    """A skate draws a circle; heading along y its speed along x tells nothing, and gives 0/0."""
     x, y, phi, u, v, w = sp.symbols("x y phi u v w")
     skate = vo.System(
         name="skate",

@@ -95,12 +95,10 @@ class Frame:
         object.__setattr__(self, "velocities", velocities)
         object.__setattr__(self, "expressions", read)
         object.__setattr__(self, "fibre", _names(self.fibre, "frame"))
-        beside = fixed_mapping(self.beside, "velocities beside a frame", "velocity: expression")
-        _names(tuple(beside), "frame")
-        read_beside = {
-            v: expression(e, f"the definition of '{plain_name(v)}'") for v, e in beside.items()
-        }
-        object.__setattr__(self, "beside", MappingProxyType(read_beside))
+        beside = fixed_mapping(self.beside, "beside", "velocity: expression")
+        names = _names(tuple(beside), "frame")
+        known = {v: expression(beside[v], f"the definition of '{plain_name(v)}'") for v in names}
+        object.__setattr__(self, "beside", MappingProxyType(known))
         object.__setattr__(self, "momenta", _names(self.momenta, "momenta of the frame"))
         if self.momenta and len(self.momenta) != len(velocities):
             raise DefinitionError(
@@ -148,6 +146,11 @@ class Frame:
     def ambient(self) -> tuple[sp.Expr, ...]:
         """All velocities that the Lagrangian and the constraints of a group are written in."""
         return self.velocities + self.fibre
+
+    @property
+    def definitions(self) -> dict[sp.Expr, sp.Expr]:
+        """What its velocities are, and those beside them."""
+        return {**dict(zip(self.velocities, self.expressions, strict=True)), **self.beside}
 
     @property
     def claim_names(self) -> tuple[sp.Expr, ...]:

@@ -36,7 +36,7 @@ from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import NEAR, Divisor, NearDivisor, guard_events, without_guards
 from voronec.motion.inputs import drive
 from voronec.motion.methods import CLOSED_FORM, METHODS, choose_regular, is_exact
-from voronec.motion.motion_start import Outset, WideStart
+from voronec.motion.motion_start import FAST, Outset, WideStart
 from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
 from voronec.motion.observables import Watch, evaluate_watch
 from voronec.motion.request import (
@@ -265,6 +265,9 @@ class _Request:
             exact = is_exact(self.method, self.tol)
             given = formulation.start(home, self.start_data, self.outset, time, exact)
             outset = Outset.of(vocabulary, given, time, False)
+            fastest = (np.abs(x.state).max(initial=1.0) for x in (outset, self.outset))
+            if next(fastest) > FAST * next(fastest):
+                return None  # a slip, which is refused with its velocities
             there = replace(
                 self, vocabulary=vocabulary, outset=replace(outset, notes=self.outset.notes),
                 outputs=self.outputs or formulation.home_names, start_data=given,

@@ -136,14 +136,14 @@ def ambient_formulation(ground: SplitGround, outset: Outset) -> Formulation | No
         if not declared and (charted or home.is_large or ground.may_be_dependent(outset.state)):
             return None
         with suppress(VoronecError):
-            return _Released(home, declared).formulation
+            return _FreeSystem(home, declared).formulation
         return None
 
     return home.memo.once("ambient formulation", make)
 
 
 @dataclass(frozen=True)
-class _Released:
+class _FreeSystem:
     """A system with constraints released: as many of the last as its frame has velocities beside
     its own, where these are ``declared``, else all."""
 
@@ -192,10 +192,7 @@ class _Released:
             return tuple(declared)[: -self.count]
         if part != "frame":
             return declared
-        if not self.declared:
-            return None
-        own = dict(zip(declared.velocities, declared.expressions, strict=True))
-        return Frame.quasi({**own, **declared.beside})
+        return Frame.quasi(declared.definitions) if self.declared else None
 
     @cached_property
     def motions(self) -> Motions:
