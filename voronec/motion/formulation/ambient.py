@@ -32,6 +32,7 @@ from voronec.declaration.claims import right_of
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.system import System, bare
 from voronec.equations.motions import Motions
+from voronec.equations.program.walls import is_rough
 from voronec.equations.reduction import in_invariants
 from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations, derive
@@ -124,14 +125,17 @@ def _exactly(value: Any) -> Any:
 def ambient_formulation(ground: SplitGround, outset: Outset) -> Formulation | None:
     """The ambient formulation of a system: of one whose frame declares velocities ``beside`` its
     own in these, of another in the velocities of its coordinates; None where it is beyond the
-    normal form or constraints may become dependent, and for groups and redundant coordinates."""
+    normal form or constraints may become dependent, for groups and redundant coordinates, and where
+    forces are not smooth."""
     home = ground.home
 
     def make() -> Formulation | None:
         system, frame = home.system, home.system.frame
         declared = frame is not None and bool(frame.beside)
         group, charted = frame is not None and frame.is_group, frame is not None and system.charts
-        if group or system.fibration.relations or not system.constraints:
+        form = home.raw.form
+        rough = is_rough((), form.expressions, form.parameters)
+        if group or rough or system.fibration.relations or not system.constraints:
             return None
         if not declared and (charted or home.is_large or ground.may_be_dependent(outset.state)):
             return None
