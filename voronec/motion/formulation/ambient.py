@@ -258,11 +258,10 @@ class _FreeSystem:
         )  # fmt: skip
         below, frame = Motions.of(self.home).on_coordinates, system.frame
         named = frame.expressions if frame is not None else self.free.velocities
-        pairs = zip(self.free.velocities, named, strict=True)
         own = {*self.system.velocities}
-        beside = {
-            plain_name(w): below.door.outward(below.read(e)) for w, e in pairs if w not in own
-        }
+        fresh = {w: e for w, e in zip(self.free.velocities, named, strict=True) if w not in own}
+        found = canonical([below.read(e) for e in fresh.values()], below.relations)
+        beside = {plain_name(w): below.door.outward(e) for w, e in zip(fresh, found, strict=True)}
         return Formulation(self.home, derive(system), beside, self.meaning)
 
     def _forces(self, meaning: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
