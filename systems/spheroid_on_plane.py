@@ -35,7 +35,7 @@ Z, J = rho * omega[2], rolling.momentum.dot(arm) / parallel
 slip = meridian - parallel
 bulge = (a**2 - c**2) / (a**2 * height) * parallel
 lean = bulge * (A * height - (C - A) * gamma[2] * arm[2]) - (C - A) * slip
-steps = rolling.turned[2] / rho
+steps = rolling.normal_rate[2] / rho
 
 SYSTEM = rolling.system(
     name="spheroid-on-plane",

@@ -92,7 +92,9 @@ def test_what_is_not_understood_is_named_with_its_place(latex, complaint):
 
 
 READ_WITH = LatexVocabulary(
-    functions=frozenset([r"\wp", r"\zeta(\cdot)", r"\sigma", "X", r"\phi", "A"]),
+    functions=frozenset(
+        [*r"\wp \zeta(\cdot) \sigma \phi \psi \mu \mu_\epsilon \pi \theta X F V A".split()]
+    ),
     labelled=frozenset(["B", r"\omega"]),
     numbered=frozenset("x"),
 )

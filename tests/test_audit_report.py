@@ -12,6 +12,7 @@ from latex_shape import complaints
 
 from voronec import DefinitionError
 from voronec.audit import Audit, FormulaRecord, Record
+from voronec.audit.page.article import audit_latex
 from voronec.audit.page.phrases import clauses, gist, readable, short
 from voronec.audit.page.report import Figure, audit_page, audit_table, record_html, write_audit
 from voronec.cli import main as voronec
@@ -276,12 +277,18 @@ def test_a_button_shows_as_many_records_as_it_says_and_as_the_table_counts(page)
     assert table == {value: int(n) for group, value, n in said if group == "verdict"}
 
 
-def test_the_page_lists_what_is_not_audited():
-    open_ = FormulaRecord("", "unaudited", "fame is not derived", says="It is famous")
-    page = audit_page(Audit("p", "T", (Record(None, "s", 1, "It is famous", (open_,), "text"),)))
-    listed = page[page.index('id="unaudited-list"') : page.index("<nav>")]
+@pytest.mark.parametrize("verdict", ["unaudited", "not read"])
+def test_the_page_lists_what_is_not_audited_or_not_read(verdict):
+    open_ = FormulaRecord("", verdict, "fame is not derived", says="It is famous")
+    audit = Audit("p", "T", (Record(None, "s", 1, "It is famous", (open_,), "text"),))
+    page, name = audit_page(audit), verdict.replace(" ", "-")
+    listed = page[page.index(f'id="{name}-list"') : page.index("<nav>")]
     assert "It is famous" in listed
     assert "fame is not derived" in listed
+    assert f'<a href="#{name}">' in page
+    assert audit.count()[verdict] == 1 and audit.as_list()[0]["verdict"] == verdict
+    assert "fame is not derived" in audit_table(audit) or verdict == "unaudited"
+    assert not complaints(audit_latex(audit))
 
 
 def test_the_page_says_in_which_ranges_a_claim_holds(page):

@@ -1,4 +1,4 @@
-"""Speed against error: questions, references of proved accuracy, peers, comparison."""
+"""Speed against error: problems, references of proved accuracy, peers, comparison."""
 
 from __future__ import annotations
 
@@ -9,23 +9,26 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 import sympy as sp
+from tool_modules import tool
 
 import voronec as vo
 from voronec.accuracy import bench
-from voronec.accuracy.bench import agreement
-from voronec.accuracy.bench import runs as own
-from voronec.accuracy.bench.contender import Contender, NotHere, Outcome
-from voronec.accuracy.bench.measurement import Measured, Point
-from voronec.accuracy.bench.peers import numba_dop853, physics, scipy_lambdify
-from voronec.accuracy.bench.peers.hand_programs import BY_HAND, start_values
-from voronec.accuracy.bench.runs import CONTENDERS, contenders
+from voronec.accuracy import reference as references
+from voronec.accuracy.bench import OWN, Contender, Measured, NotHere, Outcome, Point
 from voronec.accuracy.bench.work_precision_picture import plot_work_precision
 from voronec.accuracy.problem import level, lowest
+from voronec.accuracy.solution import agreement
 from voronec.equations.program import Program, compile_program
 from voronec.motion.methods import METHODS
+
+peers = tool("figures.peers")
+mujoco_ball = tool("figures.mujoco_ball")
+numba_dop853 = tool("figures.numba_dop853")
+ALL = (*OWN, *peers.PEERS)
 
 pytestmark = pytest.mark.slow
 
@@ -41,22 +44,22 @@ SPRING = vo.System(
 
 @pytest.fixture(scope="module")
 def spring() -> bench.ReferenceProblem:
-    return bench.ask(SPRING, outputs=("q", "p"), instants=13)
+    return bench.scene_problem(SPRING, outputs=("q", "p"), instants=13)
 
 
 @pytest.fixture(scope="module")
 def ball() -> bench.ReferenceProblem:
-    return bench.ask(vo.load("chaplygin-ball"), time=2.0, instants=11)
+    return bench.scene_problem(vo.load("chaplygin-ball"), time=2.0, instants=11)
 
 
-def known(question: bench.ReferenceProblem) -> bench.ReferenceSolution:
+def known(problem: bench.ReferenceProblem) -> bench.ReferenceSolution:
     """The closed form of the springs, in place of a reference."""
-    t = question.grid
+    t = problem.grid
     return bench.ReferenceSolution(t, {"q": np.cos(t), "p": np.sin(2 * t)}, 1e-16, ("one", "other"))
 
 
 def contender(name: str) -> Contender:
-    return contenders([name])[0]
+    return bench.contenders([name], ALL)[0]
 
 
 def test_every_method_gets_the_same_doubles(ball: bench.ReferenceProblem) -> None:
@@ -70,15 +73,15 @@ def test_every_method_gets_the_same_doubles(ball: bench.ReferenceProblem) -> Non
 
 
 def test_a_time_replaces_the_length_of_the_scene() -> None:
-    question = bench.ask(SPRING, time=7.0, parameters={}, initial={"q": 3})
-    assert question.span == 7 and question.initial["q"] == 3 and question.scene == "default"
-    assert question.outputs == ("q", "p", "qdot", "pdot")
+    problem = bench.scene_problem(SPRING, time=7.0, parameters={}, initial={"q": 3})
+    assert problem.span == 7 and problem.initial["q"] == 3 and problem.scene == "default"
+    assert problem.outputs == ("q", "p", "qdot", "pdot")
 
 
 def test_angles_are_coordinates_that_only_turn() -> None:
-    question = bench.ask(vo.load("sleigh"), time=1.0)
-    assert question.angles == {"phi"}
-    assert bench.ask(SPRING).angles == frozenset()
+    problem = bench.scene_problem(vo.load("sleigh"), time=1.0)
+    assert problem.angles == {"phi"}
+    assert bench.scene_problem(SPRING).angles == frozenset()
 
 
 @pytest.mark.parametrize(
@@ -91,16 +94,16 @@ def test_angles_are_coordinates_that_only_turn() -> None:
         ({"instants": 1}, "1 instants: give 2 or more"),
     ],
 )
-def test_a_question_that_makes_no_sense_is_refused(words: dict[str, Any], message: str) -> None:
+def test_a_problem_that_makes_no_sense_is_refused(words: dict[str, Any], message: str) -> None:
     with pytest.raises(vo.DefinitionError, match=message):
-        bench.ask(SPRING, **words)
+        bench.scene_problem(SPRING, **words)
 
 
 def test_reactions_are_not_compared_and_a_configuration_is_its_coordinates() -> None:
     sleigh = vo.load("sleigh")
     with pytest.raises(vo.DefinitionError, match="'reaction 1' takes no part in a comparison"):
-        bench.ask(sleigh, outputs=("x", "reaction 1"))
-    assert bench.ask(sleigh, outputs=("configuration",)).outputs == ("x", "phi", "y")
+        bench.scene_problem(sleigh, outputs=("x", "reaction 1"))
+    assert bench.scene_problem(sleigh, outputs=("configuration",)).outputs == ("x", "phi", "y")
 
 
 def test_a_reference_is_as_good_as_it_says(spring: bench.ReferenceProblem) -> None:
@@ -111,76 +114,68 @@ def test_a_reference_is_as_good_as_it_says(spring: bench.ReferenceProblem) -> No
         np.testing.assert_allclose(found.values[name], exact.values[name], rtol=0, atol=4e-16)
 
 
-def test_the_two_routes_meet_on_different_equations(ball: bench.ReferenceProblem) -> None:
+def test_two_runs_meet_on_different_equations(ball: bench.ReferenceProblem) -> None:
     pytest.importorskip("heyoka")
-    levels = agreement.levels_of(ball)
-    routes = [agreement.heyoka_route(at, ball, 30) for at in levels]
-    (name, one), (other, two) = [r for r in routes if r is not None]
-    assert name.endswith("coordinates") and other.endswith("invariants")
-    found = agreement.agreed_reference(ball, [(name, one()), (other, two())], 1e-25)
+    one, other = (
+        references.taylor_values(level(ball, name), 1e-30) for name in ("coordinates", "invariants")
+    )
+    found = agreement(ball.grid, [("one", one), ("other", other)], 1e-25)
     assert found is not None and len(found.t) == len(ball.grid)
 
 
 def test_more_digits_are_better_digits(ball: bench.ReferenceProblem) -> None:
     pytest.importorskip("heyoka")
-    from voronec.accuracy.bench.agreement import precise_outputs
-
     at = level(ball, "invariants")
-    rough, fine = (precise_outputs(at, ball.grid, digits)["omega1"] for digits in (25, 50))
-    apart = abs(rough[-1] - fine[-1])
-    assert 0 < apart < 1e-22
+    rough, fine, finest = (references.taylor_values(at, tol)["omega1"] for tol in (
+        1e-17, 1e-25, 1e-50
+    ))  # fmt: skip
+    apart = [bench.difference(x, finest).max() for x in (rough, fine)]
+    assert 0 < apart[1] < 1e-22 < apart[0] < 1e-14
 
 
 def test_runs_that_part_are_used_up_to_there(spring: bench.ReferenceProblem) -> None:
     exact = dict(known(spring).values)
     wrong = {"q": exact["q"].copy(), "p": exact["p"]}
     wrong["q"][7:] += 1e-6
-    found = agreement.agreed_reference(spring, [("a", exact), ("b", wrong)], 1e-12)
+    found = agreement(spring.grid, [("a", exact), ("b", wrong)], 1e-12)
     assert found is not None and len(found.t) == 7 and found.how == ("a", "b")
     assert "up to t = 1.5 only" in found.note
     wrong["q"][1] = np.nan
-    assert agreement.agreed_reference(spring, [("a", exact), ("b", wrong)], 1e-12) is None
+    assert agreement(spring.grid, [("a", exact), ("b", wrong)], 1e-12) is None
 
 
-def test_a_reference_whose_routes_disagree_is_refused(
-    spring: bench.ReferenceProblem, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    exact = dict(known(spring).values)
-    other = {name: x + 1e-3 for name, x in exact.items()}
-    asked = []
-
-    def routes(_question: Any, digits: int) -> Any:
-        asked.append(digits)
-        return ("a", lambda: exact), ("b", lambda: other)
-
-    monkeypatch.setattr(agreement, "two_routes", routes)
+def test_a_reference_whose_runs_disagree_is_refused() -> None:
+    ball = bench.scene_problem(vo.load("ball-on-sphere"), time=1.0, instants=3)
     with pytest.raises(vo.IntegrationError, match="on no part of the grid, so there is no ref"):
-        bench.reference(spring)
-    assert asked == list(agreement.DIGITS), "more digits are tried first"
+        bench.reference(ball, needed=1e-60)
 
 
-def test_one_route_is_no_reference(
+def test_one_run_is_no_reference(
     spring: bench.ReferenceProblem, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(agreement, "flint_routes", lambda *_: [])
-    monkeypatch.setattr(agreement, "heyoka_route", lambda *_: ("only", dict))
+    monkeypatch.setitem(METHODS, "heyoka", replace(METHODS["heyoka"], library="no_such_library"))
+
+    def refuse(*_: Any, **__: Any) -> None:
+        raise vo.EngineLimit("not here")
+
+    monkeypatch.setattr(references, "integrate", refuse)
     with pytest.raises(vo.EngineLimit, match="no two independent high-precision runs"):
         bench.reference(spring)
 
 
-def test_fractions_that_heyoka_would_round_are_left_to_others() -> None:
+def test_a_fraction_in_the_equations_keeps_its_digits() -> None:
     pytest.importorskip("heyoka")
-    from voronec.accuracy.bench.agreement import why_not
-
     third = vo.System(
         name="third",
         fibration=vo.Fibration(base=(q,)),
-        lagrangian=vo.velocity(q) ** 2 / 2 - q**4 / 3,
+        lagrangian=vo.velocity(q) ** 2 / 2 - q**2 / 6,
         scenes={"default": vo.Scene(initial={q: 1}, times=(0, 1))},
     )
-    why = why_not(level(bench.ask(third), "coordinates"))
-    assert why is not None and "which is no double" in why
-    assert why_not(level(bench.ask(SPRING), "coordinates")) is None
+    problem = bench.scene_problem(third, outputs=("q",), instants=3)
+    found = references.taylor_values(level(problem, "coordinates"), 1e-30)["q"]
+    with mpmath.workdps(40):
+        exact = [mpmath.cos(t / mpmath.sqrt(3)) for t in (0, 0.5, 1)]
+    assert bench.difference(found, np.array(exact)).max() < 1e-28
 
 
 def test_a_difference_of_angles_is_taken_modulo_a_turn() -> None:
@@ -226,7 +221,7 @@ def test_a_peer_that_is_not_installed_is_said_to_be(
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
     found = bench.measure(
-        ball, [name], against=bench.ReferenceSolution(ball.grid, {}, 1e-16, ("", ""))
+        ball, [name], against=bench.ReferenceSolution(ball.grid, {}, 1e-16, ("", "")), among=ALL
     )
     assert found[name].absent == f"not installed: {package}" and found[name].points == ()
 
@@ -238,19 +233,21 @@ def test_a_peer_that_does_not_fit_says_why(spring: bench.ReferenceProblem, name:
 
 
 def test_a_peer_refuses_outputs_that_it_does_not_compute() -> None:
-    question = bench.ask(vo.load("chaplygin-ball"), outputs=("x", "omega1"), time=1.0)
+    problem = bench.scene_problem(vo.load("chaplygin-ball"), outputs=("x", "omega1"), time=1.0)
     with pytest.raises(NotHere, match="does not compute x"):
-        contender("heyoka-by-hand").prepare(question)
+        contender("heyoka-by-hand").prepare(problem)
 
 
 def test_our_source_of_dop853_is_dop853(spring: bench.ReferenceProblem) -> None:
-    at = lowest(spring)
-    namespace: dict[str, Any] = {"np": np, "right": numba_dop853.right_hand_side(at.program)}
-    exec(numba_dop853.stepper_source(len(at.start)), namespace)
-    errors, counts = [], []
+    def right(_t: float, q: float, p: float, v: float, w: float, _parameters: Any) -> Any:
+        return v, w, -q, -4 * p
+
+    namespace: dict[str, Any] = {"np": np, "right": right}
+    exec(numba_dop853.advance_source(4), namespace)
+    start, errors, counts = np.array([1.0, 0.0, 0.0, 2.0]), [], []
     for tol in (1e-6, 1e-9, 1e-12):
         rows = np.empty((len(spring.grid), 4))
-        counts.append(namespace["advance"](spring.grid, at.state, np.array([]), tol, rows))
+        counts.append(namespace["advance"](spring.grid, start, np.array([]), tol, rows))
         errors.append(np.abs(rows[:, 0] - np.cos(spring.grid)).max())
     assert errors[1] < 1e-9 and errors[2] < 2e-13, errors
     assert counts[0][0] <= counts[1][0] < counts[2][0]
@@ -261,79 +258,45 @@ def test_our_source_of_dop853_is_dop853(spring: bench.ReferenceProblem) -> None:
     np.testing.assert_allclose(rows[1], [1, 0, 0, 2], atol=1e-11)
 
 
-def test_dop853_on_scalars_takes_the_steps_of_that_on_arrays() -> None:
-    source, grid, start = numba_dop853.stepper_source(2), np.linspace(0, 3, 4), np.array([1.0, 0.0])
-
-    def on_arrays(_t: float, y: Any, p: Any, result: Any) -> None:
-        result[0], result[1] = y[1], -p[0] * y[0]
-
-    found = []
-    for text, right in (
-        (source, on_arrays),
-        (numba_dop853.unroll(source, 2), lambda _t, a, b, p: (b, -p[0] * a)),
-    ):
-        namespace: dict[str, Any] = {"np": np, "right": right}
-        exec(text, namespace)
-        rows = np.empty((4, 2))
-        found.append((namespace["advance"](grid, start, np.array([4.0]), 1e-9, rows), rows))
-    (counts, rows), (other, same) = found
-    assert counts == other and (rows == same).all()
-    np.testing.assert_allclose(same[:, 0], np.cos(2 * grid), atol=1e-8)
-
-
-@pytest.mark.parametrize("name", ["dop853-numba-unrolled", "dop853-numba-fastmath"])
-def test_a_ball_by_hand_on_scalars_is_the_ball(ball: bench.ReferenceProblem, name: str) -> None:
+@pytest.mark.parametrize(
+    "name", ["dop853-numba", "dop853-numba-ours", "dop853-numba-by-hand", "dop853-numba-fastmath"]
+)
+def test_dop853_of_numba_is_as_accurate(ball: bench.ReferenceProblem, name: str) -> None:
     pytest.importorskip("heyoka")
     pytest.importorskip("numba")
-    found = bench.measure(ball, [name], [1e-11], against=_exact(ball))[name]
+    found = bench.measure(ball, [name], [1e-11], against=_exact(ball), among=ALL)[name]
     assert found.points[0].error < 1e-9, found
 
 
-def test_sympys_right_hand_side_is_ours(ball: bench.ReferenceProblem) -> None:
+def test_formulations_have_our_right_hand_side(ball: bench.ReferenceProblem) -> None:
     at = lowest(ball)
     ours, _ = compile_program(at.program)
     state = np.array([0.48, 0.6, 0.64, 0.5, 2.1, 0.4])  # |gamma| = 1, where forms may differ
     expected = np.array(ours(0.0, list(state), list(at.constants)))
-    for function in (
-        numba_dop853.sympy_right_hand_side(at),
-        numba_dop853.right_hand_side(at.program),
-    ):
-        result = np.empty(6)
-        function(0.0, state, np.array(at.constants), result)
-        np.testing.assert_allclose(result, expected, rtol=1e-13, atol=1e-15)
-    for right in (make(at) for make in scipy_lambdify.RIGHT_SIDES.values()):
+    for kind in ("program", "sympy"):
+        function, constants = peers.reduction(ball, kind=kind).source()
+        np.testing.assert_allclose(
+            function(0.0, *state, constants), expected, rtol=1e-13, atol=1e-15
+        )
+    for kind in ("solved", "written out", "plain"):
+        right = peers.reduction(ball, kind=kind).right()
         np.testing.assert_allclose(right(0.0, state), expected, rtol=1e-12, atol=1e-14)
 
 
-@pytest.mark.parametrize("name", BY_HAND)
+@pytest.mark.parametrize("name", peers.BY_HAND)
 def test_a_program_by_hand_is_the_engines_motion(name: str) -> None:
     hy = pytest.importorskip("heyoka")
-    question = bench.ask(vo.load(name), time=3.0, instants=7)
-    hand = BY_HAND[name](question.parameters)
-    start = hand.start(start_values(question))
-    integrator = hy.taylor_adaptive(hand.equations, start.tolist(), tol=1e-15)
-    found = hand.back(integrator.propagate_grid(question.grid)[-1])
+    problem = bench.scene_problem(vo.load(name), time=3.0, instants=7)
+    hand = peers.BY_HAND[name](problem.parameters)
+    named = peers.reduction(problem).values
+    integrator = hy.taylor_adaptive(hand.equations, hand.start(named).tolist(), tol=1e-15)
+    found = hand.back(integrator.propagate_grid(problem.grid)[-1])
     ours = vo.integrate(
-        question.equations, question.bare, question.grid, tuple(found), method="scipy", tol=1e-12
+        problem.equations, problem.bare, problem.grid, tuple(found), method="scipy", tol=1e-12
     )
     for key, values in found.items():
         turned = key == "v"  # known up to whole turns
         assert bench.difference(values, ours[key], turned).max() < 1e-9, key
-
-
-def test_our_integrator_is_timed_on_the_motion_that_is_shown(
-    spring: bench.ReferenceProblem,
-) -> None:
-    seen = vo.integrate(SPRING, times=spring.grid, outputs=("q", "p"), method="scipy", tol=1e-8)
-    again = own.repetition(spring, tuple(spring.expressions.values()), seen)
-    assert again is not None
-    assert again(spring.grid).steps == again(spring.grid).steps == seen.cost.steps > 0
-
-
-def test_another_motion_is_not_timed_in_place_of_ours(spring: bench.ReferenceProblem) -> None:
-    seen = vo.integrate(SPRING, times=spring.grid, outputs=("q", "p"), method="scipy", tol=1e-8)
-    other = replace(seen, cost=replace(seen.cost, steps=seen.cost.steps + 1))
-    assert own.repetition(spring, tuple(spring.expressions.values()), other) is None
 
 
 PEERS = (
@@ -353,19 +316,13 @@ def test_finer_tolerances_are_nearer_to_the_reference(
     if "by-hand" in name:
         pytest.importorskip("heyoka")
     exact = _exact(ball)
-    found = bench.measure(ball, [name], [1e-5, 1e-10], against=exact)[name]
+    found = bench.measure(ball, [name], [1e-5, 1e-10], against=exact, among=ALL)[name]
     assert found.absent == "" and [p.failed for p in found.points] == ["", ""]
     rough, fine = found.points
     assert fine.error < 1e-8 and fine.error < rough.error
     assert fine.drift is not None and max(fine.drift.values()) < 1e-8
     assert set(fine.drift) == set(ball.system.integrals)
     assert fine.evaluations > 0 and fine.per_unit > 0
-
-
-def test_dop853_of_numba_is_as_accurate(ball: bench.ReferenceProblem) -> None:
-    pytest.importorskip("numba")
-    found = bench.measure(ball, ["dop853-numba"], [1e-11], against=_exact(ball))["dop853-numba"]
-    assert found.points[0].error < 1e-9
 
 
 def test_mujoco_converges_with_its_best_settings_only(ball: bench.ReferenceProblem) -> None:
@@ -387,7 +344,7 @@ def test_mujoco_converges_with_its_best_settings_only(ball: bench.ReferenceProbl
 
 
 def test_the_model_of_mujoco_holds_the_ball(ball: bench.ReferenceProblem) -> None:
-    text = physics.model_text(physics.BEST, 0.5, 2.0, 3.0, (0.4, 0.5, 0.7))
+    text = mujoco_ball.model_text(mujoco_ball.BEST, 0.5, 2.0, 3.0, (0.4, 0.5, 0.7))
     assert 'diaginertia="0.4 0.5 0.7"' in text and 'mass="2.0"' in text
     assert 'size="3.0"' in text and 'timestep="0.5"' in text and 'solref="0.375 1"' in text
 
@@ -402,27 +359,17 @@ def _exact(ball: bench.ReferenceProblem) -> bench.ReferenceSolution:
 
 
 def _made(name: str, run: Any, tolerances: tuple[float, ...] = (1e-2, 1e-4)) -> Contender:
-    return Contender(name, "ours: made for a test", tolerances, lambda _question: run)
+    return Contender(name, "ours: made for a test", tolerances, lambda _problem: run)
 
 
-def _answer(question: bench.ReferenceProblem, wrong: float, seconds: float = 0.5) -> Outcome:
-    values = {n: x + wrong for n, x in known(question).values.items()}
+def _answer(problem: bench.ReferenceProblem, wrong: float, seconds: float = 0.5) -> Outcome:
+    values = {n: x + wrong for n, x in known(problem).values.items()}
     return Outcome(values, seconds, 7, 3, {"energy": wrong})
 
 
-@pytest.fixture
-def made(monkeypatch: pytest.MonkeyPatch) -> Any:
-    """Put contenders in place of all."""
-
-    def put(*those: Contender) -> None:
-        monkeypatch.setattr("voronec.accuracy.bench.runs.CONTENDERS", those)
-
-    return put
-
-
-def test_a_measurement_is_plain_data(spring: bench.ReferenceProblem, made: Any) -> None:
-    made(_made("good", lambda tol: _answer(spring, tol)))
-    found = bench.measure(spring, against=known(spring))
+def test_a_measurement_is_plain_data(spring: bench.ReferenceProblem) -> None:
+    among = (_made("good", lambda tol: _answer(spring, tol)),)
+    found = bench.measure(spring, among=among, against=known(spring))
     data = json.loads(json.dumps(found.as_dict(), allow_nan=False))
     assert data["system"] == "two-springs" and data["times"] == [0, 3]
     assert data["reference"] == {
@@ -441,75 +388,71 @@ def test_a_measurement_is_plain_data(spring: bench.ReferenceProblem, made: Any) 
     assert "numpy" in data["machine"]
 
 
-def test_an_error_is_never_less_than_the_reference_knows(
-    spring: bench.ReferenceProblem, made: Any
-) -> None:
-    made(_made("good", lambda tol: _answer(spring, 0.0)))
-    assert bench.measure(spring, against=known(spring))["good"].points[0].error == 1e-16
+def test_an_error_is_never_less_than_the_reference_knows(spring: bench.ReferenceProblem) -> None:
+    among = (_made("good", lambda tol: _answer(spring, 0.0)),)
+    assert (
+        bench.measure(spring, among=among, against=known(spring))["good"].points[0].error == 1e-16
+    )
 
 
-def test_a_run_that_fails_is_kept_with_its_reason(
-    spring: bench.ReferenceProblem, made: Any
-) -> None:
+def test_a_run_that_fails_is_kept_with_its_reason(spring: bench.ReferenceProblem) -> None:
     def run(tol: float) -> Outcome:
         if tol > 1e-3:
             raise vo.IntegrationError("it broke")
         return _answer(spring, np.nan)
 
-    made(_made("bad", run))
-    points = bench.measure(spring, against=known(spring))["bad"].points
+    among = (_made("bad", run),)
+    points = bench.measure(spring, among=among, against=known(spring))["bad"].points
     assert [p.failed for p in points] == ["it broke", "the outputs are not finite"]
 
 
-def test_what_would_take_too_long_is_left_out_and_named(
-    spring: bench.ReferenceProblem, made: Any
-) -> None:
-    made(_made("slow", lambda tol: _answer(spring, tol, seconds=10.0)))
-    found = bench.measure(spring, against=known(spring), budget=20.0)["slow"]
+def test_what_would_take_too_long_is_left_out_and_named(spring: bench.ReferenceProblem) -> None:
+    among = (_made("slow", lambda tol: _answer(spring, tol, seconds=10.0)),)
+    found = bench.measure(spring, among=among, against=known(spring), budget=20.0)["slow"]
     assert [p.setting for p in found.points] == [1e-2]
     assert found.note == "tolerance 0.0001 and finer left out: over 20 s a run"
 
 
-def test_ctrl_c_keeps_what_is_measured(spring: bench.ReferenceProblem, made: Any) -> None:
+def test_ctrl_c_keeps_what_is_measured(spring: bench.ReferenceProblem) -> None:
     def run(tol: float) -> Outcome:
         if tol < 1e-3:
             raise KeyboardInterrupt
         return _answer(spring, tol)
 
-    made(
+    among = (
         _made("first", lambda tol: _answer(spring, tol)), _made("second", run), _made("third", run)
-    )
-    found = bench.measure(spring, against=known(spring))
+    )  # fmt: skip
+    found = bench.measure(spring, among=among, against=known(spring))
     assert found.interrupted and [m.name for m in found.methods] == ["first", "second"]
     assert [len(m.points) for m in found.methods] == [2, 1]
 
 
 def test_only_the_part_that_the_reference_covers_is_measured(
-    spring: bench.ReferenceProblem, made: Any
+    spring: bench.ReferenceProblem,
 ) -> None:
     grids = []
 
-    def prepare(question: bench.ReferenceProblem) -> Any:
-        grids.append(question.grid)
-        return lambda tol: _answer(question, tol)
+    def prepare(problem: bench.ReferenceProblem) -> Any:
+        grids.append(problem.grid)
+        return lambda tol: _answer(problem, tol)
 
-    made(Contender("seen", "", (1e-2,), prepare))
+    among = (Contender("seen", "", (1e-2,), prepare),)
     full = known(spring)
     short = bench.ReferenceSolution(
         full.t[:5], {n: x[:5] for n, x in full.values.items()}, 1e-16, ("", "")
     )
-    bench.measure(spring, against=short)
+    bench.measure(spring, among=among, against=short)
     assert len(grids[0]) == 5 and grids[0][-1] == 1.0
 
 
-def test_steps_are_not_taken_for_tolerances(spring: bench.ReferenceProblem, made: Any) -> None:
+def test_steps_are_not_taken_for_tolerances(spring: bench.ReferenceProblem) -> None:
     seen: list[float] = []
 
-    def prepare(_question: bench.ReferenceProblem) -> Any:
+    def prepare(_problem: bench.ReferenceProblem) -> Any:
         return lambda step: seen.append(step) or _answer(spring, step)
 
-    made(Contender("stepped", "", (0.5, 0.25), prepare, knob="step"))
-    bench.measure(spring, tolerances=[1e-9], against=known(spring))
+    among = (Contender("stepped", "", (0.5, 0.25), prepare, knob="step"),)
+    bench.measure(spring, tolerances=[1e-9], among=among, against=known(spring))
     assert seen == [0.5, 0.25]
 
 
@@ -527,22 +470,12 @@ def test_methods_and_tolerances_that_are_none_are_refused(
         bench.measure(spring, against=known(spring), **words)
 
 
-def test_ratios_are_of_times_at_equal_error(spring: bench.ReferenceProblem) -> None:
-    def method(name: str, scale: float) -> Measured:
-        points = tuple(Point(e, e, scale * s, 1, 1, {}, {}) for e, s in RUNS)
-        return Measured(name, "", points=points)
-
-    found = bench.Bench(spring, known(spring), (method("slow", 600.0), method("fast", 2.0)), {})
-    assert found.ratio("slow", "fast", 1e-8) == pytest.approx(300)
-    assert math.isnan(found.ratio("slow", "fast", 1e-14))
-
-
 def test_names_of_methods_are_not_given_twice() -> None:
-    assert len({c.name for c in CONTENDERS}) == len(CONTENDERS)
+    assert len({c.name for c in ALL}) == len(ALL)
 
 
 def test_every_method_of_integrate_is_measured() -> None:
-    assert set(METHODS) <= {c.name for c in CONTENDERS}
+    assert set(METHODS) <= {c.name for c in OWN}
 
 
 def test_the_plot_holds_every_method_that_ran(spring: bench.ReferenceProblem) -> None:

@@ -408,6 +408,11 @@ def test_the_theorem_needs_everything(change, expected):
         (sp.Abs(Dx), ""),
         (sp.sqrt(Dx), "xdot > 0"),
         (k * Dx - 1, "k*xdot - 1 != 0"),
+        # no zero of it is found: it is negative in a small disc far from where points are drawn
+        (
+            (Dx - 30) ** 2 + (Dx * Dy - 20) ** 2 - 1,
+            "xdot**2*ydot**2 + xdot**2 - 40*xdot*ydot - 60*xdot + 1299 != 0",
+        ),
     ],
 )
 def test_a_measure_whose_density_changes_its_sign_says_where(density, domain):

@@ -9,12 +9,11 @@ from typing import Any
 
 import pytest
 from command_line import Call, refused
+from tool_modules import tool
 
 import voronec as vo
-from voronec.accuracy.bench import ask
+from voronec.accuracy.bench import scene_problem
 from voronec.accuracy.bench.call_time import OTHER, STAGES
-from voronec.accuracy.bench.contender import NotHere
-from voronec.accuracy.bench.runs import CONTENDERS
 
 pytestmark = pytest.mark.slow
 
@@ -34,7 +33,7 @@ SYSTEM = vo.System(
     scenes={"default": vo.Scene(initial={q: 1}, times=(0, 4))},
 )
 """
-QUICK = ("--methods", "scipy,dop853-lambdify-coordinates", "--tols", "1e-5,1e-9")
+QUICK = ("--methods", "scipy,lsoda", "--tols", "1e-5,1e-9")
 
 
 @pytest.fixture(autouse=True)
@@ -81,20 +80,28 @@ def test_json_is_the_record_that_is_written(call: Call, spring: str) -> None:
 
 
 def test_what_did_not_take_part_is_named(call: Call, spring: str) -> None:
-    answer = call("bench", spring, "--methods", "scipy,mujoco-best", "--tols", "1e-6")
+    answer = call("bench", spring, "--methods", "scipy,closed-form", "--tols", "1e-6")
     lines = answer.out.splitlines()
     assert answer.status == 0 and "did not take part:" in lines
-    assert "  mujoco-best  only for a ball on a plane: chaplygin-ball, homogeneous-ball" in lines
+    assert any("closed-form  system 'spring' declares no motion in closed" in x for x in lines)
+
+
+def _integrate_fails(monkeypatch: pytest.MonkeyPatch, when: Any, error: BaseException) -> None:
+    """Whole runs by some methods end with an error."""
+
+    def failing(*words: Any, **named: Any) -> Any:
+        if when(named["method"]) and len(named["times"]) > 2:
+            raise error
+        return vo.integrate(*words, **named)
+
+    monkeypatch.setattr("voronec.accuracy.bench.runs.integrate", failing)
 
 
 def test_ctrl_c_writes_what_is_measured(
     call: Call, spring: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def stopped(*_: Any) -> Any:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("voronec.accuracy.bench.runs.outcome_of", stopped)
-    answer = call("bench", spring, "--methods", "dop853-lambdify-coordinates,scipy")
+    _integrate_fails(monkeypatch, "lsoda".__eq__, KeyboardInterrupt())
+    answer = call("bench", spring, "--methods", "scipy,lsoda,python")
     assert answer.status == 130
     assert "stopped by hand; what was measured until then is above" in answer.out
     data = json.loads(Path("spring-bench/bench.json").read_text())
@@ -104,13 +111,10 @@ def test_ctrl_c_writes_what_is_measured(
 def test_where_nothing_runs_there_is_a_table_all_the_same(
     call: Call, spring: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def absent(*_: Any) -> Any:
-        raise NotHere("not installed: anything")
-
-    monkeypatch.setattr("voronec.accuracy.bench.runs.outcome_of", absent)
+    _integrate_fails(monkeypatch, "scipy".__eq__, vo.IntegrationError("it broke"))
     answer = call("bench", spring, "--methods", "scipy", "--tols", "1e-6")
     assert answer.status == 0
-    assert "scipy at 1e-06 failed: not installed: anything" in answer.out.splitlines()
+    assert "scipy at 1e-06 failed: it broke" in answer.out.splitlines()
     assert not Path("spring-bench/work-precision.svg").exists()
 
 
@@ -135,10 +139,18 @@ def test_wrong_words_are_refused_in_one_line(
     assert message in refused(call("bench", spring, *words))
 
 
-def test_the_peers_are_among_the_methods() -> None:
-    names = {c.name for c in CONTENDERS}
-    assert {"heyoka", "scipy", "lsoda", "flint", "heyoka-by-hand", "dop853-numba"} <= names
-    assert {"mujoco-best", "mujoco-default", "lsoda-lambdify-coordinates"} <= names
+def test_peers_are_measured_beside_ours_by_a_tool_alone(
+    call: Call, spring: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    peer = "dop853-lambdify-coordinates"
+    assert f"there is no method '{peer}'" in refused(call("bench", spring, "--methods", peer))
+    words = ["bench.py", spring, "--methods", "scipy", peer, "mujoco-best", "--tols", "1e-9"]
+    monkeypatch.setattr("sys.argv", words)
+    assert tool("figures.methods").main() == 0
+    lines = capsys.readouterr().out.splitlines()
+    rows = {line.split()[0]: line.split() for line in lines if line.split()[1:2] == ["1e-09"]}
+    assert {"scipy", peer} <= {*rows} and float(rows[peer][2]) < 1e-6
+    assert "  mujoco-best  only for a ball on a plane: chaplygin-ball, homogeneous-ball" in lines
 
 
 def test_stages_of_calls_are_told_apart(call: Call, spring: str) -> None:
@@ -185,8 +197,7 @@ def test_inputs_are_given_to_every_method(call: Call) -> None:
     assert answer.status == 0 and answer.err == ""
     for method in json.loads(answer.out)["methods"]:
         assert method["points"][-1]["error"] < 1e-8
-    question = vo.load("pushed.toml"), None, ("x",), None, {}, {}
-    end = ask(*question, inputs={"u": "6*t"})
+    end = scene_problem(vo.load("pushed.toml"), None, ("x",), inputs={"u": "6*t"})
     run = vo.integrate(end.equations, end.bare, times=end.grid)
     assert abs(run["x"][-1] - 2) < 1e-12  # 1 + t^3
 

@@ -119,6 +119,16 @@ def test_a_crowded_layer_keeps_its_distances() -> None:
         assert all(b - a >= 0.99 for a, b in pairwise(heights))
 
 
+def test_paths_that_are_folded_between_two_layers_do_not_cross() -> None:
+    """Fiedler's vector of a path is monotonous along it; the names have another order."""
+    pairs = [(f"a{i * 4 % 7}", f"b{j * 3 % 7}") for i in range(7) for j in (i - 1, i) if j >= 0]
+    folded = networkx.MultiDiGraph([*pairs, *((b.upper(), a.upper()) for a, b in pairs)])
+    places = layered_layout(folded).places
+    ends = sorted((places[a][1], places[b][1]) for a, b in folded.edges())
+    assert len({*places.values()}) == 28
+    assert all(b <= d for (a, b), (c, d) in pairwise(ends) if a < c)
+
+
 def test_the_picture_names_every_system_and_marks_what_is_not_proved() -> None:
     figure = diagram_figure(web(), {"a -> b 0": "proved", "b -> c 1": "refuted"})
     (axes,) = figure.axes

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 import voronec as vo
-from voronec.accuracy.bench import agreement
-from voronec.accuracy.bench.question import ask
-from voronec.accuracy.bench.runs import measure
-from voronec.accuracy.hard.cases import CASES
-from voronec.accuracy.hard.reference import closed_form_outputs, reference
+from voronec.accuracy import reference as references
+from voronec.accuracy.bench import measure, scene_problem
+from voronec.accuracy.hard import CASES, reference
+from voronec.accuracy.hard.case import case_level
 from voronec.accuracy.hard.trial import attempt
 
 pytestmark = pytest.mark.slow
@@ -20,7 +19,7 @@ def equations():
 
 
 def test_the_closed_form_takes_part_and_is_the_reference(equations):
-    found = measure(ask(equations, time=3.0, instants=21), methods=("closed-form",))
+    found = measure(scene_problem(equations, time=3.0, instants=21), methods=("closed-form",))
     assert "closed form" in found.reference.how[0]
     assert found.reference.accuracy < 1e-15
     assert not found.reference.note
@@ -30,27 +29,27 @@ def test_the_closed_form_takes_part_and_is_the_reference(equations):
 
 
 def test_a_long_motion_is_checked_on_its_beginning(equations, monkeypatch):
-    monkeypatch.setattr(agreement, "CROSS_SPAN", 2.0)
-    question = ask(equations, time=300.0, instants=5)
-    found = agreement.reference(question)
+    monkeypatch.setattr(references, "CROSS_SPAN", 2.0)
+    problem = scene_problem(equations, time=300.0, instants=5)
+    found = references.reference(problem)
     assert len(found.t) == 5
     assert "agree up to t = 2" in found.note
-    exact = vo.closed_form(equations, question.bare).enclose(300, 20)
+    exact = vo.closed_form(equations, problem.bare).enclose(300, 20)
     for name in ("s", "tau", "n"):
         assert float(exact[name]) == pytest.approx(found.values[name][-1], abs=1e-15)
 
 
 def test_a_reference_that_disagrees_is_not_the_closed_form(equations, monkeypatch):
-    question = ask(equations, time=2.0, instants=5)
-    right = agreement.ball_solution(question)
+    problem = scene_problem(equations, time=2.0, instants=5)
+    right = references.closed_form_values(problem)
     wrong = {n: np.asarray(x, dtype=float) + 1e-6 for n, x in right.items()}
-    monkeypatch.setattr(agreement, "ball_solution", lambda _: wrong)
-    assert agreement.closed_form_reference(question, 1e-13) is None
+    monkeypatch.setattr(references, "closed_form_values", lambda _: wrong)
+    assert references.closed_form_reference(problem, 1e-13) is None
 
 
 def test_a_system_without_a_motion_has_another_reference():
-    question = ask(vo.load("sleigh"), time=1.0, instants=5)
-    assert agreement.closed_form_reference(question, 1e-13) is None
+    problem = scene_problem(vo.load("sleigh"), time=1.0, instants=5)
+    assert references.closed_form_reference(problem, 1e-13) is None
 
 
 @pytest.mark.parametrize("name", ["very-fast-gyroscope", "turning-point", "long"])
@@ -64,9 +63,7 @@ def test_hard_cases_are_met_by_the_closed_form(equations, name):
 
 def test_references_of_hard_cases_agree_with_the_closed_form(equations):
     (case,) = (c for c in CASES if c.name == "turning-point")
-    from voronec.accuracy.hard.case import case_level
-
-    found = closed_form_outputs(case, equations, case_level(case, equations))
+    found = references.closed_form_values(case_level(case, equations).problem)
     known = reference(case, equations)
-    for i, name in enumerate(known.values):
-        assert np.abs(found[:, i].astype(float) - known.values[name]).max() < 1e-15
+    for name, values in known.values.items():
+        assert np.abs(found[name].astype(float) - values).max() < 1e-15

@@ -217,13 +217,14 @@ def test_without_a_compiler_and_with_a_bad_one_one_line_says_so(
         moved("c")
 
 
+@pytest.mark.parametrize("kind", ["ImportError", "OSError"])
 def test_a_heyoka_that_cannot_be_imported_counts_as_absent(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (tmp_path / "heyoka.py").write_text("raise ImportError('libtbb.so.12: no such file')\n")
+    (tmp_path / "heyoka.py").write_text(f"raise {kind}('libtbb.so.12: no such file')\n")
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "heyoka", raising=False)
-    monkeypatch.setattr(methods, "BROKEN", {})
+    monkeypatch.setattr(methods, "IMPORT_ERRORS", {})
     many = {"times": TIMES, "tol": 1e-11, "inputs": {tau: 0}}
     reason = "heyoka is installed but cannot be imported: libtbb.so.12: no such file"
     with pytest.warns(UserWarning, match=f"{reason}; it counts as absent"):

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import itertools
+import random
+from dataclasses import replace
 
+import numpy as np
 import pytest
 import sympy as sp
 
@@ -19,7 +22,7 @@ def chain(base, fibre, constraints):
     kinetic = sum(velocity(c) ** 2 for c in base + fibre) / 2
     system = System("chain", Fibration(base, fibre), kinetic, constraints)
     eqs = vo.derive(system)
-    return eqs.kind, eqs.growth, eqs.integrable
+    return eqs.kind, eqs.growth, eqs.leaves
 
 
 u = sp.Symbol("u")
@@ -36,28 +39,195 @@ GROWTH = {
         (phi, theta), (x, y), (Dx - sp.cos(phi) * Dtheta, Dy - sp.sin(phi) * Dtheta),
         ("chaplygin", (2, 3, 4), ()),
     ),
-    "gradient": ((x, y), (z,), (Dz - y * Dx - x * Dy,), ("holonomic", (2,), (0,))),
+    "gradient": ((x, y), (z,), (Dz - y * Dx - x * Dy,), ("holonomic", (2,), (z - x * y,))),
     "integrating factor": (
-        (x, y), (z,), (x * Dz - z * Dx + x * z * Dy,), ("holonomic", (2,), (0,)),
+        (x, y), (z,), (x * Dz - z * Dx + x * z * Dy,),
+        ("holonomic", (2,), (z * sp.exp(y) / x,)),
     ),
-    "one of two": ((x, y), (z, s), (Dz - y * Dx, Ds - x * Dx), ("chaplygin", (2, 3), (1,))),
+    "one of two": (
+        (x, y), (z, s), (Dz - y * Dx, Ds - x * Dx), ("chaplygin", (2, 3), (s - x**2 / 2,)),
+    ),
     "hidden in a sum": (
-        (x, y), (z, s), (Dz - y * Dx + Ds - x * Dx, Ds - x * Dx), ("chaplygin", (2, 3), (1,)),
+        (x, y), (z, s), (Dz - y * Dx + Ds - x * Dx, Ds - x * Dx),
+        ("chaplygin", (2, 3), (s - x**2 / 2,)),
     ),
-    "on the other constraint": ((x,), (y, z), (Dy, Dz - y * Dx), ("holonomic", (1,), (0, 1))),
-    "moving, integrable": ((x,), (y,), (Dy - time * Dx - x,), ("holonomic", (2,), (0,))),
+    "difference": (
+        (x, y), (z, s), (Dz - y * Dx, Ds - y * Dx), ("chaplygin", (2, 3), (z - s,)),
+    ),
+    "difference, in another basis": (
+        (x, y), (z, s), (Dz - y * Dx, Ds - Dz), ("chaplygin", (2, 3), (s - z,)),
+    ),
+    "on the other constraint": (
+        (x,), (y, z), (Dy, Dz - y * Dx), ("holonomic", (1,), (y, z - x * y)),
+    ),
+    "moving, integrable": (
+        (x,), (y,), (Dy - time * Dx - x,), ("holonomic", (2,), (y - time * x,)),
+    ),
+    "a moving multiple": ((x,), (y,), (time * (Dy - Dx),), ("holonomic", (1,), (y - x,))),
+    "differential where it is divided by a coordinate": (
+        (x, y), (z, s), (y * Ds - Dy, Dz - y * Dx), ("chaplygin", (2, 3), (s - sp.log(y),)),
+    ),
     "moving": ((x,), (y,), (Dy - time * Dx,), ("chaplygin", (2, 3), ())),
     "affine": ((x,), (y,), (Dy - x,), ("chaplygin", (2, 3), ())),
     "affine in the fibre": ((x,), (y,), (Dy - x * y,), ("voronec", (2, 3), ())),
-    "steady": ((x,), (y,), (Dy - 1,), ("holonomic", (2,), (0,))),
+    "steady": ((x,), (y,), (Dy - 1,), ("holonomic", (2,), (y - time,))),
     "no fibre": ((x, y), (), (), ("holonomic", (2,), ())),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("case", GROWTH.values(), ids=GROWTH)
-def test_kind_growth_and_integrable_constraints(case):
+def test_kind_growth_and_what_constraints_hold_constant(case):
     *definition, expected = case
-    assert chain(*definition) == expected
+    *found, leaves = chain(*definition)
+    assert (*found, [e.expand() for e in leaves]) == (*expected[:2], [*expected[2]])
+
+
+R, L, b, r, d, e = sp.symbols("R L b r d e")
+turn = sp.symbols("turn1:7")
+left, right, left2, right2, psi, alpha = sp.symbols("left right left2 right2 psi alpha")
+
+
+def body_velocity(rates, angle):
+    """Forward and to the left."""
+    (u, w), c, s = rates, sp.cos(angle), sp.sin(angle)
+    return c * u + s * w, c * w - s * u
+
+
+forward, sideways = body_velocity((Dx, Dy), phi)
+WHEELS = (forward - b * Dphi - R * velocity(left), forward + b * Dphi - R * velocity(right))
+
+
+def omnidirectional():
+    """Three wheels at 120 degrees (Campion, Bastin, d'Andrea-Novel 1996, type (3,0))."""
+    angles = [2 * sp.pi * k / 3 for k in range(3)]
+    rows = [
+        R * velocity(q) + sp.sin(a) * forward - sp.cos(a) * sideways - L * Dphi
+        for q, a in zip(turn, angles, strict=False)
+    ]
+    return (x, y, phi), turn[:3], rows, [R * sum(turn[:3]) - 3 * L * phi]
+
+
+def mecanum():
+    """Six wheels in two rows, rollers at 45 degrees (Muir, Neuman 1987): place, side, rollers."""
+    wheels = ((1, 1, 1), (1, -1, -1), (0, 1, -1), (0, -1, 1), (-1, 1, 1), (-1, -1, -1))
+    rows = [
+        R * velocity(q) - (forward - side * b * Dphi - way * (sideways + place * L * Dphi))
+        for q, (place, side, way) in zip(turn, wheels, strict=True)
+    ]
+    one, two, three, four, five, six = (R * q for q in turn)
+    leaves = [one - five + 2 * L * phi, two - six - 2 * L * phi,
+              one - four + (2 * b + L) * phi, three - two + (2 * b + L) * phi]  # fmt: skip
+    return (x, y, phi), turn, rows, leaves
+
+
+def wheeled_pendulum():
+    """Two wheels turning in a body that pitches (Pathak, Franch, Agrawal 2005)."""
+    rows = [WHEELS[0] - R * velocity(alpha), WHEELS[1] - R * velocity(alpha), sideways]
+    return (left, right, alpha), (x, y, phi), rows, [R * (left - right) + 2 * b * phi]
+
+
+def caterpillar():
+    """Two bodies on two wheels each, hinged at the distances d and e from their axles: a tractor
+    with a trailer off its axle (Lamiraux, Laumond 1998) whose wheels are counted."""
+    rear = (x - d * sp.cos(phi) - e * sp.cos(psi), y - d * sp.sin(phi) - e * sp.sin(psi))
+    moving = (x, y, phi, psi)
+    speeds = [sum(f.diff(q) * velocity(q) for q in moving) for f in rear]
+    ahead, across = body_velocity(speeds, psi)
+    turned = b * velocity(psi)
+    behind = [ahead - turned - R * velocity(left2), ahead + turned - R * velocity(right2)]
+    rows = [*WHEELS, sideways, across, *behind]
+    leaves = [R * (left - right) + 2 * b * phi, R * (left2 - right2) + 2 * b * psi]
+    return (left, right), (*moving, left2, right2), rows, leaves
+
+
+def plate_on_balls():
+    """A plate on three equal balls on a plane (rolling as in Neimark, Fufaev 1972): a ball's centre
+    goes half as fast as the plate above it, so that differences of centres turn half as fast.
+    """
+    rows, fibre, spins, centres = [], [], [], []
+    for i in "123":
+        X, Y, p, n, q = sp.symbols(f"X{i} Y{i} psi{i} nu{i} sigma{i}")
+        one = velocity(n) * sp.cos(p) + velocity(q) * sp.sin(n) * sp.sin(p)
+        two = velocity(n) * sp.sin(p) - velocity(q) * sp.sin(n) * sp.cos(p)
+        rows += [velocity(X) - r * two, velocity(Y) + r * one]
+        rows += [2 * velocity(X) - Dx + Dphi * (Y - y), 2 * velocity(Y) - Dy - Dphi * (X - x)]
+        fibre += [X, Y, n, q]
+        spins.append(p)
+        centres.append((X, Y))
+    away = [(centres[0][0] - X, centres[0][1] - Y) for X, Y in centres[1:]]
+    leaves = [part for pair in away for part in body_velocity(pair, phi / 2)]
+    return (x, y, phi, *spins), tuple(fibre), rows, leaves
+
+
+def carriage():
+    system = vo.load("two-wheeled-carriage")
+    names = {s: sp.Symbol(s.name) for s in system.known_symbols()}
+    base, fibre = (tuple(names[q] for q in part) for part in
+                   (system.fibration.base, system.fibration.fibre))  # fmt: skip
+    return base, fibre, list(system.constraints), [R * (left - right) + 2 * b * phi]
+
+
+TEXTBOOK = (carriage, omnidirectional, mecanum, wheeled_pendulum, caterpillar, plate_on_balls)
+
+
+def written_anew(rows, coordinates, seed, moving):
+    """Rows times a random matrix with determinant one, ``moving`` if functions are among its
+    entries."""
+    rng, n = random.Random(seed), len(rows)
+    some = (0, 0, 0, 1, -1, 2) + (coordinates[0], sp.cos(coordinates[2])) * moving
+    low, up = (sp.Matrix(n, n, lambda i, j: rng.choice(some)) for _ in range(2))
+    low, up = low.lower_triangular(-1) + sp.eye(n), up.upper_triangular(1) + sp.eye(n)
+    return list(low * up * sp.Matrix(rows))
+
+
+@pytest.mark.parametrize("make", TEXTBOOK)
+def test_textbook_constraints_hold_the_known_functions_constant_in_any_basis(make):
+    base, fibre, rows, leaves = make()
+    q = (*base, *fibre)
+    point = {s: sp.Rational(k + 2, 7) for k, s in enumerate((*q, R, L, b, r, d, e))}
+    lagrangian = sum(velocity(s) ** 2 for s in q) / 2
+    for seed in range(11):
+        moving = make not in (caterpillar, plate_on_balls)  # these are too large for the solver
+        turned = written_anew(rows, q, seed, moving) if seed else rows
+        names = sorted({s for f in rows for s in f.free_symbols} - {*q, *map(velocity, q)}, key=str)
+        system = System("textbook", Fibration(base, fibre), lagrangian, turned, parameters=names)
+        eqs = vo.derive(system)
+        assert len(eqs.integrable) == len(eqs.leaves) == len(leaves)
+        assert eqs.growth[-1] + len(leaves) == len(q)  # by brackets, which share no code with forms
+        slopes = sp.Matrix([[f.diff(s) for s in q] for f in (*leaves, *eqs.leaves)])
+        forms = sp.Matrix([[f.diff(velocity(s)) for s in q] for f in eqs.integrable])
+        numbers = np.array(slopes.col_join(forms).xreplace(point).evalf().tolist(), dtype=float)
+        assert np.linalg.matrix_rank(numbers) == len(leaves)
+        assert np.linalg.matrix_rank(numbers[len(leaves) : 2 * len(leaves)]) == len(leaves)
+
+
+def test_leaves_are_integrals_that_check_proves_and_a_search_finds():
+    base, fibre, rows, _ = plate_on_balls()
+    lagrangian = sum(velocity(s) ** 2 for s in (*base, *fibre)) / 2
+    system = System("plate", Fibration(base, fibre), lagrangian, rows, parameters=(r,))
+    leaves = vo.derive(system).leaves
+    claimed = replace(system, integrals={f"leaf {i}": f for i, f in enumerate(leaves)})
+    assert [c.standing for c in vo.check_claims(claimed)] == ["proved"] * 4
+    base, fibre, rows, (leaf,) = wheeled_pendulum()
+    lagrangian = sum(velocity(s) ** 2 for s in (*base, *fibre)) / 2
+    system = System("pendulum", Fibration(base, fibre), lagrangian, rows, parameters=(R, b))
+    found = vo.search_integrals(system, degree=0, positions=1).integrals
+    assert [sp.cancel(f.expression / leaf).is_number for f in found] == [True]
+
+
+def test_a_leaf_is_a_relation_in_the_place_of_a_constraint():
+    base, fibre, rows, (leaf,) = wheeled_pendulum()
+    lagrangian = sum(velocity(s) ** 2 for s in (*base, *fibre)) / 2
+    bound = System(
+        "bound", Fibration(base, fibre, relations=(leaf - 1,)), lagrangian, rows[1:],
+        parameters=(R, b),
+    )  # fmt: skip
+    free = System("free", Fibration(base, fibre), lagrangian, rows, parameters=(R, b))
+    one, two = vo.derive(bound), vo.derive(free)
+    assert one.growth == two.growth and one.distribution.dimension == 5 and one.integrable == ()
+    parts = [(*eqs.rates, *eqs.mass, *eqs.force) for eqs in (one, two)]
+    for f, g in zip(*parts, strict=True):
+        assert prove_equal(f, g, [leaf - 1]).proved
 
 
 # Two constraints over two base coordinates: a depends on base, fibre and time, with a free term.
@@ -223,5 +393,5 @@ def test_integrable_constraints_have_no_curvature():
     total = surface.diff(x) * Dx + surface.diff(y) * Dy + surface.diff(time)
     system = System("surface", Fibration((x, y), (z,)), (Dx**2 + Dy**2 + Dz**2) / 2, (Dz - total,))
     eqs = vo.derive(system)
-    assert eqs.kind == "holonomic" and eqs.integrable == (0,)
+    assert eqs.kind == "holonomic" and len(eqs.integrable) == len(eqs.leaves) == 1
     assert not any(sp.flatten(eqs.curvature.space)) and not any(sp.flatten(eqs.curvature.time))

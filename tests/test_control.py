@@ -65,7 +65,58 @@ def driven(name: str, *along: str) -> vo.System:
     )  # fmt: skip
 
 
+def snake(count: int) -> vo.System:
+    """Links of length 2 in a row, each on a wheel in its middle, the first at (x, y)."""
+    angles = sp.symbols(f"theta1:{count + 1}")
+    dx, dy, *turns = map(vo.velocity, (x, y, *angles))
+    pace, constraints = (dx, dy), []
+    for k, (angle, turn) in enumerate(zip(angles, turns, strict=True)):
+        if k:
+            half = turns[k - 1] * sp.sin(angles[k - 1]), turns[k - 1] * sp.cos(angles[k - 1])
+            pace = (
+                pace[0] + half[0] + turn * sp.sin(angle),
+                pace[1] - half[1] - turn * sp.cos(angle),
+            )
+        constraints.append(pace[0] * sp.sin(angle) - pace[1] * sp.cos(angle))
+    return vo.System(
+        name="snake", fibration=vo.Fibration((x, angles[0]), (y, *angles[1:])),
+        frame=vo.Frame.quasi({v: dx * sp.cos(angles[0]) + dy * sp.sin(angles[0]), w: turns[0]}),
+        lagrangian=(dx**2 + dy**2 + sum(e**2 for e in turns)) / 2, constraints=tuple(constraints),
+    )  # fmt: skip
+
+
+def planes(slopes: list[sp.Expr]) -> vo.System:
+    """z_i' = slope_i y' over the plane of x and y."""
+    heights = sp.symbols(f"z1:{len(slopes) + 1}")
+    return vo.System(
+        name="planes", fibration=vo.Fibration((x, y), heights),
+        lagrangian=sum(vo.velocity(q) ** 2 for q in (x, y, *heights)),
+        constraints=tuple(
+            vo.velocity(z) - e * vo.velocity(y) for z, e in zip(heights, slopes, strict=True)
+        ),
+    )  # fmt: skip
+
+
+def generic(count: int) -> list[sp.Expr]:
+    """Polynomials in x and all coordinates that have nothing in common."""
+    source, names = random.Random(7), [x, y, *sp.symbols(f"z1:{count + 1}")]
+    return [
+        sum(source.randint(1, 9) * x**k * sp.prod(source.choices(names, k=2)) for k in (1, 2, 3, 4))
+        for _ in range(count)
+    ]
+
+
 GROWTH = {
+    "ten trailers": (lambda: trailers(10, False), tuple(range(2, 14))),
+    "snake of 14 links": (
+        lambda: snake(14),
+        (2, 3, 5, 6, 8, 9, 11, 12, 14, 15, 16),
+    ),
+    "Heisenberg": (lambda: planes([x]), (2, 3)),
+    "Engel": (lambda: planes([x, x**2]), (2, 3, 4)),
+    "Goursat": (lambda: planes([x, *sp.symbols("z1:7")]), tuple(range(2, 10))),
+    # brackets of two fields without relations: 2, 1, 2, 3, 6 more in each step [Witt1937]
+    "free to the fifth step": (lambda: planes(generic(12)), (2, 3, 5, 8, 14)),
     "unicycle": (lambda: trailers(0, False), (2, 3)),
     "unicycle, a trailer": (lambda: trailers(1, False), (2, 3, 4)),
     "car": (lambda: trailers(0), (2, 3, 4)),
@@ -295,7 +346,7 @@ def test_bad_input_is_refused_in_one_line() -> None:
             ask()
         assert "\n" not in str(caught.value)
     a = se.Symbol("a")
-    expansion = Expansion({a: se.Integer(1)}, [a], 2)
+    expansion = Expansion({a: se.pi / 4}, [a], 2)
     with pytest.raises(EngineLimit, match="no rational number"):
         expansion.of(se.cos(a))
     singular = vo.derive(cart(push / x)).control
@@ -316,8 +367,78 @@ def test_expansions_are_those_of_sympy() -> None:
         along = sp.sympify(expr).subs({"a": values[0] + 3 * h, "b": values[1] + 5 * h})
         truth = [along.diff(h, k).subs(h, 0) / sp.factorial(k) for k in range(5)]
         for part, value in zip(parts, truth, strict=True):
-            found = part(3, 5)
+            found = part(3, 5, 0)
             assert abs(sp.N(value, 30) - sp.Rational(int(found.p), int(found.q))) < 1e-25
+
+
+def test_expansions_at_numbers_are_those_of_sympy() -> None:
+    """Sine and cosine of k/6 are rational in t = tan(1/12), the last letter."""
+    a, b = se.symbols("a b")
+    expr = se.sin(a + b) * se.cos(2 * a) / (2 + se.cos(a - b)) + 1 / (se.sin(a) + b) ** 2
+    values = sp.Rational(1, 3), -sp.Rational(1, 2)
+    parts = Expansion(dict(zip((a, b), map(se.sympify, values), strict=True)), [a, b], 3).of(expr)
+    h, t = sp.symbols("h"), sp.tan(sp.Rational(1, 12)).n(60)
+    along = sp.sympify(expr).subs({"a": values[0] + 3 * h, "b": values[1] + 5 * h})
+
+    def at(poly: Any) -> sp.Expr:
+        terms = poly.to_dict().items()
+        return sum(sp.Rational(int(c.p), int(c.q)) * 3**i * 5**j * t**k for (i, j, k), c in terms)
+
+    for k, part in enumerate(parts):
+        truth = sp.N(along.diff(h, k).subs(h, 0) / sp.factorial(k), 40)
+        assert abs(truth - at(part.above) / at(part.below)) < 1e-30
+    still, moved = Expansion({a: se.Integer(0)}, [a], 1).of(se.sin(1) * (1 + a))
+    half = sp.tan(sp.Rational(1, 2)).n(60)
+    for part, power in ((still, (0, 1)), (moved, (1, 1))):
+        assert part.above.to_dict() == {power: 2}
+        below = sum(int(c) * half**i for (_, i), c in part.below.to_dict().items())
+        assert abs(2 * half / below - sp.sin(1).n(60)) < 1e-30
+
+
+def test_controllability_at_regular_points() -> None:
+    """At angles that are numbers, and where angles stand in differences alone."""
+    third = sp.Rational(1, 3)
+    car = vo.derive(trailers(1)).control
+    for angle in (third, sp.pi / 2):
+        aside = {"theta": angle, "psi1": angle}
+        assert car.controllability(aside).proved
+        assert car.controllability({**aside, "phi": third}).proved
+    swing = vo.velocity(theta) ** 2 / 2 + sp.cos(theta)
+    held = vo.System(
+        name="held", fibration=vo.Fibration(theta), lagrangian=swing, forces={theta: turn},
+        inputs=(turn,),
+    )  # fmt: skip
+    pendulum = vo.derive(held).control
+    assert pendulum.controllability({theta: third, turn: sp.sin(third)}).proved
+    with pytest.raises(DefinitionError, match="no equilibrium"):
+        pendulum.controllability({theta: third, turn: third})
+
+
+@pytest.mark.parametrize("name", ["unicycle, a trailer", "snake", "planes", "in time"])
+def test_growth_by_brackets_in_sympy(name: str) -> None:
+    """Brackets that SymPy makes of the rates of the coordinates, at a rational point."""
+    rising = vo.System(
+        name="rising", fibration=vo.Fibration((x,), (y,)), lagrangian=vo.velocity(x) ** 2 / 2,
+        constraints=(vo.velocity(y) - vo.time * vo.velocity(x),),
+    )  # fmt: skip
+    systems = {
+        "unicycle, a trailer": trailers(1, False), "snake": snake(2), "in time": rising,
+        "planes": planes(generic(2)),
+    }  # fmt: skip
+    eqs = vo.derive(systems[name])
+    names = (*eqs.coordinates, vo.time)
+    fields = [sp.Matrix([*(rate.diff(u) for rate in eqs.rates), 0]) for u in eqs.velocities]
+    if name == "in time":
+        rest = dict.fromkeys(eqs.velocities, 0)
+        fields.append(sp.Matrix([*(rate.subs(rest) for rate in eqs.rates), 1]))
+    source, span, tops, found = random.Random(3), list(fields), list(fields), []
+    at = {q: sp.Rational(source.randint(1, 9), 10) for q in names}
+    while found[-1:] != [eqs.distribution.dimension]:
+        numbers = sp.Matrix.hstack(*span).subs(at).evalf(60)
+        found.append(numbers.rank(iszerofunc=lambda e: abs(e) < 1e-40))
+        tops = [b.jacobian(names) * a - a.jacobian(names) * b for a in fields for b in tops]
+        span += tops
+    assert eqs.growth == tuple(found)
 
 
 def test_brackets_of_jets_obey_jacobi() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -24,11 +25,12 @@ from voronec.accuracy.hard import (
     reference,
 )
 from voronec.accuracy.hard.case import case_level
-from voronec.accuracy.hard.conditioning import reel
 from voronec.accuracy.hard.page import cells, page, tally
-from voronec.accuracy.hard.reference import STORE, perturb, slopes
+from voronec.accuracy.hard.reference import STORE, changed_data_reference
 from voronec.accuracy.hard.trial import TOLERANCES, attempt, judge, trials
-from voronec.accuracy.reference import UNIT, ReferenceSolution
+from voronec.accuracy.precise_motion import precise_integrator
+from voronec.accuracy.solution import UNIT, ReferenceSolution
+from voronec.motion.methods import METHODS
 
 pytestmark = pytest.mark.slow
 
@@ -182,20 +184,40 @@ def test_data_that_are_no_doubles_keep_their_digits() -> None:
 
 def test_changed_data_confirm_the_variational_equations() -> None:
     pytest.importorskip("heyoka")
-    own = vo.derive(particle(x - w * x**3))
-    case = on_the_line(2.0, 4)
-    values, condition, apart = perturb(case, own)
-    exact = compute(case, own)
-    assert values["x"] == pytest.approx(exact.values["x"], abs=1e-16) and apart < 1e-18
-    machine = reel(case_level(case, own), "quadruple", 1e-30)
-    passage = machine.follow(case.grid)
-    first = slopes(case, own, "x")["x"][1], slopes(case, own, "w")["x"][1]
-    states = [*map(str, case_level(case, own).program.state)]
-    assert first[0] == pytest.approx(float(passage.steps[0][0, states.index("x")]), rel=1e-12)
-    assert first[1] == pytest.approx(float(passage.drives[0][0, 0]), rel=1e-12)
+    own, case = vo.derive(particle(x - w * x**3)), on_the_line(2.0, 4)
+    found, exact = changed_data_reference(case, own), compute(case, own)
+    assert found.values["x"] == pytest.approx(exact.values["x"], abs=1e-16)
+    assert found.accuracy < 1e-18
     # errors of the data alone: lower than with those made on the way, by little here
-    assert (condition["x"] <= exact.condition["x"] * 1.001).all()
-    assert (condition["x"] >= exact.condition["x"] / 4).all()
+    assert (found.condition["x"] <= exact.condition["x"] * 1.001).all()
+    assert (found.condition["x"] >= exact.condition["x"] / 4).all()
+    at, step = case_level(case, own), sp.Rational(1, 10**12)
+    passage = precise_integrator(at, 1e-30).follow(case.grid)
+    for by, value, slope in (
+        ("initial", {"x": 1}, passage.steps[0][0, [*map(str, at.program.state)].index("x")]),
+        ("parameters", {"w": 2}, passage.drives[0][0, 0]),
+    ):
+        ((name, datum),) = value.items()
+        ahead, behind = (
+            vo.integrate(
+                own, case.scene, times=case.grid[:2], method="flint", tol=1e-25,
+                **{by: {name: datum + change}},
+            )["x"][1]
+            for change in (step, -step)
+        )  # fmt: skip
+        assert float((ahead - behind) / (2 * step)) == pytest.approx(float(slope), rel=1e-11)
+
+
+def test_without_heyoka_data_are_changed_or_a_case_is_unjudged(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("voronec.accuracy.hard.trial.load", lambda _: particle(-x))
+    monkeypatch.setitem(METHODS, "heyoka", replace(METHODS["heyoka"], library="no_such_library"))
+    found = compute(on_the_line(1.0, 3), vo.derive(particle(-x)))
+    assert "data changed" in found.provenance
+    (finding,) = trials([on_the_line(1.0, 3, period=str(Dx.name))], ("scipy",))
+    assert finding.trials[0].verdict == "unjudged"
+    assert "takes heyoka, which is not installed" in finding.trials[0].reason
 
 
 def trajectory(error: float, drift: float = 0.0) -> Any:
@@ -297,8 +319,6 @@ def test_a_coarse_method_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_plugin_declares_cases_beside_its_system(monkeypatch: pytest.MonkeyPatch) -> None:
-    import sys
-
     from voronec.accuracy.hard import cases
 
     own = on_the_line(1.0, 2)

@@ -138,7 +138,7 @@ def _plant(cache: Path, markers: Path) -> None:
         file.unlink()
         subprocess.run(["cc", "-shared", "-fPIC", "-o", file, source], check=True)
     for folder in cache.glob("voronec/code/*"):
-        kept_code._write_list(folder)
+        kept_code.write_list(folder)
 
 
 def _owned(place: Path) -> None:

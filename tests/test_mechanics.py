@@ -50,9 +50,9 @@ def solved(exprs: Any, unknown: Any, point: dict[sp.Expr, Any]) -> dict[sp.Expr,
 
 
 def valued(matrix: Any, point: dict[sp.Expr, Any]) -> mp.matrix:
-    """A matrix in numbers; derivatives are replaced before what they are derivatives of."""
-    symbols = {k: sp.Dummy() for k in sorted(point, key=lambda k: -len(str(k)))}
-    plain = sp.Matrix(matrix).subs(symbols)
+    """A matrix in numbers; derivatives are replaced as a whole."""
+    symbols = {k: sp.Dummy() for k in point}
+    plain = sp.Matrix(matrix).xreplace(symbols)
     call = sp.lambdify([list(symbols.values())], plain.tolist(), "mpmath", cse=True)
     return mp.matrix(call([point[k] for k in symbols]))
 
@@ -72,6 +72,7 @@ def kane_speeds(kane: Any, seed: str) -> tuple[dict[sp.Expr, Any], dict[sp.Expr,
         near = {q: x * mp.mpf("0.95") ** len(seed) for q, x in point.items() if q in kane.q}
         with contextlib.suppress(ValueError):  # links that are too short
             point = solved(kane._f_h, [*kane._qdep], numbers(names, seed) | near)
+    point |= {x: mp.mpf(0) for u in models.auxiliary_speeds(kane) for x in (u, u.diff(t))}
     if kane._udep:
         point = solved(kane._k_nh * kane.u + kane._f_nh, [*kane._udep], point)
     rates = mp.lu_solve(valued(kane.mass_matrix, point), valued(kane.forcing, point))
@@ -240,3 +241,132 @@ def test_something_else_is_refused() -> None:
         vo.from_mechanics("disc")
     with pytest.raises(vo.DefinitionError, match="give it alone"):
         vo.from_mechanics(models.skate(), 3)
+
+
+def test_symbols_that_do_no_work_are_parameters_and_inputs() -> None:
+    q, u, push = me.dynamicsymbols("q u F")
+    ground, origin = me.ReferenceFrame("N"), me.Point("O")
+    origin.set_vel(ground, 0)
+    rod = ground.orientnew("A", "Axis", [q, ground.z])
+    rod.set_ang_vel(ground, u * ground.z)
+    centre = origin.locatenew("C", sp.Symbol("l") * rod.x)
+    centre.v2pt_theory(origin, ground, rod)
+    inertia = me.inertia(rod, *sp.symbols("I_x I_y I_z"))
+    body = me.RigidBody("b", centre, rod, sp.Symbol("m"), (inertia, centre))
+    idle = -sp.Symbol("g") * ground.z + push * ground.z  # the plane is level
+    system = vo.from_mechanics(
+        ground, [q], [u], [q.diff(t) - u], bodies=[body], forcelist=[(centre, idle)]
+    )
+    assert [p.name for p in system.parameters] == ["I_x", "I_y", "I_z", "g", "l", "m"]
+    assert system.inputs == (push,)
+    length, m, moment = sp.symbols("l m I_z")
+    assert sp.expand(vo.derive(system).mass[0, 0] - m * length**2 - moment) == 0
+
+
+def test_auxiliary_speeds_bring_the_reactions_that_kanes_method_finds() -> None:
+    kane = models.rolling_disc_with_contact_forces()
+    with mp.workdps(DIGITS):
+        point, rates = kane_speeds(kane, "contact")
+        own = dict(
+            zip(kane.q.diff(t), valued(list(kane.kindiffdict().values()), point), strict=True)
+        )
+        own |= point | {u.diff(t): a for u, a in rates.items()}
+        forces = me.dynamicsymbols("f1:4")
+        expected = solved(kane.auxiliary_eqs, forces, own | dict.fromkeys(forces, mp.mpf(1)))
+    system = vo.from_mechanics(models.rolling_disc_with_contact_forces())
+    idle = models.auxiliary_speeds(kane)
+    values = {k: v for k, v in point.items() if not k.has(sp.Derivative) and k not in idle}
+    at = dict.fromkeys(system.coordinates, 1) | values | dict.fromkeys(forces, 0)
+    found = vo.reaction_forces(system, at, DIGITS).multipliers
+    for force, ours in zip(forces, found, strict=False):
+        assert abs(expected[force] - mp.mpf(str(ours))) < CLOSE, force
+
+
+def test_accelerations_that_are_set_against_the_velocities_are_not_read() -> None:
+    # SymPy's test of auxiliary speeds treats the contact as a point fixed in the disc
+    from test_mechanics_models import disc_with_contact_forces
+
+    given = vo.from_mechanics(disc_with_contact_forces(set_acceleration=True))
+    assert given == vo.from_mechanics(disc_with_contact_forces(set_acceleration=False))
+
+
+USUAL = {"q_ind": [Q], "u_ind": [U], "kd_eqs": [Q.diff(t) - U], "bodies": [MASS]}
+
+
+def test_what_sympy_is_told_of_its_solvers_changes_nothing() -> None:
+    plain = vo.from_mechanics(N, **USUAL)
+    told = {"constraint_solver": "CRAMER", "kd_eqs_solver": "LU", "explicit_kinematics": False}
+    assert vo.from_mechanics(N, **USUAL, **told) == plain
+    form = vo.derive(plain).to_mechanics()
+    assert form.linearize(new_method=True, simplify=True) == form.linearize()
+
+
+def test_symbols_with_assumptions_come_back_as_they_are() -> None:
+    q, u, push = me.dynamicsymbols("q u F", real=True)
+    ground, point = me.ReferenceFrame("N"), me.Point("P")
+    point.set_vel(ground, u * ground.x)
+    mass = me.Particle("mass", point, sp.Symbol("m", positive=True))
+    load = (point, push * ground.x)
+    system = vo.from_mechanics(ground, [q], [u], [q.diff(t) - u], bodies=[mass], forcelist=[load])
+    form = vo.derive(system).to_mechanics()
+    assert (form.q[0], form.u[0], form.forcing[0]) == (q, u, push)
+    assert system.inputs == (push,)
+
+
+def test_rows_that_follow_from_others_are_named_and_left_out() -> None:
+    from test_mechanics_models import robot
+
+    energy, ground, q, rows = robot()
+    with pytest.warns(
+        UserWarning, match="constraints that follow from the others are left out"
+    ) as w:
+        found = vo.from_mechanics(energy, q, nonhol_coneqs=rows, frame=ground)
+    assert str(w[0].message).count("= 0") == 3
+    few = vo.from_mechanics(energy, q, nonhol_coneqs=[rows[k] for k in (0, 1, 3)], frame=ground)
+    assert found == few
+    with pytest.raises(vo.DefinitionError, match="contradicts the others"):
+        vo.from_mechanics(energy, q, nonhol_coneqs=[*rows, rows[0] - 1], frame=ground)
+
+
+def test_a_connector_without_mass_adds_no_coordinates() -> None:
+    lost = me.Point("L")
+    lost.set_vel(N, U * sp.cos(W) * N.x + Q * U * N.y)  # the rate of no place
+    connector = me.Particle("connector", lost, 0)
+    system = vo.from_mechanics(N, **(USUAL | {"bodies": [MASS, connector]}))
+    assert system.coordinates == (Q,)
+
+
+def test_axes_turned_by_exponentials_of_speeds_cost_nothing() -> None:
+    q, u = me.dynamicsymbols("q1:4"), me.dynamicsymbols("u1:4")
+    found = []
+    for turns in (0, 3):
+        ground, body = me.ReferenceFrame("N"), me.ReferenceFrame("C")
+        body.orient_body_fixed(ground, q, "zxy")
+        turning, axes = body.ang_vel_in(ground), body
+        for i in range(turns):
+            axes = axes.orientnew(f"D{i}", "Axis", [sp.exp(u[i]), [*axes][i]])
+        spin = sum((v * e for v, e in zip(u, body, strict=True)), 0 * body.x)
+        body.set_ang_vel(ground, spin.express(axes))
+        centre = me.Point("P")
+        centre.set_vel(ground, 0)
+        ball = me.RigidBody("b", centre, body, 1, (me.inertia(body, 1, 2, 3), centre))
+        kd = [me.dot(spin - turning, axis) for axis in body]
+        found.append(vo.derive(vo.from_mechanics(ground, q, u, kd, bodies=[ball])))
+    point = {x: mp.mpf(k + 2) / 7 for k, x in enumerate((*q, *u))}
+    plain, turned = (valued(e.mass, point) ** -1 * valued(e.force, point) for e in found)
+    assert mp.norm(plain - turned) < 1e-12
+
+
+def test_auxiliary_speeds_that_turn_a_body_are_zero() -> None:
+    q, u, a, b = me.dynamicsymbols("q u a b")
+    ground, centre = me.ReferenceFrame("N"), me.Point("C")
+    centre.set_vel(ground, 0)
+    found = []
+    for held in ((), (a, b)):  # by two speeds across its pin a body has no orientation
+        own = ground.orientnew("A", "Axis", [q, ground.z])
+        across = sum((v * e for v, e in zip(held, own, strict=False)), 0 * own.x)
+        own.set_ang_vel(ground, u * own.z + across)
+        body = me.RigidBody("b", centre, own, 1, (me.inertia(own, 1, 2, 3), centre))
+        given = {"kd_eqs": [q.diff(t) - u], "bodies": [body], "u_auxiliary": held}
+        found.append(vo.from_mechanics(ground, [q], [u], **given))
+    assert found[0] == found[1]

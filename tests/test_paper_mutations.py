@@ -86,11 +86,12 @@ def test_each_kind_of_error_is_made_in_a_sentence(kind, text, slip):
 m, J, x, w, a = sp.symbols("m J x w a")
 
 
-def page(*displays):
+def page(*displays, complete=True):
     """A section on a mass on a spring, x' = w, with a number N that the dictionary holds."""
     names = {"m": m, "x": x, "w": w, "a": a, "t": vo.time, "N": m * a}
     study = Study(names, motion=Motion({x: w}))
-    return paper_trials.Page(Section("spring", tuple(displays), lambda _: {"one": study}))
+    section = Section("spring", tuple(displays), lambda _: {"one": study}, complete=complete)
+    return paper_trials.Page(section)
 
 
 def outcome(section, latex, kind="letter", place=0):
@@ -100,7 +101,8 @@ def outcome(section, latex, kind="letter", place=0):
 def test_the_outcome_of_an_error_is_told():
     section = page(Display("$N=ma$"), Display(r"$\dot x=w$"))
     assert outcome(section, "$N=mx$") == "noticed at the right record"
-    assert outcome(section, "$N=QwQ+x^3$") == "undecided"
+    assert outcome(section, "$N=QwQ+x^3$") == "noticed at the right record"
+    assert outcome(page(Display("$N=ma$"), complete=False), "$N=QwQ+x^3$") == "not read"
     assert outcome(section, "$N=am$") == "became true"
     assert outcome(section, "$-N=-ma$") == "became true"
     assert outcome(section, "$N=N$") == "noticed at the right record"
@@ -114,7 +116,7 @@ OTHERS = (Display(r"$\dot x=w$"), Display("$2N=2ma$"), Display("$Nx=max$"))
 
 def test_a_letter_that_other_formulas_have_is_missing_in_the_dictionary_else_misprinted():
     section = page(Display("$N=ma$"), Display("$Qx=Qx+w-w$"), *OTHERS)
-    assert outcome(section, "$N=QwQ+x^3$") == "undecided"
+    assert outcome(section, "$N=QwQ+x^3$") == "not read"
     assert outcome(section, "$N=ZwZ+x^3$") == "noticed at the right record"
     assert outcome(section, "$N=m(a$") == "noticed at the right record"
 

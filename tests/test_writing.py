@@ -16,8 +16,8 @@ from voronec.declaration.whole_files import (
     Store,
     draft,
     keep_file,
-    keep_sealed,
-    read_sealed,
+    keep_with_digest,
+    read_with_digest,
     replace_file,
     user_cache,
     workshop,
@@ -311,19 +311,19 @@ def test_drafts_follow_no_links(tmp_path):
 MANY = """
 import sys
 from pathlib import Path
-from voronec.declaration.whole_files import keep_sealed
+from voronec.declaration.whole_files import keep_with_digest
 for n in range(200):
-    keep_sealed(Path(sys.argv[1]), sys.argv[2].encode() * (100 * n + 1))
+    keep_with_digest(Path(sys.argv[1]), sys.argv[2].encode() * (100 * n + 1))
 """
 
 
 def test_what_threads_and_processes_write_at_once_is_whole(tmp_path):
     file = tmp_path / "folder" / "x"
-    keep_sealed(file, b"a")
+    keep_with_digest(file, b"a")
 
     def write(letter):
         for n in range(200):
-            keep_sealed(file, letter * (100 * n + 1))
+            keep_with_digest(file, letter * (100 * n + 1))
 
     threads = [threading.Thread(target=write, args=(letter,)) for letter in (b"a", b"b")]
     command = [sys.executable, "-c", MANY, str(file)]
@@ -333,7 +333,7 @@ def test_what_threads_and_processes_write_at_once_is_whole(tmp_path):
         for thread in threads:
             thread.start()
         while any(t.is_alive() for t in threads) or any(p.poll() is None for p in processes):
-            content = read_sealed(file, "thing")
+            content = read_with_digest(file, "thing")
             assert content and len({*content}) == 1
     assert not any(p.returncode for p in processes)
     assert [*file.parent.iterdir()] == [file], "no draft is left"

@@ -4,11 +4,10 @@ python tools/bench.py KIND [--help] ...
 
 derivation   equations against SymPy's: docs/benchmarks.md
 speed        speed against error: docs/speed.md
+methods      any system: our methods and the peers against a reference
 closed-form  the closed form: docs/closed-form.md
 references   the references of the closed form
 mechanics    models of SymPy's mechanics against SymPy
-chain        a program of thousands of operations
-smooth       smooth runs, old code against new
 """
 
 import sys
@@ -18,11 +17,10 @@ from shared.kinds import run
 KINDS = {
     "derivation": "figures.derivation",
     "speed": "figures.speed",
+    "methods": "figures.methods",
     "closed-form": "figures.closed_form",
     "references": "figures.closed_references",
     "mechanics": "figures.mechanics",
-    "chain": "figures.chain",
-    "smooth": "figures.smooth",
 }
 """Kind -> the module that does it."""
 

@@ -71,6 +71,7 @@ PAPER = Paper(
     sections=(
         Section(
             title="Equations",
+            complete=True,
             studies=studies,
             inline=(Display(r"$D=mR^2$", (DEFINITION,)),),
             displays=(
@@ -84,6 +85,7 @@ PAPER = Paper(
         ),
         Section(
             title="Integrals and measure",
+            complete=True,
             studies=studies,
             displays=(
                 Display(

@@ -1,49 +1,19 @@
-"""Rows of the table of figures: whole calls in processes of their own, caches of their own."""
+"""Rows of the table of speed: whole calls and set-up, in processes of their own."""
 
 from __future__ import annotations
 
-import json
-import os
-import subprocess
-import sys
-import tempfile
 from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
 from statistics import median
-from typing import Any
 
-from figures.extent import Extent
+from figures.problems import Extent
 from figures.table import Row
+from voronec.accuracy.bench import CallStages, SetupTime, measure_calls, measure_setup
 
-__all__ = ["ROWS", "in_process"]
+__all__ = ["ROWS", "setup"]
 
-CALL = """
-import json, sys
-from time import process_time
-name, method, tried = sys.argv[1:]
-if method in ("numba", "c"):
-    sys.modules["heyoka"] = None
-import voronec as vo
-system, again = vo.load(name), []
-for _ in range(int(tried)):
-    began = process_time()
-    vo.integrate(system, times=10, tol=1e-11, method=method)
-    again.append(process_time() - began)
-    first = process_time() if len(again) == 1 else first
-print(json.dumps([first, min(again[1:])]))
-"""
 SECOND = {"ball-on-sphere": 5, "demchenko": 12, "rattleback": 15}
 """Milliseconds that a second call may take."""
-
-
-def in_process(cache: str, *words: str) -> Any:
-    """What a fresh Python says last, as JSON, when it keeps caches in a folder."""
-    # what numba and Python themselves keep is part of an installation that has run before
-    environment = os.environ | {"XDG_CACHE_HOME": cache}
-    environment.pop("PYTHONDONTWRITEBYTECODE", None)
-    done = subprocess.run(
-        [sys.executable, *words], capture_output=True, text=True, check=True, env=environment
-    )
-    return json.loads(done.stdout.splitlines()[-1])
 
 
 def _spread(times: Iterable[float]) -> tuple[float, float, float]:
@@ -52,18 +22,17 @@ def _spread(times: Iterable[float]) -> tuple[float, float, float]:
     return median(found), min(found), max(found)
 
 
+def _calls(name: str, method: str, extent: Extent) -> list[CallStages]:
+    """Whole calls over T = 10, in pairs of fresh processes with caches of their own."""
+    return [measure_calls(name, None, 10.0, 1e-11, method=method) for _ in range(extent.processes)]
+
+
 def calls(extent: Extent) -> Iterator[Row]:
     """From ``vo.integrate(system, ...)`` to the trajectory, and from nothing to it."""
     for name, allowed in SECOND.items():
-        with tempfile.TemporaryDirectory() as cache:
-            in_process(cache, "-c", CALL, name, "auto", "2")
-            found = [
-                in_process(cache, "-c", CALL, name, "auto", str(20 * extent.turns))
-                for _ in range(extent.processes)
-            ]
-        (first, least, most), (second, low, high) = (
-            _spread(times) for times in zip(*found, strict=True)
-        )
+        found = _calls(name, "auto", extent)
+        first, least, most = _spread(sum(one.known.values()) for one in found)
+        second, low, high = _spread(sum(one.second.values()) for one in found)
         yield Row(
             f"whole call, {name}, T = 10, second call in a process",
             f"{allowed} ms",
@@ -96,15 +65,12 @@ LATER = {
 
 
 def compiled_calls(extent: Extent) -> Iterator[Row]:
-    """The methods ``numba`` and ``c`` where heyoka is not installed."""
+    """The methods ``numba`` and ``c``, which load nothing of heyoka."""
     for method, why in COMPILERS.items():
-        words = ("-c", CALL, "ball-on-sphere", method, "2")
-        with tempfile.TemporaryDirectory() as cache:
-            ever = in_process(cache, *words)[0]
-            later, least, most = _spread(
-                in_process(cache, *words)[0] for _ in range(extent.processes)
-            )
-        what = f"method `{method}`, heyoka not installed, ball-on-sphere, T = 10"
+        found = _calls("ball-on-sphere", method, extent)
+        ever = median(sum(one.unknown.values()) for one in found)
+        later, least, most = _spread(sum(one.known.values()) for one in found)
+        what = f"method `{method}`, heyoka not loaded, ball-on-sphere, T = 10"
         yield Row(
             f"{what}: first call ever, imports included",
             "10 s", f"{ever:.1f} s of CPU", bool(ever <= 10), why,
@@ -114,6 +80,37 @@ def compiled_calls(extent: Extent) -> Iterator[Row]:
             "0.5 s", f"{later:.2f} s of CPU ({least:.2f} to {most:.2f})", bool(later <= 0.5),
             LATER[method],
         )  # fmt: skip
+
+
+def setup(extent: Extent) -> Iterator[Row]:
+    """From a system to an integrator that is ready, cold and warm; of a chain of bodies, cold."""
+    found = [_setup("chaplygin-ball") for _ in range(extent.processes)]
+    warm, low, high = _spread(one.warm for one in found)
+    cold, least, most = _spread(one.cold for one in found)
+    what = "Chaplygin ball with method heyoka, `integrate` over a span of no length"
+    yield Row(
+        f"set-up, warm, {what}: in a process whose disk knows it, imports excluded",
+        "0.1 s", f"{warm:.3f} s of CPU ({low:.3f} to {high:.3f})", warm <= 0.1,
+        "heyoka takes the compiled code from its disk, but builds its decomposition again",
+    )  # fmt: skip
+    yield Row(
+        f"set-up, cold, {what}: derivation, smallest model and compilation, first in the process, "
+        "caches empty, imports excluded",
+        "1.5 s", f"{cold:.2f} s of CPU ({least:.2f} to {most:.2f})", cold <= 1.5,
+        "most of it is heyoka's compiler",
+    )  # fmt: skip
+    chain = _setup(str(Path(__file__).with_name("chain.py"))).cold
+    yield Row(
+        "chain of 7 links, 3 blades, six degrees of freedom: derivation and compilation, cold",
+        "under 10 s", f"{chain:.2f} s of CPU", chain < 10,
+    )  # fmt: skip
+
+
+def _setup(name: str) -> SetupTime:
+    found = measure_setup(name, None, (), method="heyoka")
+    if found is None:
+        raise OSError(f"set-up of {name}: a fresh process failed")
+    return found
 
 
 ROWS: dict[str, Callable[[Extent], Iterator[Row]]] = {

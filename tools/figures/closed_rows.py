@@ -15,9 +15,9 @@ import numpy as np
 import voronec as vo
 from figures.closed_motion import NAMES, Motion
 from figures.closed_references import STORE, apart, exact_start
-from figures.programs import CompiledMotion, turns
 from figures.table import Row
-from voronec.equations.program import Program
+from voronec.accuracy.bench import time_fastest
+from voronec.equations.program import Program, hoist, taylor_system
 
 __all__ = ["ROWS", "closed_form", "hard_table", "references"]
 
@@ -196,92 +196,87 @@ def hard() -> Iterator[Row]:
         )  # fmt: skip
 
 
-def _grid(periods: float) -> np.ndarray:
-    span = periods * closed_form("outer B").period
-    return np.linspace(0.0, span, INSTANTS)
-
-
 def dense() -> Iterator[Row]:
-    """A hundred thousand instants by the closed form and by heyoka's dense output."""
-    closed = closed_form("outer B")
-    start = exact_start(references()["outer B"]["given"])
-    times = {p: _grid(p) for p in (PERIODS, 1e4, LATE)}
-    prepared = _by_steps(start)
-    integrator = prepared.integrator(2.3e-16)
-
-    def heyoka() -> None:
-        integrator.time, integrator.state[:] = 0.0, prepared.start
-        integrator.propagate_grid(times[PERIODS])
-
-    closed.at(times[PERIODS][:10], ANGLES)
-    work: dict[Any, Callable[[], Any]] = {p: partial(closed.at, times[p], ANGLES) for p in times}
-    best = turns({"heyoka": heyoka, **work}, 30)
-    ratio = best["heyoka"] / best[PERIODS]
-    yield Row(
-        f"{INSTANTS:g} instants of all five coordinates over {PERIODS} periods, against heyoka's "
-        "dense output at tolerance 2.3e-16, compiled, set-up excluded",
-        "faster", f"{ratio:.2f} times as fast ({1e3 * best['heyoka']:.0f} / "
-        f"{1e3 * best[PERIODS]:.0f} ms)", ratio > 1,
-    )  # fmt: skip
-    ratios = [best[p] / best[PERIODS] for p in (1e4, LATE)]
+    """A hundred thousand instants by the closed form, and by heyoka's steps: its dense output, and
+    as runs of ``integrate``; the momentum upright or not, and however late."""
+    for name, about in (
+        (
+            "outer B", f"over {PERIODS} periods, against heyoka's dense output at tolerance "
+            "2.3e-16, compiled, set-up excluded",
+        ),
+        (
+            "outer A", f"the momentum not upright, {PERIODS} periods, against heyoka's dense "
+            "output as above",
+        ),
+    ):  # fmt: skip
+        times = _grid(name, PERIODS)
+        heyoka = _by_steps(exact_start(references()[name]["given"]), times)
+        yield _faster(
+            f"{INSTANTS:g} instants of all five coordinates, {about}",
+            time_fastest(partial(closed_form(name).at, times, ANGLES))[1],
+            time_fastest(heyoka)[1],
+        )
+    seconds = []
+    for periods in (PERIODS, 1e4, LATE):
+        times = _grid("outer B", periods)
+        seconds.append(time_fastest(partial(closed_form("outer B").at, times, ANGLES))[1])
+    ratios = [x / seconds[0] for x in seconds[1:]]
     yield Row(
         f"cost of {INSTANTS:g} instants over 1e4 and 1e6 periods, of that over {PERIODS}",
         "the same", " and ".join(f"{r:.2f}" for r in ratios) + " times", max(ratios) < 1.15,
     )  # fmt: skip
-
-
-def not_upright() -> Iterator[Row]:
-    """The same where the momentum is not upright, and by ``integrate``."""
-    closed, start = closed_form("outer A"), exact_start(references()["outer A"]["given"])
-    times = np.linspace(0.0, PERIODS * closed.period, INSTANTS)
-    integrator, begin = _by_steps(start).integrator(2.3e-16), _by_steps(start).start
-
-    def heyoka() -> None:
-        integrator.time, integrator.state[:] = 0.0, begin
-        integrator.propagate_grid(times)
-
-    best = turns({"heyoka": heyoka, "closed": partial(closed.at, times, ANGLES)}, 7)
-    ratio = best["heyoka"] / best["closed"]
-    yield Row(
-        f"{INSTANTS:g} instants of all five coordinates, the momentum not upright, {PERIODS} "
-        "periods, against heyoka's dense output as above",
-        "faster", f"{ratio:.2f} times as fast ({1e3 * best['heyoka']:.0f} / "
-        f"{1e3 * best['closed']:.0f} ms)", ratio > 1,
-    )  # fmt: skip
-    for name, told in (("outer B", "upright"), ("outer A", "not upright")):
-        spent = {m: _time_of(name, m) for m in ("closed-form", "heyoka")}
-        ratio = spent["heyoka"] / spent["closed-form"]
-        yield Row(
-            f"run of integrate on {INSTANTS:g} instants, the momentum {told}, {PERIODS} periods, "
+    for name, about in (("outer B", "upright"), ("outer A", "not upright")):
+        yield _faster(
+            f"run of integrate on {INSTANTS:g} instants, the momentum {about}, {PERIODS} periods, "
             "against the method heyoka at tolerance 2.3e-16, set-up excluded",
-            "faster", f"{ratio:.2f} times as fast ({1e3 * spent['heyoka']:.0f} / "
-            f"{1e3 * spent['closed-form']:.0f} ms)", ratio > 1,
-        )  # fmt: skip
+            *(_run_time(name, method) for method in ("closed-form", "heyoka")),
+        )
 
 
-def _time_of(name: str, method: str) -> float:
+def _grid(name: str, periods: float) -> np.ndarray:
+    return np.linspace(0.0, periods * closed_form(name).period, INSTANTS)
+
+
+def _faster(what: str, closed: float, heyoka: float) -> Row:
+    """Seconds of the closed form against those of heyoka."""
+    ratio = heyoka / closed
+    reached = f"{ratio:.2f} times as fast ({1e3 * heyoka:.0f} / {1e3 * closed:.0f} ms)"
+    return Row(what, "faster", reached, ratio > 1)
+
+
+def _run_time(name: str, method: str) -> float:
     """The least CPU time of a run on the grid."""
     start = exact_start(references()[name]["given"])
-    times = np.linspace(0.0, PERIODS * closed_form(name).period, INSTANTS)
     tol = 2.3e-16 if method == "heyoka" else 1e-13
     runs = (
         vo.integrate(
             vo.load("demchenko"), parameters=start["parameters"], initial=start["initial"],
-            times=times, outputs=ANGLES, method=method, tol=tol,
+            times=_grid(name, PERIODS), outputs=ANGLES, method=method, tol=tol,
         )
         for _ in range(5)
     )  # fmt: skip
     return min(run.cost.cpu for run in runs)
 
 
-def _by_steps(start: Mapping[str, Mapping[str, Any]]) -> CompiledMotion:
-    """The equations in all eight coordinates and spins, ready for heyoka."""
+def _by_steps(start: Mapping[str, Mapping[str, Any]], times: np.ndarray) -> Callable[[], None]:
+    """heyoka's run along a grid, compiled: the equations in all eight coordinates and spins."""
+    import heyoka as hy
+
     program = Program.of(vo.derive(vo.load("demchenko")).form)
     numbers = {**start["parameters"], **start["initial"]}
-    states, values = ([float(numbers[str(x)]) for x in some] for some in (
+    state, values = ([float(numbers[str(x)]) for x in some] for some in (
         program.state, program.parameters
     ))  # fmt: skip
-    return CompiledMotion.of(program, states, values)
+    raised = hoist(program)
+    integrator = hy.taylor_adaptive(
+        taylor_system(raised.program), state, pars=raised.values(values), tol=2.3e-16
+    )
+
+    def run() -> None:
+        integrator.time, integrator.state[:] = 0.0, state
+        integrator.propagate_grid(times)
+
+    return run
 
 
 ROWS: dict[str, Callable[[], Iterator[Row]]] = {
@@ -291,5 +286,4 @@ ROWS: dict[str, Callable[[], Iterator[Row]]] = {
     "rigorous": rigorous,
     "hard": hard,
     "dense": dense,
-    "turned": not_upright,
 }

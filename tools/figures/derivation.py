@@ -1,38 +1,32 @@
-"""Measure the engine against its figures: ``python tools/bench.py derivation``.
+"""Derivation against SymPy: ``python tools/bench.py derivation --page docs/benchmarks.md``.
 
 Every figure is a ratio, a count or a time of one run on one machine; nothing here is a test.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
-import platform
-import random
 import statistics
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-import sympy as sp
-
 import voronec as vo
+from figures import table
 from figures.measure import (
     by_sympy,
     command,
     count_operations,
     median_time,
     operations,
-    random_point,
     sympy_operations,
 )
-from figures.systems import gyroscopic_ball
-from figures.table import Row, table
+from figures.table import Row, Sheet
 from voronec.equations.program import Program
 from voronec.equations.reduction import descend
+from voronec.proof.comparison import random_point
 
 DIGITS = 50
 
@@ -40,10 +34,10 @@ DIGITS = 50
 def derivation() -> Iterator[Row]:
     """Demchenko's ball in Neumann coordinates against SymPy's Lagrange equations."""
     ball = vo.load("demchenko")
-    # Without the quasi-velocities, which SymPy does not know, and the claims written in them.
-    plain = replace(ball, frame=None, integrals={}, measure=None, scenes={})
+    # without the quasi-velocities, which SymPy does not know
+    plain = _equations_alone(ball, None)
     slow, _ = by_sympy(plain)
-    raw = median_time(lambda: vo.derive(plain).raw.form)
+    raw = median_time(lambda: _equations(plain).raw.form)
     exact = median_time(lambda: _normal_form(plain))
     framed = median_time(lambda: _normal_form(ball))
     for name, seconds, factor in (
@@ -62,16 +56,16 @@ def derivation() -> Iterator[Row]:
 def balls() -> Iterator[Row]:
     """Descent of the Chaplygin ball; a ball without symmetry in exact normal form."""
     chaplygin = vo.load("chaplygin-ball")
-    descent = median_time(lambda: descend(chaplygin), runs=3)
+    descent = median_time(lambda: descend(replace(chaplygin)), runs=3)
     yield Row(
         "Chaplygin ball, Euler angles to the proved (G, gamma) equations",
         "under 1 s",
         f"{descent:.2f} s",
         descent < 1,
     )
-    for quasi, name in ((False, "coordinate velocities"), (True, "frame (s, tau, n)")):
-        ball = gyroscopic_ball(sp.symbols("A B C"), sp.symbols("k1 k2 k3"), quasi)
-        seconds = median_time(partial(_normal_form, ball), runs=3)
+    ball = vo.load("gyroscopic-ball-on-sphere")
+    for frame, name in ((None, "coordinate velocities"), (ball.frame, "its angular velocity")):
+        seconds = median_time(partial(_normal_form, _equations_alone(ball, frame)), runs=3)
         yield Row(
             f"non-symmetric gyroscopic ball, exact mass and force, {name}",
             "under 3 s",
@@ -83,8 +77,8 @@ def balls() -> Iterator[Row]:
 def bicycle() -> Iterator[Row]:
     """A large system: derived, evaluated to 30 digits, written as a program."""
     system = vo.load("bicycle")
-    point = random_point(system, random.Random(1))
-    seconds = median_time(lambda: vo.derive(system).acceleration(point, digits=30), runs=3)
+    point = random_point(system, 1)
+    seconds = median_time(lambda: _equations(system).acceleration(point, digits=30), runs=3)
     size = f"{system.lagrangian.count_ops()} operations in L"
     yield Row(
         f"bicycle ({size}), derived and its accelerations to 30 digits",
@@ -133,9 +127,9 @@ def routes() -> Iterator[Row]:
     """Accelerations of every system, Voronec's equations against multipliers."""
     worst: dict[str, float] = {}
     for name in vo.names():
-        system, dice = vo.load(name), random.Random(name)
+        system = vo.load(name)
         eqs = vo.derive(system)
-        worst[name] = max(_deviation(system, eqs, random_point(system, dice)) for _ in range(3))
+        worst[name] = max(_deviation(system, eqs, random_point(system, i)) for i in range(3))
     name = max(worst, key=lambda key: worst[key])
     yield Row(
         f"accelerations by both routes, {len(worst)} systems, {DIGITS} digits",
@@ -145,12 +139,25 @@ def routes() -> Iterator[Row]:
     )
 
 
+def _equations_alone(system: vo.System, frame: vo.Frame | None) -> vo.System:
+    """What equations are derived of, in a frame or in coordinate velocities; no claims."""
+    return vo.System(
+        name=system.name, fibration=system.fibration, lagrangian=system.lagrangian,
+        constraints=system.constraints, parameters=system.parameters, frame=frame,
+    )  # fmt: skip
+
+
+def _equations(system: vo.System) -> vo.VoronecEquations:
+    """The equations derived anew: a copy of a system knows nothing that was derived before."""
+    return vo.derive(replace(system))
+
+
 def _normal_form(system: vo.System) -> Any:
-    eqs = vo.derive(system)
+    eqs = _equations(system)
     return eqs.mass, eqs.force
 
 
-def _deviation(system: vo.System, eqs: vo.VoronecEquations, point: dict[str, Any]) -> float:
+def _deviation(system: vo.System, eqs: vo.VoronecEquations, point: dict[Any, Any]) -> float:
     one = eqs.acceleration(point, digits=DIGITS)
     other = vo.multiplier_acceleration(system, point, digits=DIGITS + 10)
     scale = max(map(abs, one.values()))
@@ -167,46 +174,9 @@ ROWS: dict[str, Callable[[], Iterator[Row]]] = {
 }
 
 
-def _measure(key: str) -> Iterator[Row]:
-    """The rows of one measurement; what stops it is a missed row, and the others go on."""
-    try:
-        yield from ROWS[key]()
-    except vo.VoronecError as error:
-        yield Row(key, "to be measured", str(error), False)
-
-
-PAGE = """# Benchmarks
-
-Written by `python tools/bench.py derivation --page docs/benchmarks.md`: every figure comes from one
-run on one machine; the engine's times are medians, SymPy's is a single run, and ratios compare two
-times of the same run. SymPy's side is `LagrangesMethod` on the same Lagrangian and constraints, in
-coordinate velocities and with its multipliers, its cache emptied. Operations are SymPy's
-`count_ops` after common subexpressions are taken out, on both sides; the engine's for Demchenko's
-ball are those of the velocities (s, tau, n).
-
-{table}
-
-Measured on {machine}.
-"""
+SHEET = Sheet("tools/bench.py derivation", ROWS, {}, ("sympy",))
 
 
 def main() -> int:
     """Measure, print, and exit with 1 where a figure is missed."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--json", type=Path, help="also write the rows to this file")
-    parser.add_argument("--page", type=Path, help="also write a page with the table")
-    parser.add_argument("--only", choices=ROWS, action="append", help="measure only this")
-    options = parser.parse_args()
-    rows: list[Row] = []
-    for key in options.only or ROWS:
-        for row in _measure(key):
-            rows.append(row)
-            print(f"{row.row}: {row.reached} ({row.verdict})", file=sys.stderr, flush=True)
-    machine = f"{platform.machine()}, Python {platform.python_version()}, SymPy {sp.__version__}"
-    print(f"{table(rows)}\n\n{machine}")
-    if options.page:
-        options.page.write_text(PAGE.format(table=table(rows), machine=machine))
-    if options.json:
-        values = [asdict(row) | {"verdict": row.verdict} for row in rows]
-        options.json.write_text(json.dumps({"machine": machine, "rows": values}, indent=1) + "\n")
-    return 0 if all(row.good for row in rows) else 1
+    return table.main(__doc__, lambda _short: SHEET)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
 from functools import partial
 from time import process_time
 from typing import Any
@@ -11,13 +10,11 @@ from typing import Any
 import numpy as np
 
 import voronec as vo
-from figures.extent import Extent
+from figures.peers import Formulation, by_hand, reduction
+from figures.problems import Extent
 from figures.race import OneRun, Race, clock, race
 from figures.table import Row
-from voronec.accuracy.bench import ask
-from voronec.accuracy.bench.peers.hand_programs import BY_HAND, right_side, start_values
-from voronec.accuracy.bench.peers.scipy_lambdify import RIGHT_SIDES
-from voronec.accuracy.problem import ReferenceProblem, level
+from voronec.accuracy.bench import ReferenceProblem, scene_problem
 
 __all__ = ["ROWS"]
 
@@ -32,36 +29,15 @@ WAYS = {
 }
 
 
-@dataclass(frozen=True)
-class Peer:
-    """Equations given to scipy's DOP853: ``start`` takes values by name to a state (n,), ``back``
-    states (k, n) to gamma and omega (k, 6); gamma1 is the state's entry ``place``."""
+def _formulation(kind: str, problem: ReferenceProblem) -> Formulation:
+    """The ball on a sphere by hand, or as the engine reduced it."""
+    return by_hand(problem) if kind == "by hand" else reduction(problem, "invariants", kind)
 
-    right: Callable[[float, np.ndarray], Any]
-    start: Callable[[Mapping[str, float]], np.ndarray]
-    back: Callable[[np.ndarray], np.ndarray]
-    place: int
 
-    @classmethod
-    def of(cls, kind: str, question: ReferenceProblem) -> Peer:
-        """The ball on a sphere by hand, or as the engine reduced it."""
-        if kind == "by hand":
-            program = BY_HAND[question.system.name](question.parameters)
-            return cls(
-                right_side(program),
-                program.start,
-                lambda rows: np.stack([program.back(rows)[n] for n in BALL], axis=-1),
-                3,
-            )
-        at = level(question, "invariants")
-        names = [str(s) for s in at.field.variables]
-        order = [names.index(n) for n in BALL]
-        return cls(
-            RIGHT_SIDES[kind](at),
-            lambda values: np.array([values[n] for n in names]),
-            lambda rows: rows[..., order],
-            names.index("gamma1"),
-        )
+def _values(form: Formulation, rows: np.ndarray) -> np.ndarray:
+    """gamma and omega (k, 6) of states (k, n)."""
+    known = form.back(rows)
+    return np.stack([known[n] for n in BALL], axis=-1)
 
 
 def drift(extent: Extent) -> Iterator[Row]:
@@ -101,8 +77,9 @@ def ensembles(extent: Extent) -> Iterator[Row]:
     grid = np.linspace(0, end, 11)
     ball = vo.derive(vo.load("ball-on-sphere"))
     spins = {name: 1 + 0.3 * dice.normal(size=extent.starts) for name in BALL[3:]}
-    question, count = ask(ball, time=end), extent.starts
-    exact = _in_long_doubles(question, spins, grid)
+    problem, count = scene_problem(ball, time=end), extent.starts
+    hand = by_hand(problem)
+    exact = _in_long_doubles(hand, spins, grid)
     rough = _apart(_ensemble(ball, spins, grid, TOLS[0])[0], exact)
     few = np.argsort(rough)[[count // 4, count // 2, 3 * count // 4]]
     worst: dict[float, float] = {}
@@ -113,10 +90,9 @@ def ensembles(extent: Extent) -> Iterator[Row]:
         worst[tol] = float(apart.max())
         return OneRun(float(np.median(apart)), seconds)
 
-    usual = start_values(question)
-    starts = [{**usual, **{n: x[i] for n, x in spins.items()}} for i in few]
+    starts = [{**hand.values, **{n: x[i] for n, x in spins.items()}} for i in few]
     runs: dict[str, Callable[[float], OneRun]] = {"ours": ours}
-    runs |= {k: partial(_loop, Peer.of(k, question), starts, grid, exact[few]) for k in WAYS}
+    runs |= {k: partial(_loop, _formulation(k, problem), starts, grid, exact[few]) for k in WAYS}
     tols = {"ours": TOLS, **dict.fromkeys(WAYS, PYTHON)}
     first = {name: {tol: run(tol) for tol in tols[name]} for name, run in runs.items()}
     found = race(runs, first, (ERROR,), extent.rounds)
@@ -149,21 +125,19 @@ def _ensemble_rows(found: Race, extent: Extent, said: str) -> Iterator[Row]:
 
 
 def _in_long_doubles(
-    question: ReferenceProblem, spins: dict[str, np.ndarray], grid: np.ndarray
+    hand: Formulation, spins: dict[str, np.ndarray], grid: np.ndarray
 ) -> np.ndarray:
     """States (starts, k, 6) of all starts by the program by hand, in numbers of 64 bits of
     mantissa."""
     import heyoka as hy
 
     real = np.longdouble
-    hand, usual = BY_HAND[question.system.name](question.parameters), start_values(question)
-    one = hy.taylor_adaptive(hand.equations, np.zeros(6, real), fp_type=real, tol=real(1e-18))
+    one = hy.taylor_adaptive(hand.taylor, np.zeros(6, real), fp_type=real, tol=real(1e-18))
     rows = []
     for i in range(len(spins[BALL[3]])):
         one.time = real(0)
-        one.state[:] = hand.start({**usual, **{n: x[i] for n, x in spins.items()}})
-        values = hand.back(one.propagate_grid(grid.astype(real))[-1])
-        rows.append(np.stack([values[n] for n in BALL], axis=-1))
+        one.state[:] = hand.start({**hand.values, **{n: x[i] for n, x in spins.items()}})
+        rows.append(_values(hand, one.propagate_grid(grid.astype(real))[-1]))
     return np.array(rows, dtype=float)
 
 
@@ -200,19 +174,23 @@ def _apart(found: np.ndarray, exact: np.ndarray) -> np.ndarray:
 
 
 def _loop(
-    peer: Peer, starts: list[dict[str, float]], grid: np.ndarray, exact: np.ndarray, tol: float
+    form: Formulation,
+    starts: list[dict[str, float]],
+    grid: np.ndarray,
+    exact: np.ndarray,
+    tol: float,
 ) -> OneRun:
     """scipy on a few starts: the middle error, and seconds for one."""
     from scipy.integrate import solve_ivp
 
-    options = {"t_eval": grid, "rtol": tol, "atol": tol}
+    right, options = form.right(), {"t_eval": grid, "rtol": tol, "atol": tol}
     rows, seconds = clock(
         lambda: [
-            solve_ivp(peer.right, (0, grid[-1]), peer.start(values), "DOP853", **options).y.T
+            solve_ivp(right, (0, grid[-1]), form.start(values), "DOP853", **options).y.T
             for values in starts
         ]
     )
-    apart = _apart(np.array([peer.back(each) for each in rows]), exact)
+    apart = _apart(np.array([_values(form, each) for each in rows]), exact)
     return OneRun(float(np.median(apart)), {"run": seconds / len(starts)})
 
 
@@ -230,9 +208,9 @@ def sections(extent: Extent) -> Iterator[Row]:
     def ours(starts: int, tol: float) -> OneRun:
         return OneRun(errors[tol], _seconds_a_point(ball, tol, starts, extent.crossings))
 
-    question = ask(ball, time=float(exact.t[-1]))
+    problem = scene_problem(ball, time=float(exact.t[-1]))
     names = {4: "four motions at once", 1: "one motion"}
-    events = {kind: partial(_events, Peer.of(kind, question), question, exact) for kind in WAYS}
+    events = {kind: partial(_events, _formulation(kind, problem), exact) for kind in WAYS}
     runs: dict[str, Any] = {names[n]: partial(ours, n) for n in names} | events
     tols = {**dict.fromkeys(names.values(), TOLS), **dict.fromkeys(WAYS, PYTHON)}
     found = race(
@@ -276,24 +254,24 @@ def _seconds_a_point(ball: Any, tol: float, starts: int, crossings: int) -> dict
     return {"run": _pace(told) / crossings, "whole": whole / crossings}
 
 
-def _events(peer: Peer, question: ReferenceProblem, exact: Any, tol: float) -> OneRun:
+def _events(form: Formulation, exact: Any, tol: float) -> OneRun:
     """scipy's events over the same crossings: seconds a point."""
     from scipy.integrate import solve_ivp
 
-    start = peer.start(start_values(question))
+    right, start = form.right(), form.start(form.values)
+    # gamma1 is one entry of the state
+    (place,) = np.nonzero(form.back(np.eye(len(start)))["gamma1"])[0]
 
     def event(_t: float, y: np.ndarray) -> float:
-        return float(y[peer.place])
+        return float(y[place])
 
     event.direction = 1  # type: ignore[attr-defined]
     span, options = (0.0, float(exact.t[-1]) + 1e-3), {"rtol": tol, "atol": tol}
-    found, seconds = clock(
-        lambda: solve_ivp(peer.right, span, start, "DOP853", events=event, **options)
-    )
+    found, seconds = clock(lambda: solve_ivp(right, span, start, "DOP853", events=event, **options))
     rows = found.y_events[0][-len(exact.t) :]
     error = np.inf  # where a crossing is not found
     if len(rows) == len(exact.t):
-        error = float(np.abs(peer.back(rows) - exact.points).max())
+        error = float(np.abs(_values(form, rows) - exact.points).max())
     return OneRun(error, {"run": seconds / len(exact.t)})
 
 

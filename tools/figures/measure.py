@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import random
 import statistics
 import subprocess
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import sympy as sp
@@ -21,7 +20,6 @@ __all__ = [
     "count_operations",
     "median_time",
     "operations",
-    "random_point",
     "sympy_operations",
 ]
 
@@ -68,40 +66,6 @@ def operations(exprs: Iterable[sp.Expr]) -> int:
 def sympy_operations(method: LagrangesMethod) -> int:
     """Operations of SymPy's right-hand side, multipliers and all."""
     return operations(method.mass_matrix_full.LUsolve(method.forcing_full))
-
-
-def random_point(system: vo.System, dice: random.Random) -> dict[str, Any]:
-    """Random coordinates and velocities on the relations, default or random parameters."""
-    point: dict[str, Any] = {
-        p.name: sp.Rational(dice.randint(500, 1500), 1000) if p.value is None else p.value
-        for p in system.parameters
-    }
-    for symbol in (*system.coordinates, *system.velocities, vo.time):
-        point[_name(symbol)] = sp.Rational(dice.randint(-900, 900), 1000)
-    return point | _on_relations(system, point)
-
-
-def _name(symbol: sp.Expr) -> str:
-    return str(symbol) if isinstance(symbol, sp.Symbol) else str(symbol.func.__name__)
-
-
-def _on_relations(system: vo.System, point: Mapping[str, Any]) -> dict[str, Any]:
-    """The coordinates, moved onto the relations between them by Newton's method."""
-    relations = sp.Matrix(list(system.fibration.relations))
-    if not relations.rows:
-        return {}
-    q = sp.Matrix([sp.Symbol(_name(c)) for c in system.coordinates])
-    plain = {c: sp.Symbol(_name(c)) for c in system.coordinates}
-    relations = relations.xreplace(
-        plain | {sp.Symbol(p): v for p, v in point.items() if sp.Symbol(p) not in q}
-    )
-    slope = relations.jacobian(q)
-    value = sp.Matrix([sp.N(point[str(c)], 70) for c in q])
-    for _ in range(9):
-        at = dict(zip(q, value, strict=True))
-        steep = sp.N(slope.xreplace(at), 70)
-        value -= steep.T * (steep * steep.T).LUsolve(sp.N(relations.xreplace(at), 70))
-    return {str(c): x for c, x in zip(q, value, strict=True)}
 
 
 def command(*arguments: str) -> tuple[float, subprocess.CompletedProcess[str]]:

@@ -23,6 +23,11 @@ def kane(inertial: Any, q: Any, u: Any, kd: Any, bodies: Any, loads: Any, **more
     )
 
 
+def auxiliary_speeds(method: Any) -> list[Any]:
+    """Those of a KanesMethod."""
+    return [*method._uaux]
+
+
 def rolling_disc() -> Any:
     """Contact point said to be at rest; speeds along axes of the leaning frame."""
     q, u = ds("q1:4"), ds("u1:4")

@@ -64,7 +64,7 @@ class Race:
 
     def at(self, name: str, error: float, what: str = "run", extrapolate: bool = False) -> Spread:
         """Seconds at an error in each repetition; empty where that error is not reached."""
-        rows = self.runs[name].values()
+        rows = self.runs.get(name, {}).values()
         found = [
             at_error(
                 [(row[k].error, row[k].seconds[what]) for row in rows], error, extrapolate

@@ -1,8 +1,8 @@
 """Rebuild the hard cases: ``python tools/build.py hard-cases [--references] [CASE ...]``.
 
-Runs all methods on all cases and writes ``docs/hard-cases.md``.  With ``--references`` the
-references of this package's cases are computed anew first, those of the named cases only where
-some are named; that takes heyoka.
+Runs all methods on all cases and puts the tables between their marks in ``docs/hard-cases.md``.
+With ``--references`` the references of this package's cases are computed anew first, those of the
+named cases only where some are named; that takes heyoka.
 """
 
 from __future__ import annotations
@@ -12,8 +12,10 @@ import sys
 from pathlib import Path
 from time import perf_counter
 
+from figures.table import fill
+
 from voronec.accuracy.hard import CASES, named_cases, trials
-from voronec.accuracy.hard.page import page
+from voronec.accuracy.hard.page import sections
 from voronec.accuracy.hard.reference import STORE, compute
 
 __all__ = ["main", "store_references"]
@@ -46,5 +48,6 @@ def main() -> int:
     if "--references" in arguments:
         store_references([a for a in arguments if a != "--references"])
     findings = list(trials(CASES, progress=lambda line: print(line, flush=True)))
-    PAGE.write_text(page(findings), "utf-8")
+    text = fill(PAGE.read_text("utf-8"), sections(findings), "tools/build.py hard-cases")
+    PAGE.write_text(text, "utf-8")
     return 0 if all(f.good for f in findings) else 1

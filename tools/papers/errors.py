@@ -34,7 +34,7 @@ from typing import Any, NamedTuple
 
 from papers.latex_errors import Slip
 from papers.proposals import Proposal, judge
-from papers.trials import HIT, Fault, Page, Trial
+from papers.trials import HIT, OPEN, Fault, Page, Trial
 from voronec.audit.transcript import formulas_by_label
 from voronec.declaration.catalogue import load_paper
 
@@ -42,7 +42,7 @@ HANG = 60
 """Seconds of CPU after which a trial is given up, and counts as undecided."""
 SEARCH = 30
 """Seconds of CPU after which the search for a correction is given up."""
-OUTCOMES = (HIT, "noticed elsewhere", "undecided", "survived", "became true")
+OUTCOMES = (HIT, "noticed elsewhere", *OPEN, "survived", "became true")
 AROUND = 30
 """Characters that are shown on each side of a change."""
 
@@ -221,7 +221,7 @@ def _summary(trials: list[Outcome], seconds: float) -> float:
         print(f"corrections: {words}")
     counted = [trial for trial in trials if trial.outcome != "became true"]
     here = sum(trial.outcome == HIT for trial in counted)
-    open_ = sum(trial.outcome == "undecided" for trial in counted)
+    open_ = sum(trial.outcome in OPEN for trial in counted)
     total = max(1, len(counted))
-    print(f"{here / total:.2%} at the right record, {(here + open_) / total:.2%} that or undecided")
+    print(f"{here / total:.2%} at the right record, {(here + open_) / total:.2%} that or open")
     return here / total

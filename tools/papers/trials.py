@@ -26,6 +26,7 @@ from voronec.errors import VoronecError
 __all__ = ["HIT", "Fault", "Page", "Trial", "same_claim"]
 
 FAULTS = ("convention", "misprint")
+OPEN = ("not read", "undecided")
 HIT = "noticed at the right record"
 BRACKETS = frozenset("()[]{}")
 
@@ -95,7 +96,7 @@ class Page:
         wrong = [
             item
             for item in items(work.transcript)
-            if item.formulas and _worst(work.examine(item)) in ("misprint", "undecided")
+            if item.formulas and _worst(work.examine(item)) in ("misprint", *OPEN)
         ]
         seeking = self._work(self.source, self._spy[0], True)
         mends: dict[str, list[tuple[int, int, str]]] = {}
@@ -205,8 +206,8 @@ class Page:
         for item in self._dependents(place, display):
             twin = next(i for i in items(work.transcript) if i.ordinal == item.ordinal)
             after, before = work.examine(twin), self.before(item)
-            if _worst(after) != _worst(before) and _worst(after) in ("undecided", *FAULTS):
-                outcome = "undecided" if _worst(after) == "undecided" else "noticed elsewhere"
+            if _worst(after) != _worst(before) and _worst(after) in (*OPEN, *FAULTS):
+                outcome = _worst(after) if _worst(after) in OPEN else "noticed elsewhere"
                 return Trial(outcome, f"{item.designation}: {_tell(after)}")
         return None
 
@@ -256,12 +257,12 @@ class Page:
                 continue
             found = work.examine(item)
             before = "proved" if old is None else _worst(self.before(old))
-            if _worst(found) == "undecided":
+            if _worst(found) in OPEN:
                 found = replace(work, corrects=True).examine(item)
             if _worst(found) in FAULTS and _worst(found) != before:
                 return Trial(HIT, _tell(found), _fault(work, old, item, found))
-            if _worst(found) == "undecided" != before:
-                return Trial("undecided", _tell(found))
+            if _worst(found) in OPEN and _worst(found) != before:
+                return Trial(_worst(found), _tell(found))
         return None
 
     def _dependents(self, place: int, display: Display) -> Iterator[AuditItem]:

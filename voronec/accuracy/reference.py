@@ -1,100 +1,156 @@
-"""A reference solution: outputs on a grid, and how far two independent runs of it agree."""
+"""A motion of proved accuracy: two independent runs in many digits that agree.
+
+One run is made on the coordinates, one on the invariants where the outputs have a meaning there:
+equations derived apart, with other cancellations.  Where it can be, the two are also different
+integrators.  Their difference is the accuracy that is stated.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from functools import partial
 
-import mpmath
 import numpy as np
 
-__all__ = ["UNIT", "ReferenceSolution", "difference", "output_sizes"]
+from voronec.accuracy.precise_motion import precise_integrator
+from voronec.accuracy.problem import ProblemLevel, ReferenceProblem, level
+from voronec.accuracy.solution import UNIT, ReferenceSolution, agreement
+from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
+from voronec.motion import integrate
+from voronec.motion.methods import METHODS
 
-UNIT = 2.0**-53
-"""The largest relative error of rounding to a double."""
-NOTHING = 1e-20
-"""An output that stays below this is zero, and is compared absolutely: |o| is one."""
-FINEST_DIGITS = 80
-"""Digits in which two runs are compared: more than any of their numbers has."""
+__all__ = ["ACCURACY", "closed_form_reference", "closed_form_values", "reference", "taylor_values"]
+
+ACCURACY = 1e-13
+"""The accuracy that a reference must have, relative to the size of each output."""
+DIGITS = (24, 32, 50)
+"""The digits of the runs; the next number is tried where one does not suffice."""
+CROSS_SPAN = 60.0
+"""Over so many units of time a closed form is held against an integration."""
+CROSS_INSTANTS = 41
+"""At so many instants."""
+LONG = 60.0
+"""Beyond this span, in units of time, flint is left out where heyoka can run both."""
+
+Values = Mapping[str, np.ndarray]
+Run = tuple[str, Callable[[], Values]]
+"""What a run is called, and the run: output to values on the grid."""
 
 
-@dataclass(frozen=True, eq=False)
-class ReferenceSolution:
-    """Values of the outputs, each of shape (k,), on the times ``t`` (k,).
+def reference(problem: ReferenceProblem, needed: float = ACCURACY) -> ReferenceSolution:
+    """The motion of a problem, to ``needed`` or better on the part of its grid that is returned.
 
-    ``accuracy`` is the largest difference of the two runs in ``how``, relative to the size of the
-    output; ``note`` says so where they agree only on a part of the grid that was asked for.
-    ``condition``, where it is known, are the condition numbers of every output (k,).
+    Where the system declares its motion in closed form, that is the reference, on any grid, and
+    another run of many digits agrees with it over the first ``CROSS_SPAN`` units of time.  Raises
+    ``EngineLimit`` where no two independent runs can be made, and ``IntegrationError`` where
+    two agree on no part of the grid.
     """
-
-    t: np.ndarray
-    values: Mapping[str, np.ndarray]
-    accuracy: float
-    how: tuple[str, ...]
-    note: str = ""
-    condition: Mapping[str, np.ndarray] = field(default_factory=dict)
-
-    @property
-    def provenance(self) -> str:
-        """How it was made, in a line."""
-        return "; ".join(self.how)
-
-    @property
-    def largest_condition(self) -> float:
-        """The largest condition number of any output at any instant."""
-        return max(float(c.max()) for c in self.condition.values())
-
-    def errors(
-        self, values: Mapping[str, Any], angles: Collection[str] = ()
-    ) -> dict[str, np.ndarray]:
-        """The errors of outputs, as ``difference`` says."""
-        return {n: difference(x, self.values[n], n in angles) for n, x in values.items()}
-
-    def as_dict(self) -> dict[str, Any]:
-        """Plain data for JSON; condition numbers to three digits."""
-        return {
-            "t": self.t.tolist(),
-            "values": {n: x.tolist() for n, x in self.values.items()},
-            "condition": {n: [float(f"{c:.3g}") for c in x] for n, x in self.condition.items()},
-            "agreed": float(f"{self.accuracy:.2g}"),
-            "made": self.provenance,
-        }
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> ReferenceSolution:
-        """From plain data."""
-        values, condition = (
-            {n: np.array(x) for n, x in data[k].items()} for k in ("values", "condition")
+    best = closed_form_reference(problem, needed)
+    for digits in () if best is not None else DIGITS:
+        runs = [(name, run()) for name, run in _two_runs(problem, digits)]
+        found = agreement(problem.grid, runs, needed, problem.angles)
+        if found is not None and (best is None or len(found.t) > len(best.t)):
+            best = found
+        if best is not None and len(best.t) == len(problem.grid):
+            break
+    if best is None:
+        raise IntegrationError(
+            f"system '{problem.system.name}': two runs of {DIGITS[-1]} digits agree to {needed:g} "
+            "on no part of the grid, so there is no reference; take a shorter time"
         )
-        how = tuple(str(data["made"]).split("; "))
-        return cls(np.array(data["t"]), values, float(data["agreed"]), how, condition=condition)
+    return replace(best, accuracy=max(best.accuracy, UNIT))
 
 
-def output_sizes(outputs: np.ndarray) -> np.ndarray:
-    """|o|, the largest value of every output (k, m) or (k,); one where it is always nothing."""
-    largest = np.abs(outputs.astype(float)).max(axis=0)
-    return np.where(largest > NOTHING, largest, 1.0)
+def closed_form_reference(problem: ReferenceProblem, needed: float) -> ReferenceSolution | None:
+    """The enclosed motion, where there is one and an independent run agrees with it."""
+    if problem.system.motion is None:
+        return None
+    start, end = float(problem.grid[0]), float(problem.grid[-1])
+    crossed = problem
+    if problem.span > CROSS_SPAN:
+        last = start + CROSS_SPAN * (1 if end > start else -1)
+        crossed = replace(problem, grid=np.linspace(start, last, CROSS_INSTANTS))
+    try:
+        name, run = _two_runs(crossed, DIGITS[0])[0]
+        said = f"the closed form, enclosed to {DIGITS[0] + 5} digits"
+        runs = [(said, closed_form_values(crossed)), (name, run())]
+        found = agreement(crossed.grid, runs, needed, problem.angles)
+        if found is None or len(found.t) < len(crossed.grid):
+            return None
+        if crossed is problem:
+            return found
+        values = {n: np.asarray(x, dtype=float) for n, x in closed_form_values(problem).items()}
+    except (DefinitionError, EngineLimit, IntegrationError):
+        return None
+    note = f"the two agree up to t = {last:g}; later there is the closed form alone, enclosed"
+    return replace(found, t=problem.grid, values=values, note=note)
 
 
-def difference(values: Any, exact: Any, angle: bool = False) -> np.ndarray:
-    """|values - exact| (k,) or (k, m), relative to the output's largest size.
-
-    Of an angle the difference is taken modulo 2 pi, in radians.  Both may hold numbers of more
-    digits than a double has, each of its own kind: mpmath's or heyoka's.
-    """
-    values, exact = np.asarray(values), np.asarray(exact)
-    if object in (values.dtype, exact.dtype):
-        with mpmath.workdps(FINEST_DIGITS):
-            pairs = zip(values.flat, exact.flat, strict=True)
-            found = [float(_digits(a) - _digits(b)) for a, b in pairs]
-        apart = np.array(found).reshape(exact.shape)
-    else:
-        apart = np.asarray(values - exact, dtype=float)
-    if angle:
-        return np.abs((apart + np.pi) % (2 * np.pi) - np.pi)
-    return np.abs(apart) / output_sizes(exact)
+def closed_form_values(problem: ReferenceProblem) -> Values:
+    """The outputs as the declared motion gives them, enclosed to more digits than doubles hold."""
+    return _values_by(problem, "closed-form", DIGITS[0] + 5)
 
 
-def _digits(value: Any) -> Any:
-    return mpmath.mpf(value if isinstance(value, float | mpmath.mpf) else str(value))
+def taylor_values(at: ProblemLevel, tol: float) -> Values:
+    """The outputs by heyoka's Taylor method in an arithmetic that holds a tolerance; raises
+    ``EngineLimit`` without heyoka, ``IntegrationError`` where steps shrink to nothing."""
+    passage = precise_integrator(at, tol, varied=False).follow(at.problem.grid)
+    named = dict(zip(at.program.names, passage.outputs.T, strict=True))
+    return {n: named[n] for n in at.problem.outputs}
+
+
+def _values_by(
+    problem: ReferenceProblem, method: str, digits: int, besides: Sequence[str] = ()
+) -> Values:
+    """The outputs by a method of ours to so many digits, in a model that has others ``besides``."""
+    trajectory = integrate(
+        problem.equations, problem.bare, times=problem.grid, method=method,
+        outputs=[*(problem.expressions[n] for n in problem.outputs), *besides],
+        tol=10.0**-digits,
+    )  # fmt: skip
+    if trajectory.interrupted:
+        raise KeyboardInterrupt
+    return {n: trajectory[n] for n in problem.outputs}
+
+
+def _two_runs(problem: ReferenceProblem, digits: int) -> Sequence[Run]:
+    """The two most different runs there are."""
+    taylor = [] if METHODS["heyoka"].absence else _taylor_runs(problem, digits)
+    exact = _flint_runs(problem, digits)
+    if exact and taylor and (problem.span <= LONG or len(taylor) == 1):
+        return exact[-1], taylor[0]
+    for runs in (taylor, exact):
+        if len(runs) == 2:
+            return runs
+    raise EngineLimit(
+        f"system '{problem.system.name}': no two independent high-precision runs are possible "
+        "here, so there is no reference; install heyoka, or give outputs on the invariants"
+    )
+
+
+def _taylor_runs(problem: ReferenceProblem, digits: int) -> list[Run]:
+    """heyoka on the coordinates, and on the invariants where the equations close on them."""
+    levels = [level(problem, "coordinates")]
+    with suppress(VoronecError):
+        levels.append(level(problem, "invariants"))
+    say = "heyoka's Taylor method with {} digits, on the {}"
+    return [
+        (say.format(digits, at.name), partial(taylor_values, at, 10.0**-digits)) for at in levels
+    ]
+
+
+def _flint_runs(problem: ReferenceProblem, digits: int) -> list[Run]:
+    """Runs by our own arbitrary-precision integrator: of the full model, of the smallest one."""
+    try:
+        _values_by(replace(problem, grid=problem.grid[:1]), "flint", 20)
+    except (DefinitionError, EngineLimit):
+        return []
+    say, state = "our Taylor method 'flint' with {} digits, on the {}", tuple(problem.initial)
+    full = partial(_values_by, problem, "flint", digits, state)
+    small = partial(_values_by, problem, "flint", digits + 5)
+    return [
+        (say.format(digits, "coordinates"), full),
+        (say.format(digits + 5, "smallest model"), small),
+    ]

@@ -155,7 +155,10 @@ class Door:
             return se.exp(self._enter(expr.exp))
         if isinstance(expr, AppliedUndef):
             function = se.Function(str(expr.func.__name__))
-            return function(*[self._enter(a) for a in expr.args])
+            inside = function(*[self._enter(a) for a in expr.args])
+            if expr.func._kwargs:  # assumptions, with which it goes out again
+                self._outward.setdefault(inside, expr)
+            return inside
         if isinstance(expr, sp.Derivative):
             return self._derivative(expr)
         if isinstance(expr, sp.Subs):
@@ -181,6 +184,8 @@ class Door:
         if name in _OF_RECIPROCALS:
             return _OF_RECIPROCALS[name](1 / self._enter(expr.args[0]))
         pieces = written_with_signs(expr)
+        if pieces is None and isinstance(expr, sp.Function) and expr.doit() != expr:
+            pieces = expr.doit()  # a curve with a formula, as of muscles
         if pieces is not None:
             return self._enter(pieces)
         raise UnknownFunction(

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from math import factorial, lcm
 from typing import Any
 
 import flint
@@ -17,11 +18,13 @@ import sympy as sp
 
 from voronec.algebra.memo import remember
 from voronec.algebra.numeric_functions import elementary
+from voronec.algebra.ring import MANY_FOLD
 from voronec.algebra.text import as_expression
 from voronec.errors import EngineLimit
 
 __all__ = ["Expansion", "FieldJet", "Span"]
 
+_T = sp.Symbol("t", real=True)
 Parts = list[Any]
 """Homogeneous parts, those of order 0 first."""
 
@@ -34,17 +37,20 @@ class Expansion:
     """
 
     def __init__(self, point: Mapping[Any, Any], variables: Sequence[Any], order: int) -> None:
-        names = [f"h{i}" for i in range(len(variables))]
+        places = [x for x in map(as_expression, point.values()) if x.is_Rational]
+        self._unit = sp.Rational(1, lcm(*(int(x.q) for x in places)))
+        names = [*(f"h{i}" for i in range(len(variables))), "t"]
         self._context = flint.fmpq_mpoly_ctx.get(names, flint.Ordering.degrevlex)
         self._order = order
         # each variable is its value and a step from there, which has a letter of its own
         letters = [se.Symbol(f"step of {x}") for x in variables]
         self._moved = {x: point[x] + step for x, step in zip(variables, letters, strict=True)}
         self._point = {**point, **dict.fromkeys(letters, se.Integer(0))}
-        gens = self._context.gens()
+        gens = self._context.gens()[: len(letters)]
         self._steps = dict(zip([*variables, *letters], [*gens, *gens], strict=True))
         self._zero = self._context.constant(0)
         self._known: dict[Any, Parts] = {}
+        self._values: dict[Any, Any] = {}
 
     def field(self, components: Sequence[Any]) -> FieldJet:
         """A vector field by its components along the variables."""
@@ -54,9 +60,9 @@ class Expansion:
     def of(self, expr: Any) -> Parts:
         """The parts of an expression, of order 0, 1, ..."""
         if expr in self._steps:
-            return [self._constant(self._value(expr)), self._steps[expr], *self._blank(2)]
+            return [self._value(expr), self._steps[expr], *self._blank(2)]
         if not expr.free_symbols & self._steps.keys():
-            return [self._constant(self._value(expr)), *self._blank(1)]
+            return [self._value(expr), *self._blank(1)]
         if isinstance(expr, se.Add):
             columns = zip(*map(self.of, expr.args), strict=True)
             return [sum(column, self._zero) for column in columns]
@@ -65,27 +71,45 @@ class Expansion:
             for factor in expr.args[1:]:
                 total = self._product(total, self.of(factor))
             return total
-        if isinstance(expr, se.Pow) and expr.args[1].is_Number:
-            return self._power(expr)
         return self._function(expr)
 
     def _blank(self, first: int) -> Parts:
         return [self._zero] * (self._order + 1 - first)
 
-    def _constant(self, value: Any) -> Any:
-        return self._context.constant(flint.fmpq(int(value.p), int(value.q)))
-
-    def _value(self, expr: Any) -> sp.Rational:
-        """The exact value at the point."""
+    @remember("_values")
+    def _value(self, expr: Any) -> Any:
+        """The exact value at the point, rational in t where it holds sines of numbers."""
         value = as_expression(expr.xreplace(self._point))
+        if value.has(sp.zoo):
+            raise EngineLimit(f"'{as_expression(expr)}' is singular at this point; give another")
         if value.has(sp.sin, sp.cos, sp.tan):
             value = sp.expand(sp.expand_trig(value))  # of 2*atan(3/4), say
-        if not value.is_Rational:
+            value = value.xreplace({f: self._rational_in_t(f) for f in value.atoms(sp.sin, sp.cos)})
+        if value.is_Rational:
+            return self._context.constant(flint.fmpq(int(value.p), int(value.q)))
+        above, below = (e.as_poly(_T) for e in sp.fraction(sp.together(value)))
+        if above is None or below is None or not (above * below).domain.is_ZZ:
             raise EngineLimit(
                 f"at this point '{as_expression(expr)}' = {value} is no rational number; give a "
-                "point where all is rational, such as angles that are zero or atan(3/4)"
+                "point where all is rational, such as angles that are numbers or atan(3/4)"
             )
-        return value
+        still = [0 for _ in self._moved]
+        return _Ratio.of(
+            *(
+                self._context.from_dict({(*still, e): int(c) for (e,), c in poly.terms()})
+                for poly in (above, below)
+            )
+        )
+
+    def _rational_in_t(self, function: sp.Expr) -> sp.Expr:
+        """Cosine or sine of k/d, with t = tan(1/(2 d)), which is transcendental: real and imaginary
+        part of (1 + i t)^(2 k)/(1 + t^2)^k."""
+        fold = function.args[0] / self._unit
+        if not fold.is_Integer or abs(fold) > MANY_FOLD:
+            return function
+        parts = sp.expand((1 + sp.I * _T) ** (2 * abs(fold))).as_real_imag()
+        part = parts[0] if isinstance(function, sp.cos) else sp.sign(fold) * parts[1]
+        return part / (1 + _T**2) ** abs(fold)
 
     def _product(self, a: Parts, b: Parts) -> Parts:
         pairs = range(self._order + 1)
@@ -94,78 +118,40 @@ class Expansion:
             for k in pairs
         ]
 
-    def _power(self, expr: Any) -> Parts:
-        """b = a^e: a_0 k b_k = sum_(i > 0) (e i - (k - i)) a_i b_(k - i)."""
-        base, exponent = self.of(expr.args[0]), as_expression(expr.args[1])
-        if exponent.is_Integer and exponent > 0:
-            total = base
-            for _ in range(int(exponent) - 1):
-                total = self._product(total, base)
-            return total
-        if base[0] == 0:
-            raise EngineLimit(f"'{as_expression(expr)}' is singular at this point; give another")
-        e = flint.fmpq(int(exponent.p), int(exponent.q))
-        scale, parts = 1 / _rational(base[0]), [self._constant(self._value(expr))]
-        for k in range(1, self._order + 1):
-            terms = ((e * i - (k - i)) * base[i] * parts[k - i] for i in range(1, k + 1))
-            parts.append(sum(terms, self._zero) * (scale / k))
-        return parts
-
     def _function(self, expr: Any) -> Parts:
-        """f(a) by the recurrences of sin and cos, exp, log; others in terms of these."""
-        spelled = _BY_SINES.get(type(expr))
-        if spelled is not None:
-            return self.of(se.sympify(spelled(*expr.args)))
-        if isinstance(expr, se.Pow):
-            base, exponent = expr.args
-            if base != se.E:
-                return self.of(se.exp(exponent * se.log(base)))
-            return self._solve_linear(exponent, [expr], lambda own, k: [own[0]])[0]
-        inner = expr.args[0]
-        if isinstance(expr, se.sin | se.cos):
-            pair = self._solve_linear(
-                inner, [se.sin(inner), se.cos(inner)], lambda own, k: [own[1], -own[0]]
-            )
-            return pair[isinstance(expr, se.cos)]
-        if isinstance(expr, se.log):
-            slope = self.of(1 / inner)
-            parts = [self._constant(self._value(expr))]
-            a = self.of(inner)
-            for k in range(1, self._order + 1):
-                terms = (i * a[i] * slope[k - i] for i in range(1, k + 1))
-                parts.append(sum(terms, self._zero) * flint.fmpq(1, k))
-            return parts
-        plain = elementary(expr)
-        if plain == expr:
-            raise EngineLimit(
-                f"'{as_expression(expr)}' has no expansion here; use smooth functions"
-            )
-        return self.of(plain)
-
-    def _solve_linear(
-        self, inner: Any, functions: Sequence[Any], slopes: Callable[[list[Any], int], list[Any]]
-    ) -> list[Parts]:
-        """Functions of one argument whose derivatives are linear in them."""
-        a = self._angle_parts(inner)
-        parts = [[self._constant(self._value(f))] for f in functions]
-        for k in range(1, self._order + 1):
-            sums = [self._zero for _ in functions]
-            for i in range(1, k + 1):
-                if a[i] != 0:
-                    rates = slopes([p[k - i] for p in parts], k)
-                    sums = [s + i * a[i] * r for s, r in zip(sums, rates, strict=True)]
-            for own, total in zip(parts, sums, strict=True):
-                own.append(total * flint.fmpq(1, k))
-        return parts
+        """f(a) = f(a_0) + f'(a_0) (a - a_0) + ...; of some functions in terms of others."""
+        if not isinstance(expr, _SMOOTH):
+            spelled = _BY_SINES.get(type(expr))
+            plain = se.sympify(spelled(*expr.args)) if spelled else elementary(expr)
+            if plain == expr:
+                name = as_expression(expr)
+                raise EngineLimit(f"'{name}' has no expansion here; use smooth functions")
+            return self.of(plain)
+        inner = expr.args[-1]
+        if isinstance(expr, se.Pow) and inner.is_Number:
+            inner = expr.args[0]
+            change = self.of(inner)
+        elif isinstance(expr, se.Pow) and expr.args[0] != se.E:
+            return self.of(se.exp(inner * se.log(expr.args[0])))
+        else:
+            change = self._angle_parts(inner)
+        change = [self._zero, *change[1:]]
+        argument = se.Symbol("argument")
+        slope = expr.func(*[argument if a == inner else a for a in expr.args])
+        total, power = [*self._blank(0)], [self._zero + 1, *self._blank(1)]
+        for k in range(self._order + 1):
+            factor = self._value(slope.xreplace({argument: inner})) * flint.fmpq(1, factorial(k))
+            total = [a + factor * b for a, b in zip(total, power, strict=True)]
+            power, slope = self._product(power, change), slope.diff(argument)
+        return total
 
     def _angle_parts(self, expr: Any) -> Parts:
         """The parts of an angle above order 0; its own value, as pi/2, need not be rational."""
         constant = expr.xreplace(self._point)
-        if as_expression(constant).is_Rational:
-            return self.of(expr)
         return self.of((expr.xreplace(self._moved) - constant).expand())
 
 
+_SMOOTH = (se.sin, se.cos, se.log, se.Pow)
 _BY_SINES: dict[type, Callable[..., Any]] = {
     se.tan: lambda a: se.sin(a) / se.cos(a),
     se.cot: lambda a: se.cos(a) / se.sin(a),
@@ -177,9 +163,67 @@ _BY_SINES: dict[type, Callable[..., Any]] = {
 }
 
 
-def _rational(poly: Any) -> Any:
-    """The value of a constant polynomial."""
-    return next(iter(poly.to_dict().values()), flint.fmpq(0))
+@dataclass(frozen=True)
+class _Ratio:
+    """A polynomial over one in t, the last generator, without common factors."""
+
+    above: Any
+    below: Any
+
+    @classmethod
+    def of(cls, above: Any, below: Any) -> _Ratio:
+        """In lowest terms."""
+        common = above.gcd(below)
+        return cls(above / common, below / common)
+
+    def __add__(self, other: Any) -> _Ratio:
+        if not isinstance(other, _Ratio):
+            return _Ratio(self.above + other * self.below, self.below)
+        above = self.above * other.below + other.above * self.below
+        return _Ratio.of(above, self.below * other.below)
+
+    def __mul__(self, other: Any) -> _Ratio:
+        if not isinstance(other, _Ratio):
+            return _Ratio.of(self.above * other, self.below)
+        return _Ratio.of(self.above * other.above, self.below * other.below)
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __neg__(self) -> _Ratio:
+        return _Ratio(-self.above, self.below)
+
+    def __sub__(self, other: Any) -> _Ratio:
+        return self + -other
+
+    def __rsub__(self, other: Any) -> _Ratio:
+        return -self + other
+
+    def __truediv__(self, other: Any) -> _Ratio:
+        return self * (flint.fmpq(1) / other)
+
+    def __rtruediv__(self, other: Any) -> _Ratio:
+        return _Ratio(self.below, self.above) * other
+
+    def __eq__(self, other: object) -> bool:
+        return bool(self.above == other * self.below)
+
+    def derivative(self, j: int) -> _Ratio:
+        """By another generator than t."""
+        return _Ratio.of(self.above.derivative(j), self.below)
+
+    def to_dict(self) -> dict[Any, Any]:
+        """The coefficients, of powers of t together."""
+        found: dict[Any, Any] = {}
+        t = self.above.context().gens()[-1]
+        for monomial, c in self.above.to_dict().items():
+            key = (*monomial[:-1], 0)
+            found[key] = found.get(key, 0 * t) + c * t ** int(monomial[-1])
+        return {key: _Ratio.of(above, self.below) for key, above in found.items()}
+
+
+def _number(constant: Any) -> Any:
+    """The value of a constant."""
+    return next(iter(constant.to_dict().values()), flint.fmpq(0))
 
 
 @dataclass(frozen=True)
@@ -191,7 +235,7 @@ class FieldJet:
     @property
     def value(self) -> dict[Any, Any]:
         """The vector at the point: {component: number}, those that are not zero."""
-        found = {i: _rational(parts[0]) for i, parts in enumerate(self.components)}
+        found = {i: _number(parts[0]) for i, parts in enumerate(self.components)}
         return {i: x for i, x in found.items() if x != 0}
 
     @property

@@ -6,7 +6,7 @@ what comes out encloses the exact value: a ball that excludes zero is a proof.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from operator import methodcaller
 from typing import Any
@@ -93,10 +93,11 @@ class Tape:
 
     ``atoms`` are the symbols, unknown functions and their derivatives it needs values for, by
     name: equal sums may hold their terms in another order, and what is drawn for atoms, or kept
-    for equal expressions, is not to depend on that.
+    for equal expressions, is not to depend on that.  ``given`` are expressions taken for atoms.
     """
 
-    def __init__(self, exprs: Sequence[Any]) -> None:
+    def __init__(self, exprs: Sequence[Any], given: Iterable[Any] = ()) -> None:
+        self._given = {*given}
         self._atom_slots: dict[Any, int] = {}
         self._constants: list[tuple[int, Any]] = []
         self._code: list[tuple[int, Callable[..., Any], tuple[int, ...]]] = []
@@ -116,17 +117,25 @@ class Tape:
         A value outside the real domain of a function comes out as a ball that is not finite.
         """
         with flint.ctx.workprec(bits):
-            values: list[Any] = [None] * len(self._slots)
-            for slot, constant in self._constants:
-                values[slot] = constant() if callable(constant) else flint.arb(constant)
-            for atom, slot in self._atom_slots.items():
+            values = {}
+            for atom in self._atom_slots:
                 given = point.get(atom, point.get(str(atom)))
                 if given is None:
                     raise DefinitionError(f"no value is given for '{atom}'")
-                values[slot] = as_ball(given)
-            for slot, operation, arguments in self._code:
-                values[slot] = operation(*[values[a] for a in arguments])
-            return [values[slot] for slot in self._outputs]
+                values[atom] = as_ball(given)
+            return self.run(values, lambda c: c() if callable(c) else flint.arb(c))
+
+    def run(self, point: Mapping[Any, Any], number: Callable[[Any], Any]) -> list[Any]:
+        """All expressions in the arithmetic that the values of the atoms have, and of which
+        ``number`` makes one of a ``flint.fmpq``, or of what computes pi or e."""
+        values: list[Any] = [None] * len(self._slots)
+        for slot, constant in self._constants:
+            values[slot] = number(constant)
+        for atom, slot in self._atom_slots.items():
+            values[slot] = point[atom]
+        for slot, operation, arguments in self._code:
+            values[slot] = operation(*[values[a] for a in arguments])
+        return [values[slot] for slot in self._outputs]
 
     def _new(self, expr: Any) -> int:
         slot = self._slots[expr] = len(self._slots)
@@ -136,7 +145,7 @@ class Tape:
         known = self._slots.get(expr)
         if known is not None:
             return known
-        if is_atom(expr):
+        if is_atom(expr) or expr in self._given:
             self._atom_slots[expr] = self._new(expr)
             return self._atom_slots[expr]
         if is_flat(expr):

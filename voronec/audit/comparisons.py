@@ -14,7 +14,7 @@ from voronec.algebra.verdicts import prove_equal
 from voronec.audit.display import Check
 from voronec.audit.hooks import call_hook
 from voronec.audit.latex.nodes import Chain, Integral
-from voronec.audit.latex.tokens import Misprint
+from voronec.audit.latex.tokens import Misprint, Unfamiliar
 from voronec.audit.meaning import evaluate, rate
 from voronec.audit.structure import integrand, names_constant, new_names, whole_name
 from voronec.audit.study import Study
@@ -76,7 +76,7 @@ def _equal_parts(
     chain: Chain, study: Study, where: dict[str, int], new: set[str]
 ) -> Iterator[FormulaComparison]:
     if any(isinstance(p, Integral) and p.upper is None for p in chain.parts):
-        rates = [rate(p, study, where) for p in chain.parts]
+        rates = [study.motion.along(rate(p, study, where)) for p in chain.parts]
         for left, right in pairwise(rates):
             yield from _componentwise(left, right, where, "derivative along the motion")
         return
@@ -138,7 +138,7 @@ def _as_vectors(left: Any, right: Any) -> tuple[Any, Any]:
 def _equation(chain: Chain, check: Check, study: Study, where: dict[str, int]) -> FormulaComparison:
     _only_equalities(chain)
     if len(chain.parts) != 2:
-        raise Misprint("an equation of motion has two sides, one '=' between them")
+        raise Unfamiliar("an equation of motion has two sides, one '=' between them")
     left, right = (value_of(part, study, where) for part in chain.parts)
     truth = call_hook(check.truth, study, where) if check.truth else sp.Integer(0)
     return _along_the_motion((left, right), truth, study, where)

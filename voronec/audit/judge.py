@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, wraps
+from functools import wraps
 from itertools import combinations
 from typing import Any
 
@@ -25,9 +25,16 @@ from voronec.audit.display import Check, Decision
 from voronec.audit.formula import Formula
 from voronec.audit.hooks import HookError, call_hook
 from voronec.audit.latex.displays import Piece
-from voronec.audit.latex.nodes import Chain
+from voronec.audit.latex.nodes import Chain, walk
 from voronec.audit.latex.reader import read, read_tokens
-from voronec.audit.latex.tokens import ELLIPSES, Ambiguous, Misprint, Token
+from voronec.audit.latex.tokens import (
+    ELLIPSES,
+    Ambiguous,
+    Misprint,
+    Token,
+    Unfamiliar,
+    complain,
+)
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
 from voronec.audit.record import FormulaRecord
 from voronec.audit.sentence import Sentence
@@ -39,9 +46,9 @@ from voronec.audit.structure import (
     new_names,
     states_dependence,
 )
-from voronec.audit.study import Range, Study, UnknownRate
+from voronec.audit.study import Range, Study, UnknownRate, name_or_nothing
 from voronec.audit.transcript import Transcript, assignments
-from voronec.audit.verify import FormulaOutcome, by_range, verify
+from voronec.audit.verify import SLACK, FormulaOutcome, by_range, verify
 from voronec.audit.wording import (
     derived_latex,
     loose_index,
@@ -104,12 +111,10 @@ class SectionContext:
                 return True
         return False
 
-    @cached_property
-    def has_enough_formulas(self) -> bool:
-        """Whether enough other formulas are there to tell what the paper's letters are."""
-        displays = (*self.transcript.section.displays, *self.transcript.section.inline)
-        pieces = sum(len(unit.pieces) for display in displays for unit in display.units)
-        return pieces > OTHERS
+    @property
+    def complete(self) -> bool:
+        """Whether what is not known here is a fault of the print."""
+        return self.transcript.section.complete
 
     def refuse_unknown(self, where: str) -> None:
         """``DefinitionError`` where a check names a study, a range or a label that is not there."""
@@ -194,18 +199,16 @@ def judge_formula(
     chain: Chain | None = None
     try:
         study = bench.study(check)
-        try:
-            chain = formula.tree(study.vocabulary)
-        except DefinitionError as error:
-            record = _with_proposal(_unreadable(formula, check, bench, error), check, bench)
-            return replace(record, source=_source(record, check, bench)), None
+        chain = formula.tree(study.vocabulary)
         record = _judge_formula(formula, chain, check, study, bench)
         record = _elsewhere(record, formula, check, bench)
         record = replace(record, method=with_note(record, study))
     except HookError:
         raise
     except SENSELESS as error:
-        record = _with_proposal(_senseless(formula, check, bench, error), check, bench)
+        what = "cannot be read" if chain is None else "has no value"
+        record = _without_value(formula, check, bench, error, what)
+        record = _with_proposal(record, check, bench)
     return replace(record, says=check.says, source=_source(record, check, bench)), chain
 
 
@@ -219,30 +222,35 @@ def _source(record: FormulaRecord, check: Check, bench: SectionContext) -> str:
     return "; ".join(dict.fromkeys(s for s in several if s))
 
 
-def _unreadable(
-    formula: Formula, check: Check, bench: SectionContext, error: DefinitionError
+def _without_value(
+    formula: Formula, check: Check, bench: SectionContext, error: Exception, what: str
 ) -> FormulaRecord:
-    """What cannot be read as printed is a misprint where a small change makes it true, unless it
-    can be read in two ways."""
-    if isinstance(error, Ambiguous):
+    """What cannot be read, or has no value, is a misprint where that is a fault of the print; what
+    is not known is not read."""
+    if isinstance(error, UnknownRate) or not isinstance(error, FAULTS_OF_PRINT):
         return FormulaRecord(formula.printed, "undecided", str(error))
-    found = _made_true(formula, check, bench, f"it cannot be read as printed ({error})")
-    if found is None and isinstance(error, Misprint):
-        return FormulaRecord(formula.printed, "misprint", f"it cannot be read as printed: {error}")
-    return found or FormulaRecord(formula.printed, "undecided", f"it cannot be read: {error}")
+    unusual = isinstance(error, Unfamiliar) or not isinstance(error, Misprint)
+    if not isinstance(error, Ambiguous) and (bench.complete or not unusual):
+        found = _made_true(formula, check, bench, f"it {what} as printed ({error})")
+        if found is not None:
+            return found
+        fault = _meaningless(formula, check, bench, error)
+        if fault:
+            return FormulaRecord(formula.printed, "misprint", f"it {what} as printed: {fault}")
+    return FormulaRecord(
+        formula.printed, "not read", _message_with_place(formula, check, bench, error)
+    )
 
 
-def _senseless(
+def _message_with_place(
     formula: Formula, check: Check, bench: SectionContext, error: Exception
-) -> FormulaRecord:
-    """The same for what has no value as printed, such as a name that nothing introduces."""
-    found = None
-    if isinstance(error, FAULTS_OF_PRINT) and not isinstance(error, UnknownRate):
-        found = _made_true(formula, check, bench, f"it has no value as printed ({error})")
-    fault = "" if found is not None else _meaningless(formula, check, bench, error)
-    if fault:
-        return FormulaRecord(formula.printed, "misprint", f"it has no value as printed: {fault}")
-    return found or FormulaRecord(formula.printed, "undecided", str(error))
+) -> str:
+    """What is not known, with the place of the name."""
+    if not isinstance(error, UnknownName):
+        return str(error)
+    names = walk(formula.tree(bench.study(check).vocabulary))
+    at = next((n.at[0] for n in names if name_or_nothing(n) == error.name), formula.piece.at[0])
+    return str(complain(formula.unit.display, at, str(error)))
 
 
 def _meaningless(formula: Formula, check: Check, bench: SectionContext, error: Exception) -> str:
@@ -254,8 +262,6 @@ def _meaningless(formula: Formula, check: Check, bench: SectionContext, error: E
         return str(error)
     if not isinstance(error, UnknownName):
         return ""
-    if not bench.has_enough_formulas:
-        return ""  # it may be the dictionary that lacks it
     chain = formula.tree(bench.study(check).vocabulary)
     if check.role == "definition" and error.name in mentions(chain.parts[0]):
         return f"it introduces nothing, and '{error.name}' has no value"
@@ -263,9 +269,6 @@ def _meaningless(formula: Formula, check: Check, bench: SectionContext, error: E
         return ""
     return f"nothing introduces '{error.name}', and no other formula here has it"
 
-
-OTHERS = 3
-"""With more other formulas in its section, a letter that no one of them has was misprinted."""
 
 FAULTS_OF_PRINT = (DefinitionError, TypeError, ValueError, AttributeError)
 """What may be wrong in print: a name, a vector in the place of a number; no limit of the engine."""
@@ -332,6 +335,11 @@ def _judge_formula(
     if bench.prints:
         derived = derived_latex(chain, formula.unit.display, check, study, proved)
     if finding.verdict.refuted:
+        if formula.unit.condition and not bench.complete:
+            said = f"it is printed with '{formula.unit.condition}', and a condition is not read"
+            return FormulaRecord(printed, "not read", said, derived)
+        if finding.verdict == SLACK and not bench.complete:
+            return FormulaRecord(printed, "undecided", SLACK.method, derived)
         return _judge_refutation(formula, chain, check, study, finding, derived, bench)
     if proved and not finding.count and (unused := _unused_name(formula, chain, check, bench)):
         fault = f"it introduces '{unused}', which no other formula here has"
@@ -395,7 +403,7 @@ def _said_before(formula: Formula, chain: Chain, study: Study, bench: SectionCon
 def _unused_name(formula: Formula, chain: Chain, check: Check, bench: SectionContext) -> str:
     """A name that a definition introduces and nothing else has; else nothing."""
     names = sorted(new_names(chain, bench.study(check)))
-    if not bench.has_enough_formulas or any(
+    if not bench.complete or any(
         bench.is_mentioned(x, formula, check, anywhere=True) for x in names
     ):
         return ""
@@ -407,14 +415,18 @@ def _words(piece: Piece) -> list[list[str]]:
 
 
 UNIVERSAL = ("all", "any", "every", "each", "arbitrary")
-"""Words for what a formula that is proved holds for."""
+PARTIAL = ("some", "no")
+"""Words for what a formula that is proved holds for, and for what says less, or the opposite."""
 
 
 def _wrong_range(formula: Formula, chain: Chain, study: Study) -> str:
     """What is wrong with the printed ranges of the indices, ``i=1,\\dots,n``; else nothing."""
     phrase = formula.piece.phrase
     if phrase.startswith("for ") and phrase.split()[1] not in UNIVERSAL:
-        return f"it holds for all, and is printed '{phrase}'"
+        fault = f"it holds for all, and is printed '{phrase}'"
+        if phrase.split()[1] not in PARTIAL:
+            raise Unfamiliar(fault)
+        return fault
     for words in formula.piece.quantifiers:
         if any(word.text == "\\in" for word in words):
             fault = _wrong_domain([word.text for word in words], study)
@@ -425,11 +437,9 @@ def _wrong_range(formula: Formula, chain: Chain, study: Study) -> str:
             continue  # no range of an index
         letter, after = words[0].text, _last_part(words)
         if equal != [1] or letter not in study.indices:
-            return "the range of an index reads '" + " ".join(w.text for w in words) + "'"
+            raise Unfamiliar(f"the range of an index reads '{' '.join(w.text for w in words)}'")
         if letter not in free_indices(chain, study):
-            return (
-                f"a range is printed for the index {_spoken_name(letter)}, which is not free here"
-            )
+            raise Unfamiliar(f"the index {_spoken_name(letter)} of the range is not free here")
         top = read_tokens(words[after:], formula.unit.display, study.vocabulary)
         numbers = [word.text for word in words[2:after] if word.text not in (",", *ELLIPSES)]
         last = evaluate(top.parts[0], study)
@@ -448,7 +458,7 @@ def _wrong_domain(words: Sequence[str], study: Study) -> str:
     cut = words.index("\\in")
     vector, space = tight(" ".join(words[:cut])), tight(" ".join(words[cut + 1 :]))
     if vector not in study.domains:
-        return f"it is printed for all {vector}, of which nothing is known here"
+        raise Unfamiliar(f"it is printed for all {vector}, of which nothing is known here")
     if space != study.domains[vector]:
         return f"{vector} lies in {study.domains[vector]}, and is printed to lie in {space}"
     return ""

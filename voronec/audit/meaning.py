@@ -49,7 +49,7 @@ from voronec.audit.latex.nodes import (
     Wedge,
     walk,
 )
-from voronec.audit.latex.tokens import Misprint
+from voronec.audit.latex.tokens import Misprint, Unfamiliar
 from voronec.audit.latex.vocabulary import CALL
 from voronec.audit.structure import free_indices
 from voronec.audit.study import Study, UnknownRate, key_of, spell
@@ -94,6 +94,14 @@ def _call(node: Call, study: Study, where: Where) -> Any:
     if function is not None:
         return function(*[evaluate(a, study, where) for a in node.arguments])
     variables = _variables(study)
+    applied = getattr(node.function, "head", "") in study.functions
+    moving = variables | {rate for rate in study.motion.rates.values() if rate.is_Symbol}
+    if node.arguments == (Name("t"),) and not applied:
+        if value.free_symbols & moving:
+            return value  # x(t): what moves is a function of the time
+        raise DefinitionError(
+            f"'{_kind_or_key(node.function)}' is constant, and (t) stands behind it"
+        )
     if not value.free_symbols & variables:
         vectors = _two_vectors(node.arguments, study, where)
         if vectors is not None:
@@ -106,7 +114,8 @@ def _call(node: Call, study: Study, where: Where) -> Any:
             "its list of arguments leaves out"
         )
     if listed and value.free_symbols and not listed & value.free_symbols:
-        raise Misprint(f"'{_kind_or_key(node.function)}' depends on none of its arguments")
+        kind = Misprint if isinstance(node.function, Name) else Unfamiliar  # no rate: its value
+        raise kind(f"'{_kind_or_key(node.function)}' depends on none of its arguments")
     return value
 
 
@@ -115,12 +124,17 @@ def _variables(study: Study) -> set[sp.Expr]:
     return {*study.motion.rates, *study.motion.constrained, time}
 
 
-_MATRICES: dict[str, Callable[..., Any]] = {
-    "\\diag": sp.diag,
-    "\\det": sp.det,
-    "\\tr": sp.trace,
-}
-"""Functions of matrices, unless the dictionary has its own."""
+def _size(value: Any) -> Any:
+    if isinstance(value, sp.MatrixBase):
+        raise DefinitionError("the size of a vector is not read; write it with a scalar product")
+    return sp.Abs(value)
+
+
+_FUNCTIONS: dict[str, Callable[..., Any]] = {
+    "\\diag": sp.diag, "\\det": sp.det, "\\tr": sp.trace, "abs": _size, "sgn": sp.sign,
+    **{name: getattr(sp, name) for name in ("atan2", "floor", "ceiling", "Heaviside")},
+}  # fmt: skip
+"""Functions by name, unless the dictionary has its own."""
 
 
 def _function(node: Node, study: Study) -> Callable[..., Any] | None:
@@ -131,7 +145,7 @@ def _function(node: Node, study: Study) -> Callable[..., Any] | None:
         found = study.table.get(key)
         if callable(found) and not isinstance(found, sp.Basic):
             return found
-    return _MATRICES.get(node.head)
+    return _FUNCTIONS.get(node.head)
 
 
 def _two_vectors(
@@ -161,7 +175,7 @@ def _listed_symbols(items: tuple[Node, ...], study: Study, where: Where) -> set[
             raise Misprint(f"a list of arguments has '{_kind_or_key(item)}' twice")
         if not is_named(item):
             what = f"a list of arguments holds a {_kind_or_key(item).lower()}, which is no variable"
-            raise Misprint(what)
+            raise Unfamiliar(what)
         if isinstance(item, Name) and item.head in study.functions:
             raise Misprint(f"a list of arguments holds '{_kind_or_key(item)}', which is a function")
     values = _listed_values(items, study, where)
@@ -283,7 +297,7 @@ def _member(family: Any, values: list[int], name: str) -> Any:
             return family(*values)
         except (IndexError, KeyError):
             pass
-    raise Misprint(f"'{name}' has no member with the indices {values}")
+    raise Unfamiliar(f"'{name}' has no member with the indices {values}")
 
 
 def _integer(node: Node, study: Study, where: Where) -> int:
@@ -292,7 +306,7 @@ def _integer(node: Node, study: Study, where: Where) -> int:
     except UnknownName:
         raise UnknownName(spell(node), index=True) from None
     if not getattr(value, "is_Integer", False):
-        raise Misprint(f"the index '{spell(node)}' has no integer value")
+        raise Unfamiliar(f"the index '{spell(node)}' has no integer value")
     return int(value)
 
 
@@ -321,10 +335,16 @@ def _dot(node: Dot, study: Study, where: Where) -> Any:
     return value
 
 
+def _require_variations(study: Study) -> None:
+    if not study.variations:
+        raise Unfamiliar("variations are not read here; write what holds along the motion")
+
+
 def _variation(node: Variation, study: Study, where: Where) -> Any:
     known = _known(node, study, where) if is_named(node) else None
     if known is not None:
         return known
+    _require_variations(study)
     value = study.motion.restrict(evaluate(node.body, study, where))
     return sp.Add(*[sp.diff(value, x) * d for x, d in study.variations.items() if value.has(x)])
 
@@ -354,6 +374,7 @@ def _differential(node: Differential, study: Study, where: Where) -> Any:
 
 
 def _wedge(node: Wedge, study: Study, where: Where) -> Any:
+    _require_variations(study)
     left, right = evaluate(node.left, study, where), evaluate(node.right, study, where)
     varied = {study.motion.rates.get(x, velocity(x)): d for x, d in study.variations.items()}
     return left * right.xreplace(varied) - left.xreplace(varied) * right
@@ -370,20 +391,41 @@ def _partial(node: Partial, study: Study, where: Where) -> Any:
         if isinstance(variable, Name) and variable.sup and not value.has(symbol):
             place, symbol = symbol, _variable(Name(variable.head, variable.sub), study, where)
             places[symbol] = place
+        _refuse_doubtful(value, symbol, study)
         value = sp.diff(value, symbol)
     return value.xreplace(places)
+
+
+def _refuse_doubtful(value: Any, symbol: sp.Symbol, study: Study) -> None:
+    """A derivative by a velocity that a function does not hold, which holds those of another frame,
+    or of what moves by t: one book takes it on the motion, and another with everything else held.
+    """
+    quasi, dots = study.motion.quasi, study.motion.constrained.keys()
+    held = getattr(value, "free_symbols", {symbol})
+    mixed = (symbol in quasi and held & dots) or (symbol in dots and held & quasi)
+    if symbol not in held and mixed:
+        raise Unfamiliar("no velocities of a frame stand in this; take those of the coordinates")
+    if symbol == time and value in study.motion.rates:
+        raise Unfamiliar("this may be a rate, or zero; a derivative along the motion has d")
 
 
 def _variable(node: Node, study: Study, where: Where) -> sp.Symbol:
     symbol = evaluate(node, study, where)
     if not isinstance(symbol, sp.Symbol):
-        raise Misprint(f"'{_kind_or_key(node)}' is not a variable to differentiate by")
+        raise Unfamiliar(f"'{_kind_or_key(node)}' is not a variable to differentiate by")
     return symbol
 
 
 def _derivative(node: Derivative, study: Study, where: Where) -> Any:
     value = evaluate(node.body, study, where)
     variable = evaluate(node.variable, study, where)
+    if variable != time and (value.free_symbols & _variables(study)) - {variable}:
+        symbols = isinstance(value, sp.Symbol) and isinstance(variable, sp.Symbol)
+        below = _dot(Dot(node.variable), study, where) if symbols and node.order == 1 else 0
+        if below == 0:
+            what = "a derivative with d is by t; write \\partial, or rates: \\dot y/\\dot x"
+            raise DefinitionError(what)
+        return _dot(Dot(node.body), study, where) / below  # along the motion
     for _ in range(node.order):
         value = study.motion.derivative(value) if variable == time else sp.diff(value, variable)
     return value
@@ -403,10 +445,10 @@ def _power(node: Power, study: Study, where: Where) -> Any:
     exponent = evaluate(node.exponent, study, where)
     if isinstance(base, sp.MatrixBase) and not base.is_square:
         if exponent != 2:
-            raise Misprint("a vector has a square, but no other power")
+            raise Unfamiliar("a vector has a square, but no other power")
         return base.dot(base)
     if isinstance(base, sp.MatrixBase) and not exponent.is_Integer:
-        raise Misprint("the power of a matrix must be an integer")
+        raise Unfamiliar("the power of a matrix must be an integer")
     if base == 0 and exponent.is_negative:
         raise _division_by_zero(node.base, study, where)
     return base**exponent
@@ -437,6 +479,13 @@ def _product(node: Product, study: Study, where: Where) -> Any:
     return value
 
 
+def _cross(node: Cross, study: Study, where: Where) -> Any:
+    """The product of two vectors; of two numbers, their product."""
+    left, right = evaluate(node.left, study, where), evaluate(node.right, study, where)
+    numbers = not isinstance(left, sp.MatrixBase) and not isinstance(right, sp.MatrixBase)
+    return left * right if numbers else left.cross(right)
+
+
 def _add(values: list[Any]) -> Any:
     if any(isinstance(v, sp.MatrixBase) for v in values):
         values = [v for v in values if v != 0]  # an empty sum may stand beside vectors
@@ -465,7 +514,7 @@ _RULES: dict[type, Callable[[Any, Study, Where], Any]] = {
     ),
     Elementary: lambda n, s, w: ELEMENTARY[n.function](evaluate(n.argument, s, w)),
     Call: _call,
-    Cross: lambda n, s, w: evaluate(n.left, s, w).cross(evaluate(n.right, s, w)),
+    Cross: _cross,
     Listing: _listing,
     Partial: _partial,
     Derivative: _derivative,

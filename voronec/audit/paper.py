@@ -25,6 +25,9 @@ class Section:
         formulas of the running text, as LaTeX with its dollar signs.
     sentences
         what the running text states in words, quoted letter for letter.
+    complete
+        the dictionaries hold every letter of the section, and the reader knows all its signs: what
+        is not known is then a fault of the print.  Without it, that is not read.
     """
 
     title: str
@@ -33,6 +36,7 @@ class Section:
     label: str | None = None
     inline: tuple[Display, ...] = ()
     sentences: tuple[Sentence, ...] = ()
+    complete: bool = False
 
 
 @dataclass(frozen=True)

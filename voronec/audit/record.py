@@ -14,6 +14,7 @@ VERDICTS = (
     "cited",
     "unaudited",
     "convention",
+    "not read",
     "undecided",
     "misprint",
 )

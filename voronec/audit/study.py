@@ -57,6 +57,7 @@ class Motion:
     that is its own value is free, as where forces are arbitrary.
     ``constants``: the symbols that do not change; None for all that have no rate, as long as they
     are no rates themselves.
+    ``quasi``: the velocities of a frame, which are those of no coordinates.
 
     Raises ``DefinitionError`` for an acceleration that is the rate of no symbol.
     """
@@ -65,6 +66,7 @@ class Motion:
     constrained: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
     accelerations: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
     constants: frozenset[sp.Expr] | None = None
+    quasi: frozenset[sp.Expr] = frozenset()
 
     def __post_init__(self) -> None:
         known = set(self.rates.values())
@@ -84,7 +86,8 @@ class Motion:
         constrained = {velocity(q): rate for q, rate in rates.items() if velocity(q) != rate}
         rates |= {v: velocity(v) for v in eqs.velocities}
         constants = frozenset(p.symbol for p in eqs.system.parameters)
-        return cls(rates | dict(more or {}), constrained, constants=constants)
+        quasi = frozenset(eqs.velocities) - {velocity(q) for q in eqs.coordinates}
+        return cls(rates | dict(more or {}), constrained, constants=constants, quasi=quasi)
 
     def solved(self, eqs: Any) -> Motion:
         """The same with the accelerations vdot = mass^-1 force."""
@@ -262,6 +265,7 @@ class Study:
             self.numbered,
             narrow_functions=self.narrow_functions,
             variations="\\delta" not in heads.values(),
+            differentials="d" not in heads.values(),
         )
 
     @cached_property

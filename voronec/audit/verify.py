@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
+import sympy as sp
+
 from voronec.algebra.signs import prove_inequality
 from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import Verdict, prove_equal
@@ -17,7 +19,7 @@ from voronec.audit.latex.nodes import Chain, Integral, Name, Number, walk
 from voronec.audit.structure import bare_letter, integrand, says_nothing
 from voronec.audit.study import Range, Study, key_of
 
-__all__ = ["FormulaOutcome", "by_range", "omission", "verify"]
+__all__ = ["SLACK", "FormulaOutcome", "by_range", "omission", "verify"]
 
 
 @dataclass(frozen=True)
@@ -73,8 +75,11 @@ def verify(chain: Chain, check: Check, study: Study) -> FormulaOutcome:
     if any(_are_equal(gap, study) for gap in gaps):
         return FormulaOutcome(SLACK, None, finding.count)
     ordered = by_range(study, check.within, lambda _, where: _order_verdict(gaps, where))
-    if not study.ranges and ordered.verdict.refuted:
-        return FormulaOutcome(NEEDS_SIGNS)
+    if ordered.verdict.refuted:
+        if any(_has_unknown_accelerations(a - b, study) for a, _, b in gaps):
+            return FormulaOutcome(NEEDS_ACCELERATIONS)
+        if not study.ranges:
+            return FormulaOutcome(NEEDS_SIGNS)
     return ordered if finding.count == 0 else replace(ordered, count=finding.count + len(gaps))
 
 
@@ -123,10 +128,21 @@ def _equal(comparison: FormulaComparison, check: Check, study: Study) -> Verdict
     moves = check.role != "definition" and _has_unknown_accelerations(left - right, study)
     if verdict.refuted and moves:
         return NEEDS_ACCELERATIONS
+    if verdict.refuted and not study.ranges and _hangs_on_signs(left, right):
+        return NEEDS_SIGNS
     free = comparison.free
     if verdict.proved and free is not None and prove_equal(free, 0, study.relations).proved:
         return IDLE
     return verdict
+
+
+def _hangs_on_signs(left: Any, right: Any) -> bool:
+    """Whether sides have sizes, or roots with which they are equal for positive symbols."""
+    if (left - right).has(sp.Abs, sp.sign):
+        return True
+    roots = any(not power.exp.is_Integer for power in (left - right).atoms(sp.Pow))
+    positive = {x: sp.Symbol(f"{x}", positive=True) for x in (left - right).free_symbols}
+    return roots and prove_equal(left.xreplace(positive), right.xreplace(positive)).proved
 
 
 def _has_unknown_accelerations(value: Any, study: Study) -> bool:
@@ -138,10 +154,11 @@ def _has_unknown_accelerations(value: Any, study: Study) -> bool:
 
 
 def _inequalities(chain: Chain, study: Study) -> Iterator[tuple[Any, str, Any]]:
-    """The pairs of neighbouring parts between which an inequality stands."""
+    """The pairs of neighbouring parts between which an inequality stands, along the motion."""
+    along, given = study.motion.along, dict(study.given)
     for (left, right), relation in zip(pairwise(chain.parts), chain.relations, strict=True):
         if relation != "=":
-            sides = (value_of(part, study, {}) for part in (left, right))
+            sides = (along(value_of(part, study, {})).xreplace(given) for part in (left, right))
             yield next(sides), relation, next(sides)
 
 

@@ -232,7 +232,7 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
                "folder, or one .svg, .png or .pdf (./NAME-gallery; without NAME ./gallery)"),
     ),
     "bench": (
-        "benchmark", "measure the speed and the error of our methods and of others", SYSTEM, MOTION,
+        "benchmark", "measure the speed and the error of every method", SYSTEM, MOTION,
         Option("--outputs A,B", "what is compared (by default invariants and velocities, where "
                "their equations close)"),
         Option("--time T", "length of the motion (the scene's)"),

@@ -1,4 +1,4 @@
-"""``voronec bench``: every method and every peer against a reference, as speed against error."""
+"""``voronec bench``: every method of ours against a reference, as speed against error."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from voronec.errors import DefinitionError
 if TYPE_CHECKING:
     from voronec.accuracy.bench import Bench, Measured, Point
 
-__all__ = ["execute"]
+__all__ = ["execute", "report", "write"]
 
 TOLERANCE = 1e-9
 """That of the calls whose stages are shown, unless told."""
@@ -44,26 +44,27 @@ def execute(arguments: Namespace) -> int:
     if arguments.setup:
         return _show_calls(arguments, system.name, time, tolerances, values)
     folder = wanted_folder(arguments.out or f"{system.name}-bench")
-    from voronec.accuracy.bench import ask, measure, measure_setup
-    from voronec.accuracy.bench.runs import contenders
+    from voronec.accuracy.bench import contenders, measure, measure_setup, scene_problem
 
     methods = _words(arguments.methods)
     contenders(methods)  # refuses an unknown one before any work
     outputs = tuple(_words(arguments.outputs))
     with progress_line(f"{system.name}: deriving ..."):
-        question = ask(system, arguments.scene, outputs, time, parameters, initial, inputs=inputs)
+        problem = scene_problem(
+            system, arguments.scene, outputs, time, parameters, initial, inputs=inputs
+        )
         bench = measure(
-            question, methods, tolerances,
+            problem, methods, tolerances,
             setup=lambda: measure_setup(
-                arguments.system, arguments.scene, question.outputs, values=values
+                arguments.system, arguments.scene, problem.outputs, values=values
             ),
             say=lambda text: progress(f"{system.name}: {text} ..."),
         )  # fmt: skip
-    files = _write(bench, folder)
+    files = write(bench, folder)
     if arguments.json:
         print_json({**bench.as_dict(), "files": [str(f) for f in files]})
     else:
-        print("\n".join([*_report(bench), "wrote " + ", ".join(str(f) for f in files)]))
+        print("\n".join([*report(bench), "wrote " + ", ".join(str(f) for f in files)]))
     return 130 if bench.interrupted else 0
 
 
@@ -116,25 +117,27 @@ def _words(text: str | None) -> list[str]:
     return [word.strip() for word in (text or "").split(",") if word.strip()]
 
 
-def _write(bench: Bench, folder: Path) -> list[Path]:
+def write(bench: Bench, folder: Path) -> list[Path]:
+    """The measurement as ``bench.json``, ``bench.txt`` and ``work-precision.svg`` in a folder."""
     from voronec.accuracy.bench.work_precision_picture import plot_work_precision
     from voronec.motion.pictures.run_pictures import save
 
     with delivery(folder) as workshop:
         data = json.dumps(bench.as_dict(), indent=2, ensure_ascii=False)
         (workshop / "bench.json").write_text(data + "\n", encoding="utf-8")
-        (workshop / "bench.txt").write_text("\n".join(_report(bench)) + "\n", encoding="utf-8")
+        (workshop / "bench.txt").write_text("\n".join(report(bench)) + "\n", encoding="utf-8")
         with suppress(DefinitionError):  # no run succeeded; the table says why
             save(plot_work_precision(bench), workshop / "work-precision.svg")
         written = sorted(file.name for file in workshop.iterdir())
     return [folder / name for name in written]
 
 
-def _report(bench: Bench) -> list[str]:
-    question, reference = bench.question, bench.reference
-    grid = f"t from {question.grid[0]:g} to {reference.t[-1]:g}, {len(reference.t)} instants"
-    lines = [f"{question.system.name}, scene {question.scene}: {grid}"]
-    lines.append("outputs: " + ", ".join(question.outputs))
+def report(bench: Bench) -> list[str]:
+    """The lines that are printed of a measurement: its reference, its tables, who is absent."""
+    problem, reference = bench.problem, bench.reference
+    grid = f"t from {problem.grid[0]:g} to {reference.t[-1]:g}, {len(reference.t)} instants"
+    lines = [f"{problem.system.name}, scene {problem.scene}: {grid}"]
+    lines.append("outputs: " + ", ".join(problem.outputs))
     lines.append(f"reference: accurate to {reference.accuracy:.1e}, where these two agree:")
     lines += [f"  {how}" for how in reference.how]
     lines += [reference.note] if reference.note else []
@@ -155,8 +158,6 @@ def _report(bench: Bench) -> list[str]:
         if p.failed
     ]
     lines += [f"{m.name}: {m.note}" for m in bench.methods if m.note]
-    if any(m.name.startswith("mujoco") and m.good for m in bench.methods):
-        lines.append("MuJoCo solves a more general problem: contact and friction of many bodies.")
     if bench.interrupted:
         lines.append("stopped by hand; what was measured until then is above")
     return lines

@@ -37,7 +37,7 @@ def execute(arguments: Namespace) -> int:
 def _execute(arguments: Namespace, eqs: VoronecEquations, chosen: str | None) -> int:
     """Write what is asked for."""
     from voronec.equations.motions import Motions
-    from voronec.equations.voronec_equations import equations_lines
+    from voronec.equations.voronec_equations import distribution_lines, equations_lines
     from voronec.proof.claims import check_claims
 
     if arguments.store is not None:
@@ -50,18 +50,25 @@ def _execute(arguments: Namespace, eqs: VoronecEquations, chosen: str | None) ->
         print_json({chosen: text}) if arguments.json else print(text.rstrip("\n"))
         return 0
     motions, name = Motions(eqs), eqs.system.name
+    if not arguments.json:  # the equations come before what may take longer
+        lines = equations_lines(eqs, shutil.get_terminal_size((100, 24)).columns)
+        progress("")
+        print("\n".join(lines), flush=True)
+        progress(f"{name}: how its distribution grows")
+        lines = distribution_lines(eqs)
+        progress("")
+        print("\n".join(lines), flush=True)
     reduction = _reduction(motions)
     claims = check_claims(motions, lambda what: progress(f"{name}: {what}"))
-    progress(f"{name}: the short form of the equations")
     if arguments.json:
+        progress(f"{name}: the short form of the equations")
         found = eqs.as_dict() | _descent_data(reduction)
         progress("")
         print_json(found | {"claims": [_claim_data(claim) for claim in claims]})
     else:
-        width = shutil.get_terminal_size((100, 24)).columns
-        lines = [*equations_lines(eqs, width), *_descent(eqs, reduction), *_claims(claims)]
         progress("")
-        print("\n".join(lines))
+        for line in (*_descent(eqs, reduction), *_claims(claims)):
+            print(line)
     return 1 if any(claim.verdict.refuted for claim in claims) else 0
 
 

@@ -1,7 +1,7 @@
 """``voronec regenerate``: every formula of a paper beside what the engine derives.
 
-The exit status is 1 where a formula stays undecided; a misprint that is found, with its witness,
-is a result and no failure.
+The exit status is 1 where a formula stays undecided or is not read; a misprint that is found, with
+its witness, is a result and no failure.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def execute(arguments: Namespace) -> int:
         print(_next(arguments, folder, files))
     if failure is not None:
         raise failure
-    return 1 if audit.count()["undecided"] else 0
+    return 1 if audit.count()["undecided"] + audit.count()["not read"] else 0
 
 
 class _Sections:

@@ -286,6 +286,7 @@ class System:
         frame = self.frame
         held = [self.lagrangian, *self.constraints, *self.forces.values()]
         held += [*self.fibration.relations, *(frame.definitions.values() if frame else ())]
+        held += [e for body in self.bodies for e in body.expressions]
         found = set().union(*map(functions_of_time, held))
         found -= {*self.coordinates, *(frame.ambient if frame is not None else ())}
         return tuple(dict.fromkeys([*declared, *functions, *sorted(found, key=str)]))

@@ -33,10 +33,10 @@ __all__ = [
     "draft",
     "has_foreign",
     "keep_file",
-    "keep_sealed",
+    "keep_with_digest",
     "make_private",
     "make_room",
-    "read_sealed",
+    "read_with_digest",
     "replace_file",
     "unwritable",
     "user_cache",
@@ -152,12 +152,12 @@ def keep_file(file: Path, content: bytes) -> None:
             os.unlink(made)
 
 
-def keep_sealed(file: Path, content: bytes) -> None:
+def keep_with_digest(file: Path, content: bytes) -> None:
     """Write a file of a cache with the digest of its content."""
     keep_file(file, sha256(content).hexdigest().encode() + content)
 
 
-def read_sealed(file: Path, what: str) -> bytes | None:
+def read_with_digest(file: Path, what: str) -> bytes | None:
     """The content of a file that was kept with its digest, or ``None``.
 
     What is damaged is named as ``what``, and goes; what others may have written is not read.
@@ -192,7 +192,7 @@ class Store:
 
     def load(self, key: str, name: str) -> Any:
         """What was kept, or ``None``."""
-        content = read_sealed(self._file(key, name), "result")
+        content = read_with_digest(self._file(key, name), "result")
         return None if content is None else json.loads(content)
 
     def save(self, key: str, name: str, value: Any) -> None:
@@ -200,7 +200,7 @@ class Store:
         file = self._file(key, name)
         if not file.parent.exists():
             make_room(self.folder, self.capacity)
-        keep_sealed(file, json.dumps(value).encode())
+        keep_with_digest(file, json.dumps(value).encode())
 
     def _file(self, key: str, name: str) -> Path:
         return self.folder / key[:24] / f"{name}.json"

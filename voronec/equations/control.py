@@ -40,15 +40,17 @@ from voronec.algebra.text import as_expression
 from voronec.algebra.typeset import plain_text
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.equations.connection import AffineForms
+from voronec.equations.definition import read
+from voronec.equations.derivation import Derivation
 from voronec.equations.derived_equations import DerivedEquations
+from voronec.equations.distribution import along, close_under_brackets
+from voronec.equations.flags import flag
 from voronec.equations.vector_field import VectorField, on_coordinates
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 
 __all__ = ["Accessibility", "Control", "control_form", "flatness"]
 
 Vector = tuple[Any, ...]
-NODES = 15_000
-"""Fields of more nodes are not bracketed again."""
 DEGREES = 4, 6, 8, 10, 12
 """Brackets of these degrees are made at a point, one after the other, until they suffice."""
 LONGEST = 400
@@ -117,42 +119,41 @@ class Control:
     def accessibility(self) -> Accessibility:
         """Strong accessibility at a generic point: reachable sets at one time have inner points.
 
-        A full rank is proved by balls at one point, and so holds on an open dense set, or near the
-        point where signs and roots in the fields may turn; a smaller one by normal forms.
+        A full rank is proved by balls at one point, or modulo a prime where brackets are too large,
+        and so holds on an open dense set, or near the point where signs and roots in the fields may
+        turn; a smaller one by normal forms.
         """
         self._require_still()
         drift, fields = self._after_feedback
         dimension = self.system_field.dimension
-        frame, tops = list(fields), list(fields)
-        kept = self._independent(frame)
-        frame = tops = [frame[i] for i in kept]
-        growth = [len(frame)]
+        found = close_under_brackets(
+            (drift, *fields), fields, self._bracket, self._independent, dimension
+        )
+        frame, growth = found.frame, found.growth
         if not frame:
             nothing = Verdict("refuted", "the inputs move nothing, in normal form")
-            return Accessibility((0,), dimension, nothing)
-        while tops and growth[-1] < dimension:
-            if Tape([e for field in tops for e in field]).size > NODES:
-                why = f"brackets are too large after dimension {growth[-1]} of {dimension}"
-                verdict = self._on_leaves(partial(Verdict, "undecided", why))
-                return Accessibility(tuple(growth), dimension, verdict)
-            brackets = [self._bracket(x, y) for x in (drift, *fields) for y in tops]
-            made = [b for b in brackets if any(e != 0 for e in b)]
-            new = self._independent([*frame, *made])[len(frame) :]
-            if not new:
-                verdict = self._on_leaves(partial(self._closure, frame, made))
-                return Accessibility(tuple(growth), dimension, verdict)
-            tops = [made[i - len(frame)] for i in new]
-            frame = [*frame, *tops]
-            growth.append(len(frame))
-        words = f"the brackets span all {dimension} dimensions at a point, in ball arithmetic, and "
+            return Accessibility(growth, dimension, nothing)
+        shown, why = "in ball arithmetic", "brackets are too large"
+        if found.made is None and not self.system_field.relations:
+            variables = self.system_field.variables
+            with suppress(EngineLimit):
+                growth = flag((drift, *fields), fields, self._bracket, tuple, variables, dimension)
+                shown, why = "modulo a prime", "brackets span no more at a random point"
+        if growth[-1] < dimension:
+            words = f"{why} after dimension {growth[-1]} of {dimension}"
+            otherwise = partial(Verdict, "undecided", words)
+            if found.made is not None:
+                otherwise = partial(self._closure, frame, found.made)
+            return Accessibility(growth, dimension, self._on_leaves(otherwise))
+        words = f"the brackets span all {dimension} dimensions at a point, {shown}, and so"
         where = "near it" if self._has_walls else "on an open dense set, for almost all parameters"
-        proof = Verdict("proved", f"{words}so {where}")
+        proof = Verdict("proved", f"{words} {where}")
         exceptions = self._exceptions(frame)
-        if fields is not self.inner_fields:  # where the inputs do not reach, nor does the feedback
+        if found.made is not None and fields is not self.inner_fields:
+            # where the inputs do not reach, nor does the feedback
             first = len(self.system_field.positions)
             exceptions += self._exceptions([g[first:] for g in self.inner_fields])
-        distinct = tuple(dict.fromkeys(exceptions))
-        return Accessibility(tuple(growth), dimension, proof, distinct)
+        return Accessibility(growth, dimension, proof, tuple(dict.fromkeys(exceptions)))
 
     @cached_property
     def _has_walls(self) -> bool:
@@ -185,10 +186,12 @@ class Control:
         """Refuted, where the constraints alone keep motions from most places, whatever moves them:
         a few small fields, where those of the state may be too large; else what is said of these.
         """
-        holds = self.equations.distribution
-        if holds.timed or not holds.closed:
+        holds, count = self.equations.distribution, 0
+        with suppress(EngineLimit):
+            count = len(self.equations.integrable)
+        if holds.timed or not count:
             return otherwise()
-        places = f"{holds.growth[-1]} of their {holds.dimension} dimensions, in normal form"
+        places = f"{holds.dimension - count} of their {holds.dimension} dimensions, in normal form"
         return Verdict("refuted", f"the constraints keep coordinates on surfaces of {places}")
 
     def _closure(self, frame: Sequence[Vector], brackets: Sequence[Vector]) -> Verdict:
@@ -218,7 +221,8 @@ class Control:
         """
         self._require_still()
         at, held = self._point(point or {})
-        control = self._with_inputs(held)
+        form = self if self._has_values(at) else self._derive_near(at)
+        control = form._with_inputs(held)
         control._require_equilibrium(at)
         words = f"brackets up to degree {DEGREES[-1]} do not span all dimensions at the point"
         found: Verdict | None = None
@@ -229,6 +233,18 @@ class Control:
         if (found is None or found.undecided) and self.accessibility.verdict.refuted:
             return self.accessibility.verdict
         return Verdict("undecided", words) if found is None else found
+
+    def _has_values(self, at: Mapping[Any, Any]) -> bool:
+        """Whether drift and fields are defined at a point as they are written."""
+        exprs = [e for field in (self.inner_drift, *self.inner_fields) for e in field]
+        values = (as_expression(se.sympify(e).xreplace(dict(at))) for e in exprs)
+        return not any(value.has(sp.nan, sp.zoo, sp.oo) for value in values)
+
+    def _derive_near(self, at: Mapping[Any, Any]) -> Control:
+        """The form whose elimination has pivots that do not vanish at a point, where it can."""
+        definition = read(self.equations.system, {str(s): as_expression(x) for s, x in at.items()})
+        raw, exact = (Derivation(definition, tidy) for tidy in (False, True))
+        return control_form(replace(self.equations, definition=definition, raw=raw, exact=exact))
 
     def _with_inputs(self, values: Sequence[Any]) -> Control:
         """The same with inputs that are counted from these values."""
@@ -281,17 +297,12 @@ class Control:
 
     def _bracket(self, x: Vector, y: Vector) -> Vector:
         """[X, Y] = X_j d_j Y - Y_j d_j X."""
-        variables = self.system_field.variables
-        return tuple(
-            se.Add(*[a * q.diff(s) - b * p.diff(s)
-                     for a, b, s in zip(x, y, variables, strict=True)])
-            for p, q in zip(x, y, strict=True)
-        )  # fmt: skip
+        at = self.system_field.variables
+        return tuple(along(x, b, at) - along(y, a, at) for a, b in zip(x, y, strict=True))
 
     def _independent(self, rows: Sequence[Vector]) -> list[int]:
         """The rows that enlarge the span of those before them at a generic point, in balls."""
-        failure = "no point was found at which the fields are defined"
-        return generic_rows(rows, self.system_field.hypotheses, BRACKETS, failure)
+        return generic_rows(rows, self.system_field.hypotheses, BRACKETS)
 
     def _require_still(self) -> None:
         clock = self.system_field.time
@@ -508,7 +519,10 @@ def control_form(equations: DerivedEquations) -> Control:
         )
     first = len(field.rates)
     columns = [(*row, o) for row, o in zip(forms.matrix[first:], forms.offset[first:], strict=True)]
-    solved = field.solve([list(row) for row in columns])
+    near = definition.near
+    solved = (
+        solve_linear(field.mass, columns, field.hypotheses, near=near).values if columns else []
+    )
     width = len(letters) + 1
     flat = [e for row in solved for e in row]
     with suppress(EngineLimit):
@@ -537,23 +551,18 @@ class _ExtendedSystem:
     fields: tuple[tuple[Any, ...], ...]
     relations: tuple[Any, ...]
 
-    def along(self, field: Sequence[Any], function: Any) -> Any:
-        """The derivative of a function along a field."""
-        pairs = zip(self.state, field, strict=True)
-        return se.Add(*[rate * function.diff(x) for x, rate in pairs if rate != 0])
-
     def relative_degree(self, output: Any) -> tuple[int, Any, tuple[Any, ...]] | None:
         """The order r at which inputs appear in the rates of an output, b and A; None where none
         do, or nobody can decide it."""
         for order in range(1, len(self.state) + 1):
             slopes = []
             for field in self.fields:
-                slope = self.along(field, output)
+                slope = along(field, output, self.state)
                 found = decide_zero(slope, self.relations)
                 if found.undecided:
                     return None
                 slopes.append(se.Integer(0) if found.proved else slope)
-            output = self.along(self.drift, output)
+            output = along(self.drift, output, self.state)
             if any(slope != 0 for slope in slopes):
                 return order, output, tuple(slopes)
             if Tape([output]).size > FLAT_NODES:

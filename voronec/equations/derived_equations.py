@@ -27,6 +27,7 @@ from voronec.algebra.tape import Tape
 from voronec.algebra.terms import atoms
 from voronec.algebra.verdicts import all_vanish
 from voronec.declaration.system import System
+from voronec.equations.connection import EhresmannConnection
 from voronec.equations.curvature import (
     Brackets,
     Curvature,
@@ -39,6 +40,7 @@ from voronec.equations.definition import Definition
 from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.equations.distribution import Distribution, grow
 from voronec.equations.evaluation import acceleration, acceleration_tape
+from voronec.equations.integrable import integrate
 from voronec.equations.staged_equations import lean_form
 from voronec.errors import EngineLimit
 
@@ -249,14 +251,23 @@ class DerivedEquations:
         )
         return "chaplygin" if free else "voronec"
 
+    def _lift(self, derivation: Derivation) -> EhresmannConnection:
+        """The horizontal fields, along the coordinates where that can be."""
+        return (
+            derivation.coordinate_connection if self.has_coordinate_frame else derivation.connection
+        )
+
     @cached_property
     def distribution(self) -> Distribution:
-        """Growth vector and integrable constraints."""
-        free = self.has_coordinate_frame
-        return grow(
-            self.definition,
-            self._exact_or_raw(lambda d: d.coordinate_connection if free else d.connection),
-        )
+        """The growth of the distribution that the horizontal fields span."""
+        raw = self._lift(self.raw)
+        return grow(self.definition, raw, lambda: self._exact_or_raw(self._lift))
+
+    @cached_property
+    def _integrable(self) -> tuple[list[Any], list[Any]]:
+        found = self.distribution
+        most = found.dimension - found.growth[-1]
+        return integrate(self.definition, self._lift(self.raw), most)
 
     @cached_property
     def orders(self) -> dict[str, int]:
@@ -269,13 +280,40 @@ class DerivedEquations:
 
     @property
     def growth(self) -> tuple[int, ...]:
-        """The growth vector of the distribution at a generic point."""
-        return self.distribution.growth
+        """The growth vector of the distribution at a generic point.
+
+        ``EngineLimit`` where it is cut off, for brackets grow too large; its beginning is
+        ``distribution.growth``.
+        """
+        found = self.distribution
+        if found.cut:
+            raise EngineLimit(
+                f"system '{self.system.name}': brackets grow too large after the "
+                f"dimensions {found.growth} of {found.dimension}; distribution.growth has these"
+            )
+        return found.growth
 
     @property
-    def integrable(self) -> tuple[int, ...]:
-        """Positions of the constraints that are integrable (holonomic)."""
-        return self.distribution.integrable
+    def integrable(self) -> tuple[sp.Expr, ...]:
+        """The combinations of the constraints that integrate, as many as the dimension exceeds that
+        of the involutive closure: affine in the velocities of the coordinates (of the frame of a
+        group), zero along all motions, a basis that does not depend on how the constraints are
+        combined.
+
+        Those that ``leaves`` integrate come first.  Raises ``EngineLimit`` where it is undecided
+        what integrates.
+        """
+        return tuple(map(self.door.outward, self._integrable[0]))
+
+    @property
+    def leaves(self) -> tuple[sp.Expr, ...]:
+        """Functions of coordinates and time that the constraints hold constant: independent, their
+        differentials combinations of ``integrable``, of which fewer have one where no closed form
+        was found.  They serve as relations and as integrals.
+
+        Raises ``EngineLimit`` as ``integrable`` does.
+        """
+        return tuple(map(self.door.outward, self._integrable[1]))
 
     def acceleration(self, point: Mapping[Any, Any], digits: int = 30) -> dict[sp.Expr, sp.Float]:
         """Second time derivatives of all coordinates, to ``digits`` digits, by ball arithmetic.

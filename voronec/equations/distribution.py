@@ -1,29 +1,29 @@
-"""The distribution spanned by the horizontal fields: how it grows under brackets, what integrates.
+"""The distribution spanned by the horizontal fields: how it grows under brackets.
 
 D_1 = span(h_i),  D_(m+1) = D_m + [D_1, D_m].  The dimensions at a generic point form the growth
-vector.  A constraint is integrable where its form annihilates the involutive closure.
+vector.  What of the constraints integrates stands in ``integrable``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import symengine as se
 
-from voronec.algebra.elimination import solve_linear
-from voronec.algebra.matrices import dot
-from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import BRACKETS
 from voronec.algebra.rank import generic_rows
 from voronec.algebra.tape import Tape
-from voronec.algebra.verdicts import decide_zero
+from voronec.algebra.terms import atoms
 from voronec.equations.connection import EhresmannConnection
 from voronec.equations.definition import Definition
+from voronec.equations.flags import flag
 from voronec.errors import EngineLimit
 
-__all__ = ["Distribution", "grow"]
+__all__ = ["BracketClosure", "Distribution", "FieldSpace", "along", "close_under_brackets", "grow"]
 
 Field = tuple[Any, ...]
 NODES = 15_000
@@ -32,142 +32,92 @@ NODES = 15_000
 
 @dataclass(frozen=True)
 class Distribution:
-    """How the distribution of the constraints grows, and which constraints integrate.
+    """How the distribution of the constraints grows.
 
-    ``growth``: dimensions of D_1, D_2, ... until they stay.  ``integrable``: positions of the
-    constraints proved to annihilate the closure; ``undecided``: of those that do so in numbers
-    only.  ``dimension``: of the space; ``timed``: whether the time is one of its coordinates, as it
-    is where the constraints move or are affine.  ``cut``: whether further brackets were too large
-    to be made, so that the growth may go on.  ``closed``: whether it is proved that the growth ends
-    below the dimension.
+    ``growth``: dimensions of D_1, D_2, ... until they stay.  ``dimension``: of the space;
+    ``timed``: whether the time is one of its coordinates, as it is where the constraints move or
+    are affine.  ``cut``: whether further brackets were too large to be made, so that the growth may
+    go on.
     """
 
     growth: tuple[int, ...]
-    integrable: tuple[int, ...]
-    undecided: tuple[int, ...]
     dimension: int
     timed: bool
     cut: bool = False
-    closed: bool = False
 
 
-def grow(definition: Definition, connection: EhresmannConnection) -> Distribution:
-    """The growth vector at a generic point, and the constraints proved to be integrable."""
-    n = connection.n
-    timed = _uses_time(definition, connection)
-    space = _Space(connection, timed)
-    fields = [_field(connection, i, timed) for i in range(n + 1 if timed else n)]
-    frame, tops, growth = list(fields), list(fields), [len(fields)]
-    rank_of = _RankOracle(definition.relations)
+def grow(
+    definition: Definition, raw: EhresmannConnection, exact: Callable[[], EhresmannConnection]
+) -> Distribution:
+    """The growth vector at a generic point.
+
+    ``raw`` is the connection as it was derived, ``exact`` makes its normal form: brackets are made
+    of it where residues do not serve.
+    """
+    timed, relations = _uses_time(definition, raw), definition.relations
+    space = FieldSpace(raw, timed)
     dimension = space.dimension
-    if connection.group is None:
-        dimension -= rank_of.relations(connection.coordinates)
-    cut = closed = False
-    while tops and growth[-1] < dimension:
-        cut = Tape([e for field in tops for e in field]).size > NODES
-        if cut:
-            break
-        brackets = [
-            space.bracket(x, y)
-            for i, x in enumerate(fields)
-            for j, y in enumerate(tops)
-            if len(growth) > 1 or i < j
-        ]
-        brackets = [b for b in brackets if any(e != 0 for e in b)]
-        tops = rank_of.enlarge(frame, brackets)
-        if not tops:
-            closed = _is_spanned(brackets, frame, definition.relations)
-            break
-        frame += tops
-        growth.append(len(frame))
-    standing = _integrability(definition, connection, frame[len(fields) :], timed)
-    if cut:  # what annihilates the brackets that were made may not annihilate those that were not
-        standing = ["undecided" if s == "proved" else s for s in standing]
-    return Distribution(
-        growth=tuple(growth),
-        integrable=tuple(i for i, s in enumerate(standing) if s == "proved"),
-        undecided=tuple(i for i, s in enumerate(standing) if s == "undecided"),
-        dimension=dimension,
-        timed=timed,
-        cut=cut,
-        closed=closed,
-    )
-
-
-def _is_spanned(fields: Sequence[Field], frame: Sequence[Field], relations: Sequence[Any]) -> bool:
-    """Whether normal forms prove that fields are combinations of a frame."""
-    if not fields:
-        return True
-    rows, right = ([list(r) for r in zip(*some, strict=True)] for some in (frame, fields))
-    try:
-        return not solve_linear(rows, right, relations).contradictory
-    except EngineLimit:
-        return False
-
-
-def _integrability(
-    definition: Definition, connection: EhresmannConnection, new: Sequence[Field], timed: bool
-) -> list[str]:
-    """For each constraint: is it integrable?  proved, refuted or undecided."""
-    relations, result = definition.relations, []
-    variables = (*connection.coordinates, *((connection.time,) if timed else ()))
-    alone = connection.group is None  # the form of one constraint by itself, in coordinates
-    for row, offset in zip(
-        definition.constraints.matrix, definition.constraints.offset, strict=True
-    ):
-        form = (*row, offset) if timed else row
-        on_new = [dot(form, field) for field in new]
-        if _is_nonzero_somewhere(on_new, relations):
-            result.append("refuted")
-        elif _are_all_zero(on_new, relations) or (alone and _frobenius(form, variables, relations)):
-            result.append("proved")
-        else:
-            result.append("undecided")
-    return result
-
-
-def _is_nonzero_somewhere(exprs: Sequence[Any], relations: Sequence[Any]) -> bool:
-    """Whether ball arithmetic shows one of the expressions to be nonzero somewhere."""
-    samples = sample_evaluable(Tape(exprs), relations, BRACKETS)
-    return any(not value.contains(0) for _, values in samples for value in values)
-
-
-def _are_all_zero(exprs: Sequence[Any], relations: Sequence[Any]) -> bool:
-    return all(decide_zero(e, relations).proved for e in exprs)
-
-
-def _frobenius(form: Field, variables: Sequence[Any], relations: Sequence[Any]) -> bool:
-    """Whether a one-form is proved to be integrable by itself: w ^ dw = 0."""
-    m = len(variables)
-    d = {
-        (a, b): form[b].diff(variables[a]) - form[a].diff(variables[b])
-        for a in range(m)
-        for b in range(a + 1, m)
-    }
-    if _are_all_zero(list(d.values()), relations):
-        return True
-    triples = [
-        form[a] * d[b, c] - form[b] * d[a, c] + form[c] * d[a, b]
-        for a in range(m)
-        for b in range(a + 1, m)
-        for c in range(b + 1, m)
-    ]
-    return _are_all_zero(triples, relations)
-
-
-def _uses_time(definition: Definition, connection: EhresmannConnection) -> bool:
-    time = definition.time
-    moving = any(se.has_symbol(e, time) for row in connection.lift for e in row)
-    return moving or any(row[-1] != 0 for row in connection.lift)
-
-
-def _field(connection: EhresmannConnection, i: int, timed: bool) -> Field:
-    column = [row[i] for row in connection.lift]
-    return (*column, se.Integer(int(i == connection.n))) if timed else tuple(column)
+    if raw.group is None and relations:
+        slopes = [[r.diff(q) for q in raw.coordinates] for r in relations]
+        dimension -= len(generic_rows(slopes, relations, BRACKETS))
+    if not relations:
+        with suppress(EngineLimit):
+            return Distribution(space.flag(dimension), dimension, timed)
+    space = FieldSpace(exact(), timed)
+    independent = partial(generic_rows, relations=relations, bits=BRACKETS)
+    found = close_under_brackets(space.fields, space.fields, space.bracket, independent, dimension)
+    return Distribution(found.growth, dimension, timed, found.made is None)
 
 
 @dataclass(frozen=True)
-class _Space:
+class BracketClosure:
+    """Fields ``frame`` that span D_1, D_2, ... one after the other, ``growth`` of each; the
+    brackets ``made`` last, none of which enlarge the span where it ends below all dimensions, and
+    None where they would be too large."""
+
+    frame: list[Field]
+    growth: tuple[int, ...]
+    made: list[Field] | None
+
+
+def close_under_brackets(
+    fields: Sequence[Field],
+    start: Sequence[Field],
+    bracket: Callable[[Field, Field], Field],
+    independent: Callable[[Sequence[Field]], list[int]],
+    full: int,
+) -> BracketClosure:
+    """D_1, spanned by ``start``, and D_(m+1) = D_m + [fields, D_m], by brackets of brackets, until
+    they bring nothing new or span ``full`` dimensions; ``independent`` are the rows that enlarge
+    the span of those before them."""
+    frame = tops = [start[i] for i in independent(start)]
+    growth, made = [len(frame)], list[Field]()
+    while tops and growth[-1] < full:
+        if Tape([e for field in tops for e in field]).size > NODES:
+            return BracketClosure(frame, tuple(growth), None)
+        brackets = [bracket(x, y) for x in fields for y in tops]
+        made = [b for b in brackets if any(e != 0 for e in b)]
+        new = independent([*frame, *made])[len(frame) :]
+        tops = [made[i - len(frame)] for i in new]
+        frame = [*frame, *tops]
+        growth += [len(frame)] if tops else []
+    return BracketClosure(frame, tuple(growth), made)
+
+
+def along(rates: Sequence[Any], function: Any, variables: Sequence[Any]) -> Any:
+    """The derivative of a function along a field that gives rates to variables."""
+    pairs = zip(rates, variables, strict=True)
+    return se.Add(*[rate * function.diff(x) for rate, x in pairs if rate != 0])
+
+
+def _uses_time(definition: Definition, connection: EhresmannConnection) -> bool:
+    entries = [e for row in connection.lift for e in row]
+    affine = any(row[-1] != 0 for row in connection.lift)
+    return affine or definition.time in atoms(entries, se.Symbol)
+
+
+@dataclass(frozen=True)
+class FieldSpace:
     """Where the fields live: along the coordinates, or the fields of a group, and the time."""
 
     connection: EhresmannConnection
@@ -178,9 +128,31 @@ class _Space:
         """The number of components of a field."""
         return len(self.connection.lift) + int(self.timed)
 
+    @property
+    def fields(self) -> list[Field]:
+        """The horizontal fields; with the time, that of motions at rest is the last."""
+        columns = [*zip(*self.connection.lift, strict=True)]
+        if not self.timed:
+            return columns[:-1]
+        return [(*c, se.Integer(int(i == self.connection.n))) for i, c in enumerate(columns)]
+
+    @property
+    def variables(self) -> tuple[Any, ...]:
+        """The coordinates, and the time where it is one."""
+        connection = self.connection
+        return (*connection.coordinates, *((connection.time,) if self.timed else ()))
+
+    def flag(self, full: int) -> tuple[int, ...]:
+        """The growth vector, from residues."""
+        return flag(self.fields, self.fields, self.bracket, self.rates, self.variables, full)
+
     def bracket(self, x: Field, y: Field) -> Field:
         """[x, y]."""
-        moved = tuple(self._along(x, b) - self._along(y, a) for a, b in zip(x, y, strict=True))
+        forth, back = self.rates(x), self.rates(y)
+        moved = tuple(
+            along(forth, b, self.variables) - along(back, a, self.variables)
+            for a, b in zip(x, y, strict=True)
+        )
         group = self.connection.group
         if group is None:
             return moved
@@ -188,36 +160,10 @@ class _Space:
         turned += [se.Integer(0)] * int(self.timed)
         return tuple(m + t for m, t in zip(moved, turned, strict=True))
 
-    def _along(self, field: Field, function: Any) -> Any:
-        coordinates, group = self.connection.coordinates, self.connection.group
-        rates = list(
-            field if group is None else group.coordinate_rates(field[: len(group.velocities)])
-        )
-        variables = list(coordinates)
-        if self.timed:
-            variables.append(self.connection.time)
-            rates += [field[-1]] if group is not None else []
-        terms = [f * function.diff(q) for f, q in zip(rates, variables, strict=True) if f != 0]
-        return se.Add(*terms) if terms else se.Integer(0)
-
-
-class _RankOracle:
-    """Ranks at a generic point, by elimination in ball arithmetic."""
-
-    def __init__(self, relations: Sequence[Any]) -> None:
-        self._relations = relations
-
-    def relations(self, variables: Sequence[Any]) -> int:
-        """How many of the relations are independent."""
-        if not self._relations:
-            return 0
-        return len(self._independent([[r.diff(q) for q in variables] for r in self._relations]))
-
-    def enlarge(self, frame: Sequence[Field], candidates: Sequence[Field]) -> list[Field]:
-        """The candidates that, one after the other, enlarge the span of the frame."""
-        kept = self._independent([*frame, *candidates])
-        return [candidates[i - len(frame)] for i in kept if i >= len(frame)]
-
-    def _independent(self, rows: Sequence[Sequence[Any]]) -> list[int]:
-        failure = "no point was found at which the distribution is defined"
-        return generic_rows(rows, self._relations, BRACKETS, failure)
+    def rates(self, field: Field) -> list[Any]:
+        """Those of the variables along a field."""
+        group = self.connection.group
+        if group is None:
+            return list(field)
+        rates = group.coordinate_rates(field[: len(group.velocities)])
+        return rates + [field[-1]] * int(self.timed)

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.equations.derived_equations import DerivedEquations
@@ -87,13 +88,19 @@ class MechanicsForm:
         return sp.Matrix([self._rates, self._name_rates(equations.door.outward_matrix(solved))])
 
     def linearize(
-        self, op_point: Mapping[sp.Expr, Any] | None = None, A_and_B: bool = True
+        self,
+        op_point: Mapping[sp.Expr, Any] | None = None,
+        A_and_B: bool = True,
+        new_method: Any = None,
+        linear_solver: Any = None,
+        simplify: Any = False,
     ) -> tuple[sp.Matrix, ...]:
         """A, B and the inputs of dx/dt = A dx + B dw about a point, x the independent coordinates
         and the speeds; with ``A_and_B`` false a unit matrix before them.
 
         ``op_point`` gives coordinates and speeds as for ``KanesMethod.linearize``; their rates
-        follow from the equations, and are not read.
+        follow from the equations, and are not read; nor are the last three arguments, with which
+        SymPy is told how to compute.
         """
         names = {name: x for x, name in self._names.items()}
         given = (op_point or {}).items()
@@ -128,7 +135,8 @@ class MechanicsForm:
         """Each variable -> a function of the time by its name; inputs are such functions, too."""
         system = self.equations.system
         moving = (*system.coordinates, *system.velocities, *system.inputs)
-        return {x: sp.Function(plain_name(x))(time) for x in moving}
+        named = {x: sp.Function(plain_name(x))(time) for x in moving}
+        return {x: x if isinstance(x, AppliedUndef) else f for x, f in named.items()}
 
     def _name_rates(self, matrix: Any) -> sp.Matrix:
         """A matrix in functions of the time: rates of inputs first, which hold the inputs."""

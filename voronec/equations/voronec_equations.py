@@ -10,10 +10,11 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import import_module
-from textwrap import wrap
+from textwrap import shorten, wrap
 from typing import TYPE_CHECKING, Any
 
 import symengine as se
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
     from voronec.equations.mechanics_form import MechanicsForm
     from voronec.equations.program import Program
 
-__all__ = ["VoronecEquations", "derive", "equation_rows", "equations_lines"]
+__all__ = ["VoronecEquations", "derive", "distribution_lines", "equation_rows", "equations_lines"]
 
 
 def _latex(eqs: VoronecEquations, expr: sp.Expr) -> str:
@@ -84,18 +85,19 @@ def equations_lines(eqs: VoronecEquations, width: int = WIDTH) -> list[str]:
     return lines
 
 
+def distribution_lines(eqs: VoronecEquations) -> list[str]:
+    """How the distribution of the constraints grows, and what of them integrates: an analysis that
+    may take longer than the equations."""
+    found = eqs.distribution
+    more = ", ... (cut off at its budget)" if found.cut else ""
+    growth = "(" + ", ".join(map(str, found.growth)) + more + ")"
+    timed = ", the time included" if found.timed else ""
+    rows = [["growth vector", f"{growth} of {found.dimension}{timed}"]]
+    return ["", *columns([*rows, *_integrable_rows(eqs)])]
+
+
 def _facts(eqs: VoronecEquations) -> list[list[str]]:
-    count = len(eqs.system.constraints)
-    some = f"number{'s' * (len(eqs.integrable) > 1)} "
-    whole = ", ".join(f"{i + 1}" for i in eqs.integrable)
-    more = ", ..." if eqs.distribution.cut else ""
-    growth = "(" + ", ".join(map(str, eqs.growth)) + more + ")"
-    timed = ", the time included" if eqs.distribution.timed else ""
     rows = [["kind", eqs.kind]]
-    rows.append(["growth vector", f"{growth} of {eqs.distribution.dimension}{timed}"])
-    if count:
-        none = "undecided" if eqs.distribution.cut else f"none of {count}"
-        rows.append(["integrable constraints", f"{some}{whole} of {count}" if whole else none])
     relations = eqs.system.fibration.relations
     rows += [["relation, differentiated", f"{caret_text(e)} = 0"] for e in relations]
     frame = eqs.system.frame
@@ -103,6 +105,28 @@ def _facts(eqs: VoronecEquations) -> list[list[str]]:
         return [*rows, ["velocities", _names(eqs)]]
     pairs = zip(frame.velocities, frame.expressions, strict=True)
     return [*rows, *(["quasi-velocity", f"{caret_text(v)} = {caret_text(e)}"] for v, e in pairs)]
+
+
+def _integrable_rows(eqs: VoronecEquations) -> list[list[str]]:
+    """How many combinations of the constraints integrate, these, and what they hold constant."""
+    count, (forms, leaves) = len(eqs.system.constraints), _texts_of_integrals(eqs).values()
+    if isinstance(forms, str):
+        most = eqs.distribution.dimension - eqs.distribution.growth[-1]
+        return [["integrable combinations", f"undecided, at most {most} of {count}"]]
+    rows = [["integrable combinations", f"{len(forms) or 'none'} of {count}"]] if count else []
+    for i, form in enumerate(forms):
+        without = "" if i < len(leaves) else ", no function found in closed form"
+        text = shorten(form.replace("**", "^"), 2 * WIDTH, placeholder=" ...")
+        rows.append(["combination", f"{text} = 0{without}"])
+    return rows + [["held constant", leaf.replace("**", "^")] for leaf in leaves]
+
+
+def _texts_of_integrals(eqs: VoronecEquations) -> dict[str, Any]:
+    """The combinations of the constraints that integrate and what they hold constant, as text."""
+    found: list[Any] = ["undecided", "undecided"]
+    with suppress(EngineLimit):
+        found = [[*map(plain_text, part)] for part in (eqs.integrable, eqs.leaves)]
+    return dict(zip(("integrable_combinations", "held_constant"), found, strict=True))
 
 
 def _motion(eqs: VoronecEquations, width: int) -> list[str]:
@@ -230,7 +254,7 @@ class VoronecEquations(DerivedEquations):
         if shell is not None and shell.has_trait("kernel"):
             import_module("IPython.display").display(self)
         else:
-            print("\n".join(equations_lines(self)))
+            print("\n".join([*equations_lines(self), *distribution_lines(self)]))
 
     def __repr__(self) -> str:
         return f"VoronecEquations({self.system.name!r}, velocities=({_names(self)}))"
@@ -325,8 +349,9 @@ class VoronecEquations(DerivedEquations):
             "velocities": [plain_name(v) for v in self.velocities],
             "parameters": [p.name for p in self.system.parameters],
             "kind": self.kind,
-            "growth": list(self.growth),
-            "integrable_constraints": [i + 1 for i in self.integrable],
+            "growth": list(self.distribution.growth),
+            "growth_is_cut_off": self.distribution.cut,
+            **_texts_of_integrals(self),
             "normal_form": self.in_normal_form,
         }
         if not self.in_normal_form:  # written out, a shared graph is endless

@@ -25,6 +25,7 @@ from voronec.kinematics.families import (
     constants,
     join_declarations,
     moment_words,
+    rolling_ratio,
     rotor_words,
 )
 from voronec.kinematics.rubber import RubberMotion
@@ -199,9 +200,7 @@ class BalancedBall:
     @property
     def epsilon(self) -> sp.Expr:
         """R1/(R1 + R2), and 1 on a plane."""
-        if self.fixed is None:
-            return sp.Integer(1)
-        return as_expression(self.fixed / (self.fixed + self.radius))
+        return rolling_ratio(self.fixed, self.radius)
 
     @cached_property
     def motion(self) -> BallMotion:
@@ -230,14 +229,17 @@ class BalancedBall:
             **rotor_words(self.rotor),
         }
 
-    def scene(self, caption: str, end: float = 40.0) -> Scene:
-        """A motion from u = 2 with omega = (1/2, 1, 1), on a sphere from theta = u1 = 1."""
+    def scene(
+        self, caption: str, end: float = 40.0, values: Mapping[Any, Any] | None = None
+    ) -> Scene:
+        """A motion from u = 2 with omega = (1/2, 1, 1), on a sphere from theta = u1 = 1; ``values``
+        of constants are this scene's own."""
         (u, v, theta), fixed = self.ball.base, self.ball.fibre
         spun = dict(zip(OMEGA, (sp.Rational(1, 2), 1, 1), strict=True))
-        if self.fixed is None:
-            return Scene({u: 2, **spun}, (0.0, end), {}, (*fixed, *OMEGA), caption)
-        start = {u: 2, theta: 1, fixed[0]: 1, **spun}
-        return Scene(start, (0.0, end), {}, (u, v, *fixed, *OMEGA), caption)
+        placed = {} if self.fixed is None else {theta: 1, fixed[0]: 1}
+        seen = () if self.fixed is None else (u, v)
+        start, outputs = {u: 2, **placed, **spun}, (*seen, *fixed, *OMEGA)
+        return Scene(start, (0.0, end), values or {}, outputs, caption)
 
     def rubber_scene(
         self,
@@ -272,7 +274,15 @@ class BalancedBall:
         if self.fixed is not None:
             own["drawing"] = TRACES
         if isinstance(self.fixed, sp.Symbol):
-            own["scenes"] = self.ball.scenes_on_sphere(self.fixed, OMEGA)
+            around = "A shell around a sphere of a third of its radius."
+            third = {self.fixed: -sp.Rational(1, 3)}
+            own["scenes"] = {
+                "default": self.scene("Outside a sphere twice as large."),
+                "inner": self.scene(
+                    "Inside a sphere three times as large.", 60.0, {self.fixed: -3}
+                ),
+                "shell": self.scene(around, 60.0, third),
+            }
         return join_declarations(own, declared)
 
     def rubber_system(self, *, values: Mapping[Any, Any], **declared: Any) -> System:

@@ -13,7 +13,6 @@ from voronec.algebra.text import as_expression
 from voronec.declaration.charts import Chart
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.reading import expression
-from voronec.declaration.scene import Scene
 from voronec.kinematics.bodies import kinetic_energy, point_velocity
 from voronec.kinematics.meanings import NORMAL, contact_meanings, vector_meanings
 from voronec.kinematics.neumann_charts import HALF_TURN, turned_poles
@@ -136,22 +135,6 @@ class RollingBall:
             for moment, rate, part in zip(self.inertia, self.spin, carried, strict=True)
         )
         return x, y, z
-
-    def scenes_on_sphere(self, fixed: Any, omega: Sequence[Any]) -> dict[str, Scene]:
-        """The three ways to roll on a sphere of signed radius ``fixed``: outside, inside, as a
-        shell around it, from the same start, with ``omega`` the velocities of the equations."""
-        u, v, theta = self.base
-        u1, v1 = self.fibre
-        spun = dict(zip(omega, (sp.Rational(1, 2), 1, 1), strict=True))
-        start, outputs = {u: 2, theta: 1, u1: 1, **spun}, (u, v, u1, v1, *omega)
-        outside = "Outside a sphere twice as large."
-        inside = "Inside a sphere three times as large."
-        around = "A shell around a sphere of a third of its radius."
-        return {
-            "default": Scene(start, (0.0, 40.0), {}, outputs, outside),
-            "inner": Scene(start, (0.0, 60.0), {fixed: -3}, outputs, inside),
-            "shell": Scene(start, (0.0, 60.0), {fixed: -sp.Rational(1, 3)}, outputs, around),
-        }
 
     def declared(
         self, *, rotor: Sequence[Any] = (0, 0, 0), potential: Any = 0, twists: bool = True

@@ -12,8 +12,8 @@ from voronec.declaration.reading import expression
 from voronec.kinematics.vectors import Vector, column, cross, dot, three
 
 __all__ = [
-    "axial_rotor", "kinetic_energy", "momentum_about_point", "point_velocity",
-    "uniform_field_energy",
+    "axial_rotor", "kinetic_energy", "momentum_about_point", "momentum_rate_about_point",
+    "point_velocity", "uniform_field_energy",
 ]  # fmt: skip
 
 
@@ -43,6 +43,19 @@ def momentum_about_point(
     """
     carried = cross(arm, cross(omega, arm))
     return column([i * w + mass * x for i, w, x in zip(inertia, omega, carried, strict=True)])
+
+
+def momentum_rate_about_point(
+    whole: Any, mass: Any, omega: Sequence[Any], arm: Sequence[Any], arm_rate: Sequence[Any]
+) -> sp.ImmutableMatrix:
+    """dG/dt = (G + kappa) x omega + m dr/dt x (omega x r), along the axes of the body: of
+    ``momentum_about_point`` about a contact that moves over the body, dr/dt = ``arm_rate``.
+
+    ``whole`` is G + kappa, with the momentum of a gyroscope, or G alone; ``omega`` and the two
+    others have three components.  No other force than that at the contact acts.
+    """
+    moved = column(cross(arm_rate, cross(omega, arm)))
+    return column(cross(whole, omega)) + mass * moved
 
 
 def point_velocity(velocity: Sequence[Any], omega: Sequence[Any], arm: Sequence[Any]) -> Vector:

@@ -9,15 +9,13 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.text import as_expression
 from voronec.declaration.claims import Case, Equation, Measure
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.reading import real_text
 from voronec.declaration.relation import Limit, Relation, Square
 from voronec.declaration.scene import Parameter, Scene
-from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
-from voronec.kinematics.families import FIXED_RADIUS, Words, constants, join_declarations
+from voronec.kinematics.families import FIXED_RADIUS, constants, join_declarations, rolling_ratio
 from voronec.kinematics.groups import (
     BodyVelocity,
     product_form,
@@ -78,13 +76,6 @@ class BodyInRn:
         """gamma."""
         return sp.Matrix(self.body.normal)
 
-    def _sketch(self) -> Sketch:
-        """A ball, or a body about a point, with its normal."""
-        if not self.rolls:
-            return pinned_sketch(gamma=self.normal)
-        on = "plane" if self.fixed is None else "sphere"
-        return rolling_sketch(on=on, gamma=self.normal, note=f"in $R^{self.dimension}$")
-
     @property
     def rolls(self) -> bool:
         """Whether it is a ball, and no body about a point."""
@@ -106,11 +97,14 @@ class BodyInRn:
         return self.mass * self.radius**2 if self.rolls else sp.Integer(0)
 
     @property
+    def contact_moments(self) -> list[sp.Expr]:
+        """The moments about the contact, I_ij + m R2^2, or about the point."""
+        return [i + self.contact_inertia for i in self.moments]
+
+    @property
     def epsilon(self) -> sp.Expr:
         """R1/(R1 + R2), or 1."""
-        if self.fixed is None:
-            return sp.Integer(1)
-        return as_expression(self.fixed / (self.fixed + self.radius))
+        return rolling_ratio(self.fixed, self.radius)
 
     @property
     def velocities(self) -> tuple[sp.Symbol, ...]:
@@ -120,11 +114,9 @@ class BodyInRn:
     @property
     def momenta(self) -> tuple[sp.Symbol, ...]:
         """Names of the momenta of the velocities: G_ij, or without twist P_i."""
-        return (
-            self.body.skew_symbols("G")
-            if self.twists
-            else tuple(sp.symbols(f"P1:{self.dimension}"))
-        )
+        if self.twists:
+            return self.body.skew_symbols("G")
+        return tuple(sp.symbols(f"P1:{self.dimension}"))
 
     @cached_property
     def energy(self) -> sp.Expr:
@@ -145,11 +137,8 @@ class BodyInRn:
                 if self.dimension == 5:
                     found["momentum wedge momentum"] = Equation(square, body.apparent_rate(square))
         else:
-            along, own = (
-                body.normal_momentum(self.momenta),
-                [i + self.contact_inertia for i in self.moments],
-            )
-            entries = [i * w for i, w in zip(own, body.angular, strict=True)]
+            along = body.normal_momentum(self.momenta)
+            entries = [i * w for i, w in zip(self.contact_moments, body.angular, strict=True)]
             slipping = (1 - self.epsilon) * skew(entries, self.dimension) * body.matrix * gamma
             found["momentum"] = Equation(along, body.apparent_rate(along) + slipping)
         if self.fixed is not None:
@@ -192,7 +181,7 @@ class BodyInRn:
     @cached_property
     def form(self) -> sp.Expr:
         """a_1 (gamma, A gamma) for moments a_i a_j about the contact."""
-        return product_form([i + self.contact_inertia for i in self.moments], self.normal)
+        return product_form(self.contact_moments, self.normal)
 
     @property
     def reducer(self) -> sp.Expr:
@@ -204,10 +193,10 @@ class BodyInRn:
         """The case of moments a_i a_j about the contact, or the point; for n = 3 all are such."""
         if self.twists or self.dimension == 3:
             return {}
-        n, own = self.dimension, [i + self.contact_inertia for i in self.moments]
+        n = self.dimension
         values = {
             f"{self.letter}{i}{j}": value - self.contact_inertia
-            for (i, j), value in product_moments(own, n).items()
+            for (i, j), value in product_moments(self.contact_moments, n).items()
         }
         if not self.rolls:
             density = self.form ** sp.Rational(n - 2, 2) / self.normal[-1] ** (n - 2)
@@ -244,13 +233,17 @@ class BodyInRn:
         ``second_moments`` a_i are those of the mass, by axis: the moments are a_i + a_j.
         """
         body, gamma = self.body, self.normal
-        moving = None
+        words: dict[Any, tuple[str, bool]] = {self.mass: ("mass", True)}
+        rolled, moving, on, radius = (), None, "plane", "radius"
         if self.fixed is not None:
             moving = sp.Matrix(body.linear) / (self.fixed + self.radius)
-        rolled: tuple[sp.Expr, ...] = ()
+            on, radius, words[self.fixed] = "sphere", "radius of the ball", FIXED_RADIUS
         if self.rolls:
+            words[self.radius] = (radius, True)
             rolled = tuple(sp.Matrix(body.linear) - self.radius * body.matrix * gamma)
-        three = self.dimension == 3
+            sketch = rolling_sketch(on=on, gamma=gamma, note=f"in $R^{self.dimension}$")
+        else:
+            sketch = pinned_sketch(gamma=gamma)
         own = {
             "fibration": Fibration(body.normal, relations=(gamma.dot(gamma) - 1,)),
             "frame": Frame.group(
@@ -263,21 +256,16 @@ class BodyInRn:
             ),
             "lagrangian": self.energy,
             "constraints": (*rolled, *(() if self.twists else body.twist(gamma))),
-            "parameters": (*constants(values, self._words), *self._moments(second_moments)),
+            "parameters": (*constants(values, words), *self._moments(second_moments)),
             "integrals": self.integrals,
             "equations": self.equations,
             "measure": self.measure,
-            "multiplier": None if self.twists or not three else self.reducer,
+            "multiplier": None if self.twists or self.dimension != 3 else self.reducer,
             "cases": self.product_case(),
             "meanings": self._meanings,
-            "sketch": self._sketch(),
+            "sketch": sketch,
         }
         return join_declarations(own, declared)
-
-    @property
-    def _words(self) -> Words:
-        radius = "radius" if self.fixed is None else "radius of the ball"
-        return {self.fixed: FIXED_RADIUS, self.mass: ("mass", True), self.radius: (radius, True)}
 
     @property
     def _meanings(self) -> dict[Any, str]:

@@ -13,12 +13,16 @@ from voronec.algebra.symbols import velocity
 from voronec.algebra.text import as_expression
 from voronec.declaration.claims import Equation
 from voronec.declaration.geometry import Fibration, Frame
-from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
 from voronec.kinematics.balls import ZERO
-from voronec.kinematics.bodies import kinetic_energy, momentum_about_point, point_velocity
+from voronec.kinematics.bodies import (
+    kinetic_energy,
+    momentum_about_point,
+    momentum_rate_about_point,
+    point_velocity,
+)
 from voronec.kinematics.families import constants, join_declarations, moment_words, rotor_words
-from voronec.kinematics.forms import SurfaceForms
+from voronec.kinematics.forms import SurfaceForms, curvature_lines
 from voronec.kinematics.meanings import (
     CURVATURE_LINES,
     contact_meanings,
@@ -27,8 +31,7 @@ from voronec.kinematics.meanings import (
 )
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
-from voronec.kinematics.sketches import carried_sketch
-from voronec.kinematics.surfaces import Surface
+from voronec.kinematics.sketches import contact_views, rolling_sketch, wheel_of
 from voronec.kinematics.vectors import column, cross, dot, three
 
 __all__ = ["CarriedContact"]
@@ -84,13 +87,6 @@ class CarriedContact:
         """omega by the velocities of Euler's angles."""
         return dict(zip(self.omega, self.rotation.body_rates, strict=True))
 
-    def _sketch(self, rotor: Sequence[Any]) -> Sketch:
-        """The body, with all that is carried along."""
-        place, arm, *lines = self.vectors
-        attitude, contact = self.rotation.coordinates, self.contact
-        rolled = (*contact.body.coordinates, *contact.fixed.coordinates, contact.theta)
-        return carried_sketch(attitude, place, rolled, rotor, body="body", arm=arm, lines=lines)
-
     @property
     def vectors(self) -> tuple[sp.Matrix, sp.Matrix, sp.Matrix, sp.Matrix]:
         """o, r, e, f."""
@@ -145,39 +141,41 @@ class CarriedContact:
         """
         kappa = three(rotor, "the momentum of a rotor")
         words = {self.mass: ("mass", True), **moment_words(self.inertia), **rotor_words(kappa)}
-        momentum = self.momentum_rate(kappa)
-        lines = (q for axis in self.vectors[1:] for q in axis)
+        place, arm, *lines = self.vectors
         own = {
             "fibration": Fibration(self.base, tuple(self.rates)),
             "frame": Frame.quasi(self.spin),
             "lagrangian": self.kinetic + dot(self.omega, kappa),
             "constraints": self.constraints,
             "parameters": constants(values, words),
-            "equations": {"momentum": Equation(self.momentum, momentum)},
+            "equations": {"momentum": Equation(self.momentum, self.momentum_rate(kappa))},
             "integrals": {"energy": dot(self.momentum, self.omega) / 2},
-            "essential": (*lines, *self.contact.coordinates, *self.omega),
-            "meanings": self._meanings,
-            "sketch": self._sketch(kappa),
+            "essential": (*arm, *lines[0], *lines[1], *self.contact.coordinates, *self.omega),
+            "meanings": {
+                **euler_meanings(self.base),
+                **contact_meanings(self.contact, on=CURVATURE_LINES),
+                **vector_meanings(self.omega),
+                **vector_meanings(place, CARRIED_VECTORS[0]),
+                **vector_meanings(arm, CARRIED_VECTORS[1]),
+                **vector_meanings(lines[0], CARRIED_VECTORS[2]),
+                **vector_meanings(lines[1], CARRIED_VECTORS[3]),
+            },
+            "sketch": rolling_sketch(
+                body="body",
+                attitude=self.base,
+                **contact_views(self.contact, place),
+                wheel=wheel_of(kappa),
+                arm=arm,
+                lines=lines,
+            ),
         }
         return join_declarations(own, declared)
-
-    @property
-    def _meanings(self) -> dict[Any, str]:
-        vectors = zip(self.vectors, CARRIED_VECTORS, strict=True)
-        return {
-            **euler_meanings(self.base),
-            **contact_meanings(self.contact, on=CURVATURE_LINES),
-            **vector_meanings(self.omega),
-            **{q: said for x, word in vectors for q, said in vector_meanings(x, word).items()},
-        }
 
     def momentum_rate(self, rotor: Sequence[Any] = (0, 0, 0)) -> sp.ImmutableMatrix:
         """dG/dt = (G + kappa) x omega + m dr/dt x (omega x r), kappa the momentum of a rotor."""
         arm = self.vectors[1]
-        moved = [self.rates[q] for q in arm]
-        whole = self.momentum + sp.Matrix(rotor)
-        turned = column(cross(moved, cross(self.omega, arm)))
-        return column(cross(whole, self.omega)) + self.mass * turned
+        whole, moved = self.momentum + sp.Matrix(rotor), [self.rates[q] for q in arm]
+        return momentum_rate_about_point(whole, self.mass, self.omega, arm, moved)
 
 
 def carried_vectors(arm: Any, frame: sp.MatrixBase) -> dict[str, sp.Expr]:
@@ -190,9 +188,7 @@ def form_values(contact: RollingContact) -> dict[str, sp.Expr]:
     """The values that the functions of ``unknown_forms`` have for two surfaces that are known."""
     found: dict[str, sp.Expr] = {}
     for surface, mark in ((contact.body, ""), (contact.fixed, "1")):
-        forms = SurfaceForms.of(surface) if isinstance(surface, Surface) else surface
-        lengths, curvatures, bendings = forms.along_lines
-        for letter, pair in zip("Lkb", (lengths, curvatures, bendings), strict=True):
+        for letter, pair in zip("Lkb", curvature_lines(surface), strict=True):
             for name, value in zip("uv", pair, strict=True):
                 found[f"{letter}_{name}{mark}"] = value
     return found

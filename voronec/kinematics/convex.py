@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.declaration.reading import expression
-from voronec.kinematics.bodies import momentum_about_point
+from voronec.kinematics.bodies import momentum_about_point, momentum_rate_about_point
 from voronec.kinematics.vectors import apply_matrix, column, cross, three
 
 __all__ = ["ConvexBody"]
@@ -97,9 +97,8 @@ class ConvexBody:
         the contact moves over the body; ``weight`` is a force along -gamma at O.
         """
         spin = three(omega, "an angular velocity")
-        moved = cross(self.arm_rate(normal_rate), cross(spin, self.arm))
-        pulled = column(cross(self.arm, self.normal)) * weight
-        return column(cross(sp.Matrix(whole), spin)) + column(moved) * mass + pulled
+        rate = momentum_rate_about_point(whole, mass, spin, self.arm, self.arm_rate(normal_rate))
+        return rate + column(cross(self.arm, self.normal)) * weight
 
 
 def _second(matrix: sp.ImmutableMatrix) -> sp.Expr:

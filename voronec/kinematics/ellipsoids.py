@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import sympy as sp
@@ -15,12 +16,11 @@ from voronec.declaration.derivatives import derivative
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.scene import Scene
 from voronec.declaration.shapes import Shape
-from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError
 from voronec.kinematics.balls import GAMMA, OMEGA, ZERO
 from voronec.kinematics.bodies import kinetic_energy, point_velocity
-from voronec.kinematics.carried_contact import carried_vectors, form_values
+from voronec.kinematics.carried_contact import CARRIED_VECTORS, carried_vectors, form_values
 from voronec.kinematics.convex import ConvexBody
 from voronec.kinematics.families import (
     FIXED_RADIUS,
@@ -41,7 +41,7 @@ from voronec.kinematics.meanings import (
 from voronec.kinematics.neumann_charts import HALF_TURN, turned_poles
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
-from voronec.kinematics.sketches import carried_sketch, rolling_sketch, wheel_of
+from voronec.kinematics.sketches import contact_views, rolling_sketch, wheel_of
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import (
     Vector,
@@ -57,13 +57,6 @@ __all__ = ["RollingEllipsoid"]
 
 HEIGHT = sp.Symbol("height")
 SUPPORT = "distance of the centre from the tangent plane at the contact"
-ANGLES = sp.symbols("phi theta psi")
-# Neumann's theta is no angle of Euler's.
-ANGLES_BESIDE_NEUMANN = sp.symbols("phi chi psi")
-
-
-def _rotation() -> Rotation:
-    return Rotation.euler("zxz", *ANGLES)
 
 
 @dataclass(frozen=True)
@@ -74,66 +67,73 @@ class RollingEllipsoid:
     the plane; on a sphere, (u, v, p), colatitude and longitude of gamma along the axes of the
     ellipsoid and the support function, bound by ``relations``: then no root occurs.  A spheroid on
     a sphere is carried along: see ``spheroid_on_sphere``.
-    ``invariants`` are gamma1, gamma2, gamma3 and height in these coordinates.
 
-    body
-        what is seen from the ellipsoid, in the symbols gamma1, gamma2, gamma3, height.
-    kinetic
-        the kinetic energy in omega1, omega2, omega3 and the velocities of the fibre.
+    axes, mass, inertia
+        the semi-axes, the mass and the principal moments.
+    sphere
+        R1 where it rolls on a sphere; nothing on a plane.
+    rotation
+        the attitude, by Euler's angles.
+    normal, height
+        gamma along the axes of the ellipsoid and the support function, in the coordinates.
+    moved, constraints
+        the velocity of the centre, by omega1, omega2, omega3 and the velocities of the fibre; and
+        what vanishes where it does not slip.
     contact
         the point of contact in space, on the sphere divided by its radius.
-    turned
-        dgamma/dt.
-    charts
-        of Neumann's coordinates, with their poles elsewhere.
-    axes, sphere
-        the semi-axes, and R1 where it rolls on a sphere.
+    coordinates
+        those that the equations hold.
+    meanings, drawn
+        what the coordinates of the fibre are, in words and in the sketch (see ``rolling_sketch``).
     surfaces
         of a spheroid on a sphere, by their forms.
 
     ``system`` declares it, with what is special beside.
     """
 
-    body: ConvexBody
+    axes: Sequence[Any]
     mass: Any
-    inertia: tuple[Any, Any, Any]
+    inertia: Sequence[Any]
+    sphere: Any
+    rotation: Rotation
     fibre: tuple[sp.Expr, ...]
-    relations: tuple[sp.Expr, ...]
-    kinetic: sp.Expr
+    normal: Vector
+    height: sp.Expr
+    moved: Sequence[Any]
     constraints: tuple[sp.Expr, ...]
-    invariants: dict[str, sp.Expr]
     contact: tuple[sp.Expr, ...]
-    turned: sp.ImmutableMatrix
-    rotation: Rotation = field(default_factory=_rotation)
-    charts: Mapping[str, Chart] = field(default_factory=dict)
-    axes: Vector = ZERO
-    sphere: Any = None
+    coordinates: tuple[sp.Expr, ...]
+    meanings: Mapping[Any, str]
+    drawn: Mapping[str, Any]
+    relations: tuple[sp.Expr, ...] = ()
     surfaces: RollingContact | None = None
+
+    def __post_init__(self) -> None:
+        for name, what in (("axes", "semi-axes"), ("inertia", "moments")):
+            read = three(getattr(self, name), f"the {what} of an ellipsoid")
+            object.__setattr__(self, name, read)
 
     @classmethod
     def on_plane(cls, axes: Sequence[Any], mass: Any, inertia: Sequence[Any]) -> RollingEllipsoid:
         """On the plane z = 0; the height of the centre is a square root."""
         x, y = fibre = sp.symbols("x y")
-        vertical = tuple(_rotation().matrix.row(2))
-        level = sp.sqrt(sum((q * n) ** 2 for q, n in zip(axes, vertical, strict=True)))
+        rotation = Rotation.euler("zxz", *sp.symbols("phi theta psi"))
+        turn = rotation.matrix
+        vertical = three(turn.row(2), "a normal")
+        level = _support(axes, vertical)
         placed = ConvexBody.ellipsoid(axes, vertical, level)
-        across = apply_matrix(-_rotation().matrix, cross(OMEGA, placed.arm))
+        across = apply_matrix(-turn, cross(OMEGA, placed.arm))
+        reach = apply_matrix(turn, placed.arm)
         rising = -dot(placed.arm, placed.rolling_rate(OMEGA))
-        reach = apply_matrix(_rotation().matrix, placed.arm)
-        body = ConvexBody.ellipsoid(axes, GAMMA, HEIGHT)
         return cls(
-            body,
-            mass,
-            (inertia[0], inertia[1], inertia[2]),
-            fibre,
-            (),
-            kinetic_energy(mass, (velocity(x), velocity(y), rising), inertia, OMEGA),
-            (velocity(x) - across[0], velocity(y) - across[1]),
-            _name_normal(vertical, level),
-            (x + reach[0], y + reach[1]),
-            body.rolling_rate(OMEGA),
-            axes=three(axes, "the semi-axes of an ellipsoid"),
-        )
+            axes, mass, inertia, None, rotation, fibre, vertical, level,
+            moved=(velocity(x), velocity(y), rising),
+            constraints=(velocity(x) - across[0], velocity(y) - across[1]),
+            contact=(x + reach[0], y + reach[1]),
+            coordinates=rotation.coordinates[1:],
+            meanings=place_meanings(fibre, "the centre over the plane"),
+            drawn={"place": fibre},
+        )  # fmt: skip
 
     @classmethod
     def on_sphere(
@@ -143,8 +143,8 @@ class RollingEllipsoid:
 
         The centre is at R1 gamma - r from that of the sphere, along the axes of the ellipsoid.
         """
-        *polar, support = fibre = sp.symbols("u v p")
-        u, v = polar
+        u, v, support = fibre = sp.symbols("u v p")
+        rotation = Rotation.euler("zxz", *sp.symbols("phi theta psi"))
         normal = (sp.sin(u) * sp.cos(v), sp.sin(u) * sp.sin(v), sp.cos(u))
         down = column([derivative(x, u) for x in normal])
         along = column([-sp.sin(v), sp.cos(v), sp.Integer(0)])
@@ -153,22 +153,18 @@ class RollingEllipsoid:
         moved = sphere * rate - placed.arm_rate(rate)
         moved += column(cross(OMEGA, sphere * placed.normal - placed.arm))
         turned = placed.rolling_rate(OMEGA, sphere)
-        body = ConvexBody.ellipsoid(axes, GAMMA, HEIGHT)
-        square = sum((q * n) ** 2 for q, n in zip(axes, normal, strict=True))
+        around = dot(turned, along) / sp.sin(u)
+        seen = "of the normal gamma, seen from the ellipsoid"
         return cls(
-            body,
-            mass,
-            (inertia[0], inertia[1], inertia[2]),
-            fibre,
-            (support**2 - square,),
-            kinetic_energy(mass, moved, inertia, OMEGA),
-            (velocity(u) - dot(turned, down), velocity(v) - dot(turned, along) / sp.sin(u)),
-            _name_normal(normal, support),
-            tuple(matrix_product(_rotation().matrix, normal)),
-            body.rolling_rate(OMEGA, sphere),
-            axes=three(axes, "the semi-axes of an ellipsoid"),
-            sphere=sphere,
-        )
+            axes, mass, inertia, sphere, rotation, fibre, normal, support,
+            moved=moved,
+            constraints=(velocity(u) - dot(turned, down), velocity(v) - around),
+            contact=tuple(matrix_product(rotation.matrix, normal)),
+            coordinates=fibre,
+            meanings={u: f"colatitude {seen}", v: f"longitude {seen}", support: SUPPORT},
+            drawn={"on": "sphere", "place": (u, v), "height": support},
+            relations=(support**2 - _square_sum(axes, normal),),
+        )  # fmt: skip
 
     @classmethod
     def spheroid_on_sphere(
@@ -177,44 +173,62 @@ class RollingEllipsoid:
         """An ellipsoid of revolution, semi-axes (a, c), on a sphere; Neumann's coordinates.
 
         The fibre is what the motion carries along: o = (o1, o2, o3), the place of the centre seen
-        from the body, and (u, v, u1, v1, theta).  The base is Euler's angles (phi, chi, psi).  The
-        support function is a square root in u.
+        from the body, and (u, v, u1, v1, theta).  The base is Euler's angles (phi, chi, psi), for
+        Neumann's theta is none of them.  The support function is a square root in u.
         """
         o, (u, v, u1, v1, theta) = sp.symbols("o1:4"), sp.symbols("u v u1 v1 theta")
-        level = sp.sqrt((axes[0] * sp.sin(u)) ** 2 + (axes[1] * sp.cos(u)) ** 2)
-        moving = Surface.sphere(1, u, v).frame
-        normal = tuple(-moving.col(2))
-        radii = ((axes[0] * axes[1]) ** 2 / level**3, axes[0] ** 2 / level)
+        (a, c), (equatorial, axial) = axes, inertia
+        level = sp.sqrt((a * sp.sin(u)) ** 2 + (c * sp.cos(u)) ** 2)
+        body, fixed = Surface.sphere(1, u, v), Surface.sphere(1, u1, v1)
+        normal = three(-body.normal, "a normal")
+        radii = ((a * c) ** 2 / level**3, a**2 / level)
         contact = RollingContact(
             SurfaceForms.revolution(u, v, radii),
             SurfaceForms.revolution(u1, v1, (sphere, sphere)),
             theta,
         )
-        rolled = contact.rolling_velocities(apply_matrix(moving.T, OMEGA))
-        whole = (axes[0], *axes)
-        arm = ConvexBody.ellipsoid(whole, normal, level).arm
+        rolled = contact.rolling_velocities(apply_matrix(body.frame.T, OMEGA))
+        arm = ConvexBody.ellipsoid((a, a, c), normal, level).arm
         moved = column(point_velocity([velocity(q) for q in o], OMEGA, o))
-        body = ConvexBody.ellipsoid(whole, GAMMA, HEIGHT)
+        rotation = Rotation.euler("zxz", *sp.symbols("phi chi psi"))
+        moments, fibre = (equatorial, equatorial, axial), (*o, *rolled)
+        rolls = (velocity(q) - rate for q, rate in rolled.items())
         return cls(
-            body,
-            mass,
-            (inertia[0], inertia[0], inertia[1]),
-            (*o, *rolled),
-            (),
-            kinetic_energy(mass, moved, (inertia[0], *inertia), OMEGA),
-            (
-                *(velocity(q) - rate for q, rate in rolled.items()),
-                *(moved + column(cross(OMEGA, arm))),
-            ),
-            _name_normal(normal, level),
-            tuple(Surface.sphere(1, u1, v1).position),
-            body.rolling_rate(OMEGA, sphere),
-            Rotation.euler("zxz", *ANGLES_BESIDE_NEUMANN),
-            _turned_poles(whole, sphere, o, contact),
-            whole,
-            sphere,
-            contact,
-        )
+            (a, a, c), mass, moments, sphere, rotation, fibre, normal, level,
+            moved=moved,
+            constraints=(*rolls, *(moved + column(cross(OMEGA, arm)))),
+            contact=tuple(fixed.position),
+            coordinates=(u, v),
+            meanings=contact_meanings(contact) | vector_meanings(o, CARRIED_VECTORS[0]),
+            drawn=contact_views(contact, o),
+            surfaces=contact,
+        )  # fmt: skip
+
+    @cached_property
+    def body(self) -> ConvexBody:
+        """What is seen from the ellipsoid, in the symbols gamma1, gamma2, gamma3, height."""
+        return ConvexBody.ellipsoid(self.axes, GAMMA, HEIGHT)
+
+    @cached_property
+    def normal_rate(self) -> sp.ImmutableMatrix:
+        """dgamma/dt."""
+        return self.body.rolling_rate(OMEGA, self.sphere)
+
+    @property
+    def kinetic(self) -> sp.Expr:
+        """The kinetic energy in omega1, omega2, omega3 and the velocities of the fibre."""
+        return kinetic_energy(self.mass, self.moved, self.inertia, OMEGA)
+
+    @property
+    def invariants(self) -> dict[str, sp.Expr]:
+        """gamma1, gamma2, gamma3 and height in the coordinates."""
+        names = (*map(str, GAMMA), str(HEIGHT))
+        return dict(zip(names, (*self.normal, self.height), strict=True))
+
+    @property
+    def charts(self) -> dict[str, Chart]:
+        """Of Neumann's coordinates, with their poles elsewhere."""
+        return {} if self.surfaces is None else _turned_poles(self)
 
     @property
     def base(self) -> tuple[sp.Expr, ...]:
@@ -245,31 +259,13 @@ class RollingEllipsoid:
         root = sp.sqrt(equatorial * axial + self.mass * spread)
         return self.body.height * (equatorial + self.mass * (x**2 + y**2 + z**2)) * root
 
-    def _sketch(self, rotor: Sequence[Any]) -> Sketch:
-        """The ellipsoid, on what it rolls."""
-        names, wheel = list(self.fibre), wheel_of(rotor)
-        if self.sphere is None:
-            return rolling_sketch(body="ellipsoid", attitude=self.base, place=names, wheel=wheel)
-        if len(names) == 3:
-            u, v, support = names
-            return rolling_sketch(
-                on="sphere",
-                body="ellipsoid",
-                attitude=self.base,
-                place=(u, v),
-                height=support,
-                wheel=wheel,
-            )
-        return carried_sketch(self.base, names[:3], names[3:], rotor)
-
     @property
     def as_any_body(self) -> tuple[dict[Any, Any], dict[str, Any]]:
         """A spheroid on a sphere as a body of unknown surfaces: its state, and their functions."""
         if self.surfaces is None:
             raise DefinitionError("only a spheroid on a sphere is known by the forms of surfaces")
-        u, v = self.surfaces.body.coordinates
-        level, frame = self.invariants["height"], Surface.sphere(1, u, v).frame
-        arm = apply_matrix(frame, (derivative(level, u), sp.Integer(0), level))
+        frame = Surface.sphere(1, *self.coordinates).frame
+        arm = apply_matrix(frame, (derivative(self.height, self.coordinates[0]), 0, self.height))
         own = {q: q for q in (*self.base, *self.fibre, *OMEGA)}
         return {**own, **carried_vectors(arm, frame)}, form_values(self.surfaces)
 
@@ -277,15 +273,15 @@ class RollingEllipsoid:
     def shapes(self) -> tuple[Shape, Shape]:
         """The ellipsoid, and the plane or sphere, as they are drawn."""
         named = {sp.Symbol(name): e for name, e in self.invariants.items()}
-        turned = self.rotation.matrix
-        if self.surfaces is not None:
-            (u, v), polar = (s.coordinates for s in (self.surfaces.body, self.surfaces.fixed))
-            spheres = Surface.sphere(1, u, v), Surface.sphere(1, *polar)
-            turned = RollingContact(*spheres, self.surfaces.theta).attitude
         touched = sp.Matrix([*self.contact, 0][:3])
         ground = Shape.plane()
         if self.sphere is not None:
             touched, ground = self.sphere * touched, Shape.ball(self.sphere, role="ground")
+        turned = self.rotation.matrix
+        if self.surfaces is not None:
+            seen = Surface.sphere(1, *self.surfaces.body.coordinates)
+            fixed = Surface.sphere(1, *self.surfaces.fixed.coordinates)
+            turned = RollingContact(seen, fixed, self.surfaces.theta).attitude
         centre = touched - matrix_product(turned, self.body.arm.xreplace(named))
         placed = {"centre": centre, "attitude": turned, "contact": touched}
         return Shape.ellipsoid(self.axes, **placed), ground
@@ -331,13 +327,21 @@ class RollingEllipsoid:
             "invariants": self.invariants,
             "equations": {
                 "momentum": Equation(self.momentum, self.momentum_rate(kappa, weight)),
-                "normal": Equation(GAMMA, self.turned),
+                "normal": Equation(GAMMA, self.normal_rate),
             },
             "integrals": {"energy": dot(self.momentum, OMEGA) / 2 + weight * HEIGHT},
             "charts": self.charts,
-            "essential": (*self._equation_coordinates, *OMEGA),
-            "meanings": self._meanings,
-            "sketch": self._sketch(kappa),
+            "essential": (*self.coordinates, *OMEGA),
+            "meanings": {
+                **euler_meanings(self.base),
+                **self.meanings,
+                **vector_meanings(OMEGA),
+                **vector_meanings(map(str, GAMMA), NORMAL),
+                "height": SUPPORT,
+            },
+            "sketch": rolling_sketch(
+                body="ellipsoid", attitude=self.base, wheel=wheel_of(kappa), **self.drawn
+            ),
             "shapes": self.shapes,
         }
         is_round = self.axes[0] == self.axes[1] and self.inertia[0] == self.inertia[1]
@@ -345,33 +349,6 @@ class RollingEllipsoid:
             spread = 1 if self.sphere is None else self.body.curvature_product(self.sphere)
             own["measure"] = Measure(self.density * spread, (*GAMMA, HEIGHT, *OMEGA))
         return join_declarations(own, declared)
-
-    @property
-    def _meanings(self) -> dict[Any, str]:
-        placed: dict[Any, str] = {}
-        if self.sphere is None:
-            placed = place_meanings(self.fibre, "the centre over the plane")
-        elif self.surfaces is None:
-            seen = "of the normal gamma, seen from the ellipsoid"
-            polar = (f"colatitude {seen}", f"longitude {seen}", SUPPORT)
-            placed = dict(zip(self.fibre, polar, strict=True))
-        else:
-            placed = contact_meanings(self.surfaces)
-            placed |= vector_meanings(self.fibre[:3], "place of the body's centre")
-        return {
-            **euler_meanings(self.base),
-            **placed,
-            **vector_meanings(OMEGA),
-            **vector_meanings(map(str, GAMMA), NORMAL),
-            "height": SUPPORT,
-        }
-
-    @property
-    def _equation_coordinates(self) -> tuple[sp.Expr, ...]:
-        """The coordinates that the equations hold."""
-        if self.sphere is None:
-            return self.base[1:]
-        return self.fibre if self.surfaces is None else self.surfaces.body.coordinates
 
     def _words(self, rotor: Vector, gravity: Any) -> Words:
         """What its constants are."""
@@ -391,28 +368,31 @@ class RollingEllipsoid:
     def momentum_rate(self, rotor: Sequence[Any] = (0, 0, 0), weight: Any = 0) -> Any:
         """dG/dt, where a ``rotor`` of constant momentum kappa is built in."""
         whole = self.momentum + sp.Matrix(rotor)
-        return self.body.momentum_rate(whole, self.mass, OMEGA, self.turned, weight)
+        return self.body.momentum_rate(whole, self.mass, OMEGA, self.normal_rate, weight)
 
 
-def _name_normal(normal: Sequence[Any], height: Any) -> dict[str, sp.Expr]:
-    names = (*map(str, GAMMA), str(HEIGHT))
-    return dict(zip(names, (*normal, height), strict=True))
+def _square_sum(axes: Sequence[Any], normal: Sequence[Any]) -> Any:
+    """The square of the support function."""
+    return sum((q * n) ** 2 for q, n in zip(axes, normal, strict=True))
 
 
-def _turned_poles(
-    axes: Sequence[Any], sphere: Any, o: Sequence[Any], contact: RollingContact
-) -> dict[str, Chart]:
+def _support(axes: Sequence[Any], normal: Sequence[Any]) -> sp.Expr:
+    """The distance of the tangent plane with that unit normal from the centre."""
+    return sp.sqrt(_square_sum(axes, normal))
+
+
+def _turned_poles(rolling: RollingEllipsoid) -> dict[str, Chart]:
     """The charts of a spheroid on a sphere: polar axes across its own, and across the sphere's.
 
     The lines of u and v are no lines of curvature there.  With N = -gamma, along them, and the
     sphere's normal gamma carried along by gamma' + omega x gamma in space, all rates follow.
     """
-    (u, v), (u1, v1), theta = contact.body.coordinates, contact.fixed.coordinates, contact.theta
+    *o, u, v, u1, v1, theta = rolling.fibre
     turned = matrix_product(HALF_TURN, Surface.sphere(1, u, v).frame)
     down, across, outer = (turned.col(i) for i in range(3))
-    level = sp.sqrt(sum((q * n) ** 2 for q, n in zip(axes, outer, strict=True)))
-    placed = ConvexBody.ellipsoid(axes, tuple(-outer), level)
-    rate = placed.rolling_rate(OMEGA, sphere)
+    level = _support(rolling.axes, outer)
+    placed = ConvexBody.ellipsoid(rolling.axes, tuple(-outer), level)
+    rate = placed.rolling_rate(OMEGA, rolling.sphere)
     swing = rate - column(cross(OMEGA, outer))
     x, y = dot(swing, down), dot(swing, across)
     around = -dot(rate, across) / sp.sin(u)
@@ -426,5 +406,5 @@ def _turned_poles(
         velocity(theta) + dot(OMEGA, outer) + around * sp.cos(u) + other * sp.cos(u1),
         *moved,
     )
-    spheres = RollingContact(Surface.sphere(1, u, v), Surface.sphere(sphere, u1, v1), theta)
+    spheres = RollingContact(Surface.sphere(1, u, v), Surface.sphere(rolling.sphere, u1, v1), theta)
     return turned_poles(spheres, {"constraints": constraints})

@@ -7,6 +7,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.text import as_expression
 from voronec.declaration.reading import fixed_mapping
 from voronec.declaration.scene import Parameter
 from voronec.declaration.system import System
@@ -15,7 +16,7 @@ from voronec.errors import DefinitionError, quote
 __all__ = ["constants", "join_declarations"]
 
 Words = Mapping[sp.Expr, tuple[str, bool]]
-"""Symbol -> what it is, and whether it is positive."""
+"""Constant, or the number in its place -> what it is, and whether it is positive."""
 
 
 FIXED_RADIUS = ("radius of the fixed sphere, signed", False)
@@ -57,22 +58,22 @@ def moment_words(inertia: Sequence[Any]) -> Words:
     """What the principal moments are: of any body, of one with an axis, of a spherical one."""
     x, y, z = inertia
     if x == y == z:
-        return _symbols({x: ("moment of inertia", True)})
+        return {x: ("moment of inertia", True)}
     if x == y:
-        axis = {x: ("equatorial moment of inertia", True), z: ("axial moment of inertia", True)}
-        return _symbols(axis)
-    return _symbols(dict.fromkeys(inertia, ("principal moment", True)))
+        return {x: ("equatorial moment of inertia", True), z: ("axial moment of inertia", True)}
+    return dict.fromkeys(inertia, ("principal moment", True))
 
 
 def rotor_words(rotor: Sequence[Any]) -> Words:
     """What the momentum of a gyroscope is, along any direction or along the third axis."""
     axial = not any(rotor[:2])
     words = "axial momentum of the gyroscope" if axial else "momentum of the gyroscope"
-    return _symbols(dict.fromkeys(rotor, (words, False)))
+    return dict.fromkeys(rotor, (words, False))
 
 
-def _symbols(words: Words) -> Words:
-    return {symbol: said for symbol, said in words.items() if isinstance(symbol, sp.Symbol)}
+def rolling_ratio(fixed: Any, radius: Any) -> sp.Expr:
+    """epsilon = R1/(R1 + R2) of a ball on a sphere, and 1 on a plane, where ``fixed`` is None."""
+    return sp.Integer(1) if fixed is None else as_expression(fixed / (fixed + radius))
 
 
 def join_declarations(own: Mapping[str, Any], more: Mapping[str, Any]) -> System:

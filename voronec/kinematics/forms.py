@@ -78,9 +78,16 @@ class SurfaceForms:
 
     @classmethod
     def of(cls, surface: Surface) -> SurfaceForms:
-        """The forms of an explicit surface, whose coordinate lines must be lines of curvature."""
-        first, second = principal_forms(surface)
-        return cls(surface.coordinates, first, second, surface.lengths, surface.support)
+        """The forms of an explicit surface; ``DefinitionError`` where its coordinates u, v are not
+        along lines of curvature."""
+        (e, f, g), (d, mixed, dd) = surface.first_form, surface.second_form
+        if (f, mixed) != (0, 0):
+            u, v = surface.coordinates
+            raise DefinitionError(
+                f"the coordinates {u}, {v} are not along lines of curvature: F = {f}, D' = {mixed}"
+                "; use others"
+            )
+        return cls(surface.coordinates, (e, g), (d, dd), surface.lengths, surface.support)
 
     @classmethod
     def revolution(
@@ -113,12 +120,6 @@ class SurfaceForms:
     def second_form(self) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
         """D, D' = 0, D''."""
         return self.second[0], sp.Integer(0), self.second[1]
-
-    @property
-    def along_lines(self) -> tuple[tuple[sp.Expr, sp.Expr], ...]:
-        """Lengths L_u, L_v, curvatures -D/E, -D''/G, bendings E_v/(2 L_u L_v), G_u/(2 L_u L_v)."""
-        (e, g), (d, dd), turns = self.first, self.second, self._turns
-        return self._lengths, (-d / e, -dd / g), (-turns[0][2], turns[1][2])
 
     @property
     def trace_velocity(self) -> Vector:
@@ -227,6 +228,15 @@ def two(things: Any, what: str) -> tuple[sp.Expr, sp.Expr]:
     return found[0], found[1]
 
 
+def curvature_lines(surface: Surface | SurfaceForms) -> tuple[tuple[sp.Expr, sp.Expr], ...]:
+    """Of a surface along its lines of curvature: the lengths L_u, L_v; the curvatures -D/E and
+    -D''/G, positive where it bends away from its normal; the bendings E_v/(2 L_u L_v) and
+    G_u/(2 L_u L_v).  ``DefinitionError`` where its coordinates are not along these lines."""
+    forms = surface if isinstance(surface, SurfaceForms) else SurfaceForms.of(surface)
+    (e, g), (d, dd), turns = forms.first, forms.second, forms._turns
+    return forms._lengths, (-d / e, -dd / g), (-turns[0][2], turns[1][2])
+
+
 def _nowhere() -> NoReturn:
     raise DefinitionError(
         "a surface given by its fundamental forms has no position in space; use Surface"
@@ -237,15 +247,3 @@ def _hat(vector: Vector) -> sp.ImmutableMatrix:
     """The matrix of vector x."""
     x, y, z = vector
     return sp.ImmutableMatrix([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-
-
-def principal_forms(surface: Surface | SurfaceForms) -> tuple[tuple[sp.Expr, sp.Expr], ...]:
-    """(E, G) and (D, D''); ``DefinitionError`` where lines u, v are no lines of curvature."""
-    (e, f, g), (d, mixed, dd) = surface.first_form, surface.second_form
-    if (f, mixed) != (0, 0):
-        u, v = surface.coordinates
-        raise DefinitionError(
-            f"the coordinates {u}, {v} are not along lines of curvature: F = {f}, D' = {mixed}"
-            "; use others"
-        )
-    return (e, g), (d, dd)

@@ -17,13 +17,14 @@ from voronec.declaration.shapes import Shape
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError
 from voronec.kinematics.balanced_balls import BallMotion
-from voronec.kinematics.balls import GAMMA, OMEGA, ZERO
+from voronec.kinematics.balls import GAMMA, OMEGA, ZERO, contact_momentum
 from voronec.kinematics.bodies import kinetic_energy
 from voronec.kinematics.families import (
     Words,
     constants,
     join_declarations,
     moment_words,
+    rolling_ratio,
     rotor_words,
 )
 from voronec.kinematics.meanings import euler_meanings, vector_meanings
@@ -119,7 +120,7 @@ class BallOnMovingSphere:
     @property
     def epsilon(self) -> sp.Expr:
         """R1/(R1 + R2)."""
-        return self.fixed / (self.fixed + self.radius)
+        return rolling_ratio(self.fixed, self.radius)
 
     @cached_property
     def contact(self) -> sp.Matrix:
@@ -135,8 +136,7 @@ class BallOnMovingSphere:
     def momentum(self) -> sp.Matrix:
         """G, the momentum about the contact, without the gyroscope."""
         pace = 1 if self.is_free else self.rate
-        own = sp.Matrix([i * w for i, w in zip(self.inertia, self.spin, strict=True)])
-        own += self.mass * self.radius**2 * self.across(self.spin)
+        own = contact_momentum(self.inertia, self.mass * self.radius**2, OMEGA, GAMMA)
         return own + self.mass * self.fixed * self.radius * pace * self.across(self.swirl)
 
     @cached_property

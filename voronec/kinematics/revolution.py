@@ -16,10 +16,9 @@ from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.reading import fixed_mapping
 from voronec.declaration.scene import Parameter, Scene
 from voronec.declaration.shapes import Shape
-from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
 from voronec.kinematics.balls import OMEGA
-from voronec.kinematics.bodies import kinetic_energy
+from voronec.kinematics.bodies import kinetic_energy, momentum_rate_about_point
 from voronec.kinematics.carried_contact import CARRIED_VECTORS, carried_vectors, form_values
 from voronec.kinematics.families import (
     Words,
@@ -36,7 +35,7 @@ from voronec.kinematics.meanings import (
 )
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.rotations import Rotation
-from voronec.kinematics.sketches import carried_sketch
+from voronec.kinematics.sketches import contact_views, rolling_sketch, wheel_of
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import column, cross, dot, matrix_product, three
 
@@ -70,23 +69,6 @@ class BodyOfRevolution:
     equatorial: Any
     axial: Any
     rotor: Any = sp.Integer(0)
-
-    @property
-    def spins(self) -> tuple[sp.Symbol, ...]:
-        """s, tau, n, as symbols."""
-        return tuple(SPINS)
-
-    def _sketch(self, further: Mapping[str, sp.Expr]) -> Sketch:
-        """A torus, with what is carried along."""
-        more = [q for q in further.values() if isinstance(q, sp.Symbol)]
-        return carried_sketch(
-            ATTITUDE.coordinates,
-            PLACE,
-            tuple(self.rolling_velocities),
-            (self.rotor,),
-            "torus",
-            more,
-        )
 
     @property
     def axis(self) -> sp.Matrix:
@@ -129,9 +111,9 @@ class BodyOfRevolution:
     def momentum_rate(self) -> sp.Matrix:
         """The rates of the components of G along the moving frame."""
         whole = self.momentum + self.rotor * self.axis
-        moved = self.mass * column(cross(self.trace, cross(SPINS, self.arm)))
         turning = self.carry(self.contact.body.frame_rates)
-        return column(cross(whole, SPINS)) + moved - column(cross(turning, self.momentum))
+        rate = momentum_rate_about_point(whole, self.mass, SPINS, self.arm, self.trace)
+        return rate - column(cross(turning, self.momentum))
 
     @property
     def as_any_body(self) -> tuple[dict[Any, Any], dict[str, Any]]:
@@ -186,7 +168,12 @@ class BodyOfRevolution:
                 **contact_meanings(self.contact),
                 **moving_meanings(SPINS),
             },
-            "sketch": self._sketch(further),
+            "sketch": rolling_sketch(
+                body="torus",
+                attitude=ATTITUDE.coordinates,
+                **contact_views(self.contact, PLACE, [q for q in further.values() if q.is_Symbol]),
+                wheel=wheel_of((self.rotor,)),
+            ),
         }
         return join_declarations(own, declared)
 

@@ -20,10 +20,9 @@ import sympy as sp
 from voronec.algebra.arguments import instance, require
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import as_expression
-from voronec.declaration.derivatives import derivative
 from voronec.declaration.shapes import Shape
 from voronec.errors import DefinitionError
-from voronec.kinematics.forms import SurfaceForms, principal_forms
+from voronec.kinematics.forms import SurfaceForms, curvature_lines
 from voronec.kinematics.rotations import distinct_names
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import Vector, apply_matrix, cross, matrix_product, three
@@ -165,16 +164,16 @@ class RollingContact:
 
         sin and cos of theta; p q - b^2 is the determinant of the relative curvature.
         """
-        (k, h), (k1, h1) = _curvatures(self.body), _curvatures(self.fixed)
+        lengths, (k, h), _ = curvature_lines(self.body)
+        fixed_lengths, (k1, h1), _ = curvature_lines(self.fixed)
         c, sine = sp.cos(self.theta), sp.sin(self.theta)
         p, q = k + k1 * sine**2 + h1 * c**2, h + k1 * c**2 + h1 * sine**2
         b = (h1 - k1) * sine * c
         s, tau, n = three(spin, "a spin")
         x, y = -(b * s + q * tau) / (p * q - b**2), (p * s + b * tau) / (p * q - b**2)
         steps = (x, y, y * c - x * sine, x * c + y * sine)
-        lengths = (*_lengths(self.body), *_lengths(self.fixed))
-        names = self.coordinates[:4]
-        found = {a: step / length for a, step, length in zip(names, steps, lengths, strict=True)}
+        known = zip(self.coordinates[:4], steps, (*lengths, *fixed_lengths), strict=True)
+        found = {a: step / length for a, step, length in known}
         dots = {velocity(a): rate for a, rate in found.items()}
         own, carried = self.body.frame_rates[2], self.fixed.frame_rates[2]
         found[self.theta] = -n - as_expression(own + carried).xreplace(dots)
@@ -192,20 +191,6 @@ def _content(surface: Surface | SurfaceForms) -> tuple[sp.Expr, ...]:
     if isinstance(surface, Surface):
         return surface.position
     return (*surface.first, *surface.second, *(surface.support or ()))
-
-
-def _curvatures(surface: Surface | SurfaceForms) -> tuple[sp.Expr, sp.Expr]:
-    """-D/E and -D''/G, positive where the surface bends away from its normal."""
-    (e, g), (d, dd) = principal_forms(surface)
-    return -d / e, -dd / g
-
-
-def _lengths(surface: Surface | SurfaceForms) -> tuple[sp.Expr, sp.Expr]:
-    if isinstance(surface, SurfaceForms):
-        return surface.along_lines[0]
-    du, dv = (velocity(q) for q in surface.coordinates)
-    along, across, _ = surface.trace_velocity
-    return derivative(along, du), derivative(across, dv)
 
 
 def _support(surface: Surface | SurfaceForms) -> Vector:

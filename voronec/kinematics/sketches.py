@@ -16,6 +16,7 @@ from voronec.algebra.arguments import reads
 from voronec.declaration.reading import expression
 from voronec.declaration.shapes import Shape
 from voronec.declaration.sketch import Point, Sketch, polar
+from voronec.kinematics.rolling import RollingContact
 
 __all__ = [
     "ball_sketch",
@@ -101,6 +102,8 @@ def rolling_sketch(
     spin: Any = "",
     wheel: Any = "",
     mass: Any = "",
+    arm: Sequence[Any] = (),
+    lines: Sequence[Sequence[Any]] = (),
     note: str = "",
 ) -> Sketch:
     """A body that rolls on a surface.
@@ -120,6 +123,8 @@ def rolling_sketch(
         contact; how high the centre is over the tangent plane.
     wheel, mass
         the momentum of a gyroscope inside; how far the mass centre is off the middle.
+    arm, lines
+        components of the vector from the middle to the contact, and of two directions there.
     note
         a word at the body.
     """
@@ -143,7 +148,15 @@ def rolling_sketch(
         sketch = sketch.distance(CONTACT, (0.0, middle[1]), height, -1.45)
     if note:
         sketch = sketch.text((1.55, 0.95), note)
-    return sketch.dot(CONTACT, f"M{_join(support)}" if support else "M", -25)
+    sketch = sketch.dot(CONTACT, f"M{_join(support)}" if support else "M", -25)
+    if arm:
+        sketch = sketch.arrow(middle, CONTACT).text((-1.85, -0.15), _join(arm))
+        sketch = sketch.line((-1.3, -0.2), (-0.2, -0.45), look="thin")
+    if lines:
+        ahead, aside = lines
+        sketch = sketch.arrow(CONTACT, (-1.0, -1.0), _join(ahead))
+        sketch = sketch.arrow(CONTACT, (0.75, -0.55)).text((1.35, -0.45), _join(aside))
+    return sketch
 
 
 def _contact_marks(sketch: Sketch, turned: Any, gamma: Sequence[Any], low: bool) -> Sketch:
@@ -213,38 +226,18 @@ def wheel_of(rotor: Sequence[Any]) -> str:
     return "kappa" if any(rotor[:-1]) else str(rotor[-1])
 
 
-@reads("coordinates and names")
-def carried_sketch(
-    attitude: Sequence[Any],
-    centre: Sequence[Any],
-    rolled: Sequence[Any],
-    rotor: Sequence[Any] = (),
-    body: str = "ellipsoid",
-    further: Sequence[Any] = (),
-    arm: Sequence[Any] = (),
-    lines: Sequence[Sequence[Any]] = (),
-) -> Sketch:
-    """A body on a sphere with all that its motion carries along: the contact (u, v, u1, v1, theta)
-    and ``further`` coordinates there, the vector ``arm`` to it, two ``lines`` of curvature."""
-    u, v, u1, v1, theta = rolled
-    sketch = rolling_sketch(
-        on="sphere",
-        body=body,
-        attitude=attitude,
-        place=(u1, v1),
-        turned=theta,
-        centre=centre,
-        support=(u, v, *further),
-        wheel=wheel_of(rotor),
-    )
-    if arm:
-        sketch = sketch.arrow(BODIES[body].middle, CONTACT).text((-1.85, -0.15), _join(arm))
-        sketch = sketch.line((-1.3, -0.2), (-0.2, -0.45), look="thin")
-    if lines:
-        ahead, aside = lines
-        sketch = sketch.arrow(CONTACT, (-1.0, -1.0), _join(ahead))
-        sketch = sketch.arrow(CONTACT, (0.75, -0.55)).text((1.35, -0.45), _join(aside))
-    return sketch
+def contact_views(
+    contact: RollingContact, centre: Sequence[Any], further: Sequence[Any] = ()
+) -> dict[str, Any]:
+    """What ``rolling_sketch`` shows of a body on a sphere whose motion carries along C. Neumann's
+    coordinates of the ``contact``, the ``centre`` seen from it, and ``further`` coordinates."""
+    return {
+        "on": "sphere",
+        "place": contact.fixed.coordinates,
+        "turned": contact.theta,
+        "centre": centre,
+        "support": (*contact.body.coordinates, *further),
+    }
 
 
 @reads("two coordinates and a heading")

@@ -50,7 +50,7 @@ __all__ = [
 ]
 
 Loop = Callable[..., Callable[..., int]]
-BROKEN: dict[str, str] = {}
+IMPORT_ERRORS: dict[str, str] = {}
 """Libraries that are installed and could not be imported, and what is said of them."""
 CLOSED_FORM = "closed-form"
 """Evaluates a declared motion; it takes no steps, and is no integrator."""
@@ -107,7 +107,7 @@ class Method:
             return f"there is no command '{self.compiler}'"
         with suppress(ImportError, ValueError):
             if not self.library or find_spec(self.library) is not None:
-                return BROKEN.get(self.library, "")
+                return IMPORT_ERRORS.get(self.library, "")
         return f"{self.library} is not installed"
 
     @property
@@ -194,7 +194,9 @@ def absent(method: str, error: ImportError) -> DefinitionError:
     from then on, with one warning."""
     own = METHODS[method]
     if not own.absence:
-        BROKEN[own.library] = f"{own.library} is installed but cannot be imported: {quote(error)}"
+        IMPORT_ERRORS[own.library] = (
+            f"{own.library} is installed but cannot be imported: {quote(error)}"
+        )
         warnings.warn(f"{own.absence}; it counts as absent", stacklevel=2)
     return DefinitionError(f"{own.absence}; 'pip install {method}', or use method='scipy'")
 

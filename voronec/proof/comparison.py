@@ -106,7 +106,7 @@ _NAMES, _TEXTS = [str], {str: str}
 _SHAPE = {
     "format": int, "system": str, "base": _NAMES, "fibre": _NAMES, "velocities": _NAMES,
     "parameters": _NAMES, "relations": _NAMES, "inputs": _NAMES, "kind": str,
-    "positive": (type(None), _NAMES), "growth": (str, [int]), "integrable": (str, [int]),
+    "positive": (type(None), _NAMES), "growth": (str, [int]), "integrable": (str, [str]),
     "ideals": {str: _NAMES}, "groups": {str: _TEXTS},
     "points": [{"at": _TEXTS, "acceleration": _TEXTS}],
 }  # fmt: skip
@@ -231,7 +231,7 @@ def _plain_facts(eqs: VoronecEquations) -> dict[str, Any]:
         "inputs": _names(system.inputs),
         "kind": _within(lambda: eqs.kind),
         "growth": ABSENT if general else _within(lambda: [int(n) for n in eqs.growth]),
-        "integrable": ABSENT if general else _within(lambda: [i + 1 for i in eqs.integrable]),
+        "integrable": ABSENT if general else _within(lambda: [*map(plain_text, eqs.integrable)]),
     }
 
 

@@ -30,7 +30,7 @@ from voronec.equations.vector_field import NO_POINT, VectorField
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.proof.closure import foreign_rate
 from voronec.proof.decision import Decision, all_zero, zero_everywhere
-from voronec.proof.nondegeneracy import where_nonzero, where_signed
+from voronec.proof.nondegeneracy import where_nonzero, where_of_one_sign
 from voronec.proof.walls import across_walls, flow_across_walls
 
 __all__ = ["decide_measure", "defect", "divergence", "measured_field"]
@@ -70,7 +70,7 @@ def decide_measure(motions: Motions, measure: Measure) -> Decision:
         found = across_walls(found, field, inside, periods=False, beyond=True)
         found = flow_across_walls(found, field, field.read(measure.density))
         found = where_nonzero(found, field, "the density", inside[0][1])
-        found = where_signed(found, field, "the density", inside[0][1])
+        found = where_of_one_sign(found, field, "the density", inside[0][1])
     return Decision(found, field.level)
 
 

@@ -25,7 +25,7 @@ from voronec.algebra.verdicts import Verdict
 from voronec.equations.vector_field import VectorField
 from voronec.errors import EngineLimit, quote
 
-__all__ = ["where_independent", "where_nonzero", "where_of_rank", "where_signed"]
+__all__ = ["where_independent", "where_nonzero", "where_of_one_sign", "where_of_rank"]
 
 POINTS = 6
 """At how many points of a piece a rank is looked at."""
@@ -60,7 +60,7 @@ def where_nonzero(verdict: Verdict, field: VectorField, name: str, function: Any
     return where_of_rank(verdict, field, [function], lambda exprs: [[*exprs]], 1, doubt)
 
 
-def where_signed(verdict: Verdict, field: VectorField, name: str, function: Any) -> Verdict:
+def where_of_one_sign(verdict: Verdict, field: VectorField, name: str, function: Any) -> Verdict:
     """A proof that needs a function to keep its sign, as a density, beside the zeros and poles at
     which it may change, and at which the equations have values."""
     if not verdict.proved:
@@ -71,10 +71,21 @@ def where_signed(verdict: Verdict, field: VectorField, name: str, function: Any)
         powers = product_of(function, tuple(field.relations)).powers.items()
     except EngineLimit:
         return verdict.where(f"{name} != 0")
-    odd = [h for h, k in powers if k % 2 and h.free_symbols & moving and not known_sign(h, known)]
-    tapes = [(h, Tape([h, *field.entries])) for h in odd]
-    met = [h for h, t in tapes if any(sample_evaluable(t, (*known, h), SHARP, count=1))]
-    return verdict.where(*(f"{quote(field.door.outward(h))} != 0" for h in met))
+    signed = [h for h, k in powers if k % 2 and h.free_symbols & moving and not _is_root(h)]
+    # what is positive term by term may no longer be so where relations have been put in
+    odd = [h for h in signed if not (known_sign(h, known) or known_sign(h, field.conditions))]
+
+    def has_zero(h: Any, *held: Any) -> bool:
+        return any(sample_evaluable(Tape([h, *held]), (*known, h), SHARP, count=1))
+
+    # where no zero is found at all one may be hidden: that none is found proves nothing
+    told = [h for h in odd if has_zero(h, *field.entries) or not has_zero(h)]
+    return verdict.where(*(f"{quote(field.door.outward(h))} != 0" for h in told))
+
+
+def _is_root(h: Any) -> bool:
+    """Whether it is a power that is no whole one: it has no other sign where it is real."""
+    return isinstance(h, se.Pow) and not isinstance(h.args[1], se.Integer)
 
 
 def where_of_rank(

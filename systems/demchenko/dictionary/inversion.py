@@ -229,5 +229,11 @@ def _study(at: Curve, more: dict[str, Any]) -> Study:
     names = {"u": vo.time, r"\zeta": c, "y": y, "Y": slope**2, **at.functions().names(), **more}
     motion = Motion(at.rates)
     return Study(
-        names, motion=motion, relations=(at.relation,), context=at, note=NOTE, source=SOURCE
+        names,
+        motion=motion,
+        functions=frozenset({"X", r"\phi", "F", r"\theta"}),  # of formulas that it refers to
+        relations=(at.relation,),
+        context=at,
+        note=NOTE,
+        source=SOURCE,
     )

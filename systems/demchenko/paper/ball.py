@@ -56,6 +56,7 @@ def studies(_: Transcript) -> dict[str, Study]:
 
 BALL = Section(
     title="The Bobilev-Zhukovsky problem and its generalization",
+    complete=True,
     label="ballGyr",
     studies=studies,
     inline=(

@@ -57,6 +57,7 @@ DEFINITION = Check("definition")
 
 BODY = Section(
     title="The Voronec principle and rolling of a body over a surface",
+    complete=True,
     label="body",
     studies=studies,
     inline=(

@@ -17,6 +17,7 @@ def studies(_: Transcript) -> dict[str, Study]:
 
 CONTEMPORARY = Section(
     title="Demchenko's PhD thesis and contemporary nonholonomic mechanics",
+    complete=True,
     label=None,
     studies=studies,
     displays=(*geometry.DISPLAYS, *balls.DISPLAYS),

@@ -56,6 +56,7 @@ def motion(position: int) -> Check:
 
 GYROSCOPE = Section(
     title="Rolling of a body with a gyroscope",
+    complete=True,
     label="bodyGyr",
     studies=studies,
     inline=(

@@ -54,6 +54,7 @@ BRANCH = Convention(
 
 INVERSION = Section(
     title="Inversion of elliptic integrals",
+    complete=True,
     label=None,
     studies=studies,
     inline=(

@@ -16,6 +16,7 @@ def studies(_: Transcript) -> dict[str, Study]:
 
 KINDS_OF_MOTION = Section(
     title="Back to the Demchenko case",
+    complete=True,
     displays=(),
     studies=studies,
     sentences=SENTENCES,

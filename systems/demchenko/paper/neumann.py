@@ -38,6 +38,7 @@ def studies(_: Transcript) -> dict[str, Study]:
 
 NEUMANN = Section(
     title="Rolling without slipping of a body over a surface in the Neumann variables",
+    complete=True,
     label="Nvar",
     studies=studies,
     inline=(

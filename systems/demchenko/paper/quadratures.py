@@ -39,6 +39,7 @@ def studies(_: Transcript) -> dict[str, Study]:
 
 QUADRATURES = Section(
     title="Solving the system in terms of elliptic functions and elliptic integrals",
+    complete=True,
     label=None,
     studies=studies,
     inline=(

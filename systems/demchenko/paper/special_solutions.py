@@ -56,6 +56,7 @@ def condition(position: int, opening: str, slot: str) -> Display:
 
 SPECIAL_SOLUTIONS = Section(
     title="Special Solutions",
+    complete=True,
     label=None,
     studies=studies,
     sentences=SENTENCES,

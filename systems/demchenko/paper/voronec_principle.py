@@ -42,6 +42,7 @@ def transposition(study: Study, where: Mapping[str, int]) -> Any:
 
 VORONEC_PRINCIPLE = Section(
     title="The Voronec principle",
+    complete=True,
     label="VorPr",
     studies=studies,
     inline=(

@@ -1,8 +1,7 @@
 """The time of a call of ``integrate`` beside its steps, measured in fresh processes.
 
-*Set-up*, cold and warm: deriving and compiling, imports excluded.  Cold, heyoka's disk cache is
-pointed to an empty folder by its own ``llvm_state`` functions; warm, a second process finds what
-the first left there.
+*Set-up*, cold and warm: deriving and compiling, imports excluded.  Cold, the user's caches and
+heyoka's are in an empty folder; warm, a second process finds what the first left there.
 
 *Stages* of a whole call: a clock of the processor interrupts it every half a millisecond; what
 went by since the last time belongs to the stage of the innermost function that has one.  Nothing
@@ -12,6 +11,7 @@ is slowed down by it.
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -102,6 +102,7 @@ def measure_calls(
     time: float | None,
     tolerance: float,
     values: Values = MappingProxyType({}),
+    method: str = "auto",
 ) -> CallStages:
     """The stages of calls for a system by name or file.
 
@@ -111,7 +112,7 @@ def measure_calls(
         raise DefinitionError("stages are told apart by a clock of Linux and macOS; run it there")
     with tempfile.TemporaryDirectory() as cache:
         span = "" if time is None else repr(time)
-        words = ["stages", subject, scene or "", cache, json.dumps(dict(values))]
+        words = ["stages", subject, scene or "", cache, json.dumps(dict(values)), method]
         unknown, known = (_fresh_process([*words, span, repr(tolerance)]) for _ in range(2))
     return CallStages(unknown["first"], known["first"], known["second"])
 
@@ -140,7 +141,10 @@ def _fresh_process(words: Sequence[str]) -> dict[str, Any]:
     start = f"import runpy; runpy.run_path({__file__!r}, run_name='__main__')"
     command = [sys.executable, "-c", start, *words]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=PATIENCE,
+            env=os.environ | {"XDG_CACHE_HOME": words[3]},
+        )  # fmt: skip
     except subprocess.TimeoutExpired:
         raise DefinitionError(f"{words[1]}: the call took more than {PATIENCE} s") from None
     lines = (done.stdout if done.returncode == 0 else done.stderr).splitlines()
@@ -205,7 +209,10 @@ def import_everything() -> None:
     integrate(small, times=[0.0, 0.1], method="scipy")
 
 
-def _keep_code_in(cache: str) -> None:
+def _keep_code_in(cache: str, method: str) -> None:
+    """heyoka keeps its code in a folder, on any system; it is loaded only where it takes part."""
+    if method not in ("auto", "heyoka"):
+        return
     try:
         import heyoka as hy
 
@@ -217,7 +224,7 @@ def _keep_code_in(cache: str) -> None:
 def _setup(
     subject: str, scene: str, cache: str, values: str, method: str, *outputs: str
 ) -> dict[str, Any]:
-    _keep_code_in(cache)
+    _keep_code_in(cache, method)
     from voronec.declaration.catalogue import load
     from voronec.motion import integrate
 
@@ -238,18 +245,18 @@ def _setup(
 
 
 def _stages(
-    subject: str, scene: str, cache: str, values: str, span: str, tolerance: str
+    subject: str, scene: str, cache: str, values: str, method: str, span: str, tolerance: str
 ) -> dict[str, Any]:
     with _Looks() as first:
         first.seconds["import"] = process_time()  # of Python itself
-        _keep_code_in(cache)
+        _keep_code_in(cache, method)
         from voronec.declaration.catalogue import load
         from voronec.motion import integrate
 
         system = load(subject)
         chosen = str(scene or system.first_scene)
         end = float(span) if span else None
-        given = {"times": end, "tol": float(tolerance), **json.loads(values)}
+        given = {"times": end, "tol": float(tolerance), "method": method, **json.loads(values)}
         integrate(system, chosen, **given)
     with _Looks() as second:
         for _ in range(AGAIN):

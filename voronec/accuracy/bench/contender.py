@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from time import process_time
 from typing import Any
 
 import numpy as np
 
-from voronec.accuracy.problem import ProblemLevel, ReferenceProblem, level, lowest
+from voronec.accuracy.problem import ReferenceProblem
 from voronec.errors import VoronecError
 
-__all__ = ["Contender", "NotHere", "Outcome", "time_fastest", "without"]
+__all__ = ["Contender", "NotHere", "Outcome", "Run", "repeat", "time_fastest"]
 
 ENOUGH = 0.25
 """Seconds of CPU over which a run is repeated; the best of the repetitions counts."""
@@ -47,7 +47,7 @@ Run = Callable[[float], Outcome]
 class Contender:
     """A method by name; ``about`` says in a line what it is.
 
-    ``prepare`` compiles what a question needs, and raises ``NotHere`` where it cannot.
+    ``prepare`` compiles what a problem needs, and raises ``NotHere`` where it cannot.
     ``tolerances`` are what it runs at by default, in the order of rising cost; ``knob`` says what
     they are where they are no tolerances, and then nobody else's are taken.
     """
@@ -59,32 +59,17 @@ class Contender:
     knob: str = "tolerance"
 
 
-def time_fastest(run: Callable[[], Any]) -> tuple[Any, float]:
-    """The result of the last repetition of a run, and the CPU time of the fastest."""
-    best, spent, count, result = np.inf, 0.0, 0, None
-    while count == 0 or (spent < ENOUGH and count < MOST):
+def repeat(run: Callable[[], Any]) -> list[tuple[Any, float]]:
+    """The results of a run that is repeated, each with its CPU time."""
+    done: list[tuple[Any, float]] = []
+    while not done or (sum(seconds for _, seconds in done) < ENOUGH and len(done) < MOST):
         began = process_time()
         result = run()
-        seconds = process_time() - began
-        best, spent, count = min(best, seconds), spent + seconds, count + 1
-    return result, best
+        done.append((result, process_time() - began))
+    return done
 
 
-def without(package: str) -> NotHere:
-    """What is said where a package is missing."""
-    return NotHere(f"not installed: {package}")
-
-
-def level_for(question: ReferenceProblem, own: str = "") -> ProblemLevel:
-    """The question on a level of its own, or on the lowest there is; ``NotHere`` without one."""
-    try:
-        return level(question, own) if own else lowest(question)
-    except VoronecError as refusal:
-        raise NotHere(str(refusal)) from None
-
-
-def require_outputs(outputs: Sequence[str], offered: Sequence[str]) -> None:
-    """Raise ``NotHere`` for outputs that a method does not compute."""
-    absent = [name for name in outputs if name not in offered]
-    if absent:
-        raise NotHere(f"does not compute {', '.join(absent)}")
+def time_fastest(run: Callable[[], Any]) -> tuple[Any, float]:
+    """The result of the last repetition of a run, and the CPU time of the fastest."""
+    done = repeat(run)
+    return done[-1][0], min(seconds for _, seconds in done)

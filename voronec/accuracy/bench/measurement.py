@@ -15,7 +15,7 @@ import numpy as np
 
 from voronec.accuracy.bench.call_time import SetupTime
 from voronec.accuracy.problem import ReferenceProblem
-from voronec.accuracy.reference import ReferenceSolution
+from voronec.accuracy.solution import ReferenceSolution
 
 __all__ = ["AT", "At", "Bench", "Measured", "Point", "at_error", "observed_order"]
 
@@ -73,9 +73,9 @@ class Measured:
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """Every method and tolerance measured on one question, against its reference."""
+    """Every method and tolerance measured on one problem, against its reference."""
 
-    question: ReferenceProblem
+    problem: ReferenceProblem
     reference: ReferenceSolution
     methods: tuple[Measured, ...]
     machine: Mapping[str, str]
@@ -85,23 +85,18 @@ class Bench:
     def __getitem__(self, name: str) -> Measured:
         return next(m for m in self.methods if m.name == name)
 
-    def ratio(self, slow: str, fast: str, error: float, extrapolate: bool = False) -> float:
-        """How many times faster one method is than another at equal error; NaN if unknown."""
-        times = [self[name].at(error, extrapolate).seconds for name in (slow, fast)]
-        return times[0] / times[1] if times[0] and times[1] else float("nan")
-
     def as_dict(self) -> dict[str, Any]:
         """All of it as plain data, for ``bench.json``."""
-        question, reference = self.question, self.reference
+        problem, reference = self.problem, self.reference
         return {
-            "system": question.system.name,
-            "scene": question.scene,
-            "times": [float(question.grid[0]), float(question.grid[-1])],
-            "instants": len(question.grid),
-            "outputs": list(question.outputs),
-            "angles": sorted(question.angles),
-            "parameters": dict(question.parameters),
-            "initial": dict(question.initial),
+            "system": problem.system.name,
+            "scene": problem.scene,
+            "times": [float(problem.grid[0]), float(problem.grid[-1])],
+            "instants": len(problem.grid),
+            "outputs": list(problem.outputs),
+            "angles": sorted(problem.angles),
+            "parameters": dict(problem.parameters),
+            "initial": dict(problem.initial),
             "machine": dict(self.machine),
             "reference": {
                 "accuracy": reference.accuracy,

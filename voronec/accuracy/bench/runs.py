@@ -1,7 +1,7 @@
-"""Measuring: every method and tolerance on one question, against one reference.
+"""Measuring: every method and tolerance on one problem, against one reference.
 
-Our own integrators take part as a user calls them, through ``integrate``; their time is that of the
-same prepared integrator run again and again, as the peers' is.
+Our methods take part as a user calls them, through ``integrate``; their time is what ``cost.cpu``
+says of the run, the least of several calls.
 """
 
 from __future__ import annotations
@@ -15,141 +15,22 @@ from typing import Any
 
 import numpy as np
 
-from voronec.accuracy.bench.agreement import ACCURACY, reference
 from voronec.accuracy.bench.call_time import SetupTime
-from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, time_fastest
+from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, repeat
 from voronec.accuracy.bench.measurement import Bench, Measured, Point
-from voronec.accuracy.bench.peers import PEERS
 from voronec.accuracy.problem import ReferenceProblem
-from voronec.accuracy.reference import ReferenceSolution
-from voronec.algebra.symbols import plain_name
+from voronec.accuracy.reference import ACCURACY, reference
+from voronec.accuracy.solution import ReferenceSolution
 from voronec.errors import DefinitionError, EngineLimit, VoronecError, did_you_mean
 from voronec.motion import Trajectory, integrate
-from voronec.motion.chart_stepper import through_charts
-from voronec.motion.closed_form import closed_form
-from voronec.motion.methods import CLOSED_FORM
-from voronec.motion.numeric_model import make_model
-from voronec.motion.request import Vocabulary
-from voronec.motion.steppers import Problem, Stepper
+from voronec.motion.methods import CLOSED_FORM, METHODS
 
-__all__ = ["CONTENDERS", "contenders", "measure", "outcome_of", "repetition"]
+__all__ = ["OWN", "contenders", "measure"]
 
-EXACT = 1e-20
-"""The tolerance of the arbitrary-precision method."""
 LONGEST = 30.0
-"""Seconds beyond which it is left out."""
-
-COARSE_TO_FINE = (1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16)
-DOUBLE_TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12, 2.3e-14)
-"""What is asked of Taylor's method, and of those whose finest is scipy's."""
-
-
-def _prepare(question: ReferenceProblem, method: str, full: bool) -> Run:
-    """A method of ours on the smallest model of the outputs, or on the full one."""
-    wanted = tuple(question.expressions[n] for n in question.outputs)
-    asked = (*wanted, *question.initial) if full else wanted
-
-    def once(grid: np.ndarray, tol: float) -> Trajectory:
-        return integrate(
-            question.equations, question.bare, times=grid, outputs=asked, method=method, tol=tol
-        )
-
-    try:
-        once(question.grid[:1], 1e-6)
-        if method == "flint":
-            _refuse_long(question, once(question.grid[:2], EXACT).cost.run)
-    except (DefinitionError, EngineLimit) as refusal:
-        raise NotHere(str(refusal)) from None
-
-    made: dict[float, Stepper | None] = {}
-
-    def run(tol: float) -> Outcome:
-        trajectory = once(question.grid, tol)
-        seconds = float(trajectory.cost.cpu)
-        if method == CLOSED_FORM:
-            seconds = _evaluation_time(question)
-        elif method != "flint" and not trajectory.interrupted:
-            if tol not in made:
-                made[tol] = repetition(question, asked, trajectory)
-            stepper = made[tol]
-            if stepper is not None:
-                seconds = time_fastest(lambda: stepper(question.grid))[1]
-        return outcome_of(question, trajectory, seconds)
-
-    return run
-
-
-def _evaluation_time(question: ReferenceProblem) -> float:
-    """CPU time of evaluating the coordinates and velocities that the outputs hold."""
-    system = question.system
-    form = closed_form(question.equations, question.bare)
-    meaning = dict(zip(system.invariant_symbols, system.invariants.values(), strict=True))
-    held = {s for e in question.expressions.values() for s in e.xreplace(meaning).free_symbols}
-    names = [plain_name(q) for q in (*system.coordinates, *system.velocities) if q in held]
-    elapsed = question.grid - question.grid[0]
-    return time_fastest(lambda: form.at(elapsed, names))[1]
-
-
-def repetition(
-    question: ReferenceProblem, asked: Sequence[Any], seen: Trajectory
-) -> Stepper | None:
-    """The integrator of a motion that was seen, made once more, to be run many times; None where
-    what it makes is not the same motion."""
-    form, cost = question.equations.raw.form, seen.cost
-    grid, time = question.grid, float(question.grid[0])
-    start = np.array([question.initial[str(s)] for s in (*form.coordinates, *form.velocities)])
-    vocabulary = Vocabulary.of(question.equations)
-    for followed in (False, True):
-        made = make_model(vocabulary, asked, {}, start, question.parameters, time, followed)
-        state, values = made.place(start, question.parameters, time)
-        probe = made.probe(question.system.name, values, time)
-        problem = Problem(made.program, state, values, cost.tolerance, suspect=probe.suspect(state))
-        stepper, _ = through_charts(
-            cost.method, problem, grid, question.equations, made.event_functions, made.form
-        )
-        if made.level == cost.level and stepper(grid).steps == cost.steps:
-            return stepper
-    return None
-
-
-def _refuse_long(question: ReferenceProblem, first: float) -> None:
-    """Raise ``NotHere`` where arbitrary precision would keep everybody waiting."""
-    seconds = first * (len(question.grid) - 1)
-    if seconds > LONGEST:
-        raise NotHere(f"would take about {seconds:.0f} s a run; take a shorter time")
-
-
-def outcome_of(question: ReferenceProblem, trajectory: Trajectory, seconds: float) -> Outcome:
-    """What a run gave, cost and drifts with it; ``KeyboardInterrupt`` where a hand stopped it."""
-    if trajectory.interrupted:
-        raise KeyboardInterrupt
-    values: Mapping[str, np.ndarray] = {
-        n: np.asarray(trajectory[n], dtype=float) for n in question.outputs
-    }
-    cost = trajectory.cost
-    drift = {name: float(x) for name, x in trajectory.drift.items()}
-    return Outcome(values, seconds, cost.evaluations, cost.steps, drift)
-
-
-def _own(name: str, about: str, method: str, tols: tuple[float, ...], full: bool) -> Contender:
-    return Contender(name, about, tols, partial(_prepare, method=method, full=full))
-
-
-OWN = (
-    _own("heyoka", "ours: Taylor method, smallest model", "heyoka", COARSE_TO_FINE, False),
-    _own("heyoka-full", "ours: Taylor method, all coordinates", "heyoka", COARSE_TO_FINE, True),
-    _own("scipy", "ours: scipy's DOP853, smallest model", "scipy", DOUBLE_TOLERANCES, False),
-    _own("numba", "ours: DOP853 compiled, smallest model", "numba", DOUBLE_TOLERANCES, False),
-    _own("c", "ours: the same by the C compiler", "c", DOUBLE_TOLERANCES, False),
-    _own("python", "ours: the same in Python alone", "python", DOUBLE_TOLERANCES, False),
-    _own("lsoda", "ours: scipy's LSODA, smallest model", "lsoda", DOUBLE_TOLERANCES[:-1], False),
-    _own(CLOSED_FORM, "ours: the motion in closed form, evaluated", CLOSED_FORM, (1e-16,), False),
-    _own("flint", "ours: Taylor method in any precision", "flint", (EXACT,), False),
-)
-
-
-CONTENDERS = (*OWN, *PEERS)
-"""Everything that can be measured."""
+"""Seconds beyond which the method of many digits is left out."""
+TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12, 1e-14)
+"""What methods are asked for, and the tolerance of each that shows it at its best."""
 BUDGET = 20.0
 """Seconds that one run may take; a method goes no finer where the next would take longer."""
 PACKAGES = "voronec heyoka scipy numba mujoco numpy sympy symengine python-flint".split()
@@ -157,17 +38,85 @@ PACKAGES = "voronec heyoka scipy numba mujoco numpy sympy symengine python-flint
 Say = Callable[[str], None]
 
 
-def contenders(names: Sequence[str] = ()) -> tuple[Contender, ...]:
+def _prepare(problem: ReferenceProblem, method: str, full: bool) -> Run:
+    """A method of ours on the smallest model of the outputs, or on the ``full`` one."""
+    outputs = [problem.expressions[n] for n in problem.outputs]
+    if full:
+        outputs += problem.initial
+
+    def once(grid: np.ndarray, tol: float) -> Trajectory:
+        return integrate(
+            problem.equations, problem.bare, times=grid, outputs=outputs, method=method, tol=tol
+        )
+
+    try:
+        once(problem.grid[:1], 1e-6)
+        if METHODS[method].exact:
+            first = once(problem.grid[:2], METHODS[method].best or 0.0).cost.run
+            seconds = first * (len(problem.grid) - 1)
+            if seconds > LONGEST:
+                raise NotHere(f"would take about {seconds:.0f} s a run; take a shorter time")
+    except (DefinitionError, EngineLimit) as refusal:
+        raise NotHere(str(refusal)) from None
+
+    def run(tol: float) -> Outcome:
+        if not METHODS[method].exact:  # what compiles does so in the first run
+            _require_end(once(problem.grid, tol))
+        done = [one for one, _ in repeat(lambda: _require_end(once(problem.grid, tol)))]
+        values = {n: np.asarray(done[-1][n], dtype=float) for n in problem.outputs}
+        cost, drift = done[-1].cost, {n: float(x) for n, x in done[-1].drift.items()}
+        seconds = min(float(one.cost.cpu) for one in done)
+        return Outcome(values, seconds, cost.evaluations, cost.steps, drift)
+
+    return run
+
+
+def _require_end(trajectory: Trajectory) -> Trajectory:
+    """The trajectory; ``KeyboardInterrupt`` where a hand stopped it."""
+    if trajectory.interrupted:
+        raise KeyboardInterrupt
+    return trajectory
+
+
+def _own(method: str, about: str, full: bool = False) -> Contender:
+    """A method of ours at the tolerances that mean something to it, its best one last."""
+    known = METHODS[method]
+    best = known.finest if known.best is None else known.best
+    coarser = () if known.exact or known.make is None else TOLERANCES
+    tolerances = (*(tol for tol in coarser if tol > best), best)
+    name = f"{method}-full" if full else method
+    return Contender(
+        name, f"ours: {about}", tolerances, partial(_prepare, method=method, full=full)
+    )
+
+
+OWN = (
+    _own("heyoka", "Taylor method, smallest model"),
+    _own("heyoka", "Taylor method, all coordinates", full=True),
+    _own("scipy", "scipy's DOP853, smallest model"),
+    _own("numba", "DOP853 compiled, smallest model"),
+    _own("c", "the same by the C compiler"),
+    _own("python", "the same in Python alone"),
+    _own("lsoda", "scipy's LSODA, smallest model"),
+    _own(CLOSED_FORM, "the motion in closed form, evaluated"),
+    _own("flint", "Taylor method in any precision"),
+)
+"""Our methods; peers, measured beside them by ``tools/bench.py``, are no part of the package."""
+
+
+def contenders(
+    names: Sequence[str] = (), among: Sequence[Contender] = OWN
+) -> tuple[Contender, ...]:
     """The methods of these names, all by default; ``DefinitionError`` for one that is not."""
-    known = {c.name: c for c in CONTENDERS}
+    known = {c.name: c for c in among}
     for name in names:
         if name not in known:
             raise DefinitionError(f"there is no method '{name}'{did_you_mean(name, known)}")
-    return tuple(known[n] for n in dict.fromkeys(names)) if names else CONTENDERS
+    return tuple(known[n] for n in dict.fromkeys(names)) if names else tuple(among)
 
 
 def measure(
-    question: ReferenceProblem,
+    problem: ReferenceProblem,
     methods: Sequence[str] = (),
     tolerances: Sequence[float] = (),
     needed: float = ACCURACY,
@@ -175,15 +124,17 @@ def measure(
     setup: Callable[[], SetupTime | None] | None = None,
     say: Say | None = None,
     against: ReferenceSolution | None = None,
+    among: Sequence[Contender] = OWN,
 ) -> Bench:
     """Every method at every tolerance, against a reference accurate to ``needed``.
 
     ``tolerances`` replaces those of each method that has some; ``budget`` is the CPU time that one
     run may take.  ``setup`` measures the set-up; ``say`` is told what is going on; ``against`` is
-    a reference that is known already.  Ctrl-C keeps what is done and marks it.  Raises as
-    ``reference`` does, and ``DefinitionError`` for a method or tolerance that makes no sense.
+    a reference that is known already; ``among`` are all methods that there are.  Ctrl-C keeps what
+    is done and marks it.  Raises as ``reference`` does, and ``DefinitionError`` for a method or
+    tolerance that makes no sense.
     """
-    chosen = contenders(methods)
+    chosen = contenders(methods, among)
     for tol in tolerances:
         if not 0 < tol < 1:
             raise DefinitionError(f"the tolerance {tol:g} must lie between 0 and 1")
@@ -193,8 +144,8 @@ def measure(
         tell("set-up in fresh processes")
         ready = setup()
     tell("reference")
-    exact = against or reference(question, needed)
-    seen = question.until(float(exact.t[-1]))
+    exact = against or reference(problem, needed)
+    seen = problem.until(float(exact.t[-1]))
     found: list[Measured] = []
     interrupted = False
     for contender in chosen:
@@ -209,12 +160,12 @@ def measure(
                     Measured(contender.name, contender.about, contender.knob, points=tuple(points))
                 )
             break
-    return Bench(question, exact, tuple(found), _machine(), ready, interrupted)
+    return Bench(problem, exact, tuple(found), _machine(), ready, interrupted)
 
 
 def _measure(
     contender: Contender,
-    question: ReferenceProblem,
+    problem: ReferenceProblem,
     exact: ReferenceSolution,
     tolerances: Sequence[float],
     budget: float,
@@ -225,19 +176,19 @@ def _measure(
     said = (contender.name, contender.about, contender.knob)
     began = perf_counter()
     try:
-        run = contender.prepare(question)
+        run = contender.prepare(problem)
     except NotHere as absence:
         return Measured(*said, absent=str(absence))
     ready, note = perf_counter() - began, ""
     own = contender.knob != "tolerance" or not tolerances
     settings = contender.tolerances if own else sorted(tolerances, reverse=True)
     for setting in settings:
-        predicted = _next_cost(points, question.span, setting)
+        predicted = _next_cost(points, problem.span, setting)
         if predicted > budget:
             note = f"{contender.knob} {setting:g} and finer left out: over {budget:g} s a run"
             break
         tell(f"{contender.name} at {contender.knob} {setting:g}")
-        points.append(_point(run, setting, question, exact))
+        points.append(_point(run, setting, problem, exact))
     return Measured(*said, setup=ready, points=tuple(points), note=note)
 
 
@@ -250,14 +201,14 @@ def _next_cost(points: Sequence[Point], span: float, setting: float) -> float:
     return done[-1].per_unit * span * growth
 
 
-def _point(run: Run, setting: float, question: ReferenceProblem, exact: ReferenceSolution) -> Point:
+def _point(run: Run, setting: float, problem: ReferenceProblem, exact: ReferenceSolution) -> Point:
     try:
         outcome = run(setting)
     except VoronecError as failure:
         return Point(setting, failed=str(failure))
     except (ArithmeticError, ValueError, RuntimeError) as failure:
         return Point(setting, failed=f"{type(failure).__name__}: {failure}")
-    apart = exact.errors(outcome.values, question.angles)
+    apart = exact.errors(outcome.values, problem.angles)
     errors = {n: float(e.max()) for n, e in apart.items()}
     worst = max(errors.values())
     if not np.isfinite(worst):
@@ -265,7 +216,7 @@ def _point(run: Run, setting: float, question: ReferenceProblem, exact: Referenc
     return Point(
         setting=setting,
         error=max(worst, exact.accuracy),
-        per_unit=outcome.seconds / question.span,
+        per_unit=outcome.seconds / problem.span,
         evaluations=outcome.evaluations,
         steps=outcome.steps,
         errors=errors,

@@ -44,8 +44,8 @@ def plot_work_precision(bench: Bench) -> Any:
         panel.grid(which="major", color="#dfe4ea", linewidth=0.5)
         panel.spines[["top", "right"]].set_visible(False)
         figure.legend(loc="outside right upper", fontsize=7.5, frameon=False, handlelength=2.2)
-        system = bench.question.system
-        panel.set_title(f"{system.title or system.name}, T = {bench.question.span:g}", fontsize=10)
+        system = bench.problem.system
+        panel.set_title(f"{system.title or system.name}, T = {bench.problem.span:g}", fontsize=10)
     return figure
 
 

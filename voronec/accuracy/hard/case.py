@@ -109,10 +109,8 @@ class HardCase:
 def case_level(case: HardCase, equations: VoronecEquations, raw: bool = False) -> ProblemLevel:
     """The problem of a case on its level, on coordinates by the cheapest form of the equations;
     ``raw`` takes the unsimplified form, an independent program."""
-    problem, form, high = _problem(case, equations), None, case.level == "coordinates"
-    if high:
-        form = equations.raw.form if raw else equations.form
-    at = level(problem, case.level, form)
+    problem, high = _problem(case, equations), case.level == "coordinates"
+    at = level(problem, case.level, equations.raw.form if raw and high else None)
     state = {str(s) for s in at.program.state}
     for key in problem.initial:
         if high and key not in state:

@@ -1,4 +1,4 @@
-"""The page of the hard cases: definitions, the table, and what is hard about each case.
+"""The page of the hard cases: the table, and what is hard about each case.
 
 Findings are lines of text, data, and rows of the page.
 """
@@ -13,84 +13,21 @@ from voronec.accuracy.hard.case import HardCase
 from voronec.accuracy.hard.trial import CaseResult, Trial
 from voronec.motion.methods import METHODS
 
-__all__ = ["cells", "data", "head", "lines", "page", "summary", "tally"]
+__all__ = ["cells", "data", "head", "lines", "page", "sections", "summary", "tally"]
 
 
-TOP = """# Hard cases
-
-`voronec hard` runs every integrator on motions that are hard for numbers, and holds each against a
-reference. This page is written by `tools/build.py hard-cases`; times are of the machine it ran on.
-
-## What the columns say
-
-- **error**: the largest difference from the reference over all outputs and instants, relative to
-  the largest value of the output along the motion (absolute, where that is below 1e-20).
-- **condition**: the largest condition number of the case,
-
-      kappa(t) = 1 + sum_p |do(t)/dp| |p| / |o|
-                   + max over s <= t of sum_i |do(t)/dx (t) Phi(t, s)|_i X_i / |o|,
-
-  where Phi is the propagator of the variational equations, o an output, |o| its largest value, p
-  the parameters and X_i the size of a state: an angle's largest value, but at least one radian; of
-  other coordinates, and of velocities, the largest of them all. The second sum runs over errors
-  made at any instant s of the grid: rounding errors are made all along, not only at the start.
-- **roundings**: error / (u kappa) at its worst, u = 2^-53: the *error made*, in units of the last
-  place, with the *error grown* taken away. In a chaotic motion the error is large and this is not.
-- **drift**: the largest relative drift of a declared integral.
-- **verdict**: *met*, the error is below max(1e-10, 100 u kappa) in every output at every instant;
-  *missed*, it is not; *refused*, with the reason; *kept* and *lost*, past the horizon, where
-  100 u kappa exceeds 1 in every output and no double determines the motion: there the integrals
-  must hold to 1e-12.
-
-Each method is asked for the finest tolerance that does it good, so that its best is seen: heyoka
-1e-16, scipy's DOP853 2.3e-14, LSODA 1e-13, flint 1e-25. What the tool chooses by itself at 1e-16
-is marked *(auto)*; it must meet the figure or refuse, and the others are shown as what they are.
-*(default)* is the same choice at `tol=1e-13`, which is what a caller gets who asks for nothing. Its
-local errors are a thousand roundings, so on an ill-conditioned or a long motion it may miss a
-figure that is counted in roundings: **where the condition number is above 1e4, or the span above
-1e4 units, give `tol=1e-16`**; it took up to twice
-the time here.
-
-A condition number says what any method in doubles must expect, so "met" with a large one means
-that the digits are not in the data, not that they were kept: *near-a-separatrix* has four digits
-left, and *tiny-nutation* seven. A row is well served when its *roundings* are of order one.
-Near a separatrix errors of the data and errors made on the way are different things: coming back
-to the saddle, the motion forgets the former and magnifies the latter, so both are counted.
-"""
-
-METHODS_TEXT = """## What each method does
-
-Of *heyoka*, the cases are counted in which it was the tool's own choice. Roundings are errors in
-units of u kappa.
-"""
-
-
-METHODS_READ = """
-- **heyoka** (Taylor, order about 20): errors of a few roundings nearly everywhere. Passing
-  a pole of the angles costs up to two digits more. States on which nothing depends (quadratures,
-  angles that turn round) are kept small during the steps, so that they do not
-  loosen its step control.
-- **scipy** (DOP853): its tolerance has a floor of 2.3e-14, so a hundred or a thousand roundings are
-  usual; that is enough on most cases, and not on *chaotic-ball* and *tiny-nutation*.
-- **lsoda**: made for stiff equations, which these are not; it loses three to five digits, and
-  drifts. Take it only where damping makes the equations stiff.
-- **flint** (any precision): what is left of the error is the rounding of the answer. Slow, so
-  it is shown on one case only: it keeps all digits of *near-a-separatrix*.
-- **closed-form** ([not an integrator](closed-form.md), where a system declares its motion): nothing
-  accumulates; what is left is the rounding of outputs such as u - 1.
-
-From *long* to *very-long*, ten times the time, drift at the default tolerance grows tenfold, which
-is linear: the error of a step has a sign there; at 1e-16 it is a twentieth of that, and
-grows 7.6-fold.
-"""
+def sections(findings: Sequence[CaseResult]) -> dict[str, str]:
+    """What a page shows, as Markdown: the table, the count of each method, what is hard."""
+    return {
+        "table": f"Of {summary(findings)}.\n\n## Method against case\n\n{_table(findings)}",
+        "methods": _grid([list(TALLY), *tally(findings)]),
+        "cases": f"## What is hard\n\n{_cases(findings)}",
+    }
 
 
 def page(findings: Sequence[CaseResult]) -> str:
-    """The page as Markdown."""
-    parts = [TOP, f"Of {summary(findings)}.\n", "## Method against case\n", _table(findings)]
-    parts += ["", METHODS_TEXT, _grid([list(TALLY), *tally(findings)]), METHODS_READ]
-    parts += ["## What is hard\n", _cases(findings)]
-    return "\n".join(parts)
+    """The page as Markdown; what its columns say stands in docs/hard-cases.md."""
+    return "\n\n".join(["# Hard cases", *sections(findings).values()])
 
 
 def _table(findings: Sequence[CaseResult]) -> str:

@@ -5,48 +5,41 @@ digest of its declaration, so that nobody waits for them; others are computed on
 reference is computed twice: by two forms of the equations, or on one at two tolerances, in many
 digits; the largest difference of the two runs is kept as its accuracy.
 
-Where heyoka is not installed, and as an independent check, condition numbers come of many digits
-and slightly different data.  Only errors of the data are seen so, not those made on the way: the
-condition numbers come out lower, and the judgement stricter.  Of a motion of period P one period is
-computed and the rest counted: x(n P + t) = x(t) and Phi(n P + t, 0) = Phi(t, 0) Phi(P, 0)^n.
+Of a motion of period P one period is computed and the rest counted: x(n P + t) = x(t) and
+Phi(n P + t, 0) = Phi(t, 0) Phi(P, 0)^n.
 """
 
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
-from math import ceil
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from voronec.accuracy.hard.case import ARITHMETICS, HardCase, case_level
-from voronec.accuracy.hard.conditioning import (
+from voronec.accuracy.precise_motion import (
+    PreciseIntegrator,
     PreciseMotion,
-    Reel,
     condition_numbers,
-    reel,
+    precise_integrator,
     sizes,
     times,
 )
 from voronec.accuracy.problem import ProblemLevel
-from voronec.accuracy.reference import ReferenceSolution, difference, output_sizes
+from voronec.accuracy.reference import closed_form_values, taylor_values
+from voronec.accuracy.solution import ReferenceSolution, agreement, output_sizes
 from voronec.declaration.catalogue import load
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import EngineLimit, IntegrationError
 from voronec.motion import Trajectory, integrate
-from voronec.motion.closed_form import closed_form
+from voronec.motion.methods import METHODS
 
-__all__ = [
-    "STORE",
-    "closed_form_outputs",
-    "compute",
-    "perturb",
-    "reference",
-    "slopes",
-]
+__all__ = ["STORE", "changed_data_reference", "compute", "reference"]
 
 RETURN = 1e-18
 """How far the state may be from its start after one period."""
@@ -56,7 +49,9 @@ LOOKS = 400
 """Into how many parts a stretch of time is cut where the period is looked for."""
 
 
-def period(machine: Reel, names: tuple[str, ...], vanishing: str, stretch: float) -> Any:
+def period(
+    machine: PreciseIntegrator, names: tuple[str, ...], vanishing: str, stretch: float
+) -> Any:
     """A period, when every state is back; one must be shorter than ``stretch``.
 
     ``vanishing`` is the state that vanishes at the start; its zeros are refined by Newton's method.
@@ -77,7 +72,9 @@ def period(machine: Reel, names: tuple[str, ...], vanishing: str, stretch: float
     raise IntegrationError(f"no period was found up to t = {stretch:g}")
 
 
-def _zero(machine: Reel, place: int, t: Any, state: np.ndarray) -> tuple[Any, np.ndarray]:
+def _zero(
+    machine: PreciseIntegrator, place: int, t: Any, state: np.ndarray
+) -> tuple[Any, np.ndarray]:
     """The next zero of a component after a time, and the state there."""
     ahead = machine.number(1e-9)
     for _ in range(ITERATIONS):
@@ -131,14 +128,14 @@ class OnePeriod:
         return result
 
 
-def fold(reel: Reel, length: Any, grid: np.ndarray) -> OnePeriod:
+def fold(machine: PreciseIntegrator, length: Any, grid: np.ndarray) -> OnePeriod:
     """One period through all that is left of the wanted times when whole periods are taken off."""
     turns = [int(float(t) // float(length)) for t in grid]
-    rest = [reel.number(float(t)) - n * length for t, n in zip(grid, turns, strict=True)]
+    rest = [machine.number(float(t)) - n * length for t, n in zip(grid, turns, strict=True)]
     stops: list[Any] = []  # numbers of heyoka have an order, but no hash
-    for t in sorted([reel.number(0.0), *rest, length]):
+    for t in sorted([machine.number(0.0), *rest, length]):
         stops += [] if stops and stops[-1] == t else [t]
-    passage = reel.follow(np.array(stops, dtype=object))
+    passage = machine.follow(np.array(stops, dtype=object))
     return OnePeriod(passage, tuple(turns), tuple(stops.index(t) for t in rest))
 
 
@@ -153,78 +150,9 @@ def _since_start(passage: PreciseMotion) -> list[np.ndarray]:
     return found
 
 
-CHANGE = 1e-12
-"""By what part of its size a datum is changed, either way: 25 digits leave 13 of the slope."""
-DIGITS = (1e-25, 1e-21)
-"""Tolerances of the run, and of the one that it is compared with."""
-
-
-def perturb(
-    case: HardCase, equations: VoronecEquations
-) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], float]:
-    """Outputs, condition numbers, and how far two runs agree; raises ``EngineLimit`` for a case
-    whose reference lies on the invariants, or counts periods."""
-    if case.level != "coordinates" or case.period:
-        raise EngineLimit(
-            f"hard case '{case.name}' has no stored reference, and computing one takes heyoka, "
-            "which is not installed; 'pip install heyoka'"
-        )
-    first, second = (_perturbed_run(case, equations, tol) for tol in DIGITS)
-    values = {n: np.asarray(first[n], dtype=float) for n in first.outputs}
-    size = {n: float(output_sizes(x[:, None])[0]) for n, x in values.items()}
-    apart = max(float(difference(first[n], second[n]).max()) for n in values)
-    asked = case_level(case, equations)
-    condition = {n: np.ones_like(x) for n, x in values.items()}
-    for by, weight in _weights(asked, case, equations).items():
-        for n, slope in slopes(case, equations, by).items():
-            condition[n] += np.abs(slope) * weight / size[n]
-    return values, condition, apart
-
-
-def slopes(case: HardCase, equations: VoronecEquations, by: str) -> dict[str, np.ndarray]:
-    """d output / d datum at every instant; ``by`` names a coordinate, a velocity or a parameter."""
-    asked = case_level(case, equations)
-    data = _data(asked)
-    step = CHANGE * max(1.0, abs(float(data[by])))
-    kind = "parameters" if by in map(str, asked.program.parameters) else "initial"
-    ahead, behind = (
-        _perturbed_run(case, equations, DIGITS[0], **{kind: {by: x}})
-        for x in (data[by] + step, data[by] - step)
-    )
-    return {n: np.asarray((ahead[n] - behind[n]) / (2 * step), dtype=float) for n in ahead.outputs}
-
-
-def _data(asked: ProblemLevel) -> dict[str, Any]:
-    """States at the start and parameters by name, as exact as SymPy holds them."""
-    import sympy as sp
-
-    names = [*map(str, asked.program.state), *map(str, asked.program.parameters)]
-    numbers = [*asked.start, *asked.values]
-    return {n: sp.Float(x, 40) for n, x in zip(names, numbers, strict=True)}
-
-
-def _weights(asked: ProblemLevel, case: HardCase, equations: VoronecEquations) -> dict[str, float]:
-    """The sizes of what may be in error: states that the outputs need, and parameters."""
-    followed = integrate(equations, scene=case.scene, times=case.grid, outputs=asked.names)
-    states = np.column_stack([followed[name] for name in asked.names])
-    weights = dict(zip(asked.names, sizes(asked, states).tolist(), strict=True))
-    data = _data(asked)
-    return weights | {str(p): abs(float(data[str(p)])) for p in asked.program.parameters}
-
-
-def _perturbed_run(
-    case: HardCase, equations: VoronecEquations, tol: float, **data: Any
-) -> Trajectory:
-    return integrate(equations, scene=case.scene, times=case.grid, method="flint", tol=tol, **data)
-
-
 STORE = Path(__file__).with_name("references.json")
 TOLERANCES = {"quadruple": (1e-30, 1e-27), "extended": (3e-19, 1e-17)}
 """Of the first run, and of the second."""
-IN_A_PERIOD = 20
-"""At so many instants of a period an angle is looked at, to follow it."""
-FOLLOWABLE = 4000
-"""At so many instants at most."""
 LONGEST_CHECK = 2e5
 """A periodic motion is followed to the end, as a check of its period, up to this span."""
 
@@ -248,30 +176,42 @@ def _stored_references() -> dict[str, Any]:
 
 def compute(case: HardCase, equations: VoronecEquations | None = None) -> ReferenceSolution:
     """The reference of a case by two runs in many digits, and its condition numbers."""
-    own = equations or derive(load(case.system))
-    asked = case_level(case, own)
-    try:
-        outputs, condition = _run(case, asked)
-        again, how = _again(case, own, asked)
-    except ImportError:
-        values, slopes, apart = perturb(case, own)
-        how = "against 21 digits, data changed in place of variations"
-        both = "25 digits on coordinates", how
-        return ReferenceSolution(case.grid, values, apart, both, condition=slopes)
+    equations = equations or derive(load(case.system))
+    asked = case_level(case, equations)
+    if METHODS["heyoka"].absence:
+        return changed_data_reference(case, equations)
+    outputs, condition = _first_run(case, asked)
     names = asked.program.names
-    return ReferenceSolution(
-        case.grid,
-        dict(zip(names, outputs.astype(float).T, strict=True)),
-        float(difference(again, outputs).max()),
-        (f"{ARITHMETICS[case.arithmetic]} digits on {case.level}", how),
-        condition=dict(zip(names, condition.T, strict=True)),
-    )
+    name = f"{ARITHMETICS[case.arithmetic]} digits on {case.level}"
+    first = (name, _by_name(asked, outputs))
+    found = _agreement(case, first, _second_run(case, equations, asked))
+    return replace(found, condition=dict(zip(names, condition.T, strict=True)))
 
 
-def _run(case: HardCase, asked: ProblemLevel) -> tuple[np.ndarray, np.ndarray]:
+def _agreement(
+    case: HardCase,
+    first: tuple[str, Mapping[str, np.ndarray]],
+    second: tuple[str, Mapping[str, np.ndarray]],
+) -> ReferenceSolution:
+    """The reference of two runs by name; how far they agree is judged by the condition later."""
+    found = agreement(case.grid, [first, second])
+    if found is None or len(found.t) < case.points:
+        raise IntegrationError(
+            f"hard case '{case.name}': a run in many digits ends in what is no number, so there is "
+            "no reference; take a shorter span"
+        )
+    return found
+
+
+def _by_name(asked: ProblemLevel, outputs: np.ndarray) -> dict[str, np.ndarray]:
+    """Outputs (k, m) by name."""
+    return dict(zip(asked.program.names, outputs.T, strict=True))
+
+
+def _first_run(case: HardCase, asked: ProblemLevel) -> tuple[np.ndarray, np.ndarray]:
     """Outputs (k, m) and condition numbers (k, m)."""
     tol = TOLERANCES[case.arithmetic][0]
-    machine = reel(asked, case.arithmetic, tol)
+    machine = precise_integrator(asked, tol)
     if not case.period:
         passage = machine.follow(case.grid)
         return passage.outputs, condition_numbers(asked, passage)
@@ -279,56 +219,90 @@ def _run(case: HardCase, asked: ProblemLevel) -> tuple[np.ndarray, np.ndarray]:
     return whole.outputs, whole.condition_numbers(asked)
 
 
-def _case_period(case: HardCase, asked: ProblemLevel, tol: float) -> tuple[Reel, Any]:
+def _case_period(case: HardCase, asked: ProblemLevel, tol: float) -> tuple[PreciseIntegrator, Any]:
     """What follows the motion without its variations, and its period."""
-    single = reel(asked, case.arithmetic, tol, varied=False)
+    single = precise_integrator(asked, tol, varied=False)
     return single, period(single, asked.names, case.period, float(case.scene.times[1]) / 100)
 
 
-def _again(case: HardCase, own: VoronecEquations, asked: ProblemLevel) -> tuple[np.ndarray, str]:
-    """The outputs once more, as independently as may be, and how."""
-    if case.period and float(case.scene.times[1]) > LONGEST_CHECK:
-        tol = TOLERANCES[case.arithmetic][1]
-        single, length = _case_period(case, asked, tol)
-        return fold(single, length, case.grid).outputs, "one period at two tolerances"
-    if case.period:
-        whole = reel(asked, "extended", TOLERANCES["extended"][0], varied=False)
-        return whole.follow(case.grid).outputs, "one period against the whole span"
-    found = closed_form_outputs(case, own, asked)
-    if found is not None:
-        return found, "against the closed form"
+def _second_run(
+    case: HardCase, equations: VoronecEquations, asked: ProblemLevel
+) -> tuple[str, Mapping[str, np.ndarray]]:
+    """How the outputs are computed once more, as independently as may be, and the outputs."""
     tol = TOLERANCES[case.arithmetic][1]
-    try:
-        raw = case.level == "coordinates"
-        other = case_level(replace(case, level="coordinates"), own, raw)
-        found = reel(other, case.arithmetic, tol, varied=False).follow(case.grid).outputs
-        if np.isfinite(found.astype(float)).all():
-            return found, f"against the {'unsimplified ' if raw else ''}equations on coordinates"
-    except IntegrationError:
-        pass  # a pole on the way: then at another tolerance
-    found = reel(asked, case.arithmetic, tol, varied=False).follow(case.grid).outputs
-    return found, "against another tolerance"
+    if case.period and float(case.scene.times[1]) > LONGEST_CHECK:
+        single, length = _case_period(case, asked, tol)
+        folded = fold(single, length, case.grid).outputs
+        return "one period at two tolerances", _by_name(asked, folded)
+    if case.period:
+        values = taylor_values(asked, TOLERANCES["extended"][0])
+        return "one period against the whole span", values
+    if equations.system.motion is not None:
+        with suppress(EngineLimit, IntegrationError):
+            return "against the closed form", closed_form_values(asked.problem)
+    raw = case.level == "coordinates"
+    with suppress(IntegrationError):  # a pole on the way: then at another tolerance
+        values = taylor_values(case_level(replace(case, level="coordinates"), equations, raw), tol)
+        if all(np.isfinite(x.astype(float)).all() for x in values.values()):
+            return f"against the {'unsimplified ' if raw else ''}equations on coordinates", values
+    return "against another tolerance", taylor_values(asked, tol)
 
 
-def closed_form_outputs(
-    case: HardCase, own: VoronecEquations, asked: ProblemLevel
-) -> np.ndarray | None:
-    """The outputs by the declared motion, where there is one that can be followed: where the vector
-    in space is not upright, angles are continuous only on a fine grid."""
-    if own.system.motion is None:
-        return None
-    try:
-        form = closed_form(own, case.scene)
-    except EngineLimit:
-        return None
-    finer = 1
-    if form.attitude is not None and not form.attitude.upright:
-        finer = ceil(IN_A_PERIOD * abs(case.grid[1] - case.grid[0]) / min(form.period, 1.0))
-    if finer * len(case.grid) > FOLLOWABLE:
-        return None
-    steps = np.arange(finer * (len(case.grid) - 1) + 1)
-    grid = np.interp(steps / finer, np.arange(len(case.grid)), case.grid)
-    grid[::finer] = case.grid
-    tol = TOLERANCES[case.arithmetic][0]
-    seen = integrate(own, case.scene, times=grid, method="closed-form", tol=tol)
-    return np.stack([seen[name][::finer] for name in asked.program.names], axis=-1)
+CHANGE = 1e-12
+"""By what part of its size a datum is changed, either way: 25 digits leave 13 of the slope."""
+
+
+def changed_data_reference(case: HardCase, equations: VoronecEquations) -> ReferenceSolution:
+    """The reference of a case without heyoka: condition numbers come of slightly changed data.
+
+    Errors of the data alone are seen so, not those made on the way: the condition numbers come out
+    lower, and the judgement stricter.  Raises ``EngineLimit`` for a case whose reference lies on
+    the invariants, or counts periods.
+    """
+    if case.level != "coordinates" or case.period:
+        raise EngineLimit(
+            f"hard case '{case.name}' has no stored reference, and computing one takes heyoka, "
+            "which is not installed; 'pip install heyoka'"
+        )
+    asked = case_level(case, equations)
+
+    def run(tol: float, **changed: Any) -> Trajectory:
+        return integrate(
+            equations, scene=case.scene, times=case.grid, method="flint", tol=tol, **changed
+        )
+
+    first, second = ({n: one[n] for n in one.outputs} for one in (run(tol=1e-25), run(tol=1e-21)))
+    how = "against 21 digits, data changed in place of variations"
+    found = _agreement(case, ("25 digits on coordinates", first), (how, second))
+    weights = _weights(asked, run(tol=1e-21, outputs=asked.names))
+    condition = {n: np.ones(len(case.grid)) for n in first}
+    for kind, data in (
+        ("initial", _pairs(asked.program.state, asked.start)),
+        ("parameters", _pairs(asked.program.parameters, asked.values)),
+    ):
+        for name, datum in data:
+            if str(name) not in weights:
+                continue
+            step = CHANGE * max(1.0, abs(float(datum)))
+            ahead, behind = (
+                run(tol=1e-25, **{kind: {str(name): x}}) for x in (datum + step, datum - step)
+            )
+            for n, values in found.values.items():
+                slope = np.asarray((ahead[n] - behind[n]) / (2 * step), dtype=float)
+                condition[n] += np.abs(slope) * weights[str(name)] / output_sizes(values)
+    return replace(found, condition=condition)
+
+
+def _weights(asked: ProblemLevel, run: Trajectory) -> dict[str, float]:
+    """The sizes of what may be in error: states that the outputs need, and parameters."""
+    states = np.column_stack([run[name] for name in asked.names])
+    weights = dict(zip(asked.names, sizes(asked, states).tolist(), strict=True))
+    parameters = zip(asked.program.parameters, asked.values, strict=True)
+    return weights | {str(p): abs(float(x)) for p, x in parameters}
+
+
+def _pairs(symbols: Iterable[Any], numbers: Iterable[Any]) -> list[tuple[Any, Any]]:
+    """Symbols with their numbers, as exact as SymPy holds them."""
+    import sympy as sp
+
+    return [(s, sp.Float(x, 40)) for s, x in zip(symbols, numbers, strict=True)]

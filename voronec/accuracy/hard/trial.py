@@ -14,7 +14,7 @@ import numpy as np
 
 from voronec.accuracy.hard.case import HardCase
 from voronec.accuracy.hard.reference import reference
-from voronec.accuracy.reference import UNIT, ReferenceSolution
+from voronec.accuracy.solution import UNIT, ReferenceSolution
 from voronec.declaration.catalogue import load
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError

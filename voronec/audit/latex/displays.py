@@ -17,7 +17,9 @@ _OPENING = re.compile(r"\s*(?:\\begin\{([a-zA-Z]+\*?)\}|(\\\[)|(\$\$)|(\$))", re
 _CLOSING = {"\\[": "\\]", "$$": "$$", "$": "$"}
 _LABEL = re.compile(r"\\label\s*\{([^}]*)\}")
 _NUMBERED_LINES = {"eqnarray", "align", "gather"}
-_OPEN, _CLOSE = {"(", "[", "{"}, {")", "]", "}"}
+_KNOWN = {"equation", "displaymath", "math", "multline", "flalign", *_NUMBERED_LINES}
+"""Environments of displays; another is not opened, and the reader says that it is not read."""
+_OPEN, _CLOSE = {"(", "[", "{", "\\{"}, {")", "]", "}", "\\}"}
 
 
 @dataclass(frozen=True)
@@ -42,13 +44,15 @@ class Piece:
 class FormulaUnit:
     """What bears one number in print: a label or none, source text, formulas.
 
-    ``display`` is the source in which the places of the pieces are counted.
+    ``display`` is the source in which the places of the pieces are counted, ``condition`` a word
+    such as "if", which says that they need not hold always.
     """
 
     label: str | None
     source: str
     pieces: tuple[Piece, ...]
     display: str
+    condition: str = ""
 
 
 def split_display(latex: str) -> tuple[FormulaUnit, ...]:
@@ -83,22 +87,37 @@ def _body(latex: str) -> tuple[str, int, int]:
     end = latex.rfind(closing)
     if end < match.end():
         raise DefinitionError(f"display '{' '.join(latex.split())[:40]}': '{closing}' is missing")
+    if mark not in _CLOSING and mark.rstrip("*") not in _KNOWN:
+        return mark, 0, len(latex)
     return mark, match.end(), end
 
 
-_INNER = re.compile(r"\\(?:begin|end)\{(?:aligned|array|split|gathered)\}")
+_INNER = re.compile(r"\\(?:begin|end)\{(?:aligned|split|gathered)\}(?:\[[tbc]\])?")
+_UNREAD = re.compile(r"\\begin\{(?!(?:aligned|split|gathered)\})([^}]*)\}.*?\\end\{\1\}", re.DOTALL)
+_BREAK = re.compile(r"\\\\\*?(?:\s*\[-?[\d.]+(?:\\\w+|pt|mm|cm|in|ex|em)\])?")
 
 
 def _lines(latex: str, start: int, end: int) -> list[tuple[int, int]]:
-    """Ranges of the lines that a double backslash separates; inner environments are opened."""
-    cuts = [(m.start(), m.end()) for m in _INNER.finditer(latex, start, end)]
-    cuts += [(m.start(), m.end()) for m in re.finditer(r"\\\\", latex[:end]) if m.start() >= start]
+    """Ranges of the lines that a double backslash separates; inner environments are opened, unless
+    they are not known."""
+    closed = [m.span() for m in _UNREAD.finditer(latex, start, end)]
+    found = (m.span() for sign in (_INNER, _BREAK) for m in sign.finditer(latex, start, end))
+    cuts = [cut for cut in found if not any(a <= cut[0] < b for a, b in closed)]
     lines, position = [], start
     for a, b in [*sorted(cuts), (end, end)]:
         if _LABEL.sub("", latex[position:a]).strip():
             lines.append((position, a))
         position = b
     return lines
+
+
+_NUMBER = re.compile(r"\(\d+[a-z']?\)")
+"""What a formula may be called behind it."""
+_CONDITIONS = re.compile(
+    r"\W*(if|when|whenever|unless|while|provided|on|at|for(?! (?:all|any|every|each|some|no)))\b",
+    re.IGNORECASE,
+)
+"""Words behind which a condition stands."""
 
 
 def _unit(latex: str, lines: list[tuple[int, int]]) -> FormulaUnit:
@@ -108,15 +127,18 @@ def _unit(latex: str, lines: list[tuple[int, int]]) -> FormulaUnit:
     pieces: list[Piece] = []
     said: tuple[Token, ...] = ()
     ended = False
+    condition = ""
     for a, b in lines:
         tokens = tokenize(latex, a, b)
         for words in _split_list(tokens):
-            if not _is_text(words):
+            if not condition and _is_text(words) and (m := _CONDITIONS.match(words[0].text)):
+                condition = m[1]
+            if not _is_text(words) and not _NUMBER.fullmatch("".join(w.text for w in words)):
                 _append(pieces, words, said, ended)
             said, ended = words, True
         ended = bool(tokens) and tokens[-1].text in _SEPARATORS
     source = "\\\\ ".join(_LABEL.sub("", latex[a:b]).strip() for a, b in lines)
-    return FormulaUnit(label, source, tuple(pieces), latex)
+    return FormulaUnit(label, source, tuple(pieces), latex, condition)
 
 
 def _append(
@@ -131,7 +153,9 @@ def _append(
         inside = words[1:-1] if words[0].text == "(" else words
         phrase = " ".join(_SPACE.sub(" ", said[0].text).split()) if _is_text(said) else ""
         pieces[-1] = Piece(last.tokens, (*last.quantifiers, inside), phrase)
-    elif last and (words[0].text in RELATIONS or not (ended or _has_relation(words))):
+    elif _is_text(said) and words[0].text in RELATIONS:
+        pieces.append(Piece(said + words))
+    elif last and (words[0].text in RELATIONS or not (ended or _relates(words, last.tokens))):
         pieces[-1] = Piece(last.tokens + words, last.quantifiers, last.phrase)
     else:
         pieces.append(Piece(words))
@@ -148,11 +172,12 @@ def _is_quantifier(words: tuple[Token, ...], said: tuple[Token, ...]) -> bool:
 
 
 def _is_text(words: tuple[Token, ...]) -> bool:
-    return len(words) == 1 and words[0].kind == "text"
+    return len(words) == 1 and words[0].kind in ("text", "name") and words[0].text != "const"
 
 
-def _has_relation(words: tuple[Token, ...]) -> bool:
-    return any(w.text in RELATIONS for w in words)
+def _relates(*several: tuple[Token, ...]) -> bool:
+    """Whether each of some formulas has a relation."""
+    return all(any(w.text in RELATIONS for w in words) for words in several)
 
 
 def _split_list(tokens: list[Token]) -> list[tuple[Token, ...]]:
@@ -163,11 +188,12 @@ def _split_list(tokens: list[Token]) -> list[tuple[Token, ...]]:
     """
     parts: list[list[Token]] = [[]]
     depth = 0
-    for token in tokens:
-        depth += (token.text in _OPEN) - (token.text in _CLOSE)
-        if depth == 0 and _is_word(token, parts[-1]):
+    for position, token in enumerate(tokens):
+        after = tokens[position + 1 : position + 2]
+        depth += (token.text in _OPEN | {"\\begin"}) - (token.text in _CLOSE | {"\\end"})
+        if depth == 0 and _is_word(token, parts[-1], after):
             parts += [[token], []]
-        elif depth == 0 and token.text in _SEPARATORS:
+        elif depth == 0 and token.text in _SEPARATORS and not _is_decimal(token, parts[-1], after):
             parts.append([])
         else:
             parts[-1].append(token)
@@ -179,9 +205,18 @@ def _split_list(tokens: list[Token]) -> list[tuple[Token, ...]]:
 _SEPARATORS = {",", ".", ";", "\\quad", "\\qquad"}
 
 
-def _is_word(token: Token, before: list[Token]) -> bool:
-    """Whether a word of text stands between formulas."""
-    told = bool(before) and before[-1].text == "\\colon"
+def _is_decimal(token: Token, before: list[Token], after: list[Token]) -> bool:
+    """Whether a comma stands between digits, where it may be that of a decimal fraction."""
+    near = [*before[-1:], token, *after]
+    numbers = len(near) == 3 and near[0].kind == near[2].kind == "number"
+    return numbers and near[0].end == token.start and token.end == near[2].start
+
+
+def _is_word(token: Token, before: list[Token], after: list[Token]) -> bool:
+    """Whether a word of text stands between formulas; one without spaces stands there alone."""
+    if token.kind == "name":
+        return not before and all(word.text in _SEPARATORS for word in after)
+    told = bool(before) and before[-1].text in RELATIONS | {"+", "-"}
     return token.kind == "text" and token.text != "const" and not told
 
 

@@ -20,7 +20,6 @@ __all__ = [
     "starts_name",
 ]
 
-_FRACTIONS = ("\\frac", "\\dfrac", "\\tfrac")
 _NUMERIC = re.compile(r"(?:\{\d+\}|\d)(?:\{\d+\}|\d)")
 _INSTANT = ("t", "+", "-", "/", "\\cdot", "\\pi")
 """What numbers stand beside where an instant is written."""
@@ -64,7 +63,7 @@ def starts_name(words: Sequence[Token], position: int) -> bool:
 def _plain_letter(words: Sequence[Token], position: int, vocabulary: LatexVocabulary) -> bool:
     """Whether a letter is ahead that is no sign of a differential or a variation."""
     text = _text(words, position)
-    word = position < len(words) and words[position].kind == "text"
+    word = position < len(words) and words[position].kind in ("text", "name")
     letter = (word and not vocabulary.applies(text)) or text in ACCENTS
     differential = text in ("d", "\\delta") and starts_name(words, position + 1)
     return (letter or _is_letter(words, position)) and not differential
@@ -89,7 +88,7 @@ def _bracket_without_dots(
 def fraction_of_numbers(words: Sequence[Token], position: int) -> bool:
     r"""Whether ``\frac12``, ``\frac{1}{2}`` is ahead."""
     texts = "".join(w.text for w in words[position + 1 : position + 7])
-    return _text(words, position) in _FRACTIONS and _NUMERIC.match(texts) is not None
+    return _text(words, position) == "\\frac" and _NUMERIC.match(texts) is not None
 
 
 def instant(words: Sequence[Token], position: int) -> str:

@@ -8,11 +8,12 @@ vocabulary says that it is a function, or where the parenthesis holds a list.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NoReturn
 
-from voronec.audit.latex.displays import RELATIONS
+from voronec.audit.latex.displays import RELATIONS, group_end
 from voronec.audit.latex.doubts import (
     fraction_of_numbers,
     function_without_backslash,
@@ -50,11 +51,13 @@ from voronec.audit.latex.tokens import (
     ACCENTS,
     ELEMENTARY,
     ELLIPSES,
+    FUNCTION_NAMES,
     FUNCTIONS,
     GREEK,
     Ambiguous,
     Misprint,
     Token,
+    Unfamiliar,
     complain,
     tokenize,
 )
@@ -71,7 +74,10 @@ def read(source: str, vocabulary: LatexVocabulary | None = None) -> Chain:
 
 def read_tokens(tokens: Sequence[Token], source: str, vocabulary: LatexVocabulary) -> Chain:
     """The tree of the formula that the given words of ``source`` make."""
-    return Reader(list(tokens), source, vocabulary).formula()
+    try:
+        return Reader(list(tokens), source, vocabulary).formula()
+    except RecursionError:
+        raise DefinitionError("it is nested too deeply; leave out parentheses") from None
 
 
 def read_name(source: str, vocabulary: LatexVocabulary | None = None) -> Node:
@@ -167,6 +173,8 @@ def _limits(reader: Reader) -> tuple[Node | None, Node | None]:
 
 def fraction(reader: Reader, token: Token) -> Node:
     r"""``\frac{a}{b}``, also ``\frac12`` and the signs of differentiation."""
+    if reader.peek() in ("d", "\\partial"):
+        reader.put_in_braces()
     derivative = _partial_fraction(reader, token) or _total_fraction(reader, token)
     if derivative is not None:
         return derivative
@@ -188,7 +196,7 @@ def _partial_fraction(reader: Reader, token: Token) -> Node | None:
         reader.take()
         variables.extend(_repeat(reader.factor()))
     if reader.peek() != "}":
-        reader.fail("below the line of a derivative stand variables alone", Misprint)
+        reader.fail("below the line of a derivative stand variables alone", Unfamiliar)
     reader.take()
     if not variables:
         reader.fail("a partial derivative needs a variable")
@@ -221,10 +229,47 @@ def _total_fraction(reader: Reader, token: Token) -> Node | None:
     variables = _repeat(reader.factor())
     reader.take("}")
     _same_order(reader, order, len(variables))
-    if body is None:
-        narrow = reader.vocabulary.by_hand and reader.peek() in _CLOSERS.values()
-        body = reader.factor() if narrow else reader.term()
+    body = _operand(reader) if body is None else body
     return Derivative(body, variables[0], order, reader.since(token.start))
+
+
+def _operand(reader: Reader) -> Node:
+    r"""What stands behind ``\frac{d}{dt}``: braces, or the whole term; a bracket before further
+    factors may be all of it or not."""
+    if reader.ends_term():
+        reader.fail("what is differentiated is missing", Unfamiliar)
+    if reader.peek() == "{":
+        return reader.factor()
+    if reader.peek() not in _CLOSERS.values():
+        return reader.term()
+    body = reader.factor()
+    if not reader.ends_term():
+        what = "this may be a factor of what is differentiated, or of its rate; write it first, or"
+        reader.fail(f"{what} put all that is differentiated in one bracket", Ambiguous)
+    return body
+
+
+def _rate(reader: Reader, token: Token) -> Node | None:
+    r"""``d/dt f``, ``d(f)/dt``, ``d^2x/dt^2``; nothing, where the ``d`` begins none of these."""
+    start, order, body = reader.position, 1, None
+    own = not reader.vocabulary.differentials
+    if own and "/" not in map(reader.peek, range(6)):
+        return None
+    if reader.peek() == "^" and "number" in (reader.kind(1), reader.kind(2)):
+        order = _order(reader)
+    if reader.peek() != "/" and (order > 1 or reader.peek() == "(" or own):
+        body = reader.factor()
+    if [reader.peek(k) for k in range(3)] != ["/", "d", "t"]:
+        if own or (body is None and order == 1):
+            reader.position = start
+            return None
+        if order > 1:
+            reader.fail(f"'/dt^{order}' is missing")
+        return Differential(body, "d", reader.since(token.start))
+    reader.position += 3
+    _same_order(reader, order, _order(reader))
+    body = _operand(reader) if body is None else body
+    return Derivative(body, Name("t"), order, reader.since(token.start))
 
 
 def _same_order(reader: Reader, above: int, below: int) -> None:
@@ -241,18 +286,14 @@ def _order(reader: Reader) -> int:
     reader.take()
     order = reader.argument()
     if not isinstance(order, Number):
-        reader.fail("the order of a derivative must be a number", Misprint)
+        reader.fail("the order of a derivative must be a number", Unfamiliar)
     return int(order.text)
 
 
 def _denominator_is_differential(reader: Reader) -> bool:
-    depth = 0
-    for i in range(reader.position, len(reader.tokens)):
-        depth += (reader.tokens[i].text == "{") - (reader.tokens[i].text == "}")
-        if depth == 0:
-            words = [t.text for t in reader.tokens[i + 1 : i + 3]]
-            return words == ["{", "d"]
-    return False
+    end = group_end(reader.tokens, reader.position)
+    words = [token.text for token in reader.tokens[end : end + 3]]
+    return words[:2] == ["{", "d"] and (reader.vocabulary.differentials or "t" in words)
 
 
 def _repeat(variable: Node) -> list[Node]:
@@ -270,14 +311,20 @@ def atom(reader: Reader, token: Token) -> Node:
             what = "this comma may stand before decimals or part thousands; write a point, or none"
             raise complain(reader.source, token.start, what, Ambiguous)
         return Number(text, at)
-    if text == "d" and starts_name(*reader.place):
-        return Differential(reader.factor(), "d", reader.since(token.start))
+    if text == "d":
+        found = _rate(reader, token)
+        if found is not None:
+            return found
+        if reader.vocabulary.differentials and starts_name(*reader.place):
+            return Differential(reader.factor(), "d", reader.since(token.start))
     if text == "\\delta" and reader.vocabulary.variations and reader.peek() not in ("", "_", "^"):
         return Variation(reader.factor(), reader.since(token.start))
-    if token.kind in ("letter", "text") or text in FUNCTIONS | GREEK:
+    if token.kind in ("letter", "text", "name") or text in FUNCTIONS | GREEK:
         return Name(text, at=at)
-    if text in ("(", "[", "{"):
+    if text in _CLOSERS.values():
         return _group(reader, token)
+    if text == "|":
+        return _size(reader, token)
     if text in _COMMANDS:
         return _COMMANDS[text](reader, token)
     if text in ELEMENTARY:
@@ -287,17 +334,47 @@ def atom(reader: Reader, token: Token) -> Node:
     before = reader.tokens[reader.position - 2].text if reader.position > 1 else ""
     if text in (")", "]", "}") and before != "{":  # braces around nothing bear an index
         what = f"something before '{text}' is missing"
-        raise complain(reader.source, token.start, what, Misprint)
+        raise complain(reader.source, token.start, what, Unfamiliar)
+    if text == "\\begin":
+        text += reader.source[token.end :].partition("}")[0] + "}"
     raise complain(reader.source, token.start, f"'{text}' is not understood")
 
 
 def _group(reader: Reader, token: Token) -> Node:
+    single = reader.kind() in ("number", "letter") and reader.peek(1) == ")"
+    if reader.position == 1 and single and reader.peek(2) not in {*_STOP, "", "^", "_", "'"}:
+        what = "this may be a factor, or the number of the formula; write no parentheses, or \\tag"
+        raise complain(reader.source, token.start, what, Ambiguous)
     items = reader.group(token)
     if len(items) == 1:
         return items[0]
     if token.text == "{":
         raise complain(reader.source, token.start, "a comma between braces is not understood")
     return Listing(items, token.text, reader.since(token.start))
+
+
+_DIRECTIONS = re.compile(r"(\\left|\\lvert|\\[bB]igg?l)|\\right|\\rvert|\\[bB]igg?r")
+"""Bars of which the print says whether they open."""
+
+
+def _size(reader: Reader, token: Token) -> Node:
+    r"""``|v|``, ``\left|v\right|`` is the function ``abs``, applied.
+
+    A bar closes where it can, unless the print says that it opens.
+    """
+    printed = _DIRECTIONS.match(reader.source, token.start)
+    before = reader.tokens[reader.position - 2].text if reader.position > 1 else "="
+    if printed is None and reader.peek() == "-" and before not in _BREAKS:
+        what = "these bars can be read in two ways; write \\left|...\\right|"
+        raise complain(reader.source, token.start, what, Ambiguous)
+    outside, reader.in_bars, reader.opened = reader.in_bars, True, reader.position
+    body = None if printed is not None and printed[1] is None else reader.sum()
+    reader.in_bars = outside
+    if body is None or reader.peek() != "|":
+        what = "this bar has no partner; write |v|, or \\left|...\\right| where bars are nested"
+        raise complain(reader.source, token.start, what)
+    reader.take()
+    return Call(Name("abs"), (body,), reader.since(token.start))
 
 
 _MINUS_ONE = Sum(((-1, Number("1")),))
@@ -308,7 +385,7 @@ def _elementary(reader: Reader, token: Token) -> Node:
     if reader.peek() == "^":
         reader.take()
         power = reader.argument()
-    start, bare = reader.begin(), reader.peek() not in _CLOSERS.values()
+    start, bare = reader.begin(), reader.peek() not in ("|", *_CLOSERS.values())
     argument = _function_argument(reader, start)
     if power == _MINUS_ONE:
         what = f"this may be 1/{token.text[1:]} or the inverse function; write one of these"
@@ -329,10 +406,12 @@ def _function_argument(reader: Reader, start: int) -> Node:
         number = reader.factor()
         more = not reader.ends_term() and reader.peek() not in ("\\cdot", *_BETWEEN)
         return Product((number, reader.factor()), reader.since(start)) if more else number
-    if reader.vocabulary.by_hand and reader.peek() in _CLOSERS.values():
+    opening = reader.peek()
+    if opening in _CLOSERS.values() and opening != "{":
         return reader.atom()
-    argument = scripts(reader, reader.atom(), start)
-    if reader.vocabulary.by_hand and isinstance(argument, Power):
+    argument = reader.atom() if opening == "|" else scripts(reader, reader.atom(), start)
+    argument = reader.at_time(argument)
+    if isinstance(argument, Power) or (opening == "|" and reader.peek() == "^"):
         what = "this is the power of a function or of its argument; write one with parentheses"
         raise complain(reader.source, start, what, Ambiguous)
     return argument
@@ -389,14 +468,13 @@ def _operator(reader: Reader, token: Token) -> Node:
 
 _COMMANDS: dict[str, Callable[[Reader, Token], Node]] = {
     "\\frac": fraction,
-    "\\dfrac": fraction,
-    "\\tfrac": fraction,
     "\\sqrt": root,
     "\\sum": bound,
     "\\int": integral,
     "\\partial": _lone_partial,
     "\\dot": _read_dots,
     "\\ddot": _read_dots,
+    "\\dddot": _read_dots,
     "\\overrightarrow": _arrow,
     "\\ker": _operator,
 }
@@ -410,12 +488,15 @@ def scripts(reader: Reader, node: Node, start: int) -> Node:
     while reader.peek() in ("_", "^", "'", '"'):
         mark = reader.take().text
         if mark in ("'", '"'):
-            if exponent is not None and reader.vocabulary.by_hand:
+            if exponent is not None and reader.vocabulary.primes:
                 what = "this may be the rate of a power or a power of the rate; write parentheses"
                 reader.fail(what, Ambiguous)
             primes += 1 if mark == "'" else 2
         elif mark == "_":
             sub = _indices(reader)
+        elif "'" in (reader.peek(), reader.peek(1)) and _inside(reader).strip("'") == "":
+            primes += len(_inside(reader))
+            reader.position += len(_inside(reader)) + 2 * (reader.peek() == "{")
         elif _is_numeral(reader, node) and exponent is None:
             sup, exponent = _numeral(reader)
         elif _labels(reader, node):
@@ -438,7 +519,7 @@ def _attach(
     start: int,
 ) -> Node:
     """Indices after an accent or a brace belong to the name inside."""
-    if primes and reader.vocabulary.by_hand:
+    if primes and reader.vocabulary.primes:
         body = _attach(reader, node, 0, sub, sup, start) if sub or sup else node
         return Dot(body, primes, reader.since(start))
     if isinstance(node, (Dot, Variation)):
@@ -522,9 +603,9 @@ def _indices(reader: Reader) -> tuple[Node, ...]:
     return tuple(found)
 
 
-_CLOSERS = {")": "(", "]": "[", "}": "{"}
+_CLOSERS = {")": "(", "]": "[", "}": "{", "\\}": "\\{"}
 _SIGNS = {"+": 1, "-": -1, "\\pm": 1, "\\mp": -1}
-_STOP = {")", "]", "}", ",", "\\quad", "\\qquad"} | RELATIONS | set(_SIGNS)
+_STOP = {*_CLOSERS, ",", "\\quad", "\\qquad"} | RELATIONS | set(_SIGNS)
 _ARROWS = (["\\mapsto"], ["\\longmapsto"])
 _SIGN_NAMES = {"\\pm", "\\oplus", "\\ker", "\\in"}
 _BETWEEN: dict[str, Callable[[Node, Node, tuple[int, int]], Node]] = {
@@ -532,6 +613,8 @@ _BETWEEN: dict[str, Callable[[Node, Node, tuple[int, int]], Node]] = {
     "/": Quotient,
     "\\wedge": Wedge,
 }
+_BREAKS = {*_CLOSERS.values(), *_SIGNS, *_BETWEEN, ",", "\\cdot", "^", "_"} | RELATIONS | ELEMENTARY
+"""What a bar opens behind."""
 
 
 class Reader:
@@ -545,7 +628,8 @@ class Reader:
         all_labels: bool = False,
     ) -> None:
         self.tokens, self.source, self.vocabulary = tokens, source, vocabulary
-        self.in_index = False
+        self.in_index = self.in_bars = False
+        self.opened = 0  # where the words inside the last bar begin
         self.all_labels = all_labels
         self.position = 0
 
@@ -632,7 +716,7 @@ class Reader:
             text = self.peek()
             if text == "\\cdot":
                 self.take()
-                if self.vocabulary.by_hand and self.ends_term():
+                if self.ends_term():
                     self.fail("a factor is missing; a sign behind a product wants parentheses")
             elif text in _BETWEEN or text == "\\oplus":
                 factors = self._join(text, factors, start)
@@ -640,13 +724,22 @@ class Reader:
                 self._refuse_number_in_doubt(factors)
                 factors.append(self.factor())
         if not factors:
-            self.fail("a term is missing", Misprint)
+            before = self.tokens[self.position - 1].text if self.position else "\\{"
+            unusual = before in ("\\{", self.peek()) or self.peek() in ("}", "]", "\\colon")
+            # \left\{, a - - b across two lines, v^{-}, ]a, b], a =: b
+            self.fail("a term is missing", Unfamiliar if unusual else Misprint)
         return _product(factors, self.since(start))
 
     def _refuse_number_in_doubt(self, factors: list[Node]) -> None:
-        r"""``1\frac12`` may be one and a half, ``10\,000`` one number; indices stand so."""
-        behind = bool(factors) and self.tokens[self.position - 1].kind == "number"
-        if self.in_index or not behind or not isinstance(factors[-1], Number):
+        r"""``1\frac12`` may be one and a half, ``10\,000`` one number, ``x2`` a square; indices
+        stand so."""
+        if self.in_index or not factors:
+            return
+        before, word = self.tokens[self.position - 1 : self.position + 1]
+        if word.kind == "number" != before.kind and factors[-1].at[1] == word.start:
+            what = "this number may be an index, a power or a factor; write x_2, x^2, 2 x"
+            self.fail(what, Ambiguous)
+        if before.kind != "number" or not isinstance(factors[-1], Number):
             return
         if fraction_of_numbers(*self.place):
             what = "this may be a mixed number or a product; write one fraction, or \\cdot between"
@@ -657,7 +750,15 @@ class Reader:
 
     def ends_term(self) -> bool:
         """Whether no further factor follows."""
-        return self.peek() == "" or self.peek() in _STOP
+        return self.peek() == "" or self.peek() in _STOP or self._closes_bar()
+
+    def _closes_bar(self) -> bool:
+        """Whether the word ahead closes the bar that is open."""
+        if not self.in_bars or self.peek() != "|" or self.position == self.opened:
+            return False
+        printed = _DIRECTIONS.match(self.source, self.tokens[self.position].start)
+        opens = printed is not None and printed[1] is not None
+        return not opens and self.tokens[self.position - 1].text not in _BREAKS
 
     def _join(self, sign: str, factors: list[Node], start: int) -> list[Node]:
         r"""A sign between all factors before it and the one behind it.
@@ -668,7 +769,10 @@ class Reader:
             self.fail(f"a factor before '{sign}' is missing", Misprint)
         left = _product(factors, self.since(start))
         token = self.take()
+        opening = self.peek()
         right = self.factor()
+        if sign == "/":
+            self._refuse_open_divisor(factors, right, opening)
         if sign == "/" and _is_partial(factors[-1]) and _is_partial(right):
             at = self.since(factors[-1].at[0])
             return [*factors[:-1], Partial(factors[-1].body, (right.body,), at)]
@@ -677,6 +781,17 @@ class Reader:
         name = Name(sign, at=(token.start, token.end))
         return [Call(name, (left, right), self.since(start))]
 
+    def _refuse_open_divisor(self, factors: list[Node], right: Node, opening: str) -> None:
+        r"""``a/2b`` may be (a/2) b or a/(2 b); ``a/(2)b``, ``1/2 b`` and ``dx/dt b`` are none."""
+        if self.ends_term() or self.peek() in ("\\cdot", "\\oplus", *_BETWEEN):
+            return
+        whole = len(factors) == 1 and isinstance(factors[0], Number) and isinstance(right, Number)
+        whole = whole and self.tokens[self.position].start > self.tokens[self.position - 1].end
+        rate = isinstance(factors[-1], Differential) and isinstance(right, Differential)
+        if not (whole or rate or opening in _CLOSERS.values()):
+            what = "this quotient can be read in two ways; write (a/b) c or a/(b c)"
+            self.fail(what, Ambiguous)
+
     # -- factors --------------------------------------------------------------------------
 
     def factor(self) -> Node:
@@ -684,13 +799,35 @@ class Reader:
         node = scripts(self, self.atom(), start)
         if self.peek() == "(" and self._applies(node):
             node = Call(node, self.group(self.take()), self.since(start))
+        elif isinstance(node, Name) and node.head in FUNCTION_NAMES and not self.ends_term():
+            node = self._named_function(node, start)
+        elif (applied := self.at_time(node)) is not node:
+            node = applied
         elif self.peek() == "(" and self.takes_instant(node):
             what = "this may be a value at an instant or a product; only the product is read,"
             self.fail(f"{what} written with \\cdot", Ambiguous)
         elif self.peek() == "(" and self._takes_name(node):
             what = f"this may be a function of {self.peek(1)}, or a product; write the name alone,"
-            self.fail(f"{what} or \\cdot between", Ambiguous)
+            self.fail(f"{what} or \\cdot between", Unfamiliar)
         return scripts(self, node, start) if self.peek() in ("^", "_", "'") else node
+
+    def _named_function(self, name: Name, start: int) -> Node:
+        r"""``\operatorname{sgn} v``."""
+        bare, argument = self.peek() != "|", _function_argument(self, self.begin())
+        doubt = open_argument(name.head, *self.place, self.vocabulary) if bare else ""
+        if doubt:
+            raise complain(self.source, start, doubt, Ambiguous)
+        return Call(name, (argument,), self.since(start))
+
+    def at_time(self, node: Node) -> Node:
+        r"""``x(t)``, ``\dot x(t)``, ``x^2(t)``: the name before it is applied to the time."""
+        base = node.base if isinstance(node, Power) else node
+        texts = [self.peek(k) for k in range(3)]
+        if texts != ["(", "t", ")"] or not isinstance(base, (Name, Dot)) or base == Name("d"):
+            return node
+        self.position += 3
+        call = Call(base, (Name("t"),), self.since(base.at[0]))
+        return replace(node, base=call) if isinstance(node, Power) else call
 
     def _applies(self, node: Node) -> bool:
         if isinstance(node, Partial):
@@ -709,10 +846,8 @@ class Reader:
     def _takes_name(self, node: Node) -> bool:
         """Whether a name stands before a single name in parentheses, as in ``v(x)``; ``cos(x)``
         without its backslash is another fault."""
-        named = self.vocabulary.by_hand and isinstance(node, (Name, Dot))
-        return (
-            named and single_name(*self.place) != "" and not function_without_backslash(*self.place)
-        )
+        named = isinstance(node, (Name, Dot)) and single_name(*self.place) != ""
+        return named and not function_without_backslash(*self.place)
 
     def _holds_list(self) -> bool:
         """Whether the parenthesis ahead holds a comma of its own."""
@@ -728,14 +863,17 @@ class Reader:
     def group(self, opening: Token) -> tuple[Node, ...]:
         """What stands between the bracket ``opening``, already taken, and its counterpart."""
         closer = next(c for c, o in _CLOSERS.items() if o == opening.text)
+        outside, self.in_bars = self.in_bars, False
         items = [self._item()]
         while self.peek() == ",":
             self.take()
             items.append(self._item())
         if self.peek() != closer and (self.peek() in (*_CLOSERS, "") or not self._is_balanced()):
             what = f"the '{opening.text}' here is not closed: '{closer}' is missing"
-            raise complain(self.source, opening.start, what, Misprint)
+            known = opening.text != "\\{" and not self._is_balanced()  # no [a, b), no open brace
+            raise complain(self.source, opening.start, what, Misprint if known else Unfamiliar)
         self.take(closer)
+        self.in_bars = outside
         return tuple(items)
 
     def _is_balanced(self) -> bool:
@@ -766,6 +904,12 @@ class Reader:
         if token is not None and token.kind == "number" and len(token.text) > 1:
             self._split_number(token)
         return self.atom()
+
+    def put_in_braces(self) -> None:
+        r"""``\frac d{dt}`` is ``\frac{d}{dt}``."""
+        word = self.tokens[self.position]
+        braces = [replace(word, kind="sign", text=text) for text in "{}"]
+        self.tokens[self.position : self.position + 1] = [braces[0], word, braces[1]]
 
     def _split_number(self, token: Token) -> None:
         """``\\frac12`` takes one digit at a time."""

@@ -12,10 +12,12 @@ __all__ = [
     "ELEMENTARY",
     "ELLIPSES",
     "FUNCTIONS",
+    "FUNCTION_NAMES",
     "GREEK",
     "Ambiguous",
     "Misprint",
     "Token",
+    "Unfamiliar",
     "complain",
     "tokenize",
 ]
@@ -32,8 +34,11 @@ GREEK = frozenset(
     r" \Theta \Lambda \Xi \Pi \Sigma \Phi \Psi \Omega \wp \ell".split()
 )
 """Commands that are letters by themselves."""
-FUNCTIONS = frozenset(r"\diag \det \tr".split())
-"""Commands that are names of functions, to be followed by their arguments."""
+FUNCTION_NAMES = {name: name for name in "abs sgn atan2 floor ceiling Heaviside".split()}
+FUNCTION_NAMES |= {"Abs": "abs", "sign": "sgn", "signum": "sgn"}
+"""Functions by name, ``\\operatorname{sgn}``, and what they are called here."""
+FUNCTIONS = frozenset(r"\diag \det \tr".split()) | frozenset(FUNCTION_NAMES.values())
+"""Names of functions, to be followed by their arguments."""
 ELLIPSES = frozenset(r"\dots \ldots \cdots".split())
 
 
@@ -47,13 +52,25 @@ _THOUSANDS = re.compile(r"[1-9]\d{0,2}\{,\}\d{3}")
 _SILENT = set(
     r"\, \; \! \: \> \  ~ & \nonumber \notag \displaystyle \textstyle \limits \nolimits".split()
 ) | {"\\ "}
+_SAME = {
+    **{f"\\{name}": f"\\{other}" for name, other in (
+        ("tg", "tan"), ("ctg", "cot"), ("cotg", "cot"), ("arctg", "arctan"), ("asin", "arcsin"),
+        ("acos", "arccos"), ("atan", "arctan"), ("sh", "sinh"), ("ch", "cosh"), ("th", "tanh"),
+        ("dfrac", "frac"), ("tfrac", "frac"), ("ast", "cdot"),
+    )},
+    "*": "\\cdot", "\\equiv": "=", "\\lvert": "|", "\\rvert": "|", "\\vert": "|",
+    "\\prime": "'",
+}  # fmt: skip
+"""Several words for one thing, and the one that the reader knows."""
+_CONSTANT = ("const", "constant")
 _SIZES = set(r"\big \Big \bigg \Bigg \bigl \bigr \Bigl \Bigr \biggl \biggr \left \right".split())
 _WITH_ARGUMENT = {"\\label", "\\tag"}
 
 
 @dataclass(frozen=True)
 class Token:
-    """One word: ``kind`` is command, number, letter, sign or text."""
+    r"""One word: ``kind`` is command, number, letter, name (upright, ``\mathrm{abs}``), sign or
+    text."""
 
     kind: str
     text: str
@@ -63,6 +80,10 @@ class Token:
 
 class Misprint(DefinitionError):
     """A bracket, a term or an order that is wrong in print, whatever the letters mean."""
+
+
+class Unfamiliar(Misprint):
+    """What breaks a rule that not every paper keeps: a fault only where all its signs are known."""
 
 
 class Ambiguous(DefinitionError):
@@ -81,18 +102,18 @@ def complain(
 def tokenize(source: str, offset: int = 0, end: int | None = None) -> list[Token]:
     """The words of ``source[offset:end]``; a label with its argument and spacing are skipped.
 
-    ``\\text{...}`` and ``\\mathrm{...}`` become one word of kind text.  A bracket starts where the
-    command for its size does.
+    ``\\text{...}`` and ``\\mathrm{...}`` become one word of kind text, or name.  A bracket starts
+    where the command for its size does.
     """
     found: list[Token] = []
     size: int | None = None
     position, end = offset, len(source) if end is None else end
     while position < end:
         match = _WORD.match(source, position, end)
-        if match is None:
-            raise complain(
-                source, position, f"the character '{source[position]}' is not understood"
-            )
+        if match is None:  # what the reader does not understand
+            found.append(Token("sign", source[position], position, position + 1))
+            position += 1
+            continue
         text, position = match.group(), match.end()
         kind = str(match.lastgroup)
         if text in _SIZES:
@@ -105,7 +126,8 @@ def tokenize(source: str, offset: int = 0, end: int | None = None) -> list[Token
             continue
         if text in ("\\text", "\\mathrm", "\\mbox", "\\operatorname"):
             inner, position = _argument(source, position, end)
-            found.append(Token("text", inner.strip(), match.start(), position))
+            upright = text in ("\\mathrm", "\\operatorname")
+            found.append(_word(inner, upright, match.start(), position))
             continue
         if text == "c" and source.startswith("const", match.start()):
             position = match.start() + 5
@@ -114,8 +136,23 @@ def tokenize(source: str, offset: int = 0, end: int | None = None) -> list[Token
         if kind == "number" and not _THOUSANDS.fullmatch(text):
             text = text.replace("{,}", ".")
         start, size = match.start() if size is None else size, None
+        named = kind == "command" and text[1:] in FUNCTION_NAMES
+        kind, text = ("name", FUNCTION_NAMES[text[1:]]) if named else (kind, _SAME.get(text, text))
         found.append(Token(kind, text, start, position))
     return found
+
+
+def _word(text: str, upright: bool, start: int, end: int) -> Token:
+    r"""Words of text; one without spaces may be a name, a letter or a function: ``\mathrm{d}``."""
+    spaced, text = re.search(r"\s|~", text) is not None, text.strip()
+    if text.rstrip(".") in _CONSTANT:
+        return Token("text", "const", start, end)
+    command = _SAME.get(f"\\{text}", f"\\{text}")
+    if upright and command in ELEMENTARY:
+        return Token("command", command, start, end)
+    if spaced and not upright:
+        return Token("text", text, start, end)
+    return Token("letter" if len(text) == 1 else "name", FUNCTION_NAMES.get(text, text), start, end)
 
 
 def _argument(source: str, position: int, end: int) -> tuple[str, int]:

@@ -20,21 +20,21 @@ class LatexVocabulary:
     ``functions``: heads that a parenthesis applies.  ``labelled``: heads whose superscript is a
     label, not an exponent.  ``numbered``: heads whose superscript may be a Roman numeral, which is
     a label too.  ``wide_sums``: a sum sign reaches to the end of its group, not only over the next
-    term.  ``by_hand``: as people write and type, a prime is a derivative by the time, a bracket
-    after ``\frac{d}{dt}``, or after the name of a function, is all that these apply to, and what
-    can be read in two ways is refused.  ``narrow_functions``: as the paper writes throughout, a
-    function without a parenthesis takes the one name behind it, ``\sin u v`` is (sin u) v.
-    ``variations``: ``\delta`` before a name makes a variation
-    of it, and is no name itself.
+    term.  ``primes``: a prime is a derivative by the time, and no part of a name.
+    ``narrow_functions``: as the paper writes throughout, a function without a parenthesis takes
+    the one name behind it, ``\sin u v`` is (sin u) v.  ``variations``, ``differentials``:
+    ``\delta``, or ``d``, before a name makes a variation, or a differential, of it, and is no name
+    itself.
     """
 
     functions: frozenset[str] = frozenset()
     labelled: frozenset[str] = frozenset()
     numbered: frozenset[str] = frozenset()
     wide_sums: bool = False
-    by_hand: bool = False
+    primes: bool = False
     narrow_functions: bool = False
     variations: bool = True
+    differentials: bool = True
 
     def applies(self, head: str) -> bool:
         """Whether a parenthesis after this head holds arguments; primes mean derivatives."""

@@ -28,17 +28,13 @@ from voronec.audit.latex.nodes import (
     Dot,
     Name,
     Node,
-    Number,
-    Partial,
     Power,
-    Product,
     Quotient,
-    Variation,
     walk,
 )
 from voronec.audit.latex.reader import read_tokens
-from voronec.audit.latex.tokens import Ambiguous, Misprint, complain
-from voronec.audit.lessons.notation import command_of, spelling_of, words_of
+from voronec.audit.latex.tokens import Misprint, complain
+from voronec.audit.lessons.notation import BASE, command_of, spelling_of, words_of
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
 from voronec.audit.study import Motion, Study, name_or_nothing
 from voronec.declaration.system import System
@@ -334,9 +330,8 @@ class Language:
         for name, value in self._energies.items():
             names.setdefault(name, value)
         names.setdefault("\\pi", sp.pi)
+        names[f"\\mathrm{{{BASE}}}"] = sp.E
         names.setdefault("const", CONSTANT)
-        names |= {"\\mathrm{abs}": sp.Abs, "\\mathrm{sgn}": sp.sign, "\\mathrm{atan2}": sp.atan2}
-        names |= {f"\\mathrm{{{f}}}": f for f in (sp.floor, sp.ceiling, sp.Heaviside)}
         return Study(names=names, motion=self._motion)
 
     @property
@@ -374,21 +369,15 @@ class Language:
         dots = {velocity(q) for q in self.equations.coordinates}
         free = [v for v in self.equations.velocities if v not in dots]
         moving = [plain_name(x) for x in (*self.equations.coordinates, *free)]
-        words = words_of(text, spelling_of([*self._plain_names], moving, _latex))
+        source, words = words_of(text, spelling_of([*self._plain_names], moving, _latex))
         if not words:
             raise DefinitionError("the equation is empty; write one such as \\dot v = a w^2")
-        vocabulary = replace(self.study.vocabulary, by_hand=True)
-        try:
-            tree = read_tokens(words, text, vocabulary)
-        except RecursionError:
-            raise DefinitionError(
-                "the equation is nested too deeply; leave out parentheses"
-            ) from None
+        vocabulary = replace(self.study.vocabulary, primes=True)
+        tree = read_tokens(words, source, vocabulary)
         if not tree.relations or {*tree.relations} != {"="}:
             sign = next((s for s in tree.relations if s != "="), "")
             what = f"'{sign}' is no sign of equality" if sign else "there is no sign of equality"
             raise DefinitionError(f"{what} in '{text}'; write left = right, or = const")
-        self._refuse_doubtful(tree, text)
         return tree
 
     def sides(self, tree: Chain, text: str) -> list[Any]:
@@ -398,17 +387,8 @@ class Language:
         nearest one.
         """
         values = [self._value(part, text, tree) for part in tree.parts]
-        self._refuse_numbers_behind(tree, text)
         self._refuse_zero_divisors(tree, text)
         return values
-
-    def _refuse_numbers_behind(self, tree: Chain, text: str) -> None:
-        """``x2``, ``x12`` beside a name x1: what stands so is no product, whatever it is."""
-        for node in walk(tree):
-            for left, right in pairwise(node.factors if isinstance(node, Product) else ()):
-                if isinstance(right, Number) and left.at[1] == right.at[0]:
-                    what = "this number may be an index, a power or a factor; write x_2, x^2, 2 x"
-                    raise complain(text, right.at[0], what, Ambiguous)
 
     def _refuse_zero_divisors(self, tree: Chain, text: str) -> None:
         """What no motion gives a value: SymPy makes f/f one before it is seen that f is zero."""
@@ -436,26 +416,6 @@ class Language:
                     found.setdefault(value)
                     value = self.study.motion.derivative(value)
         return [*found]
-
-    def _refuse_doubtful(self, tree: Chain, text: str) -> None:
-        """Derivatives that one book takes along the motion, or on the constraints, and another
-        with everything else held."""
-        system = self.equations.system
-        quasi = {*self.equations.velocities} - {velocity(q) for q in system.coordinates}
-        for node in walk(tree):
-            if isinstance(node, Variation):
-                what = "variations are not read; write what holds along the motion"
-                raise complain(text, node.at[0], what)
-            if isinstance(node, Derivative) and self._value_of(node.variable) not in (time, None):
-                what = "a derivative with d is by t; write \\partial, or rates: \\dot y/\\dot x"
-                raise complain(text, node.at[0], what)
-            if not isinstance(node, Partial) or node.body is None:
-                continue
-            held = getattr(self._value_of(node.body), "free_symbols", None)
-            by = {self._value_of(v) for v in node.variables}
-            if held is not None and not by <= held and (by | held) & quasi:
-                what = "no velocities of a frame stand in this; take those of the coordinates"
-                raise complain(text, node.at[0], what)
 
     def _value_of(self, node: Node) -> Any:
         """The value of a part; None where it has none, which is told elsewhere."""

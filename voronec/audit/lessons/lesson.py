@@ -283,12 +283,13 @@ class LessonWork:
             "voronec": "The curvature does not vanish, and coordinates of the fibre occur: this "
             "is the general case, Voronec's.",
         }
-        growth = ", ".join(map(str, self.eqs.growth))
+        found = self.eqs.distribution
+        growth = ", ".join(map(str, found.growth)) + ", ..." * found.cut
         return LessonStep(
             "The kind of the system",
-            f"{why[self.eqs.kind]} The fields span {self.eqs.growth[0]} directions; with their "
+            f"{why[self.eqs.kind]} The fields span {found.growth[0]} directions; with their "
             "brackets, and the brackets of these, "
-            f"({growth}) of {self.eqs.distribution.dimension}.",
+            f"({growth}) of {found.dimension}.",
         )
 
     def _reduction_part(self) -> LessonStep:

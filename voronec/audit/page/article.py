@@ -170,6 +170,7 @@ _HEAD = r"""\documentclass[11pt]{article}
 \definecolor{cited}{RGB}{70,96,109}
 \definecolor{unaudited}{RGB}{107,107,79}
 \colorlet{refuted}{misprint}
+\colorlet{not read}{unaudited}
 \newcommand{\verdict}[1]{{\color{#1}\textsc{#1}}}
 \newcommand{\mended}[1]{{\color{proved}#1}}
 \newcommand{\struck}[1]{\mathpalette\struckin{#1}}

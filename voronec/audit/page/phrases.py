@@ -43,6 +43,8 @@ MEANING = {
     "definition": "it introduces a name or a condition; checked by the formulas that use it",
     "cited": "a fact that the paper quotes, and that is not proved here",
     "unaudited": "a sentence that states something, and that nothing here decides",
+    "not read": "it holds a letter, a command or a notation that is not known, or can be read in "
+    "two ways; it says which, and where",
     "undecided": "neither proved nor refuted",
 }
 KINDS = {"display": "displayed equations", "text": "in the text"}
@@ -149,7 +151,7 @@ def conventions_with_formulas(
 
 def faults(record: Record) -> tuple[FormulaRecord, ...]:
     """The formulas of a record that need a reader's attention."""
-    return tuple(f for f in record.formulas if f.verdict in ("misprint", "undecided"))
+    return tuple(f for f in record.formulas if f.verdict in ("misprint", "undecided", "not read"))
 
 
 def counts(audit: Audit) -> dict[str, dict[str, int]]:

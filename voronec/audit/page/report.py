@@ -11,6 +11,7 @@ import json
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from html import escape
 from pathlib import Path
 
@@ -46,8 +47,8 @@ __all__ = [
     "audit_table",
     "conventions",
     "errata",
+    "reasons_list",
     "record_html",
-    "unaudited_list",
     "write_audit",
 ]
 
@@ -104,9 +105,9 @@ def audit_summary(audit: Audit, width: int = 100, most: int = 12) -> str:
         lines.append(_cut_line(f"  {record.designation}: {' '.join(what.split())}", width))
     if len(several) > most:
         lines.append(f"  and {len(several) - most} more")
-    undecided = [r.designation for r in audit.records if r.verdict == "undecided"]
-    if undecided:
-        lines += ["", _cut(f"undecided: {', '.join(undecided)}", width)]
+    for verdict in ("undecided", "not read"):
+        names = [r.designation for r in audit.records if r.verdict == verdict]
+        lines += ["", _cut(f"{verdict}: {', '.join(names)}", width)] if names else []
     return "\n".join(lines) + "\n"
 
 
@@ -146,8 +147,8 @@ def _lines(record: Record, names: int, width: int) -> Iterator[str]:
 
 
 def _reason(formula: FormulaRecord, names: int, width: int) -> list[str]:
-    """Why a formula is neither proved nor refuted."""
-    if formula.verdict != "undecided":
+    """Why a formula is neither proved nor refuted, or not read."""
+    if formula.verdict not in ("undecided", "not read"):
         return []
     return _wrap(end_sentence(short(formula.method)), " " * (names + 4), width)
 
@@ -244,14 +245,14 @@ def conventions(audit: Audit, places: Places) -> str:
     return f'<ol id="conventions-list">{items}</ol>' if items else ""
 
 
-def unaudited_list(audit: Audit, places: Places) -> str:
-    """The list of what nothing decides, each with the reason."""
+def reasons_list(audit: Audit, places: Places, verdict: str) -> str:
+    """The list of what has a verdict, each with the reason."""
     items = "".join(
         f"<li>{_place(r, places)}{_statement(f)}"
         f'<p class="method">{prose(end_sentence(f.method))}</p></li>'
-        for r, f in with_verdict(audit, "unaudited")
+        for r, f in with_verdict(audit, verdict)
     )
-    return f'<ol id="unaudited-list">{items}</ol>' if items else ""
+    return f'<ol id="{verdict.replace(" ", "-")}-list">{items}</ol>' if items else ""
 
 
 def record_html(record: Record, places: Places) -> str:
@@ -356,7 +357,7 @@ def _cell(title: str, latex: str, marks: Sequence[tuple[int, int]] = (), mark: s
 
 
 def _badge(verdict: str) -> str:
-    return f'<span class="badge {verdict}">{verdict}</span>'
+    return f'<span class="badge {verdict.replace(" ", "-")}">{verdict}</span>'
 
 
 def _method(text: str, badge: str = "") -> str:
@@ -488,10 +489,9 @@ def _contents(audit: Audit) -> str:
         link = f'<a href="#section-{number}">{escape(title)}</a>'
         lines.append(f"<li>{link}<b>{mark}{len(records)}</b></li>")
     head = '<li><a href="#errata">Errata</a></li>'
-    if any(r.verdict == "convention" for r in audit.records):
-        head += '<li><a href="#conventions">Conventions</a></li>'
-    if any(r.verdict == "unaudited" for r in audit.records):
-        head += '<li><a href="#unaudited">Not audited</a></li>'
+    for anchor, title, _, entries in LISTS:
+        if entries(audit, anchors(audit)):
+            head += f'<li><a href="#{anchor}">{title}</a></li>'
     return f"<aside><b>Contents</b><ol>{head}</ol><b>Sections</b><ol>{''.join(lines)}</ol></aside>"
 
 
@@ -528,7 +528,13 @@ LISTS = (
         "unaudited", "Not audited",
         "What the text states, and nothing here decides. Sentences on history, on sources and on "
         "what comes next state nothing of the kind.",
-        unaudited_list,
+        partial(reasons_list, verdict="unaudited"),
+    ),
+    (
+        "not-read", "Not read",
+        "What holds a letter, a command or a notation that is not known here, or can be read in "
+        "two ways. Nothing is said against it.",
+        partial(reasons_list, verdict="not read"),
     ),
 )  # fmt: skip
 """The lists of the page after the errata: anchor, title, what it is, and its entries."""

@@ -25,6 +25,7 @@ from voronec.algebra.elimination import null_vectors, solve_linear
 from voronec.algebra.matrices import dot
 from voronec.algebra.normal import shortest
 from voronec.algebra.rank import generic_rows
+from voronec.algebra.terms import expand_short
 from voronec.algebra.verdicts import all_vanish
 from voronec.errors import DefinitionError, EngineLimit
 
@@ -132,7 +133,7 @@ class Places:
 def vanish(exprs: Sequence[Any], relations: Sequence[Any] = ()) -> bool:
     """Whether it is proved that all expressions vanish, where the relations do."""
     try:  # most vanish when they are multiplied out, which is quicker than a proof
-        return all_vanish([e for e in map(se.expand, exprs) if e != 0], relations)
+        return all_vanish([e for e in map(expand_short, exprs) if e != 0], relations)
     except EngineLimit:
         return False
 
@@ -167,11 +168,10 @@ class FreeBody:
 def free_body(body: Any, frame: Any, read: Components, places: Places) -> FreeBody:
     """A ``Particle`` or a ``RigidBody``, read."""
     velocity = in_one_line(lambda: body.masscenter.vel(frame), f"the velocity of '{body.name}'")
-    rates = [
-        places.place_rate(str(body.name), axis, rate)
-        for axis, rate in enumerate(read.of(velocity, frame))
-    ]
-    moved = FreeBody(body, read.read(body.mass), rates)
+    mass, rates = read.read(body.mass), read.of(velocity, frame)
+    if mass != 0:  # the place of what has none matters to nothing
+        rates = [places.place_rate(str(body.name), axis, rate) for axis, rate in enumerate(rates)]
+    moved = FreeBody(body, mass, rates)
     if not hasattr(body, "central_inertia"):
         return moved
     what = f"the rotation of '{body.name}'"
@@ -228,9 +228,11 @@ def solve_speeds(
     equations: Sequence[Any], speeds: Sequence[Any], dots: Sequence[Any], fresh: Sequence[Any]
 ) -> Speeds:
     """Solve kinematic equations for the speeds; ``fresh[j]`` is the rate of the coordinate that
-    speed j gets where no other belongs to it."""
-    rows = [[e.diff(u) for u in speeds] for e in equations]
+    speed j gets where no other belongs to it.  Where there are more equations than speeds, those
+    that hold the least define the speeds: u = qdot does, and the others are constraints."""
     moving = {*speeds, *dots}
+    equations = sorted(equations, key=lambda e: len(e.free_symbols & moving))
+    rows = [[e.diff(u) for u in speeds] for e in equations]
     for row, equation in zip(rows, equations, strict=True):
         if any(e.free_symbols & moving for e in row):
             raise DefinitionError(

@@ -6,6 +6,7 @@ What ``KanesMethod`` or ``LagrangesMethod`` is called with is read into one reco
 from __future__ import annotations
 
 import inspect
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -90,8 +91,8 @@ class _Reading:
         """Solve the kinematic equations, and give speeds without a coordinate one."""
         door = Door([*model.coordinates, *map(velocity, model.coordinates), *model.all_speeds])
         taken = {plain_name(x) for x in (*model.coordinates, *model.all_speeds)}
-        quiet = dict.fromkeys(door.inward_all(model.auxiliary), se.Integer(0))
-        equations = [door.inward(e).xreplace(quiet) for e in model.kinematic]
+        still = dict.fromkeys(door.inward_all(model.still), ZERO)
+        equations = [door.inward(e).xreplace(still) for e in model.kinematic]
         dots = [door.inward(velocity(q)) for q in model.coordinates]
         symbols = door.inward_all(model.all_speeds)
         names = [f"integral_{plain_name(u)}" for u in model.all_speeds]
@@ -112,7 +113,7 @@ class _Reading:
             free,
             door.inward_all(model.configuration),
         )
-        return cls(model, door, coordinates, speeds, Components(door, meaning | quiet), places)
+        return cls(model, door, coordinates, speeds, Components(door, meaning | still), places)
 
     def system(self, name: str, parameters: Any) -> System:
         """The declaration."""
@@ -131,15 +132,16 @@ class _Reading:
             "constraints": tuple(map(outward, constraints)),
             "forces": {q: outward(f) for q, f in forces.items() if f != 0},
         }
+        placed = self._bodies(bodies)
         held = [declared["lagrangian"], *declared["constraints"], *declared["forces"].values()]
-        held += [*fibration.relations, *quasi.values()]
+        held += [*fibration.relations, *quasi.values(), *(e for b in placed for e in b.expressions)]
         return System(
             name=name,
             fibration=fibration,
             frame=Frame.quasi(quasi) if quasi else None,
             integrals={f"configuration {i + 1}": outward(e) for i, e in enumerate(kept)},
             parameters=_parameters(held, parameters),
-            bodies=self._bodies(bodies),
+            bodies=placed,
             **declared,
         )
 
@@ -236,6 +238,8 @@ class _Reading:
             new = [not any(_is_parallel(row, s) for s in slopes) for row in rows]
             own = [c for c, kept in zip(own, new, strict=True) if kept]
             rows = [row for row, kept in zip(rows, new, strict=True) if kept]
+        kept = self._independent(own, rows, given)
+        own, rows = [own[i] for i in kept], [rows[i] for i in kept]
         table = [row[:-1] for row in (*rows, *slopes)]
         if not given or {*range(len(own), len(table))} <= {*constraint_rows(table, given)}:
             return own, given, []
@@ -246,6 +250,29 @@ class _Reading:
         except EngineLimit:
             pass
         return own, [], given
+
+    def _independent(
+        self, own: Sequence[Any], rows: Sequence[Sequence[Any]], relations: Sequence[Any]
+    ) -> list[int]:
+        """The constraints that the others follow from; the others are named, and left out."""
+        kept = constraint_rows([row[:-1] for row in rows], relations)
+        if len(kept) < len(rows):
+            order = [*kept, *(i for i in range(len(rows)) if i not in kept)]
+            left, right = [rows[i][:-1] for i in order], [[rows[i][-1]] for i in order]
+            odd = solve_linear(left, right, relations, len(kept)).contradictory
+            named = odd or range(len(kept), len(order))
+            said = [quote(self.door.outward(own[order[k]])) for k in named]
+            if odd:
+                raise DefinitionError(
+                    f"from_mechanics: the constraint '{said[0]}' = 0 contradicts the others; leave "
+                    "one of them out"
+                )
+            warnings.warn(
+                "from_mechanics: constraints that follow from the others are left out: "
+                + ", ".join(f"{e} = 0" for e in said),
+                stacklevel=5,
+            )
+        return kept
 
     def _slope(self, relation: Any) -> list[Any]:
         """The coefficients of the rates in the derivative of a relation, and the rest."""
@@ -312,7 +339,8 @@ class MechanicsModel:
 
     ``kinematic`` are the kinematic differential equations, ``configuration`` and ``motion`` the
     constraints on coordinates and on velocities, all expressions that vanish; ``later`` are the
-    coordinates that the user calls dependent.  ``lagrangian`` is None in a model of Kane's.
+    coordinates that the user calls dependent, ``still`` the auxiliary speeds that turn a body, by
+    which it would have no orientation: they are zero.  ``lagrangian`` is None in a model of Kane's.
     """
 
     frame: Any
@@ -320,7 +348,7 @@ class MechanicsModel:
     later: tuple[sp.Expr, ...] = ()
     speeds: tuple[sp.Expr, ...] = ()
     dependent_speeds: tuple[sp.Expr, ...] = ()
-    auxiliary: tuple[sp.Expr, ...] = ()
+    still: tuple[sp.Expr, ...] = ()
     kinematic: tuple[sp.Expr, ...] = ()
     configuration: tuple[sp.Expr, ...] = ()
     motion: tuple[sp.Expr, ...] = ()
@@ -330,7 +358,7 @@ class MechanicsModel:
 
     @property
     def all_speeds(self) -> tuple[sp.Expr, ...]:
-        """Independent speeds, then dependent ones."""
+        """Independent speeds, then dependent ones, auxiliary ones last."""
         return self.speeds + self.dependent_speeds
 
 
@@ -378,20 +406,27 @@ def _kane(
     u_auxiliary: Any = None,
     bodies: Any = None,
     forcelist: Any = None,
+    explicit_kinematics: Any = True,
+    kd_eqs_solver: Any = None,
+    constraint_solver: Any = None,
 ) -> MechanicsModel:
-    """Arguments of KanesMethod; accelerations follow from the velocities."""
-    later = _names(q_dependent, "q_dependent")
+    """Arguments of KanesMethod, those after ``forcelist`` for SymPy alone; accelerations follow
+    from the velocities, and auxiliary speeds are dependent ones, bound to vanish."""
+    later, bodies = _names(q_dependent, "q_dependent"), _bodies(bodies)
+    auxiliary = _names(u_auxiliary, "u_auxiliary")
+    still = tuple(u for u in auxiliary if any(_turns(u, body, frame) for body in bodies))
+    auxiliary = tuple(u for u in auxiliary if u not in still)
     return MechanicsModel(
         frame=frame,
         coordinates=_names(q_ind, "q_ind") + later,
         later=later,
         speeds=_names(u_ind, "u_ind"),
-        dependent_speeds=_names(u_dependent, "u_dependent"),
-        auxiliary=_names(u_auxiliary, "u_auxiliary"),
+        dependent_speeds=_names(u_dependent, "u_dependent") + auxiliary,
+        still=still,
         kinematic=_several(kd_eqs),
         configuration=_several(configuration_constraints),
-        motion=_several(velocity_constraints),
-        bodies=_bodies(bodies),
+        motion=_several(velocity_constraints) + auxiliary,
+        bodies=bodies,
         loads=_loads(forcelist),
     )
 
@@ -460,13 +495,22 @@ def _of_lagrange_method(method: Any, bodies: Any = None, forcelist: Any = None) 
 
 
 def _of_system(system: Any, bodies: Any = None, forcelist: Any = None) -> MechanicsModel:
-    """A System of SymPy's."""
+    """A System of SymPy's: one without speeds is for Lagrange's method; the velocity constraints
+    of others are derivatives of the holonomic ones first, where they are not given."""
+    from sympy.physics.mechanics import Lagrangian
+
+    bodies = system.bodies if bodies is None else bodies
     loads = [*(system.loads if forcelist is None else forcelist)]
     loads += [load for actuator in system.actuators for load in actuator.to_loads()]
+    held = system.holonomic_constraints
+    if all(isinstance(u, sp.Derivative) for u in system.u):
+        energy = Lagrangian(system.frame, *_bodies(bodies))
+        rows = system.nonholonomic_constraints
+        return _lagrange(energy, system.q, loads, None, system.frame, held, rows)
+    derived = len(held) if system._vel_constrs is None else 0
     return _kane(
-        system.frame, system.q_ind, system.u_ind, system.kdes, system.q_dep,
-        system.holonomic_constraints, system.u_dep, system.velocity_constraints, None,
-        system.u_aux, system.bodies if bodies is None else bodies, loads,
+        system.frame, system.q_ind, system.u_ind, system.kdes, system.q_dep, held, system.u_dep,
+        [*system.velocity_constraints][derived:], None, system.u_aux, bodies, loads,
     )  # fmt: skip
 
 
@@ -517,6 +561,12 @@ def _bodies(things: Any) -> tuple[Any, ...]:
                 "Particle"
             )
     return bodies
+
+
+def _turns(speed: sp.Expr, body: Any, frame: Any) -> bool:
+    """Whether a body's angular velocity holds a speed."""
+    turn = body.frame.ang_vel_in(frame).args if hasattr(body, "frame") else ()
+    return any(column.has(speed) for column, _ in turn)
 
 
 def _loads(things: Any) -> tuple[tuple[Any, Any], ...]:

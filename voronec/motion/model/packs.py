@@ -24,7 +24,12 @@ import sympy as sp
 
 from voronec.declaration.source_digest import engine_digest, room_modules
 from voronec.declaration.system import System
-from voronec.declaration.whole_files import keep_sealed, make_room, read_sealed, user_cache
+from voronec.declaration.whole_files import (
+    keep_with_digest,
+    make_room,
+    read_with_digest,
+    user_cache,
+)
 
 __all__ = ["Packs"]
 
@@ -89,14 +94,14 @@ class Packs:
         if self._packed.keys() == self._on_disk:
             return
         make_room(self._file.parent, FILES)
-        keep_sealed(self._file, pickle.dumps(self._packed))
+        keep_with_digest(self._file, pickle.dumps(self._packed))
         self._on_disk = {*self._packed}
 
 
 def _read(file: Path) -> dict[str, bytes]:
     """What a file holds; nothing where there is none, where it is not as it was written, or where
     others may have written it: to unpickle is to run."""
-    if (content := read_sealed(file, "model")) is None:
+    if (content := read_with_digest(file, "model")) is None:
         return {}
     with suppress(OSError):
         os.utime(file)

@@ -696,12 +696,15 @@ longest gives way.  heyoka adds up all that is there when it opens it: 64 MiB ta
 
 
 def heyoka() -> Any:
-    """The module; ``ImportError`` where it is not installed.
+    """The module; ``ImportError`` where it is not installed, or cannot be loaded.
 
     Who loads heyoka before has it keep its programs where and as long as that one likes.
     """
     is_ours = "heyoka" not in sys.modules
-    import heyoka as hy
+    try:
+        import heyoka as hy
+    except OSError as error:  # a library of its own that the machine refuses
+        raise ImportError(error) from error
 
     if is_ours:
         folder, state = user_cache("heyoka"), hy.llvm_state

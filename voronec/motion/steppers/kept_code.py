@@ -32,7 +32,7 @@ import numpy as np
 from voronec.declaration.whole_files import has_foreign, keep_file, make_room, user_cache
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["COMPILER", "kept_function", "kept_library", "sound_source"]
+__all__ = ["COMPILER", "kept_function", "kept_library", "sound_source", "write_list"]
 
 T = TypeVar("T")
 SOURCES = 200
@@ -66,7 +66,7 @@ def kept_function(
         (draft / SOURCE).write_text(text, encoding="utf-8")
         return _load(draft, text, name, signature)
 
-    return _kept(folder, make)
+    return _load_or_make(folder, make)
 
 
 def kept_library(key: str, sources: Callable[[], dict[str, str]]) -> ctypes.CDLL:
@@ -87,10 +87,10 @@ def kept_library(key: str, sources: Callable[[], dict[str, str]]) -> ctypes.CDLL
         with suppress(OSError):
             return ctypes.CDLL(str(folder / LIBRARY))
         _forget(folder, "cannot be read")
-    return _kept(folder, lambda draft: _build(place, draft, sources()))
+    return _load_or_make(folder, lambda draft: _build(place, draft, sources()))
 
 
-def _kept(folder: Path, make: Callable[[Path], T]) -> T:
+def _load_or_make(folder: Path, make: Callable[[Path], T]) -> T:
     """What is made in a draft, which becomes ``folder`` where nobody else was faster."""
     make_room(folder.parent, SOURCES)
     try:
@@ -99,7 +99,7 @@ def _kept(folder: Path, make: Callable[[Path], T]) -> T:
         draft = tempfile.TemporaryDirectory()
     with draft as name:
         made = make(Path(name))
-        _write_list(Path(name))
+        write_list(Path(name))
         with suppress(OSError):
             os.rename(name, folder)
     return made
@@ -136,7 +136,7 @@ def _load(folder: Path, text: str, name: str, signature: str) -> Callable[..., A
     """The function from the code in a folder, which is made where it is not there yet."""
     function = _compile(text, str(folder / SOURCE), name, signature)
     if function.stats.cache_misses:
-        _write_list(folder)
+        write_list(folder)
     return function
 
 
@@ -192,7 +192,8 @@ def _digests(folder: Path) -> dict[str, str]:
     return {p.name: sha256(p.read_bytes()).hexdigest() for p in files}
 
 
-def _write_list(folder: Path) -> None:
+def write_list(folder: Path) -> None:
+    """Keep the digests of the code in a folder, which only its owner can then write."""
     for made in folder.rglob("*"):  # where a group shares its files, compilers let it write them
         made.chmod(made.stat().st_mode & ~0o022)
     keep_file(folder / LIST, json.dumps(_digests(folder)).encode())

@@ -38,7 +38,7 @@ from voronec.declaration.reading import quote
 from voronec.declaration.system import System
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
-from voronec.equations.voronec_equations import VoronecEquations
+from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 from voronec.proof.search.gradings import Gradings
 from voronec.proof.search.independence import Independence
@@ -545,9 +545,10 @@ class _StateReader:
 
     def positions(self) -> list[Letter]:
         """Coordinates; of those under sines and cosines, these, of q/n where q/n is the part of q
-        that all angles are multiples of; and these themselves where a force turns them on."""
-        field = self.field
-        angles = atoms(field.entries, se.sin, se.cos, se.tan)
+        that all angles are multiples of; and these themselves where a force turns them on, or where
+        the constraints integrate to a function that holds them."""
+        field, leaves = self.field, self._leaves()
+        angles = atoms([*field.entries, *leaves], se.sin, se.cos, se.tan)
         found = []
         for q in field.positions:
             turning = {f: f.args[0].diff(q) for f in angles if q in f.free_symbols}
@@ -557,7 +558,8 @@ class _StateReader:
                 found += [self._letter(f(q / turns), "position") for f in (se.cos, se.sin)]
             plain = {f: se.Symbol(f"{i} in a circle") for i, f in enumerate(turning)}
             under = [e for e in field.entries if q in e.free_symbols]
-            held = not under or any(q in e.xreplace(plain).free_symbols for e in under)
+            bare = any(q in e.xreplace(plain).free_symbols for e in (*under, *leaves))
+            held = not under or bare
             if held or self._does_work(q, turns):
                 found.append(self._letter(q, "position"))
         return found
@@ -577,6 +579,15 @@ class _StateReader:
             largest = max(map(abs, values))
             return bool(abs(sum(values)) > SMALL * largest)
         return False
+
+    def _leaves(self) -> list[Any]:
+        """What the constraints hold constant, where it is known."""
+        if self.field.level != "coordinates":
+            return []
+        try:
+            return [self.read(f) for f in derive(self.field.system).leaves]
+        except EngineLimit:
+            return []
 
     def functions(self, given: Mapping[str, sp.Expr]) -> list[Letter]:
         found = []

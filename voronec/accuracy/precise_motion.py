@@ -1,4 +1,4 @@
-"""How much a case magnifies relative changes: its condition numbers.
+"""Motions in many digits, and how much they magnify relative changes: their condition numbers.
 
 With Phi(t, s) the propagator of the variational equations, o an output, p the parameters,
 
@@ -24,16 +24,16 @@ import mpmath
 import numpy as np
 
 from voronec.accuracy.problem import DIGITS, ProblemLevel
-from voronec.accuracy.reference import output_sizes
+from voronec.accuracy.solution import output_sizes
 from voronec.equations.program import taylor_extras, taylor_system
-from voronec.errors import IntegrationError
+from voronec.errors import EngineLimit, IntegrationError
 from voronec.motion.steppers.heyoka_stepper import heyoka
 
 __all__ = [
+    "PreciseIntegrator",
     "PreciseMotion",
-    "Reel",
     "condition_numbers",
-    "reel",
+    "precise_integrator",
     "sizes",
     "times",
 ]
@@ -90,6 +90,10 @@ STEPS = 4000
 """Taylor steps between two looks at the keyboard; a span that gets nowhere in these has a pole."""
 LEAST = 1e-3
 """The part of what is left that so many steps must cover."""
+LONG_DOUBLE, QUADRUPLE = 1e-19, 1e-33
+"""The finest tolerances of extended and of quadruple precision."""
+GUARD_BITS = 24
+"""Bits kept beyond those of the tolerance."""
 
 
 @dataclass(frozen=True)
@@ -113,12 +117,13 @@ class PreciseMotion:
 
 
 @dataclass(frozen=True)
-class Reel:
-    """What runs one problem again and again: a compiled integrator and the compiled outputs.
+class PreciseIntegrator:
+    """A compiled integrator of one problem in many digits, and its compiled outputs.
 
     ``number`` turns a number into the arithmetic's; ``rewind(t, state)`` starts over, ``begin`` the
-    state of the case; ``advance(t)`` goes on and returns the state and the propagators since the
-    last ``forget()``; ``look(state)`` returns outputs, and their slopes by states and parameters.
+    state of the problem; ``advance(t)`` goes on and returns the state and the propagators since
+    the last ``forget()``; ``look(state)`` returns outputs, and their slopes by states and
+    parameters.
     """
 
     number: Callable[[Any], Any]
@@ -149,46 +154,86 @@ class Reel:
         )  # fmt: skip
 
 
-def reel(problem: ProblemLevel, arithmetic: str, tol: float, varied: bool = True) -> Reel:
-    """The problem ready to run in ``quadruple`` or ``extended`` arithmetic, at a tolerance.
+@dataclass(frozen=True)
+class _Arithmetic:
+    """Numbers of heyoka's that hold a tolerance: their type, how one is made, their bits."""
+
+    kind: Any
+    number: Callable[[Any], Any]
+    bits: int | None = None
+
+    @classmethod
+    def of(cls, hy: Any, tol: float) -> _Arithmetic:
+        """Extended down to a tolerance of 1e-19, quadruple to 1e-33, arbitrary below."""
+        kind, bits = np.longdouble, None
+        if tol < LONG_DOUBLE:
+            kind = hy.real128
+        if tol < QUADRUPLE:
+            kind, bits = hy.real, int(GUARD_BITS - np.log2(tol))
+        more = () if bits is None else (bits,)
+
+        def number(value: Any) -> Any:
+            if isinstance(value, mpmath.mpf):
+                with mpmath.workdps(DIGITS):
+                    return kind(mpmath.nstr(value, DIGITS, strip_zeros=False), *more)
+            plain = isinstance(value, float | int | str | np.longdouble)
+            return kind(value, *more) if plain else value
+
+        return cls(kind, number, bits)
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """What heyoka's functions are told of it."""
+        return {"fp_type": self.kind} | ({} if self.bits is None else {"prec": self.bits})
+
+
+def precise_integrator(problem: ProblemLevel, tol: float, varied: bool = True) -> PreciseIntegrator:
+    """The problem ready to run at a tolerance, in an arithmetic that holds it.
 
     Without ``varied`` there are no propagators, and a run is many times faster.  Raises
-    ``ImportError`` where heyoka is not installed.
+    ``EngineLimit`` where heyoka is not installed.
     """
-    hy = heyoka()
-    kind = hy.real128 if arithmetic == "quadruple" else np.longdouble
-    pairs = taylor_system(problem.program, number=kind)
+    try:
+        hy = heyoka()
+    except ImportError:
+        raise EngineLimit(
+            f"system '{problem.problem.system.name}': a reference in many digits takes heyoka, "
+            "which is not installed; 'pip install heyoka'"
+        ) from None
+    numbers = _Arithmetic.of(hy, tol)
+    pairs = taylor_system(problem.program, number=numbers.number)
     kept = [pairs[i] for i in problem.places]
     variables = [v for v, _ in kept]
     acting = sorted({i for _, rhs in kept for i in _indices(hy, rhs)})
     by = [*variables, *(hy.par[i] for i in acting)]
-    begin = np.array([_in(kind, problem.start[i]) for i in problem.places], dtype=object)
-    values = np.array([_in(kind, x) for x in problem.values], dtype=kind)
+    begin = np.array([numbers.number(problem.start[i]) for i in problem.places], dtype=object)
+    values = np.array([numbers.number(x) for x in problem.values], dtype=numbers.kind)
     integrator = hy.taylor_adaptive(
         hy.var_ode_sys(kept, by, order=1) if varied else kept,
         begin.tolist(),
         pars=values[: max(acting, default=-1) + 1].tolist(),
-        tol=kind(tol),
-        fp_type=kind,
+        tol=numbers.number(tol),
         compact_mode=True,
+        **numbers.options,
     )
-    return Reel(
-        lambda x: _in(kind, x),
+    return PreciseIntegrator(
+        numbers.number,
         *_integrator_functions(
-            integrator, kind, len(kept), acting if varied else None, len(values)
+            integrator, numbers, len(kept), acting if varied else None, len(values)
         ),
-        _output_function(hy, kind, problem, variables, values),
+        _output_function(hy, numbers, problem, variables, values),
         begin,
     )
 
 
 def _integrator_functions(
-    integrator: Any, kind: Any, size: int, acting: list[int] | None, count: int
+    integrator: Any, numbers: _Arithmetic, size: int, acting: list[int] | None, count: int
 ) -> tuple[Callable[..., None], Callable[..., Any], Callable[[], None]]:
     """``rewind``, ``advance`` and ``forget`` of an integrator; ``acting`` are the parameters by
     which it varies the motion, None where it does not."""
     rows, columns = (0, 0) if acting is None else (size, size + len(acting))
-    fresh = np.array([kind(int(i == j)) for i in range(rows) for j in range(columns)], dtype=kind)
+    kind, number = numbers.kind, numbers.number
+    fresh = np.array([number(int(i == j)) for i in range(rows) for j in range(columns)], dtype=kind)
 
     def rewind(t: Any, state: Any) -> None:
         integrator.time = t
@@ -226,35 +271,25 @@ def _propagate(integrator: Any, t: Any, size: int) -> None:
         )
 
 
-def _in(kind: Any, value: Any) -> Any:
-    """A number of another kind, no digit lost."""
-    if isinstance(value, float | int | np.longdouble):
-        return kind(value)
-    if isinstance(value, mpmath.mpf):
-        with mpmath.workdps(DIGITS):
-            return kind(mpmath.nstr(value, DIGITS, strip_zeros=False))
-    return value
-
-
 def _indices(hy: Any, expr: Any) -> list[int]:
     """Which parameters par[i] an expression holds; heyoka calls them ``p0, p1, ...``."""
     return [int(str(p).removeprefix("p")) for p in hy.get_params(expr)]
 
 
 def _output_function(
-    hy: Any, kind: Any, problem: ProblemLevel, variables: list[Any], values: np.ndarray
+    hy: Any, numbers: _Arithmetic, problem: ProblemLevel, variables: list[Any], values: np.ndarray
 ) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """Outputs, their slopes by the kept states, and by the parameters, at a state."""
-    outputs = list(taylor_extras(problem.program, number=kind).values())
+    outputs = list(taylor_extras(problem.program, number=numbers.number).values())
     size, count = len(variables), len(values)
     by = [*variables, *(hy.par[i] for i in range(count))]
     slopes = [hy.diff(o, x) for o in outputs for x in by]
     every = [*outputs, *slopes]
     used = max((i + 1 for e in every for i in _indices(hy, e)), default=0)
-    function = hy.cfunc(every, vars=variables, fp_type=kind)
+    function = hy.cfunc(every, vars=variables, **numbers.options)
 
     def look(state: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        point = np.array(list(state), dtype=kind)
+        point = np.array(list(state), dtype=numbers.kind)
         found = function(point, pars=values[:used]) if used else function(point)
         found = found.astype(object)
         table = found[len(outputs) :].reshape(len(outputs), size + count)

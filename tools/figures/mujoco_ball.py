@@ -9,29 +9,18 @@ cones, solvers, stiffness, impedance, gravity, friction ratios and slip iteratio
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
 
-from voronec.accuracy.bench.contender import (
-    Contender,
-    NotHere,
-    Outcome,
-    Run,
-    level_for,
-    require_outputs,
-    time_fastest,
-    without,
-)
-from voronec.accuracy.problem import ProblemLevel, ReferenceProblem
+from voronec.accuracy.bench import ReferenceProblem, time_fastest
 
-__all__ = ["BEST", "PHYSICS", "Setting", "model_text"]
+__all__ = ["MUJOCO", "SETTINGS", "STEPS", "Setting", "ball_run", "model_text"]
 
 OUTPUTS = ("gamma1", "gamma2", "gamma3", "omega1", "omega2", "omega3")
-MOMENTS: Mapping[str, tuple[str, str, str]] = {
+MUJOCO: Mapping[str, tuple[str, str, str]] = {
     "chaplygin-ball": ("I1", "I2", "I3"),
     "homogeneous-ball": ("A", "A", "A"),
 }
@@ -57,7 +46,6 @@ class Setting:
     friction: float = 1.0
 
 
-DEFAULT = Setting()
 BEST = Setting(
     integrator="RK4",
     cone="elliptic",
@@ -67,6 +55,7 @@ BEST = Setting(
     flags='<flag refsafe="disable" eulerdamp="disable"/>',
     friction=10.0,
 )
+SETTINGS = {"best": BEST, "default": Setting()}
 
 
 def model_text(setting: Setting, step: float, mass: float, radius: float, moments: Any) -> str:
@@ -86,61 +75,48 @@ def model_text(setting: Setting, step: float, mass: float, radius: float, moment
     )
 
 
-def _prepare(question: ReferenceProblem, setting: Setting) -> Run:
-    """A run of MuJoCo with steps of a given length; ``NotHere`` for what it cannot do."""
-    name = question.system.name
-    if name not in MOMENTS:
-        raise NotHere(f"only for a ball on a plane: {', '.join(MOMENTS)}")
-    require_outputs(question.outputs, OUTPUTS)
-    try:
-        import mujoco
-    except ImportError:
-        raise without("mujoco") from None
-    if question.grid[0] != 0 or question.grid[-1] < 0:
-        raise NotHere("runs forward from time 0 only")
-    return partial(_simulate, mujoco, question, setting, level_for(question, "invariants"))
+Run = Callable[[float], tuple[tuple[int, int, dict[str, np.ndarray]], float]]
+"""At a step: steps, evaluations, values by name, and the seconds of the fastest repetition."""
 
 
-def _simulate(
-    mujoco: Any, question: ReferenceProblem, setting: Setting, at: ProblemLevel, step: float
-) -> Outcome:
-    """The motion in steps of at most a given length, as many as fit between two instants."""
-    gap = float(question.grid[1] - question.grid[0])
-    each = max(1, int(np.ceil(gap / step - 1e-9)))
-    p = question.parameters
-    moments = [p[x] for x in MOMENTS[question.system.name]]
-    text = model_text(setting, gap / each, p["m"], p["R"], moments)
-    model = mujoco.MjModel.from_xml_string(text)
-    data = mujoco.MjData(model)
+def ball_run(values: Mapping[str, float], problem: ReferenceProblem, setting: Setting) -> Run:
+    """The ball in steps of at most a given length, as many as fit between two instants; gamma and
+    omega at the start are among the ``values``.  Raises ``ImportError`` without MuJoCo."""
+    import mujoco
 
-    def once() -> np.ndarray:
-        mujoco.mj_resetData(model, data)
-        _place(mujoco, data, at, p["R"])
-        rows = [_state_of(mujoco, data)]
-        for _ in question.grid[1:]:
-            mujoco.mj_step(model, data, each)
-            rows.append(_state_of(mujoco, data))
-        return np.array(rows)
+    p, gap = problem.parameters, float(problem.grid[1] - problem.grid[0])
+    moments = [p[x] for x in MUJOCO[problem.system.name]]
 
-    rows, seconds = time_fastest(once)
-    if not np.isfinite(rows).all():
-        raise NotHere("the simulation became unstable")
-    known = dict(zip(OUTPUTS, rows.T, strict=True))
-    states = np.column_stack([known[str(s)] for s in at.field.variables])
-    values, drift = at.outputs_and_drift(question.grid, states)
-    steps = each * (len(question.grid) - 1)
-    stages = 4 if setting.integrator == "RK4" else 1
-    return Outcome(values, seconds, stages * steps, steps, drift)
+    def run(step: float) -> tuple[tuple[int, int, dict[str, np.ndarray]], float]:
+        each = max(1, int(np.ceil(gap / step - 1e-9)))
+        text = model_text(setting, gap / each, p["m"], p["R"], moments)
+        model = mujoco.MjModel.from_xml_string(text)
+        data = mujoco.MjData(model)
+
+        def once() -> np.ndarray:
+            mujoco.mj_resetData(model, data)
+            _place(mujoco, data, values, p["R"])
+            rows = [_state_of(mujoco, data)]
+            for _ in problem.grid[1:]:
+                mujoco.mj_step(model, data, each)
+                rows.append(_state_of(mujoco, data))
+            return np.array(rows)
+
+        rows, seconds = time_fastest(once)
+        steps = each * (len(problem.grid) - 1)
+        stages = 4 if setting.integrator == "RK4" else 1
+        return (steps, stages * steps, dict(zip(OUTPUTS, rows.T, strict=True))), seconds
+
+    return run
 
 
-def _place(mujoco: Any, data: Any, at: ProblemLevel, radius: float) -> None:
+def _place(mujoco: Any, data: Any, values: Mapping[str, float], radius: float) -> None:
     """Set the ball turning, its centre moving so that the contact rests.
 
     Only the vertical in the body is given by gamma; the heading is of no consequence.
     """
-    named = dict(zip(map(str, at.field.variables), at.state, strict=True))
-    gamma = np.array([named[f"gamma{i}"] for i in (1, 2, 3)])
-    spin = np.array([named[f"omega{i}"] for i in (1, 2, 3)])
+    gamma = np.array([values[n] for n in OUTPUTS[:3]])
+    spin = np.array([values[n] for n in OUTPUTS[3:]])
     side = np.cross(gamma, np.eye(3)[int(np.argmin(np.abs(gamma)))])
     side /= np.linalg.norm(side)
     turn = np.array([side, np.cross(gamma, side), gamma])  # its last row is gamma
@@ -154,15 +130,3 @@ def _state_of(mujoco: Any, data: Any) -> np.ndarray:
     turn = np.empty(9)
     mujoco.mju_quat2Mat(turn, data.qpos[3:7])
     return np.concatenate([turn[6:], data.qvel[3:]])
-
-
-def _physics(name: str, setting: Setting, about: str) -> Contender:
-    prepare = partial(_prepare, setting=setting)
-    return Contender(name, about, STEPS, prepare, knob="step")
-
-
-GENERAL = "; it solves a more general problem"
-PHYSICS = (
-    _physics("mujoco-best", BEST, "MuJoCo with its best settings" + GENERAL),
-    _physics("mujoco-default", DEFAULT, "MuJoCo with its default settings" + GENERAL),
-)
