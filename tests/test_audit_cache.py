@@ -94,10 +94,10 @@ def test_only_so_many_sections_are_kept(tmp_path, monkeypatch):
 
 
 def test_a_draft_that_was_never_finished_is_no_verdict(tmp_path, monkeypatch):
-    def stopped(self, target):
+    def stopped(draft, target):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(Path, "replace", stopped)
+    monkeypatch.setattr("os.replace", stopped)
     with pytest.raises(KeyboardInterrupt):
         audit_paper(paper([], "x+x=2x"), cache=Cache(tmp_path))
     assert not list(tmp_path.rglob("*.json"))

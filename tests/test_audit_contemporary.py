@@ -83,6 +83,7 @@ def changed(fragment, before, after):
         (Display(latex, tuple(replace(c, convention=None) for c in display.checks)),),
         lambda _: dictionaries(),
         inline=tuple(d for d in DEFINED if d is not display),
+        complete=True,
     )
     return [f.verdict for f in audit_paper(Paper("p", "A paper", (section,))).records[0].formulas]
 

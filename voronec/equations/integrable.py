@@ -20,6 +20,7 @@ from voronec.algebra.matrices import dot
 from voronec.algebra.normal import shortest
 from voronec.algebra.rank import generic_rows
 from voronec.algebra.shape import operations
+from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import all_vanish, decide_zero
 from voronec.equations.connection import EhresmannConnection
 from voronec.equations.definition import Definition
@@ -142,7 +143,7 @@ def _without_denominators(row: list[Any], relations: Sequence[Any]) -> list[Any]
     common = se.Integer(1)
     for e in row:
         (scaled,) = shortest([e * common], relations)
-        common *= se.sympify(sp.fraction(sp.together(sp.sympify(scaled)))[1])
+        common *= se.sympify(sp.fraction(sp.together(as_expression(scaled)))[1])
     return shortest([e * common for e in row], relations)
 
 
@@ -168,7 +169,7 @@ def _functions(
         cells = product(block, repeat=2)
         parts = [p for pair in cells for p in _potential(slopes[pair], variables, relations)]
         if len(parts) == len(block) ** 2:
-            power = sp.Matrix(len(block), len(block), [*map(sp.sympify, parts)])
+            power = sp.Matrix(len(block), len(block), [*map(as_expression, parts)])
             columns = [*zip(*(forms[i] for i in block), strict=True)]
             for factors in _exponential(power):
                 row = [dot(factors, column) for column in columns]
@@ -198,7 +199,7 @@ def _primitive(f: Any, x: Any) -> Any:
     f = sp.expand(f)
     if sp.count_ops(f) > LONG:
         return se.nan
-    found = manualintegrate(f, sp.sympify(x)).xreplace(names)
+    found = manualintegrate(f, as_expression(x)).xreplace(names)
     return se.nan if found.has(sp.Integral, sp.Piecewise) else se.sympify(found)
 
 
@@ -211,6 +212,6 @@ def _exponential(power: sp.Matrix) -> Iterable[list[Any]]:
 
 def _with_positive_names(f: Any, *but: Any) -> tuple[Any, dict[Any, Any]]:
     """In SymPy, with symbols taken for positive, so that it asks for no cases; and these again."""
-    f = sp.sympify(f)
-    names = {s: sp.Dummy(positive=True) for s in f.free_symbols - {*map(sp.sympify, but)}}
+    f = as_expression(f)
+    names = {s: sp.Dummy(positive=True) for s in f.free_symbols - {*map(as_expression, but)}}
     return f.xreplace(names), {d: s for s, d in names.items()}

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import symengine as se
@@ -21,6 +22,7 @@ from voronec.algebra.precision import PROOF, SHARP
 from voronec.algebra.rank import independent_rows, proved_rank
 from voronec.algebra.roots import known_sign
 from voronec.algebra.tape import Tape
+from voronec.algebra.terms import atoms
 from voronec.algebra.verdicts import Verdict
 from voronec.equations.vector_field import VectorField
 from voronec.errors import EngineLimit, quote
@@ -31,6 +33,8 @@ POINTS = 6
 """At how many points of a piece a rank is looked at."""
 LARGEST = 4
 """The size of the largest minor of which factors that hold parameters alone are looked for."""
+MOST_SIGNS = 3
+"""Of so many signs in one factor all 27 choices are looked at."""
 
 Rows = list[list[Any]]
 Sides = frozenset[tuple[Any, int]]
@@ -73,7 +77,7 @@ def where_of_one_sign(verdict: Verdict, field: VectorField, name: str, function:
         return verdict.where(f"{name} != 0")
     signed = [h for h, k in powers if k % 2 and h.free_symbols & moving and not _is_root(h)]
     # what is positive term by term may no longer be so where relations have been put in
-    odd = [h for h in signed if not (known_sign(h, known) or known_sign(h, field.conditions))]
+    odd = [h for h in signed if not (_keeps_sign(h, known) or _keeps_sign(h, field.conditions))]
 
     def has_zero(h: Any, *held: Any) -> bool:
         return any(sample_evaluable(Tape([h, *held]), (*known, h), SHARP, count=1))
@@ -81,6 +85,14 @@ def where_of_one_sign(verdict: Verdict, field: VectorField, name: str, function:
     # where no zero is found at all one may be hidden: that none is found proves nothing
     told = [h for h in odd if has_zero(h, *field.entries) or not has_zero(h)]
     return verdict.where(*(f"{quote(field.door.outward(h))} != 0" for h in told))
+
+
+def _keeps_sign(h: Any, known: Sequence[Any]) -> bool:
+    """Whether it is proved to have one sign, whatever the values of the signs that it holds."""
+    held = sorted(atoms([h], se.sign), key=str)
+    sides = product(map(se.Integer, (-1, 0, 1)), repeat=len(held))
+    pieces = (h.xreplace(dict(zip(held, side, strict=True))) for side in sides)
+    return len(held) <= MOST_SIGNS and {known_sign(p, known) for p in pieces} in ({1}, {-1})
 
 
 def _is_root(h: Any) -> bool:

@@ -1,1 +1,0 @@
-"""Formulations: in which variables a motion is integrated, one file each."""
