@@ -3,8 +3,6 @@ when the file is broken."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 import sympy as sp
 

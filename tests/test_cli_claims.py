@@ -102,7 +102,10 @@ def test_derive_tells_on_a_terminal_what_it_is_at(
     for module in ("derivation", "output"):
         monkeypatch.setattr(f"voronec.cli.{module}.progress", told.append)
     assert call("derive", "sleigh").status == 0
-    assert told[:3] == ["sleigh: the equations of motion", "sleigh: integral energy",
-                        "sleigh: integral heading"]  # fmt: skip
-    assert "sleigh: case centre of mass over the blade" in told
+    assert told[:6] == [
+        "sleigh: the equations of motion", "", "sleigh: how its distribution grows", "",
+        "sleigh: integral energy", "sleigh: integral heading",
+    ]  # fmt: skip
+    assert "sleigh: case centre of mass over the blade" in told and told[-2:] == ["", ""]
+    assert call("derive", "sleigh", "--json").status == 0
     assert told[-3:] == ["sleigh: the short form of the equations", "", ""]
