@@ -335,11 +335,6 @@ def _judge_formula(
     if bench.prints:
         derived = derived_latex(chain, formula.unit.display, check, study, proved)
     if finding.verdict.refuted:
-        if formula.unit.condition and not bench.complete:
-            said = f"it is printed with '{formula.unit.condition}', and a condition is not read"
-            return FormulaRecord(printed, "not read", said, derived)
-        if finding.verdict == SLACK and not bench.complete:
-            return FormulaRecord(printed, "undecided", SLACK.method, derived)
         return _judge_refutation(formula, chain, check, study, finding, derived, bench)
     if proved and not finding.count and (unused := _unused_name(formula, chain, check, bench)):
         fault = f"it introduces '{unused}', which no other formula here has"
@@ -483,6 +478,12 @@ def _judge_refutation(
     bench: SectionContext,
 ) -> FormulaRecord:
     """Not an identity as printed: another reading, another convention, or a misprint."""
+    if not bench.complete:
+        if formula.unit.condition:
+            said = f"it is printed with '{formula.unit.condition}', and a condition is not read"
+            return FormulaRecord(formula.printed, "not read", said, derived)
+        if finding.verdict == SLACK:
+            return FormulaRecord(formula.printed, "undecided", SLACK.method, derived)
     record = FormulaRecord(formula.printed, "misprint", "", derived, witness=witness_of(finding))
     record = replace(record, ranges=ranges_of(finding))
     wide = formula.tree(replace(study.vocabulary, wide_sums=True))
