@@ -6,9 +6,22 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from statistics import median
 
+import numpy as np
+
+import voronec as vo
+from figures.peers import PEERS
 from figures.problems import Extent
+from figures.race import clock
 from figures.table import Row
-from voronec.accuracy.bench import CallStages, SetupTime, measure_calls, measure_setup
+from voronec.accuracy.bench import (
+    CallStages,
+    SetupTime,
+    contenders,
+    measure_calls,
+    measure_setup,
+    scene_problem,
+)
+from voronec.algebra.symbols import plain_name
 
 __all__ = ["ROWS", "setup"]
 
@@ -82,6 +95,41 @@ def compiled_calls(extent: Extent) -> Iterator[Row]:
         )  # fmt: skip
 
 
+PREPARED: dict[str, tuple[float, tuple[str, ...]]] = {
+    "sleigh": (20.0, ()), "ball-on-sphere": (10.0, ()), "demchenko": (10.0, ("u",)),
+}  # fmt: skip
+"""How long the motions of prepared problems are, and their outputs."""
+
+
+def _seconds_of(prepared: vo.PreparedProblem, start: dict[str, float], grid: np.ndarray) -> float:
+    return clock(lambda: prepared.run(start, times=grid))[1]
+
+
+def prepared_runs(extent: Extent) -> Iterator[Row]:
+    """``PreparedProblem.run`` and ``integrate`` from one start after another, beside heyoka's steps
+    along equations by hand; the processor's time of the fastest call of each, in turns."""
+    (contender,) = contenders(["heyoka-by-hand"], PEERS)
+    for name, (end, outputs) in PREPARED.items():
+        system = vo.load(name)
+        asked = scene_problem(system, time=end, instants=51, outputs=outputs)
+        by_hand = contender.prepare(asked)
+        prepared = vo.prepare(system, "default", outputs, tol=1e-9)
+        velocity = plain_name(system.velocities[-1])
+        first = vo.integrate(system, times=asked.grid, tol=1e-9)[velocity][0]
+
+        starts = [{velocity: float(first) * (1 + 1e-6 * k)} for k in range(100 * extent.rounds)]
+        ours = min(_seconds_of(prepared, start, asked.grid) for start in starts)
+        theirs = min(by_hand(1e-9).seconds for _ in range(extent.rounds))
+        more = 1e3 * (ours - theirs)
+        yield Row(
+            f"run of a prepared problem, {name}, T = {end:g} at 1e-9, 51 instants, every start "
+            "another: beyond heyoka by hand",
+            "0.4 ms", f"{more:.2f} ms of CPU ({1e3 * theirs:.3f} by hand)", more <= 0.4,
+            "the start is read and put on the constraints, the units of the states, poles and "
+            "singular masses are looked at, and at the end whether the motion obeys the equations",
+        )  # fmt: skip
+
+
 def setup(extent: Extent) -> Iterator[Row]:
     """From a system to an integrator that is ready, cold and warm; of a chain of bodies, cold."""
     found = [_setup("chaplygin-ball") for _ in range(extent.processes)]
@@ -115,5 +163,6 @@ def _setup(name: str) -> SetupTime:
 
 ROWS: dict[str, Callable[[Extent], Iterator[Row]]] = {
     "calls": calls,
+    "prepared-runs": prepared_runs,
     "compiled-calls": compiled_calls,
 }

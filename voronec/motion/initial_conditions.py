@@ -23,7 +23,7 @@ from voronec.declaration.reading import quote
 from voronec.declaration.system import require_possible
 from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError
-from voronec.motion.request import Vocabulary, name_values, number
+from voronec.motion.request import Vocabulary, name_values, number, spelling_of
 from voronec.motion.tolerances import UNIT
 
 if TYPE_CHECKING:
@@ -127,8 +127,20 @@ def parameter_values(
 ) -> dict[str, float]:
     """Every parameter's value: as given, else its default; checked against its range.
 
-    One that is not among ``needed`` may lack a value and is left out.
+    One that is not among ``needed`` may lack a value and is left out.  The last are kept.
     """
+    spelled = spelling_of(given)
+    if spelled is None:
+        return _parameter_values(vocabulary, given, needed)
+    key = spelled, frozenset(needed)
+    return vocabulary.memo.last(
+        "parameters", key, lambda: _parameter_values(vocabulary, given, needed)
+    )
+
+
+def _parameter_values(
+    vocabulary: Vocabulary, given: Mapping[str, Any], needed: set[str]
+) -> dict[str, float]:
     system = vocabulary.equations.system
     values: dict[str, float] = {}
     missing = []
@@ -183,7 +195,10 @@ def start_of(
     """
     system = vocabulary.equations.system
     coordinates = [plain_name(q) for q in system.coordinates]
-    old, new = (numbers_of(vocabulary, part, parameters) for part in (scene, given))
+    old, new = (
+        _scene_numbers(vocabulary, scene, parameters),
+        numbers_of(vocabulary, given, parameters),
+    )
     q, notes = coordinates_of(vocabulary, {**old, **new}, parameters, time, project)
     v = np.zeros(len(system.velocities))
     for values in (old, new):
@@ -226,6 +241,19 @@ def coordinates_of(
         f"the initial coordinates were moved by {np.linalg.norm(moved - q):.3g} onto the relations"
         f" ({changes(names, q, moved)})"
     ]
+
+
+def _scene_numbers(
+    vocabulary: Vocabulary, scene: Mapping[str, Any], parameters: Mapping[str, float]
+) -> dict[str, float]:
+    """The initial values of a scene as numbers; the last are kept."""
+    spelled = spelling_of(scene)
+    if spelled is None:
+        return numbers_of(vocabulary, scene, parameters)
+    key = spelled, spelling_of(parameters)
+    return vocabulary.memo.last(
+        "numbers of a scene", key, lambda: numbers_of(vocabulary, scene, parameters)
+    )
 
 
 def numbers_of(
@@ -277,6 +305,8 @@ def meet_conditions(
     if not conditions:
         return v, []
     own = [plain_name(x) for x in vocabulary.equations.system.velocities]
+    if conditions.keys() <= {*own}:  # each says what one of them is
+        return np.array([conditions.get(name, x) for name, x in zip(own, v, strict=True)]), []
     order, rows, right = _pose_conditions(vocabulary, q, conditions, rates)
     chosen = independent(rows)
     involved = np.abs(rows).max(axis=0) > CONSISTENT * np.abs(rows).max(initial=0.0)

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, NoReturn
 
 import mpmath
@@ -166,6 +167,11 @@ class Outset:
     framed: bool = True
     memo: Memo = field(default_factory=Memo, repr=False, compare=False)
 
+    @cached_property
+    def constants_key(self) -> bytes:
+        """Equal for the same constants, to the last bit."""
+        return np.array([*self.constants.values()], dtype=float).tobytes()
+
     def is_at_pole(self, equations: VoronecEquations) -> bool:
         """Whether it is at a pole of Euler's angles."""
         return bool(polar_directions(equations, self.state).shape[1])
@@ -196,14 +202,14 @@ class Outset:
         spelling = given.spelling
         if spelling is None or changing is not None or vocabulary.inputs:
             return cls._read(vocabulary, given, time, project, changing)
-        key = spelling, time, project
-        last: dict[Any, Outset] = vocabulary.equations.memo.once("last start", dict)
-        if key not in last:
+
+        def read() -> Outset:
             found = cls._read(vocabulary, given, time, project, None)
             found.state.flags.writeable = False
-            last.clear()
-            last[key] = found
-        return last[key]
+            return found
+
+        key = spelling, time, project
+        return vocabulary.equations.memo.last("last start", key, read)
 
     @classmethod
     def _read(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -11,6 +11,7 @@ import mpmath
 import numpy as np
 import symengine as se
 
+from voronec.algebra.memo import Memo
 from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
 from voronec.equations.program.python import compiled_digits
@@ -20,7 +21,7 @@ from voronec.motion.request import OutputTerms, Vocabulary
 from voronec.motion.state_probe import StateProbe, mass_program, quantities
 from voronec.motion.steppers.run import Signals
 
-__all__ = ["ProgrammedModel", "make_model", "numbers_at", "whole"]
+__all__ = ["ModelSource", "ProgrammedModel", "numbers_at", "whole"]
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,7 @@ class ProgrammedModel:
     ``form`` has the mass matrix of the velocities; ``event_functions`` are expressions on the model
     by the event's name; ``below`` computes on the coordinates where the model starts and what it
     takes as constant; ``inertia`` gives the mass matrix (``mass_program``) where it is written.
+    ``memo`` holds what is the same for all runs of the model.
     """
 
     model: Model | None
@@ -39,6 +41,7 @@ class ProgrammedModel:
     event_functions: Mapping[str, Any]
     below: Program
     inertia: Program | None = None
+    memo: Memo = field(default_factory=Memo, repr=False, compare=False)
 
     @property
     def level(self) -> str:
@@ -96,64 +99,82 @@ class ProgrammedModel:
         return StateProbe(name, self.form, self.program, values, time, changing, self.inertia)
 
 
-def make_model(
-    vocabulary: Vocabulary,
-    outputs: Sequence[Any],
-    functions: Mapping[str, Any],
-    start: np.ndarray,
-    constants: Mapping[str, float],
-    time: float,
-    followed: bool,
-) -> ProgrammedModel:
-    """The smallest model of the outputs and of the functions of events.
+@dataclass(frozen=True, eq=False)
+class ModelSource:
+    """Where the models of some outputs and functions of events come from, start by start; without
+    ``models`` from the coordinates alone, as reactions do, which need accelerations."""
 
-    ``functions`` gives those of events in the user's symbols; ``start`` (n,) is on the
-    coordinates; ``followed`` keeps angles among the states.  Reactions need accelerations, and so
-    the coordinates.
-    """
-    wanted = vocabulary.read_outputs(outputs)
-    forces = vocabulary.holds_reactions((*wanted.terms.values(), *functions.values()))
-    if wanted.reactions or forces:
-        return whole(vocabulary, outputs, functions)
-    equations, raw = vocabulary.equations, vocabulary.equations.raw.form
-    names = {f"event {name}": e for name, e in functions.items()}
-    given = {**wanted.terms, **names}
-    known = numbers_at(raw, start, constants, time)
-    models = SmallestModels.of(
-        Motions.of(equations),
-        given,
-        {name: vocabulary.claims[name] for name in equations.system.integrals},
-        followed=given if followed else names,
-    )
-    found = models.of_start(known)
-    model, name = found.model, f"{found.name} {[*wanted.names]} {[*functions]}"
+    vocabulary: Vocabulary
+    outputs: Sequence[Any]
+    functions: Mapping[str, Any]
+    wanted: OutputTerms
+    models: SmallestModels | None
 
-    def write() -> ProgrammedModel:
-        known_before = name in models.packs
-        written: ProgrammedModel = models.packs.once(
-            name, lambda: _write(vocabulary, wanted, model, functions)
-        )
-        if not known_before:
-            models.packs.keep()
-        return written
+    @classmethod
+    def of(
+        cls, vocabulary: Vocabulary, outputs: Sequence[Any], functions: Mapping[str, Any],
+        followed: bool,
+    ) -> ModelSource:  # fmt: skip
+        """Of functions in the user's symbols; ``followed`` keeps angles among the states.  The last
+        one is kept with the names."""
 
-    made = model.memo.once(name, write)  # another start that has the same model has it already
-    branches = {
-        name: AngleBranch(
-            f"cosine of {name}", f"sine of {name}", a.signs(known), known[a.coordinate]
-        )
-        for name, a in model.cut.angles.items()
-    }
-    return replace(made, model=model, watch=replace(made.watch, branches=branches))
+        def make() -> ModelSource:
+            wanted, equations = vocabulary.read_outputs(outputs), vocabulary.equations
+            if wanted.reactions or vocabulary.holds_reactions(
+                (*wanted.terms.values(), *functions.values())
+            ):
+                return cls(vocabulary, outputs, functions, wanted, None)
+            names = {f"event {name}": e for name, e in functions.items()}
+            given = {**wanted.terms, **names}
+            models = SmallestModels.of(
+                Motions.of(equations),
+                given,
+                {name: vocabulary.claims[name] for name in equations.system.integrals},
+                followed=given if followed else names,
+            )
+            return cls(vocabulary, outputs, functions, wanted, models)
+
+        kinds = tuple(map(type, outputs))
+        key = tuple(outputs), kinds, tuple(functions.items())
+        return vocabulary.memo.last(("models", followed), key, make)
+
+    def of_start(
+        self, start: np.ndarray, constants: Mapping[str, float], time: float
+    ) -> ProgrammedModel:
+        """The smallest model of a ``start`` (n,) on the coordinates."""
+        vocabulary, wanted, functions = self.vocabulary, self.wanted, self.functions
+        if self.models is None:
+            return whole(vocabulary, self.outputs, functions)
+        known = numbers_at(vocabulary.equations.raw.form, start, constants, time)
+        found, packs = self.models.of_start(known), self.models.packs
+        model, name = found.model, f"{found.name} {[*wanted.names]} {[*functions]}"
+
+        def write() -> ProgrammedModel:
+            known_before = name in packs
+            written: ProgrammedModel = packs.once(
+                name, lambda: _write(vocabulary, wanted, model, functions)
+            )
+            if not known_before:
+                packs.keep()
+            return replace(written, model=model)
+
+        made = model.memo.once(name, write)  # another start that has the same model has it already
+        if not model.cut.angles:
+            return made
+        branches = {
+            name: AngleBranch(
+                f"cosine of {name}", f"sine of {name}", a.signs(known), known[a.coordinate]
+            )
+            for name, a in model.cut.angles.items()
+        }
+        return replace(made, watch=replace(made.watch, branches=branches))
 
 
 def _write(
     vocabulary: Vocabulary, wanted: OutputTerms, model: Model, functions: Mapping[str, Any]
 ) -> ProgrammedModel:
-    """What is the same for every start of a model: all but the branches of its angles.
-
-    The model itself is left out: what is kept by a weak key must not hold the key.
-    """
+    """What is the same for every start of a model: all but the branches of its angles, and the
+    model itself, which has a place of its own on disk."""
     watch = _watch(vocabulary, wanted, model)
     form = replace(model.form, mass=model.cut.inertia or model.cut.mass)
     below = {f"start {x}": e for x, e in model.start.items()}
