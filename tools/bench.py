@@ -8,6 +8,7 @@ methods      any system: our methods and the peers against a reference
 closed-form  the closed form: docs/closed-form.md
 references   the references of the closed form
 mechanics    models of SymPy's mechanics against SymPy
+costs        what steps of heyoka and DOP853 cost: the constants by which `auto` chooses
 """
 
 import sys
@@ -21,6 +22,7 @@ KINDS = {
     "closed-form": "figures.closed_form",
     "references": "figures.closed_references",
     "mechanics": "figures.mechanics",
+    "costs": "figures.method_costs",
 }
 """Kind -> the module that does it."""
 
