@@ -24,7 +24,7 @@ from voronec.equations.program import Program
 from voronec.errors import VoronecError
 from voronec.motion import method_costs
 from voronec.motion.motion_start import Outset
-from voronec.motion.numeric_model import ModelSource
+from voronec.motion.numeric_model import make_model
 from voronec.motion.request import StartData, Vocabulary
 
 METHODS = ("heyoka", "c")
@@ -61,11 +61,9 @@ def measure(name: str, tolerance: float) -> SystemCosts | None:
     scene = system.scenes[str(system.first_scene)]
     equations = vo.derive(system)
     begin = float(scene.times[0])
-    start = Outset.of(
-        Vocabulary.of(equations), StartData.of(Vocabulary.of(equations), scene), begin, False
-    )
-    source = ModelSource.of(Vocabulary.of(equations), (), {}, True)
-    made = source.of_start(start.state, start.steady, begin)
+    names = Vocabulary.of(equations)
+    start = Outset.of(names, StartData.of(names, scene), begin, False)
+    made = make_model(names, (), {}, start.state, start.steady, begin, True)
 
     def run(method: str, tol: float, end: float) -> vo.Trajectory:
         grid = np.linspace(begin, begin + end, 11)
@@ -100,14 +98,14 @@ def fit(found: Sequence[SystemCosts]) -> Iterator[str]:
         for (method, tol), (seconds, count, error) in one.runs.items():
             if method == "heyoka":
                 order = method_costs.order_of(tol)
-                own = 1e6 * seconds / count - method_costs.STEP
+                own = 1e6 * seconds / count - method_costs.TAYLOR_STEP
                 taylor.append(max(own, 1e-9) / order / program.weight)
                 fine.append(error / tol)
             else:
                 other = one.runs["heyoka", tol][1]
                 steps.append(count / other * tol**0.125)
                 coarse.append(error / tol)
-                own = 1e6 * seconds / count - method_costs.STEP
+                own = 1e6 * seconds / count - method_costs.DOP853_STEP
                 evaluation.append(max(own, 1e-9) / program.evaluation_weight)
     yield spread("TAYLOR", taylor)
     yield spread("EVALUATION", evaluation)

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,7 +23,7 @@ from voronec.declaration.reading import quote
 from voronec.declaration.system import require_possible
 from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError
-from voronec.motion.request import Vocabulary, name_values, number, spelling_of
+from voronec.motion.request import Vocabulary, kept_while_same, name_values, number
 from voronec.motion.tolerances import UNIT
 
 if TYPE_CHECKING:
@@ -127,20 +127,8 @@ def parameter_values(
 ) -> dict[str, float]:
     """Every parameter's value: as given, else its default; checked against its range.
 
-    One that is not among ``needed`` may lack a value and is left out.  The last are kept.
+    One that is not among ``needed`` may lack a value and is left out.
     """
-    spelled = spelling_of(given)
-    if spelled is None:
-        return _parameter_values(vocabulary, given, needed)
-    key = spelled, frozenset(needed)
-    return vocabulary.memo.last(
-        "parameters", key, lambda: _parameter_values(vocabulary, given, needed)
-    )
-
-
-def _parameter_values(
-    vocabulary: Vocabulary, given: Mapping[str, Any], needed: set[str]
-) -> dict[str, float]:
     system = vocabulary.equations.system
     values: dict[str, float] = {}
     missing = []
@@ -196,9 +184,10 @@ def start_of(
     system = vocabulary.equations.system
     coordinates = [plain_name(q) for q in system.coordinates]
     old, new = (
-        _scene_numbers(vocabulary, scene, parameters),
-        numbers_of(vocabulary, given, parameters),
-    )
+        kept_while_same(vocabulary, f"numbers of {what}", (part, parameters),
+                        partial(numbers_of, vocabulary, part, parameters))
+        for what, part in (("a scene", scene), ("a start", given))
+    )  # fmt: skip
     q, notes = coordinates_of(vocabulary, {**old, **new}, parameters, time, project)
     v = np.zeros(len(system.velocities))
     for values in (old, new):
@@ -241,19 +230,6 @@ def coordinates_of(
         f"the initial coordinates were moved by {np.linalg.norm(moved - q):.3g} onto the relations"
         f" ({changes(names, q, moved)})"
     ]
-
-
-def _scene_numbers(
-    vocabulary: Vocabulary, scene: Mapping[str, Any], parameters: Mapping[str, float]
-) -> dict[str, float]:
-    """The initial values of a scene as numbers; the last are kept."""
-    spelled = spelling_of(scene)
-    if spelled is None:
-        return numbers_of(vocabulary, scene, parameters)
-    key = spelled, spelling_of(parameters)
-    return vocabulary.memo.last(
-        "numbers of a scene", key, lambda: numbers_of(vocabulary, scene, parameters)
-    )
 
 
 def numbers_of(

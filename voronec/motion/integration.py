@@ -40,7 +40,7 @@ from voronec.motion.divisors import Divisor, NearDivisor, guard_events, without_
 from voronec.motion.inputs import Drive, drive
 from voronec.motion.methods import CLOSED_FORM, METHODS, choose_regular, is_exact
 from voronec.motion.motion_start import Outset, WideStart
-from voronec.motion.numeric_model import ModelSource, ProgrammedModel, whole
+from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
 from voronec.motion.observables import Watch, evaluate_watch, shown_program
 from voronec.motion.request import (
     Event,
@@ -83,6 +83,14 @@ FAR = 500.0
 both are about equal at half of it for every system that declares one."""
 
 
+ASKED = {
+    "outputs": SEVERAL, "inputs": VALUES, "method": TEXT, "tol": TOLERANCE, "project": FLAG,
+    "dense": FLAG,
+}  # fmt: skip
+GIVEN = {"initial": VALUES, "parameters": VALUES, "progress": CALLABLE}
+"""Kinds of arguments: of a problem, and of one run of it."""
+
+
 @dataclass(frozen=True, eq=False)
 class PreparedProblem:
     """A system made ready for many runs; ``prepare`` makes it.
@@ -110,7 +118,7 @@ class PreparedProblem:
         source = self.source
         return source.system if isinstance(source, VoronecEquations) else require_system(source)
 
-    @accepts(initial=VALUES, parameters=VALUES, progress=CALLABLE)
+    @accepts(**GIVEN)
     def run(
         self,
         initial: Mapping[Any, Any] | None = None,
@@ -206,14 +214,7 @@ class _Reading:
         return cls(scene, driven, vocabulary, outputs, events, functions, data, cuts)
 
 
-@accepts(
-    outputs=SEVERAL,
-    inputs=VALUES,
-    method=TEXT,
-    tol=TOLERANCE,
-    project=FLAG,
-    dense=FLAG,
-)
+@accepts(**ASKED)
 def prepare(
     system: System | VoronecEquations,
     scene: str | Scene | None = None,
@@ -240,17 +241,7 @@ def prepare(
     return found
 
 
-@accepts(
-    outputs=SEVERAL,
-    parameters=VALUES,
-    inputs=VALUES,
-    initial=VALUES,
-    method=TEXT,
-    tol=TOLERANCE,
-    project=FLAG,
-    dense=FLAG,
-    progress=CALLABLE,
-)
+@accepts(**ASKED, **GIVEN)
 def integrate(
     system: System | VoronecEquations,
     scene: str | Scene | None = None,
@@ -477,8 +468,11 @@ class _Request:
         return self._make_model(self.followed)
 
     def _make_model(self, followed: bool) -> ProgrammedModel:
-        source = ModelSource.of(self.vocabulary, self.outputs, self.functions, followed)
-        return source.of_start(self.outset.state, self.outset.steady, float(self.grid[0]))
+        outset = self.outset
+        return make_model(
+            self.vocabulary, self.outputs, self.functions, outset.state, outset.steady,
+            float(self.grid[0]), followed,
+        )  # fmt: skip
 
     def _in_smallest(self, method: str, near: Any = LAST) -> Trajectory:
         made, grid = self.smallest, self.grid

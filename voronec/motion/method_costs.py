@@ -22,17 +22,17 @@ from voronec.motion.steppers.run import Problem
 
 __all__ = ["dop853_gain", "dop853_is_cheaper", "is_stiff", "order_of"]
 
-STEP, TAYLOR, EVALUATION = 0.15, 0.0088, 0.005
-"""Microseconds: of any step; of one of heyoka, for each order and each product of moving
-quantities; of one of DOP853, for each unit of the ``evaluation_weight`` of a program."""
+TAYLOR_STEP, TAYLOR = 0.5, 0.0088
+"""Microseconds of a step of heyoka, which Python looks at now and then, and of each order of it and
+each product of moving quantities."""
+DOP853_STEP, EVALUATION = 0.15, 0.005
+"""Microseconds of a step of DOP853, and of each unit of the ``evaluation_weight`` of a program."""
 STEPS = 0.087
 """Steps of DOP853 for one of heyoka, times tol^(1/8): within a third for all of the catalogue."""
 FINER = 100.0
 """At equal error heyoka's tolerance may be so many times coarser."""
 REACH = 1e-11
 """At finer tolerances rounding keeps DOP853 from the errors of Taylor's method."""
-MARGIN = 1.3
-"""Taylor's method is left where it costs so many times more."""
 STABLE = 0.15
 """Steps of an explicit method in the time in which the fastest state decays by e."""
 WORTH = 1e5
@@ -48,18 +48,18 @@ def order_of(tol: float) -> float:
 
 
 def _taylor_step(program: Program, tol: float) -> float:
-    return STEP + TAYLOR * program.weight * order_of(tol)
+    return TAYLOR_STEP + TAYLOR * program.weight * order_of(tol)
 
 
 def dop853_gain(program: Program, tol: float) -> float:
     """How many times less DOP853 costs than Taylor's method at equal error."""
-    step = STEP + EVALUATION * program.evaluation_weight
+    step = DOP853_STEP + EVALUATION * program.evaluation_weight
     return _taylor_step(program, FINER * tol) / (STEPS * tol**-0.125 * step)
 
 
 def dop853_is_cheaper(program: Program, tol: float) -> bool:
     """Whether compiled DOP853 is the better choice."""
-    return tol >= REACH and dop853_gain(program, tol) > MARGIN
+    return tol >= REACH and dop853_gain(program, tol) > 1
 
 
 def is_stiff(problem: Problem, grid: np.ndarray) -> bool:

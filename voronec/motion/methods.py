@@ -107,8 +107,9 @@ class Method:
         where it can."""
         if self.compiler and _command(which, self.compiler, os.environ.get("PATH")) is None:
             return f"there is no command '{self.compiler}'"
-        if not self.library or _is_installed(self.library):
-            return IMPORT_ERRORS.get(self.library, "")
+        with suppress(ImportError, ValueError):
+            if not self.library or find_spec(self.library) is not None:
+                return IMPORT_ERRORS.get(self.library, "")
         return f"{self.library} is not installed"
 
     @property
@@ -120,19 +121,6 @@ class Method:
 @lru_cache(maxsize=16)  # every run asks, and folders are slow to answer
 def _command(find: Callable[[str], str | None], name: str, _path: str | None) -> str | None:
     return find(name)
-
-
-def _is_installed(library: str) -> bool:
-    if library in sys.modules:
-        return sys.modules[library] is not None
-    return _is_found(library, tuple(sys.path))
-
-
-@lru_cache(maxsize=16)
-def _is_found(library: str, _path: tuple[str, ...]) -> bool:
-    with suppress(ImportError, ValueError):
-        return find_spec(library) is not None
-    return False
 
 
 def _taylor(problem: Problem) -> Stepper:
@@ -296,7 +284,9 @@ def choose(
     except EngineLimit as limit:
         if method != "auto":
             raise
-        return _make_stepper("scipy", problem, f"auto: {limit}")
+        other = METHODS[used].other
+        other = other if other and not METHODS[other].absence else "scipy"
+        return _make_stepper(other, problem, f"auto: {limit}")
     except ImportError as error:
         refusal = absent(used, error)
         if method != "auto" or not METHODS[used].library:
@@ -325,21 +315,22 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
     brief = problem.brief is not None
     if problem.tol >= FINEST and not (brief or problem.walls) and is_stiff(problem, grid):
         return "lsoda", "the motion is stiff"
+    compiled = "" if brief else compiled_method()
+    soon = bool(compiled) and METHODS[compiled].compiles_soon
+    heavy = problem.tol >= FINEST and problem.program.weight > HEAVY
+    if soon and not heavy and dop853_is_cheaper(problem.program, problem.tol):
+        return compiled, "its steps cost less than those of heyoka"
     absence = METHODS["heyoka"].absence
     there = not absence
     if not there and _is_short(problem, grid, LOAD_OPERATIONS):
         return "python", f"{absence}, and the run is short"
-    compiled = "" if brief else compiled_method()
-    if there and not (problem.tol >= FINEST and problem.program.weight > HEAVY):
-        soon = compiled and METHODS[compiled].compiles_soon
-        if soon and dop853_is_cheaper(problem.program, problem.tol):
-            return compiled, "its steps cost less than those of heyoka"
+    if there and not heavy:
         return "heyoka", "heyoka is installed"
     if there and _is_short(problem, grid, TINY):
         return "python", "the run takes less time than compiling for heyoka"
     if not there and not compiled:
         return "scipy", absence
-    if compiled and METHODS[compiled].compiles_soon:
+    if soon:
         return compiled, absence or "a heavy program"
     from voronec.motion.steppers.scipy_stepper import estimated_steps
 

@@ -46,7 +46,7 @@ from voronec.motion.initial_conditions import (
     start_of,
 )
 from voronec.motion.model.packs import Packs
-from voronec.motion.request import StartData, Vocabulary
+from voronec.motion.request import StartData, Vocabulary, kept_while_same
 from voronec.motion.singular_coordinates import (
     POLE,
     blind_directions,
@@ -221,7 +221,10 @@ class Outset:
         changing: Signals | None,
     ) -> Outset:
         equations = vocabulary.equations
-        constants = parameter_values(vocabulary, given.parameters, set())
+        constants = kept_while_same(
+            vocabulary, "parameters", (given.parameters,),
+            lambda: parameter_values(vocabulary, given.parameters, set()),
+        )  # fmt: skip
         form = equations.raw.form  # made in no time
         if not {*equations.system.parameter_names} <= constants.keys():
             form = equations.form

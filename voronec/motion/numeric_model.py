@@ -21,7 +21,7 @@ from voronec.motion.request import OutputTerms, Vocabulary
 from voronec.motion.state_probe import StateProbe, mass_program, quantities
 from voronec.motion.steppers.run import Signals
 
-__all__ = ["ModelSource", "ProgrammedModel", "numbers_at", "whole"]
+__all__ = ["ProgrammedModel", "make_model", "numbers_at", "whole"]
 
 
 @dataclass(frozen=True)
@@ -99,75 +99,63 @@ class ProgrammedModel:
         return StateProbe(name, self.form, self.program, values, time, changing, self.inertia)
 
 
-@dataclass(frozen=True, eq=False)
-class ModelSource:
-    """Where the models of some outputs and functions of events come from, start by start; without
-    ``models`` from the coordinates alone, as reactions do, which need accelerations."""
+def make_model(
+    vocabulary: Vocabulary,
+    outputs: Sequence[Any],
+    functions: Mapping[str, Any],
+    start: np.ndarray,
+    constants: Mapping[str, float],
+    time: float,
+    followed: bool,
+) -> ProgrammedModel:
+    """The smallest model of the outputs and of the functions of events.
 
-    vocabulary: Vocabulary
-    outputs: Sequence[Any]
-    functions: Mapping[str, Any]
-    wanted: OutputTerms
-    models: SmallestModels | None
+    ``functions`` gives those of events in the user's symbols; ``start`` (n,) is on the
+    coordinates; ``followed`` keeps angles among the states.  Reactions need accelerations, and so
+    the coordinates.  What is asked for last is kept with the names.
+    """
+    key = tuple(outputs), tuple(map(type, outputs)), tuple(functions.items())
+    wanted, models = vocabulary.memo.last(
+        ("models", followed), key, lambda: _models(vocabulary, outputs, functions, followed)
+    )
+    if models is None:
+        return whole(vocabulary, outputs, functions)
+    known = numbers_at(vocabulary.equations.raw.form, start, constants, time)
+    found = models.of_start(known)
+    model, name = found.model, f"{found.name} {[*wanted.names]} {[*functions]}"
 
-    @classmethod
-    def of(
-        cls, vocabulary: Vocabulary, outputs: Sequence[Any], functions: Mapping[str, Any],
-        followed: bool,
-    ) -> ModelSource:  # fmt: skip
-        """Of functions in the user's symbols; ``followed`` keeps angles among the states.  The last
-        one is kept with the names."""
+    def write() -> ProgrammedModel:
+        known_before = name in models.packs
+        written: ProgrammedModel = models.packs.once(
+            name, lambda: _write(vocabulary, wanted, model, functions)
+        )
+        if not known_before:
+            models.packs.keep()
+        return replace(written, model=model)
 
-        def make() -> ModelSource:
-            wanted, equations = vocabulary.read_outputs(outputs), vocabulary.equations
-            if wanted.reactions or vocabulary.holds_reactions(
-                (*wanted.terms.values(), *functions.values())
-            ):
-                return cls(vocabulary, outputs, functions, wanted, None)
-            names = {f"event {name}": e for name, e in functions.items()}
-            given = {**wanted.terms, **names}
-            models = SmallestModels.of(
-                Motions.of(equations),
-                given,
-                {name: vocabulary.claims[name] for name in equations.system.integrals},
-                followed=given if followed else names,
-            )
-            return cls(vocabulary, outputs, functions, wanted, models)
+    made = model.memo.once(name, write)  # another start that has the same model has it already
+    branches = {
+        name: AngleBranch(
+            f"cosine of {name}", f"sine of {name}", a.signs(known), known[a.coordinate]
+        )
+        for name, a in model.cut.angles.items()
+    }
+    return replace(made, watch=replace(made.watch, branches=branches)) if branches else made
 
-        kinds = tuple(map(type, outputs))
-        key = tuple(outputs), kinds, tuple(functions.items())
-        return vocabulary.memo.last(("models", followed), key, make)
 
-    def of_start(
-        self, start: np.ndarray, constants: Mapping[str, float], time: float
-    ) -> ProgrammedModel:
-        """The smallest model of a ``start`` (n,) on the coordinates."""
-        vocabulary, wanted, functions = self.vocabulary, self.wanted, self.functions
-        if self.models is None:
-            return whole(vocabulary, self.outputs, functions)
-        known = numbers_at(vocabulary.equations.raw.form, start, constants, time)
-        found, packs = self.models.of_start(known), self.models.packs
-        model, name = found.model, f"{found.name} {[*wanted.names]} {[*functions]}"
-
-        def write() -> ProgrammedModel:
-            known_before = name in packs
-            written: ProgrammedModel = packs.once(
-                name, lambda: _write(vocabulary, wanted, model, functions)
-            )
-            if not known_before:
-                packs.keep()
-            return replace(written, model=model)
-
-        made = model.memo.once(name, write)  # another start that has the same model has it already
-        if not model.cut.angles:
-            return made
-        branches = {
-            name: AngleBranch(
-                f"cosine of {name}", f"sine of {name}", a.signs(known), known[a.coordinate]
-            )
-            for name, a in model.cut.angles.items()
-        }
-        return replace(made, watch=replace(made.watch, branches=branches))
+def _models(
+    vocabulary: Vocabulary, outputs: Sequence[Any], functions: Mapping[str, Any], followed: bool
+) -> tuple[OutputTerms, SmallestModels | None]:
+    """Outputs spelled out, and where their models come from; None with reactions."""
+    wanted, equations = vocabulary.read_outputs(outputs), vocabulary.equations
+    forces = vocabulary.holds_reactions((*wanted.terms.values(), *functions.values()))
+    if wanted.reactions or forces:
+        return wanted, None
+    names = {f"event {name}": e for name, e in functions.items()}
+    given = {**wanted.terms, **names}
+    integrals = {name: vocabulary.claims[name] for name in equations.system.integrals}
+    motions, kept = Motions.of(equations), given if followed else names
+    return wanted, SmallestModels.of(motions, given, integrals, followed=kept)
 
 
 def _write(

@@ -9,7 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 import sympy as sp
@@ -46,6 +46,7 @@ __all__ = [
     "events_of",
     "grid_of",
     "held_name",
+    "kept_while_same",
     "label",
     "name_events",
     "name_values",
@@ -58,6 +59,7 @@ __all__ = [
 ]
 
 
+T = TypeVar("T")
 POINTS = 1001
 """How many points a scene's span is seen at."""
 Values = Mapping[Any, Any]
@@ -112,6 +114,14 @@ def spelling_of(values: Mapping[str, Any]) -> Hashable | None:
     told."""
     spelled = [(name, _spelling(x)) for name, x in values.items()]
     return None if any(x is None for _, x in spelled) else tuple(spelled)
+
+
+def kept_while_same(
+    vocabulary: Vocabulary, what: str, of: Iterable[Mapping[str, Any]], make: Callable[[], T]
+) -> T:
+    """What is made of values by name, as it was made last where these are the same."""
+    spelled = [*map(spelling_of, of)]
+    return make() if None in spelled else vocabulary.memo.last(what, spelled, make)
 
 
 def _spelling(value: Any) -> Hashable | None:
