@@ -228,11 +228,11 @@ def test_a_heyoka_that_cannot_be_imported_counts_as_absent(
     many = {"times": TIMES, "tol": 1e-11, "inputs": {tau: 0}}
     reason = "heyoka is installed but cannot be imported: libtbb.so.12: no such file"
     with pytest.warns(UserWarning, match=f"{reason}; it counts as absent"):
-        found = moved("auto")
+        found = moved("auto", tol=1e-12)
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # it is said once
         several = vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, **many)
-        assert moved("auto").cost.reason == found.cost.reason
+        assert moved("auto", tol=1e-12).cost.reason == found.cost.reason
     for ask in (moved, lambda method: vo.ensemble(PENDULUM, {"x": [0, 1]}, method=method, **many)):
         with pytest.raises(DefinitionError, match=f"{reason}; 'pip install heyoka'"):
             ask("heyoka")
@@ -338,7 +338,7 @@ def test_kept_code_is_read_and_damaged_code_is_named_and_made_anew(
 def test_auto_takes_it_for_heavy_programs(monkeypatch: pytest.MonkeyPatch) -> None:
     if sys.platform != "linux" or methods.METHODS["heyoka"].absence:
         pytest.skip("elsewhere it is not chosen")
-    assert moved("auto").cost.method == "heyoka"
+    assert moved("auto", tol=1e-12).cost.method == "heyoka"
     monkeypatch.setattr(methods, "HEAVY", 0)
     assert moved("auto").cost.method == "python", "a short run"
     monkeypatch.setattr(methods, "TINY", 0)

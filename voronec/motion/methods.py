@@ -105,10 +105,11 @@ class Method:
     def absence(self) -> str:
         """Why it cannot be used, as far as that is known without a look into its library; empty
         where it can."""
-        if self.compiler and _command(which, self.compiler, os.environ.get("PATH")) is None:
+        if self.compiler and _look_up(which, self.compiler, os.environ.get("PATH")) is None:
             return f"there is no command '{self.compiler}'"
+        find = find_spec if self.library in sys.modules else _find_spec
         with suppress(ImportError, ValueError):
-            if not self.library or find_spec(self.library) is not None:
+            if not self.library or find(self.library) is not None:
                 return IMPORT_ERRORS.get(self.library, "")
         return f"{self.library} is not installed"
 
@@ -119,8 +120,12 @@ class Method:
 
 
 @lru_cache(maxsize=16)  # every run asks, and folders are slow to answer
-def _command(find: Callable[[str], str | None], name: str, _path: str | None) -> str | None:
+def _look_up(find: Callable[[str], Any], name: str, _where: Any) -> Any:
     return find(name)
+
+
+def _find_spec(library: str) -> Any:
+    return _look_up(find_spec, library, tuple(sys.path))
 
 
 def _taylor(problem: Problem) -> Stepper:
@@ -318,13 +323,13 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
     compiled = "" if brief else compiled_method()
     soon = bool(compiled) and METHODS[compiled].compiles_soon
     heavy = problem.tol >= FINEST and problem.program.weight > HEAVY
-    if soon and not heavy and dop853_is_cheaper(problem.program, problem.tol):
-        return compiled, "its steps cost less than those of heyoka"
     absence = METHODS["heyoka"].absence
     there = not absence
     if not there and _is_short(problem, grid, LOAD_OPERATIONS):
         return "python", f"{absence}, and the run is short"
     if there and not heavy:
+        if soon and dop853_is_cheaper(problem.program, problem.tol):
+            return compiled, "its steps cost less than those of heyoka"
         return "heyoka", "heyoka is installed"
     if there and _is_short(problem, grid, TINY):
         return "python", "the run takes less time than compiling for heyoka"

@@ -199,8 +199,7 @@ class Outset:
 
         The last of the equations is kept, with what was computed of it.
         """
-        spelling = given.spelling
-        if spelling is None or changing is not None or vocabulary.inputs:
+        if changing is not None or vocabulary.inputs:
             return cls._read(vocabulary, given, time, project, changing)
 
         def read() -> Outset:
@@ -208,8 +207,9 @@ class Outset:
             found.state.flags.writeable = False
             return found
 
-        key = spelling, time, project
-        return vocabulary.equations.memo.last("last start", key, read)
+        said = given.parameters, given.scene_initial, given.initial
+        asked = {"time": time, "project": int(project)}
+        return kept_while_same(vocabulary, "last start", (*said, asked), read)
 
     @classmethod
     def _read(

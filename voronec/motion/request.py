@@ -54,7 +54,6 @@ __all__ = [
     "outputs_of",
     "quantity",
     "scene_of",
-    "spelling_of",
     "spread_starts",
 ]
 
@@ -102,26 +101,16 @@ class StartData:
         begun = name_values(vocabulary, initial or {}, "initial value")
         return StartData({**self.parameters, **named}, self.scene_initial, begun)
 
-    @property
-    def spelling(self) -> Hashable | None:
-        """Equal for data that are the same to the last bit; None where that is not to be told."""
-        parts = [*map(spelling_of, (self.parameters, self.scene_initial, self.initial))]
-        return None if None in parts else tuple(parts)
-
-
-def spelling_of(values: Mapping[str, Any]) -> Hashable | None:
-    """Equal for values by name that are the same to the last bit; None where that is not to be
-    told."""
-    spelled = [(name, _spelling(x)) for name, x in values.items()]
-    return None if any(x is None for _, x in spelled) else tuple(spelled)
-
 
 def kept_while_same(
     vocabulary: Vocabulary, what: str, of: Iterable[Mapping[str, Any]], make: Callable[[], T]
 ) -> T:
-    """What is made of values by name, as it was made last where these are the same."""
-    spelled = [*map(spelling_of, of)]
-    return make() if None in spelled else vocabulary.memo.last(what, spelled, make)
+    """What is made of values by name, as it was made last where these are the same to the last bit;
+    made anew where that is not to be told."""
+    spelled = [[(name, _spelling(x)) for name, x in values.items()] for values in of]
+    if any(x is None for part in spelled for _, x in part):
+        return make()
+    return vocabulary.memo.last(what, spelled, make)
 
 
 def _spelling(value: Any) -> Hashable | None:
