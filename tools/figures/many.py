@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -110,22 +110,18 @@ def _one_by_one(starts: Starts, tol: float, real: Any = float) -> np.ndarray:
 
 
 def _numba(starts: Starts, tol: float) -> np.ndarray:
-    right, constants = starts.hand.source()
-    advance = _compiled(right)
+    advance, constants = _integrator()
     rows = np.empty((starts.count, INSTANTS, 6))
     for state, place in zip(starts.rows, rows, strict=True):
         advance(starts.grid, state, constants, tol, place)
     return np.array([starts.outputs(each) for each in rows])
 
 
-_made: dict[str, Any] = {}
-
-
-def _compiled(right: Any) -> Any:
-    """DOP853 with the program, compiled once."""
-    if "advance" not in _made:
-        _made["advance"] = compiled_dop853(right, 6, False)
-    return _made["advance"]
+@cache
+def _integrator() -> tuple[Any, np.ndarray]:
+    """DOP853 and the program by hand, compiled together, and the values of its parameters."""
+    right, constants = Starts(1, SPAN).hand.source()
+    return compiled_dop853(right, 6, False), constants
 
 
 def _scipy(starts: Starts, tol: float) -> np.ndarray:

@@ -22,7 +22,17 @@ from voronec.accuracy.bench import (
 )
 from voronec.motion.methods import METHODS
 
-__all__ = ["BALL", "FULL", "SHORT", "Extent", "around", "chosen", "exact", "measurement", "problem"]
+__all__ = [
+    "BALL",
+    "FULL",
+    "SHORT",
+    "Extent",
+    "around",
+    "auto_method",
+    "exact",
+    "measurement",
+    "problem",
+]
 
 
 @dataclass(frozen=True)
@@ -68,7 +78,7 @@ def exact(name: str, span: float) -> ReferenceSolution:
 
 
 @cache
-def chosen(name: str, span: float) -> str:
+def auto_method(name: str, span: float) -> str:
     """The method that ``auto`` takes for it."""
     asked = problem(name, span)
     outputs = [asked.expressions[n] for n in asked.outputs]

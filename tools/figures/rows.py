@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from figures import table
-from figures.problems import BALL, Extent, around, chosen
+from figures.problems import BALL, Extent, around, auto_method
 from figures.race import Race, Spread
 
 __all__ = ["peers_table"]
@@ -46,7 +46,7 @@ def peers_table(extent: Extent) -> str:
 def _lines(name: str, extent: Extent) -> list[tuple[str, ...]]:
     """The rows of one motion, an error each."""
     span = MOTIONS[name] * extent.spans
-    method = chosen(name, span)
+    method = auto_method(name, span)
     peers = [peer for peers in COLUMNS.values() for peer in peers]
     found = around(name, [method, *peers], ERRORS, span, extent.rounds)
     lines = []
