@@ -301,7 +301,7 @@ def test_the_ordinary_ball_moves_by_sines(demchenko):
     shares = own.shares[sp.Symbol("v")]
 
     def swung(angle):
-        terms = [c * own.swing(p, angle).xreplace(at) for p, c in shares.items()]
+        terms = [c * own.periodic_term(p, angle).xreplace(at) for p, c in shares.items()]
         return float(sp.Add(*terms))
 
     grown = (swung(phase[-1]) - swung(phase[0])) * (1 if falling else -1)

@@ -43,8 +43,8 @@ def test_panels_give_what_the_motion_gives_however_late(name, latest):
     assert np.abs(rows[0] - x).max() < 1e-14 * np.abs(x).max()
     assert np.abs(rows[1] - rate).max() < 2e-14 * np.abs(rate).max()
     assert np.abs(rows[2] - near).max() < 1e-14
-    course = sample.model.courses[0]
-    whole = rows[3] + counts * course.second + counts * course.first
+    secular_term = sample.model.secular_terms[0]
+    whole = rows[3] + counts * secular_term.second + counts * secular_term.first
     assert (np.abs(whole - first) < 2e-14 + 4 * np.spacing(np.abs(first))).all()
 
 

@@ -74,11 +74,11 @@ _bits = working_precision(200)
 def test_integrals_with_poles_of_no_weight_satisfy_their_equations(name):
     solution = invert(GENERAL[name])
     constants = solution.constants(60)
-    assert constants.strains
+    assert constants.log_terms
     if constants.kind == "hyperbolic":
         # beyond that the phase of a pole, as documented, is not continuous
         most = arb.pi() / (4 if constants.partner == "theta2" else 2)
-        places = [one.place.imag for one in constants.strains] + [
+        places = [one.place.imag for one in constants.log_terms] + [
             one.alpha for one in constants.phases
         ]
         assert all(abs(float(place)) < float(most) * 1.001 for place in places)

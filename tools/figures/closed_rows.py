@@ -25,7 +25,6 @@ ANGLES = NAMES[:5]
 PERIODS = 100
 LATE = 1e6
 INSTANTS = 100_000
-GOOD = 1e-13
 LEAST = 1e-14
 """The unit of angles that have no last place to speak of."""
 WORK_DIGITS = 90
@@ -85,13 +84,13 @@ def early() -> Iterator[Row]:
     yield Row(
         f"doubles, {PERIODS} periods, {len(_of('class'))} motions of all classes, outer, inner and "
         "shell, every angle modulo 2 pi, against 42 digits",
-        f"{GOOD:g}", f"{worst:.1e} ({where})", worst <= GOOD,
-    )  # fmt: skip
+        f"{worst:.1e} ({where})",
+    )
     worst, where = _worst("class", late=False, modulo=False)
     yield Row(
-        "the same, longitudes and theta continuous (whole turns take digits)", "1e-12",
-        f"{worst:.1e} ({where})", worst <= 1e-12,
-    )  # fmt: skip
+        "the same, longitudes and theta continuous (whole turns take digits)",
+        f"{worst:.1e} ({where})",
+    )
 
 
 def late() -> Iterator[Row]:
@@ -105,14 +104,10 @@ def late() -> Iterator[Row]:
             worst, where = max((worst, where), (error, f"{angle} of {name}"))
     yield Row(
         "doubles, 1e6 periods, the same motions, longitudes and theta continuous",
-        "1e-9, or two units of the last place of the angle",
-        f"{worst:.1e} ({where}); {places:.1f} units at worst", worst <= 1e-9 or places <= 2,
-    )  # fmt: skip
+        f"{worst:.1e} ({where}); {places:.1f} units of the last place of the angle at worst",
+    )
     worst, where = _worst("class", late=True)
-    yield Row(
-        "doubles, 1e6 periods, when asked: angles modulo 2 pi", f"{GOOD:g}",
-        f"{worst:.1e} ({where})", worst <= GOOD,
-    )  # fmt: skip
+    yield Row("doubles, 1e6 periods, when asked: angles modulo 2 pi", f"{worst:.1e} ({where})")
 
 
 def _last(name: str) -> float:
@@ -138,9 +133,8 @@ def rigorous() -> Iterator[Row]:
     yield Row(
         f"rigorous, 50 digits, 1e6 periods, all coordinates and spins: width, and an independent "
         f"motion in {WORK_DIGITS} digits, by whole periods",
-        "1e-50", f"{widest:.0e}{told_missed}; {np.median(seconds):.2g} s of CPU each",
-        widest < 1e-50 and not missed,
-    )  # fmt: skip
+        f"{widest:.0e}{told_missed}; {np.median(seconds):.2g} s of CPU each",
+    )
 
 
 def routes() -> Iterator[Row]:
@@ -150,8 +144,8 @@ def routes() -> Iterator[Row]:
     yield Row(
         f"the references themselves, {len(found)} motions: whole periods of one period against "
         f"integration all the way through {PERIODS} periods",
-        "1e-40", f"{worst:.1e} ({where})", worst < 1e-40,
-    )  # fmt: skip
+        f"{worst:.1e} ({where})",
+    )
 
 
 def _enclosure(name: str, ball: Any, true: Any) -> tuple[float, bool]:
@@ -192,8 +186,8 @@ def hard() -> Iterator[Row]:
         told = f"{soon:.1e}" if later != later else f"{soon:.1e}; at 1e6 periods {later:.1e}"
         yield Row(
             f"hard case, doubles, {PERIODS} periods: {about}" + (f", {sizes}" if sizes else ""),
-            f"{GOOD:g}", told, soon <= GOOD,
-        )  # fmt: skip
+            told,
+        )
 
 
 def dense() -> Iterator[Row]:
@@ -223,8 +217,8 @@ def dense() -> Iterator[Row]:
     ratios = [x / seconds[0] for x in seconds[1:]]
     yield Row(
         f"cost of {INSTANTS:g} instants over 1e4 and 1e6 periods, of that over {PERIODS}",
-        "the same", " and ".join(f"{r:.2f}" for r in ratios) + " times", max(ratios) < 1.15,
-    )  # fmt: skip
+        " and ".join(f"{r:.2f}" for r in ratios) + " times",
+    )
     for name, about in (("outer B", "upright"), ("outer A", "not upright")):
         yield _faster(
             f"run of integrate on {INSTANTS:g} instants, the momentum {about}, {PERIODS} periods, "
@@ -240,8 +234,7 @@ def _grid(name: str, periods: float) -> np.ndarray:
 def _faster(what: str, closed: float, heyoka: float) -> Row:
     """Seconds of the closed form against those of heyoka."""
     ratio = heyoka / closed
-    reached = f"{ratio:.2f} times as fast ({1e3 * heyoka:.0f} / {1e3 * closed:.0f} ms)"
-    return Row(what, "faster", reached, ratio > 1)
+    return Row(what, f"{ratio:.2f} times as fast ({1e3 * heyoka:.0f} / {1e3 * closed:.0f} ms)")
 
 
 def _run_time(name: str, method: str) -> float:

@@ -40,16 +40,14 @@ def derivation() -> Iterator[Row]:
     raw = median_time(lambda: _equations(plain).raw.form)
     exact = median_time(lambda: _normal_form(plain))
     framed = median_time(lambda: _normal_form(ball))
-    for name, seconds, factor in (
-        ("unsimplified", raw, 200),
-        ("exact normal form, coordinate velocities", exact, 10),
-        ("exact normal form, velocities (s, tau, n)", framed, 10),
+    for name, seconds in (
+        ("unsimplified", raw),
+        ("exact normal form, coordinate velocities", exact),
+        ("exact normal form, velocities (s, tau, n)", framed),
     ):
         yield Row(
             f"Demchenko's ball, {name}, against SymPy's {slow:.2f} s",
-            f"{factor} times faster",
-            f"{slow / seconds:.0f} times ({1000 * seconds:.1f} ms)",
-            slow >= factor * seconds,
+            f"{slow / seconds:.0f} times as fast ({1000 * seconds:.1f} ms)",
         )
 
 
@@ -57,20 +55,12 @@ def balls() -> Iterator[Row]:
     """Descent of the Chaplygin ball; a ball without symmetry in exact normal form."""
     chaplygin = vo.load("chaplygin-ball")
     descent = median_time(lambda: descend(replace(chaplygin)), runs=3)
-    yield Row(
-        "Chaplygin ball, Euler angles to the proved (G, gamma) equations",
-        "under 1 s",
-        f"{descent:.2f} s",
-        descent < 1,
-    )
+    yield Row("Chaplygin ball, Euler angles to the proved (G, gamma) equations", f"{descent:.2f} s")
     ball = vo.load("gyroscopic-ball-on-sphere")
     for frame, name in ((None, "coordinate velocities"), (ball.frame, "its angular velocity")):
         seconds = median_time(partial(_normal_form, _equations_alone(ball, frame)), runs=3)
         yield Row(
-            f"non-symmetric gyroscopic ball, exact mass and force, {name}",
-            "under 3 s",
-            f"{seconds:.2f} s",
-            seconds < 3,
+            f"non-symmetric gyroscopic ball, exact mass and force, {name}", f"{seconds:.2f} s"
         )
 
 
@@ -80,15 +70,10 @@ def bicycle() -> Iterator[Row]:
     point = random_point(system, 1)
     seconds = median_time(lambda: _equations(system).acceleration(point, digits=30), runs=3)
     size = f"{system.lagrangian.count_ops()} operations in L"
-    yield Row(
-        f"bicycle ({size}), derived and its accelerations to 30 digits",
-        "under 2 s",
-        f"{seconds:.2f} s",
-        seconds < 2,
-    )
+    yield Row(f"bicycle ({size}), derived and its accelerations to 30 digits", f"{seconds:.2f} s")
     program = Program.of(vo.derive(system).form).derivative
     count = count_operations(program.expressions)
-    yield Row("bicycle, operations of the right-hand side", "under 1500", str(count), count < 1500)
+    yield Row("bicycle, operations of the right-hand side", str(count))
 
 
 def shortness() -> Iterator[Row]:
@@ -100,9 +85,7 @@ def shortness() -> Iterator[Row]:
     other = sympy_operations(method)
     yield Row(
         "Demchenko's right-hand side, operations against SymPy's",
-        "at most 1/3",
         f"{engine} / {other} = {engine / other:.3f}",
-        3 * engine <= other,
     )
 
 
@@ -117,9 +100,7 @@ def help_page() -> Iterator[Row]:
     heavy = ", ".join(sorted(imported & {"sympy", "numpy"}))
     yield Row(
         "voronec --help",
-        "0.3 s, loads neither sympy nor numpy",
-        f"{seconds:.2f} s, loads {heavy or 'neither'}" if works else "it fails",
-        works and not heavy and seconds <= 0.3,
+        f"{seconds:.2f} s, loads {heavy or 'neither sympy nor numpy'}" if works else "it fails",
     )
 
 
@@ -133,9 +114,7 @@ def routes() -> Iterator[Row]:
     name = max(worst, key=lambda key: worst[key])
     yield Row(
         f"accelerations by both routes, {len(worst)} systems, {DIGITS} digits",
-        "agree to 40 digits",
         f"largest relative deviation {worst[name]:.1e} ({name})",
-        worst[name] < 1e-40,
     )
 
 
@@ -178,5 +157,5 @@ SHEET = Sheet("tools/bench.py derivation", ROWS, {}, ("sympy",))
 
 
 def main() -> int:
-    """Measure, print, and exit with 1 where a figure is missed."""
+    """Measure, print, and write the page."""
     return table.main(__doc__, lambda _short: SHEET)

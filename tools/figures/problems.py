@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -22,74 +22,92 @@ from voronec.accuracy.bench import (
 )
 from voronec.motion.methods import METHODS
 
-__all__ = ["FULL", "SHORT", "Extent", "around", "exact", "measurement", "problem"]
+__all__ = [
+    "BALL",
+    "FULL",
+    "SHORT",
+    "Extent",
+    "around",
+    "auto_method",
+    "exact",
+    "measurement",
+    "problem",
+]
 
 
 @dataclass(frozen=True)
 class Extent:
-    """How far measurements go: units of time of one motion, of many and of long ones; starts,
-    crossings, repetitions, processes."""
+    """How far measurements go: a factor on all spans of time, numbers of starts, repetitions."""
 
-    span: float = 1000.0
-    many: float = 100.0
-    long: float = 1e5
-    starts: int = 1000
-    crossings: int = 8000
-    turns: int = 30
+    spans: float = 1.0
+    starts: Sequence[int] = (1, 10, 100, 1000, 10_000, 100_000)
     rounds: int = 5
-    processes: int = 3
 
 
 FULL = Extent()
-SHORT = Extent(20.0, 5.0, 200.0, 32, 4000, 2, 1, 1)
+SHORT = Extent(0.02, (1, 8), 1)
 """So far only that everything is called; figures mean nothing then."""
 
-PROBLEMS: dict[str, Callable[[Extent], ReferenceProblem]] = {
-    "ball on a sphere": lambda far: scene_problem(vo.load("ball-on-sphere"), time=far.span),
-    "ball on a plane": lambda far: scene_problem(
-        vo.load("chaplygin-ball"), time=far.many, instants=11
+BALL = "ball on a sphere"
+PROBLEMS: dict[str, Callable[[float], ReferenceProblem]] = {
+    BALL: lambda span: scene_problem(vo.load("ball-on-sphere"), time=span, instants=51),
+    "Demchenko's ball": lambda span: scene_problem(
+        vo.load("demchenko"), time=span, outputs=("u",), instants=51
     ),
-    "Demchenko": lambda far: scene_problem(vo.load("demchenko"), time=far.span, outputs=("u", "v")),
-    "chain": lambda _: scene_problem(SYSTEM, instants=2),
-    "bicycle": lambda _: scene_problem(vo.load("bicycle"), instants=2),
+    "rattleback": lambda span: scene_problem(vo.load("rattleback"), time=span, instants=51),
+    "Chaplygin's ball": lambda span: scene_problem(
+        vo.load("chaplygin-ball"), time=span, instants=11
+    ),
+    "chain of seven bodies": lambda span: scene_problem(SYSTEM, time=span, instants=2),
+    "bicycle": lambda span: scene_problem(vo.load("bicycle"), time=span, instants=2),
 }
 FEW = (1e-10, 1e-11, 1e-13, 3e-14)
-"""Of a slow method: where DOP853's errors at T = 1000 lie around 1e-6 and 1e-9."""
+"""Of a slow method: where DOP853's errors over long spans lie around 1e-6 and 1e-9."""
 
 
 @cache
-def problem(name: str, extent: Extent) -> ReferenceProblem:
-    """A problem of the table."""
-    return PROBLEMS[name](extent)
+def problem(name: str, span: float) -> ReferenceProblem:
+    """A problem of the table over a span of time."""
+    return PROBLEMS[name](span)
 
 
 @cache
-def exact(name: str, extent: Extent) -> ReferenceSolution:
+def exact(name: str, span: float) -> ReferenceSolution:
     """Its motion by two independent runs."""
-    return reference(problem(name, extent), 1e-12)
+    return reference(problem(name, span), 1e-12)
 
 
 @cache
-def measurement(name: str, method: str, extent: Extent) -> Measured:
+def auto_method(name: str, span: float) -> str:
+    """The method that ``auto`` takes for it."""
+    asked = problem(name, span)
+    outputs = [asked.expressions[n] for n in asked.outputs]
+    run = vo.integrate(asked.equations, asked.bare, times=asked.grid, outputs=outputs, tol=1e-9)
+    return run.cost.method
+
+
+@cache
+def measurement(name: str, method: str, span: float) -> Measured:
     """One method or peer on a problem."""
     tolerances = FEW if "lambdify" in method else ()
     bench = measure(
-        problem(name, extent), [method], tolerances, budget=60.0, against=exact(name, extent),
+        problem(name, span), [method], tolerances, budget=60.0, against=exact(name, span),
         among=(*OWN, *PEERS),
     )  # fmt: skip
     return bench[method]
 
 
-def around(name: str, methods: Iterable[str], errors: Iterable[float], extent: Extent) -> Race:
+def around(
+    name: str, methods: Iterable[str], errors: Iterable[float], span: float, rounds: int
+) -> Race:
     """Methods on a problem in turn, at the errors; ours in whole calls too."""
-    known = {method: measurement(name, method, extent) for method in methods}
-    span = problem(name, extent).span
+    known = {method: measurement(name, method, span) for method in methods}
     first = {
         method: {p.setting: OneRun(p.error, {"run": p.per_unit * span}) for p in one.good}
         for method, one in known.items()
     }
-    runs = {m: _runs(problem(name, extent), one) for m, one in known.items() if not one.absent}
-    return race(runs, first, errors, extent.rounds)
+    runs = {m: _runs(problem(name, span), one) for m, one in known.items() if not one.absent}
+    return race(runs, first, errors, rounds)
 
 
 def _runs(asked: ReferenceProblem, one: Measured) -> Callable[[float], OneRun]:

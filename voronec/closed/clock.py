@@ -58,7 +58,7 @@ class MotionIntegral:
     def is_needed(self) -> bool:
         """Whether closed terms cancel: the factor of a logarithm or an angle is large."""
         constants = self.form.solution.constants(FIRST)
-        sizes = [abs(complex(one.logs[self.j])) for one in constants.strains]
+        sizes = [abs(complex(one.logs[self.j])) for one in constants.log_terms]
         sizes += [abs(float(one.shares[self.j])) for one in constants.phases]
         return constants.half is not None and max(sizes, default=0.0) > LARGE
 

@@ -204,7 +204,7 @@ def _by_table(
     sample = Sample.of(form.solution, grid)
     angles = {plain_name(q): j for j, q in enumerate(form.quadratures.angles)}
     used = [angles[n] for n in (*plain, *map(plain_name, circles)) if n in angles]
-    if any(sample.model.courses[j].exact for j in used):
+    if any(sample.model.secular_terms[j].exact for j in used):
         return None
     panels = _panels(form, tuple(plain), tuple(circles), sample.model)
     if panels is None:
@@ -215,12 +215,12 @@ def _by_table(
             first, part = rounded_constants(form).starts[angles[name]]
             if whole and first != part:
                 row += first - part
-            _add_growth(row, counts, sample.model.courses[angles[name]], whole)
+            _add_growth(row, counts, sample.model.secular_terms[angles[name]], whole)
     for i, q in enumerate(circles):
         if plain_name(q) in angles:
             first = len(plain) + 2 * i
-            course = sample.model.courses[angles[plain_name(q)]]
-            _add_turns(rows[first], rows[first + 1], counts, course)
+            secular_term = sample.model.secular_terms[angles[plain_name(q)]]
+            _add_turns(rows[first], rows[first + 1], counts, secular_term)
     return list(rows)
 
 
@@ -252,35 +252,35 @@ def _repeats(form: InvertedMotion, plain: Sequence[str]) -> bool:
     return not asked or {*reading_of(form.problem.prepared).coordinates} <= traced
 
 
-def _add_growth(row: np.ndarray, counts: np.ndarray, course: Any, whole: bool) -> None:
+def _add_growth(row: np.ndarray, counts: np.ndarray, secular_term: Any, whole: bool) -> None:
     """The angle with what it has gained in whole half periods."""
     for part in _blocks(row.size):
         value, count = row[part], counts[part]
         if whole:
             # the only rounding of the size of the value is the last
-            value += count * course.second
-            value += count * course.first
+            value += count * secular_term.second
+            value += count * secular_term.first
         else:
             value /= TURN
-            value += _gain_in_turns(count, course)
+            value += _gain_in_turns(count, secular_term)
             value -= np.ceil(value - 0.5)
             value *= TURN
 
 
-def _add_turns(cosine: np.ndarray, sine: np.ndarray, counts: np.ndarray, course: Any) -> None:
+def _add_turns(cosine: np.ndarray, sine: np.ndarray, counts: np.ndarray, secular_term: Any) -> None:
     """Cosine and sine of the angle with what it has gained."""
     least = counts.min()
     kinds = int(counts.max() - least) + 1
     few = 2 * kinds < counts.size
     if few:
-        angles = TURN * _gain_in_turns(np.arange(kinds) + least, course)
+        angles = TURN * _gain_in_turns(np.arange(kinds) + least, secular_term)
         known = np.cos(angles), np.sin(angles)
     for part in _blocks(counts.size):
         if few:
             places = (counts[part] - least).astype(np.intp)
             c, s = (table.take(places) for table in known)
         else:
-            angles = TURN * _gain_in_turns(counts[part], course)
+            angles = TURN * _gain_in_turns(counts[part], secular_term)
             c, s = np.cos(angles), np.sin(angles)
         before = cosine[part].copy()
         cosine[part] *= c
@@ -289,10 +289,10 @@ def _add_turns(cosine: np.ndarray, sine: np.ndarray, counts: np.ndarray, course:
         sine[part] += before * s
 
 
-def _gain_in_turns(count: np.ndarray, course: Any) -> np.ndarray:
+def _gain_in_turns(count: np.ndarray, secular_term: Any) -> np.ndarray:
     """The gain in turns, less whole ones."""
     total = np.zeros(count.size)
-    for share in course.turns:
+    for share in secular_term.turns:
         if share:
             more = count * share
             more -= np.rint(more)

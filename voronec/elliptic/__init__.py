@@ -3,7 +3,7 @@
 Everything exact enough on demand: constants and enclosures as balls of any number of bits.
 """
 
-from voronec.elliptic.constants import Constants, Integral, Numbers, Phase, Pole, Source, Strain
+from voronec.elliptic.constants import Constants, Integral, LogTerm, Numbers, Phase, Pole, Source
 from voronec.elliptic.roots import Ends, Root, ends_of
 from voronec.elliptic.solution import Enclosed, Solution, invert
 
@@ -12,13 +12,13 @@ __all__ = [
     "Enclosed",
     "Ends",
     "Integral",
+    "LogTerm",
     "Numbers",
     "Phase",
     "Pole",
     "Root",
     "Solution",
     "Source",
-    "Strain",
     "ends_of",
     "invert",
 ]

@@ -13,7 +13,7 @@ from typing import Any
 
 from flint import acb, arb
 
-from voronec.elliptic.constants import Constants, Integral, Numbers, Phase, Pole, Strain
+from voronec.elliptic.constants import Constants, Integral, LogTerm, Numbers, Phase, Pole
 from voronec.elliptic.lattice import ALMOST, Lattice, Place, carlson, lattice_of, turn_of
 from voronec.elliptic.roots import (
     Ends,
@@ -143,7 +143,7 @@ class IntegralPart:
     """A part of all integrals: its closed terms, and its linear rate in each integral."""
 
     phases: tuple[Phase, ...]
-    strains: tuple[Strain, ...]
+    log_terms: tuple[LogTerm, ...]
     rates: tuple[arb, ...]
 
 
@@ -161,7 +161,7 @@ def pole_part(numbers: Numbers, lattice: Lattice, place: int) -> IntegralPart | 
     if part is None:
         return None
     phases = tuple(replace(phase, pole=place) for phase in part.phases)
-    return IntegralPart(phases, tuple(replace(one, pole=place) for one in part.strains), part.rates)
+    return IntegralPart(phases, tuple(replace(e, pole=place) for e in part.log_terms), part.rates)
 
 
 def _part_of(
@@ -172,13 +172,15 @@ def _part_of(
     spot = spot_of(lattice, pole.place)
     value = value_at(numbers, pole.place)
     if isinstance(pole.place, acb):
-        return _strain_part(lattice, spot, list(map(acb, shares)), pole.place, spot.velocity)
+        return _log_term_part(lattice, spot, list(map(acb, shares)), pole.place, spot.velocity)
     shares = tuple(share.real if isinstance(share, acb) else share for share in shares)
     if spot.imaginary:
         weight = _positive(-value, pole).sqrt() / 2
         return _angle(lattice, spot, pole.place, weight, tuple(share / weight for share in shares))
     velocity = spot.sign * _positive(value, pole).sqrt()
-    return _strain_part(lattice, spot, [acb(share) for share in shares], pole.place, acb(velocity))
+    return _log_term_part(
+        lattice, spot, [acb(share) for share in shares], pole.place, acb(velocity)
+    )
 
 
 def _phase_part(
@@ -226,16 +228,16 @@ def _angle(
     return IntegralPart((phase,), (), tuple(share * rate for share in shares))
 
 
-def _strain_part(
+def _log_term_part(
     lattice: Lattice, spot: Spot, shares: list[acb], place: arb | acb, velocity: acb
 ) -> IntegralPart:
     """The part of ``Re share/(x - place)``, x having that velocity where it is ``place``."""
     end = lattice.side(spot.side)
     logs = tuple(share / velocity for share in shares)
     zetas = tuple(acb(0) for _ in shares)
-    strain = strain_at(lattice, spot, logs, zetas)
+    log_term = log_term_at(lattice, spot, logs, zetas)
     values = [(share / (end.x - place)).real for share in shares]
-    return IntegralPart((), (strain,), surplus(lattice, strain, values))
+    return IntegralPart((), (log_term,), surplus(lattice, log_term, values))
 
 
 def polynomial_part(
@@ -261,8 +263,8 @@ def polynomial_part(
     side = 1 if end.slope > 0 else -1
     if not spot.imaginary:
         logs = tuple(acb(side * one / lead.sqrt()) for one in simple)
-        strain = strain_at(lattice, spot, logs, zetas)
-        return IntegralPart((), (strain,), surplus(lattice, strain, values))
+        log_term = log_term_at(lattice, spot, logs, zetas)
+        return IntegralPart((), (log_term,), surplus(lattice, log_term, values))
     alpha = spot.place.imag
     shares = tuple(-2 * side * one / (-lead).sqrt() for one in simple)
     turned = lattice.scale * lattice.sums.zeta(acb(0, alpha)).imag
@@ -270,8 +272,8 @@ def polynomial_part(
     phases = (Phase(spot.side, alpha, 1, gain_of(lattice, alpha, 1), shares),)
     if all(_nothing(value) for value in square):
         return IntegralPart(phases, (), tuple(values))
-    strain = strain_at(lattice, spot, none, zetas)
-    return IntegralPart(phases, (strain,), surplus(lattice, strain, values))
+    log_term = log_term_at(lattice, spot, none, zetas)
+    return IntegralPart(phases, (log_term,), surplus(lattice, log_term, values))
 
 
 def cubic_part(
@@ -283,14 +285,14 @@ def cubic_part(
     spot = branch_spot(lattice)
     end: Place = lattice.side(spot.side)
     zetas = tuple(acb(-2 * lattice.scale * one / lead) for one in linear)
-    strain = strain_at(lattice, spot, tuple(acb(0) for _ in linear), zetas)
-    return IntegralPart((), (strain,), surplus(lattice, strain, [one * end.x for one in linear]))
+    log_term = log_term_at(lattice, spot, tuple(acb(0) for _ in linear), zetas)
+    return IntegralPart((), (log_term,), surplus(lattice, log_term, [e * end.x for e in linear]))
 
 
-def strain_at(
+def log_term_at(
     lattice: Lattice, spot: Spot, logs: tuple[acb, ...], zetas: tuple[acb, ...]
-) -> Strain:
-    """The strain with these factors, and what it gains in a period."""
+) -> LogTerm:
+    """The log term with these factors, and what it gains in a period."""
     gains = None
     if lattice.period is not None:
         sums, alpha = lattice.sums, spot.place.imag
@@ -302,15 +304,15 @@ def strain_at(
         gains = tuple(
             (log * change + 2 * wave * zeta).real for log, zeta in zip(logs, zetas, strict=True)
         )
-    return Strain(spot.side, spot.place, logs, zetas, gains)
+    return LogTerm(spot.side, spot.place, logs, zetas, gains)
 
 
-def surplus(lattice: Lattice, strain: Strain, values: list[arb]) -> tuple[arb, ...]:
-    """The values of a part of the integrands at the turning point, less the strain's rates."""
-    zeta, bend = lattice.sums.zeta(strain.place), lattice.sums.bend(strain.place)
+def surplus(lattice: Lattice, log_term: LogTerm, values: list[arb]) -> tuple[arb, ...]:
+    """The values of a part of the integrands at the turning point, less the log term's rates."""
+    zeta, bend = lattice.sums.zeta(log_term.place), lattice.sums.bend(log_term.place)
     return tuple(
         value + 2 * lattice.scale * (log * zeta - factor * bend).real
-        for value, log, factor in zip(values, strain.logs, strain.zetas, strict=True)
+        for value, log, factor in zip(values, log_term.logs, log_term.zetas, strict=True)
     )
 
 
@@ -339,7 +341,7 @@ def between_double_roots(numbers: Numbers, ends: Ends) -> dict[str, Any]:
         raise OpenDecision(f"the rate {numbers.rate.str(5)} may be 0")
     scale = coefficients(numbers)[4].sqrt() * abs(other - base) / 2
     start = ((numbers.place - base) / (other - numbers.place)).log() / 2
-    rates, strains = _between_double_roots(numbers, base, other, scale)
+    rates, log_terms = _between_double_roots(numbers, base, other, scale)
     for place, pole in enumerate(numbers.poles):
         shares = [integral.shares[place] for integral in numbers.integrals]
         if pole.weight is not None:
@@ -349,21 +351,22 @@ def between_double_roots(numbers: Numbers, ends: Ends) -> dict[str, Any]:
                     "which therefore has no weight"
                 )
             continue
-        strain, left = _pole(list(map(acb, shares)), pole.place, base, other, scale)
-        strains.append(strain)
+        log_term, left = _pole(list(map(acb, shares)), pole.place, base, other, scale)
+        log_terms.append(log_term)
         rates = [one + two for one, two in zip(rates, left, strict=True)]
     return {
         "kind": "exponential", "base": base, "other": other, "turn": -start / scale,
         "half": None, "scale": scale, "nome": ZERO, "mean": arb(1), "partner": "inverse",
-        "phases": (), "strains": tuple(strains), "swings": tuple((ZERO, ZERO) for _ in rates),
+        "phases": (), "log_terms": tuple(log_terms),
+        "bounded_terms": tuple((ZERO, ZERO) for _ in rates),
         "rates": tuple(rates), "advances": None, "starts": (),
     }  # fmt: skip
 
 
 def _between_double_roots(
     numbers: Numbers, base: arb, other: arb, scale: arb
-) -> tuple[list[arb], list[Strain]]:
-    """The rates and the strain of the polynomial parts: tanh z = s'/s(z - i pi/2)."""
+) -> tuple[list[arb], list[LogTerm]]:
+    """The rates and the log term of the polynomial parts: tanh z = s'/s(z - i pi/2)."""
     middle, reach = (base + other) / 2, (other - base) / 2
     rates: list[arb] = []
     logs: list[acb] = []
@@ -376,13 +379,13 @@ def _between_double_roots(
     if all(value.is_zero() for value in (*logs, *zetas)):
         return rates, []
     place = acb(0, arb.pi() / 2)
-    return rates, [Strain(0, place, tuple(logs), tuple(zetas), None)]
+    return rates, [LogTerm(0, place, tuple(logs), tuple(zetas), None)]
 
 
 def _pole(
     shares: list[acb], c: arb | acb, base: arb, other: arb, scale: arb
-) -> tuple[Strain, list[arb]]:
-    """The strain of ``Re share/(x - c)``, and what it leaves of the rates."""
+) -> tuple[LogTerm, list[arb]]:
+    """The log term of ``Re share/(x - c)``, and what it leaves of the rates."""
     place = acb((c - base) / (c - other))
     place = (place.log() + acb(0, arb.pi())) / 2
     velocity = 2 * scale * acb((c - base) * (other - c)) / (other - base)
@@ -392,11 +395,11 @@ def _pole(
         (share / (middle - c) + log * scale * place.cosh() / place.sinh()).real
         for share, log in zip(shares, logs, strict=True)
     ]
-    return Strain(0, place, logs, tuple(acb(0) for _ in shares), None), left
+    return LogTerm(0, place, logs, tuple(acb(0) for _ in shares), None), left
 
 
 ZERO = arb(0)
-Swings = tuple[tuple[arb, arb], ...]
+BoundedTerms = tuple[tuple[arb, arb], ...]
 
 
 def assemble(numbers: Numbers) -> Constants:
@@ -430,10 +433,10 @@ def at_rest(numbers: Numbers, ends: Ends) -> Constants:
                 rate += (acb(share) * weight / (x - pole.place)).real
         rates.append(rate)
     none = tuple(ZERO for _ in rates)
-    swings = tuple((ZERO, ZERO) for _ in rates)
+    bounded_terms = tuple((ZERO, ZERO) for _ in rates)
     return Constants(
         kind="rest", base=x, other=x, turn=ZERO, half=None, scale=arb(1), nome=ZERO,
-        mean=arb(1), partner="one", phases=(), strains=(), swings=swings,
+        mean=arb(1), partner="one", phases=(), log_terms=(), bounded_terms=bounded_terms,
         rates=tuple(rates), advances=None, starts=none, **description(numbers, ends),
     )  # fmt: skip
 
@@ -441,12 +444,12 @@ def at_rest(numbers: Numbers, ends: Ends) -> Constants:
 def _invert(numbers: Numbers, ends: Ends) -> Constants:
     lattice = lattice_of(numbers, ends)
     coefficient = coefficients(numbers)
-    numbers, swings = _lower_poles(numbers, coefficient)
+    numbers, bounded_terms = _lower_poles(numbers, coefficient)
     parts = [_polynomial(numbers, lattice, coefficient)]
     parts += [pole_part(numbers, lattice, place) for place in range(len(numbers.poles))]
     known = [part for part in parts if part is not None]
     phases = tuple(phase for part in known for phase in part.phases)
-    strains = tuple(strain for part in known for strain in part.strains)
+    log_terms = tuple(log_term for part in known for log_term in part.log_terms)
     rates = [integral.constant for integral in numbers.integrals]
     for part in known:
         rates = [one + two for one, two in zip(rates, part.rates, strict=True)]
@@ -454,8 +457,8 @@ def _invert(numbers: Numbers, ends: Ends) -> Constants:
         kind=lattice.sums.kind, base=lattice.base.x, other=lattice.other,
         turn=turn_of(numbers, ends, lattice), half=lattice.half, scale=lattice.scale,
         nome=lattice.sums.nome, mean=lattice.mean, partner=lattice.sums.partner,
-        phases=phases, strains=strains, swings=swings, rates=tuple(rates),
-        advances=_advances(rates, lattice.period, phases, strains),
+        phases=phases, log_terms=log_terms, bounded_terms=bounded_terms, rates=tuple(rates),
+        advances=_advances(rates, lattice.period, phases, log_terms),
         starts=(), **description(numbers, ends),
     )  # fmt: skip
 
@@ -486,13 +489,13 @@ def _polynomial(numbers: Numbers, lattice: Lattice, coefficient: list[arb]) -> I
     return None
 
 
-def _lower_poles(numbers: Numbers, f: list[arb]) -> tuple[Numbers, Swings]:
+def _lower_poles(numbers: Numbers, f: list[arb]) -> tuple[Numbers, BoundedTerms]:
     """The integrals less ``(p + q x) dx/dt``, so that infinity is a pole of low order.
 
     From ``d(dx/dt)/dt = f'/2`` and ``d(x dx/dt)/dt = f + x f'/2``.
     """
     integrals: list[Integral] = []
-    swings: list[tuple[arb, arb]] = []
+    bounded_terms: list[tuple[arb, arb]] = []
     for integral in numbers.integrals:
         constant, linear, square = integral.constant, integral.linear, integral.square
         p = q = ZERO
@@ -505,12 +508,12 @@ def _lower_poles(numbers: Numbers, f: list[arb]) -> tuple[Numbers, Swings]:
             p = linear / f[2]
             constant, linear, square = constant - p * f[1] / 2, ZERO, ZERO
         integrals.append(replace(integral, constant=constant, linear=linear, square=square))
-        swings.append((p, q))
-    return replace(numbers, integrals=tuple(integrals)), tuple(swings)
+        bounded_terms.append((p, q))
+    return replace(numbers, integrals=tuple(integrals)), tuple(bounded_terms)
 
 
 def _advances(
-    rates: list[arb], period: arb | None, phases: tuple[Phase, ...], strains: tuple[Strain, ...]
+    rates: list[arb], period: arb | None, phases: tuple[Phase, ...], log_terms: tuple[LogTerm, ...]
 ) -> tuple[arb, ...] | None:
     if period is None:
         return None
@@ -518,6 +521,6 @@ def _advances(
     for place in range(len(advances)):
         for phase in phases:
             advances[place] += phase.shares[place] * (phase.gain or 0)
-        for strain in strains:
-            advances[place] += strain.gains[place] if strain.gains else 0
+        for log_term in log_terms:
+            advances[place] += log_term.gains[place] if log_term.gains else 0
     return tuple(advances)

@@ -38,7 +38,7 @@ from typing import Any
 
 from flint import acb, arb
 
-__all__ = ["Constants", "Integral", "Numbers", "Phase", "Pole", "Source", "Strain"]
+__all__ = ["Constants", "Integral", "LogTerm", "Numbers", "Phase", "Pole", "Source"]
 
 
 @dataclass(frozen=True)
@@ -127,7 +127,7 @@ class Phase:
 
 
 @dataclass(frozen=True)
-class Strain:
+class LogTerm:
     """The part of the integrals with logarithms and zeta functions: no whole angle.
 
     It adds to integral j the real part of ``logs_j log(s(z - a)/s(z + a)) +
@@ -158,8 +158,8 @@ class Strain:
 class Constants:
     """An inverted motion: what is needed to evaluate it at any time.
 
-    ``I_j(t) = rates_j (t - turn) + sum of share phi(z) + strains + (p + q x) dx/dt - starts_j``,
-    with ``(p, q) = swings_j``.
+    ``I_j(t) = rates_j (t - turn) + sum of share phi(z) + log terms + (p + q x) dx/dt - starts_j``,
+    with ``(p, q) = bounded_terms_j``.
 
     Attributes:
         kind: "trigonometric", "hyperbolic", "rational", "exponential" (both ends are double
@@ -175,8 +175,8 @@ class Constants:
         mean: K.
         partner: "theta2", "theta4", "one" or "inverse": which sum c is.
         phases: of the poles that turn the integrals (poles that add nothing are left out).
-        strains: the logarithms and zeta functions.
-        swings: one pair per integral; zeros but for a polynomial part where f has degree
+        log_terms: the logarithms and zeta functions.
+        bounded_terms: one pair per integral; zeros but for a polynomial part where f has degree
             2 or 3.
         rates: one per integral: the whole linear rate, all shifts included.
         advances: of each integral per period, None where the period is infinite.
@@ -195,8 +195,8 @@ class Constants:
     mean: arb
     partner: str
     phases: tuple[Phase, ...]
-    strains: tuple[Strain, ...]
-    swings: tuple[tuple[arb, arb], ...]
+    log_terms: tuple[LogTerm, ...]
+    bounded_terms: tuple[tuple[arb, arb], ...]
     rates: tuple[arb, ...]
     advances: tuple[arb, ...] | None
     starts: tuple[arb, ...]

@@ -29,7 +29,7 @@ from voronec.elliptic.theta_polynomials import (
     Weights,
     angle_of,
     period_of,
-    ripples_of,
+    periodic_terms_of,
     smooth,
     weights_of,
     with_series,
@@ -42,7 +42,7 @@ __all__ = [
     "Doubles",
     "QuarticReduction",
     "Rows",
-    "SecularPart",
+    "SecularTerm",
     "advance",
     "horner",
     "matrix",
@@ -63,7 +63,7 @@ LONG = 60.0
 
 
 @dataclass(frozen=True)
-class SecularPart:
+class SecularTerm:
     """What an integral does beside its periodic parts, for times up to some latest.
 
     Attributes:
@@ -96,12 +96,12 @@ class Doubles:
         span: ``other - base``.
         weights: of the ends in x.
         angles: of the phases.
-        log_phases: phases of the logarithms of the strains, None where there are no logarithms.
-        ripples: of each integral, over ``X cos^k 2z``.
+        log_phases: phases of the logarithms of the log terms, None where there are no logarithms.
+        periodic_terms: of each integral, over ``X cos^k 2z``.
         shares: of each integral: the places of its phases and their factors, less those
-            that are all in the ripple.
-        strains: of each integral: the places of its strains.
-        swings: as of the constants.
+            that are all in the periodic_term.
+        log_terms: of each integral: the places of its log_terms.
+        bounded_terms: as of the constants.
         gradient: ``(dx/dt)^2 = gradient near far product of |near + c far|`` over ``ratios``.
         ratios: c of the other roots of f.
         origins: of each integral: its value at t = 0 before it is taken off, in radians and
@@ -119,10 +119,10 @@ class Doubles:
     weights: Weights
     angles: tuple[Angle, ...]
     log_phases: tuple[Angle | None, ...]
-    ripples: tuple[np.ndarray, ...]
+    periodic_terms: tuple[np.ndarray, ...]
     shares: tuple[tuple[tuple[int, float], ...], ...]
-    strains: tuple[tuple[int, ...], ...]
-    swings: tuple[tuple[float, float], ...]
+    log_terms: tuple[tuple[int, ...], ...]
+    bounded_terms: tuple[tuple[float, float], ...]
     gradient: float
     ratios: tuple[complex, ...]
     origins: list[tuple[float, float]] = field(default_factory=list, repr=False)
@@ -133,7 +133,7 @@ class Doubles:
         with ctx.workprec(BITS):
             return QuarticReduction.of(self.constants.half, self.constants.turn, latest)
 
-    def course(self, number: int, reduction: QuarticReduction, latest: float) -> SecularPart:
+    def secular_term(self, number: int, reduction: QuarticReduction, latest: float) -> SecularTerm:
         """The steady part of an integral."""
         with ctx.workprec(BITS):
             constants = self.constants
@@ -153,7 +153,7 @@ class Doubles:
                 whole = turns(gained, reduction)
             spin = mean / (2 * arb.pi())
             high = float(spin.mid())
-            return SecularPart(
+            return SecularTerm(
                 float(mean.mid()), (high, float((spin - arb(high)).mid())),
                 abs(float(mean.mid())) * reach > LONG, first, second, whole,
             )  # fmt: skip
@@ -165,15 +165,15 @@ def prepare_doubles(constants: Constants) -> Doubles:
         constants, odd = _recount(constants)
         period = period_of(constants)
         log_phases: list[Angle | None] = []
-        for strain in constants.strains:
-            turning = any(not value.is_zero() for value in strain.logs)
-            alpha = strain.place.imag
+        for log_term in constants.log_terms:
+            turning = any(not value.is_zero() for value in log_term.logs)
+            alpha = log_term.place.imag
             sign = 1 if alpha.mid() > 0 or alpha.is_zero() else -1
-            log_phases.append(angle_of(constants, strain, alpha, sign) if turning else None)
+            log_phases.append(angle_of(constants, log_term, alpha, sign) if turning else None)
         angles = tuple(angle_of(constants, p, p.alpha, p.sign) for p in constants.phases)
         gradient, ratios = _speed(constants)
         easy = smooth(angles) if constants.kind == "trigonometric" else (False,) * len(angles)
-        rippled = [with_series(a) if e else a for a, e in zip(angles, easy, strict=True)]
+        with_terms = [with_series(a) if e else a for a, e in zip(angles, easy, strict=True)]
         count = len(constants.rates)
         return Doubles(
             constants=constants, odd=odd, scale=float(constants.scale.mid()),
@@ -181,10 +181,13 @@ def prepare_doubles(constants: Constants) -> Doubles:
             base=float(constants.base.mid()), other=float(constants.other.mid()),
             span=float((constants.other - constants.base).mid()),
             weights=weights_of(constants),
-            angles=angles, log_phases=tuple(log_phases), ripples=ripples_of(constants, rippled),
+            angles=angles, log_phases=tuple(log_phases),
+            periodic_terms=periodic_terms_of(constants, with_terms),
             shares=tuple(_shares(constants, easy, number) for number in range(count)),
-            strains=tuple(_strains(constants, number) for number in range(count)),
-            swings=tuple((float(p.mid()), float(q.mid())) for p, q in constants.swings),
+            log_terms=tuple(_log_terms(constants, number) for number in range(count)),
+            bounded_terms=tuple(
+                (float(p.mid()), float(q.mid())) for p, q in constants.bounded_terms
+            ),
             gradient=gradient, ratios=ratios,
         )  # fmt: skip
 
@@ -217,17 +220,17 @@ def _speed(constants: Constants) -> tuple[float, tuple[complex, ...]]:
 def _shares(
     constants: Constants, easy: tuple[bool, ...], number: int
 ) -> tuple[tuple[int, float], ...]:
-    """Of an integral: the phases that are not all in its ripple, with their factors."""
+    """Of an integral: the phases that are not all in its periodic term, with their factors."""
     found = [(place, float(one.shares[number])) for place, one in enumerate(constants.phases)]
     return tuple(
         (place, share) for place, share in found if abs(share) > NOTHING and not easy[place]
     )
 
 
-def _strains(constants: Constants, number: int) -> tuple[int, ...]:
+def _log_terms(constants: Constants, number: int) -> tuple[int, ...]:
     return tuple(
         place
-        for place, one in enumerate(constants.strains)
+        for place, one in enumerate(constants.log_terms)
         if not (one.logs[number].is_zero() and one.zetas[number].is_zero())
     )
 
@@ -370,9 +373,11 @@ class Arguments:
 
     @cached_property
     def powers(self) -> np.ndarray:
-        """``sin z cos z cos^k 2z`` from the base, a row for each k that the ripples have."""
+        """``sin z cos z cos^k 2z`` from the base, a row for each k that the periodic terms have."""
         product, first, _ = self._squares
-        count = max((len(ripple) for ripple in self.doubles.ripples), default=0)
+        count = max(
+            (len(periodic_term) for periodic_term in self.doubles.periodic_terms), default=0
+        )
         rows = self.memory.several(count, self.times.size)
         mark = self.scratch.mark()
         if count:

@@ -18,7 +18,7 @@ from voronec.elliptic.doubles import (
     Doubles,
     QuarticReduction,
     Rows,
-    SecularPart,
+    SecularTerm,
     horner,
     matrix,
     two_product,
@@ -51,11 +51,11 @@ def angle_into(
 
 
 @np.errstate(all="ignore")
-def strain_part(doubles: Doubles, place: int, number: int, z: np.ndarray) -> np.ndarray:
-    """The periodic part that a strain adds to an integral, at z counted from its side."""
-    constants, strain = doubles.constants, doubles.constants.strains[place]
-    log, zeta = complex(strain.logs[number]), complex(strain.zetas[number])
-    whole, angle = complex(strain.place), doubles.log_phases[place]
+def log_term_part(doubles: Doubles, place: int, number: int, z: np.ndarray) -> np.ndarray:
+    """The periodic part that a log term adds to an integral, at z counted from its side."""
+    constants, log_term = doubles.constants, doubles.constants.log_terms[place]
+    log, zeta = complex(log_term.logs[number]), complex(log_term.zetas[number])
+    whole, angle = complex(log_term.place), doubles.log_phases[place]
     value = np.zeros_like(z)
     period = 2 * doubles.half
     images = ((1, -whole.real), (-1, whole.real))
@@ -76,9 +76,9 @@ def strain_part(doubles: Doubles, place: int, number: int, z: np.ndarray) -> np.
     if log.real and constants.kind == "hyperbolic" and not math.isfinite(period):
         # |z - a| - |z + a|, which ``_size`` leaves out: it is bounded, and they are not
         value -= 2 * log.real * np.clip(z, -abs(whole.real), abs(whole.real)) * np.sign(whole.real)
-    if strain.gains is not None and constants.half is not None:
+    if log_term.gains is not None and constants.half is not None:
         with ctx.workprec(BITS):
-            drift = float((strain.gains[number] / (2 * constants.half * constants.scale)).mid())
+            drift = float((log_term.gains[number] / (2 * constants.half * constants.scale)).mid())
         value -= drift * z
     return value
 
@@ -90,7 +90,7 @@ def _turn(doubles: Doubles, angle: Angle, z: np.ndarray) -> np.ndarray:
         sine, cosine = np.sin(z), np.cos(z)
         angle_into(angle, sine * sine, sine * cosine, value, spare)
         value *= angle.sign
-        for k, factor in enumerate(angle.ripple, 1):
+        for k, factor in enumerate(angle.periodic_term, 1):
             value += factor * np.sin(2 * k * z)
         return value
     if doubles.constants.kind == "rational":
@@ -212,13 +212,13 @@ class TimeStretch:
     Attributes:
         doubles: the motion.
         arguments: of the sums at the times.
-        courses: of the integrals.
+        secular_terms: of the integrals.
         origins: of each integral: its value at t = 0 before it is taken off, in radians and turns.
     """
 
     doubles: Doubles
     arguments: Arguments
-    courses: tuple[SecularPart, ...]
+    secular_terms: tuple[SecularTerm, ...]
     origins: tuple[Origin, ...]
 
     @property
@@ -268,7 +268,7 @@ class TimeStretch:
     def integral(self, number: int, start: float = 0.0) -> np.ndarray:
         """An integral along the motion, ``start`` at t = 0 and continuous."""
         value = self._sum(number, start)
-        if self.courses[number].exact:
+        if self.secular_terms[number].exact:
             # far from a turning point large terms cancel: they tell whole turns, and no more
             small = self.modulo(number, start)
             value = small + TURN * np.rint((value - small) / TURN)
@@ -276,19 +276,19 @@ class TimeStretch:
 
     def _sum(self, number: int, start: float) -> np.ndarray:
         """The sum of its terms, wrong by the last digits of the largest."""
-        course = self.courses[number]
+        secular_term = self.secular_terms[number]
         count, rest = self.arguments.phase_reduction
         periodic = self._periodic(number)
-        value = np.multiply(rest, course.slope, out=self.arguments.spare())
+        value = np.multiply(rest, secular_term.slope, out=self.arguments.spare())
         mark = self.arguments.scratch.mark()
         spare = self.arguments.spare()
-        if course.second:
-            value += np.multiply(count, course.second, out=spare)
+        if secular_term.second:
+            value += np.multiply(count, secular_term.second, out=spare)
         _add(value, periodic, 1.0, spare)
         value += start - self.origins[number][0]
         # The only rounding of the size of the value is the last.
-        if course.first:
-            value += np.multiply(count, course.first, out=spare)
+        if secular_term.first:
+            value += np.multiply(count, secular_term.first, out=spare)
         self.arguments.scratch.free(mark)
         return value
 
@@ -298,7 +298,7 @@ class TimeStretch:
         value = self.arguments.spare()
         mark = self.arguments.scratch.mark()
         spare = self.arguments.spare()
-        self._turns(self.courses[number], value, spare)
+        self._turns(self.secular_terms[number], value, spare)
         _add(value, periodic, 1 / TURN, spare)
         value += start / TURN - self.origins[number][1]
         np.subtract(value, 0.5, out=spare)
@@ -307,19 +307,19 @@ class TimeStretch:
         self.arguments.scratch.free(mark)
         return value
 
-    def _turns(self, course: SecularPart, value: np.ndarray, spare: np.ndarray) -> None:
+    def _turns(self, secular_term: SecularTerm, value: np.ndarray, spare: np.ndarray) -> None:
         """The steady part of an integral in turns, less whole ones."""
         count, rest = self.arguments.phase_reduction
-        high, low = course.spin
+        high, low = secular_term.spin
         other = self.arguments.spare()
-        if course.exact:
+        if secular_term.exact:
             first, second = self.arguments.reduction.tail(self.arguments.times, count)
             product, error = two_product(first, high)
             product -= np.rint(product)
             np.add(product, error + first * low + second * high, out=value)
         else:
             np.multiply(rest, high, out=value)
-        for share in course.turns:
+        for share in secular_term.turns:
             if share:
                 more = np.multiply(count, share, out=spare)
                 more -= np.rint(more, out=other)
@@ -329,14 +329,14 @@ class TimeStretch:
         """The periodic parts of an integral: factors and arrays."""
         doubles = self.doubles
         found = [(share, self._angles(place)) for place, share in doubles.shares[number]]
-        ripple = doubles.ripples[number]
-        if ripple.size:
-            powers = self.arguments.powers[: ripple.size]
-            found.append((1.0, np.matmul(ripple, powers, out=self.arguments.spare())))
-        for place in doubles.strains[number]:
-            z = self.arguments.z(doubles.constants.strains[place].side)
-            found.append((1.0, strain_part(doubles, place, number, z)))
-        p, q = doubles.swings[number]
+        periodic_term = doubles.periodic_terms[number]
+        if periodic_term.size:
+            powers = self.arguments.powers[: periodic_term.size]
+            found.append((1.0, np.matmul(periodic_term, powers, out=self.arguments.spare())))
+        for place in doubles.log_terms[number]:
+            z = self.arguments.z(doubles.constants.log_terms[place].side)
+            found.append((1.0, log_term_part(doubles, place, number, z)))
+        p, q = doubles.bounded_terms[number]
         if p or q:
             found.append((1.0, (p + q * self.x) * self.rate))
         return found
@@ -346,7 +346,7 @@ class TimeStretch:
         return {}
 
     def _angles(self, place: int) -> np.ndarray:
-        """The periodic part of a phase, but for its ripple."""
+        """The periodic part of a phase, but for its periodic term."""
         if place in self._known:
             return self._known[place]
         angle = self.doubles.angles[place]
@@ -511,12 +511,12 @@ def _model(doubles: Doubles, latest: float) -> TimeStretch:
 
 def _make_model(doubles: Doubles, latest: float) -> TimeStretch:
     here = _bare(doubles, doubles.reduction(latest), latest)
-    if len(doubles.origins) < len(here.courses):
+    if len(doubles.origins) < len(here.secular_terms):
         start = _at(
             _bare(doubles, doubles.reduction(0.0), 0.0), np.zeros(1), Rows(ROWS, 1), Rows(ROWS, 1)
         )
         found = []
-        for number in range(len(here.courses)):
+        for number in range(len(here.secular_terms)):
             radians = _quietly(partial(TimeStretch._sum, number=number, start=0.0), start)
             turned = _quietly(partial(TimeStretch.modulo, number=number), start)
             found.append((float(radians[0]), float(turned[0]) / TURN))
@@ -526,9 +526,11 @@ def _make_model(doubles: Doubles, latest: float) -> TimeStretch:
 
 def _bare(doubles: Doubles, reduction: QuarticReduction, latest: float) -> TimeStretch:
     count = len(doubles.constants.rates)
-    courses = tuple(doubles.course(number, reduction, latest) for number in range(count))
+    secular_terms = tuple(
+        doubles.secular_term(number, reduction, latest) for number in range(count)
+    )
     arguments = Arguments(doubles, np.zeros(0), reduction, Rows(1, 0), Rows(1, 0))
-    return TimeStretch(doubles, arguments, courses, ((0.0, 0.0),) * count)
+    return TimeStretch(doubles, arguments, secular_terms, ((0.0, 0.0),) * count)
 
 
 def _at(model: TimeStretch, times: np.ndarray, memory: Rows, scratch: Rows) -> TimeStretch:

@@ -163,8 +163,8 @@ class Solution:
         found: dict[int | None, complex] = {}
         for phase in constants.phases:
             found[phase.pole] = phase.side * half + 1j * float(phase.alpha) / scale
-        for strain in constants.strains:
-            found[strain.pole] = strain.side * half + complex(strain.place) / scale
+        for log_term in constants.log_terms:
+            found[log_term.pole] = log_term.side * half + complex(log_term.place) / scale
         numbers = _numbers(self.source, PEOPLE)
         return tuple(found.get(place) for place in range(len(numbers.poles)))
 
@@ -232,15 +232,15 @@ def _demands(constants: Constants) -> Iterator[tuple[arb | acb, arb | int]]:
         yield rate, constants.scale
     for value in (*constants.starts, *(constants.advances or ())):
         yield value, 1
-    for pair in constants.swings:
+    for pair in constants.bounded_terms:
         yield pair[0], 1
         yield pair[1], 1
     for phase in constants.phases:
         yield phase.alpha, 0
         yield from ((share, 1) for share in phase.shares if isinstance(share, arb))
-    for strain in constants.strains:
-        yield strain.place, 1
-        yield from ((value, 1) for value in (*strain.logs, *strain.zetas))
+    for log_term in constants.log_terms:
+        yield log_term.place, 1
+        yield from ((value, 1) for value in (*log_term.logs, *log_term.zetas))
 
 
 def _within(value: arb | acb, least: arb | int, unit: arb) -> bool:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from flint import acb, arb
 
-from voronec.elliptic.constants import Constants, Phase, Strain
+from voronec.elliptic.constants import Constants, LogTerm, Phase
 from voronec.elliptic.roots import OpenDecision, power
 
 __all__ = ["Moment", "Sums", "moment_of", "nearest", "phase"]
@@ -185,10 +185,10 @@ def _expressions(constants: Constants, sums: Sums, t: arb, x: arb, rate: arb) ->
     for one in constants.phases:
         turned = _growth(constants, sums, one, t)
         values = [value + share * turned for value, share in zip(values, one.shares, strict=True)]
-    for strain in constants.strains:
-        added = _strain_parts(constants, sums, strain, t)
+    for log_term in constants.log_terms:
+        added = _log_term_parts(constants, sums, log_term, t)
         values = [value + more for value, more in zip(values, added, strict=True)]
-    for place, (p, q) in enumerate(constants.swings):
+    for place, (p, q) in enumerate(constants.bounded_terms):
         if not (p.is_zero() and q.is_zero()):
             values[place] += (p + q * x) * rate
     return tuple(values)
@@ -200,9 +200,9 @@ def _growth(constants: Constants, sums: Sums, one: Phase, t: arb) -> arb:
     return angle if one.gain is None else angle + count * one.gain
 
 
-def _strain_parts(constants: Constants, sums: Sums, strain: Strain, t: arb) -> list[arb]:
-    z, count = _reduce_time(constants, t, strain.side)
-    a = strain.place
+def _log_term_parts(constants: Constants, sums: Sums, log_term: LogTerm, t: arb) -> list[arb]:
+    z, count = _reduce_time(constants, t, log_term.side)
+    a = log_term.place
     images: tuple[acb, ...] = (z - a, z + a)
     if constants.kind == "exponential":
         sums, images = Sums("hyperbolic", arb(0), "one"), images[:1]
@@ -210,14 +210,14 @@ def _strain_parts(constants: Constants, sums: Sums, strain: Strain, t: arb) -> l
     for image in images:
         zeta += sums.zeta(image)
     log = acb(0)
-    if any(not factor.is_zero() for factor in strain.logs):
+    if any(not factor.is_zero() for factor in log_term.logs):
         log = _logarithm(constants, sums, a, images)
     values = [
         (factor * log + other * zeta).real
-        for factor, other in zip(strain.logs, strain.zetas, strict=True)
+        for factor, other in zip(log_term.logs, log_term.zetas, strict=True)
     ]
-    if count and strain.gains:
-        values = [value + count * gain for value, gain in zip(values, strain.gains, strict=True)]
+    if count and log_term.gains:
+        values = [value + count * gain for value, gain in zip(values, log_term.gains, strict=True)]
     return values
 
 
@@ -233,12 +233,12 @@ def _logarithm(constants: Constants, sums: Sums, a: acb, images: tuple[acb, ...]
             period = 2 * constants.half * constants.scale
             count = nearest(whole / period)
             whole -= count * period
-            gain = _strain_gain(sums, a.imag, sign)
+            gain = _log_term_gain(sums, a.imag, sign)
         angle += phase(sums, whole, a.imag, sign) + count * gain
     return acb(size, angle)
 
 
-def _strain_gain(sums: Sums, alpha: arb, sign: int) -> arb:
+def _log_term_gain(sums: Sums, alpha: arb, sign: int) -> arb:
     """What the phase of such a pole grows by in one period."""
     if sums.kind == "trigonometric":
         return sign * arb.pi()

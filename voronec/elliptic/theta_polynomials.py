@@ -19,14 +19,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from flint import arb, arb_poly
 
-from voronec.elliptic.constants import Constants, Phase, Strain
+from voronec.elliptic.constants import Constants, LogTerm, Phase
 
 __all__ = [
     "Angle",
     "Weights",
     "angle_of",
     "period_of",
-    "ripples_of",
+    "periodic_terms_of",
     "smooth",
     "weights_of",
     "with_series",
@@ -73,7 +73,7 @@ class Angle:
         above: coefficients of N, ascending, the last one 1.
         below: coefficients of D; a lone 0 where the trace passes through the pole.
         drift: what is linear in the phase and taken into the mean rate; 0 if trigonometric.
-        ripple: factors of ``sin 2kz``, k = 1, 2, .., to be added; only if trigonometric.
+        periodic_term: factors of ``sin 2kz``, k = 1, 2, .., to be added; only if trigonometric.
     """
 
     side: int
@@ -81,7 +81,7 @@ class Angle:
     above: tuple[float, ...]
     below: tuple[float, ...]
     drift: float
-    ripple: tuple[float, ...] = ()
+    periodic_term: tuple[float, ...] = ()
 
 
 def period_of(constants: Constants) -> arb | None:
@@ -110,12 +110,14 @@ def weights_of(constants: Constants) -> Weights:
     )
 
 
-def angle_of(constants: Constants, phase: Phase | Strain, alpha: arb, sign: int) -> Angle:
+def angle_of(constants: Constants, phase: Phase | LogTerm, alpha: arb, sign: int) -> Angle:
     """The periodic part of the phase of a pole at that distance."""
     size = abs(alpha)
     if constants.kind == "trigonometric":
         near = _double((2 * size).expm1() / 2)
-        return Angle(phase.side, sign, (1.0,), (near, 1.0), 0.0, _ripple(constants.nome, alpha))
+        return Angle(
+            phase.side, sign, (1.0,), (near, 1.0), 0.0, _periodic_term(constants.nome, alpha)
+        )
     drift = _drift(constants, alpha, sign)
     if alpha.is_zero():
         return Angle(phase.side, sign, (1.0,), (0.0,), drift)
@@ -160,16 +162,16 @@ def _height(angle: Angle) -> float:
 
 
 def with_series(angle: Angle) -> Angle:
-    """The same with the series of the whole phase as its ripple."""
+    """The same with the series of the whole phase as its periodic term."""
     decay = math.exp(-2 * _height(angle))
-    count = max(len(angle.ripple), math.ceil(math.log(NEGLIGIBLE) / math.log(decay)), 1)
-    ripple = [*angle.ripple, *(0.0 for _ in range(count - len(angle.ripple)))]
+    count = max(len(angle.periodic_term), math.ceil(math.log(NEGLIGIBLE) / math.log(decay)), 1)
+    known = [*angle.periodic_term, *(0.0 for _ in range(count - len(angle.periodic_term)))]
     series = (angle.sign * decay**k / k for k in range(1, count + 1))
-    return replace(angle, ripple=tuple(a + b for a, b in zip(ripple, series, strict=True)))
+    return replace(angle, periodic_term=tuple(a + b for a, b in zip(known, series, strict=True)))
 
 
-def ripples_of(constants: Constants, angles: Sequence[Angle]) -> tuple[np.ndarray, ...]:
-    """Of each integral: the ripples of its phases, over ``X cos^k 2z`` with z from the base.
+def periodic_terms_of(constants: Constants, angles: Sequence[Angle]) -> tuple[np.ndarray, ...]:
+    """Of each integral: the periodic terms of its phases, over ``X cos^k 2z`` with z from the base.
 
     ``sin 2kz = 2 X U_(k-1)(cos 2z)``, and half a period later ``(-1)^k`` of it.
     """
@@ -179,7 +181,7 @@ def ripples_of(constants: Constants, angles: Sequence[Angle]) -> tuple[np.ndarra
         for phase, angle in zip(constants.phases, angles, strict=True):
             last, this = arb_poly([0]), arb_poly([2])
             share = arb(phase.shares[number])
-            for k, factor in enumerate(angle.ripple, 1):
+            for k, factor in enumerate(angle.periodic_term, 1):
                 flip = (-1) ** (k * angle.side)
                 total += share * flip * arb(factor) * this
                 last, this = this, arb_poly([0, 2]) * this - last
@@ -187,7 +189,7 @@ def ripples_of(constants: Constants, angles: Sequence[Angle]) -> tuple[np.ndarra
     return tuple(found)
 
 
-def _ripple(nome: arb, alpha: arb) -> tuple[float, ...]:
+def _periodic_term(nome: arb, alpha: arb) -> tuple[float, ...]:
     found: list[float] = []
     if nome.is_zero() or alpha.is_zero():
         return ()

@@ -33,7 +33,7 @@ class Elementary:
     rates
         angle -> the part of its rate that does not change.
     shares
-        angle -> {pole: share}: the integral is  rate t + sum of share * ``swing``.
+        angle -> {pole: share}: the integral is  rate t + sum of share * ``periodic_term``.
     weights
         pole -> its weight.
     """
@@ -45,7 +45,7 @@ class Elementary:
     shares: Mapping[Any, Mapping[sp.Expr, int]]
     weights: Mapping[sp.Expr, sp.Expr]
 
-    def swing(self, pole: Any, phase: Any) -> sp.Expr:
+    def periodic_term(self, pole: Any, phase: Any) -> sp.Expr:
         """The integral of w/(x - pole) dt from the phase 0, where x is largest, for |phase| < pi.
 
         Both cosines of the pole are of one sign, so that the root is real.
