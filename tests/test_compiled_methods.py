@@ -228,11 +228,11 @@ def test_a_heyoka_that_cannot_be_imported_counts_as_absent(
     many = {"times": TIMES, "tol": 1e-11, "inputs": {tau: 0}}
     reason = "heyoka is installed but cannot be imported: libtbb.so.12: no such file"
     with pytest.warns(UserWarning, match=f"{reason}; it counts as absent"):
-        found = moved("auto")
+        found = moved("auto", tol=1e-12)
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # it is said once
         several = vo.ensemble(PENDULUM, {"x": [0.1, 0.2]}, **many)
-        assert moved("auto").cost.reason == found.cost.reason
+        assert moved("auto", tol=1e-12).cost.reason == found.cost.reason
     for ask in (moved, lambda method: vo.ensemble(PENDULUM, {"x": [0, 1]}, method=method, **many)):
         with pytest.raises(DefinitionError, match=f"{reason}; 'pip install heyoka'"):
             ask("heyoka")
@@ -338,13 +338,49 @@ def test_kept_code_is_read_and_damaged_code_is_named_and_made_anew(
 def test_auto_takes_it_for_heavy_programs(monkeypatch: pytest.MonkeyPatch) -> None:
     if sys.platform != "linux" or methods.METHODS["heyoka"].absence:
         pytest.skip("elsewhere it is not chosen")
-    assert moved("auto").cost.method == "heyoka"
+    assert moved("auto", tol=1e-12).cost.method == "heyoka"
     monkeypatch.setattr(methods, "HEAVY", 0)
     assert moved("auto").cost.method == "python", "a short run"
     monkeypatch.setattr(methods, "TINY", 0)
     found = moved("auto")
     assert found.cost.method == "c" and found.cost.reason == "auto: a heavy program"
     assert moved("auto", tol=1e-15).cost.method == "heyoka", "finer than it gets"
+
+
+@NO_COMPILER
+@pytest.mark.parametrize(("name", "end"), [("chaplygin-ball-in-rn", 5.0), ("falling-disc", 1.0)])
+def test_auto_takes_it_where_its_steps_cost_less_at_equal_error(name: str, end: float) -> None:
+    if sys.platform != "linux" or methods.METHODS["heyoka"].absence:
+        pytest.skip("elsewhere it is not chosen")
+    given = {"times": np.linspace(0, end, 11)}
+    fine = vo.integrate(vo.load(name), **given)
+    assert fine.cost.method == "heyoka", "it comes no nearer than this"
+    found = vo.integrate(vo.load(name), **given, tol=1e-9)
+    assert found.cost.method == "c" and "cost less" in found.cost.reason
+    assert np.abs(found.state - fine.state).max() < 1e-7
+    assert vo.integrate(vo.load(name), **given, tol=1e-9).cost.reason == found.cost.reason
+
+
+def damped(rate: float, tol: float) -> tuple[vo.Trajectory, float]:
+    """vdot = -k (v - cos t) from v = 1, and the largest error of x and v."""
+    k = sp.Symbol("k")
+    system = vo.System(
+        name="damped", fibration=vo.Fibration((x,)), lagrangian=DX**2 / 2,
+        forces={x: -k * (DX - sp.cos(vo.time))}, parameters=(k,),
+    )  # fmt: skip
+    run = vo.integrate(system, parameters={k: rate}, initial={DX: 1}, times=np.arange(11), tol=tol)
+    slow, quick = rate**2 / (rate**2 + 1), np.exp(-rate * run.t)
+    v = slow * (np.cos(run.t) + np.sin(run.t) / rate) + (1 - slow) * quick
+    way = slow * (np.sin(run.t) + (1 - np.cos(run.t)) / rate) + (1 - slow) * (1 - quick) / rate
+    return run, float(max(np.abs(run["x"] - way).max(), np.abs(run["xdot"] - v).max()))
+
+
+def test_stiff_motions_are_recognised() -> None:
+    """A damping that takes explicit methods 1.6 million steps, and one that does not."""
+    run, error = damped(1e6, 1e-9)
+    assert run.cost.method == "lsoda" and run.cost.steps < 5000 and error < 1e-8
+    run, error = damped(10.0, 1e-9)
+    assert run.cost.method != "lsoda" and error < 1e-8
 
 
 @NO_NUMBA

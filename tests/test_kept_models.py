@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import warnings
 from dataclasses import replace
 from pathlib import Path
@@ -70,6 +72,74 @@ def test_a_motion_from_the_disk_is_the_fresh_one_bit_for_bit(shelf, no_levels, m
     kept = [motion(*each, method) for each in MOTIONS]
     for one, two, three in zip(fresh, again, kept, strict=True):
         assert np.array_equal(one, two) and np.array_equal(one, three)
+
+
+KINDS = {
+    "sleigh": [
+        ({}, {}, 3.0), ({"w": 0}, {}, 3.0), ({"v": 2, "w": 0.3}, {"a": 0}, 3.0), ({}, {}, -2.0),
+        ({"v": 0.5, "xdot": 0.5}, {"m": 3}, 1.0),
+    ],
+    "demchenko": [({}, {}, 3.0), ({"n": 0}, {}, 3.0), ({"s": 0.3}, {"k": 0}, 2.0)],
+    "ball-on-sphere": [({}, {}, 2.0), ({"omega3": 0}, {}, 2.0), ({"u": 1e-7}, {}, 2.0)],
+}  # fmt: skip
+"""Starts of different patterns: other zeros, parameters and directions of time."""
+ALONE = """
+import sys, numpy as np, voronec as vo
+name, (initial, parameters, end) = sys.argv[1], eval(sys.argv[2])
+run = vo.integrate(vo.load(name), "default", np.linspace(0, end, 120), tol=1e-10,
+                   initial=initial, parameters=parameters)
+print(run.state.tobytes().hex(), sorted(run.drift.items()), run.notes)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", KINDS)
+def test_prepared_problems_give_each_start_what_a_fresh_process_does_bit_for_bit(name) -> None:
+    prepared = vo.prepare(vo.load(name), "default", tol=1e-10)
+    for turn in range(2):  # then all that is kept is there
+        for initial, parameters, end in KINDS[name][:: 1 - 2 * turn]:
+            run = prepared.run(initial, parameters, np.linspace(0, end, 120))
+            here = f"{run.state.tobytes().hex()} {sorted(run.drift.items())} {run.notes}"
+            words = [sys.executable, "-c", ALONE, name, repr((initial, parameters, end))]
+            alone = subprocess.run(words, capture_output=True, text=True, check=True)
+            assert alone.stdout.strip() == here, (initial, parameters)
+
+
+def test_a_prepared_problem_runs_as_integrate_does() -> None:
+    sleigh, grid = vo.load("sleigh"), np.linspace(0, 4, 41)
+    prepared = vo.prepare(sleigh, outputs=("x", "w**2"), events="phi - 1", tol=1e-11, dense=True)
+    for initial in (None, {"v": 1, "w": 2}, {"v": 1}):
+        run = prepared.run(initial, times=grid)
+        same = vo.integrate(
+            sleigh, outputs=("x", "w**2"), events="phi - 1", tol=1e-11, dense=True, times=grid,
+            initial=initial,
+        )  # fmt: skip
+        assert all(np.array_equal(run[name], same[name]) for name in ("x", "w**2"))
+        assert np.array_equal(run.events["phi - 1"].t, same.events["phi - 1"].t)
+        assert np.array_equal(run.at([0.1])["x"], same.at([0.1])["x"])
+        assert run.drift == same.drift and run.names == same.names
+
+
+@pytest.mark.parametrize(
+    ("asked", "run", "word"),
+    [
+        ({"outputs": ("xx",)}, {}, "xx"),
+        ({"scene": "nowhere"}, {}, "no scene 'nowhere'"),
+        ({"events": ("q",)}, {}, "'q'"),
+        ({"tol": 2}, {}, "tol"),
+        ({}, {"initial": {"nobody": 1}}, "nobody"),
+        ({}, {"times": [0, 0]}, "monotonic"),
+        ({}, {"parameters": {"v": 1}}, "parameter 'v'"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_where_it_is_said(asked, run, word) -> None:
+    if not run:
+        with pytest.raises(vo.DefinitionError, match=word):
+            vo.prepare(vo.load("sleigh"), **asked)
+        return
+    prepared = vo.prepare(vo.load("sleigh"), **asked)
+    with pytest.raises(vo.DefinitionError, match=word):
+        prepared.run(**run)
 
 
 def test_events_and_outputs_have_models_of_their_own(shelf, no_levels) -> None:

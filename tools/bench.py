@@ -8,6 +8,8 @@ methods      any system: our methods and the peers against a reference
 closed-form  the closed form: docs/closed-form.md
 references   the references of the closed form
 mechanics    models of SymPy's mechanics against SymPy
+prepared     runs of prepared problems beside equations by hand
+costs        what steps of heyoka and DOP853 cost: the constants by which `auto` chooses
 """
 
 import sys
@@ -21,6 +23,8 @@ KINDS = {
     "closed-form": "figures.closed_form",
     "references": "figures.closed_references",
     "mechanics": "figures.mechanics",
+    "prepared": "figures.prepared",
+    "costs": "figures.method_costs",
 }
 """Kind -> the module that does it."""
 

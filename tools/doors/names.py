@@ -134,6 +134,8 @@ def _table() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
     point = {"x": 0, "y": 0, "phi": 0.3, "v": 1, "w": 2}
     return _declarations() | {
         "integrate": (vo.integrate, {**motion, "outputs": ("x",), "tol": 1e-9, "method": "scipy"}),
+        "prepare": (vo.prepare, {"system": x, "outputs": ("x",), "tol": 1e-9, "method": "scipy"}),
+        "run": (vo.prepare(x).run, {n: e for n, e in motion.items() if n != "system"}),
         "integrate heyoka": (vo.integrate, {**motion, "method": "heyoka"}),
         "integrate flint": (vo.integrate, {**motion, "method": "flint", "tol": 1e-25}),
         "integrate sleigh": (vo.integrate, {"system": sleigh, "times": SPAN, "events": ()}),

@@ -14,7 +14,7 @@ import numpy as np
 
 from voronec.motion.steppers.heyoka_stepper import heyoka
 
-__all__ = ["BY_HAND", "HandProgram", "ball", "demchenko"]
+__all__ = ["BY_HAND", "HandProgram", "ball", "demchenko", "sleigh"]
 
 NORMAL = ("gamma1", "gamma2", "gamma3")
 SPIN = ("omega1", "omega2", "omega3")
@@ -110,6 +110,23 @@ def demchenko(p: Values) -> HandProgram:
     return HandProgram(list(zip([*G, *gamma], rates, strict=True)), start, back, ("u",))
 
 
+def sleigh(p: Values) -> HandProgram:
+    """Chaplygin's sleigh, whose centre of mass lies at the distance a before the blade:
+
+    vdot = a omega^2,   (J + m a^2) omegadot = -m a v omega.
+    """
+    hy = heyoka()
+    names = ("x", "y", "phi", "v", "w")
+    x, y, phi, v, w = hy.make_vars(*names)
+    a, drag = p["a"], p["m"] * p["a"] / (p["J"] + p["m"] * p["a"] ** 2)
+    rates = [v * hy.cos(phi), v * hy.sin(phi), w, a * w**2.0, -drag * (v * w)]
+    return HandProgram(
+        list(zip([x, y, phi, v, w], rates, strict=True)),
+        lambda values: np.array([values[n] for n in names]),
+        lambda rows: dict(zip(names, rows.T, strict=True)), names,
+    )  # fmt: skip
+
+
 def _cross(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
     return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
 
@@ -132,5 +149,6 @@ BY_HAND: dict[str, Callable[[Values], HandProgram]] = {
     "homogeneous-ball": _homogeneous,
     "ball-on-sphere": _on_sphere,
     "demchenko": demchenko,
+    "sleigh": sleigh,
 }
 """Systems that somebody has written by hand, as functions of their parameters' values."""

@@ -32,6 +32,14 @@ class Memo:
         found: T = self._known[what]
         return found
 
+    def last(self, what: Hashable, key: Any, make: Callable[[], T]) -> T:
+        """The result of that name for a key, made anew where another key was asked for last."""
+        kept = self._known.get(what)
+        if kept is None or kept[0] != key:
+            kept = self._known[what] = key, make()
+        found: T = kept[1]
+        return found
+
     def __reduce__(self) -> Any:
         return Memo, ()
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from voronec.motion.ensembles import Ensemble, ensemble
     from voronec.motion.inputs import Table
-    from voronec.motion.integration import integrate
+    from voronec.motion.integration import PreparedProblem, integrate, prepare
     from voronec.motion.request import Event
     from voronec.motion.sections import Section, section
     from voronec.motion.trajectory import Cost, Crossings, Trajectory
@@ -19,18 +19,20 @@ __all__ = [
     "Crossings",
     "Ensemble",
     "Event",
+    "PreparedProblem",
     "Section",
     "Table",
     "Trajectory",
     "ensemble",
     "integrate",
+    "prepare",
     "section",
 ]
 
 _HOME = {
     "ensembles": ("Ensemble", "ensemble"),
     "request": ("Event",),
-    "integration": ("integrate",),
+    "integration": ("PreparedProblem", "integrate", "prepare"),
     "sections": ("Section", "section"),
     "inputs": ("Table",),
     "trajectory": ("Cost", "Crossings", "Trajectory"),

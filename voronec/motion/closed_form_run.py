@@ -214,8 +214,9 @@ class _ClosedSight:
             constants = self.outset.exactly.constants(self.bits)
         with mpmath.workprec(self.bits):
             return make_trajectory(
-                self.vocabulary, self.watch, self.program, t, states, constants, cost, interrupted
-            )
+                self.vocabulary, self.watch, self.program, t, states, constants, cost,
+                interrupted=interrupted,
+            )  # fmt: skip
 
 
 def _number(ball: Any) -> Any:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,7 +23,7 @@ from voronec.declaration.reading import quote
 from voronec.declaration.system import require_possible
 from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError
-from voronec.motion.request import Vocabulary, name_values, number
+from voronec.motion.request import Vocabulary, kept_while_same, name_values, number
 from voronec.motion.tolerances import UNIT
 
 if TYPE_CHECKING:
@@ -183,7 +183,11 @@ def start_of(
     """
     system = vocabulary.equations.system
     coordinates = [plain_name(q) for q in system.coordinates]
-    old, new = (numbers_of(vocabulary, part, parameters) for part in (scene, given))
+    old, new = (
+        kept_while_same(vocabulary, f"numbers of {what}", (part, parameters),
+                        partial(numbers_of, vocabulary, part, parameters))
+        for what, part in (("a scene", scene), ("a start", given))
+    )  # fmt: skip
     q, notes = coordinates_of(vocabulary, {**old, **new}, parameters, time, project)
     v = np.zeros(len(system.velocities))
     for values in (old, new):
@@ -277,6 +281,8 @@ def meet_conditions(
     if not conditions:
         return v, []
     own = [plain_name(x) for x in vocabulary.equations.system.velocities]
+    if conditions.keys() <= {*own}:  # each says what one of them is
+        return np.array([conditions.get(name, x) for name, x in zip(own, v, strict=True)]), []
     order, rows, right = _pose_conditions(vocabulary, q, conditions, rates)
     chosen = independent(rows)
     involved = np.abs(rows).max(axis=0) > CONSISTENT * np.abs(rows).max(initial=0.0)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import ceil, isfinite, log2
 from sys import float_info
@@ -17,11 +17,14 @@ from typing import TYPE_CHECKING, Any
 
 import mpmath
 import numpy as np
+import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.arguments import CALLABLE, FLAG, SEVERAL, TEXT, TOLERANCE, VALUES, accepts
+from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import as_expression
+from voronec.declaration.reading import several
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
 from voronec.equations.attitudes import angles_without_chart, euler_angles, with_attitude_charts
@@ -34,15 +37,16 @@ from voronec.motion.atlas import NEAR as CHANGE
 from voronec.motion.atlas import kept_charts
 from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import Divisor, NearDivisor, guard_events, without_guards
-from voronec.motion.inputs import drive
+from voronec.motion.inputs import Drive, drive
 from voronec.motion.methods import CLOSED_FORM, METHODS, choose_regular, is_exact
 from voronec.motion.motion_start import Outset, WideStart
 from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
-from voronec.motion.observables import Watch, evaluate_watch
+from voronec.motion.observables import Watch, evaluate_watch, shown_program
 from voronec.motion.request import (
     Event,
     StartData,
     Vocabulary,
+    events_of,
     grid_of,
     name_events,
     outputs_of,
@@ -67,7 +71,7 @@ from voronec.motion.trajectory import Cost, Crossings, Trajectory, make_trajecto
 if TYPE_CHECKING:
     from voronec.motion.mode_stepper import SwitchedIntegrator
 
-__all__ = ["Way", "first_success", "integrate", "other_method"]
+__all__ = ["PreparedProblem", "Way", "first_success", "integrate", "other_method", "prepare"]
 
 
 FEW = 100
@@ -79,17 +83,165 @@ FAR = 500.0
 both are about equal at half of it for every system that declares one."""
 
 
-@accepts(
-    outputs=SEVERAL,
-    parameters=VALUES,
-    inputs=VALUES,
-    initial=VALUES,
-    method=TEXT,
-    tol=TOLERANCE,
-    project=FLAG,
-    dense=FLAG,
-    progress=CALLABLE,
-)
+ASKED = {
+    "outputs": SEVERAL, "inputs": VALUES, "method": TEXT, "tol": TOLERANCE, "project": FLAG,
+    "dense": FLAG,
+}  # fmt: skip
+GIVEN = {"initial": VALUES, "parameters": VALUES, "progress": CALLABLE}
+"""Kinds of arguments: of a problem, and of one run of it."""
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedProblem:
+    """A system made ready for many runs; ``prepare`` makes it.
+
+    ``run`` gives what ``integrate`` does with the same arguments, to the last bit, and does only
+    what depends on its own: the start, the parameters and the times.  The first run of each kind of
+    start - which variables are zero, which integrals may stand in for equations - writes and
+    compiles the model of that kind, which later ones find.
+    """
+
+    source: System | VoronecEquations
+    scene: str | Scene | None
+    outputs: tuple[Any, ...]
+    method: str
+    tol: float
+    events: tuple[Event, ...]
+    project: bool
+    dense: bool
+    inputs: Mapping[Any, Any] | None
+    memo: Memo = field(default_factory=Memo, init=False, repr=False)
+
+    @property
+    def system(self) -> System:
+        """The system, as it was declared."""
+        source = self.source
+        return source.system if isinstance(source, VoronecEquations) else require_system(source)
+
+    @accepts(**GIVEN)
+    def run(
+        self,
+        initial: Mapping[Any, Any] | None = None,
+        parameters: Mapping[Any, Any] | None = None,
+        times: Any = None,
+        progress: Callable[[float], Any] | None = None,
+    ) -> Trajectory:
+        """The motion from one start, on a grid of times.
+
+        ``initial``, ``parameters``, ``times`` and ``progress`` are those of ``integrate``, and so
+        are what is returned and the errors that are raised.
+        """
+        return self._motion(initial, parameters, times, progress, perf_counter())
+
+    def _read(self, initial_given: bool) -> _Reading:
+        """What is asked, with the scene of a run that is given initial values, or none."""
+        alone = initial_given and self.scene is None
+        return self.memo.once(
+            alone, lambda: _Reading.of(self, scene_of(self.system, self.scene, not alone))
+        )
+
+    def _motion(
+        self, initial: Mapping[Any, Any] | None, parameters: Mapping[Any, Any] | None, times: Any,
+        progress: Callable[[float], Any] | None, began: float,
+    ) -> Trajectory:  # fmt: skip
+        """The same; its set-up counts from the time that it ``began``."""
+        read, tol, method = self._read(initial is not None), self.tol, self.method
+        grid = grid_of(self.system, read.scene, times)
+        start, end = float(grid[0]), float(grid[-1])
+        driven, vocabulary, happenings = read.drive.over(start, end), read.vocabulary, read.events
+        given = read.start_data.given(vocabulary, parameters, initial)
+        given = replace(given, parameters={**given.parameters, **driven.parameters(start, end)})
+        outset = Outset.of(vocabulary, given, start, self.project, driven.changing)
+        far = driven.equations.system.motion is not None and abs(end - start) >= FAR
+        if method == CLOSED_FORM or (method == "auto" and far and not happenings):
+            from voronec.motion.closed_form_run import evaluated_motion
+
+            with suppress(*(() if method == CLOSED_FORM else (DefinitionError, EngineLimit))):
+                return evaluated_motion(
+                    vocabulary, read.outputs, given, outset, grid, tol, self.dense, progress,
+                    began, method,
+                )  # fmt: skip
+        followed = self.dense or bool(happenings) or not read.outputs or len(grid) < FEW
+
+        def go(
+            outputs: tuple[Any, ...], functions: Mapping[str, Any], events: tuple[Event, ...],
+            grid: np.ndarray,
+        ) -> Trajectory:  # fmt: skip
+            request = _Request(
+                vocabulary, outputs, functions, events, outset, grid, tol, self.dense, progress,
+                followed, method, began, given, self.project,
+            )  # fmt: skip
+            ways = (request.in_smallest, request.otherwise, request.on_coordinates)
+            return first_success(request.in_any_split(ways), start)
+
+        found = read.cuts.motion(go, read.outputs, read.functions, happenings, grid)
+        more = (*driven.notes, *_notes_of_cost(found.cost, tol))
+        if not more and found.system is self.system:
+            return found
+        notes = (*driven.notes, *found.notes, *more[len(driven.notes) :])
+        return replace(found, system=self.system, notes=notes)
+
+
+@dataclass(frozen=True, eq=False)
+class _Reading:
+    """What a ``PreparedProblem`` asks for, in the names of its system, and what one scene, or none,
+    says of starts."""
+
+    scene: Scene | None
+    drive: Drive
+    vocabulary: Vocabulary
+    outputs: tuple[Any, ...]
+    events: tuple[Event, ...]
+    functions: Mapping[str, Any]
+    start_data: StartData
+    cuts: CutWatch
+
+    @classmethod
+    def of(cls, asked: PreparedProblem, scene: Scene | None) -> _Reading:
+        """Read what is asked; ``DefinitionError`` for what the system does not know."""
+        driven, outputs = drive(asked.source, asked.inputs, scene), outputs_of(scene, asked.outputs)
+        _refuse_unknown_functions(driven.equations.system)
+        vocabulary = Vocabulary.of(driven.equations, driven.meaning)
+        vocabulary.read_outputs(outputs)
+        events, functions = name_events(vocabulary, asked.events)
+        if asked.method == CLOSED_FORM and events:
+            raise DefinitionError(
+                "the closed form looks for no events; use another method, or evaluate the motion "
+                "on a fine grid"
+            )
+        data = StartData.of(vocabulary, scene)
+        cuts = CutWatch.of(vocabulary)
+        return cls(scene, driven, vocabulary, outputs, events, functions, data, cuts)
+
+
+@accepts(**ASKED)
+def prepare(
+    system: System | VoronecEquations,
+    scene: str | Scene | None = None,
+    outputs: Sequence[Any] = (),
+    method: str = "auto",
+    tol: float = 1e-13,
+    events: Any = (),
+    project: bool = False,
+    dense: bool = False,
+    inputs: Mapping[Any, Any] | None = None,
+) -> PreparedProblem:
+    """A system made ready for many runs: ``prepare(system, ...).run(initial=..., times=...)``.
+
+    The equations are derived, and names, outputs, events and inputs are read, once.  The arguments
+    are those of ``integrate``; ``initial``, ``parameters``, ``times`` and ``progress`` are those of
+    ``PreparedProblem.run``.  Where no ``scene`` is given, a run without ``initial`` takes the one
+    called ``default``.
+
+    Raises ``DefinitionError`` for input that makes no sense.
+    """
+    what = system, scene, outputs, method, tol, events, project, dense, inputs
+    found = _prepared(*what)
+    found._read(initial_given="default" not in found.system.scenes)
+    return found
+
+
+@accepts(**ASKED, **GIVEN)
 def integrate(
     system: System | VoronecEquations,
     scene: str | Scene | None = None,
@@ -153,55 +305,40 @@ def integrate(
         pair of times and values; a function of the time (by ``scipy`` only), its rate, where the
         equations hold that, under the rate's symbol or name.
 
+    What does not depend on ``times``, ``parameters`` and ``initial`` is prepared as ``prepare``
+    does, and kept for the next call.
+
     Ctrl-C during the run ends it: the trajectory then holds what is done, ends where the run stood
     and is marked ``interrupted``.  Raises ``DefinitionError`` for input that makes no sense, and
     ``IntegrationError`` (with ``time``, ``state`` and the ``trajectory`` up to there) where the
     motion cannot be continued.
     """
     began = perf_counter()
-    declared = system.system if isinstance(system, VoronecEquations) else require_system(system)
-    chosen = scene_of(declared, scene, initial is None)
-    driven = drive(system, inputs, chosen)  # a system that makes no sense is refused before times
-    asked, grid = outputs_of(chosen, outputs), grid_of(declared, chosen, times)
-    driven = driven.over(float(grid[0]), float(grid[-1]))
-    equations = driven.equations
-    _refuse_unknown_functions(equations.system)
-    vocabulary = Vocabulary.of(equations, driven.meaning)
-    given = StartData.of(vocabulary, chosen, parameters, initial)
-    given = replace(
-        given, parameters={**given.parameters, **driven.parameters(float(grid[0]), float(grid[-1]))}
-    )
-    happenings, functions = name_events(vocabulary, events)
-    outset = Outset.of(vocabulary, given, float(grid[0]), project, driven.changing)
-    if method == CLOSED_FORM and happenings:
-        raise DefinitionError(
-            "the closed form looks for no events; use another method, or evaluate the motion "
-            "on a fine grid"
-        )
-    far = equations.system.motion is not None and not happenings and abs(grid[-1] - grid[0]) >= FAR
-    if method == CLOSED_FORM or (method == "auto" and far):
-        from voronec.motion.closed_form_run import evaluated_motion
+    what = system, scene, outputs, method, tol, events, project, dense, inputs
+    return _prepared(*what)._motion(initial, parameters, times, progress, began)
 
-        with suppress(*(() if method == CLOSED_FORM else (DefinitionError, EngineLimit))):
-            return evaluated_motion(
-                vocabulary, asked, given, outset, grid, tol, dense, progress, began, method
-            )
-    followed = dense or bool(happenings) or not asked or len(grid) < FEW
 
-    def go(
-        outputs: tuple[Any, ...], functions: Mapping[str, Any], events: tuple[Event, ...],
-        grid: np.ndarray,
-    ) -> Trajectory:  # fmt: skip
-        request = _Request(
-            vocabulary, outputs, functions, events, outset, grid, tol, dense, progress, followed,
-            method, began, given, project,
-        )  # fmt: skip
-        ways = (request.in_smallest, request.otherwise, request.on_coordinates)
-        return first_success(request.in_any_split(ways), float(grid[0]))
+MOST = 16
+"""So many problems stay with a system, as they were prepared for calls of ``integrate``."""
 
-    found = CutWatch.of(vocabulary).motion(go, asked, functions, happenings, grid)
-    notes = (*driven.notes, *found.notes, *_notes_of_cost(found.cost, tol))
-    return replace(found, system=declared, notes=notes)
+
+def _prepared(
+    system: System | VoronecEquations, scene: Any, outputs: Any, method: str, tol: float,
+    events: Any, project: bool, dense: bool, inputs: Any,
+) -> PreparedProblem:  # fmt: skip
+    """The problem, as an earlier call left it where it is told by names, symbols and expressions
+    alone: other things may change meanwhile, or be equal and yet not the same."""
+    asked, looked = several(outputs, "outputs", "name"), events_of(events)
+    made = PreparedProblem(system, scene, asked, method, tol, looked, project, dense, inputs)
+    made.system  # noqa: B018  what is none is refused before it is asked for its memo
+    parts = (*asked, *(event.function for event in looked))
+    if inputs or isinstance(scene, Scene) or not all(isinstance(x, str | sp.Basic) for x in parts):
+        return made
+    key = scene, asked, looked, tuple(map(type, parts)), method, tol, project, dense
+    kept: dict[Any, PreparedProblem] = system.memo.once("prepared problems", dict)
+    if len(kept) >= MOST and key not in kept:
+        kept.clear()
+    return kept.setdefault(key, made)
 
 
 @dataclass(frozen=True)
@@ -388,20 +525,17 @@ class _Job:
         state, values = made.place(outset.state, outset.constants, time)
         equations = self.vocabulary.equations
         probe = made.probe(equations.system.name, values, time, outset.changing)
-        guard, notes = self._pole_watch(method)
-        problem, functions = self._problem(state, values, probe), made.event_functions
-        if notes is not None:
-            problem = notes.watch(problem, made.form, functions)
-            functions = {**functions, **notes.levels}
-        seen = self._under_watch(problem, functions, guard, ())
+        plain, poles = self._problem(state, values, probe), self._poles(method)
+        seen = poles.watch(plain, self)
         switched = self._switching_stepper(method, *seen)
         if switched is None and made.is_rough and equations.system.charts:
-            guard = None
-        if guard is not None:
-            guard.check(state, values, time)
+            poles = replace(poles, guard=None)
+            seen = poles.watch(plain, self)
+        if poles.guard is not None:
+            poles.guard.check(state, values, time)
         watched = self._watch_divisors(state, values)
-        if switched is None or watched:
-            seen = self._under_watch(problem, functions, guard, watched)
+        if watched:
+            seen = self._under_watch(*seen, watched)
         if switched is not None and watched:
             switched = self._switching_stepper(method, *seen)
         if switched is not None and switched.corner is not None:
@@ -416,15 +550,15 @@ class _Job:
             stepper, chosen = switched.stepper, switched.chosen
         else:
             stepper, chosen = self._smooth(method, *seen)
-        pace = np.nan if self.in_part else pace_of(problem, float(self.grid[0]))
+        pace = np.nan if self.in_part else pace_of(plain, time)
         looks = LookGrid.of(self.grid, pace)
         ready, busy = perf_counter(), process_time()
         run = stepper(looks.whole)
-        run = replace(run, notes=(*warned, *run.notes))
-        run = run if notes is None else notes.with_notes(run)
+        run = replace(run, notes=(*warned, *run.notes)) if warned else run
+        run = run if poles.notes is None else poles.notes.with_notes(run)
         if watched:
             run = without_guards(run, watched, self.vocabulary)
-        run = run if guard is None else guard.without_poles(run)
+        run = run if poles.guard is None else poles.guard.without_poles(run)
         made.watch.require_reactions(run.held, equations.system.name)
         cost = Cost(
             **chosen, setup=ready - began + run.prepared,
@@ -442,20 +576,19 @@ class _Job:
         """The motion of a run as far as it is sound, and what ended it before its end."""
         sight, told = self._sight(run, values, cost), self.outset.notes + run.notes
         own = looks.without_looks(run)
-        trajectory = replace(sight.trajectory(own), notes=told)
+        trajectory = sight.trajectory(own, told)
         if run.halt is None and not run.interrupted:
             require_branches(trajectory, self.made.watch.branches, run)
-        # between the instants asked for only the first equations of what is smooth are looked at
-        plain = own is run or not smooth
-        seen = trajectory if plain else sight.observe(run.t, run.states)
-        breach, notes = self.judge(seen, run, values, smooth, looks.ends)
+        if self.in_part:  # what is wrong with it shows in the whole
+            return trajectory, run.halt
+        breach, notes = self.judge(sight, run, values, smooth, looks.ends)
         if breach is not None:
             run = run.until(breach.row, breach.what)
-            trajectory = replace(sight.trajectory(looks.without_looks(run)), notes=told)
+            trajectory = sight.trajectory(looks.without_looks(run), told)
         if run.halt is not None:
             return trajectory, run.halt
-        whole = (*told, *notes, *_outputs_without_value(trajectory))
-        return replace(trajectory, notes=whole), None
+        more = (*notes, *_outputs_without_value(trajectory))
+        return (replace(trajectory, notes=(*told, *more)) if more else trajectory), None
 
     def _problem(self, state: np.ndarray, values: Sequence[float], probe: StateProbe) -> Problem:
         """What is to be integrated, as if it were smooth and nobody watched."""
@@ -477,26 +610,18 @@ class _Job:
         return through_walls(method, problem, self.grid, self.made.moving_form, functions)
 
     def _under_watch(
-        self,
-        problem: Problem,
-        functions: Mapping[str, Any],
-        guard: PoleGuard | None,
-        watched: Sequence[Divisor],
+        self, problem: Problem, functions: Mapping[str, Any], watched: Sequence[Divisor]
     ) -> tuple[Problem, Mapping[str, Any]]:
-        """The problem, with the poles that stop it and divisors among its events, and the
-        ``functions`` of its events with those of these."""
-        if guard is not None:
-            problem = guard.watch(problem, functions, self.grid)
-            functions = {**functions, **guard.levels}
-        if watched:
-            events, levels = guard_events(watched)
-            functions = {**functions, **levels}
-            problem = replace(
-                problem,
-                events=(*problem.events, *events),
-                levels=quantities(self.made.form, functions),
-                coarse=problem.coarse | levels.keys(),
-            )
+        """The problem with divisors among its events, and the ``functions`` of its events with
+        those of these."""
+        events, levels = guard_events(watched)
+        functions = {**functions, **levels}
+        problem = replace(
+            problem,
+            events=(*problem.events, *events),
+            levels=quantities(self.made.form, functions),
+            coarse=problem.coarse | levels.keys(),
+        )
         return problem, functions
 
     def _sight(self, run: Run, values: Sequence[float], cost: Cost) -> _Sight:
@@ -511,14 +636,13 @@ class _Job:
         )
 
     def judge(
-        self, trajectory: Trajectory, run: Run, values: Sequence[Any], smooth: bool,
-        looks: Sequence[int],
-    ) -> tuple[Breach | None, tuple[str, ...]]:  # fmt: skip
+        self, sight: _Sight, run: Run, values: Sequence[Any], smooth: bool, looks: Sequence[int]
+    ) -> tuple[Breach | None, tuple[str, ...]]:
         """What went wrong with a run that came to its end, if anything did, and notes."""
         made, equations = self.made, self.vocabulary.equations
         watch = made.watch
         judge = Judge(
-            equations, made.program, [float(x) for x in values], trajectory.cost.tolerance,
+            equations, made.program, [float(x) for x in values], sight.cost.tolerance,
             run.steps, watch.integrals_to_follow(smooth), watch.relations, made.relations,
             self.outset.changing, watch.integrals_to_follow(smooth, jumping=True), looks, run.spans,
         )  # fmt: skip
@@ -526,8 +650,9 @@ class _Job:
         breach, notes = judge.breach(t, states)
         form = equations.raw.form
         own = [str(x) for x in (*form.coordinates, *form.velocities)]
-        if smooth and breach is None and {*own} <= {*trajectory.series, *trajectory.names}:
-            states = np.stack([trajectory[name].astype(float) for name in own], axis=-1)
+        if smooth and breach is None and {*own} <= {*watch.known, *map(str, made.program.state)}:
+            known = sight.series(run.t, run.states, own)
+            states = np.stack([known[name].astype(float) for name in own], axis=-1)
             breach = judge.original(t, states, self.outset.constants)
         return breach, notes
 
@@ -545,7 +670,13 @@ class _Job:
         made, outset = self.made, self.outset
         form = made.form if made.model is None else made.model.form
         ground = outset.ground(self.vocabulary.equations, float(self.grid[0]))
-        found = ground.watch_divisors(form, made.below, outset.state, made.is_rough)
+
+        def find() -> list[Divisor]:
+            return ground.watch_divisors(form, made.below, outset.state, made.is_rough)
+
+        found = find() if outset.changing is not None else made.memo.last(
+            "divisors", outset.constants_key, find
+        )  # fmt: skip
         if not found:
             return ()
         sizes = ground.sizes(divisor_program(form, found), found, state, values)
@@ -553,17 +684,24 @@ class _Job:
             raise NearDivisor(self.vocabulary)
         return tuple(found)
 
-    def _pole_watch(self, method: str) -> tuple[PoleGuard | None, PoleNotes | None]:
-        """What stops a run at poles of coordinates, and what looks for those that it passes."""
+    def _poles(self, method: str) -> _Poles:
+        """What watches the poles of coordinates; kept with the model for the constants."""
+        outset, exact = self.outset, is_exact(method, self.tol)
+        if outset.changing is not None:
+            return self._pole_watch(method)
+        key = outset.constants_key, float(self.grid[0]), exact, self.near
+        return self.made.memo.last("poles", key, lambda: self._pole_watch(method))
+
+    def _pole_watch(self, method: str) -> _Poles:
         made, equations = self.made, self.vocabulary.equations
         charts = equations.system.charts
         if not (charts or euler_angles(equations)):
-            return None, None
+            return _Poles(None, None)
         alone = made.is_rough or is_exact(method, self.tol)
         charted = not alone and bool(kept_charts(equations, made.form))
         guard = self._guard(method, charted)
         outputs = made.watch.outputs
-        return guard, PoleNotes.of(equations, made.program.state, outputs, charted, guard)
+        return _Poles(guard, PoleNotes.of(equations, made.program.state, outputs, charted, guard))
 
     def _guard(self, method: str, charted: bool) -> PoleGuard | None:
         """What watches the poles of coordinates, where the model is singular there and no chart
@@ -599,6 +737,34 @@ class _Job:
 
 
 @dataclass(frozen=True)
+class _Poles:
+    """What stops a run at poles of its coordinates, and what looks for those that it passes."""
+
+    guard: PoleGuard | None
+    notes: PoleNotes | None
+    memo: Memo = field(default_factory=Memo, init=False, repr=False, compare=False)
+
+    def watch(self, problem: Problem, job: _Job) -> tuple[Problem, Mapping[str, Any]]:
+        """The problem, with the poles among its events, and the functions of these by name."""
+
+        def make() -> tuple[dict[str, Any], Mapping[str, Any]]:
+            found, functions = problem, job.made.event_functions
+            if self.notes is not None:
+                found = self.notes.watch(found, job.made.form, functions)
+                functions = {**functions, **self.notes.levels}
+            if self.guard is not None:
+                found = self.guard.watch(found, functions, job.grid)
+                functions = {**functions, **self.guard.levels}
+            return {n: getattr(found, n) for n in ("events", "levels", "coarse")}, functions
+
+        if self.guard is None and self.notes is None:
+            return problem, job.made.event_functions
+        backwards = bool(job.grid[-1] < job.grid[0])
+        changed, functions = self.memo.last("watched", (problem.events, backwards), make)
+        return replace(problem, **changed), functions
+
+
+@dataclass(frozen=True)
 class _Sight:
     """How states become a trajectory."""
 
@@ -614,26 +780,36 @@ class _Sight:
         """The constants, and at times (k,) those that change."""
         return constants_along(self.changing, self.constants, t)
 
-    def trajectory(self, run: Run) -> Trajectory:
+    def trajectory(self, run: Run, notes: tuple[str, ...]) -> Trajectory:
         """The motion of a run, its events, and, of a dense run, what lies between."""
-        seen = self.observe(run.t, run.states, run.interrupted)
         crossings = {name: self.crossings(*rows) for name, rows in run.crossings.items()}
         inside = run.inside
-        return replace(
-            seen,
-            events=MappingProxyType(crossings),
-            stopped=run.stopped,
+        return self.observe(
+            run.t, run.states, notes=notes, interrupted=run.interrupted,
+            events=MappingProxyType(crossings), stopped=run.stopped,
             halted=run.halt.reason if run.halt is not None else "",
             within=None if inside is None else lambda times: self.observe(times, inside(times)),
-        )
+        )  # fmt: skip
 
-    def observe(self, t: np.ndarray, states: np.ndarray, interrupted: bool = False) -> Trajectory:
-        """Everything watched at some states."""
+    def observe(self, t: np.ndarray, states: np.ndarray, **ends: Any) -> Trajectory:
+        """Everything watched at some states; ``ends`` are further fields of the trajectory."""
         with mpmath.workprec(self.bits):
             return make_trajectory(
-                self.vocabulary, self.watch, self.program, t, states, self.at(t), self.cost,
-                interrupted,
-            )  # fmt: skip
+                self.vocabulary, self.watch, self.program, t, states, self.at(t), self.cost, **ends
+            )
+
+    def series(
+        self, t: np.ndarray, states: np.ndarray, names: Sequence[str]
+    ) -> Mapping[str, np.ndarray]:
+        """Some of what is watched, or of the states, at some states."""
+        own = dict(zip(map(str, self.program.state), states.T, strict=True))
+        if {*names} <= own.keys():
+            return own
+        known = self.at(t)
+        values = [known.get(str(p), np.nan) for p in self.program.parameters]
+        with mpmath.workprec(self.bits):
+            shown = shown_program(self.program, self.watch.kept)
+            return own | evaluate_watch(self.watch, shown, t, states, values)
 
     def crossings(self, t: np.ndarray, states: np.ndarray) -> Crossings:
         """The same at the passages of an event."""

@@ -2,25 +2,27 @@
 
 Nothing is imported before a method is used.
 
-A tolerance finer than doubles asks for ``flint``.  Else heyoka is the fastest once it is
-compiled, which takes some tenths of a second, and milliseconds where heyoka finds the code on disk.
-Heavy programs take it seconds, and steps of DOP853 cost far less there: a C compiler is done with
-most of them in less than one, and numba does very many steps, or scipy what it integrates sooner
-than heyoka compiles.  Where heyoka does not install, short motions are over sooner in Python than
-any of these is loaded; the C compiler does all others, or numba what would take scipy longer than
-to compile, and scipy the rest.  The rule counts operations; it neither measures times nor looks at
-what is on disk or loaded: the same call always makes the same choice.  (A motion that is declared
-in closed form is evaluated, where the span is long: ``voronec.motion.integration``.)
+A tolerance finer than doubles asks for ``flint``, and a motion that is stiff for ``lsoda``.  Else
+heyoka errs least; DOP853, compiled by a C compiler, is taken where it reaches the same error
+sooner, which ``method_costs`` counts.  Heavy programs take heyoka seconds to compile, and steps of
+DOP853 cost far less there: a C compiler is done with most of them in less than one, and numba does
+very many steps, or scipy what it integrates sooner than heyoka compiles.  Where heyoka does not
+install, short motions are over sooner in Python than any of these is loaded; the C compiler does
+all others, or numba what would take scipy longer than to compile, and scipy the rest.  The rule
+counts operations; it neither measures times nor looks at what is on disk or loaded: the same call
+always makes the same choice.  (A motion that is declared in closed form is evaluated, where the
+span is long: ``voronec.motion.integration``.)
 """
 
 from __future__ import annotations
 
+import os
 import sys
 import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 from importlib.util import find_spec
 from math import inf
 from shutil import which
@@ -103,10 +105,11 @@ class Method:
     def absence(self) -> str:
         """Why it cannot be used, as far as that is known without a look into its library; empty
         where it can."""
-        if self.compiler and which(self.compiler) is None:
+        if self.compiler and _look_up(which, self.compiler, os.environ.get("PATH")) is None:
             return f"there is no command '{self.compiler}'"
+        find = find_spec if self.library in sys.modules else _find_spec
         with suppress(ImportError, ValueError):
-            if not self.library or find_spec(self.library) is not None:
+            if not self.library or find(self.library) is not None:
                 return IMPORT_ERRORS.get(self.library, "")
         return f"{self.library} is not installed"
 
@@ -114,6 +117,15 @@ class Method:
     def compiles_soon(self) -> bool:
         """Whether it compiles about as fast as scipy loads: the machine's own compiler does."""
         return bool(self.compiler)
+
+
+@lru_cache(maxsize=16)  # every run asks, and folders are slow to answer
+def _look_up(find: Callable[[str], Any], name: str, _where: Any) -> Any:
+    return find(name)
+
+
+def _find_spec(library: str) -> Any:
+    return _look_up(find_spec, library, tuple(sys.path))
 
 
 def _taylor(problem: Problem) -> Stepper:
@@ -182,7 +194,7 @@ METHODS: dict[str, Method] = {
     ),
     "python": Method(_interpreted_stepper, FINEST, symbolic=True, other="heyoka"),
     # its steps are short, and err by the tolerance with the same sign: of so many by 1e-9 at 1e-13
-    "lsoda": Method(_lsoda, FINEST, best=1e-13, sound_steps=10_000),
+    "lsoda": Method(_lsoda, FINEST, best=1e-13, other="heyoka", sound_steps=10_000),
     "flint": Method(_digits, best=1e-25, symbolic=True, exact=True),
     CLOSED_FORM: Method(None, best=EXACT),
 }
@@ -231,6 +243,11 @@ LONG_RUN = 100_000
 """So many steps of a heavy program take heyoka longer than numba takes to compile and to run."""
 
 
+LOSS = 100.0
+"""So many times finer a tolerance is given to LSODA, whose errors have the same sign, for others to
+be of the size of the one asked for."""
+
+
 def is_exact(method: str, tol: float) -> bool:
     """Whether a run is in high precision."""
     if method == "auto":
@@ -264,11 +281,17 @@ def choose(
     if called is not None and method == "auto":
         used, reason = "scipy", f"the input '{called.name}' is a function of Python's"
     try:
+        if used == "lsoda" and method == "auto":
+            finer = replace(problem, tol=problem.tol / LOSS)
+            stepper, chosen = _make_stepper(used, finer, f"auto: {reason}")
+            return stepper, chosen | {"tolerance": max(problem.tol, METHODS[used].finest)}
         return _make_stepper(used, problem, f"auto: {reason}" if reason else "asked for")
     except EngineLimit as limit:
         if method != "auto":
             raise
-        return _make_stepper("scipy", problem, f"auto: {limit}")
+        other = METHODS[used].other
+        other = other if other and not METHODS[other].absence else "scipy"
+        return _make_stepper(other, problem, f"auto: {limit}")
     except ImportError as error:
         refusal = absent(used, error)
         if method != "auto" or not METHODS[used].library:
@@ -288,23 +311,31 @@ def choose_regular(
 
 def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
     """The method to take, and why."""
+    from voronec.motion.method_costs import dop853_is_cheaper, is_stiff
+
     if problem.tol < EXACT:
         return "flint", "the tolerance is finer than doubles"
     if not problem.program.state:
         return "scipy", "nothing moves"
+    brief = problem.brief is not None
+    if problem.tol >= FINEST and not (brief or problem.walls) and is_stiff(problem, grid):
+        return "lsoda", "the motion is stiff"
+    compiled = "" if brief else compiled_method()
+    soon = bool(compiled) and METHODS[compiled].compiles_soon
+    heavy = problem.tol >= FINEST and problem.program.weight > HEAVY
     absence = METHODS["heyoka"].absence
     there = not absence
     if not there and _is_short(problem, grid, LOAD_OPERATIONS):
         return "python", f"{absence}, and the run is short"
-    brief = problem.brief is not None
-    if there and not (problem.tol >= FINEST and problem.program.weight > HEAVY):
+    if there and not heavy:
+        if soon and dop853_is_cheaper(problem.program, problem.tol):
+            return compiled, "its steps cost less than those of heyoka"
         return "heyoka", "heyoka is installed"
     if there and _is_short(problem, grid, TINY):
         return "python", "the run takes less time than compiling for heyoka"
-    compiled = "" if brief else compiled_method()
     if not there and not compiled:
         return "scipy", absence
-    if compiled and METHODS[compiled].compiles_soon:
+    if soon:
         return compiled, absence or "a heavy program"
     from voronec.motion.steppers.scipy_stepper import estimated_steps
 

@@ -381,7 +381,7 @@ class _Passage:
         time, state = roads.moment(mode, self.time, self.state, way)
         values = roads.values(mode.program, mode.sides, time)
         # others may have no value there
-        alone = mode.levels.only(mode.levels.names.index(event.name))
+        alone = mode.levels.only([mode.levels.names.index(event.name)])
         try:
             return compiled_digits(alone)[1](time, list(state), values)[0]
         except NO_VALUE:

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, NoReturn
 
 import mpmath
@@ -45,7 +46,7 @@ from voronec.motion.initial_conditions import (
     start_of,
 )
 from voronec.motion.model.packs import Packs
-from voronec.motion.request import StartData, Vocabulary
+from voronec.motion.request import StartData, Vocabulary, kept_while_same
 from voronec.motion.singular_coordinates import (
     POLE,
     blind_directions,
@@ -166,6 +167,11 @@ class Outset:
     framed: bool = True
     memo: Memo = field(default_factory=Memo, repr=False, compare=False)
 
+    @cached_property
+    def constants_key(self) -> bytes:
+        """Equal for the same constants, to the last bit."""
+        return np.array([*self.constants.values()], dtype=float).tobytes()
+
     def is_at_pole(self, equations: VoronecEquations) -> bool:
         """Whether it is at a pole of Euler's angles."""
         return bool(polar_directions(equations, self.state).shape[1])
@@ -193,17 +199,17 @@ class Outset:
 
         The last of the equations is kept, with what was computed of it.
         """
-        spelling = given.spelling
-        if spelling is None or changing is not None or vocabulary.inputs:
+        if changing is not None or vocabulary.inputs:
             return cls._read(vocabulary, given, time, project, changing)
-        key = spelling, time, project
-        last: dict[Any, Outset] = vocabulary.equations.memo.once("last start", dict)
-        if key not in last:
+
+        def read() -> Outset:
             found = cls._read(vocabulary, given, time, project, None)
             found.state.flags.writeable = False
-            last.clear()
-            last[key] = found
-        return last[key]
+            return found
+
+        said = given.parameters, given.scene_initial, given.initial
+        asked = {"time": time, "project": int(project)}
+        return kept_while_same(vocabulary, "last start", (*said, asked), read)
 
     @classmethod
     def _read(
@@ -215,7 +221,10 @@ class Outset:
         changing: Signals | None,
     ) -> Outset:
         equations = vocabulary.equations
-        constants = parameter_values(vocabulary, given.parameters, set())
+        constants = kept_while_same(
+            vocabulary, "parameters", (given.parameters,),
+            lambda: parameter_values(vocabulary, given.parameters, set()),
+        )  # fmt: skip
         form = equations.raw.form  # made in no time
         if not {*equations.system.parameter_names} <= constants.keys():
             form = equations.form

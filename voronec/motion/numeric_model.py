@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -11,6 +11,7 @@ import mpmath
 import numpy as np
 import symengine as se
 
+from voronec.algebra.memo import Memo
 from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
 from voronec.equations.program.python import compiled_digits
@@ -30,6 +31,7 @@ class ProgrammedModel:
     ``form`` has the mass matrix of the velocities; ``event_functions`` are expressions on the model
     by the event's name; ``below`` computes on the coordinates where the model starts and what it
     takes as constant; ``inertia`` gives the mass matrix (``mass_program``) where it is written.
+    ``memo`` holds what is the same for all runs of the model.
     """
 
     model: Model | None
@@ -39,6 +41,7 @@ class ProgrammedModel:
     event_functions: Mapping[str, Any]
     below: Program
     inertia: Program | None = None
+    memo: Memo = field(default_factory=Memo, repr=False, compare=False)
 
     @property
     def level(self) -> str:
@@ -109,22 +112,15 @@ def make_model(
 
     ``functions`` gives those of events in the user's symbols; ``start`` (n,) is on the
     coordinates; ``followed`` keeps angles among the states.  Reactions need accelerations, and so
-    the coordinates.
+    the coordinates.  What is asked for last is kept with the names.
     """
-    wanted = vocabulary.read_outputs(outputs)
-    forces = vocabulary.holds_reactions((*wanted.terms.values(), *functions.values()))
-    if wanted.reactions or forces:
-        return whole(vocabulary, outputs, functions)
-    equations, raw = vocabulary.equations, vocabulary.equations.raw.form
-    names = {f"event {name}": e for name, e in functions.items()}
-    given = {**wanted.terms, **names}
-    known = numbers_at(raw, start, constants, time)
-    models = SmallestModels.of(
-        Motions.of(equations),
-        given,
-        {name: vocabulary.claims[name] for name in equations.system.integrals},
-        followed=given if followed else names,
+    key = tuple(outputs), tuple(map(type, outputs)), tuple(functions.items())
+    wanted, models = vocabulary.memo.last(
+        ("models", followed), key, lambda: _models(vocabulary, outputs, functions, followed)
     )
+    if models is None:
+        return whole(vocabulary, outputs, functions)
+    known = numbers_at(vocabulary.equations.raw.form, start, constants, time)
     found = models.of_start(known)
     model, name = found.model, f"{found.name} {[*wanted.names]} {[*functions]}"
 
@@ -135,7 +131,7 @@ def make_model(
         )
         if not known_before:
             models.packs.keep()
-        return written
+        return replace(written, model=model)
 
     made = model.memo.once(name, write)  # another start that has the same model has it already
     branches = {
@@ -144,16 +140,29 @@ def make_model(
         )
         for name, a in model.cut.angles.items()
     }
-    return replace(made, model=model, watch=replace(made.watch, branches=branches))
+    return replace(made, watch=replace(made.watch, branches=branches)) if branches else made
+
+
+def _models(
+    vocabulary: Vocabulary, outputs: Sequence[Any], functions: Mapping[str, Any], followed: bool
+) -> tuple[OutputTerms, SmallestModels | None]:
+    """Outputs spelled out, and where their models come from; None with reactions."""
+    wanted, equations = vocabulary.read_outputs(outputs), vocabulary.equations
+    forces = vocabulary.holds_reactions((*wanted.terms.values(), *functions.values()))
+    if wanted.reactions or forces:
+        return wanted, None
+    names = {f"event {name}": e for name, e in functions.items()}
+    given = {**wanted.terms, **names}
+    integrals = {name: vocabulary.claims[name] for name in equations.system.integrals}
+    motions, kept = Motions.of(equations), given if followed else names
+    return wanted, SmallestModels.of(motions, given, integrals, followed=kept)
 
 
 def _write(
     vocabulary: Vocabulary, wanted: OutputTerms, model: Model, functions: Mapping[str, Any]
 ) -> ProgrammedModel:
-    """What is the same for every start of a model: all but the branches of its angles.
-
-    The model itself is left out: what is kept by a weak key must not hold the key.
-    """
+    """What is the same for every start of a model: all but the branches of its angles, and the
+    model itself, which has a place of its own on disk."""
     watch = _watch(vocabulary, wanted, model)
     form = replace(model.form, mass=model.cut.inertia or model.cut.mass)
     below = {f"start {x}": e for x, e in model.start.items()}

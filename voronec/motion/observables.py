@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
 from typing import Any
 
 import mpmath
@@ -24,6 +25,7 @@ __all__ = [
     "evaluate_extras",
     "evaluate_watch",
     "jumps",
+    "shown_program",
     "size_of_terms",
     "watch_of",
 ]
@@ -75,6 +77,17 @@ class Watch:
     branches: Mapping[str, AngleBranch] = field(default_factory=dict)
     besides: tuple[str, ...] = ()
     forces: bool = False
+
+    @property
+    def known(self) -> tuple[str, ...]:
+        """What a trajectory knows by name beside its states: outputs, and what comes with them."""
+        return (*self.outputs, *self.besides)
+
+    @cached_property
+    def kept(self) -> frozenset[str]:
+        """The names under which the program computes integrals, their sizes and relations."""
+        parts = (self.integrals, self.sizes, self.relations)
+        return frozenset(key for part in parts for key in part.values())
 
     @classmethod
     def of(
@@ -184,6 +197,12 @@ def size_of_terms(expr: Any, done: dict[Any, Any] | None = None) -> Any:
         else:
             known[expr] = se.Abs(expr)
     return known[expr]
+
+
+@lru_cache(maxsize=64)  # it is asked after every run
+def shown_program(program: Program, kept: frozenset[str]) -> Program:
+    """A program without the extra quantities that are ``kept`` for those who ask for them."""
+    return program.only([i for i, name in enumerate(program.names) if name not in kept])
 
 
 def evaluate_extras(

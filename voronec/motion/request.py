@@ -9,7 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 import sympy as sp
@@ -43,8 +43,10 @@ __all__ = [
     "Values",
     "Vocabulary",
     "begin_of",
+    "events_of",
     "grid_of",
     "held_name",
+    "kept_while_same",
     "label",
     "name_events",
     "name_values",
@@ -56,6 +58,7 @@ __all__ = [
 ]
 
 
+T = TypeVar("T")
 POINTS = 1001
 """How many points a scene's span is seen at."""
 Values = Mapping[Any, Any]
@@ -76,25 +79,38 @@ class StartData:
         cls,
         vocabulary: Vocabulary,
         scene: Scene | None,
-        parameters: Values | None,
-        initial: Values | None,
+        parameters: Values | None = None,
+        initial: Values | None = None,
     ) -> StartData:
         """Scene and arguments put together; ``DefinitionError`` for names nobody knows."""
-        return cls(
-            parameters={
-                **name_values(vocabulary, scene.parameters if scene else {}, "parameter"),
-                **name_values(vocabulary, parameters or {}, "parameter"),
-            },
-            scene_initial=name_values(vocabulary, scene.initial if scene else {}, "initial value"),
-            initial=name_values(vocabulary, initial or {}, "initial value"),
+        own, start = (scene.parameters, scene.initial) if scene else ({}, {})
+        said = cls(
+            parameters=name_values(vocabulary, own, "parameter"),
+            scene_initial=name_values(vocabulary, start, "initial value"),
+            initial={},
         )
+        return said.given(vocabulary, parameters, initial)
 
-    @property
-    def spelling(self) -> Hashable | None:
-        """Equal for data that are the same to the last bit; None where that is not to be told."""
-        parts = (self.parameters, self.scene_initial, self.initial)
-        spelled = [(name, _spelling(x)) for part in parts for name, x in (*part.items(), ("", ""))]
-        return None if any(x is None for _, x in spelled) else tuple(spelled)
+    def given(
+        self, vocabulary: Vocabulary, parameters: Values | None, initial: Values | None
+    ) -> StartData:
+        """What a scene says, and over it what is given besides."""
+        if not parameters and not initial:
+            return self
+        named = name_values(vocabulary, parameters or {}, "parameter")
+        begun = name_values(vocabulary, initial or {}, "initial value")
+        return StartData({**self.parameters, **named}, self.scene_initial, begun)
+
+
+def kept_while_same(
+    vocabulary: Vocabulary, what: str, of: Iterable[Mapping[str, Any]], make: Callable[[], T]
+) -> T:
+    """What is made of values by name, as it was made last where these are the same to the last bit;
+    made anew where that is not to be told."""
+    spelled = [[(name, _spelling(x)) for name, x in values.items()] for values in of]
+    if any(x is None for part in spelled for _, x in part):
+        return make()
+    return vocabulary.memo.last(what, spelled, make)
 
 
 def _spelling(value: Any) -> Hashable | None:
@@ -613,15 +629,19 @@ class Event:
             )
 
 
-def name_events(vocabulary: Vocabulary, events: Any) -> tuple[tuple[Event, ...], dict[str, Any]]:
-    """Events with their names filled in, and their functions in the user's symbols by name."""
+def events_of(events: Any) -> tuple[Event, ...]:
+    """Events as they are given: one or several, or what they watch alone."""
     single = isinstance(events, str | sp.Basic | Event)
     if not SEVERAL.holds(events) and not isinstance(events, Event):
         raise DefinitionError(f"events = {quote(events)} are no events; give voronec.Event(...)")
     given: Sequence[Any] = (events,) if single else tuple(events)
+    return tuple(item if isinstance(item, Event) else Event(item) for item in given)
+
+
+def name_events(vocabulary: Vocabulary, events: Any) -> tuple[tuple[Event, ...], dict[str, Any]]:
+    """Events with their names filled in, and their functions in the user's symbols by name."""
     named, inside = [], {}
-    for item in given:
-        event = item if isinstance(item, Event) else Event(item)
+    for event in events_of(events):
         own, function = vocabulary.read_condition(event.function)
         name = event.name or own
         if name in inside:

@@ -22,7 +22,12 @@ from voronec.declaration.system import System
 from voronec.declaration.whole_files import draft
 from voronec.equations.program import Program
 from voronec.errors import DefinitionError
-from voronec.motion.observables import Watch, evaluate_extras, evaluate_watch
+from voronec.motion.observables import (
+    Watch,
+    evaluate_extras,
+    evaluate_watch,
+    shown_program,
+)
 from voronec.motion.request import Vocabulary, held_name
 from voronec.motion.tolerances import LOOSE, UNIT
 
@@ -125,6 +130,45 @@ class Crossings:
         return len(self.t)
 
 
+@dataclass(frozen=True, eq=False)
+class Conserved:
+    """What ought to stay along a motion: the ``integrals`` and relations of ``watch``, evaluated
+    when they are first asked for.
+
+    ``evaluate`` gives them by the names under which the program computes them; ``sizes`` tells how
+    large the terms of integrals would usually be, if that is known.
+    """
+
+    watch: Watch
+    tolerance: float
+    evaluate: Callable[[], Mapping[str, np.ndarray]]
+    sizes: _TermSizes | None = None
+
+    @cached_property
+    def _series(self) -> Mapping[str, np.ndarray]:
+        return self.evaluate()
+
+    @cached_property
+    def integrals(self) -> Mapping[str, np.ndarray]:
+        """See ``Trajectory``."""
+        return MappingProxyType(_integrals(self.watch, self._series))
+
+    @cached_property
+    def drift(self) -> Mapping[str, float]:
+        """See ``Trajectory``."""
+        return MappingProxyType(_drifts(self.watch, self._series, self.tolerance, self.sizes))
+
+    @cached_property
+    def residuals(self) -> Mapping[str, float]:
+        """See ``Trajectory``."""
+        pairs = self.watch.relations.items()
+        return MappingProxyType({r: float(np.abs(self._series[key]).max()) for r, key in pairs})
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The values alone: what evaluates them lives with the run."""
+        return {name: getattr(self, name) for name in ("integrals", "drift", "residuals")}
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
     """A motion on a grid of times; its arrays are read-only.
@@ -159,10 +203,8 @@ class Trajectory:
     names: tuple[str, ...]
     outputs: tuple[str, ...]
     series: Mapping[str, np.ndarray]
-    integrals: Mapping[str, np.ndarray]
     parameters: Mapping[str, float]
-    drift: Mapping[str, float]
-    residuals: Mapping[str, float]
+    conserved: Conserved
     cost: Cost
     interrupted: bool = False
     events: Mapping[str, Crossings] = field(default_factory=dict)
@@ -170,6 +212,21 @@ class Trajectory:
     halted: str = ""
     notes: tuple[str, ...] = ()
     within: Callable[[np.ndarray], Trajectory] | None = None
+
+    @property
+    def integrals(self) -> Mapping[str, np.ndarray]:
+        """Each integral of the system at every instant, (k,)."""
+        return self.conserved.integrals
+
+    @property
+    def drift(self) -> Mapping[str, float]:
+        """By how much each integral changes, relative to its size."""
+        return self.conserved.drift
+
+    @property
+    def residuals(self) -> Mapping[str, float]:
+        """The largest value of each relation between redundant coordinates."""
+        return self.conserved.residuals
 
     def at(self, times: Any) -> Trajectory:
         """The motion at any times (m,) between the first and the last, in any order; a run with
@@ -315,7 +372,7 @@ class LateTrajectory(Trajectory):
     """A trajectory that knows its outputs, and evaluates the rest when that is first read.
 
     ``everything`` gives the same motion as a ``Trajectory``: from there come ``state``,
-    ``integrals``, ``drift``, ``residuals`` and ``notes``.
+    ``conserved`` and ``notes``.
     """
 
     everything: Callable[[], Trajectory]
@@ -333,9 +390,7 @@ class LateTrajectory(Trajectory):
         return self.everything()
 
     state = _late("state")
-    integrals = _late("integrals")
-    drift = _late("drift")
-    residuals = _late("residuals")
+    conserved = _late("conserved")
     notes = _late("notes")
 
 
@@ -364,15 +419,22 @@ def make_trajectory(
     states: np.ndarray,
     constants: Mapping[str, float],
     cost: Cost,
-    interrupted: bool,
+    **ends: Any,
 ) -> Trajectory:
-    """The trajectory of states on a grid."""
+    """The trajectory of states on a grid; ``ends`` are further fields of it."""
     values = [constants.get(str(p), np.nan) for p in program.parameters]
-    series = evaluate_watch(watch, program, t, states, values)
-    names = tuple(map(str, program.state))
+    bits = mpmath.mp.prec
+
+    def everything() -> Mapping[str, np.ndarray]:
+        with mpmath.workprec(bits):
+            return evaluate_extras(program, t, states, values)
+
     return assemble_trajectory(
-        vocabulary, watch, t, names, states, series, constants, cost, interrupted,
-        _TermSizes(watch, program, t, states, values),
+        vocabulary, watch, t, tuple(map(str, program.state)), states,
+        evaluate_watch(watch, shown_program(program, watch.kept), t, states, values),
+        constants, cost,
+        Conserved(watch, cost.tolerance, everything, _TermSizes(watch, program, t, states, values)),
+        **ends,
     )  # fmt: skip
 
 
@@ -385,12 +447,13 @@ def assemble_trajectory(
     series: Mapping[str, np.ndarray],
     constants: Mapping[str, float],
     cost: Cost,
-    interrupted: bool = False,
-    sizes: _TermSizes | None = None,
+    conserved: Conserved | None = None,
+    **ends: Any,
 ) -> Trajectory:
-    """The trajectory of states (k, n) called ``names`` and of everything watched along them.
+    """The trajectory of states (k, n) called ``names`` and of what is watched along them.
 
-    ``sizes`` tells how large the terms of integrals would usually be, if that is known.
+    What is ``conserved`` stands in the ``series`` too, unless it is given; ``ends`` are further
+    fields of the trajectory.
     """
     system = vocabulary.equations.system
     own = [plain_name(x) for x in (*system.coordinates, *system.velocities)]
@@ -402,7 +465,7 @@ def assemble_trajectory(
     still = {n: x for n, x in constants.items() if np.ndim(x) == 0}  # others are inputs
     # what is no number is not equal to itself
     known = {n for n in system.parameter_names if n in still and still[n] == still[n]}
-    integrals = _integrals(watch, series)
+    kept = conserved or Conserved(watch, cost.tolerance, lambda: series)
     return Trajectory(
         system=system,
         t=t,
@@ -410,16 +473,12 @@ def assemble_trajectory(
         names=names,
         outputs=watch.outputs,
         series=MappingProxyType(
-            {n: integrals.get(n, series[n]) for n in (*watch.outputs, *watch.besides)}
+            {n: kept.integrals[n] if n in watch.integrals else series[n] for n in watch.known}
         ),
-        integrals=MappingProxyType(integrals),
         parameters=MappingProxyType({n: x for n, x in constants.items() if n in known}),
-        drift=MappingProxyType(_drifts(watch, series, cost.tolerance, sizes)),
-        residuals=MappingProxyType(
-            {r: float(np.abs(series[key]).max()) for r, key in watch.relations.items()}
-        ),
+        conserved=kept,
         cost=cost,
-        interrupted=interrupted,
+        **ends,
     )
 
 

@@ -193,10 +193,10 @@ class Program:
     extras: Block
     inputs: tuple[Any, ...] = ()
 
-    def only(self, place: int) -> Program:
-        """The same with one of the extra quantities alone."""
-        extras = prune(self.extras.assignments, [self.extras.results[place]])
-        return replace(self, names=(self.names[place],), extras=extras)
+    def only(self, places: Sequence[int]) -> Program:
+        """The same with some of the extra quantities alone."""
+        extras = prune(self.extras.assignments, [self.extras.results[i] for i in places])
+        return replace(self, names=tuple(self.names[i] for i in places), extras=extras)
 
     @classmethod
     def of(

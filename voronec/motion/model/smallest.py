@@ -11,7 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
+from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
 import symengine as se
@@ -83,28 +84,34 @@ class _Particular:
     values: Mapping[Any, float]
     asked: list[tuple[Any, tuple[Any, ...], bool]] = field(default_factory=list)
 
-    @cached_property
-    def _numbers(self) -> Any:
-        """The values as symengine keeps them: to read them anew takes longer than most answers."""
-        return se.DictBasic(dict(self.values))
-
-    def number(self, expr: Any) -> float:
-        """The value of an expression of the start; infinite where it has none."""
-        try:
-            return float(expr.subs(self._numbers).n(53, real=True))
-        except (RuntimeError, TypeError, ValueError):
-            return float("inf")
+    def numbers(self, exprs: tuple[Any, ...]) -> list[float]:
+        """The values of expressions of the start; infinite where one has none."""
+        function = _function(tuple(self.values), exprs)
+        if function is None:
+            return [inf] * len(exprs) if len(exprs) == 1 else [self.numbers((e,))[0] for e in exprs]
+        found = function([*self.values.values(), 0.0])
+        return [x if isfinite(x) else inf for x in found.tolist()]
 
     def is_steep(self, slope: Any, others: tuple[Any, ...]) -> bool:
         """Whether an integral with this slope gives its variable well, beside its other slopes."""
-        size = abs(self.number(slope))
-        answer = size > 0 and sum(abs(self.number(e)) for e in others) <= AMPLIFICATION * size
+        size, *beside = map(abs, self.numbers((slope, *others)))
+        answer = size > 0 and sum(beside) <= AMPLIFICATION * size
         self.asked.append((slope, others, answer))
         return answer
 
     def zeros(self, names: Iterable[Any]) -> frozenset[Any]:
         """Which variables and parameters are zero."""
         return frozenset(x for x in names if self.values.get(x) == 0)
+
+
+@lru_cache(maxsize=1024)  # every start asks for the same
+def _function(symbols: tuple[Any, ...], exprs: tuple[Any, ...]) -> Any:
+    """Expressions as a function of the values of symbols; None where one of them is none."""
+    try:
+        # of no symbols there is none, and no name of a user holds spaces
+        return se.Lambdify([*symbols, se.Symbol("no symbol")], [*exprs])
+    except (RuntimeError, TypeError, ValueError, NotImplementedError):
+        return None
 
 
 @dataclass(frozen=True)
@@ -343,9 +350,9 @@ def _note_cycles(level: Level, note: Note) -> None:
 
 def _at_start(level: Level, start: Mapping[Any, float]) -> dict[Any, float]:
     """Numbers of the level's own variables, of the parameters and the time."""
-    given = _Particular(start)
-    own = {x: given.number(meaning) for x, meaning in level.start.items() if x != meaning}
-    return {**start, **own}
+    own = {x: meaning for x, meaning in level.start.items() if x != meaning}
+    values = _Particular(start).numbers(tuple(own.values())) if own else ()
+    return {**start, **dict(zip(own, values, strict=True))}
 
 
 def _close(level: Level, note: Note, why: str) -> Level:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ SMOOTH = (se.Add, se.Mul, se.sin, se.cos, se.sinh, se.cosh, se.tanh, se.atan, se
 PERIODIC = (se.tan, se.cot, se.sec, se.csc)
 
 
+@lru_cache(maxsize=32)  # to differentiate takes longer than most runs
 def with_parts(program: Program, block: Block) -> Program:
     """The program with what bends in the results of a block as further states behind its own.
 

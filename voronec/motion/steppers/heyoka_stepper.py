@@ -10,7 +10,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -151,9 +151,7 @@ class _Machine:
 def taylor(problem: Problem) -> Stepper:
     """The integrator, compiled; ``EngineLimit`` for a function that heyoka does not know."""
     hy = heyoka()
-    units = natural_units(problem)
-    winding = TurnCount.of(problem.program, problem.levels, units, bool((units != 1).any()))
-    pool = _Pool.of(problem, winding, hy)
+    pool = _Pool.of(problem, bool((natural_units(problem) != 1).any()), hy)
     own = [pool.take()]
 
     def drive(pool: _Pool, machine: _Machine, grid: np.ndarray) -> Run | None:
@@ -170,7 +168,7 @@ def taylor(problem: Problem) -> Stepper:
         nonlocal pool
         found = drive(pool, own.pop() if own else pool.take(), grid)
         if found is None:
-            pool = _Pool.of(problem, replace(winding, scaled=True), hy)
+            pool = _Pool.of(problem, True, hy)
             found = drive(pool, pool.take(), grid)
         assert found is not None  # only a motion without units outgrows them
         return found
@@ -183,27 +181,31 @@ class _Pool:
     """Where integrators for problems of one kind stay ``at_rest``, and new ones are made."""
 
     problem: Problem
-    winding: TurnCount
+    scaled: bool
     hy: Any
     at_rest: list[_Machine]
 
     @classmethod
-    def of(cls, problem: Problem, winding: TurnCount, hy: Any) -> _Pool:
-        """That of a problem; what was longest in no use gives way to it."""
+    def of(cls, problem: Problem, scaled: bool, hy: Any) -> _Pool:
+        """That of a problem, which is ``scaled`` where some unit is not 1; what was longest in no
+        use gives way to it."""
         events = tuple((e.name, e.direction, e.stop) for e in problem.events)
         watched = events, problem.levels if events else None, problem.walls
-        key = problem.program, winding.scaled, problem.tol, watched
+        key = problem.program, scaled, problem.tol, watched
         # a program is hashed here, and not in runs
         at_rest = _idle[key] = _idle.pop(key, [])
         while len(_idle) > IDLE:
             _idle.pop(next(iter(_idle)), None)
-        return cls(problem, winding, hy, at_rest)
+        return cls(problem, scaled, hy, at_rest)
 
     def take(self) -> _Machine:
         """An integrator that nobody else uses."""
         with suppress(IndexError):  # another thread may have taken it meanwhile
             return self.at_rest.pop()
-        return _Machine.of(self.problem, self.winding.now(), self.hy)
+        problem = self.problem
+        units = natural_units(problem)
+        winding = TurnCount.of(problem.program, problem.levels, units, self.scaled)
+        return _Machine.of(problem, winding, self.hy)
 
 
 def _integrator(problem: Problem, log: Log, winding: TurnCount, hy: Any) -> Any:

@@ -88,7 +88,7 @@ def _alone(
     levels: Program, place: int, time: Any, state: np.ndarray, parameters: Sequence[Any]
 ) -> Any:
     """One function of several, nan where it has no value: the others may have one."""
-    own = levels.only(place)
+    own = levels.only([place])
     try:
         return compiled_digits(own)[1](time, list(state), list(parameters))[0]
     except ZeroDivisionError:
