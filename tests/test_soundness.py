@@ -18,7 +18,7 @@ from voronec.motion import motion_pool as many_motions
 from voronec.motion.integration import first_success
 from voronec.motion.steppers import Halt
 from voronec.motion.steppers import heyoka_stepper as taylor
-from voronec.motion.steppers.samples import NODES, StepSamples
+from voronec.motion.steppers.samples import NODES, StepSamples, owned
 
 pytestmark = pytest.mark.slow
 
@@ -410,8 +410,8 @@ def test_only_steps_that_seem_wrong_are_integrated_again() -> None:
     states = np.stack([np.cos(times), -np.sin(times)], axis=-1)
 
     def wrong(rows: np.ndarray) -> list[int]:
-        (ends,) = step_defects.joined_ends([StepSamples(times, rows)])
-        return [*step_defects.disobedient(StepSamples(times, rows), ends, rates, 1e-10)]
+        samples = owned([StepSamples(times, rows)])
+        return [i for _, _, i in step_defects.wrong_steps(samples, lambda _: rates, 1e-10)]
 
     assert wrong(states) == [] and asked == [times.size]
     within, between = states.copy(), states.copy()
@@ -425,9 +425,9 @@ def test_rows_that_are_off_their_steps_are_seen() -> None:
     times = np.arange(3.0)[:, None] + NODES
     t, steps = np.linspace(0, 3, 7), StepSamples(times, np.cos(times)[..., None])
     rows = np.cos(t)[:, None]
-    assert [*step_defects.strayed_rows(t, rows, [steps], 1e-10)] == []
+    assert [*step_defects.strayed_rows(t, rows[None], steps, 1e-10)] == []
     rows[4] += 1e-5
-    assert [*step_defects.strayed_rows(t, rows, [steps], 1e-10)] == [4]
+    assert [*step_defects.strayed_rows(t, rows[None], steps, 1e-10)] == [3]
 
 
 @pytest.mark.parametrize("method", ["heyoka", "c", "scipy"])

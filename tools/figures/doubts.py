@@ -31,7 +31,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.algebra.symbols import plain_name
-from voronec.motion import batches, methods, soundness
+from voronec.motion import batches, methods
 from voronec.motion.steppers.run import _join_runs
 
 __all__ = ["argparse", "main"]
@@ -149,12 +149,13 @@ def unchecked() -> Iterator[None]:
     """Runs of which nothing is looked at."""
     with ExitStack() as stack:
         for module in _modules():
-            if hasattr(module, "disobedient"):
-                stack.enter_context(patch.object(module, "disobedient", lambda *_, **__: []))
-        for name in ("Judge", "SolutionCheck"):
-            if hasattr(soundness, name):
-                nothing = lambda *_, **__: (None, ())  # noqa: E731
-                stack.enter_context(patch.object(getattr(soundness, name), "breach", nothing))
+            for name in ("doubtful", "wrong_steps", "strayed_rows"):
+                if hasattr(module, name):
+                    stack.enter_context(patch.object(module, name, lambda *_, **__: []))
+            for kind in (x for x in vars(module).values() if hasattr(x, "breach")):
+                stack.enter_context(patch.object(kind, "breach", lambda *_, **__: (None, ())))
+            for kind in (x for x in vars(module).values() if hasattr(x, "doubtful")):
+                stack.enter_context(patch.object(kind, "doubtful", lambda *_, **__: []))
         yield
 
 

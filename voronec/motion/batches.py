@@ -32,7 +32,7 @@ from voronec.motion.steppers.heyoka_stepper import (
     unit_parameters,
 )
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, WINDOW, Headway, Problem
-from voronec.motion.steppers.samples import NODES, OwnedSamples, StepSamples, series_samples
+from voronec.motion.steppers.samples import OwnedSamples, StepSamples, series_samples
 from voronec.motion.steppers.scipy_stepper import estimated_steps
 from voronec.motion.steppers.series_reach import (
     MANY,
@@ -214,12 +214,6 @@ class Lanes:
         times, states = series_samples(self.integrator.time + self.ahead, self.ahead, series)
         return times, self.winding.whole(states.transpose(1, 2, 0)).transpose(2, 0, 1)
 
-    def last_nodes(self, times: np.ndarray) -> np.ndarray:
-        """The nodes of a step to the last of some times (k,), no longer than the next step of any
-        lane was at the first."""
-        length = min([*self.ahead.tolist(), float(times[-1] - times[0])], key=abs)
-        return np.asarray(times[-1] + length * (NODES - 1))
-
     def look_back(
         self, begin: tuple[np.ndarray, ...], state: np.ndarray, limits: np.ndarray
     ) -> np.ndarray:
@@ -324,7 +318,7 @@ def along(
     lanes: Lanes, states: np.ndarray, values: np.ndarray, grid: np.ndarray, stopped: Look
 ) -> tuple[np.ndarray, dict[int, IntegrationError], int, list[int], list[OwnedSamples]]:
     """Up to ``width`` motions along one grid: states (m, k, n), errors, how many steps, those whose
-    steps collapsed, or were made too long, and samples of the first steps and the last ones.
+    steps collapsed, or were made too long, and samples of steps from instants of the grid.
 
     A motion that breaks down keeps its states up to there, the rest are not numbers; the others
     are run again without it.
@@ -342,7 +336,8 @@ def along(
         steps += taken
         if not broken:
             doubtful = [k for k in range(len(left)) if lanes.steps.is_doubtful(k)]
-            samples = [(left, _of_first(len(left), *part)) for part in lanes.samples]
+            few = len(left)
+            samples = [(left, StepSamples(t[:few], x[:few], apart=True)) for t, x in lanes.samples]
             return rows, errors, steps, [*alone, *left[doubtful].tolist()], samples
         for lane, error in broken.items():
             if lane < len(left):
@@ -352,10 +347,6 @@ def along(
                     errors[int(pick[lane])] = error
         left = np.array([i for i in left if i not in errors and i not in alone], dtype=int)
     return rows, errors, steps, alone, []
-
-
-def _of_first(count: int, times: np.ndarray, states: np.ndarray) -> StepSamples:
-    return StepSamples(times[:count], states[:count], apart=True)
 
 
 @dataclass(eq=False)
@@ -393,7 +384,7 @@ def _pieces(
     hy = heyoka()
     lanes.reset_size()
     ta, at, piece, steps = lanes.integrator, 0, 1 if lanes.winding.is_needed else PIECE, 0
-    headway = _LanesHeadway(np.zeros(lanes.width, dtype=int), grid)
+    headway, lanes.samples = _LanesHeadway(np.zeros(lanes.width, dtype=int), grid), []
     block[:, 0] = lanes.states
     while at < len(grid) - 1:
         if stopped():
@@ -402,16 +393,12 @@ def _pieces(
             ta.set_time(float(grid[at]))
         lanes.take()
         limits = lanes.first_steps(np.full(lanes.width, grid[-1] - grid[at]))
-        if at == 0:
-            lanes.samples = [lanes.sample_first()]
+        lanes.samples.append(lanes.sample_first())
         if limits.min() < np.inf:
             piece = 1  # steps of a piece are short where the first one must be
         end = min(at + piece, len(grid) - 1)
         begin, state = tuple(part.copy() for part in ta.dtime), ta.state.copy()
-        nodes = lanes.last_nodes(grid[at:]) if end == len(grid) - 1 else grid[:0]
-        times, own = _merged(grid[at : end + 1], nodes)
-        found, results = lanes.states_along(times, limits), lanes.results
-        new, last = found[:, own[: end + 1 - at]], found[:, own[end + 1 - at :]]
+        new, results = lanes.states_along(grid[at : end + 1], limits), lanes.results
         taken, outcomes = max(r[3] for r in results), {r[0] for r in results}
         steps += sum(r[3] for r in results)
         if hy.taylor_outcome.err_nf_state in outcomes or not np.isfinite(ta.state).all():
@@ -433,22 +420,10 @@ def _pieces(
             if collapsed:
                 return collapsed, steps
             new = np.stack([block[:, at], lanes.states], axis=1)
-        elif len(nodes):
-            lanes.samples.append((np.broadcast_to(nodes, last.shape[:2]), last))
         block[:, at : end + 1] = new
         at = end
         piece = max(1, min(4 * piece, int(piece * lanes.size / (PART * max(taken, 1)))))
     return {}, steps
-
-
-def _merged(times: np.ndarray, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Times and nodes among them, in the order of the times, each once, and their places there."""
-    both = np.concatenate([times, nodes])
-    turn = np.argsort(both if times[-1] >= times[0] else -both, kind="stable")
-    new = np.diff(both[turn], prepend=np.inf) != 0
-    places = np.empty(len(both), dtype=int)
-    places[turn] = np.cumsum(new) - 1
-    return both[turn][new], places
 
 
 def _broken_lanes(ta: Any, block: np.ndarray, grid: np.ndarray) -> dict[int, IntegrationError]:

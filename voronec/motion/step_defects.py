@@ -10,6 +10,7 @@ known.  What is in doubt is integrated again by another method.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from functools import cache
@@ -19,17 +20,9 @@ from typing import Any
 import numpy as np
 
 from voronec.equations.program import Program, compile_program
-from voronec.motion.steppers.samples import NODES, WIDTH, Rates, StepSamples
+from voronec.motion.steppers.samples import NODES, WIDTH, OwnedSamples, Rates, StepSamples
 
-__all__ = [
-    "again",
-    "disobedient",
-    "doubtful",
-    "joined_ends",
-    "obeys",
-    "program_rates",
-    "strayed_rows",
-]
+__all__ = ["again", "program_rates", "strayed_rows", "wrong_steps"]
 
 
 RELATIVE, ROUNDING = 1e-6, 1e-7
@@ -114,43 +107,54 @@ def doubtful(samples: StepSamples, ends: np.ndarray, rates: Rates, tol: float) -
     return [int(i) for i in np.argsort(-worst) if worst[i] > 1]
 
 
-def disobedient(samples: StepSamples, ends: np.ndarray, rates: Rates, tol: float) -> Iterator[int]:
-    """The steps that do not obey the equations: those that seem not to are integrated again."""
-    for i in doubtful(samples, ends, rates, tol)[:WORST]:
-        if not obeys(samples.times[i], samples.states[i], ends[i], rates, tol):
-            yield i
+def wrong_steps(
+    samples: Sequence[OwnedSamples], rates_of: Callable[[np.ndarray], Rates], tol: float
+) -> Iterator[tuple[int, StepSamples, int]]:
+    """The steps that do not obey the equations, as a motion, samples and a place among them: those
+    that seem not to are integrated again.  ``rates_of`` motions (s,) takes as many times and states
+    of each, one motion after the other."""
+    ends, groups = joined_ends([part for _, part in samples]), []
+    for (owner, part), end in zip(samples, ends, strict=True):
+        groups.append((owner, part, end))
+    plain = [group for group in groups if group[1].rates is None]
+    if len(plain) > 1:  # looked at together
+        owner, end = (np.concatenate([group[i] for group in plain]) for i in (0, 2))
+        (joined,) = StepSamples.of([(part.times, part.states) for _, part, _ in plain])
+        groups = [group for group in groups if group[1].rates] + [(owner, joined, end)]
+    for owner, part, end in groups:
+        seen = Counter[int]()
+        for i in doubtful(part, end, part.rates or rates_of(owner), tol):
+            seen[owner[i]] += 1
+            rates = part.rates or rates_of(owner[i : i + 1])
+            if seen[owner[i]] <= WORST and not obeys(part, end, i, rates, tol):
+                yield int(owner[i]), part, i
 
 
-def obeys(times: np.ndarray, states: np.ndarray, end: np.ndarray, rates: Rates, tol: float) -> bool:
-    """Whether a step, with its nodes (WIDTH,), its states there (WIDTH, n) and the state with which
-    it ends, leads where the equations do, as far as that can be told."""
-    off = again(rates, times, np.vstack([states[:-1], end]), tol)
+def obeys(samples: StepSamples, ends: np.ndarray, i: int, rates: Rates, tol: float) -> bool:
+    """Whether a step leads where the equations do, as far as that can be told."""
+    off = again(rates, samples.times[i], np.vstack([samples.states[i, :-1], ends[i]]), tol)
     return off is None or not off.max() > 1
 
 
-def strayed_rows(
-    t: np.ndarray, states: np.ndarray, parts: Sequence[StepSamples], tol: float
-) -> Iterator[int]:
-    """The rows of a grid that are off the steps in which they lie."""
-    for part in parts:
-        if part.apart or not part.states.size:
-            continue
-        begin, end = part.times[:, 0], part.times[:, -1]
-        order = 1.0 if end[-1] >= begin[0] else -1.0
-        step = np.searchsorted(order * begin, order * t, side="right") - 1
-        with np.errstate(all="ignore"):
-            places = 2 * (t - begin[step]) / (end - begin)[step] - 1
-            rows = np.flatnonzero((step >= 0) & (places <= 1 + BESIDE))
-            shares, step = SHARES @ part.states, step[rows]
-            off = np.abs(
-                np.einsum("kj,kjn->kn", _legendre(places[rows]), shares[step]) - states[rows]
-            )
-            allowed = DOUBT * np.abs(shares[:, -2:]).sum(axis=1)
-            allowed += RELATIVE * np.ptp(part.states, axis=1)
-            size = np.maximum(1.0, np.abs(part.states).max(axis=(1, 2)))[:, None]
-            allowed += (ROUNDING + MARGIN * tol) * size
-            wrong = (off > allowed[step]).any(axis=1)
-        yield from rows[wrong].tolist()
+def strayed_rows(t: np.ndarray, states: np.ndarray, part: StepSamples, tol: float) -> Iterator[int]:
+    """The rows of a grid (k,), with states (1, k, n), after which they are off the steps in which
+    they lie."""
+    if part.apart or not part.states.size:
+        return
+    begin, end = part.times[:, 0], part.times[:, -1]
+    order = 1.0 if end[-1] >= begin[0] else -1.0
+    step = np.searchsorted(order * begin, order * t, side="right") - 1
+    with np.errstate(all="ignore"):
+        places = 2 * (t - begin[step]) / (end - begin)[step] - 1
+        rows = np.flatnonzero((step >= 0) & (places <= 1 + BESIDE))
+        shares, step = SHARES @ part.states, step[rows]
+        read = np.einsum("kj,kjn->kn", _legendre(places[rows]), shares[step])
+        allowed = DOUBT * np.abs(shares[:, -2:]).sum(axis=1)
+        allowed += RELATIVE * np.ptp(part.states, axis=1)
+        size = np.maximum(1.0, np.abs(part.states).max(axis=(1, 2)))[:, None]
+        allowed += (ROUNDING + MARGIN * tol) * size
+        wrong = (np.abs(read - states[0, rows]) > allowed[step]).any(axis=1)
+    yield from np.maximum(rows[wrong] - 1, 0).tolist()
 
 
 def again(rates: Rates, t: np.ndarray, states: np.ndarray, tol: float) -> np.ndarray | None:

@@ -9,10 +9,9 @@ Angles that are read off on a grid have to be certain of their branches.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache, partial
+from functools import lru_cache
 from itertools import accumulate
 from typing import Any
 
@@ -20,7 +19,6 @@ import numpy as np
 import symengine as se
 
 from voronec.algebra.cardinal import cardinal_all
-from voronec.algebra.memo import remember
 from voronec.algebra.numeric_functions import elementary
 from voronec.algebra.verdicts import all_vanish
 from voronec.declaration.claims import right_of
@@ -31,17 +29,9 @@ from voronec.errors import VoronecError
 from voronec.motion.model.special import is_many_valued
 from voronec.motion.observables import evaluate_extras
 from voronec.motion.state_probe import at_each, changes, usual_size
-from voronec.motion.step_defects import (
-    WORST,
-    disobedient,
-    doubtful,
-    joined_ends,
-    obeys,
-    program_rates,
-    strayed_rows,
-)
+from voronec.motion.step_defects import program_rates, strayed_rows, wrong_steps
 from voronec.motion.steppers.run import Run, Signals, values_along
-from voronec.motion.steppers.samples import WIDTH, OwnedSamples, Rates, StepSamples
+from voronec.motion.steppers.samples import OwnedSamples, Rates, StepSamples, owned
 from voronec.motion.tolerances import LOOSE, UNIT
 from voronec.motion.trajectory import Trajectory
 
@@ -72,12 +62,10 @@ changes on the first step away from it."""
 @dataclass(frozen=True)
 class Breach:
     """What went wrong, in words, and the last row of the grid before it was seen, or the ``last``
-    time and state, where that is known better; what is wrong of a ``claim`` alone is only to be
-    told."""
+    time and state, where that is known better."""
 
     what: str
     row: int
-    claim: bool = False
     last: tuple[float, np.ndarray] | None = None
 
     @classmethod
@@ -89,10 +77,6 @@ class Breach:
 
 
 MERE_CLAIM, JUMPS = "is only claimed", "jumps with the forces"
-
-
-def _drift_note(name: str, why: str, time: float, amount: str) -> str:
-    return f"the integral '{name}' {why}, and drifts: at t = {time:.6g} it has changed {amount}"
 
 
 @dataclass(frozen=True)
@@ -121,12 +105,12 @@ class SolutionCheck:
     ) -> tuple[Breach | None, tuple[str, ...]]:
         """What went wrong first, if anything did, and what is to be said of mere claims; ``states``
         (k, n) are those at instants ``t`` (k,), and ``samples`` those of the steps."""
-        found, notes = self._losses(t, states)
+        found, notes = self.losses(t, states)
         parts = self._inner(t, samples)
         rates = program_rates(self.program, self.at)
         found += self._wrong_steps(t, parts, rates)
-        strayed = strayed_rows(t, states, parts, self.tol)
-        found += [Breach(DISOBEDIENT, max(row - 1, 0)) for row in strayed]
+        strayed = (row for part in parts for row in strayed_rows(t, states[None], part, self.tol))
+        found += [Breach(DISOBEDIENT, row) for row in strayed]
         return min(found, key=lambda b: b.row, default=None), notes
 
     def original(
@@ -150,24 +134,26 @@ class SolutionCheck:
         """The samples of the steps to instants ``t``, in which no function of Python's jumps."""
         inputs = self.changing.signals if self.changing is not None else ()
         jumps = [span for signal in inputs for span in signal.sharp]
-        return [part.within(float(t[0]), float(t[-1]), jumps) for part in samples]
+        inner = (part.within(float(t[0]), float(t[-1]), jumps) for part in samples)
+        return [part for part in inner if part.states.size]
 
     def _wrong_steps(
         self, t: np.ndarray, parts: Sequence[StepSamples], rates: Rates
     ) -> list[Breach]:
         """The steps that do not obey the equations."""
-        return [
-            Breach.of_step(t, part, i)
-            for part, ends in zip(parts, joined_ends(parts), strict=True)
-            for i in disobedient(part, ends, part.rates or rates, self.tol)
-        ]
+        found = wrong_steps(owned(parts), lambda _: rates, self.tol)
+        return [Breach.of_step(t, part, i) for _, part, i in found]
 
     def at(self, t: np.ndarray) -> list[Any]:
         """The values of the parameters at times (k,): doubles, or arrays of them."""
         return values_along(self.changing, map(str, self.program.parameters), self.values, t)
 
-    def _losses(self, t: np.ndarray, states: np.ndarray) -> tuple[list[Breach], tuple[str, ...]]:
-        rows = spread(len(t), ROWS)
+    def losses(
+        self, t: np.ndarray, states: np.ndarray, most: int = ROWS
+    ) -> tuple[list[Breach], tuple[str, ...]]:
+        """Relations and integrals that did not stay, looked at in so many rows at ``most``, and
+        notes on those that need not."""
+        rows = spread(len(t), most)
         relations = {name: (key, "") for name, key in self.relations.items()}
         relations |= {f"{e} = 0": (f"vanishing {e}", "") for e in self.vanishing}
         extras, run = self._extras(), (t[rows], states[rows], self.tol, self.steps)
@@ -182,7 +168,8 @@ class SolutionCheck:
                 breaches.append(Breach(f"the integral '{name}' drifts {amount}", int(rows[i - 1])))
             else:
                 why = JUMPS if name in self.jumping else MERE_CLAIM
-                notes.append(_drift_note(name, why, t[rows[i]], amount))
+                told = f"and drifts: at t = {t[rows[i]]:.6g} it has changed {amount}"
+                notes.append(f"the integral '{name}' {why}, {told}")
         return breaches, tuple(notes)
 
     def _is_certain(self, name: str) -> bool:
@@ -190,7 +177,10 @@ class SolutionCheck:
         jumps."""
         if name in self.jumping or self.changing is not None:
             return False
-        return is_proved(self.equations, self.equations.system.integrals[name])
+        integral = self.equations.system.integrals[name]
+        return self.equations.memo.once(
+            f"proved integral {name}", lambda: is_proved(self.equations, integral)
+        )
 
     def _extras(self) -> Callable[[np.ndarray, np.ndarray], Mapping[str, np.ndarray]]:
         program = self.program
@@ -378,7 +368,6 @@ class CheckOfMany:
     tol: float
     integrals: Mapping[str, str]
     jumping: frozenset[str] = frozenset()
-    _proofs: dict[str, bool] = field(default_factory=dict)
 
     def breaches(
         self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float,
@@ -388,100 +377,51 @@ class CheckOfMany:
         (m, k, n) at ``t`` (k,), parameters (m, p), ``samples`` of the steps; each took so many."""
         notes, found = dict[int, tuple[str, ...]](), dict[int, Breach]()
         breaches = [*self._disobedient(t, states, values, samples)]
-        breaches += self.losses(np.broadcast_to(t, states.shape[:2]), states, values, steps)
+        for i, name in self._drifting(t, states, values):
+            whole, own = np.isfinite(states[i]).all(axis=1), {name: (self.integrals[name],) * 2}
+            jumps = name in self.jumping
+            one = SolutionCheck(
+                self.equations, self.program, values[i].tolist(), self.tol, int(steps),
+                {} if jumps else own, {}, jumping=own if jumps else {},
+            )  # fmt: skip
+            lost, told = one.losses(t[whole], states[i][whole], len(t))
+            breaches += [(i, breach) for breach in lost]
+            if told:
+                notes[i] = (*notes.get(i, ()), *told)
         for i, breach in breaches:
-            if breach.claim:
-                notes[i] = (*notes.get(i, ()), breach.what)
-            elif i not in found or breach.row < found[i].row:
+            if i not in found or breach.row < found[i].row:
                 found[i] = breach
         return found, notes
 
-    def losses(
-        self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float
-    ) -> Iterator[tuple[int, Breach]]:
-        """The motions that lost an integral, with times (m, k) of their own."""
-        each = np.broadcast_to(values[:, None, :], (*t.shape, values.shape[-1]))
+    def _drifting(
+        self, t: np.ndarray, states: np.ndarray, values: np.ndarray
+    ) -> Iterator[tuple[int, str]]:
+        """The motions of which an integral may be lost, and its name."""
+        each = np.broadcast_to(values[:, None, :], (*states.shape[:2], values.shape[-1]))
         extras = compile_program(self.program)[1]
         series = at_each(extras, self.program.names, t, states, each)
         for name, key in self.integrals.items():
             start = series[key][:, :1]
             allowed = LOOSE * max(self.tol, UNIT) * FREE * np.abs(start)
-            for i in np.flatnonzero((changes(series[key], start) > allowed).any(axis=1)):
-                whole = np.isfinite(states[i]).all(axis=1)
-                breach = self._judge(name, key, t[i][whole], states[i][whole], values[i], steps)
-                if breach is not None:
-                    yield int(i), breach
-
-    def _judge(
-        self,
-        name: str,
-        key: str,
-        t: np.ndarray,
-        states: np.ndarray,
-        values: np.ndarray,
-        steps: float,
-    ) -> Breach | None:
-        function, names = compile_program(self.program)[1], self.program.names
-
-        def extras(times: np.ndarray, rows: np.ndarray) -> Mapping[str, np.ndarray]:
-            each = np.broadcast_to(values, (len(rows), len(values)))
-            return at_each(function, names, times, rows, each)
-
-        jumps = name in self.jumping
-        quantity = ConservedQuantities({name: (key, key)}, extras, jumps)
-        lost = quantity.losses(t, states, self.tol, int(steps))
-        if name not in lost:
-            return None
-        row, change, allowed = lost[name]
-        amount = f"by {change:.2g}, where the tolerance allows {allowed:.2g}"
-        if jumps or not self._is_proved(name):
-            why = JUMPS if jumps else MERE_CLAIM
-            return Breach(_drift_note(name, why, t[row], amount), row, claim=True)
-        return Breach(f"the integral '{name}' drifts {amount}", row - 1)
-
-    @remember("_proofs")
-    def _is_proved(self, name: str) -> bool:
-        return is_proved(self.equations, self.equations.system.integrals[name])
+            moved = (changes(series[key], start) > allowed).any(axis=1)
+            yield from ((i, name) for i in np.flatnonzero(moved).tolist())
 
     def _disobedient(
         self, t: np.ndarray, states: np.ndarray, values: np.ndarray,
         samples: Sequence[OwnedSamples],
     ) -> Iterator[tuple[int, Breach]]:  # fmt: skip
         """The motions whose states do not obey the equations, all steps looked at together."""
-        kept = [(owners, part) for owners, part in samples if len(part.times)]
-        for owners, part in kept:
-            for row in strayed_rows(t, states[owners[0]], [part], self.tol):
-                yield int(owners[0]), Breach(DISOBEDIENT, max(row - 1, 0))
-        ends = joined_ends([part for _, part in kept])
-        plain = [i for i, (_, part) in enumerate(kept) if part.rates is None]
-        looks = Counter[int]()
-        for i in {*range(len(kept))} - {*plain}:
-            owners, part = kept[i]
-            for k in disobedient(part, ends[i], part.rates, self.tol):
-                yield int(owners[0]), Breach.of_step(t, part, k)
-        if not plain:
-            return
-        owner = np.concatenate([kept[i][0] for i in plain])
-        (joined,) = StepSamples.of([(kept[i][1].times, kept[i][1].states) for i in plain])
-        rhs, given = compile_program(self.program)[0], [*np.repeat(values[owner], WIDTH, axis=0).T]
 
-        def rates(times: np.ndarray, rows: np.ndarray) -> np.ndarray:
-            with np.errstate(all="ignore"):
-                found = rhs(times, [*rows.T], given)
-            return np.stack([np.broadcast_to(r, times.shape) for r in found], axis=-1)
+        def rates_of(owner: np.ndarray) -> Rates:
+            return program_rates(
+                self.program, lambda t: [*np.repeat(values[owner], len(t) // len(owner), axis=0).T]
+            )
 
-        after = np.concatenate([ends[i] for i in plain])
-        for s in doubtful(joined, after, rates, self.tol):
-            looks[owner[s]] += 1
-            if looks[owner[s]] > WORST:
-                continue
-            own = program_rates(self.program, partial(_constants, values[owner[s]].tolist()))
-            if not obeys(joined.times[s], joined.states[s], after[s], own, self.tol):
-                yield int(owner[s]), Breach.of_step(t, joined, s)
-
-
-def _constants(values: list[Any], _: np.ndarray) -> list[Any]:
-    return values
+        for owners, part in samples:
+            for row in strayed_rows(t, states[owners[:1]], part, self.tol):
+                yield int(owners[0]), Breach(DISOBEDIENT, row)
+        for i, part, step in wrong_steps(samples, rates_of, self.tol):
+            yield i, Breach.of_step(t, part, step)
 
 
 PER_STEP = 4

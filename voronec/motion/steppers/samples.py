@@ -93,8 +93,8 @@ def owned(parts: Iterable[StepSamples]) -> list[OwnedSamples]:
 
 @dataclass
 class Sampler:
-    """What takes samples step by step: each, until there are too many of them; then every second
-    one is dropped, and taken from there on."""
+    """What takes samples step by step, ``rows`` of them: each, until there are too many; then every
+    second one is dropped, and taken from there on."""
 
     rows: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
     every: int = 1
@@ -107,14 +107,11 @@ class Sampler:
             return
         begin = float(start)
         times = begin + (float(end) - begin) * NODES
-        self.enter(times[None], at(times).astype(float)[None])
+        with np.errstate(all="ignore"):  # what is beyond doubles is told elsewhere
+            self.rows.append((times[None], at(times).astype(float)[None]))
         if len(self.rows) > MOST:
             del self.rows[::2]
             self.every *= 2
-
-    def enter(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Samples (s, WIDTH), (s, WIDTH, n) that somebody else has taken."""
-        self.rows.append((times, states))
 
 
 def burst(steps: int) -> tuple[int, bool]:

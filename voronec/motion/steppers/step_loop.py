@@ -512,7 +512,7 @@ class _March:
         self.idle = 0 if len(stretch.rows) else self.idle + stretch.steps
         self.strides += stretch.strides
         if stretch.samples is not None:
-            self.sampler.enter(*stretch.samples)
+            self.sampler.rows.append(stretch.samples)
         if self.problem.marked:
             self.ends += stretch.times.tolist()
         self.last = Halt(COLLAPSE, stretch.end, stretch.state)
