@@ -398,6 +398,19 @@ def test_a_section_keeps_the_points_before_an_integral_is_lost(
     assert 0 < len(cut) < 8 and cut.t[-1] < 21 and np.abs(cut["xdot"] - 1).max() < 1e-9
 
 
+def test_a_section_keeps_the_points_before_the_equations_are_left(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    driven = dataclasses.replace(OSCILLATOR, forces={x: sp.Rational(1, 10)})
+    wanted: dict[str, Any] = {"starts": {"x": [1.0]}, "crossings": 8, "outputs": ("xdot",)}
+    sound = vo.section(driven, x, method="scipy", **wanted)
+    assert not sound.errors and len(sound) == 8
+    corrupted(monkeypatch, 20.0, np.array([0.0, 1e-4]))
+    cut = vo.section(driven, x, method="scipy", **wanted)
+    assert "do not obey the equations" in str(cut.errors[0]) and cut.ends == ("failed",)
+    assert 0 < len(cut) < 8 and np.abs(cut["xdot"] - sound["xdot"][: len(cut)]).max() < 1e-9
+
+
 def test_only_steps_that_seem_wrong_are_integrated_again() -> None:
     """Of a motion, of one that jumps at the end of a step, and of one that jumps between two."""
     asked = []
