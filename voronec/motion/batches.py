@@ -137,7 +137,7 @@ class Lanes:
     results: list[Any] = field(default_factory=list)
     output: Any = None
     samples: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
-    ahead: np.ndarray = field(init=False)
+    ahead: tuple[np.ndarray, np.ndarray] = field(init=False)
 
     def __post_init__(self) -> None:
         self.values = np.ones((len(self.plain.parameters), self.width))
@@ -203,15 +203,16 @@ class Lanes:
 
     def first_steps(self, spans: np.ndarray) -> np.ndarray:
         """How long the next steps of all lanes may be, which go no further than ``spans``."""
-        found, lengths = openings(self.integrator, self.right_side, spans)
+        found, lengths, series = openings(self.integrator, self.right_side, spans)
         self.steps.stride[found < np.inf] = 1.0
-        self.ahead = np.copysign(np.minimum(np.abs(lengths), found), spans)
+        self.ahead = np.copysign(np.minimum(np.abs(lengths), found), spans), series
         return found
 
     def sample_first(self) -> tuple[np.ndarray, np.ndarray]:
         """Samples of the next step of each lane, as ``first_steps`` found it."""
-        series = self.integrator.tc.transpose(2, 0, 1)
-        times, states = series_samples(self.integrator.time + self.ahead, self.ahead, series)
+        lengths, series = self.ahead
+        ends = self.integrator.time + lengths
+        times, states = series_samples(ends, lengths, series.transpose(2, 0, 1))
         return times, self.winding.whole(states.transpose(1, 2, 0)).transpose(2, 0, 1)
 
     def look_back(
