@@ -10,6 +10,7 @@ references   the references of the closed form
 mechanics    models of SymPy's mechanics against SymPy
 prepared     runs of prepared problems beside equations by hand
 costs        what steps of heyoka and DOP853 cost: the constants by which `auto` chooses
+doubts       how often the check of runs doubts what is right, and notices what is wrong
 """
 
 import sys
@@ -25,6 +26,7 @@ KINDS = {
     "mechanics": "figures.mechanics",
     "prepared": "figures.prepared",
     "costs": "figures.method_costs",
+    "doubts": "figures.doubts",
 }
 """Kind -> the module that does it."""
 

@@ -32,6 +32,7 @@ from voronec.motion.steppers.heyoka_stepper import (
     unit_parameters,
 )
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, WINDOW, Headway, Problem
+from voronec.motion.steppers.samples import OwnedSamples, StepSamples, series_samples
 from voronec.motion.steppers.scipy_stepper import estimated_steps
 from voronec.motion.steppers.series_reach import (
     MANY,
@@ -135,6 +136,8 @@ class Lanes:
     values: np.ndarray = field(init=False)
     results: list[Any] = field(default_factory=list)
     output: Any = None
+    samples: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
+    ahead: tuple[np.ndarray, np.ndarray] = field(init=False)
 
     def __post_init__(self) -> None:
         self.values = np.ones((len(self.plain.parameters), self.width))
@@ -200,9 +203,17 @@ class Lanes:
 
     def first_steps(self, spans: np.ndarray) -> np.ndarray:
         """How long the next steps of all lanes may be, which go no further than ``spans``."""
-        found = openings(self.integrator, self.right_side, spans)
+        found, lengths, series = openings(self.integrator, self.right_side, spans)
         self.steps.stride[found < np.inf] = 1.0
+        self.ahead = np.copysign(np.minimum(np.abs(lengths), found), spans), series
         return found
+
+    def sample_first(self) -> tuple[np.ndarray, np.ndarray]:
+        """Samples of the next step of each lane, as ``first_steps`` found it."""
+        lengths, series = self.ahead
+        ends = self.integrator.time + lengths
+        times, states = series_samples(ends, lengths, series.transpose(2, 0, 1))
+        return times, self.winding.whole(states.transpose(1, 2, 0)).transpose(2, 0, 1)
 
     def look_back(
         self, begin: tuple[np.ndarray, ...], state: np.ndarray, limits: np.ndarray
@@ -306,9 +317,9 @@ def lanes_of(program: Program, tol: float, states: np.ndarray, values: np.ndarra
 
 def along(
     lanes: Lanes, states: np.ndarray, values: np.ndarray, grid: np.ndarray, stopped: Look
-) -> tuple[np.ndarray, dict[int, IntegrationError], int, list[int]]:
-    """Up to ``width`` motions along one grid: states (m, k, n), errors, how many steps, and those
-    whose steps collapsed, or were made too long.
+) -> tuple[np.ndarray, dict[int, IntegrationError], int, list[int], list[OwnedSamples]]:
+    """Up to ``width`` motions along one grid: states (m, k, n), errors, how many steps, those whose
+    steps collapsed, or were made too long, and samples of steps from instants of the grid.
 
     A motion that breaks down keeps its states up to there, the rest are not numbers; the others
     are run again without it.
@@ -326,7 +337,9 @@ def along(
         steps += taken
         if not broken:
             doubtful = [k for k in range(len(left)) if lanes.steps.is_doubtful(k)]
-            return rows, errors, steps, [*alone, *left[doubtful].tolist()]
+            few = len(left)
+            samples = [(left, StepSamples(t[:few], x[:few], apart=True)) for t, x in lanes.samples]
+            return rows, errors, steps, [*alone, *left[doubtful].tolist()], samples
         for lane, error in broken.items():
             if lane < len(left):
                 if lanes.steps.left[lane]:
@@ -334,7 +347,7 @@ def along(
                 else:
                     errors[int(pick[lane])] = error
         left = np.array([i for i in left if i not in errors and i not in alone], dtype=int)
-    return rows, errors, steps, alone
+    return rows, errors, steps, alone, []
 
 
 @dataclass(eq=False)
@@ -372,7 +385,7 @@ def _pieces(
     hy = heyoka()
     lanes.reset_size()
     ta, at, piece, steps = lanes.integrator, 0, 1 if lanes.winding.is_needed else PIECE, 0
-    headway = _LanesHeadway(np.zeros(lanes.width, dtype=int), grid)
+    headway, lanes.samples = _LanesHeadway(np.zeros(lanes.width, dtype=int), grid), []
     block[:, 0] = lanes.states
     while at < len(grid) - 1:
         if stopped():
@@ -381,6 +394,7 @@ def _pieces(
             ta.set_time(float(grid[at]))
         lanes.take()
         limits = lanes.first_steps(np.full(lanes.width, grid[-1] - grid[at]))
+        lanes.samples.append(lanes.sample_first())
         if limits.min() < np.inf:
             piece = 1  # steps of a piece are short where the first one must be
         end = min(at + piece, len(grid) - 1)

@@ -52,7 +52,6 @@ from voronec.motion.request import (
     outputs_of,
     scene_of,
 )
-from voronec.motion.residual_windows import LookGrid, pace_of
 from voronec.motion.singular_coordinates import (
     LAST,
     CoordinatePole,
@@ -60,13 +59,13 @@ from voronec.motion.singular_coordinates import (
     PoleGuard,
     PoleNotes,
 )
-from voronec.motion.soundness import Breach, Judge, Untold, require_branches
 from voronec.motion.split_models import divisor_program
 from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
 from voronec.motion.steppers.run import Signals, constants_along
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Crossings, Trajectory, make_trajectory
+from voronec.motion.verify import Breach, SolutionCheck, Untold, require_branches
 
 if TYPE_CHECKING:
     from voronec.motion.mode_stepper import SwitchedIntegrator
@@ -498,7 +497,7 @@ class _Request:
         job = _Job(
             self.vocabulary, made, self.outset, self.grid if times is None else times, self.tol,
             self.events, self.dense, self.progress if whole_way else None,
-            None if is_exact(method, self.tol) else near, not whole_way,
+            None if is_exact(method, self.tol) else near,
         )  # fmt: skip
         return job.trajectory(method, self.began)
 
@@ -506,7 +505,7 @@ class _Request:
 @dataclass(frozen=True)
 class _Job:
     """A model to be integrated, and how; ``near`` is how near to poles of angles, if that is to be
-    watched; ``in_part`` says that the grid is only the beginning of what is wanted."""
+    watched."""
 
     vocabulary: Vocabulary
     made: ProgrammedModel
@@ -517,7 +516,6 @@ class _Job:
     dense: bool
     progress: Callable[[float], Any] | None
     near: Any = None
-    in_part: bool = False
 
     def trajectory(self, method: str, began: float) -> Trajectory:
         """Integrate, and look at what is wanted; ``IntegrationError`` where it cannot be done."""
@@ -550,10 +548,8 @@ class _Job:
             stepper, chosen = switched.stepper, switched.chosen
         else:
             stepper, chosen = self._smooth(method, *seen)
-        pace = np.nan if self.in_part else pace_of(plain, time)
-        looks = LookGrid.of(self.grid, pace)
         ready, busy = perf_counter(), process_time()
-        run = stepper(looks.whole)
+        run = stepper(self.grid)
         run = replace(run, notes=(*warned, *run.notes)) if warned else run
         run = run if poles.notes is None else poles.notes.with_notes(run)
         if watched:
@@ -565,26 +561,23 @@ class _Job:
             run=perf_counter() - ready - run.prepared, cpu=process_time() - busy,
             steps=run.steps, evaluations=run.evaluations, switches=run.switches, level=made.level,
         )  # fmt: skip
-        trajectory, halt = self._outcome(run, values, cost, switched is None, looks)
+        trajectory, halt = self._outcome(run, values, cost, switched is None)
         if halt is not None:
             raise probe.failure(state, halt, trajectory)
         return trajectory
 
     def _outcome(
-        self, run: Run, values: Sequence[float], cost: Cost, smooth: bool, looks: LookGrid
+        self, run: Run, values: Sequence[float], cost: Cost, smooth: bool
     ) -> tuple[Trajectory, Halt | None]:
         """The motion of a run as far as it is sound, and what ended it before its end."""
         sight, told = self._sight(run, values, cost), self.outset.notes + run.notes
-        own = looks.without_looks(run)
-        trajectory = sight.trajectory(own, told)
+        trajectory = sight.trajectory(run, told)
         if run.halt is None and not run.interrupted:
             require_branches(trajectory, self.made.watch.branches, run)
-        if self.in_part:  # what is wrong with it shows in the whole
-            return trajectory, run.halt
-        breach, notes = self.judge(sight, run, values, smooth, looks.ends)
+        breach, notes = self.check(sight, run, values, smooth)
         if breach is not None:
-            run = run.until(breach.row, breach.what)
-            trajectory = sight.trajectory(looks.without_looks(run), told)
+            run = run.until(breach.row, breach.what, breach.last)
+            trajectory = sight.trajectory(run, told)
         if run.halt is not None:
             return trajectory, run.halt
         more = (*notes, *_outputs_without_value(trajectory))
@@ -635,26 +628,34 @@ class _Job:
             self.vocabulary, made.watch, made.program, constants, cost, bits, outset.changing
         )
 
-    def judge(
-        self, sight: _Sight, run: Run, values: Sequence[Any], smooth: bool, looks: Sequence[int]
+    def check(
+        self, sight: _Sight, run: Run, values: Sequence[Any], smooth: bool
     ) -> tuple[Breach | None, tuple[str, ...]]:
         """What went wrong with a run that came to its end, if anything did, and notes."""
         made, equations = self.made, self.vocabulary.equations
         watch = made.watch
-        judge = Judge(
+        check = SolutionCheck(
             equations, made.program, [float(x) for x in values], sight.cost.tolerance,
             run.steps, watch.integrals_to_follow(smooth), watch.relations, made.relations,
-            self.outset.changing, watch.integrals_to_follow(smooth, jumping=True), looks, run.spans,
+            self.outset.changing, watch.integrals_to_follow(smooth, jumping=True),
         )  # fmt: skip
         t, states = run.t.astype(float), run.states.astype(float)
-        breach, notes = judge.breach(t, states)
+        breach, notes = check.breach(t, states, run.samples)
         form = equations.raw.form
         own = [str(x) for x in (*form.coordinates, *form.velocities)]
         if smooth and breach is None and {*own} <= {*watch.known, *map(str, made.program.state)}:
-            known = sight.series(run.t, run.states, own)
-            states = np.stack([known[name].astype(float) for name in own], axis=-1)
-            breach = judge.original(t, states, self.outset.constants)
+            at_home = partial(self._at_home, own, check)
+            breach = check.original(t, run.samples, at_home, self.outset.constants)
         return breach, notes
+
+    def _at_home(
+        self, names: Sequence[str], check: SolutionCheck, t: np.ndarray, states: np.ndarray
+    ) -> np.ndarray:
+        """Coordinates and velocities by name (k, m) at states (k, n)."""
+        series = dict(zip(map(str, self.made.program.state), states.T, strict=True))
+        if not {*names} <= series.keys():
+            series |= evaluate_watch(self.made.watch, self.made.program, t, states, check.at(t))
+        return np.stack([series[name] for name in names], axis=-1)
 
     def _smooth(
         self, method: str, problem: Problem, functions: Mapping[str, Any]

@@ -268,9 +268,11 @@ def blind_reach(integrator: Any, field: Field, output: Any, step: int) -> np.nda
     return _Series(field, rows, np.atleast_1d(lengths), begin, 1, integrator.tol).reach()
 
 
-def openings(integrator: Any, field: Field, spans: np.ndarray) -> np.ndarray:
-    """Such lengths for all lanes of a batch integrator, no step going beyond ``spans``; it stands
-    afterwards where it stood."""
+def openings(
+    integrator: Any, field: Field, spans: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Such lengths for all lanes of a batch integrator, no step going beyond ``spans``, those that
+    steps have without, and their Taylor coefficients; it stands afterwards where it stood."""
     times, state = [part.copy() for part in integrator.dtime], integrator.state.copy()
     integrator.step(max_delta_t=spans.tolist(), write_tc=True)
     taken, tol = np.array([length for _, length in integrator.step_res]), integrator.tol
@@ -282,7 +284,7 @@ def openings(integrator: Any, field: Field, spans: np.ndarray) -> np.ndarray:
         found = _series_reach(field, coefficients, taken, end, PARTS if whole else 1, tol)
     integrator.set_dtime(*times)
     integrator.state[:] = state
-    return found
+    return found, taken, coefficients
 
 
 def _series_reach(
