@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from queue import SimpleQueue
 from threading import Event
 from time import perf_counter
@@ -45,8 +46,11 @@ __all__ = ["Ensemble", "ensemble"]
 
 FEW = 20
 """Rows of the table that a notebook shows."""
-BATCHES = 8
-"""How many times a worker loads its lanes between two reports."""
+BATCHES, REPORTS = 8, 8
+"""So many loads of the lanes at least go between two reports, and so many reports there are at
+least where the motions suffice for both."""
+STEPS, NUMBERS = 100_000, 2**22
+"""So many steps, and numbers of states on the grid, go between two reports, unless that is less."""
 TOGETHER = 64
 """So many motions of a compiled loop go between two reports: they are looked at together."""
 
@@ -421,38 +425,53 @@ def _run(filled: _ResultRows, lanes: Lanes | None, tol: float, jobs: int, progre
     sound = sound[~alone]
     if lanes:  # those that go side by side wait for the slowest
         sound = sound[np.argsort(filled.motions.paces[sound], kind="stable")]
-    compiled = filled.switched is None and METHODS[filled.single].loop
-    size = BATCHES * lanes.width if lanes else TOGETHER if compiled else 1
-    blocks = [sound[i : i + size] for i in range(0, len(sound), size)]
-    jobs = max(1, min(jobs, len(blocks))) if lanes else 1
     workers: SimpleQueue[Lanes | None] = SimpleQueue()
-    for k in range(jobs):
+    for k in range(jobs if lanes else 1):
         workers.put(lanes.again() if lanes and k else lanes)
-    halt = Event()
+    halt, done = Event(), 0
 
-    def work(block: np.ndarray) -> None:
+    def work(block: np.ndarray) -> tuple[int, int]:
         own = workers.get()
         try:
-            _block(filled, own, block, tol, halt)
+            return len(block), _block(filled, own, block, tol, halt)
         finally:
             workers.put(own)
 
     try:
-        for done in _do_work(work, blocks, jobs):
+        for count, steps in _do_work(work, _blocks(filled, lanes, sound), jobs if lanes else 1):
+            done, filled.steps = done + count, filled.steps + steps
             if progress is not None:
-                progress(done)
+                progress(done / len(sound))
     except KeyboardInterrupt:
         halt.set()
         return True
     return False
 
 
-def _do_work(work: Callable[[Any], None], blocks: list[Any], jobs: int) -> Iterator[float]:
-    """Do the work, in threads where there are several jobs; yields the finished fraction."""
+def _blocks(filled: _ResultRows, lanes: Lanes | None, sound: np.ndarray) -> Iterator[np.ndarray]:
+    """The starts that go together: first one load of the lanes, whose steps, when they are known,
+    tell how many are done soon."""
+    if lanes is None:
+        compiled = filled.switched is None and METHODS[filled.single].loop
+        first = size = TOGETHER if compiled else 1
+    else:
+        first = lanes.width
+    yield from [sound[:first]] if len(sound) else []
+    if lanes is not None:
+        numbers = len(filled.looks.whole) * filled.motions.states.shape[1]
+        each = max(1, filled.steps // first)
+        size = min(lanes.most, STEPS // each, NUMBERS // numbers, len(sound) // REPORTS)
+        size = max(size // first, BATCHES) * first
+    for i in range(first, len(sound), size):
+        yield sound[i : i + size]
+
+
+def _do_work(
+    work: Callable[[Any], tuple[int, int]], blocks: Iterator[Any], jobs: int
+) -> Iterator[tuple[int, int]]:
+    """Do the work, from the second block on in threads where there are several jobs."""
+    yield from map(work, islice(blocks, None if jobs == 1 else 1))
     if jobs == 1:
-        for k, block in enumerate(blocks):
-            work(block)
-            yield (k + 1) / len(blocks)
         return
     with ThreadPoolExecutor(jobs) as pool:
         left = {pool.submit(work, block) for block in blocks}
@@ -460,8 +479,7 @@ def _do_work(work: Callable[[Any], None], blocks: list[Any], jobs: int) -> Itera
             while left:
                 over, left = wait(left, return_when=FIRST_COMPLETED)
                 for one in over:
-                    one.result()
-                yield 1 - len(left) / len(blocks)
+                    yield one.result()
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
@@ -469,9 +487,9 @@ def _do_work(work: Callable[[Any], None], blocks: list[Any], jobs: int) -> Itera
 
 def _block(
     filled: _ResultRows, lanes: Lanes | None, block: np.ndarray, tol: float, halt: Event
-) -> None:
-    """Some starts, one load of the lanes after another."""
-    motions, width = filled.motions, lanes.width if lanes else 1
+) -> int:
+    """Some starts, as many at a time as may be; how many steps they took."""
+    motions, width = filled.motions, lanes.most if lanes else 1
     over: list[tuple[np.ndarray, np.ndarray, dict[int, IntegrationError]]] = []
     taken = 0
     try:
@@ -496,9 +514,10 @@ def _block(
             taken += steps
             over.append((where, rows, failed))
     except StopRequest:
-        return
+        pass
     finally:
         _fill_judgements(filled, over, taken)
+    return taken
 
 
 def _fill_judgements(
@@ -525,7 +544,6 @@ def _fill_judgements(
         failed[i] = IntegrationError(f"{breach.what} after t = {time:.12g}", time, state)
         rows[i, breach.row + 1 :] = np.nan
     rows = rows[:, looks.own]
-    filled.steps += steps
     told: dict[int, VoronecError] = {
         i: filled.motions.error(
             where[i], str(error), "end the run before that", error.time, error.state
