@@ -11,7 +11,7 @@ import voronec as vo
 from voronec.equations.program import compile_program
 from voronec.motion import initial_conditions, motion_pool
 from voronec.motion.initial_conditions import parameter_values, start_of
-from voronec.motion.request import Vocabulary, name_values, quantity
+from voronec.motion.request import Starts, Vocabulary, name_values, quantity
 from voronec.motion.state_probe import quiet, rates_along
 
 COUNT = 7
@@ -48,7 +48,7 @@ def test_arrays_and_one_by_one_agree(name, starts, monkeypatch):
     monkeypatch.setattr(motion_pool, "start_of", lambda *a: asked.append(a) or start_of(*a))
     wanted = dict(quantity(vocabulary, q) for q in equations.system.coordinates)
     default = equations.system.scenes["default"]
-    found = motion_pool.many(equations, default, rows, {}, wanted, 0.0)
+    found = motion_pool.many(equations, default, Starts.of(rows), {}, wanted, 0.0)
     assert not asked and not found.wrong, "all are read at once"
     assert np.abs(found.full - expected).max() < 1e-14 * np.abs(expected).max()
 
@@ -62,7 +62,7 @@ def test_what_does_not_fit_is_left_over():
     rates = partial(motion_pool.rates_in_arrays, compile_program(program)[0], values, 0.0)
 
     def read(starts):
-        return initial_conditions.starts_in_arrays(vocabulary, {}, starts, own, rates)
+        return initial_conditions.starts_in_arrays(vocabulary, {}, Starts.of(starts), own, rates)
 
     fits = {"xdot": 1.0, "ydot": 0.0, "phi": 0.0}
     found = read([fits, {**fits, "ydot": 1.0}, fits])

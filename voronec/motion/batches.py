@@ -449,9 +449,9 @@ def _one_interval(
         lanes.go_to(float(ends[-1]), longest)
         steps += int(ta.latest.taken.sum())
         lanes.look_back(begin, longest)
-        why = {i: INFINITE for i in np.flatnonzero(alive & ~ta.alive).tolist()}
+        why = dict.fromkeys(np.flatnonzero(alive & ~ta.alive).tolist(), INFINITE)
         stands = ta.alive & (ta.high != ends[-1]) & (ta.high == begin[0])
-        why |= {i: COLLAPSE for i in np.flatnonzero(stands).tolist()}
+        why |= dict.fromkeys(np.flatnonzero(stands).tolist(), COLLAPSE)
         found = {i: break_error(x, begin[0][i], last[i]) for i, x in why.items()}
         found |= headway.errors(lanes)
         if steps > MANY:  # those that are followed alone in any case: the others need not wait

@@ -23,7 +23,7 @@ from voronec.motion.angle_cuts import CutWatch
 from voronec.motion.batches import Lanes, StopRequest, along, choose_lanes, require_method
 from voronec.motion.inputs import Drive, drive
 from voronec.motion.methods import METHODS
-from voronec.motion.motion_pool import Many, drifts, many
+from voronec.motion.motion_pool import Drifts, Many, many
 from voronec.motion.one_by_one import LoneMotions, SwitchedMotions, along_one
 from voronec.motion.request import (  # fmt: skip
     Values,
@@ -67,8 +67,7 @@ class Ensemble:
     their coordinates, or that an integral drifts that is only claimed.
 
     ``drift`` maps each integral that the equations in use can express to its largest change
-    along each motion, (starts,), relative to its start there; where it starts at zero, relative
-    to the largest start of all.  ``level`` names the variables of these equations, as in
+    along each motion, (starts,), relative as in ``Trajectory``.  ``level`` names the variables of these equations, as in
     ``Model``.  ``interrupted`` says that the run was stopped by hand, and so does what is printed
     of it.
     """
@@ -210,7 +209,7 @@ def ensemble(
         method=used, reason=reason,
         tolerance=tol if lanes else max(tol, FINEST), setup=ready - began,
         run=perf_counter() - ready, steps=steps, evaluations=steps,
-        switches=sum(cost.switches for cost in filled.alone),
+        switches=sum(cost.switches for cost in filled.alone), level=motions.ground.level,
     )  # fmt: skip
     return filled.ensemble(cost, interrupted, driven)
 
@@ -252,8 +251,8 @@ class _ResultRows:
     grid: np.ndarray
     looks: LookGrid
     series: dict[str, np.ndarray]
-    changes: dict[str, np.ndarray]
-    first: dict[str, np.ndarray]
+    drift: dict[str, np.ndarray]
+    drifts: Drifts
     finished: np.ndarray
     judge: JudgeOfMany
     switched: SwitchedMotions | None = None
@@ -283,8 +282,8 @@ class _ResultRows:
             grid=grid,
             looks=_look_grid(motions, grid) if switched is None else LookGrid.plain(grid),
             series={name: nothing(count, len(grid)) for name in outputs},
-            changes={name: nothing(count) for name in integrals},
-            first={name: nothing(count) for name in integrals},
+            drift={name: nothing(count) for name in integrals},
+            drifts=Drifts(motions, tol),
             finished=np.zeros(count, dtype=bool),
             switched=switched,
             single=single,
@@ -306,11 +305,13 @@ class _ResultRows:
         found = at_each(self.motions.extras, names, self.grid, rows, values)
         for name, array in self.series.items():
             array[where] = found[name]
-        for name, array in self.changes.items():
-            along_motion = found[f"integral {name}"]
-            self.first[name][where] = along_motion[:, 0]
+        for name, array in self.drift.items():
+            series = found[f"integral {name}"]
             # a motion that failed has numbers up to there, if any
-            array[where] = np.fmax.reduce(changes(along_motion, along_motion[:, :1]), axis=1)
+            change = np.fmax.reduce(changes(series, series[:, :1]), axis=1)
+            array[where] = self.drifts.relative(
+                name, change, series[:, 0], self.grid, rows, self.motions.values[where]
+            )
         self.errors.update({int(where[i]): error for i, error in failed.items()})
         self.finished[[int(i) for i in where if int(i) not in self.errors]] = True
 
@@ -377,10 +378,8 @@ class _ResultRows:
         if len(run) != len(self.grid):
             return
         self.fill(i, run)
-        for name in self.changes.keys() & run.integrals.keys():
-            values = run.integrals[name]
-            self.first[name][i] = values[0]
-            self.changes[name][i] = changes(values, values[0]).max()
+        for name in self.drift.keys() & run.drift.keys():
+            self.drift[name][i] = run.drift[name]
         self.alone.append(run.cost)
         if run.notes:
             self.notes[i] = run.notes
@@ -389,7 +388,6 @@ class _ResultRows:
 
     def ensemble(self, cost: Cost, interrupted: bool, driven: Drive) -> Ensemble:
         own = {*driven.original.parameter_names}
-        drift = {name: drifts(x, self.first[name]) for name, x in self.changes.items()}
         for array in (self.grid, self.finished, *self.series.values()):
             array.flags.writeable = False
         return Ensemble(
@@ -402,7 +400,7 @@ class _ResultRows:
             ),
             finished=self.finished,
             errors=MappingProxyType(dict(sorted(self.errors.items()))),
-            drift=MappingProxyType(drift),
+            drift=MappingProxyType(self.drift),
             level=self.motions.ground.level,
             cost=cost,
             interrupted=interrupted,

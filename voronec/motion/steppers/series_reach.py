@@ -317,8 +317,8 @@ def overlong_lanes(
 
 @dataclass(frozen=True)
 class _LongStep:
-    """A step ``taken`` (k,) from the times ``begin`` (k,), with its Taylor ``coefficients``, which is
-    long in some ``lanes`` (k,)."""
+    """A step ``taken`` (k,) from the times ``begin`` (k,), with its Taylor ``coefficients``, long in
+    some ``lanes`` (k,)."""
 
     taken: np.ndarray
     begin: np.ndarray

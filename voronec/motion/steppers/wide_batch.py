@@ -15,7 +15,7 @@ import numpy as np
 __all__ = ["LatestSteps", "Place", "WideBatch"]
 
 Place = tuple[np.ndarray, np.ndarray, np.ndarray]
-"""Where motions stand: the time as a sum of two doubles (width,) each, and the states (n, width)."""
+"""Where motions stand: the time, a sum of two doubles (width,) each, and the states (n, width)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +109,7 @@ class WideBatch:
             yield own
 
     def first_steps(self, spans: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The lengths (width,) of the next steps, which lead no further than ``spans`` (width,), and
+        """The lengths (width,) of next steps, which lead no further than ``spans`` (width,), and
         their Taylor coefficients (n, order + 1, width); nothing moves."""
         series = np.zeros((len(self.state), self.batch.order + 1, self.width))
         taken, limits = np.zeros(self.width), spans.tolist()
