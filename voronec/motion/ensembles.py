@@ -67,9 +67,9 @@ class Ensemble:
     their coordinates, or that an integral drifts that is only claimed.
 
     ``drift`` maps each integral that the equations in use can express to its largest change
-    along each motion, (starts,), relative as in ``Trajectory``.  ``level`` names the variables of these equations, as in
-    ``Model``.  ``interrupted`` says that the run was stopped by hand, and so does what is printed
-    of it.
+    along each motion, (starts,), relative as in ``Trajectory``.  ``level`` names the variables
+    of these equations, as in ``Model``.  ``interrupted`` says that the run was stopped by hand, and
+    so does what is printed of it.
     """
 
     system: System
@@ -417,15 +417,7 @@ def _look_grid(motions: Many, grid: np.ndarray) -> LookGrid:
 
 def _run(filled: _ResultRows, lanes: Lanes | None, tol: float, jobs: int, progress: Any) -> bool:
     """All motions, block by block; whether it was stopped by hand."""
-    sound = np.array(filled.motions.sound, dtype=int)
-    alone = filled.motions.near_divisors[sound]
-    filled.collapsed.extend(sound[alone].tolist())
-    sound = sound[~alone]
-    if lanes:  # those that go side by side wait for the slowest
-        sound = sound[np.argsort(filled.motions.paces[sound], kind="stable")]
     workers: SimpleQueue[Lanes | None] = SimpleQueue()
-    for k in range(jobs if lanes else 1):
-        workers.put(lanes.again() if lanes and k else lanes)
     halt, done = Event(), 0
 
     def work(block: np.ndarray) -> tuple[int, int]:
@@ -436,6 +428,14 @@ def _run(filled: _ResultRows, lanes: Lanes | None, tol: float, jobs: int, progre
             workers.put(own)
 
     try:
+        sound = np.array(filled.motions.sound, dtype=int)
+        alone = filled.motions.near_divisors[sound]
+        filled.collapsed.extend(sound[alone].tolist())
+        sound = sound[~alone]
+        if lanes:  # those that go side by side wait for the slowest
+            sound = sound[np.argsort(filled.motions.paces[sound], kind="stable")]
+        for k in range(jobs if lanes else 1):
+            workers.put(lanes.again() if lanes and k else lanes)
         for count, steps in _do_work(work, _blocks(filled, lanes, sound), jobs if lanes else 1):
             done, filled.steps = done + count, filled.steps + steps
             if progress is not None:

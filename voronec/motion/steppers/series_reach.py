@@ -317,8 +317,8 @@ def overlong_lanes(
 
 @dataclass(frozen=True)
 class _LongStep:
-    """A step ``taken`` (k,) from the times ``begin`` (k,), with its Taylor ``coefficients``, long in
-    some ``lanes`` (k,)."""
+    """A step ``taken`` (k,) from the times ``begin`` (k,), long in some ``lanes`` (k,), with its
+    Taylor ``coefficients`` (n, order + 1, k)."""
 
     taken: np.ndarray
     begin: np.ndarray
