@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import voronec as vo
 from voronec.equations.program import compile_program
@@ -72,3 +73,15 @@ def test_what_does_not_fit_is_left_over():
     for other in ({"xdot": "1", "ydot": 0.0, "phi": 0.0}, {"v": 1.0}, {**fits, "phi": np.inf}):
         found = read([fits, other, fits])
         assert np.isnan(found[1]).all()
+
+
+def test_a_value_that_stands_for_all_is_read_once(monkeypatch):
+    """Arrays are not spread to a mapping for each start, whatever stands beside them."""
+    sleigh = vo.derive(vo.load("sleigh"))
+    monkeypatch.setattr(motion_pool, "start_of", lambda *_: pytest.fail("one by one"))
+    angle, speeds = sp.pi / 6, np.linspace(1, 2, COUNT)
+    found = vo.ensemble(sleigh, {"phi": angle, "v": speeds, "w": "1/2"}, times=[0.0, 0.5])
+    alone = vo.ensemble(sleigh, {"phi": np.pi / 6, "v": 2.0, "w": 0.5}, times=[0.0, 0.5])
+    assert not found.errors and found["v"][:, 0] == pytest.approx(speeds, abs=1e-15)
+    for name in found.outputs:
+        assert found[name][-1] == pytest.approx(alone[name][0], abs=1e-14)

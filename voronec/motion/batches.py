@@ -59,7 +59,10 @@ __all__ = [
     "require_method",
 ]
 
-LOADS = 256
+REGISTERS = 2
+"""A core is busier with two registers of lanes, whose instructions need not wait for one another;
+with more it is no faster, and compiling takes thrice as long."""
+LOADS = 128
 """So many loads of the compiled lanes go side by side: what is looked at in Python is looked at in
 all of them at once."""
 PIECE, PART = 64, 4
@@ -311,16 +314,19 @@ def lanes_of(program: Program, tol: float, states: np.ndarray, values: np.ndarra
     """
     hy = heyoka()
     width = 1
-    while width < min(hy.recommended_simd_size(), len(states)):
+    while width < min(REGISTERS * hy.recommended_simd_size(), len(states)):
         width *= 2
     plain, raised = program, hoist(program)
     program = raised.program
-    own = units_of_many(plain, states, values)
+    scaled = any(
+        (units_of_many(plain, states[i : i + MANY], values[i : i + MANY]) != 1).any()
+        for i in range(0, len(states), MANY)
+    )
     # heyoka wants no more parameters than the equations contain
     used = [i for i, p in enumerate(program.parameters) if p in program.derivative.symbols]
     constants = max(used, default=-1) + 1
     ones = np.ones((len(program.state), width))
-    winding = TurnCount.of(plain, None, ones, bool((own != 1).any()))
+    winding = TurnCount.of(plain, None, ones, scaled)
     system = taylor_system(program, unit_parameters(winding, constants, hy))
     batch = hy.taylor_adaptive_batch(
         system,

@@ -124,6 +124,8 @@ def _units_beside(
         far = (size > 0) & ~((size >= SMALL) & (size <= ORDINARY)) & np.isfinite(size)
     far &= np.isfinite(slope).all(axis=1)[:, None]
     far[:, angles] = False
+    if not far.any():
+        return np.ones(far.shape)
     return np.where(far, _powers_next_to(np.where(far, size, 1.0)), 1.0)
 
 
