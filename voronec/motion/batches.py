@@ -396,7 +396,8 @@ def _pieces(
     """Fill ``rows`` (width, k, n) piece by piece of the grid; what broke, by motion, and steps."""
     lanes.reset_size()
     ta, at, piece, steps = lanes.integrator, 0, 1 if lanes.winding.is_needed else PIECE, 0
-    headway, errors = _LanesHeadway(np.zeros(lanes.width, dtype=int), grid), {}
+    headway = _LanesHeadway(np.zeros(lanes.width, dtype=int), grid)
+    errors = dict[int, IntegrationError]()
     rows[:, 0] = lanes.states
     while at < len(grid) - 1 and (alive := ta.alive).any():
         if stopped():

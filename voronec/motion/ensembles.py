@@ -156,7 +156,8 @@ def ensemble(
         once; ``numba``, ``c`` and ``scipy`` (DOP853) run them one by one; ``auto`` takes heyoka
         where it installs, else numba or c where scipy would take longer than to compile.
     jobs
-        threads, each with an integrator of its own; scipy gains nothing by them and takes one.
+        threads, each with an integrator of its own: heyoka's compiled code, and numpy's, run side
+        by side on several cores; scipy gains nothing by them and takes one.
     progress
         is called with the finished fraction.
     inputs
