@@ -13,11 +13,12 @@ import sympy as sp
 
 import voronec as vo
 from voronec.equations.program import Block, Program, compile_program, hoist
-from voronec.motion import methods, residual_windows
+from voronec.motion import methods, step_defects
 from voronec.motion import motion_pool as many_motions
 from voronec.motion.integration import first_success
 from voronec.motion.steppers import Halt
 from voronec.motion.steppers import heyoka_stepper as taylor
+from voronec.motion.steppers.samples import NODES, StepSamples, owned
 
 pytestmark = pytest.mark.slow
 
@@ -136,7 +137,11 @@ def test_auto_goes_on_with_another_method_where_its_choice_fails(
     monkeypatch.setitem(methods.METHODS, "python", python)
     disc = vo.derive(vo.load("falling-disc"))
     start = {"theta": 1.2, "p": 0.3, "q": 1e-6, "s": 1e-6}
-    wanted: dict[str, Any] = {"initial": start, "times": [0, 1, 2, 3], "outputs": ("theta", "p")}
+    wanted: dict[str, Any] = {
+        "initial": start,
+        "times": [0, 0.5, 1, 2, 3],
+        "outputs": ("theta", "p"),
+    }
     with pytest.raises(vo.IntegrationError):
         vo.integrate(disc, method="python", **wanted)
     found = vo.integrate(disc, **wanted)
@@ -425,19 +430,72 @@ def test_a_section_keeps_the_points_before_an_integral_is_lost(
     assert 0 < len(cut) < 8 and cut.t[-1] < 21 and np.abs(cut["xdot"] - 1).max() < 1e-9
 
 
-def test_what_the_budget_cannot_reach_is_not_integrated_again() -> None:
+def test_a_section_keeps_the_points_before_the_equations_are_left(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    driven = dataclasses.replace(OSCILLATOR, forces={x: sp.Rational(1, 10)})
+    wanted: dict[str, Any] = {"starts": {"x": [1.0]}, "crossings": 8, "outputs": ("xdot",)}
+    sound = vo.section(driven, x, method="scipy", **wanted)
+    assert not sound.errors and len(sound) == 8
+    corrupted(monkeypatch, 20.0, np.array([0.0, 1e-4]))
+    cut = vo.section(driven, x, method="scipy", **wanted)
+    assert "do not obey the equations" in str(cut.errors[0]) and cut.ends == ("failed",)
+    assert 0 < len(cut) < 8 and np.abs(cut["xdot"] - sound["xdot"][: len(cut)]).max() < 1e-9
+
+
+def test_only_steps_that_seem_wrong_are_integrated_again() -> None:
+    """Of a motion, of one that jumps at the end of a step, and of one that jumps between two."""
     asked = []
 
     def rates(t: np.ndarray, states: np.ndarray) -> np.ndarray:
-        asked.append(t)
-        return np.stack([states[:, 1], -states[:, 0]], axis=-1)
+        asked.append(len(t))
+        return np.stack([states[..., 1], -states[..., 0]], axis=-1)
 
-    t = np.linspace(0, 4, 2 * residual_windows.WIDTH - 1)
-    states = np.stack([np.cos(t), -np.sin(t)], axis=-1)
-    states[residual_windows.WIDTH :] += 1e-3
-    windows = residual_windows.Windows.spread(len(t), 2)
-    assert not residual_windows.disobedient(t, states, rates, 1e-10, windows, 1000) and not asked
-    assert residual_windows.disobedient(t, states, rates, 1e-10, windows, 60) == [8] and asked
+    times = np.arange(3.0)[:, None] + NODES
+    states = np.stack([np.cos(times), -np.sin(times)], axis=-1)
+
+    def wrong(rows: np.ndarray) -> list[int]:
+        samples = owned([StepSamples(times, rows)])
+        return [i for _, _, i in step_defects.wrong_steps(samples, lambda _: rates, 1e-10)]
+
+    assert wrong(states) == [] and asked == [times.size]
+    within, between = states.copy(), states.copy()
+    within[2, -1] += 1e-4
+    assert wrong(within) == [2] and len(asked) > 2
+    between[1:] *= 1 + 1e-4  # which is a motion, too
+    assert wrong(between) == [0]
+
+
+def test_rows_that_are_off_their_steps_are_seen() -> None:
+    times = np.arange(3.0)[:, None] + NODES
+    t, steps = np.linspace(0, 3, 7), StepSamples(times, np.cos(times)[..., None])
+    rows = np.cos(t)[:, None]
+    assert [*step_defects.strayed_rows(t, rows[None], steps, 1e-10)] == []
+    rows[4] += 1e-5
+    assert [*step_defects.strayed_rows(t, rows[None], steps, 1e-10)] == [3]
+
+
+@pytest.mark.parametrize("method", ["heyoka", "c", "scipy"])
+@pytest.mark.parametrize("tol", [1e-6, 1e-13])
+def test_what_is_right_is_not_integrated_again(
+    method: str, tol: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On the grids of users, coarse or fine, whatever the spins; alone and side by side."""
+    if methods.METHODS[method].absence:
+        pytest.skip(method)
+    asked, again = [], step_defects.again
+    monkeypatch.setattr(step_defects, "again", lambda *x: asked.append(x) or again(*x))
+    ball, dice = vo.derive(vo.load("ball-on-sphere")), np.random.default_rng(4)
+    for times in ([0, 30], np.linspace(0, 30, 11), np.linspace(0, 30, 200)):
+        spins = {f"omega{i}": dice.normal(size=4, scale=2.0) for i in (1, 2, 3)}
+        start = {"u": 2.0, "theta": 1.0, "u1": 1.0}
+        many = vo.ensemble(ball, {**start, **spins}, times=times, method=method, tol=tol)
+        assert not many.errors
+        for k in range(4):
+            own = {**start, **{name: x[k] for name, x in spins.items()}}
+            run = vo.integrate(ball, times=times, initial=own, method=method, tol=tol)
+            assert "fails" not in run.cost.reason
+    assert not asked
 
 
 @pytest.mark.parametrize("method", ["heyoka", "flint"])
@@ -485,9 +543,9 @@ def test_rates_at_single_times_are_those_of_arrays_however_often_they_are_asked_
         forces={x: 1 / (1 + sp.exp(x)) ** 2 + sp.log(v) / x},
     )  # fmt: skip
     program = Program.of(vo.derive(system).raw.form)
-    rates = residual_windows.program_rates(program, lambda _: [])
+    rates = step_defects.program_rates(program, lambda _: [])
     for state in ([0.5, 2.0], [1000.0, 1.0], [0.0, 2.0], [1.0, -1.0]):
         row, t = np.array([state]), np.zeros(1)
         many = rates(np.zeros(2), np.vstack([row, row]))[:1]
-        for _ in range(2 * residual_windows.OFTEN):
+        for _ in range(2 * step_defects.OFTEN):
             assert np.allclose(rates(t, row), many, rtol=1e-15, equal_nan=True)

@@ -8,6 +8,7 @@ methods      any system: our methods and the peers against a reference
 closed-form  the closed form: docs/closed-form.md
 references   the references of the closed form
 mechanics    models of SymPy's mechanics against SymPy
+doubts       how often the check of runs doubts what is right, and notices what is wrong
 """
 
 import sys
@@ -21,6 +22,7 @@ KINDS = {
     "closed-form": "figures.closed_form",
     "references": "figures.closed_references",
     "mechanics": "figures.mechanics",
+    "doubts": "figures.doubts",
 }
 """Kind -> the module that does it."""
 

@@ -32,6 +32,7 @@ from voronec.motion.steppers.heyoka_stepper import (
     unit_parameters,
 )
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, WINDOW, Headway, Problem
+from voronec.motion.steppers.samples import OwnedSamples, StepSamples, series_samples
 from voronec.motion.steppers.scipy_stepper import estimated_steps
 from voronec.motion.steppers.series_reach import (
     MANY,
@@ -144,6 +145,8 @@ class Lanes:
     size: int = field(init=False)
     values: np.ndarray = field(init=False)
     output: Any = None
+    samples: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
+    ahead: tuple[np.ndarray, np.ndarray] = field(init=False)
 
     def __post_init__(self) -> None:
         self.values = np.ones((len(self.plain.parameters), self.width))
@@ -232,7 +235,16 @@ class Lanes:
                 right, rows = self.right_side(own), series[:, :, own]
                 found[own] = series_reach(right, rows, taken[own], ta.high[own], parts, tol)
         self.steps.stride[found < np.inf] = 1.0
+        ahead = np.copysign(np.minimum(np.abs(taken), found), spans)
+        self.ahead = ahead, series
         return found
+
+    def sample_first(self) -> tuple[np.ndarray, np.ndarray]:
+        """Samples of the next step of each motion, as ``first_steps`` found it."""
+        lengths, series = self.ahead
+        ends = self.integrator.high + lengths
+        times, states = series_samples(ends, lengths, series.transpose(2, 0, 1))
+        return times, self.winding.whole(states.transpose(1, 2, 0)).transpose(2, 0, 1)
 
     def look_back(self, begin: Place, limits: np.ndarray) -> np.ndarray:
         """Which motions took steps too long since they began there, though none went beyond
@@ -341,9 +353,9 @@ def lanes_of(program: Program, tol: float, states: np.ndarray, values: np.ndarra
 
 def along(
     lanes: Lanes, states: np.ndarray, values: np.ndarray, grid: np.ndarray, stopped: Look
-) -> tuple[np.ndarray, dict[int, IntegrationError], int, list[int]]:
-    """Motions along one grid: states (m, k, n), errors, how many steps, and those whose steps
-    collapsed, or were made too long.
+) -> tuple[np.ndarray, dict[int, IntegrationError], int, list[int], list[OwnedSamples]]:
+    """Motions along one grid: states (m, k, n), errors, how many steps, those whose steps
+    collapsed, or were made too long, and samples of steps from instants of the grid.
 
     A motion that breaks down keeps its states up to there, the rest are not numbers.
     """
@@ -356,7 +368,9 @@ def along(
     left = {i: error for i, error in errors.items() if i < count and not lanes.steps.left[i]}
     doubtful = lanes.steps.doubtful | lanes.steps.left
     alone = [i for i in np.flatnonzero(doubtful[:count]).tolist() if i not in left]
-    return rows[:count], left, steps, alone
+    kept = np.array([i for i in range(count) if i not in errors], dtype=int)
+    samples = [(kept, StepSamples(t[kept], x[kept], apart=True)) for t, x in lanes.samples]
+    return rows[:count], left, steps, alone, samples
 
 
 @dataclass(eq=False)
@@ -396,7 +410,7 @@ def _pieces(
     """Fill ``rows`` (width, k, n) piece by piece of the grid; what broke, by motion, and steps."""
     lanes.reset_size()
     ta, at, piece, steps = lanes.integrator, 0, 1 if lanes.winding.is_needed else PIECE, 0
-    headway = _LanesHeadway(np.zeros(lanes.width, dtype=int), grid)
+    headway, lanes.samples = _LanesHeadway(np.zeros(lanes.width, dtype=int), grid), []
     errors = dict[int, IntegrationError]()
     rows[:, 0] = lanes.states
     while at < len(grid) - 1 and (alive := ta.alive).any():
@@ -405,6 +419,7 @@ def _pieces(
         ta.set_time(float(grid[at]))  # a piece may end an ulp beside the grid
         lanes.take()
         limits = lanes.first_steps(np.full(lanes.width, grid[-1] - grid[at]))
+        lanes.samples.append(lanes.sample_first())
         if limits.min() < np.inf:
             piece = 1  # steps of a piece are short where the first one must be
         end = min(at + piece, len(grid) - 1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,6 +25,7 @@ from voronec.motion.methods import choose_regular, is_exact
 from voronec.motion.singular_coordinates import passage_notes
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
 from voronec.motion.steppers.run import DISTANT, crossing_arrays, part_at
+from voronec.motion.steppers.samples import StepSamples
 
 if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
@@ -101,6 +102,7 @@ class _Journey:
     stretches: list[_ChartStretch] = field(default_factory=list)
     touched: list[float] = field(default_factory=list)
     still: list[str] = field(default_factory=list)
+    samples: list[StepSamples] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.last = self.atlas.problem.start
@@ -169,6 +171,10 @@ class _Journey:
         sampled = None if inside is None else lambda t: home(t, inside(t))
         # in the own chart angles are on their branches as they are
         stretch = _ChartStretch(times, rows, angles & (not own), sampled)
+        self.samples += [
+            replace(sample.through(lambda t, x: stretch.on_branches(t, home(t, x))), apart=not own)
+            for sample in part.samples
+        ]
         ahead = self.order * self.grid[self.done :]
         count = int(np.searchsorted(ahead, self.order * times[-1], side="right"))
         self.rows.append(rows[np.searchsorted(self.order * times, ahead[:count])])
@@ -269,6 +275,7 @@ class _Journey:
             t.copy(), states, self.steps, self.evaluations, crossings, halt, interrupted, stopped,
             self.inside if self.atlas.problem.dense else None, switches=self.switches,
             prepared=sum(self.atlas.seconds[self.earlier :]), notes=self.notes,
+            samples=tuple(self.samples),
         )  # fmt: skip
 
     def inside(self, times: np.ndarray) -> np.ndarray:

@@ -35,12 +35,12 @@ from voronec.motion.request import (  # fmt: skip
     scene_of,
     spread_starts,
 )
-from voronec.motion.residual_windows import LookGrid
-from voronec.motion.soundness import JudgeOfMany
 from voronec.motion.state_probe import at_each, changes
+from voronec.motion.steppers.samples import OwnedSamples, owned
 from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Trajectory
+from voronec.motion.verify import CheckOfMany
 
 __all__ = ["Ensemble", "ensemble"]
 
@@ -250,12 +250,11 @@ class _ResultRows:
 
     motions: Many
     grid: np.ndarray
-    looks: LookGrid
     series: dict[str, np.ndarray]
     drift: dict[str, np.ndarray]
     drifts: Drifts
     finished: np.ndarray
-    judge: JudgeOfMany
+    check: CheckOfMany
     switched: SwitchedMotions | None = None
     single: str = "scipy"
     errors: dict[int, VoronecError] = field(default_factory=dict)
@@ -281,14 +280,13 @@ class _ResultRows:
         return cls(
             motions=motions,
             grid=grid,
-            looks=_look_grid(motions, grid) if switched is None else LookGrid.plain(grid),
             series={name: nothing(count, len(grid)) for name in outputs},
             drift={name: nothing(count) for name in integrals},
             drifts=Drifts(motions, tol),
             finished=np.zeros(count, dtype=bool),
             switched=switched,
             single=single,
-            judge=JudgeOfMany(
+            check=CheckOfMany(
                 motions.vocabulary.equations,
                 motions.program,
                 tol,
@@ -409,13 +407,6 @@ class _ResultRows:
         )
 
 
-def _look_grid(motions: Many, grid: np.ndarray) -> LookGrid:
-    """The grid of many motions, with a window before its last instant where it is coarse for half
-    of them."""
-    paces = motions.paces[np.isfinite(motions.paces) & (motions.paces > 0)]
-    return LookGrid.of(grid, 1 / float(np.median(paces)) if len(paces) else np.nan, most=1)
-
-
 def _run(filled: _ResultRows, lanes: Lanes | None, tol: float, jobs: int, progress: Any) -> bool:
     """All motions, block by block; whether it was stopped by hand."""
     workers: SimpleQueue[Lanes | None] = SimpleQueue()
@@ -457,7 +448,7 @@ def _blocks(filled: _ResultRows, lanes: Lanes | None, sound: np.ndarray) -> Iter
         first = lanes.width
     yield from [sound[:first]] if len(sound) else []
     if lanes is not None:
-        numbers = len(filled.looks.whole) * filled.motions.states.shape[1]
+        numbers = len(filled.grid) * filled.motions.states.shape[1]
         each = max(1, filled.steps // first)
         size = min(lanes.most, STEPS // each, NUMBERS // numbers, len(sound) // REPORTS)
         size = max(size // first, BATCHES) * first
@@ -489,60 +480,61 @@ def _block(
 ) -> int:
     """Some starts, as many at a time as may be; how many steps they took."""
     motions, width = filled.motions, lanes.most if lanes else 1
-    over: list[tuple[np.ndarray, np.ndarray, dict[int, IntegrationError]]] = []
+    over: list[_Load] = []
     taken = 0
     try:
         for i in range(0, len(block), width):
             where = block[i : i + width]
             states, values = motions.states[where], motions.values[where]
             if filled.switched is not None:
-                rows, error, steps = filled.switched.along(int(where[0]), filled.grid)
+                rows, error, run = filled.switched.along(int(where[0]), filled.grid)
                 rows, failed = rows[None], {} if error is None else {0: error}
+                steps, samples = (0, []) if run is None else (run.steps, owned(run.samples))
             elif lanes is None:
-                rows, error, steps, short = along_one(
-                    filled.single, motions.program, states[0], values[0], filled.looks.whole, tol,
+                rows, error, run, short = along_one(
+                    filled.single, motions.program, states[0], values[0], filled.grid, tol,
                     motions.divisor_watch(values[0]),
                 )  # fmt: skip
                 filled.collapsed.extend(where[:short].tolist())
                 rows, failed = rows[None], {} if error is None else {0: error}
+                steps, samples = run.steps, owned(run.samples)
             else:
-                rows, failed, steps, near = along(
-                    lanes, states, values, filled.looks.whole, halt.is_set
+                rows, failed, steps, near, samples = along(
+                    lanes, states, values, filled.grid, halt.is_set
                 )
                 filled.collapsed.extend(where[near].tolist())
             taken += steps
-            over.append((where, rows, failed))
+            over.append((where, rows, failed, samples))
     except StopRequest:
         pass
     finally:
-        _fill_judgements(filled, over, taken)
+        _fill_checked(filled, over, taken)
     return taken
 
 
-def _fill_judgements(
-    filled: _ResultRows,
-    over: list[tuple[np.ndarray, np.ndarray, dict[int, IntegrationError]]],
-    steps: int,
-) -> None:
+_Load = tuple[np.ndarray, np.ndarray, dict[int, IntegrationError], list[OwnedSamples]]
+"""Motions, their states along the grid, what failed, and samples of steps, by their place here."""
+
+
+def _fill_checked(filled: _ResultRows, over: list[_Load], steps: int) -> None:
     """Fill in what is done of a block, after a look at whether it went well."""
     if not over:
         return
-    where = np.concatenate([w for w, _, _ in over])
-    rows = np.concatenate([r for _, r, _ in over])
-    failed: dict[int, IntegrationError] = {}
-    for at, (_, _, errors) in zip(
-        np.cumsum([0, *(len(w) for w, _, _ in over)]), over, strict=False
+    where = np.concatenate([w for w, *_ in over])
+    rows = np.concatenate([r for _, r, *_ in over])
+    failed, samples = dict[int, IntegrationError](), list[OwnedSamples]()
+    for at, (_, _, errors, parts) in zip(
+        np.cumsum([0, *(len(w) for w, *_ in over)]), over, strict=False
     ):
         failed |= {int(at) + i: error for i, error in errors.items()}
-    values, each, looks = filled.motions.values[where], steps / len(where), filled.looks
-    smooth = filled.switched is None
-    judged = filled.judge.breaches(looks.whole, rows, values, each, looks.ends, smooth)
-    filled.notes.update((int(where[i]), notes) for i, notes in judged[1].items())
-    for i, breach in judged[0].items():
-        time, state = float(looks.whole[breach.row]), rows[i, breach.row].copy()
+        samples += [(int(at) + own, part) for own, part in parts]
+    values, grid = filled.motions.values[where], filled.grid
+    breaches, notes = filled.check.breaches(grid, rows, values, steps / len(where), samples)
+    filled.notes.update((int(where[i]), told) for i, told in notes.items())
+    for i, breach in breaches.items():
+        time, state = breach.last or (float(grid[breach.row]), rows[i, breach.row].copy())
         failed[i] = IntegrationError(f"{breach.what} after t = {time:.12g}", time, state)
         rows[i, breach.row + 1 :] = np.nan
-    rows = rows[:, looks.own]
     told: dict[int, VoronecError] = {
         i: filled.motions.error(
             where[i], str(error), "end the run before that", error.time, error.state

@@ -48,7 +48,6 @@ from voronec.motion.request import (
     outputs_of,
     scene_of,
 )
-from voronec.motion.residual_windows import LookGrid, pace_of
 from voronec.motion.singular_coordinates import (
     LAST,
     CoordinatePole,
@@ -56,13 +55,13 @@ from voronec.motion.singular_coordinates import (
     PoleGuard,
     PoleNotes,
 )
-from voronec.motion.soundness import Breach, Judge, Untold, require_branches
 from voronec.motion.split_models import divisor_program
 from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
 from voronec.motion.steppers.run import Signals, constants_along
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Crossings, Trajectory, make_trajectory
+from voronec.motion.verify import Breach, SolutionCheck, Untold, require_branches
 
 if TYPE_CHECKING:
     from voronec.motion.mode_stepper import SwitchedIntegrator
@@ -361,7 +360,7 @@ class _Request:
         job = _Job(
             self.vocabulary, made, self.outset, self.grid if times is None else times, self.tol,
             self.events, self.dense, self.progress if whole_way else None,
-            None if is_exact(method, self.tol) else near, not whole_way,
+            None if is_exact(method, self.tol) else near,
         )  # fmt: skip
         return job.trajectory(method, self.began)
 
@@ -369,7 +368,7 @@ class _Request:
 @dataclass(frozen=True)
 class _Job:
     """A model to be integrated, and how; ``near`` is how near to poles of angles, if that is to be
-    watched; ``in_part`` says that the grid is only the beginning of what is wanted."""
+    watched."""
 
     vocabulary: Vocabulary
     made: ProgrammedModel
@@ -380,7 +379,6 @@ class _Job:
     dense: bool
     progress: Callable[[float], Any] | None
     near: Any = None
-    in_part: bool = False
 
     def trajectory(self, method: str, began: float) -> Trajectory:
         """Integrate, and look at what is wanted; ``IntegrationError`` where it cannot be done."""
@@ -416,10 +414,8 @@ class _Job:
             stepper, chosen = switched.stepper, switched.chosen
         else:
             stepper, chosen = self._smooth(method, *seen)
-        pace = np.nan if self.in_part else pace_of(problem, float(self.grid[0]))
-        looks = LookGrid.of(self.grid, pace)
         ready, busy = perf_counter(), process_time()
-        run = stepper(looks.whole)
+        run = stepper(self.grid)
         run = replace(run, notes=(*warned, *run.notes))
         run = run if notes is None else notes.with_notes(run)
         if watched:
@@ -431,27 +427,23 @@ class _Job:
             run=perf_counter() - ready - run.prepared, cpu=process_time() - busy,
             steps=run.steps, evaluations=run.evaluations, switches=run.switches, level=made.level,
         )  # fmt: skip
-        trajectory, halt = self._outcome(run, values, cost, switched is None, looks)
+        trajectory, halt = self._outcome(run, values, cost, switched is None)
         if halt is not None:
             raise probe.failure(state, halt, trajectory)
         return trajectory
 
     def _outcome(
-        self, run: Run, values: Sequence[float], cost: Cost, smooth: bool, looks: LookGrid
+        self, run: Run, values: Sequence[float], cost: Cost, smooth: bool
     ) -> tuple[Trajectory, Halt | None]:
         """The motion of a run as far as it is sound, and what ended it before its end."""
         sight, told = self._sight(run, values, cost), self.outset.notes + run.notes
-        own = looks.without_looks(run)
-        trajectory = replace(sight.trajectory(own), notes=told)
+        trajectory = replace(sight.trajectory(run), notes=told)
         if run.halt is None and not run.interrupted:
             require_branches(trajectory, self.made.watch.branches, run)
-        # between the instants asked for only the first equations of what is smooth are looked at
-        plain = own is run or not smooth
-        seen = trajectory if plain else sight.observe(run.t, run.states)
-        breach, notes = self.judge(seen, run, values, smooth, looks.ends)
+        breach, notes = self.check(trajectory, run, values, smooth)
         if breach is not None:
-            run = run.until(breach.row, breach.what)
-            trajectory = replace(sight.trajectory(looks.without_looks(run)), notes=told)
+            run = run.until(breach.row, breach.what, breach.last)
+            trajectory = replace(sight.trajectory(run), notes=told)
         if run.halt is not None:
             return trajectory, run.halt
         whole = (*told, *notes, *_outputs_without_value(trajectory))
@@ -510,26 +502,34 @@ class _Job:
             self.vocabulary, made.watch, made.program, constants, cost, bits, outset.changing
         )
 
-    def judge(
-        self, trajectory: Trajectory, run: Run, values: Sequence[Any], smooth: bool,
-        looks: Sequence[int],
-    ) -> tuple[Breach | None, tuple[str, ...]]:  # fmt: skip
+    def check(
+        self, trajectory: Trajectory, run: Run, values: Sequence[Any], smooth: bool
+    ) -> tuple[Breach | None, tuple[str, ...]]:
         """What went wrong with a run that came to its end, if anything did, and notes."""
         made, equations = self.made, self.vocabulary.equations
         watch = made.watch
-        judge = Judge(
+        check = SolutionCheck(
             equations, made.program, [float(x) for x in values], trajectory.cost.tolerance,
             run.steps, watch.integrals_to_follow(smooth), watch.relations, made.relations,
-            self.outset.changing, watch.integrals_to_follow(smooth, jumping=True), looks, run.spans,
+            self.outset.changing, watch.integrals_to_follow(smooth, jumping=True),
         )  # fmt: skip
         t, states = run.t.astype(float), run.states.astype(float)
-        breach, notes = judge.breach(t, states)
+        breach, notes = check.breach(t, states, run.samples)
         form = equations.raw.form
         own = [str(x) for x in (*form.coordinates, *form.velocities)]
         if smooth and breach is None and {*own} <= {*trajectory.series, *trajectory.names}:
-            states = np.stack([trajectory[name].astype(float) for name in own], axis=-1)
-            breach = judge.original(t, states, self.outset.constants)
+            at_home = partial(self._at_home, own, check)
+            breach = check.original(t, run.samples, at_home, self.outset.constants)
         return breach, notes
+
+    def _at_home(
+        self, names: Sequence[str], check: SolutionCheck, t: np.ndarray, states: np.ndarray
+    ) -> np.ndarray:
+        """Coordinates and velocities by name (k, m) at states (k, n)."""
+        series = dict(zip(map(str, self.made.program.state), states.T, strict=True))
+        if not {*names} <= series.keys():
+            series |= evaluate_watch(self.made.watch, self.made.program, t, states, check.at(t))
+        return np.stack([series[name] for name in names], axis=-1)
 
     def _smooth(
         self, method: str, problem: Problem, functions: Mapping[str, Any]

@@ -23,15 +23,15 @@ from voronec.motion.mode_set import DOUBLE, GUARD, Mode
 from voronec.motion.mode_transitions import NO_VALUE, PAST, TOUCH, Crossroads
 from voronec.motion.modes import Corner, LevelSurface, Modes
 from voronec.motion.request import Event
-from voronec.motion.residual_windows import program_rates
+from voronec.motion.step_defects import program_rates
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
 from voronec.motion.steppers.run import (
-    SmoothSpan,
     crossing_arrays,
     in_parts,
     in_pieces,
     until,
 )
+from voronec.motion.steppers.samples import Rates, StepSamples
 
 __all__ = ["SwitchedIntegrator", "through_walls"]
 
@@ -182,7 +182,7 @@ class _Passage:
     stretches: list[_ModeStretch] = field(default_factory=list)
     recent: list[Any] = field(default_factory=list)
     held: bool = False
-    spans: list[SmoothSpan] = field(default_factory=list)
+    samples: list[StepSamples] = field(default_factory=list)
     lingers: int = 0
 
     def __post_init__(self) -> None:
@@ -248,7 +248,7 @@ class _Passage:
         if mode.stepper is not None and self.strays(part):
             part = mode.run_by("scipy", self.number(self.state), values, times)
         part = self.cut(part)
-        self.enter_span(part.t[-1])
+        self.samples += [replace(sample, rates=self.rates_of_mode()) for sample in part.samples]
         self.held = self.held or bool(mode.along)
         self.steps += part.steps
         self.evaluations += part.evaluations
@@ -268,19 +268,16 @@ class _Passage:
         self.state = np.array(list(map(mpmath.mpf, part.states[-1])), dtype=object)
         return part
 
-    def enter_span(self, last: Any) -> None:
-        """From here to another instant the right side is that of the mode."""
+    def rates_of_mode(self) -> Rates:
+        """The right side in the mode."""
         roads, mode = self.roads, self.mode
 
         def at(times: np.ndarray) -> list[Any]:
-            rows = [list(map(float, roads.values(mode.program, mode.sides, t))) for t in times]
-            return list(np.array(rows).reshape(len(times), -1).T)
+            moments = times if roads.problem.changing is not None else times[:1]
+            rows = [list(map(float, roads.values(mode.program, mode.sides, t))) for t in moments]
+            return list(np.array(rows).reshape(len(moments), -1).T)
 
-        def rates(times: np.ndarray, states: np.ndarray) -> np.ndarray:
-            return program_rates(mode.program, at)(times, states)
-
-        low, high = sorted((float(self.time), float(last)))
-        self.spans.append(SmoothSpan(low, high, rates))
+        return program_rates(mode.program, at)
 
     def strays(self, part: Run) -> bool:
         """Whether a stretch by heyoka is beyond a wall where it was looked at: heyoka gives up
@@ -399,7 +396,7 @@ class _Passage:
         return Run(
             t.copy(), np.array(rows, dtype=kind), self.steps, self.evaluations, crossings, halt,
             interrupted, stopped, self.inside if self.roads.problem.dense else None,
-            switches=self.switches, held=self.held, spans=tuple(self.spans),
+            switches=self.switches, held=self.held, samples=tuple(self.samples),
         )  # fmt: skip
 
     def inside(self, times: np.ndarray) -> np.ndarray:

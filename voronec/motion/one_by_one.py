@@ -68,9 +68,9 @@ SLOPE = 1e-6
 def along_one(
     method: str, program: Program, state: np.ndarray, values: np.ndarray, grid: np.ndarray,
     tol: float, passes: Passes | None = None,
-) -> tuple[np.ndarray, IntegrationError | None, int, bool]:  # fmt: skip
-    """One motion along a grid: states (k, n), the error that ended it, steps, and whether these
-    collapsed, or what it ``passes`` makes it doubtful."""
+) -> tuple[np.ndarray, IntegrationError | None, Run, bool]:  # fmt: skip
+    """One motion along a grid: states (k, n), the error that ended it, its run, and whether its
+    steps collapsed, or what it ``passes`` makes it doubtful."""
     doubts = [False]
 
     def look(times: np.ndarray, states: np.ndarray) -> None:
@@ -83,7 +83,7 @@ def along_one(
     rows, error = _states_along(run, grid)
     lengths = np.abs(np.diff([grid[0], *run.ends]))[:-1]  # the last one is cut
     doubts.append(lengths.min(initial=np.inf) < COLLAPSE_RATIO * lengths.max(initial=0.0))
-    return rows, error, run.steps, error is None and any(doubts)
+    return rows, error, run, error is None and any(doubts)
 
 
 def _states_along(run: Run, grid: np.ndarray) -> tuple[np.ndarray, IntegrationError | None]:
@@ -137,15 +137,17 @@ class SwitchedMotions:
         integrals = self.motions.ground.integrals.items()
         return frozenset(name for name, e in integrals if jumps(e))
 
-    def along(self, i: int, grid: np.ndarray) -> tuple[np.ndarray, IntegrationError | None, int]:
-        """Motion i along a grid: states (k, n), the error that ended it, steps."""
+    def along(
+        self, i: int, grid: np.ndarray
+    ) -> tuple[np.ndarray, IntegrationError | None, Run | None]:
+        """Motion i along a grid: states (k, n), the error that ended it, its run."""
         state, values = self.motions.states[i], self.motions.values[i]
         if self._is_near(i, float(grid[0]), state):
             error = break_error(SINGULAR_PLACE, float(grid[0]), state)
-            return np.full((len(grid), len(state)), np.nan), error, 0
+            return np.full((len(grid), len(state)), np.nan), error, None
         self.switched = self.switched.elsewhere(float(grid[0]), state, values.tolist())
         run = self.switched.stepper(grid)
-        return *_states_along(run, grid), run.steps
+        return *_states_along(run, grid), run
 
     def _is_near(self, i: int, time: float, state: np.ndarray) -> bool:
         """Whether motion i is so near to a singular place that it does not pass what is watched."""
@@ -181,6 +183,7 @@ class SwitchedMotions:
             t, states = run.crossings[PLANE]
             speeds = crossing_speeds(motions, watch, t, states, values, unit)
             passages.put(i, t, states, speeds)
+            passages.enter_samples(i, run.samples, len(motions.states[i]))
             seen = watch.function(
                 run.t, run.states, np.broadcast_to(values, (len(run.t), len(values)))
             )

@@ -25,6 +25,7 @@ from voronec.motion.batches import (
 from voronec.motion.methods import METHODS
 from voronec.motion.request import number
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
+from voronec.motion.steppers.samples import Sampler, StepSamples, series_samples
 from voronec.motion.steppers.scipy_stepper import dop853_steps
 from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride, crosses
 
@@ -119,6 +120,11 @@ class Paths:
                 states[entry, :, k:-1:SAMPLES] = samples
         states[needed, :, -1] = terms[..., -1].sum(axis=0)
         return times, states
+
+    def first_step(self, lane: int) -> StepSamples:
+        """A sample of the first step of a lane."""
+        ends, lengths = self.times[1:2, lane], self.lengths[:1, lane]
+        return StepSamples(*series_samples(ends, lengths, self.series[:1, :, :, lane]))
 
     def terms(self, step: np.ndarray, lane: np.ndarray, needed: np.ndarray) -> np.ndarray:
         """Coefficients (order + 1, needed, m) of some steps (m,) of lanes (m,)."""
@@ -371,6 +377,7 @@ class SectionPassages:
     touches: list[tuple[int, float]] = field(default_factory=list)
     errors: dict[int, VoronecError] = field(default_factory=dict)
     notes: dict[int, tuple[str, ...]] = field(default_factory=dict)
+    samples: dict[int, list[StepSamples]] = field(default_factory=dict)
     steps: int = 0
     interrupted: bool = False
 
@@ -405,6 +412,10 @@ class SectionPassages:
             self.parts[i].append((t, states, speed))
             self.count[i] += len(t)
             self.idle[i] = 0
+
+    def enter_samples(self, i: int, samples: Sequence[StepSamples], width: int) -> None:
+        """Samples of steps of start i, whose states are the first entries of theirs."""
+        self.samples.setdefault(i, []).extend(part.narrow(width) for part in samples)
 
     def cut(self, i: int, count: int) -> None:
         """Keep the first crossings of start i alone."""
@@ -555,7 +566,10 @@ class _LanePassages:
             series = lanes.winding.whole_series(output.tcs)
             outgrown |= lanes.winding.outgrown(output.tcs[:, :, 0])
             trusted = {k: _trusted_until(output.times[:, k]) for k in passed}
-            self.collect(busy, Paths(output.times, series), trusted)
+            paths = Paths(output.times, series)
+            self.collect(busy, paths, trusted)
+            for k, i in busy.items():
+                self.passages.enter_samples(i, [paths.first_step(k)], self.watch.width)
         for k, i in busy.items():
             if k in passed and k not in broken:
                 self.fail(i, k, SINGULAR_PLACE)
@@ -637,6 +651,7 @@ def _follow(
     everything, lane = np.arange(size), np.zeros(1, dtype=int)
     last = float(plane(np.array([motions.time]), motions.states[i : i + 1], lane)[0])
     sizes, crosses = StepSizes.of(1), motions.divisor_watch(values, 0.0)
+    sampler = Sampler()
     try:
         span = (motions.time, end)
         for step in _strides(method, watch.program, begin, values, span, tol):
@@ -644,6 +659,7 @@ def _follow(
             length = step.end - step.start
             if step.end != end:  # the last one is cut
                 sizes.note(0, length, length)
+            sampler.take(step.start, step.end, step.at)
             states = np.stack([begin, step.state])[:, : watch.width]
             ends = np.array([step.start, step.end]), states
             if sizes.collapsed[0] or (crosses is not None and crosses(*ends)):
@@ -668,6 +684,8 @@ def _follow(
         state = np.array(np.asarray(error.state)[: watch.width])
         what = f"{reason} after t = {time:.12g}"
         passages.errors[i] = motions.error(i, what, FEWER, time, state)
+    finally:
+        passages.enter_samples(i, StepSamples.of(sampler.rows), watch.width)
 
 
 def _strides(

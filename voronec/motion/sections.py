@@ -55,12 +55,13 @@ from voronec.motion.section_passages import (
     pass_lanes,
     pass_one_by_one,
 )
-from voronec.motion.soundness import JudgeOfMany
 from voronec.motion.state_probe import at_each, changes
 from voronec.motion.steppers.event_states import with_parts
+from voronec.motion.steppers.samples import owned
 from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost
+from voronec.motion.verify import CheckOfMany
 
 __all__ = [
     "Section",
@@ -515,28 +516,27 @@ def _refuse_nothing(motions: Many, passages: SectionPassages, surface: str, valu
 def _cut_unsound(
     motions: Many, passages: SectionPassages, cost: Cost, jumping: frozenset[str]
 ) -> None:
-    """Of motions that lose a proved integral keep the points before that, and say so; those
-    ``jumping`` with the forces need not be kept."""
+    """Of motions that lose a proved integral, or do not obey the equations, keep the points before
+    that, and say so; integrals ``jumping`` with the forces need not be kept."""
     own = motions.vocabulary.equations
     integrals = {name: f"integral {name}" for name in motions.ground.integrals}
-    judge = JudgeOfMany(own, motions.program, cost.tolerance, integrals, jumping)
+    check = CheckOfMany(own, motions.program, cost.tolerance, integrals, jumping)
     steps = cost.steps / max(1, len(motions.sound))
     for i in motions.sound:
         if not passages.parts[i]:
             continue
         t = np.concatenate([[motions.time], *(part[0] for part in passages.parts[i])])
         states = np.vstack([motions.states[i], *(part[1] for part in passages.parts[i])])
-        found = [b for _, b in judge.losses(t[None], states[None], motions.values[i][None], steps)]
-        if notes := [b.what for b in found if b.claim]:
-            passages.notes[i] = (*passages.notes.get(i, ()), *notes)
-        breach = min((b for b in found if not b.claim), key=lambda b: b.row, default=None)
-        if breach is not None:
-            time = float(t[breach.row])
+        ends = motions.time, float(t[-1])
+        samples = owned(part.within(*ends) for part in passages.samples.get(i, ()))
+        breaches, notes = check.breaches(t, states[None], motions.values[i][None], steps, samples)
+        if notes:
+            passages.notes[i] = (*passages.notes.get(i, ()), *notes[0])
+        for breach in breaches.values():
+            time, state = breach.last or (float(t[breach.row]), states[breach.row])
             passages.cut(i, breach.row)
             what = f"{breach.what} after t = {time:.12g}"
-            passages.errors[i] = motions.error(
-                i, what, "end the run before that", time, states[breach.row]
-            )
+            passages.errors[i] = motions.error(i, what, "end the run before that", time, state)
 
 
 def _section(

@@ -26,9 +26,7 @@ from voronec.motion.mode_stepper import through_walls
 from voronec.motion.motion_start import WideStart
 from voronec.motion.observables import Watch, evaluate_watch
 from voronec.motion.request import Event, Vocabulary
-from voronec.motion.residual_windows import LookGrid, pace_of
 from voronec.motion.singular_coordinates import PoleNotes
-from voronec.motion.soundness import Judge
 from voronec.motion.split_models import SplitGround, SplitModel, candidates
 from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Halt, Problem, Run
@@ -36,6 +34,7 @@ from voronec.motion.steppers.run import in_kind, part_at
 from voronec.motion.steppers.units import natural_units
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Crossings, Trajectory, assemble_trajectory
+from voronec.motion.verify import SolutionCheck
 
 __all__ = ["SplitRun"]
 
@@ -101,7 +100,7 @@ class SplitRun:
     chosen: dict[str, Any] = field(default_factory=dict)
     methods: dict[str, None] = field(default_factory=dict)
     prepared: float = 0.0
-    judge_notes: list[str] = field(default_factory=list)
+    check_notes: list[str] = field(default_factory=list)
     units: dict[SplitModel, np.ndarray] = field(default_factory=dict)
     faintest: float = np.inf
     faintest_time: float = np.nan
@@ -269,7 +268,7 @@ class SplitRun:
         values = self.ground.values(split.program, float(time), {**self.ground.constants, **bounds})
         probe = self.probe(split, float(time), values)
         if not split.equations.system.charts:
-            self.judge_notes += probe.check(state)
+            self.check_notes += probe.check(state)
         problem = Problem(
             split.program, state, values, self._tolerance(split),
             (*self.events, *guards, *marks),
@@ -301,9 +300,7 @@ class SplitRun:
         self.methods.setdefault(chosen["method"])
         self.prepared += perf_counter() - began
         smooth = switched is None
-        looks = LookGrid.of(times, pace_of(problem, float(times[0])))
-        run = self.judge(split, poles.with_notes(stepper(looks.whole)), smooth, looks.ends)
-        return looks.without_looks(run), smooth
+        return self.check(split, poles.with_notes(stepper(times)), smooth), smooth
 
     def _pole_notes(self, split: SplitModel) -> PoleNotes:
         """What looks for poles at which a split is regular, unless a chart's stepper does."""
@@ -330,21 +327,21 @@ class SplitRun:
         finer = max(NEAR * self.tol, EXACT) if split.guards else self.tol
         return min(self.tol, finer)
 
-    def judge(self, split: SplitModel, part: Run, smooth: bool, looks: Sequence[int]) -> Run:
+    def check(self, split: SplitModel, part: Run, smooth: bool) -> Run:
         """A stretch up to where it went wrong, if it did; what is to be said is noted."""
         watch, home = split.watch, self.ground.home
         watch.require_reactions(part.held, home.system.name)
-        judge = Judge(
+        check = SolutionCheck(
             home, split.program,
             [float(x) for x in self.ground.values(split.program, float(part.t[0]))],
             self.chosen["tolerance"], part.steps, watch.integrals_to_follow(smooth),
             watch.relations, (), self.ground.changing,
-            watch.integrals_to_follow(smooth, jumping=True), looks, part.spans,
+            watch.integrals_to_follow(smooth, jumping=True),
         )  # fmt: skip
         t, states = part.t.astype(float), part.states.astype(float)
-        breach, notes = judge.breach(t, states)
-        self.judge_notes += [note for note in notes if note not in self.judge_notes]
-        return part if breach is None else part.until(breach.row, breach.what)
+        breach, notes = check.breach(t, states, part.samples)
+        self.check_notes += [note for note in notes if note not in self.check_notes]
+        return part if breach is None else part.until(breach.row, breach.what, breach.last)
 
     def _exact(
         self, split: SplitModel, time: Any, wide: np.ndarray, bounds: Mapping[str, float]
@@ -397,7 +394,7 @@ class SplitRun:
     def result(self, last: Run, busy: float) -> Trajectory:
         """The trajectory of all stretches."""
         runs = [s.run for s in self.stretches]
-        notes = *self.notes, *(n for r in runs for n in r.notes), *self.judge_notes, *self._loss()
+        notes = *self.notes, *(n for r in runs for n in r.notes), *self.check_notes, *self._loss()
         changes = sum(
             a.split is not b.split for a, b in zip(self.stretches, self.stretches[1:], strict=False)
         )

@@ -45,7 +45,7 @@ STAGES = {
     "choice of the model": ("/voronec/motion/model/", "/voronec/motion/numeric_model"),
     "derivation": ("/voronec/equations/",),
     "checks": (
-        "/voronec/motion/soundness", "/voronec/motion/state_probe",
+        "/voronec/motion/verify", "/voronec/motion/step_defects", "/voronec/motion/state_probe",
         "/voronec/motion/split_models", "/voronec/motion/divisors",
         "/voronec/motion/singular_coordinates",
     ),

@@ -161,4 +161,5 @@ def narrow(run: Run, width: int) -> Run:
         crossings={name: (t, x[:, :width]) for name, (t, x) in run.crossings.items()},
         inside=None if inside is None else lambda times: inside(times)[:, :width],
         halt=halt and replace(halt, state=halt.state[:width]),
+        samples=tuple(part.narrow(width) for part in run.samples),
     )

@@ -33,6 +33,7 @@ from voronec.motion.steppers.run import (
     Ticker,
     in_parts,
 )
+from voronec.motion.steppers.samples import StepSamples, burst, series_samples
 from voronec.motion.steppers.series_reach import (
     BRIEF,
     BRIEF_STRIDE,
@@ -350,6 +351,8 @@ class _Drive:
     rows: list[np.ndarray] = field(default_factory=list)
     stretches: list[Any] = field(default_factory=list)
     ends: list[float] = field(default_factory=list)
+    samples: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
+    series: list[tuple[float, float, np.ndarray]] | None = None
     early: float = np.inf
     done: int = 1
     steps: int = 0
@@ -477,7 +480,9 @@ class _Drive:
         size = self.size if limit == np.inf else 1
         kept = {name: len(rows) for name, rows in self.log.rows.items()}
         ends, stretches = len(self.ends), len(self.stretches)
-        outcome, taken, new = self.advance(size)
+        ahead, sampled = burst(self.steps)
+        self.series = [] if sampled else None
+        outcome, taken, new = self.advance(min(size, ahead))
         self.efforts += taken
         self.opening = np.inf
         overlong = self.overlong(moment, state, taken) if limit == np.inf else None
@@ -486,6 +491,7 @@ class _Drive:
             good, length = overlong
             self.log.stopped = ""
             del self.ends[ends:], self.stretches[stretches:]
+            self.series = [] if sampled else None
             for name, rows in self.log.rows.items():
                 del rows[kept.get(name, 0) :]
             self.opening = np.inf if good else length
@@ -495,6 +501,7 @@ class _Drive:
             self.winding.outgrown(self.integrator.state) or self.winding.outgrown(new)
         )
         self.steps += taken
+        self.take_samples()
         self.idle = 0 if len(new) else self.idle + taken
         if len(new):
             self.rows.append(self.winding.whole(new))
@@ -615,17 +622,28 @@ class _Drive:
         """The right side in the integrator's units."""
         return field_of(self.problem.program, self.problem.parameters, self.winding.units)
 
-    @cached_property
+    @property
     def callback(self) -> dict[str, Any]:
-        """What heyoka calls after each step: nothing, unless ends of steps are asked for, or states
-        may leave their units, at which the chunk ends."""
+        """What heyoka calls after each step: nothing, unless the steps are sampled, their ends are
+        asked for, or states may leave their units, at which the chunk ends."""
 
         def has_ended(integrator: Any) -> bool:
             if self.problem.marked:
                 self.ends.append(integrator.time)
+            if self.series is not None:
+                self.series.append((integrator.time, integrator.last_h, integrator.tc.copy()))
             return not self.winding.scaled or self.winding.fits(integrator.state)
 
-        return {"callback": has_ended} if self.problem.marked or self.winding.scaled else {}
+        asked = self.problem.marked or self.winding.scaled or self.series is not None
+        return {"callback": has_ended} if asked else {}
+
+    def take_samples(self) -> None:
+        """Sample the steps of the chunk, whose states nothing was taken out of since."""
+        if self.series:
+            ends, lengths, series = map(np.array, zip(*self.series, strict=True))
+            times, states = series_samples(ends, lengths, series)
+            self.samples.append((times, self.winding.whole(states)))
+        self.series = None
 
     def sample(self, stretch: Any) -> np.ndarray:
         """Rows of the grid that a stretch of dense output covers."""
@@ -663,7 +681,7 @@ class _Drive:
             t.copy(), states, self.steps, self.steps,
             self.log.arrays(self.problem.events, float), halt, interrupted, self.log.stopped,
             _join_stretches(self.stretches, states) if self.problem.dense else None,
-            ends=tuple(self.ends),
+            ends=tuple(self.ends), samples=StepSamples.of(self.samples),
         )  # fmt: skip
 
 

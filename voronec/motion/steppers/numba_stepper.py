@@ -23,6 +23,7 @@ from voronec.motion.steppers.dop853_source import (
 )
 from voronec.motion.steppers.kept_code import kept_function
 from voronec.motion.steppers.run import COLLAPSE, Problem, Run, Stepper
+from voronec.motion.steppers.samples import NODES, burst
 from voronec.motion.steppers.scipy_stepper import up_to
 from voronec.motion.steppers.step_loop import (
     IntegratorFailure,
@@ -151,9 +152,11 @@ class Loop:
             self.happening = False
             return self.stride(self.clock[[2, 0]], self.states[[3, 0]], self.bend.copy())
         problem, n = self.problem, len(self.problem.start)
-        keep = problem.dense or problem.marked or problem.suspect is not None
-        bent = DENSE_CHUNK if problem.dense else 1
-        room = bent if problem.dense else CHUNK if keep else 1
+        ahead, sampled = burst(int(self.counts[1]))
+        limit, dense = min(limit, ahead), problem.dense or sampled
+        keep = dense or problem.marked or problem.suspect is not None
+        bent = DENSE_CHUNK if dense else 1
+        room = bent if dense else CHUNK if keep else 1
         times, ends, bends = np.empty((room, 2)), np.empty((room, 2, n)), np.empty((bent, PARTS, n))
         order = np.sign(self.grid[-1] - self.grid[0])
         done = int(np.searchsorted(order * self.grid, order * self.clock[0], side="right"))
@@ -161,7 +164,7 @@ class Loop:
         steps = int(self.counts[1])
         outcome = self.drive(
             self.grid, self.rows, self.clock, self.counts, self.states, self.bend, times, ends,
-            bends, self.scales, *self.fixed, problem.dense, keep, limit,
+            bends, self.scales, *self.fixed, dense, keep, limit,
         )  # fmt: skip
         self.happening = outcome == EVENT
         kept, taken = int(self.counts[4]), int(self.counts[1]) - steps - self.happening
@@ -172,6 +175,7 @@ class Loop:
             taken, self.rows[done : int(self.counts[0])], float(self.clock[when]),
             self.states[where].copy(), times[:kept, 1], ends[:kept, 1],
             [self.stride(times[i], ends[i], bends[i]) for i in range(kept if problem.dense else 0)],
+            _samples(times[:kept], ends[:kept], bends[:kept]) if sampled and kept else None,
         )  # fmt: skip
 
     def stride(self, times: np.ndarray, ends: np.ndarray, bend: np.ndarray) -> Stride:
@@ -189,3 +193,13 @@ class Loop:
     def evaluations(self) -> int:
         """How often the right-hand side was evaluated so far."""
         return int(self.counts[2])
+
+
+def _samples(
+    times: np.ndarray, ends: np.ndarray, bends: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Samples of steps, from their ends (k, 2), (k, 2, n) and their dense output (k, 7, n)."""
+    start, length = times[:, :1], np.diff(times)
+    states = between(ends[:, :1], np.moveaxis(bends, 1, 0)[:, :, None], NODES[:, None])
+    states[:, -1] = ends[:, 1]
+    return start + length * NODES, states

@@ -22,6 +22,7 @@ import numpy as np
 from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError
 from voronec.motion.request import Event
+from voronec.motion.steppers.samples import StepSamples
 
 __all__ = [
     "COLLAPSE",
@@ -38,7 +39,6 @@ __all__ = [
     "Run",
     "Signal",
     "Signals",
-    "SmoothSpan",
     "Stepper",
     "Ticker",
     "constants_along",
@@ -216,16 +216,6 @@ def _log_growth(left: float, fading: float) -> float:
 
 
 @dataclass(frozen=True)
-class SmoothSpan:
-    """A span between two switches of a motion, in which its right side is one smooth function:
-    times (k,) and states (k, n) to the ``rates`` (k, n)."""
-
-    first: float
-    last: float
-    rates: Callable[[np.ndarray, np.ndarray], np.ndarray]
-
-
-@dataclass(frozen=True)
 class Run:
     """States at ``t``: the first points of the grid, and the crossing that ended the run, or where
     it stood when it was stopped by hand, far from the last of these points.
@@ -234,8 +224,9 @@ class Run:
     run; ``inside``, of dense runs, gives states at any times reached; ``held`` says
     that it was kept on a wall, along which no single right side holds; ``switches`` counts changes
     of chart, and ``prepared`` are the seconds of the run that making integrators for them took;
-    ``spans`` are those between switches of side, of what is not smooth; ``notes`` are lines for the
-    user; ``ends``, where a problem asks for them, the ends of steps.
+    ``notes`` are lines for the user; ``ends``, where a problem asks for them, the ends of steps;
+    ``samples`` are taken of the steps, with rates of their own where switches change the right
+    side.
     """
 
     t: np.ndarray
@@ -250,13 +241,14 @@ class Run:
     switches: int = 0
     prepared: float = 0.0
     held: bool = False
-    spans: tuple[SmoothSpan, ...] = ()
     notes: tuple[str, ...] = ()
     ends: tuple[float, ...] = ()
+    samples: tuple[StepSamples, ...] = ()
 
-    def until(self, row: int, reason: str) -> Run:
-        """The run up to a row of its grid, after which it went wrong."""
-        halt = Halt(reason, self.t[row], self.states[row])
+    def until(self, row: int, reason: str, last: tuple[Any, np.ndarray] | None = None) -> Run:
+        """The run up to a row of its grid, after which it went wrong: after the ``last`` time and
+        state that were good, or at once."""
+        halt = Halt(reason, *(last or (self.t[row], self.states[row])))
         kept = until(self.crossings, self.t[0], halt.time)
         t, states = self.t[: row + 1], self.states[: row + 1]
         return replace(self, t=t, states=states, crossings=kept, halt=halt, stopped="")
@@ -723,7 +715,7 @@ def _join_runs(parts: Sequence[Run], grid: np.ndarray, problem: Problem) -> Run:
         crossings=crossings,
         switches=sum(part.switches for part in parts),
         held=any(part.held for part in parts),
-        spans=tuple(span for part in parts for span in part.spans),
+        samples=tuple(sample for part in parts for sample in part.samples),
         prepared=sum(part.prepared for part in parts),
         notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
         inside=_inside(parts) if problem.dense else None,

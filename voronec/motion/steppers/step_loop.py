@@ -25,6 +25,7 @@ from voronec.motion.steppers.run import (
     in_parts,
     until,
 )
+from voronec.motion.steppers.samples import Sampler, StepSamples
 
 __all__ = [
     "IntegratorFailure",
@@ -331,7 +332,7 @@ class Stretch:
 
     ``rows`` (k, n) are the states at the next points of the grid.  Where a problem asks for ends
     of steps, ``times`` (s,) and ``states`` (s, n) are these; where it asks for dense output,
-    ``strides`` are the steps.
+    ``strides`` are the steps; ``samples`` are those that were taken.
     """
 
     steps: int
@@ -341,6 +342,7 @@ class Stretch:
     times: np.ndarray
     states: np.ndarray
     strides: Sequence[Stride]
+    samples: tuple[np.ndarray, np.ndarray] | None = None
 
 
 class Walker(Protocol):
@@ -385,6 +387,7 @@ class _March:
     states: np.ndarray = field(init=False)
     strides: list[Stride] = field(default_factory=list)
     ends: list[float] = field(default_factory=list)
+    sampler: Sampler = field(default_factory=Sampler)
     recent: list[tuple[np.ndarray, np.ndarray, int]] = field(default_factory=list)
     unseen: int = 0
     done: int = 1
@@ -456,6 +459,7 @@ class _March:
             self.states[new] = stride.at(self.grid[new])
             self.suspect(self.grid[new], self.states[new])
             self.done = reached
+        self.sampler.take(stride.start, stride.end, stride.at)
         if self.problem.dense:
             self.strides.append(stride)
         if self.problem.marked:
@@ -507,6 +511,8 @@ class _March:
         self.done, self.steps = new.stop, self.steps + stretch.steps
         self.idle = 0 if len(stretch.rows) else self.idle + stretch.steps
         self.strides += stretch.strides
+        if stretch.samples is not None:
+            self.sampler.rows.append(stretch.samples)
         if self.problem.marked:
             self.ends += stretch.times.tolist()
         self.last = Halt(COLLAPSE, stretch.end, stretch.state)
@@ -561,6 +567,7 @@ class _March:
         return Run(
             t, states, self.steps, self.walker.evaluations, found, halt, interrupted,
             self.log.stopped, self.inside if self.problem.dense else None, ends=tuple(self.ends),
+            samples=StepSamples.of(self.sampler.rows),
         )  # fmt: skip
 
     def inside(self, times: np.ndarray) -> np.ndarray:

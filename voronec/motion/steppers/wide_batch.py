@@ -111,7 +111,7 @@ class WideBatch:
     def first_steps(self, spans: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The lengths (width,) of next steps, which lead no further than ``spans`` (width,), and
         their Taylor coefficients (n, order + 1, width); nothing moves."""
-        series = np.zeros((len(self.state), self.batch.order + 1, self.width))
+        series = np.full((len(self.state), self.batch.order + 1, self.width), np.nan)
         taken, limits = np.zeros(self.width), spans.tolist()
         for own in self.loads(self.alive):
             own_limits = limits[own] if isinstance(own, slice) else spans[own].tolist()

@@ -2,7 +2,7 @@
 
 Integrals that are proved and relations between redundant coordinates must stay as far as the
 tolerance allows, after as many steps; states must obey the equations that were integrated, and
-coordinates those that were derived first, in another form and by other code (``residual_windows``).
+coordinates those that were derived first, in another form and by other code (``step_defects``).
 
 Angles that are read off on a grid have to be certain of their branches.
 """
@@ -10,8 +10,8 @@ Angles that are read off on a grid have to be certain of their branches.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import lru_cache, partial
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from itertools import accumulate
 from typing import Any
 
@@ -19,7 +19,6 @@ import numpy as np
 import symengine as se
 
 from voronec.algebra.cardinal import cardinal_all
-from voronec.algebra.memo import remember
 from voronec.algebra.numeric_functions import elementary
 from voronec.algebra.verdicts import all_vanish
 from voronec.declaration.claims import right_of
@@ -29,23 +28,14 @@ from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import VoronecError
 from voronec.motion.model.special import is_many_valued
 from voronec.motion.observables import evaluate_extras
-from voronec.motion.residual_windows import (
-    WIDTH,
-    WORST,
-    Rates,
-    Windows,
-    affordable_windows,
-    again,
-    disobedient,
-    program_rates,
-    spread,
-)
 from voronec.motion.state_probe import at_each, changes, usual_size
-from voronec.motion.steppers.run import Run, Signals, SmoothSpan, values_along
+from voronec.motion.step_defects import program_rates, strayed_rows, wrong_steps
+from voronec.motion.steppers.run import Run, Signals, values_along
+from voronec.motion.steppers.samples import OwnedSamples, Rates, StepSamples, owned
 from voronec.motion.tolerances import LOOSE, UNIT
 from voronec.motion.trajectory import Trajectory
 
-__all__ = ["Breach", "Judge", "JudgeOfMany", "Untold", "require_branches"]
+__all__ = ["Breach", "CheckOfMany", "SolutionCheck", "Untold", "require_branches"]
 
 
 FREE = 10
@@ -59,9 +49,8 @@ HASTE = {"opt_level": 0}
 """To have LLVM optimise what a run evaluates a few times takes three times as long as the rest."""
 REGULAR = 1e12
 """The condition number of a mass matrix below which accelerations mean something."""
-MOST, FEW, EACH = 128, 12, 4
-"""Windows in which the equations that were integrated are looked at, and the original ones, and
-those of each of many motions."""
+FEW = 4
+"""Steps in which the original equations are looked at."""
 DISOBEDIENT = "the states do not obey the equations"
 SLOPE = 6e-6
 """The step of difference quotients: the cube root of the rounding."""
@@ -72,31 +61,32 @@ changes on the first step away from it."""
 
 @dataclass(frozen=True)
 class Breach:
-    """What went wrong, in words, and the last row of the grid before it was seen; what is wrong of
-    a ``claim`` alone is only to be told."""
+    """What went wrong, in words, and the last row of the grid before it was seen, or the ``last``
+    time and state, where that is known better."""
 
     what: str
     row: int
-    claim: bool = False
+    last: tuple[float, np.ndarray] | None = None
+
+    @classmethod
+    def of_step(cls, t: np.ndarray, part: StepSamples, i: int) -> Breach:
+        """A step of a run along a grid (k,) does not obey the equations."""
+        begin, order = float(part.times[i, 0]), 1.0 if t[-1] >= t[0] else -1.0
+        row = int(np.searchsorted(order * t, order * begin, side="right")) - 1
+        return cls(DISOBEDIENT, max(row, 0), last=(begin, part.states[i, 0].copy()))
 
 
 MERE_CLAIM, JUMPS = "is only claimed", "jumps with the forces"
 
 
-def _drift_note(name: str, why: str, time: float, amount: str) -> str:
-    return f"the integral '{name}' {why}, and drifts: at t = {time:.6g} it has changed {amount}"
-
-
 @dataclass(frozen=True)
-class Judge:
+class SolutionCheck:
     """What is known of a run: its program at ``values`` of the parameters, with a tolerance.
 
     ``integrals`` and ``relations`` name extra quantities of the program, and those that give the
     size of the terms; ``vanishing`` are further relations, expressions in the program's symbols;
     parameters that are ``changing`` are those of the start among the ``values``; of the integrals
-    ``jumping`` with the forces, named in the same way, no proof holds across the jumps.  Before its
-    instants ``looks`` the grid has more, for the equations' sake; of what is not smooth ``spans``
-    are those between its switches.
+    ``jumping`` with the forces, named in the same way, no proof holds across the jumps.
     """
 
     equations: VoronecEquations
@@ -109,51 +99,61 @@ class Judge:
     vanishing: Sequence[Any] = ()
     changing: Signals | None = None
     jumping: Mapping[str, tuple[str, str]] = field(default_factory=dict)
-    looks: Sequence[int] = ()
-    spans: Sequence[SmoothSpan] = ()
 
-    def breach(self, t: np.ndarray, states: np.ndarray) -> tuple[Breach | None, tuple[str, ...]]:
-        """What went wrong first, if anything did, and what is to be said of mere claims."""
-        found, notes = self._losses(t, states)
-        found += [Breach(DISOBEDIENT, row) for row in self._disobedient_rows(t, states)]
+    def breach(
+        self, t: np.ndarray, states: np.ndarray, samples: Sequence[StepSamples]
+    ) -> tuple[Breach | None, tuple[str, ...]]:
+        """What went wrong first, if anything did, and what is to be said of mere claims; ``states``
+        (k, n) are those at instants ``t`` (k,), and ``samples`` those of the steps."""
+        found, notes = self.losses(t, states)
+        parts = self._inner(t, samples)
+        rates = program_rates(self.program, self.at)
+        found += self._wrong_steps(t, parts, rates)
+        strayed = (row for part in parts for row in strayed_rows(t, states[None], part, self.tol))
+        found += [Breach(DISOBEDIENT, row) for row in strayed]
         return min(found, key=lambda b: b.row, default=None), notes
 
-    def _disobedient_rows(self, t: np.ndarray, states: np.ndarray) -> list[int]:
-        """First rows of windows whose states do not obey the equations that were integrated."""
-        if not self.spans:
-            rates = program_rates(self.program, self.at)
-            return disobedient(t, states, rates, self.tol, self._windows(t, MOST), self.steps)
-        windows, found = self._windows(t, MOST), list[int]()
-        for span in self.spans:
-            own = windows.within(t, span.first, span.last)
-            if len(own.rows):
-                found += disobedient(t, states, span.rates, self.tol, own, self.steps)
-        return found
+    def original(
+        self,
+        t: np.ndarray,
+        samples: Sequence[StepSamples],
+        at_home: Callable[[np.ndarray, np.ndarray], np.ndarray],
+        constants: Mapping[str, Any],
+    ) -> Breach | None:
+        """The same by the equations derived first, of some steps ``at_home``: from times (k,) and
+        states (k, n) to coordinates and velocities (k, m)."""
+        parts = self._inner(t, samples)
+        rates = original_rates(self.equations, constants, self.changing) if parts else None
+        if rates is None:
+            return None
+        some = [part.pick(spread(len(part.times), FEW)).through(at_home) for part in parts[:FEW]]
+        found = self._wrong_steps(t, some, rates)
+        return replace(min(found, key=lambda b: b.row), last=None) if found else None
 
-    def _windows(self, t: np.ndarray, most: int) -> Windows:
-        """Windows of the grid in which no function of Python's jumps."""
+    def _inner(self, t: np.ndarray, samples: Sequence[StepSamples]) -> list[StepSamples]:
+        """The samples of the steps to instants ``t``, in which no function of Python's jumps."""
         inputs = self.changing.signals if self.changing is not None else ()
-        jumps = (span for signal in inputs for span in signal.sharp)
-        return Windows.of(len(t), most, self.looks).beside(t, jumps)
+        jumps = [span for signal in inputs for span in signal.sharp]
+        inner = (part.within(float(t[0]), float(t[-1]), jumps) for part in samples)
+        return [part for part in inner if part.states.size]
+
+    def _wrong_steps(
+        self, t: np.ndarray, parts: Sequence[StepSamples], rates: Rates
+    ) -> list[Breach]:
+        """The steps that do not obey the equations."""
+        found = wrong_steps(owned(parts), lambda _: rates, self.tol)
+        return [Breach.of_step(t, part, i) for _, part, i in found]
 
     def at(self, t: np.ndarray) -> list[Any]:
         """The values of the parameters at times (k,): doubles, or arrays of them."""
         return values_along(self.changing, map(str, self.program.parameters), self.values, t)
 
-    def original(
-        self, t: np.ndarray, states: np.ndarray, constants: Mapping[str, Any]
-    ) -> Breach | None:
-        """The same of coordinates and velocities (k, n), by the equations derived first."""
-        if len(t) < WIDTH:
-            return None
-        rates = original_rates(self.equations, constants, self.changing)
-        if rates is None:
-            return None
-        rows = disobedient(t, states, rates, self.tol, self._windows(t, FEW), self.steps)
-        return Breach(DISOBEDIENT, min(rows)) if rows else None
-
-    def _losses(self, t: np.ndarray, states: np.ndarray) -> tuple[list[Breach], tuple[str, ...]]:
-        rows = spread(len(t), ROWS)
+    def losses(
+        self, t: np.ndarray, states: np.ndarray, most: int = ROWS
+    ) -> tuple[list[Breach], tuple[str, ...]]:
+        """Relations and integrals that did not stay, looked at in so many rows at ``most``, and
+        notes on those that need not."""
+        rows = spread(len(t), most)
         relations = {name: (key, "") for name, key in self.relations.items()}
         relations |= {f"{e} = 0": (f"vanishing {e}", "") for e in self.vanishing}
         extras, run = self._extras(), (t[rows], states[rows], self.tol, self.steps)
@@ -168,7 +168,8 @@ class Judge:
                 breaches.append(Breach(f"the integral '{name}' drifts {amount}", int(rows[i - 1])))
             else:
                 why = JUMPS if name in self.jumping else MERE_CLAIM
-                notes.append(_drift_note(name, why, t[rows[i]], amount))
+                told = f"and drifts: at t = {t[rows[i]]:.6g} it has changed {amount}"
+                notes.append(f"the integral '{name}' {why}, {told}")
         return breaches, tuple(notes)
 
     def _is_certain(self, name: str) -> bool:
@@ -176,7 +177,10 @@ class Judge:
         jumps."""
         if name in self.jumping or self.changing is not None:
             return False
-        return is_proved(self.equations, self.equations.system.integrals[name])
+        integral = self.equations.system.integrals[name]
+        return self.equations.memo.once(
+            f"proved integral {name}", lambda: is_proved(self.equations, integral)
+        )
 
     def _extras(self) -> Callable[[np.ndarray, np.ndarray], Mapping[str, np.ndarray]]:
         program = self.program
@@ -215,7 +219,7 @@ class ConservedQuantities:
     ) -> dict[str, tuple[int, float, float]]:
         """Of those that did not stay: the row where that is seen first, the change and what is
         allowed there."""
-        if len(t) < 2:
+        if len(t) < 2 or not self.names:
             return {}
         values = self.extras(t, states)
         off = [abs(values[key][0]) for key, size in self.names.values() if not size]
@@ -267,6 +271,13 @@ class ConservedQuantities:
                 off = np.where(jumps, 0.0, np.abs(4 * near - far) / 3)
                 rough = np.fmax(rough, off)
         return total * largest, rough
+
+
+def spread(size: int, most: int) -> np.ndarray:
+    """As many of so many indices as may be, evenly spread, each once."""
+    found = np.linspace(0, size - 1, most).astype(int)
+    # numpy's unique loads its masked arrays
+    return found[np.diff(found, prepend=-1) > 0]
 
 
 def _scale(sizes: np.ndarray) -> np.ndarray:
@@ -345,7 +356,7 @@ def _evaluator(form: Any) -> Any:
 
 
 @dataclass
-class JudgeOfMany:
+class CheckOfMany:
     """The same of motions of one program, each with values of its own.
 
     ``integrals`` maps names of integrals to those of extra quantities of the program; those
@@ -357,114 +368,60 @@ class JudgeOfMany:
     tol: float
     integrals: Mapping[str, str]
     jumping: frozenset[str] = frozenset()
-    _proofs: dict[str, bool] = field(default_factory=dict)
 
     def breaches(
         self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float,
-        looks: Sequence[int] = (), smooth: bool = True,
+        samples: Sequence[OwnedSamples],
     ) -> tuple[dict[int, Breach], dict[int, tuple[str, ...]]]:  # fmt: skip
         """What went wrong with which motion, and what is to be said of mere claims: states
-        (m, k, n) at ``t`` (k,), parameters (m, p); each took so many steps.  Before its instants
-        ``looks`` the grid has more, for the equations' sake; these are looked at where they are
-        ``smooth``, else there is more than one right side."""
-        single = Windows.of(len(t), EACH, looks).rows
-        found = self._disobedient(t, states, values, steps, single) if smooth else {}
-        notes = dict[int, tuple[str, ...]]()
-        for i, breach in self.losses(np.broadcast_to(t, states.shape[:2]), states, values, steps):
-            if breach.claim:
-                notes[i] = (*notes.get(i, ()), breach.what)
-            elif i not in found or breach.row < found[i].row:
+        (m, k, n) at ``t`` (k,), parameters (m, p), ``samples`` of the steps; each took so many."""
+        notes, found = dict[int, tuple[str, ...]](), dict[int, Breach]()
+        breaches = [*self._disobedient(t, states, values, samples)]
+        for i, name in self._drifting(t, states, values):
+            whole, own = np.isfinite(states[i]).all(axis=1), {name: (self.integrals[name],) * 2}
+            jumps = name in self.jumping
+            one = SolutionCheck(
+                self.equations, self.program, values[i].tolist(), self.tol, int(steps),
+                {} if jumps else own, {}, jumping=own if jumps else {},
+            )  # fmt: skip
+            lost, told = one.losses(t[whole], states[i][whole], len(t))
+            breaches += [(i, breach) for breach in lost]
+            if told:
+                notes[i] = (*notes.get(i, ()), *told)
+        for i, breach in breaches:
+            if i not in found or breach.row < found[i].row:
                 found[i] = breach
         return found, notes
 
-    def losses(
-        self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float
-    ) -> Iterator[tuple[int, Breach]]:
-        """The motions that lost an integral, with times (m, k) of their own."""
-        each = np.broadcast_to(values[:, None, :], (*t.shape, values.shape[-1]))
+    def _drifting(
+        self, t: np.ndarray, states: np.ndarray, values: np.ndarray
+    ) -> Iterator[tuple[int, str]]:
+        """The motions of which an integral may be lost, and its name."""
+        each = np.broadcast_to(values[:, None, :], (*states.shape[:2], values.shape[-1]))
         extras = compile_program(self.program)[1]
         series = at_each(extras, self.program.names, t, states, each)
         for name, key in self.integrals.items():
             start = series[key][:, :1]
             allowed = LOOSE * max(self.tol, UNIT) * FREE * np.abs(start)
-            for i in np.flatnonzero((changes(series[key], start) > allowed).any(axis=1)):
-                whole = np.isfinite(states[i]).all(axis=1)
-                breach = self._judge(name, key, t[i][whole], states[i][whole], values[i], steps)
-                if breach is not None:
-                    yield int(i), breach
-
-    def _judge(
-        self,
-        name: str,
-        key: str,
-        t: np.ndarray,
-        states: np.ndarray,
-        values: np.ndarray,
-        steps: float,
-    ) -> Breach | None:
-        function, names = compile_program(self.program)[1], self.program.names
-
-        def extras(times: np.ndarray, rows: np.ndarray) -> Mapping[str, np.ndarray]:
-            each = np.broadcast_to(values, (len(rows), len(values)))
-            return at_each(function, names, times, rows, each)
-
-        jumps = name in self.jumping
-        quantity = ConservedQuantities({name: (key, key)}, extras, jumps)
-        lost = quantity.losses(t, states, self.tol, int(steps))
-        if name not in lost:
-            return None
-        row, change, allowed = lost[name]
-        amount = f"by {change:.2g}, where the tolerance allows {allowed:.2g}"
-        if jumps or not self._is_proved(name):
-            why = JUMPS if jumps else MERE_CLAIM
-            return Breach(_drift_note(name, why, t[row], amount), row, claim=True)
-        return Breach(f"the integral '{name}' drifts {amount}", row - 1)
-
-    @remember("_proofs")
-    def _is_proved(self, name: str) -> bool:
-        return is_proved(self.equations, self.equations.system.integrals[name])
+            moved = (changes(series[key], start) > allowed).any(axis=1)
+            yield from ((i, name) for i in np.flatnonzero(moved).tolist())
 
     def _disobedient(
-        self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float,
-        single: np.ndarray,
-    ) -> dict[int, Breach]:  # fmt: skip
-        """Motions whose states do not obey the equations, in windows ``single`` of each, such as
-        can be integrated again; to the windows they are one long motion, and the parameters
-        variables at rest."""
-        count, size, n = states.shape
-        single = affordable_windows(single, t, steps, self.tol)
-        if not len(single):
-            return {}
-        windows = Windows((size * np.arange(count)[:, None, None] + single).reshape(-1, WIDTH))
-        each = np.broadcast_to(values[:, None, :], (count, size, values.shape[-1]))
-        joined = np.concatenate([states, each], axis=-1).reshape(count * size, -1)
-        rhs = compile_program(self.program)[0]
+        self, t: np.ndarray, states: np.ndarray, values: np.ndarray,
+        samples: Sequence[OwnedSamples],
+    ) -> Iterator[tuple[int, Breach]]:  # fmt: skip
+        """The motions whose states do not obey the equations, all steps looked at together."""
 
-        def rates(times: np.ndarray, rows: np.ndarray) -> np.ndarray:
-            with np.errstate(all="ignore"):
-                slopes = rhs(times, list(rows.T[:n]), list(rows.T[n:]))
-            result = np.zeros(rows.shape)
-            for j, slope in enumerate(slopes):
-                result[:, j] = slope
-            return result
+        def rates_of(owner: np.ndarray) -> Rates:
+            return program_rates(
+                self.program, lambda t: [*np.repeat(values[owner], len(t) // len(owner), axis=0).T]
+            )
 
-        times, found = np.tile(t, count), {}
-        looks = dict.fromkeys(range(count), WORST)
-        for w in windows.doubtful(times, joined, rates):
-            rows = windows.rows[w]
-            i = int(rows[0] // size)
-            looks[i] -= 1
-            if i in found or looks[i] < 0:
-                continue
-            one = program_rates(self.program, partial(_constants, values[i].tolist()))
-            off = again(one, times[rows], joined[rows, :n], self.tol)
-            if off is not None and off.max() > 1:
-                found[i] = Breach(DISOBEDIENT, int(rows[0] % size))
-        return found
-
-
-def _constants(values: list[Any], _: np.ndarray) -> list[Any]:
-    return values
+        for owners, part in samples:
+            for row in strayed_rows(t, states[owners[:1]], part, self.tol):
+                yield int(owners[0]), Breach(DISOBEDIENT, row)
+        for i, part, step in wrong_steps(samples, rates_of, self.tol):
+            yield i, Breach.of_step(t, part, step)
 
 
 PER_STEP = 4

@@ -1,0 +1,232 @@
+"""Whether the steps of a run obey its equations, without anything of what found them.
+
+    defect = x(t_8) - x(t_0) - integral of f(t, x(t)) dt
+
+over the nine nodes t_0, ..., t_8 of a step (``samples``).  The integral is that of the polynomial
+through the nine rates; how fast the coefficients of its expansion in Legendre polynomials fall says
+how far it can be trusted.  x(t_8) is the state with which the next step begins, where that is
+known.  What is in doubt is integrated again by another method.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from functools import cache
+from itertools import count, pairwise
+from typing import Any
+
+import numpy as np
+
+from voronec.equations.program import Program, compile_program
+from voronec.motion.steppers.samples import NODES, WIDTH, OwnedSamples, Rates, StepSamples
+
+__all__ = ["again", "program_rates", "strayed_rows", "wrong_steps"]
+
+
+RELATIVE, ROUNDING = 1e-6, 1e-7
+"""A defect is looked into where it is larger than these parts of the way that a variable goes in
+the step, and of the state's size: less than a tenth of the first of the size counts never."""
+FAR_APART = 2.0**16
+"""A step of so many roundings of the time has nodes that are apart."""
+DOUBT = 2.0
+"""A defect counts where it is so many times larger than what the last two coefficients contribute;
+the coefficients that are left out are of their size."""
+BUDGET = 3000
+"""Evaluations that integrating a step again may take."""
+OFTEN = 24
+"""Single evaluations after which it pays to make those on floats."""
+NEARBY, FINE, MARGIN = 1e-7, 1e-11, 1e3
+"""How far from the first another start is, the tolerance from there, and how many tolerances the
+state may be off."""
+ROUNDOFF = float(np.finfo(float).eps)
+ULPS, BEND, SWAY = 4, 1e-3, 10.0
+"""How far from the first, in roundings, a third start is; how far in sizes of the state the motion
+from nearby ends up where there is no telling, and how many times as far as it the state may be off:
+through a pole of coordinates, and from it, the next double goes elsewhere."""
+BESIDE = 1e-9
+"""By this part of half a step an instant may lie beyond its end."""
+WORST = 3
+"""Steps in doubt, of each motion, that are integrated again."""
+
+
+def _legendre(x: np.ndarray) -> np.ndarray:
+    """The first Legendre polynomials (k, WIDTH) at places x (k,) between -1 and 1."""
+    basis = np.ones((len(x), WIDTH))
+    basis[:, 1] = x
+    for k in range(2, WIDTH):
+        basis[:, k] = (2 - 1 / k) * x * basis[:, k - 1] - (1 - 1 / k) * basis[:, k - 2]
+    return basis
+
+
+SHARES = np.linalg.inv(_legendre(2 * NODES - 1))
+"""From values at the nodes to shares of Legendre polynomials."""
+
+
+def joined_ends(parts: Sequence[StepSamples]) -> list[np.ndarray]:
+    """The states (s, n) with which the steps of each part end: those with which the next step
+    begins, where that is sampled too."""
+    found = []
+    for part in parts:
+        ends = part.states[:, -1].copy()
+        if not part.apart:
+            next_to = _meet(part.times[:-1, -1], part.times[1:, 0])
+            ends[:-1][next_to] = part.states[1:, 0][next_to]
+        found.append(ends)
+    for (ends, one), (_, two) in pairwise(zip(found, parts, strict=True)):
+        joined = len(ends) and len(two.times) and not (one.apart or two.apart)
+        if joined and _meet(one.times[-1, -1], two.times[0, 0]):
+            ends[-1] = two.states[0, 0]
+    return found
+
+
+def _meet(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Which instants are the same but for rounding."""
+    return np.asarray(np.abs(after - before) <= 4 * np.spacing(np.abs(before)))
+
+
+def doubtful(samples: StepSamples, ends: np.ndarray, rates: Rates, tol: float) -> list[int]:
+    """The steps, with their ``ends`` (s, n), that seem not to obey the equations, worst first; what
+    nine nodes do not resolve is in no doubt here."""
+    times, states = samples.times, samples.states
+    if not states.size:
+        return []
+    slopes = rates(times.ravel(), states.reshape(times.size, -1)).reshape(states.shape)
+    length = np.abs(times[:, -1] - times[:, 0])[:, None]
+    way, far = ends - states[:, 0], FAR_APART * np.spacing(np.abs(times).max(axis=1))
+    with np.errstate(all="ignore"):
+        shares = SHARES @ slopes
+        defect = np.abs(way - (times[:, -1:] - times[:, :1]) * shares[:, 0])
+        size = np.maximum(1.0, np.abs(states).max(axis=(1, 2)))[:, None]
+        allowed = length * DOUBT * np.abs(shares[:, -2:]).sum(axis=1)
+        allowed += length * RELATIVE * np.abs(slopes).max(axis=1)
+        allowed += (ROUNDING + MARGIN * tol) * size
+        worst = (defect / allowed).max(axis=1)
+    worst[~np.isfinite(worst) | (length[:, 0] < far)] = 0.0
+    return [int(i) for i in np.argsort(-worst) if worst[i] > 1]
+
+
+def wrong_steps(
+    samples: Sequence[OwnedSamples], rates_of: Callable[[np.ndarray], Rates], tol: float
+) -> Iterator[tuple[int, StepSamples, int]]:
+    """The steps that do not obey the equations, as a motion, samples and a place among them: those
+    that seem not to are integrated again.  ``rates_of`` motions (s,) takes as many times and states
+    of each, one motion after the other."""
+    ends, groups = joined_ends([part for _, part in samples]), []
+    for (owner, part), end in zip(samples, ends, strict=True):
+        groups.append((owner, part, end))
+    plain = [group for group in groups if group[1].rates is None]
+    if len(plain) > 1:  # looked at together
+        owner, end = (np.concatenate([group[i] for group in plain]) for i in (0, 2))
+        (joined,) = StepSamples.of([(part.times, part.states) for _, part, _ in plain])
+        groups = [group for group in groups if group[1].rates] + [(owner, joined, end)]
+    for owner, part, end in groups:
+        seen = Counter[int]()
+        for i in doubtful(part, end, part.rates or rates_of(owner), tol):
+            seen[owner[i]] += 1
+            rates = part.rates or rates_of(owner[i : i + 1])
+            if seen[owner[i]] <= WORST and not obeys(part, end, i, rates, tol):
+                yield int(owner[i]), part, i
+
+
+def obeys(samples: StepSamples, ends: np.ndarray, i: int, rates: Rates, tol: float) -> bool:
+    """Whether a step leads where the equations do, as far as that can be told."""
+    off = again(rates, samples.times[i], np.vstack([samples.states[i, :-1], ends[i]]), tol)
+    return off is None or not off.max() > 1
+
+
+def strayed_rows(t: np.ndarray, states: np.ndarray, part: StepSamples, tol: float) -> Iterator[int]:
+    """The rows of a grid (k,), with states (1, k, n), after which they are off the steps in which
+    they lie."""
+    if part.apart or not part.states.size:
+        return
+    begin, end = part.times[:, 0], part.times[:, -1]
+    order = 1.0 if end[-1] >= begin[0] else -1.0
+    step = np.searchsorted(order * begin, order * t, side="right") - 1
+    with np.errstate(all="ignore"):
+        places = 2 * (t - begin[step]) / (end - begin)[step] - 1
+        rows = np.flatnonzero((step >= 0) & (places <= 1 + BESIDE))
+        shares, step = SHARES @ part.states, step[rows]
+        read = np.einsum("kj,kjn->kn", _legendre(places[rows]), shares[step])
+        allowed = DOUBT * np.abs(shares[:, -2:]).sum(axis=1)
+        allowed += RELATIVE * np.ptp(part.states, axis=1)
+        size = np.maximum(1.0, np.abs(part.states).max(axis=(1, 2)))[:, None]
+        allowed += (ROUNDING + MARGIN * tol) * size
+        wrong = (np.abs(read - states[0, rows]) > allowed[step]).any(axis=1)
+    yield from np.maximum(rows[wrong] - 1, 0).tolist()
+
+
+def again(rates: Rates, t: np.ndarray, states: np.ndarray, tol: float) -> np.ndarray | None:
+    """The defect of the last state of a step, by variable, in units of what is allowed: the
+    motion is integrated again from the first state by a Runge-Kutta method.
+
+    Also from a start nearby, which tells how far what the tolerance leaves open grows, and, in
+    doubt, from one that is some roundings away.  None where that cannot be done within the budget
+    of evaluations.
+    """
+    from scipy.integrate import DOP853
+
+    size = np.maximum(1.0, np.abs(states).max(initial=0.0))
+    left = [BUDGET]
+
+    def single(time: float, state: np.ndarray) -> np.ndarray:
+        left[0] -= 1
+        if left[0] < 0:
+            raise _OverBudget
+        return rates(np.array([time]), state[None, :])[0]
+
+    def end(moved: float) -> np.ndarray:
+        start = states[0] + moved * size * _signs(states.shape[1])
+        solver = DOP853(single, t[0], start, t[-1], rtol=FINE, atol=FINE)
+        with np.errstate(all="ignore"):
+            while solver.status == "running":
+                solver.step()
+        if solver.status != "finished" or not np.isfinite(solver.y).all():
+            raise _OverBudget
+        return np.asarray(solver.y)
+
+    try:
+        here = end(0.0)
+        gap = np.abs(end(NEARBY) - here)
+        allowed = RELATIVE * size + MARGIN * max(tol, FINE) / NEARBY * gap
+        allowed += np.where(gap > BEND * size, SWAY * gap, 0.0)
+        off = np.abs(states[-1] - here)
+        if (off > allowed).any():
+            allowed += SWAY * np.abs(end(max(tol, ULPS * ROUNDOFF)) - here)
+    except (_OverBudget, ValueError):
+        return None
+    return np.asarray(off / allowed)
+
+
+class _OverBudget(Exception):
+    """More evaluations than there were to spend, or no end."""
+
+
+def _signs(count: int) -> np.ndarray:
+    return np.where(np.arange(count) % 2, -1.0, 1.0)
+
+
+def program_rates(program: Program, at: Callable[[np.ndarray], list[Any]]) -> Rates:
+    """The right-hand side that was integrated, ``at`` giving its parameters at times (k,).
+
+    Who asks often at single times gets answers from floats, which take a tenth of the time.
+    """
+    rhs, asked = compile_program(program)[0], count()
+
+    @cache
+    def on_floats() -> Any:
+        return compile_program(program, scalar=True)[0]
+
+    def rates(t: np.ndarray, states: np.ndarray) -> np.ndarray:
+        values = at(t)
+        if len(t) == 1 and next(asked) >= OFTEN:
+            # what floats refuse may yet have a value: 1/(1 + exp(1000))
+            with suppress(ArithmeticError, ValueError):
+                plain = [float(np.ravel(x)[0]) for x in values]
+                return np.array([on_floats()(float(t[0]), states[0].tolist(), plain)], dtype=float)
+        with np.errstate(all="ignore"):
+            found = rhs(t, list(states.T), values)
+        return np.stack([np.broadcast_to(np.asarray(r, float), t.shape) for r in found], axis=-1)
+
+    return rates
