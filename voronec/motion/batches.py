@@ -430,7 +430,8 @@ def _pieces(
             ta.return_to(begin)
             piece = max(1, piece // 8)
             continue
-        rows[alive, at : end + 1] = new[alive]
+        own = slice(None) if alive.all() else alive
+        rows[own, at : end + 1] = new[own]
         found = {i: _broken(rows[i], grid) for i in np.flatnonzero(alive & ~ta.alive).tolist()}
         lanes.look_back(begin, limits)
         found |= headway.errors(lanes)

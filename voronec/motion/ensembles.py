@@ -312,7 +312,8 @@ class _ResultRows:
                 name, change, series[:, 0], self.grid, rows, self.motions.values[where]
             )
         self.errors.update({int(where[i]): error for i, error in failed.items()})
-        self.finished[[int(i) for i in where if int(i) not in self.errors]] = True
+        self.finished[where] = True
+        self.finished[where[[*failed]]] = False
 
     def go_on_alone(
         self, alone: LoneMotions, outputs: Sequence[Any], progress: Callable[[float], Any] | None

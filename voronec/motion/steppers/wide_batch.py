@@ -31,10 +31,10 @@ class LatestSteps:
     end: np.ndarray
 
     @classmethod
-    def none(cls, end: np.ndarray) -> LatestSteps:
-        """No steps, of motions that stand at their ``end`` or do not."""
-        nothing = np.zeros(len(end))
-        return cls(nothing.astype(int), nothing + np.inf, nothing.copy(), nothing.copy(), end)
+    def none(cls, width: int) -> LatestSteps:
+        """No steps."""
+        taken, end = np.zeros(width, dtype=int), np.zeros(width, dtype=bool)
+        return cls(taken, np.full(width, np.inf), np.zeros(width), np.zeros(width), end)
 
 
 @dataclass(eq=False)
@@ -55,7 +55,7 @@ class WideBatch:
 
     def __post_init__(self) -> None:
         self.high, self.low = np.zeros(self.width), np.zeros(self.width)
-        self.latest = LatestSteps.none(np.zeros(self.width, dtype=bool))
+        self.latest = LatestSteps.none(self.width)
 
     @classmethod
     def of(cls, batch: Any, width: int) -> WideBatch:
@@ -95,10 +95,13 @@ class WideBatch:
         together = not self.low[which].any() and (times == times[:1]).all()
         if alike:
             batch.pars[:] = self.pars[:, :lanes]
-        for first in (lanes * np.flatnonzero(which.reshape(-1, lanes).any(axis=1))).tolist():
-            own: Any = slice(first, first + lanes)
-            if not (wanted := which[own]).all():
-                own = first + np.where(wanted, np.arange(lanes), int(np.argmax(wanted)))
+        rows = which.reshape(-1, lanes)
+        for k, (some, every) in enumerate(zip(rows.any(axis=1), rows.all(axis=1), strict=True)):
+            own: Any = slice(lanes * k, lanes * (k + 1))
+            if not some:
+                continue
+            if not every:
+                own = lanes * k + np.where(rows[k], np.arange(lanes), int(np.argmax(rows[k])))
             if together:
                 batch.set_time(float(times[0]))
             else:
@@ -117,7 +120,7 @@ class WideBatch:
             own_limits = limits[own] if isinstance(own, slice) else spans[own].tolist()
             self.batch.step(max_delta_t=own_limits, write_tc=True)
             series[:, :, own] = self.batch.tc
-            taken[own] = [length for _, length in self.batch.step_res]
+            taken[own] = self.batch.last_h
         return taken, series
 
     def along_grid(self, times: np.ndarray, longest: np.ndarray, **options: Any) -> np.ndarray:
@@ -148,43 +151,34 @@ class WideBatch:
         """Load those that are not yet at their ends (width,): positions, and limits of the steps
         that are to be taken; where one breaks down the others of its load ``again``, or else all
         keep their lanes."""
-        limit, begin = _time_limit(), self.place
+        begin, lanes = self.place, self.batch.batch_size
         which = self.alive & ((self.high != ends) | (not again))
-        self.latest, bounded = LatestSteps.none(~which), bool(np.isfinite(longest).any())
+        self.latest, bounded = LatestSteps.none(self.width), bool(np.isfinite(longest).any())
         while which.any():
-            notes: list[Any] = []
+            notes: list[tuple[Any, Any, Any]] = []
             for own in self.loads(which):
                 yield own, {"max_delta_t": longest[own].tolist()} if bounded else {}
-                found = self.batch.propagate_res
-                notes.append((own, found, self.batch.last_h))
+                notes.append((own, self.batch.propagate_res, self.batch.last_h))
                 self.state[:, own] = self.batch.state
-                if all(each[0] == limit for each in found):
-                    self.high[own], self.low[own] = ends[own], 0.0
-                else:
-                    self.high[own], self.low[own] = self.batch.dtime
-            self._note(notes, limit)
+                self.high[own], self.low[own] = self.batch.dtime
+            self._note(notes)
             broken = which & ~self.alive
             self.state[:, broken] = np.nan
-            lanes = self.batch.batch_size
             beside = np.repeat(broken.reshape(-1, lanes).any(axis=1), lanes)
             which = which & beside & ~broken & again
             self.return_to(begin, which)
+        # a way along a grid may end an ulp beside it
+        ulp = np.spacing(np.maximum(np.abs(begin[0]), np.abs(ends)))
+        self.latest.end[:] = self.alive & (np.abs(self.high - ends) <= 4 * ulp)
+        self.high = np.where(self.latest.end, ends, self.high)
+        self.low[self.latest.end] = 0.0
 
-    def _note(self, notes: list[Any], limit: Any) -> None:
+    def _note(self, notes: list[tuple[Any, Any, Any]]) -> None:
         """Take down what heyoka says of steps."""
         every = np.arange(self.width)
         which = np.concatenate([every[own] for own, _, _ in notes])
-        results = [each for _, found, _ in notes for each in found]
-        lengths = np.array([each[1:] for each in results])
+        lengths = np.array([each[1:] for _, found, _ in notes for each in found])
         latest = self.latest
         latest.shortest[which], latest.longest[which] = np.abs(lengths[:, :2]).T
         latest.taken[which] = lengths[:, 2]
         latest.last[which] = np.concatenate([last for _, _, last in notes])
-        latest.end[which] = [each[0] == limit for each in results]
-
-
-def _time_limit() -> Any:
-    """What heyoka says of a motion that came to its end."""
-    import heyoka as hy
-
-    return hy.taylor_outcome.time_limit
