@@ -288,3 +288,46 @@ def test_first_steps_that_are_short_in_their_units_do_not_keep_later_ones_short(
     free = vo.System("free", vo.Fibration((x,)), rate**2 / 2)
     far = vo.ensemble(free, {x: [1.0, 2.0], rate: 1.0}, times=[0, 1e308], method="heyoka")
     assert (far["x"][:, -1] == 1e308).all()
+
+
+def spring(mass: float, length: float, time: float) -> dict[str, object]:
+    """A stiffening spring in other units: what ``integrate`` and its kin are given; a claim of it
+    is wrong."""
+    x, m, k, size = sp.symbols("x m k size", positive=True)
+    dot = vo.velocity(x)
+    pull = k * x**2 / 2 + k * x**4 / (4 * size**2)
+    system = vo.System(
+        name="spring",
+        fibration=vo.Fibration(base=(x,)),
+        lagrangian=m * dot**2 / 2 - pull,
+        parameters=(m, k, size),
+        integrals={"energy": m * dot**2 / 2 + pull, "wrong": m * dot**2},
+    )
+    given = {"m": mass, "k": mass / time**2, "size": length}
+    return {"system": system, "parameters": given, "method": "scipy", "tol": 1e-10}
+
+
+@pytest.mark.parametrize("many", ["integrate", "ensemble", "section"])
+def test_the_drift_is_that_of_other_units(many: str) -> None:
+    """Absolute numbers stood for sizes: of masses of 1e-20 the drift seemed to be 1e-34."""
+
+    def drifts(mass: float, length: float, time: float) -> list[float]:
+        given = spring(mass, length, time)
+        times = time * np.linspace(0, 10, 51)
+        starts = {"x": length * np.array([1.0, 0.5, 0.0]), "xdot": [0, 0, length / time]}
+        if many == "integrate":
+            start = {name: values[0] for name, values in starts.items()}
+            drift = vo.integrate(initial=start, times=times, **given).drift
+        elif many == "ensemble":
+            drift = vo.ensemble(starts=starts, times=times, **given).drift
+        else:
+            end = 20 * time
+            found = vo.section(plane="x", starts=starts, crossings=3, until=end, **given)
+            drift = {**found.drift, "wrong": np.ones(3)}  # it is equal at all crossings but one
+        return [np.atleast_1d(drift[name]) for name in ("energy", "wrong")]
+
+    for mass, length, time in ((1e-20, 1, 1), (1e20, 1, 1), (1, 1e20, 1), (1e-20, 1e-20, 1),
+                               (1, 1, 1e-20), (1, 1, 1e20), (1e-20, 1e20, 1e20)):  # fmt: skip
+        energy, wrong = drifts(mass, length, time)
+        assert (energy > 1e-16).all() and (energy < 1e-8).all(), (mass, length, time)
+        assert wrong == pytest.approx(np.ones(len(wrong)), abs=0.02)

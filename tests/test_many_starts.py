@@ -6,12 +6,13 @@ from functools import partial
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import voronec as vo
 from voronec.equations.program import compile_program
 from voronec.motion import initial_conditions, motion_pool
 from voronec.motion.initial_conditions import parameter_values, start_of
-from voronec.motion.request import Vocabulary, name_values, quantity
+from voronec.motion.request import Starts, Vocabulary, name_values, quantity
 from voronec.motion.state_probe import quiet, rates_along
 
 COUNT = 7
@@ -48,7 +49,7 @@ def test_arrays_and_one_by_one_agree(name, starts, monkeypatch):
     monkeypatch.setattr(motion_pool, "start_of", lambda *a: asked.append(a) or start_of(*a))
     wanted = dict(quantity(vocabulary, q) for q in equations.system.coordinates)
     default = equations.system.scenes["default"]
-    found = motion_pool.many(equations, default, rows, {}, wanted, 0.0)
+    found = motion_pool.many(equations, default, Starts.of(rows), {}, wanted, 0.0)
     assert not asked and not found.wrong, "all are read at once"
     assert np.abs(found.full - expected).max() < 1e-14 * np.abs(expected).max()
 
@@ -62,7 +63,7 @@ def test_what_does_not_fit_is_left_over():
     rates = partial(motion_pool.rates_in_arrays, compile_program(program)[0], values, 0.0)
 
     def read(starts):
-        return initial_conditions.starts_in_arrays(vocabulary, {}, starts, own, rates)
+        return initial_conditions.starts_in_arrays(vocabulary, {}, Starts.of(starts), own, rates)
 
     fits = {"xdot": 1.0, "ydot": 0.0, "phi": 0.0}
     found = read([fits, {**fits, "ydot": 1.0}, fits])
@@ -72,3 +73,15 @@ def test_what_does_not_fit_is_left_over():
     for other in ({"xdot": "1", "ydot": 0.0, "phi": 0.0}, {"v": 1.0}, {**fits, "phi": np.inf}):
         found = read([fits, other, fits])
         assert np.isnan(found[1]).all()
+
+
+def test_a_value_that_stands_for_all_is_read_once(monkeypatch):
+    """Arrays are not spread to a mapping for each start, whatever stands beside them."""
+    sleigh = vo.derive(vo.load("sleigh"))
+    monkeypatch.setattr(motion_pool, "start_of", lambda *_: pytest.fail("one by one"))
+    angle, speeds = sp.pi / 6, np.linspace(1, 2, COUNT)
+    found = vo.ensemble(sleigh, {"phi": angle, "v": speeds, "w": "1/2"}, times=[0.0, 0.5])
+    alone = vo.ensemble(sleigh, {"phi": np.pi / 6, "v": 2.0, "w": 0.5}, times=[0.0, 0.5])
+    assert not found.errors and found["v"][:, 0] == pytest.approx(speeds, abs=1e-15)
+    for name in found.outputs:
+        assert found[name][-1] == pytest.approx(alone[name][0], abs=1e-14)

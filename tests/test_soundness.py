@@ -231,6 +231,38 @@ def test_a_lost_integral_ends_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
     assert np.abs(trajectory["x"] - np.cos(trajectory.t)).max() < 1e-10
 
 
+@pytest.mark.parametrize("mass", [1e-20, 1, 1e20])
+def test_a_wrong_run_is_noticed_whatever_the_masses(
+    monkeypatch: pytest.MonkeyPatch, mass: float
+) -> None:
+    dot, m = vo.velocity(x), sp.Symbol("m")
+    energy = m * dot**2 / 2 + m * x**2 / 2
+    system = dataclasses.replace(
+        OSCILLATOR, lagrangian=energy - m * x**2, parameters=(m,),
+        integrals={"energy": energy, "false": m * (x + 2 * dot)},
+    )  # fmt: skip
+    options: dict[str, Any] = {"parameters": {m: mass}, "method": "scipy"}
+    starts = {x: [1.0, 2.0]}
+    runs = {
+        "integrate": lambda: vo.integrate(system, times=GRID, initial={x: 1}, **options),
+        "ensemble": lambda: vo.ensemble(system, times=GRID, starts=starts, **options),
+        "section": lambda: vo.section(system, "x", starts=starts, crossings=3, **options),
+    }
+    sound = {name: run() for name, run in runs.items()}
+    assert len(sound["integrate"].notes) == 1 and sound["integrate"].drift["false"] > 0.5
+    for name in ("ensemble", "section"):
+        assert {*sound[name].notes} == {0, 1} and not sound[name].errors
+        assert sound[name].drift["energy"].max() < 1e-9 < 0.5 < sound[name].drift["false"].min()
+    for name, run in runs.items():
+        with monkeypatch.context() as patch:
+            corrupted(patch, 4.0, np.array([1e-6, 0.0]))
+            if name == "integrate":
+                with pytest.raises(vo.IntegrationError, match="the integral 'energy' drifts by"):
+                    run()
+            else:
+                assert "the integral 'energy' drifts by" in str(run().errors[0])
+
+
 def test_an_integral_that_begins_without_a_value_is_followed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -36,14 +36,17 @@ from voronec.motion.steppers.samples import OwnedSamples, StepSamples, series_sa
 from voronec.motion.steppers.scipy_stepper import estimated_steps
 from voronec.motion.steppers.series_reach import (
     MANY,
+    PARTS,
     STRIDE,
     Field,
     blind_lanes,
     field_of,
-    openings,
     overlong_lanes,
+    series_reach,
+    uneven_steps,
 )
 from voronec.motion.steppers.units import CHUNK, SHORT, TurnCount, units_of_many
+from voronec.motion.steppers.wide_batch import Place, WideBatch
 
 __all__ = [
     "COLLAPSE_RATIO",
@@ -57,6 +60,12 @@ __all__ = [
     "require_method",
 ]
 
+REGISTERS = 2
+"""A core is busier with two registers of lanes, whose instructions need not wait for one another;
+with more it is no faster, and compiling takes thrice as long."""
+LOADS = 128
+"""So many loads of the compiled lanes go side by side: what is looked at in Python is looked at in
+all of them at once."""
 PIECE, PART = 64, 4
 """Points of the grid in the first piece, one where states grow; later ones follow the steps that it
 took, so that they are done in a quarter of those that may be taken."""
@@ -103,30 +112,31 @@ class StepSizes:
         self.shortest[which] = np.minimum(self.shortest[which], shortest)
         self.longest[which] = np.maximum(self.longest[which], longest)
 
-    def has_collapsed(self, which: int) -> bool:
-        """Whether the steps of a motion became so short that it must have passed a place where its
+    @property
+    def collapsed(self) -> np.ndarray:
+        """Of which motions steps became so short that it must have passed a place where its
         equations are singular, or nearly: a pole of coordinates, a zero of a divisor."""
-        return bool(self.shortest[which] < COLLAPSE_RATIO * self.longest[which])
+        return np.asarray(self.shortest < COLLAPSE_RATIO * self.longest)
 
-    def is_doubtful(self, which: int) -> bool:
-        """Whether a motion is to be followed once more, alone."""
-        return self.has_collapsed(which) or bool(self.overlong[which])
+    @property
+    def doubtful(self) -> np.ndarray:
+        """Which motions are to be followed once more, alone."""
+        return self.collapsed | self.overlong
 
 
 @dataclass(eq=False)
 class Lanes:
-    """heyoka's batch integrator; ``width`` motions at once, ``constants`` parameters of each, those
-    of the ``raised`` program.
+    """heyoka's batch integrator, made wider: ``constants`` parameters of each motion, those of the
+    ``raised`` program.
 
     ``winding`` is what was taken out of the states of each motion, and their units (n, width);
     where some start is scaled these are parameters too, behind the constants.  ``size`` is how
     many steps are taken before what has grown is taken out, and each is looked at if that must be;
-    ``values`` (p, width) are the parameters of the ``plain`` program; ``results``, what heyoka says
-    of each lane, and ``output``, continuous, are those of the latest steps.
+    ``values`` (p, width) are the parameters of the ``plain`` program; ``output``, continuous, is
+    that of the latest steps.
     """
 
-    integrator: Any
-    width: int
+    integrator: WideBatch
     constants: int
     raised: HoistedProgram
     plain: Program
@@ -134,7 +144,6 @@ class Lanes:
     steps: StepSizes
     size: int = field(init=False)
     values: np.ndarray = field(init=False)
-    results: list[Any] = field(default_factory=list)
     output: Any = None
     samples: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
     ahead: tuple[np.ndarray, np.ndarray] = field(init=False)
@@ -142,6 +151,17 @@ class Lanes:
     def __post_init__(self) -> None:
         self.values = np.ones((len(self.plain.parameters), self.width))
         self.reset_size()
+
+    @property
+    def width(self) -> int:
+        """How many motions there are."""
+        return self.integrator.width
+
+    @property
+    def most(self) -> int:
+        """So many motions may be carried: where each step is looked at, those of one load."""
+        single = self.winding.scaled or self.has_roots
+        return int(self.integrator.batch.batch_size) * (1 if single else LOADS)
 
     def reset_size(self) -> None:
         """Nothing is known of how fast the states grow, so that a motion takes the same steps
@@ -154,10 +174,9 @@ class Lanes:
         """Whether roots may have corners that no series sees, so that all steps are looked at."""
         return self.plain.has_moving_roots
 
-    @property
-    def right_side(self) -> Field:
-        """The right side in the integrator's units."""
-        return field_of(self.plain, [*self.values], self.winding.units)
+    def right_side(self, which: Any = slice(None)) -> Field:
+        """The right side of some motions in the integrator's units."""
+        return field_of(self.plain, [*self.values[:, which]], self.winding.units[:, which])
 
     @cached_property
     def callback(self) -> dict[str, Any]:
@@ -176,88 +195,104 @@ class Lanes:
         places = self.integrator.pars[self.constants :]
         places[:] = self.winding.units[: len(places)]
 
-    def again(self) -> Lanes:
-        """Another integrator of the same compiled code, for another thread."""
+    def carrying(self, count: int) -> Lanes:
+        """The same for so many motions, or a few more to fill the lanes."""
+        batch = self.integrator.batch
+        width = -(-count // batch.batch_size) * batch.batch_size
+        units = np.ones((len(self.plain.state), width))
         return replace(
             self,
-            integrator=copy.deepcopy(self.integrator),
-            winding=self.winding.now(),
-            steps=StepSizes.of(self.width),
+            integrator=WideBatch.of(batch, width),
+            winding=replace(self.winding, units=units, looks=0),
+            steps=StepSizes.of(width),
+            output=None,
         )
 
-    def keep_results(self) -> None:
-        """Keep what heyoka says of the latest steps: a look back goes over them again, and leaves
-        results of its own."""
-        self.results = self.integrator.propagate_res
+    def again(self) -> Lanes:
+        """Another integrator of the same compiled code, for another thread."""
+        batch = copy.deepcopy(self.integrator.batch)
+        return replace(self, integrator=WideBatch.of(batch, self.width))
 
     def note_steps(self) -> None:
         """Take down the latest steps; those that were cut to end at a given time are not counted by
         heyoka."""
-        self.steps.overlong[self.winding.outgrown(self.integrator.state)] = True
-        lengths = np.abs([result[1:3] for result in self.results])
-        self.steps.note(slice(None), lengths[:, 0], lengths[:, 1])
-        taken = max(result[3] for result in self.results)
+        ta = self.integrator
+        self.steps.overlong[self.winding.outgrown(ta.state)] = True
+        self.steps.note(slice(None), ta.latest.shortest, ta.latest.longest)
+        taken = ta.latest.taken.max(initial=0)
         if (self.winding.is_needed or self.has_roots) and PART * taken >= self.size:
             most = MANY if self.has_roots else CHUNK
-            self.size = self.winding.pace(self.size, self.integrator.state, most)
+            self.size = self.winding.pace(self.size, ta.state[:, ta.alive], most)
 
     def first_steps(self, spans: np.ndarray) -> np.ndarray:
-        """How long the next steps of all lanes may be, which go no further than ``spans``."""
-        found, lengths, series = openings(self.integrator, self.right_side, spans)
+        """How long the next steps of all motions may be, which go no further than ``spans``;
+        infinite where they are as long as they ought to be."""
+        ta, found = self.integrator, np.full(self.width, np.inf)
+        taken, series = ta.first_steps(spans)
+        whole, tol = np.abs(taken) >= np.abs(spans), ta.batch.tol
+        for parts, own in ((1, ta.alive & ~whole), (PARTS, ta.alive & whole)):
+            if own.any():
+                right, rows = self.right_side(own), series[:, :, own]
+                found[own] = series_reach(right, rows, taken[own], ta.high[own], parts, tol)
         self.steps.stride[found < np.inf] = 1.0
-        self.ahead = np.copysign(np.minimum(np.abs(lengths), found), spans), series
+        ahead = np.copysign(np.minimum(np.abs(taken), found), spans)
+        self.ahead = ahead, series
         return found
 
     def sample_first(self) -> tuple[np.ndarray, np.ndarray]:
-        """Samples of the next step of each lane, as ``first_steps`` found it."""
+        """Samples of the next step of each motion, as ``first_steps`` found it."""
         lengths, series = self.ahead
-        ends = self.integrator.time + lengths
+        ends = self.integrator.high + lengths
         times, states = series_samples(ends, lengths, series.transpose(2, 0, 1))
         return times, self.winding.whole(states.transpose(1, 2, 0)).transpose(2, 0, 1)
 
-    def look_back(
-        self, begin: tuple[np.ndarray, ...], state: np.ndarray, limits: np.ndarray
-    ) -> np.ndarray:
-        """Which lanes took steps too long since they began there, in the integrator's units, though
-        none went beyond ``limits``; it is noted, too."""
-        ta = self.integrator
-        if not self.has_roots:
-            found = overlong_lanes(ta, self.right_side, begin, state, self.steps.stride, limits)
-        elif self.output is not None and np.isfinite(ta.state).all():
-            found = blind_lanes(ta, self.right_side, self.output)
+    def look_back(self, begin: Place, limits: np.ndarray) -> np.ndarray:
+        """Which motions took steps too long since they began there, though none went beyond
+        ``limits``; it is noted, too."""
+        ta, found = self.integrator, np.zeros(self.width, dtype=bool)
+        if self.has_roots:
+            if self.output is not None and ta.alive.all():
+                found = blind_lanes(ta.batch, self.right_side(), self.output)
         else:
-            found = np.zeros(self.width, dtype=bool)
+            span, latest = np.abs(ta.high - begin[0]), ta.latest
+            usual, suspect = uneven_steps(span, latest, self.steps.stride)
+            suspect &= ta.alive
+            if suspect.any():
+                there = ta.place
+                ta.return_to(begin)
+                for own in ta.loads(suspect):
+                    found[own] |= overlong_lanes(
+                        ta.batch, self.right_side(own), there[0][own], limits[own],
+                        int(latest.taken[own].max()), usual[own],
+                    )  # fmt: skip
+                ta.return_to(there)
         self.steps.overlong[found] = True
         return found
 
     def states_along(self, times: np.ndarray, longest: np.ndarray) -> np.ndarray:
-        """Go on to times (k,) by steps no longer than the ``longest`` of each lane, as far as a
+        """Go on to times (k,) by steps no longer than the ``longest`` of each motion, as far as a
         chunk of steps leads: states (width, k, n)."""
-        ta, each = self.integrator, np.repeat(times[:, None], self.width, axis=1)
+        ta = self.integrator
         if self.has_roots:
             self.go_to(float(times[-1]), longest)
-            states = np.full((len(times), len(ta.state), self.width), np.nan)
+            states = np.full((len(times), *ta.state.shape), np.nan)
             if self.output is not None:
+                each = np.repeat(times[:, None], self.width, axis=1)
                 states = np.array(self.output(each))
                 late = np.abs(each - times[0]) > np.abs(self.output.times[-1] - times[0])
-                late &= ~np.isfinite(ta.state).all(axis=0)
+                late &= ~ta.alive
                 np.moveaxis(states, 1, 2)[late] = np.nan
         else:
-            found = ta.propagate_grid(
-                each, max_steps=self.size, max_delta_t=longest.tolist(), **self.callback
-            )
-            self.keep_results()
+            states = ta.along_grid(times, longest, max_steps=self.size, **self.callback)
             self.note_steps()
-            states = found[1] if isinstance(found, tuple) else found
         return np.moveaxis(self.winding.whole(states), -1, 0)
 
     def go_to(self, end: float, longest: np.ndarray) -> None:
-        """A chunk of steps towards a time, none longer than the ``longest`` of each lane."""
-        self.output = self.integrator.propagate_until(
-            [end] * self.width, max_steps=self.size, max_delta_t=longest.tolist(),
-            c_output=self.has_roots, **self.callback,
-        )[0]  # fmt: skip
-        self.keep_results()
+        """A chunk of steps towards a time, none longer than the ``longest`` of each motion."""
+        self.output = self.integrator.go_to(
+            np.full(self.width, end), longest, self.has_roots,
+            max_steps=self.size, **self.callback,
+        )  # fmt: skip
         self.note_steps()
 
     @property
@@ -265,25 +300,23 @@ class Lanes:
         """Where the motions stand (width, n)."""
         return self.winding.whole(self.integrator.state).T
 
-    def load(self, lane: Any, state: np.ndarray, values: np.ndarray, time: float) -> None:
-        """Put motions (k, n) with parameters (k, p) on some lanes."""
-        self.steps.begin(lane)
-        self.winding.reset(lane)
-        self.values[:, lane] = values.T
-        times = self.integrator.time.copy()
-        times[lane] = time
-        self.integrator.set_time(times.tolist())
+    def load(self, which: Any, states: np.ndarray, values: np.ndarray, time: float) -> None:
+        """Put motions (k, n) with parameters (k, p) in some places."""
+        self.steps.begin(which)
+        self.winding.reset(which)
+        self.values[:, which] = values.T
+        self.integrator.set_time(time, which)
         if self.winding.scaled:
-            found = units_of_many(self.plain, np.atleast_2d(state), np.atleast_2d(values))
-            self.winding.measure(found.T if values.ndim > 1 else found[0], lane)
+            self.winding.measure(units_of_many(self.plain, states, values).T, which)
             self.give_units()
-        self.integrator.state[:, lane] = state.T / self.winding.units[:, lane]
-        each = np.atleast_2d(values)
-        if (each == each[0]).all():
-            each = each[:1]
+        self.integrator.state[:, which] = states.T / self.winding.units[:, which]
+        self.integrator.pars[: self.constants, which] = self._constants(values).T
+
+    def _constants(self, values: np.ndarray) -> np.ndarray:
+        """The constants (k, c) of the raised program, from the parameters (k, p)."""
+        each = values[:1] if (values == values[:1]).all() else values
         rows = [self.raised.values(row.tolist())[: self.constants] for row in each]
-        own = np.array(rows, dtype=float).reshape(len(rows), self.constants)
-        self.integrator.pars[: self.constants, lane] = own.T if values.ndim > 1 else own[0]
+        return np.array(rows, dtype=float).reshape(len(rows), self.constants)
 
 
 def lanes_of(program: Program, tol: float, states: np.ndarray, values: np.ndarray) -> Lanes:
@@ -293,84 +326,77 @@ def lanes_of(program: Program, tol: float, states: np.ndarray, values: np.ndarra
     """
     hy = heyoka()
     width = 1
-    while width < min(hy.recommended_simd_size(), len(states)):
+    while width < min(REGISTERS * hy.recommended_simd_size(), len(states)):
         width *= 2
     plain, raised = program, hoist(program)
     program = raised.program
-    own = units_of_many(plain, states, values)
+    scaled = any(
+        (units_of_many(plain, states[i : i + MANY], values[i : i + MANY]) != 1).any()
+        for i in range(0, len(states), MANY)
+    )
     # heyoka wants no more parameters than the equations contain
     used = [i for i, p in enumerate(program.parameters) if p in program.derivative.symbols]
     constants = max(used, default=-1) + 1
     ones = np.ones((len(program.state), width))
-    winding = TurnCount.of(plain, None, ones, bool((own != 1).any()))
+    winding = TurnCount.of(plain, None, ones, scaled)
     system = taylor_system(program, unit_parameters(winding, constants, hy))
-    integrator = hy.taylor_adaptive_batch(
+    batch = hy.taylor_adaptive_batch(
         system,
         np.zeros(ones.shape),
         pars=np.ones((parameter_count([e for _, e in system], hy), width)),
         tol=winding.tolerance(tol),
         compact_mode=program.weight > COMPACT,
     )
-    sizes = StepSizes.of(width)
-    return Lanes(integrator, width, constants, raised, plain, winding, sizes)
+    wide = WideBatch.of(batch, width)
+    return Lanes(wide, constants, raised, plain, winding, StepSizes.of(width))
 
 
 def along(
     lanes: Lanes, states: np.ndarray, values: np.ndarray, grid: np.ndarray, stopped: Look
 ) -> tuple[np.ndarray, dict[int, IntegrationError], int, list[int], list[OwnedSamples]]:
-    """Up to ``width`` motions along one grid: states (m, k, n), errors, how many steps, those whose
-    steps collapsed, or were made too long, and samples of steps from instants of the grid.
+    """Motions along one grid: states (m, k, n), errors, how many steps, those whose steps
+    collapsed, or were made too long, and samples of steps from instants of the grid.
 
-    A motion that breaks down keeps its states up to there, the rest are not numbers; the others
-    are run again without it.
+    A motion that breaks down keeps its states up to there, the rest are not numbers.
     """
-    rows = np.full((len(states), len(grid), states.shape[1]), np.nan)
-    errors: dict[int, IntegrationError] = {}
-    left, steps, alone = np.arange(len(states)), 0, list[int]()
-    while len(left):
-        # lanes without a motion of their own repeat the last one
-        pick = left[np.minimum(np.arange(lanes.width), len(left) - 1)]
-        lanes.load(slice(None), states[pick], values[pick], float(grid[0]))
-        block = np.full((lanes.width, *rows.shape[1:]), np.nan)
-        broken, taken = _pieces(lanes, block, grid, stopped)
-        rows[left] = block[: len(left)]
-        steps += taken
-        if not broken:
-            doubtful = [k for k in range(len(left)) if lanes.steps.is_doubtful(k)]
-            few = len(left)
-            samples = [(left, StepSamples(t[:few], x[:few], apart=True)) for t, x in lanes.samples]
-            return rows, errors, steps, [*alone, *left[doubtful].tolist()], samples
-        for lane, error in broken.items():
-            if lane < len(left):
-                if lanes.steps.left[lane]:
-                    alone.append(int(pick[lane]))
-                else:
-                    errors[int(pick[lane])] = error
-        left = np.array([i for i in left if i not in errors and i not in alone], dtype=int)
-    return rows, errors, steps, alone, []
+    count, lanes = len(states), lanes.carrying(len(states))
+    # places without a motion of their own repeat the last one
+    pick = np.minimum(np.arange(lanes.width), count - 1)
+    lanes.load(slice(None), states[pick], values[pick], float(grid[0]))
+    rows = np.full((lanes.width, len(grid), states.shape[1]), np.nan)
+    errors, steps = _pieces(lanes, rows, grid, stopped)
+    left = {i: error for i, error in errors.items() if i < count and not lanes.steps.left[i]}
+    doubtful = lanes.steps.doubtful | lanes.steps.left
+    alone = [i for i in np.flatnonzero(doubtful[:count]).tolist() if i not in left]
+    kept = np.array([i for i in range(count) if i not in errors], dtype=int)
+    samples = [(kept, StepSamples(t[kept], x[kept], apart=True)) for t, x in lanes.samples]
+    return rows[:count], left, steps, alone, samples
 
 
 @dataclass(eq=False)
 class _LanesHeadway:
-    """Whether the steps of each lane lead to the end of a grid, and how many they are."""
+    """Whether the steps of each motion lead to the end of a grid, and how many they are."""
 
     steps: np.ndarray
     grid: np.ndarray
 
     @cached_property
     def looks(self) -> list[Headway]:
-        """One look at each lane."""
+        """One look at each motion."""
         return [Headway(self.grid[0], float(self.grid[-1]), LONG) for _ in self.steps]
 
     def errors(self, lanes: Lanes) -> dict[int, IntegrationError]:
-        """The lanes whose last steps lead nowhere."""
+        """The motions whose last steps lead nowhere."""
         ta = lanes.integrator
-        self.steps[:] += [result[3] for result in lanes.results]
+        self.steps[:] += ta.latest.taken
         if self.steps.max() < WINDOW:
             return {}
-        pairs = zip(self.looks, self.steps.tolist(), ta.time.tolist(), strict=True)
-        why = {k: look.distance(steps, time) for k, (look, steps, time) in enumerate(pairs)}
-        return {k: break_error(x, ta.time[k], lanes.states[k]) for k, x in why.items() if x}
+        found = {}
+        for i in np.flatnonzero(ta.alive).tolist():
+            why = self.looks[i].distance(int(self.steps[i]), float(ta.high[i]))
+            if why:
+                found[i] = break_error(why, ta.high[i], lanes.states[i])
+        return found
 
 
 def break_error(reason: str, time: float, state: np.ndarray) -> IntegrationError:
@@ -379,103 +405,85 @@ def break_error(reason: str, time: float, state: np.ndarray) -> IntegrationError
 
 
 def _pieces(
-    lanes: Lanes, block: np.ndarray, grid: np.ndarray, stopped: Look
+    lanes: Lanes, rows: np.ndarray, grid: np.ndarray, stopped: Look
 ) -> tuple[dict[int, IntegrationError], int]:
-    """Fill ``block`` (width, k, n) piece by piece of the grid; what broke, by lane, and steps."""
-    hy = heyoka()
+    """Fill ``rows`` (width, k, n) piece by piece of the grid; what broke, by motion, and steps."""
     lanes.reset_size()
     ta, at, piece, steps = lanes.integrator, 0, 1 if lanes.winding.is_needed else PIECE, 0
     headway, lanes.samples = _LanesHeadway(np.zeros(lanes.width, dtype=int), grid), []
-    block[:, 0] = lanes.states
-    while at < len(grid) - 1:
+    errors = dict[int, IntegrationError]()
+    rows[:, 0] = lanes.states
+    while at < len(grid) - 1 and (alive := ta.alive).any():
         if stopped():
             raise StopRequest
-        if (ta.time != grid[at]).any():  # a piece may end an ulp beside the grid
-            ta.set_time(float(grid[at]))
+        ta.set_time(float(grid[at]))  # a piece may end an ulp beside the grid
         lanes.take()
         limits = lanes.first_steps(np.full(lanes.width, grid[-1] - grid[at]))
         lanes.samples.append(lanes.sample_first())
         if limits.min() < np.inf:
             piece = 1  # steps of a piece are short where the first one must be
         end = min(at + piece, len(grid) - 1)
-        begin, state = tuple(part.copy() for part in ta.dtime), ta.state.copy()
-        new, results = lanes.states_along(grid[at : end + 1], limits), lanes.results
-        taken, outcomes = max(r[3] for r in results), {r[0] for r in results}
-        steps += sum(r[3] for r in results)
-        if hy.taylor_outcome.err_nf_state in outcomes or not np.isfinite(ta.state).all():
-            block[:, at : end + 1] = new
-            return _broken_lanes(ta, block, grid), steps
-        halfway = outcomes & {hy.taylor_outcome.step_limit, hy.taylor_outcome.cb_stop}
-        if halfway and piece > 1:
-            ta.set_dtime(*begin)
-            ta.state[:] = state
+        begin, new = ta.place, lanes.states_along(grid[at : end + 1], limits)
+        taken, halfway = int(ta.latest.taken.max()), ta.alive & ~ta.latest.end
+        steps += int(ta.latest.taken.sum())
+        if halfway.any() and piece > 1:
+            ta.return_to(begin)
             piece = max(1, piece // 8)
             continue
-        lanes.look_back(begin, state, limits)
-        if collapsed := headway.errors(lanes):
-            return collapsed, steps
-        if halfway:
+        own = slice(None) if alive.all() else alive
+        rows[own, at : end + 1] = new[own]
+        found = {i: _broken(rows[i], grid) for i in np.flatnonzero(alive & ~ta.alive).tolist()}
+        lanes.look_back(begin, limits)
+        found |= headway.errors(lanes)
+        ta.state[:, [*found]] = np.nan
+        if halfway.any():
             ends = grid[at : end + 1]
-            collapsed, more = _one_interval(lanes, ends, limits, stopped, headway)
-            taken, steps = taken + more, steps + more
-            if collapsed:
-                return collapsed, steps
-            new = np.stack([block[:, at], lanes.states], axis=1)
-        block[:, at : end + 1] = new
+            late, more = _one_interval(lanes, ends, limits, stopped, headway)
+            found, taken, steps = found | late, taken + more, steps + more
+            rows[ta.alive, end] = lanes.states[ta.alive]
+        errors |= found
         at = end
         piece = max(1, min(4 * piece, int(piece * lanes.size / (PART * max(taken, 1)))))
-    return {}, steps
+    return errors, steps
 
 
-def _broken_lanes(ta: Any, block: np.ndarray, grid: np.ndarray) -> dict[int, IntegrationError]:
-    """The lanes whose state is no longer finite; the last good one is the last on the grid."""
-    found = {}
-    for lane in range(len(block)):
-        if not np.isfinite(ta.state[:, lane]).all():
-            good = np.isfinite(block[lane]).all(axis=1)
-            last = int(np.argmin(good)) - 1 if not good.all() else len(grid) - 1
-            block[lane, last + 1 :] = np.nan
-            found[lane] = break_error(INFINITE, float(grid[last]), block[lane, last].copy())
-    return found
+def _broken(rows: np.ndarray, grid: np.ndarray) -> IntegrationError:
+    """The error of a motion whose state is no longer finite; the last good one of its ``rows``
+    (k, n) is the last on the grid."""
+    good = np.isfinite(rows).all(axis=1)
+    last = int(np.argmin(good)) - 1 if not good.all() else len(grid) - 1
+    rows[last + 1 :] = np.nan
+    return break_error(INFINITE, float(grid[last]), rows[last].copy())
 
 
 def _one_interval(
     lanes: Lanes, ends: np.ndarray, longest: np.ndarray, stopped: Look, headway: _LanesHeadway
 ) -> tuple[dict[int, IntegrationError], int]:
     """From one point of the grid to the next, where that takes very many steps, none longer than
-    the lane's ``longest`` there, which is looked for again on the way."""
-    hy = heyoka()
-    ta, steps = lanes.integrator, 0
-    while True:
+    the motion's ``longest`` there, which is looked for again on the way."""
+    ta, steps, errors = lanes.integrator, 0, dict[int, IntegrationError]()
+    while (ta.alive & (ta.high != ends[-1])).any():
         if stopped():
             raise StopRequest
         lanes.take()
         if longest.min() < np.inf:  # steps were short where they began, and in other units
-            longest = lanes.first_steps(ends[-1] - ta.time)
-        before, begin, state = ta.time.copy(), tuple(x.copy() for x in ta.dtime), ta.state.copy()
+            longest = lanes.first_steps(ends[-1] - ta.high)
+        begin, alive, last = ta.place, ta.alive, lanes.states
         lanes.go_to(float(ends[-1]), longest)
-        steps += sum(r[3] for r in lanes.results)
-        if not np.isfinite(ta.state).all():
-            bad = [i for i in range(lanes.width) if not np.isfinite(ta.state[:, i]).all()]
-            return {i: break_error(INFINITE, before[i], lanes.states[i]) for i in bad}, steps
-        lanes.look_back(begin, state, longest)
-        if all(r[0] == hy.taylor_outcome.time_limit for r in lanes.results):
-            return {}, steps
-        stuck = np.flatnonzero((ta.time != ends[-1]) & (ta.time == before)).tolist()
-        if stuck:
-            return {i: break_error(COLLAPSE, ta.time[i], lanes.states[i]) for i in stuck}, steps
-        if lost := headway.errors(lanes):
-            return lost, steps
-        if steps > MANY and (doubtful := _doubtful_lanes(lanes)):
-            lanes.steps.left[doubtful] = True
-            return {i: break_error(COLLAPSE, ta.time[i], lanes.states[i]) for i in doubtful}, steps
-
-
-def _doubtful_lanes(lanes: Lanes) -> list[int]:
-    """Lanes under way that are to be followed alone in any case: the others need not wait."""
-    limit = heyoka().taylor_outcome.time_limit
-    under_way = [i for i in range(lanes.width) if lanes.results[i][0] != limit]
-    return [i for i in under_way if lanes.steps.is_doubtful(i)]
+        steps += int(ta.latest.taken.sum())
+        lanes.look_back(begin, longest)
+        why = dict.fromkeys(np.flatnonzero(alive & ~ta.alive).tolist(), INFINITE)
+        stands = ta.alive & (ta.high != ends[-1]) & (ta.high == begin[0])
+        why |= dict.fromkeys(np.flatnonzero(stands).tolist(), COLLAPSE)
+        found = {i: break_error(x, begin[0][i], last[i]) for i, x in why.items()}
+        found |= headway.errors(lanes)
+        if steps > MANY:  # those that are followed alone in any case: the others need not wait
+            lanes.steps.left |= ta.alive & (ta.high != ends[-1]) & lanes.steps.doubtful
+            left = np.flatnonzero(lanes.steps.left & ta.alive).tolist()
+            found |= {i: break_error(COLLAPSE, ta.high[i], lanes.states[i]) for i in left}
+        ta.state[:, [*found]] = np.nan
+        errors |= found
+    return errors, steps
 
 
 def require_method(method: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from queue import SimpleQueue
 from threading import Event
 from time import perf_counter
@@ -22,7 +23,7 @@ from voronec.motion.angle_cuts import CutWatch
 from voronec.motion.batches import Lanes, StopRequest, along, choose_lanes, require_method
 from voronec.motion.inputs import Drive, drive
 from voronec.motion.methods import METHODS
-from voronec.motion.motion_pool import Many, drifts, many
+from voronec.motion.motion_pool import Drifts, Many, many
 from voronec.motion.one_by_one import LoneMotions, SwitchedMotions, along_one
 from voronec.motion.request import (  # fmt: skip
     Values,
@@ -45,8 +46,11 @@ __all__ = ["Ensemble", "ensemble"]
 
 FEW = 20
 """Rows of the table that a notebook shows."""
-BATCHES = 8
-"""How many times a worker loads its lanes between two reports."""
+BATCHES, REPORTS = 8, 8
+"""So many loads of the lanes at least go between two reports, and so many reports there are at
+least where the motions suffice for both."""
+STEPS, NUMBERS = 100_000, 2**22
+"""So many steps, and numbers of states on the grid, go between two reports, unless that is less."""
 TOGETHER = 64
 """So many motions of a compiled loop go between two reports: they are looked at together."""
 
@@ -63,10 +67,9 @@ class Ensemble:
     their coordinates, or that an integral drifts that is only claimed.
 
     ``drift`` maps each integral that the equations in use can express to its largest change
-    along each motion, (starts,), relative to its start there; where it starts at zero, relative
-    to the largest start of all.  ``level`` names the variables of these equations, as in
-    ``Model``.  ``interrupted`` says that the run was stopped by hand, and so does what is printed
-    of it.
+    along each motion, (starts,), relative as in ``Trajectory``.  ``level`` names the variables
+    of these equations, as in ``Model``.  ``interrupted`` says that the run was stopped by hand, and
+    so does what is printed of it.
     """
 
     system: System
@@ -153,7 +156,8 @@ def ensemble(
         once; ``numba``, ``c`` and ``scipy`` (DOP853) run them one by one; ``auto`` takes heyoka
         where it installs, else numba or c where scipy would take longer than to compile.
     jobs
-        threads, each with an integrator of its own; scipy gains nothing by them and takes one.
+        threads, each with an integrator of its own: heyoka's compiled code, and numpy's, run side
+        by side on several cores; scipy gains nothing by them and takes one.
     progress
         is called with the finished fraction.
     inputs
@@ -206,7 +210,7 @@ def ensemble(
         method=used, reason=reason,
         tolerance=tol if lanes else max(tol, FINEST), setup=ready - began,
         run=perf_counter() - ready, steps=steps, evaluations=steps,
-        switches=sum(cost.switches for cost in filled.alone),
+        switches=sum(cost.switches for cost in filled.alone), level=motions.ground.level,
     )  # fmt: skip
     return filled.ensemble(cost, interrupted, driven)
 
@@ -247,8 +251,8 @@ class _ResultRows:
     motions: Many
     grid: np.ndarray
     series: dict[str, np.ndarray]
-    changes: dict[str, np.ndarray]
-    first: dict[str, np.ndarray]
+    drift: dict[str, np.ndarray]
+    drifts: Drifts
     finished: np.ndarray
     check: CheckOfMany
     switched: SwitchedMotions | None = None
@@ -277,8 +281,8 @@ class _ResultRows:
             motions=motions,
             grid=grid,
             series={name: nothing(count, len(grid)) for name in outputs},
-            changes={name: nothing(count) for name in integrals},
-            first={name: nothing(count) for name in integrals},
+            drift={name: nothing(count) for name in integrals},
+            drifts=Drifts(motions, tol),
             finished=np.zeros(count, dtype=bool),
             switched=switched,
             single=single,
@@ -300,13 +304,16 @@ class _ResultRows:
         found = at_each(self.motions.extras, names, self.grid, rows, values)
         for name, array in self.series.items():
             array[where] = found[name]
-        for name, array in self.changes.items():
-            along_motion = found[f"integral {name}"]
-            self.first[name][where] = along_motion[:, 0]
+        for name, array in self.drift.items():
+            series = found[f"integral {name}"]
             # a motion that failed has numbers up to there, if any
-            array[where] = np.fmax.reduce(changes(along_motion, along_motion[:, :1]), axis=1)
+            change = np.fmax.reduce(changes(series, series[:, :1]), axis=1)
+            array[where] = self.drifts.relative(
+                name, change, series[:, 0], self.grid, rows, self.motions.values[where]
+            )
         self.errors.update({int(where[i]): error for i, error in failed.items()})
-        self.finished[[int(i) for i in where if int(i) not in self.errors]] = True
+        self.finished[where] = True
+        self.finished[where[[*failed]]] = False
 
     def go_on_alone(
         self, alone: LoneMotions, outputs: Sequence[Any], progress: Callable[[float], Any] | None
@@ -371,10 +378,8 @@ class _ResultRows:
         if len(run) != len(self.grid):
             return
         self.fill(i, run)
-        for name in self.changes.keys() & run.integrals.keys():
-            values = run.integrals[name]
-            self.first[name][i] = values[0]
-            self.changes[name][i] = changes(values, values[0]).max()
+        for name in self.drift.keys() & run.drift.keys():
+            self.drift[name][i] = run.drift[name]
         self.alone.append(run.cost)
         if run.notes:
             self.notes[i] = run.notes
@@ -383,7 +388,6 @@ class _ResultRows:
 
     def ensemble(self, cost: Cost, interrupted: bool, driven: Drive) -> Ensemble:
         own = {*driven.original.parameter_names}
-        drift = {name: drifts(x, self.first[name]) for name, x in self.changes.items()}
         for array in (self.grid, self.finished, *self.series.values()):
             array.flags.writeable = False
         return Ensemble(
@@ -396,7 +400,7 @@ class _ResultRows:
             ),
             finished=self.finished,
             errors=MappingProxyType(dict(sorted(self.errors.items()))),
-            drift=MappingProxyType(drift),
+            drift=MappingProxyType(self.drift),
             level=self.motions.ground.level,
             cost=cost,
             interrupted=interrupted,
@@ -406,44 +410,59 @@ class _ResultRows:
 
 def _run(filled: _ResultRows, lanes: Lanes | None, tol: float, jobs: int, progress: Any) -> bool:
     """All motions, block by block; whether it was stopped by hand."""
-    sound = np.array(filled.motions.sound, dtype=int)
-    alone = filled.motions.near_divisors[sound]
-    filled.collapsed.extend(sound[alone].tolist())
-    sound = sound[~alone]
-    if lanes:  # those that go side by side wait for the slowest
-        sound = sound[np.argsort(filled.motions.paces[sound], kind="stable")]
-    compiled = filled.switched is None and METHODS[filled.single].loop
-    size = BATCHES * lanes.width if lanes else TOGETHER if compiled else 1
-    blocks = [sound[i : i + size] for i in range(0, len(sound), size)]
-    jobs = max(1, min(jobs, len(blocks))) if lanes else 1
     workers: SimpleQueue[Lanes | None] = SimpleQueue()
-    for k in range(jobs):
-        workers.put(lanes.again() if lanes and k else lanes)
-    halt = Event()
+    halt, done = Event(), 0
 
-    def work(block: np.ndarray) -> None:
+    def work(block: np.ndarray) -> tuple[int, int]:
         own = workers.get()
         try:
-            _block(filled, own, block, tol, halt)
+            return len(block), _block(filled, own, block, tol, halt)
         finally:
             workers.put(own)
 
     try:
-        for done in _do_work(work, blocks, jobs):
+        sound = np.array(filled.motions.sound, dtype=int)
+        alone = filled.motions.near_divisors[sound]
+        filled.collapsed.extend(sound[alone].tolist())
+        sound = sound[~alone]
+        if lanes:  # those that go side by side wait for the slowest
+            sound = sound[np.argsort(filled.motions.paces[sound], kind="stable")]
+        for k in range(jobs if lanes else 1):
+            workers.put(lanes.again() if lanes and k else lanes)
+        for count, steps in _do_work(work, _blocks(filled, lanes, sound), jobs if lanes else 1):
+            done, filled.steps = done + count, filled.steps + steps
             if progress is not None:
-                progress(done)
+                progress(done / len(sound))
     except KeyboardInterrupt:
         halt.set()
         return True
     return False
 
 
-def _do_work(work: Callable[[Any], None], blocks: list[Any], jobs: int) -> Iterator[float]:
-    """Do the work, in threads where there are several jobs; yields the finished fraction."""
+def _blocks(filled: _ResultRows, lanes: Lanes | None, sound: np.ndarray) -> Iterator[np.ndarray]:
+    """The starts that go together: first one load of the lanes, whose steps, when they are known,
+    tell how many are done soon."""
+    if lanes is None:
+        compiled = filled.switched is None and METHODS[filled.single].loop
+        first = size = TOGETHER if compiled else 1
+    else:
+        first = lanes.width
+    yield from [sound[:first]] if len(sound) else []
+    if lanes is not None:
+        numbers = len(filled.grid) * filled.motions.states.shape[1]
+        each = max(1, filled.steps // first)
+        size = min(lanes.most, STEPS // each, NUMBERS // numbers, len(sound) // REPORTS)
+        size = max(size // first, BATCHES) * first
+    for i in range(first, len(sound), size):
+        yield sound[i : i + size]
+
+
+def _do_work(
+    work: Callable[[Any], tuple[int, int]], blocks: Iterator[Any], jobs: int
+) -> Iterator[tuple[int, int]]:
+    """Do the work, from the second block on in threads where there are several jobs."""
+    yield from map(work, islice(blocks, None if jobs == 1 else 1))
     if jobs == 1:
-        for k, block in enumerate(blocks):
-            work(block)
-            yield (k + 1) / len(blocks)
         return
     with ThreadPoolExecutor(jobs) as pool:
         left = {pool.submit(work, block) for block in blocks}
@@ -451,8 +470,7 @@ def _do_work(work: Callable[[Any], None], blocks: list[Any], jobs: int) -> Itera
             while left:
                 over, left = wait(left, return_when=FIRST_COMPLETED)
                 for one in over:
-                    one.result()
-                yield 1 - len(left) / len(blocks)
+                    yield one.result()
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
@@ -460,9 +478,9 @@ def _do_work(work: Callable[[Any], None], blocks: list[Any], jobs: int) -> Itera
 
 def _block(
     filled: _ResultRows, lanes: Lanes | None, block: np.ndarray, tol: float, halt: Event
-) -> None:
-    """Some starts, one load of the lanes after another."""
-    motions, width = filled.motions, lanes.width if lanes else 1
+) -> int:
+    """Some starts, as many at a time as may be; how many steps they took."""
+    motions, width = filled.motions, lanes.most if lanes else 1
     over: list[_Load] = []
     taken = 0
     try:
@@ -489,9 +507,10 @@ def _block(
             taken += steps
             over.append((where, rows, failed, samples))
     except StopRequest:
-        return
+        pass
     finally:
         _fill_checked(filled, over, taken)
+    return taken
 
 
 _Load = tuple[np.ndarray, np.ndarray, dict[int, IntegrationError], list[OwnedSamples]]
@@ -509,7 +528,7 @@ def _fill_checked(filled: _ResultRows, over: list[_Load], steps: int) -> None:
         np.cumsum([0, *(len(w) for w, *_ in over)]), over, strict=False
     ):
         failed |= {int(at) + i: error for i, error in errors.items()}
-        samples += [(int(at) + own, part) for own, part in parts if not {*own.tolist()} & {*errors}]
+        samples += [(int(at) + own, part) for own, part in parts]
     values, grid = filled.motions.values[where], filled.grid
     breaches, notes = filled.check.breaches(grid, rows, values, steps / len(where), samples)
     filled.notes.update((int(where[i]), told) for i, told in notes.items())
@@ -517,7 +536,6 @@ def _fill_checked(filled: _ResultRows, over: list[_Load], steps: int) -> None:
         time, state = breach.last or (float(grid[breach.row]), rows[i, breach.row].copy())
         failed[i] = IntegrationError(f"{breach.what} after t = {time:.12g}", time, state)
         rows[i, breach.row + 1 :] = np.nan
-    filled.steps += steps
     told: dict[int, VoronecError] = {
         i: filled.motions.error(
             where[i], str(error), "end the run before that", error.time, error.state

@@ -23,7 +23,7 @@ from voronec.declaration.reading import quote
 from voronec.declaration.system import require_possible
 from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError
-from voronec.motion.request import Vocabulary, kept_while_same, name_values, number
+from voronec.motion.request import Starts, Vocabulary, kept_while_same, name_values, number
 from voronec.motion.tolerances import UNIT
 
 if TYPE_CHECKING:
@@ -379,7 +379,7 @@ RatesOfMany = Callable[[np.ndarray, np.ndarray], np.ndarray]
 def starts_in_arrays(
     vocabulary: Vocabulary,
     scene: Mapping[str, Any],
-    starts: Sequence[Mapping[Any, Any]],
+    starts: Starts,
     parameters: Mapping[str, np.ndarray],
     rates: RatesOfMany,
 ) -> np.ndarray:
@@ -394,12 +394,15 @@ def starts_in_arrays(
         return left
     still = {name: float(x[0]) for name, x in parameters.items() if (x == x[0]).all()}
     try:
-        known = list(name_values(vocabulary, starts[0], "initial value"))
+        known = name_values(vocabulary, starts[0], "initial value")
         columns = dict(zip(known, _columns(starts), strict=True))
+        single = {k: known[k] for k, x in columns.items() if x is None}
         before = numbers_of(vocabulary, scene, still)
+        single = numbers_of(vocabulary, single, still)
     except (DefinitionError, ValueError, TypeError, OverflowError):
         return left
     old = {name: np.full(len(starts), x) for name, x in before.items()}
+    columns |= {name: np.full(len(starts), x) for name, x in single.items()}
     nothing = np.zeros(len(starts))
     q = np.stack([{**old, **columns}.get(name, nothing) for name in names], axis=-1)
     v = np.zeros((len(starts), len(system.velocities)))
@@ -412,12 +415,16 @@ def starts_in_arrays(
     return left
 
 
-def _columns(starts: Sequence[Mapping[Any, Any]]) -> list[np.ndarray]:
-    """What starts give, key by key (s,); ``ValueError`` where that are not the same numbers."""
+def _columns(starts: Starts) -> list[Any]:
+    """What starts give, key by key: arrays (s,), or None for a value that stands for all;
+    ``ValueError`` where that are not the same numbers."""
+    if starts.rows is None:
+        return [x.astype(float) if isinstance(x, np.ndarray) else None
+                for x in starts.columns.values()]  # fmt: skip
     keys = list(starts[0])
-    if any(list(given) != keys for given in starts):
+    if any(list(given) != keys for given in starts.rows):
         raise ValueError
-    rows = [[given[key] for given in starts] for key in keys]
+    rows = [[given[key] for given in starts.rows] for key in keys]
     if not all(isinstance(x, float | int) for row in rows for x in row):
         raise ValueError
     return [np.array(row, dtype=float) for row in rows]
@@ -438,23 +445,25 @@ def _meet_conditions(
     good &= np.isfinite(rows).all(axis=(1, 2)) & np.isfinite(right).all(axis=1)
     if not good.any():
         return v
-    rows, right = np.where(good[:, None, None], rows, 0.0), np.where(good[:, None], right, 0.0)
-    first = int(np.argmax(good))
-    chosen = independent(rows[first])
+    right, first = np.where(good[:, None], right, 0.0), int(np.argmax(good))
+    # conditions on the velocities v themselves are the same for all
+    rows = rows[:1] if not rows.strides[0] else np.where(good[:, None, None], rows, 0.0)
+    chosen = independent(rows[first % len(rows)])
     good &= _as_independent(rows, chosen)
     sizes = np.abs(rows).max(axis=1)
     involved = sizes > CONSISTENT * sizes.max(axis=1, keepdims=True, initial=0.0)
-    good &= (involved == involved[first]).all(axis=1)
-    which = involved[first]
+    which = involved[first % len(rows)]
+    good &= (involved == which).all(axis=1)
     if len(chosen) != which.sum():
         good[:] = False
         return v
     found, at = v.copy(), np.flatnonzero(good)
-    solved = np.linalg.solve(rows[at][:, chosen][:, :, which], right[at][:, chosen, None])[..., 0]
+    square = (rows if len(rows) == 1 else rows[at])[:, chosen][:, :, which]
+    solved = np.linalg.solve(square, right[at][:, chosen, None])[..., 0]
     found[np.ix_(at, which)] = solved
     for name in set(own) & set(order):
         found[:, own.index(name)] = conditions[name]
-    excess = np.abs(np.einsum("skn,sn->sk", rows, found) - right).max(axis=1)
+    excess = np.abs((rows @ found[:, :, None])[..., 0] - right).max(axis=1)
     size = 1.0 + np.max([np.abs(x) for x in conditions.values()], axis=0)
     good &= excess <= CONSISTENT * size
     return found

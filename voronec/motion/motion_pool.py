@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from voronec.declaration.scene import Scene
+from voronec.declaration.scene import Parameter, Scene
 from voronec.equations.attitudes import euler_angles
 from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
@@ -20,17 +20,16 @@ from voronec.motion.divisors import NEAR, Divisor
 from voronec.motion.initial_conditions import parameter_values, start_of, starts_in_arrays
 from voronec.motion.model import smallest_model
 from voronec.motion.motion_start import require_inertia
-from voronec.motion.request import Vocabulary, name_values
+from voronec.motion.observables import size_of_terms
+from voronec.motion.request import Starts, Vocabulary, name_values
 from voronec.motion.singular_coordinates import CoordinatePole
 from voronec.motion.split_models import SplitGround
 from voronec.motion.state_probe import at_each, quantities, quiet, rates_along, rates_program
+from voronec.motion.term_sizes import CANCELLATION, SMALL, term_slopes
+from voronec.motion.tolerances import LOOSE, UNIT
 
-__all__ = ["Ground", "Many", "drifts", "ground", "many", "rates_in_arrays"]
+__all__ = ["Drifts", "Ground", "Many", "ground", "many", "rates_in_arrays"]
 
-SMALL = 1e-6
-"""An integral below this part of the largest among the starts counts as starting at zero."""
-NOTHING = 1e-9
-"""Integrals that all start below this are compared absolutely."""
 FASTEST = 1e-3
 """A divisor below this part of its usual size makes velocities of coordinates so many times larger
 than those that are given."""
@@ -199,7 +198,8 @@ class Many:
     @property
     def sound(self) -> list[int]:
         """Positions of the starts from which a motion goes."""
-        return [i for i in range(len(self)) if i not in self.wrong]
+        every = range(len(self))
+        return [i for i in every if i not in self.wrong] if self.wrong else [*every]
 
     @cached_property
     def paces(self) -> np.ndarray:
@@ -240,7 +240,7 @@ class Many:
 def many(
     equations: VoronecEquations,
     scene: Scene | None,
-    starts: Sequence[Mapping[Any, Any]],
+    starts: Starts,
     parameters: Mapping[Any, Any],
     wanted: Mapping[str, sp.Expr],
     time: float,
@@ -271,7 +271,7 @@ def many(
 
 
 def _states(
-    vocabulary: Vocabulary, initial: Mapping[str, Any], starts: Sequence[Mapping[Any, Any]],
+    vocabulary: Vocabulary, initial: Mapping[str, Any], starts: Starts,
     constants: Mapping[str, np.ndarray], table: np.ndarray, time: float,
     wrong: dict[int, VoronecError],
 ) -> np.ndarray:  # fmt: skip
@@ -343,12 +343,23 @@ def _constants(
     declared = {p.name: p for p in vocabulary.equations.system.parameters}
     for name, x in series.items():
         values[name] = x.astype(float)
-        for i, one in enumerate(values[name].tolist()):
+        for i, one in _beyond(declared[name], values[name]):
             try:
                 declared[name].check(one)
             except VoronecError as error:
                 wrong.setdefault(i, error)
     return values, wrong
+
+
+def _beyond(parameter: Parameter, values: np.ndarray) -> Iterable[tuple[int, float]]:
+    """The values that may be out of range, with their positions: none where the least and the
+    largest are allowed, since ranges are intervals."""
+    try:
+        for end in (float(values.min()), float(values.max())):
+            parameter.check(end)
+    except VoronecError:
+        return enumerate(values.tolist())
+    return ()
 
 
 def _inside(vocabulary: Vocabulary, first: dict[str, Any], series: Iterable[str]) -> dict[str, Any]:
@@ -398,15 +409,51 @@ def _table(constants: Mapping[str, np.ndarray], symbols: Sequence[Any], count: i
     return np.stack(columns, axis=-1) if columns else np.empty((count, 0))
 
 
-def drifts(changes: np.ndarray, starts: np.ndarray) -> np.ndarray:
-    """Largest changes of an integral (s,) relative to where it starts (s,).
+@dataclass(frozen=True)
+class Drifts:
+    """How much integrals change along motions, as ``Trajectory`` tells it: relative to where they
+    start, or to their terms, beside which that is next to nothing, or to the slopes of these."""
 
-    Where it starts at zero, or nearly, the largest value among the starts takes its place; where
-    that vanishes too, the change is absolute.
-    """
-    sizes = np.abs(starts)
-    largest = float(sizes[np.isfinite(sizes)].max(initial=0.0))
-    if largest < NOTHING:
-        return changes
-    with np.errstate(invalid="ignore"):  # an infinite change of an infinite value is none
-        return np.asarray(changes / np.where(sizes > SMALL * largest, sizes, largest))
+    motions: Many
+    tol: float
+
+    @cached_property
+    def program(self) -> Program:
+        """A program for how large the terms of integrals are, by name."""
+        ground = self.motions.ground
+        sizes = {name: size_of_terms(e) for name, e in ground.integrals.items()}
+        return Program.of(ground.form, sizes)
+
+    def relative(
+        self, name: str, change: np.ndarray, start: np.ndarray, t: np.ndarray,
+        states: np.ndarray, values: np.ndarray,
+    ) -> np.ndarray:  # fmt: skip
+        """The changes (m,) of an integral from where it starts (m,), along motions with states
+        (m, k, n) at t (k,) and parameters (m, p)."""
+        scale = np.abs(start)
+        with np.errstate(all="ignore"):
+            for find in (self._terms, self._slopes):
+                which = change > SMALL * scale
+                if which.any():
+                    scale[which] = find(name, scale[which], t, states[which], values[which])
+            return np.where(change == 0, 0.0, change / scale)
+
+    def _values(self, values: np.ndarray, count: int) -> np.ndarray:
+        order = [self.motions.program.parameters.index(p) for p in self.program.parameters]
+        each = values[:, None, order]
+        return np.broadcast_to(each, (len(each), count, len(order)))
+
+    def _terms(
+        self, name: str, scale: np.ndarray, t: np.ndarray, states: np.ndarray, values: np.ndarray
+    ) -> np.ndarray:
+        each = self._values(values, len(t))
+        found = at_each(compile_program(self.program)[1], self.program.names, t, states, each)
+        size = np.fmax.reduce(found[name], axis=1)
+        return np.where(scale > CANCELLATION * size, scale, size)
+
+    def _slopes(
+        self, name: str, scale: np.ndarray, t: np.ndarray, states: np.ndarray, values: np.ndarray
+    ) -> np.ndarray:
+        each = self._values(values, len(t))
+        slopes = term_slopes(self.program, [name], t, states, each)[name]
+        return np.where(scale <= LOOSE * max(self.tol, UNIT) * slopes, slopes, scale)

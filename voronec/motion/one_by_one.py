@@ -34,7 +34,7 @@ from voronec.motion.methods import METHODS
 from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
 from voronec.motion.motion_pool import Many
 from voronec.motion.observables import jumps
-from voronec.motion.request import Event, Values, begin_of, label
+from voronec.motion.request import Event, Starts, begin_of, label
 from voronec.motion.section_passages import PATIENCE, SectionPassages, SectionWatch
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run
@@ -287,7 +287,7 @@ class DrivenPassages:
 
 def driven_passages(
     system: System, plane: Any, value: float, direction: int, outputs: Sequence[str],
-    starts: Sequence[Values], parameters: Mapping[Any, Any], crossings: int, until: float | None,
+    starts: Starts, parameters: Mapping[Any, Any], crossings: int, until: float | None,
     progress: Callable[[float], Any] | None, **options: Any,
 ) -> DrivenPassages:  # fmt: skip
     """The passages of motions from several starts, up to the time ``until``."""
@@ -381,7 +381,7 @@ class LoneMotions:
     """
 
     motions: Many
-    starts: Sequence[Values]
+    starts: Starts
     scene: Scene | None
     method: str
     tol: float
@@ -392,7 +392,7 @@ class LoneMotions:
 
     @classmethod
     def of_section(
-        cls, motions: Many, starts: Sequence[Values], scene: Scene | None, method: str, tol: float
+        cls, motions: Many, starts: Starts, scene: Scene | None, method: str, tol: float
     ) -> LoneMotions:
         """Starts near the zero of a divisor are counted among the wrong ones of ``motions``."""
         for i in map(int, np.flatnonzero(motions.near_divisors)):

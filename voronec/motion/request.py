@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -40,6 +40,7 @@ __all__ = [
     "Event",
     "OutputTerms",
     "StartData",
+    "Starts",
     "Values",
     "Vocabulary",
     "begin_of",
@@ -189,21 +190,54 @@ def outputs_of(scene: Scene | None, outputs: Any) -> tuple[Any, ...]:
     return asked or (scene.outputs if scene else ())
 
 
+@dataclass(frozen=True)
+class Starts:
+    """Many starts, as they were given: in ``rows``, a mapping each, or in ``columns``, by name or
+    symbol, arrays (count,) and values that stand for all."""
+
+    count: int
+    columns: Values
+    rows: Sequence[Values] | None = None
+
+    def __len__(self) -> int:
+        return self.count
+
+    def __getitem__(self, i: int) -> Values:
+        if self.rows is not None:
+            return self.rows[i]
+        given = self.columns.items()
+        return {k: x[i].item() if isinstance(x, np.ndarray) else x for k, x in given}
+
+    def __iter__(self) -> Iterator[Values]:
+        return (self[i] for i in range(self.count))
+
+    @classmethod
+    def of(cls, rows: Sequence[Values]) -> Starts:
+        """Those of rows."""
+        return cls(len(rows), {}, rows)
+
+    def over(self, common: Values) -> Starts:
+        """With what each of them does not give itself."""
+        rows = None if self.rows is None else [{**common, **row} for row in self.rows]
+        return Starts(self.count, {**common, **self.columns}, rows)
+
+
 def spread_starts(
     starts: Values | Sequence[Values] | None, parameters: Values
-) -> tuple[list[Values], dict[Any, Any]]:
-    """One mapping for each start, and parameters whose arrays are as long as these are many."""
+) -> tuple[Starts, dict[Any, Any]]:
+    """The starts, and parameters whose arrays are as long as these are many."""
     columns = _columns(parameters, "parameter")
     lengths = {f"parameter '{k}'": x for k, x in columns.items()}
     given = starts if isinstance(starts, Mapping) else {}
     long = _columns(given, "start")
     lengths |= {f"start '{k}'": x for k, x in long.items()}
-    if starts is not None and not isinstance(starts, Mapping):
-        if not SEQUENCE.holds(starts) or not all(isinstance(s, Mapping) for s in starts):
+    rows = None if starts is None or isinstance(starts, Mapping) else starts
+    if rows is not None:
+        if not SEQUENCE.holds(rows) or not all(isinstance(s, Mapping) for s in rows):
             raise DefinitionError(
                 "starts: give arrays by name, {'x': [0, 1]}, or a list of mappings, [{'x': 0}]"
             )
-        lengths["list of starts"] = np.zeros(len(starts))
+        lengths["list of starts"] = np.zeros(len(rows))
     sizes = {what: len(x) for what, x in lengths.items()}
     count = max(sizes.values(), default=1)
     for what, size in sizes.items():
@@ -211,13 +245,7 @@ def spread_starts(
             raise DefinitionError(f"the {what} has no entries; give one for each motion")
         if size != count:
             raise DefinitionError(f"the {what} has {size} entries, where others have {count}")
-    if starts is None:
-        return [{} for _ in range(count)], {**parameters, **columns}
-    if not isinstance(starts, Mapping):
-        return list(starts), {**parameters, **columns}
-    rows: list[Values] = [{k: (long[k][i].item() if k in long else x) for k, x in given.items()}
-            for i in range(count)]  # fmt: skip
-    return rows, {**parameters, **columns}
+    return Starts(count, {**given, **long}, rows), {**parameters, **columns}
 
 
 def _columns(given: Values, role: str) -> dict[Any, np.ndarray]:

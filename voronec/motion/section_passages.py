@@ -484,7 +484,7 @@ class _LanePassages:
     def __post_init__(self) -> None:
         self.waiting = iter(self.motions.sound)
         self.holds = [self.load_next(k) for k in range(self.lanes.width)]
-        self.origin = self.lanes.integrator.time.copy()
+        self.origin = self.lanes.integrator.high.copy()
 
     def run(self) -> None:
         """Stretch after stretch, until no motion is left."""
@@ -499,8 +499,8 @@ class _LanePassages:
     def load(self, lane: int, i: int) -> None:
         """Put motion i at its start on a lane."""
         motions = self.motions
-        begin = self.watch.begin(motions, [i])[0]
-        self.lanes.load(lane, begin, motions.values[i], motions.time)
+        begin, values = self.watch.begin(motions, [i]), motions.values[[i]]
+        self.lanes.load([lane], begin, values, motions.time)
 
     def load_next(self, lane: int) -> int | None:
         """Put the next motion on a lane; where there is none, any sound one idles there."""
@@ -515,34 +515,27 @@ class _LanePassages:
         lanes, holds, passages, origin = self.lanes, self.holds, self.passages, self.origin
         ta = lanes.integrator
         lanes.take()
-        begin, state = tuple(part.copy() for part in ta.dtime), ta.state.copy()
-        before, limit = ta.time.copy(), 1 if careful else min(lanes.size, self.steps_ahead())
+        begin, before = ta.place, ta.high.copy()
+        limit = 1 if careful else min(lanes.size, self.steps_ahead())
         idle = np.array([i is None for i in holds])
         # a lane that idles stays where it is as far as possible
-        ends = np.where(idle, before + 1e-300, passages.until)
-        ends = np.maximum(ends, before)
+        ends = np.where(idle, before + 1e-300, np.maximum(passages.until, before))
         longest = np.where(before > origin, STRIDE * (before - origin), np.inf)
         if (fresh := ~idle & (careful | (before == origin))).any():
             first = lanes.first_steps(ends - before)
             longest = np.where(fresh, np.minimum(first, longest), longest)
             limit = 1 if np.isfinite(first[fresh]).any() else limit
         lanes.output = None  # its memory is used again
-        lanes.output = ta.propagate_until(
-            ends.tolist(), max_steps=limit, max_delta_t=longest.tolist(), c_output=True,
-            **lanes.callback,
-        )[0]  # fmt: skip
-        output = lanes.output
-        lanes.keep_results()
-        taken = [r[3] for r in lanes.results]
-        if not careful and lanes.look_back(begin, state, longest).any():
-            ta.set_dtime(*begin)
-            ta.state[:] = state
-            for _ in range(max(taken)):
+        lanes.output = ta.go_to(ends, longest, True, max_steps=limit, **lanes.callback)
+        output, taken = lanes.output, ta.latest.taken
+        if not careful and lanes.look_back(begin, longest).any():
+            ta.return_to(begin)
+            for _ in range(taken.max()):
                 if not any(i is not None and passages.over(i) for i in holds):
                     self.stretch(careful=True)
             return
         lanes.note_steps()
-        passages.steps += sum(n for n, i in zip(taken, holds, strict=True) if i is not None)
+        passages.steps += int(taken[~idle].sum())
         self.account(before, taken, limit, output)
 
     def steps_ahead(self) -> int:
@@ -552,11 +545,11 @@ class _LanePassages:
         done = int(passages.count.sum())
         each = passages.steps / done if done else FEWEST
         ta = self.lanes.integrator
-        room = max(ROOM // (ta.state.size * (ta.order + 1)), FEWEST)
+        room = max(ROOM // (ta.state.size * (ta.batch.order + 1)), FEWEST)
         most = min(MOST, 1 << (room.bit_length() - 1))  # memory grows by doubling
         return int(np.clip(1.1 * each * min(left) + 16, FEWEST, most))
 
-    def account(self, before: np.ndarray, taken: Sequence[int], limit: int, output: Any) -> None:
+    def account(self, before: np.ndarray, taken: np.ndarray, limit: int, output: Any) -> None:
         """The crossings in a stretch, from heyoka's ``output`` of it, and lanes that broke down.
 
         ``before`` are the times before the stretch; ``taken`` are the steps of each lane, of at
@@ -564,10 +557,10 @@ class _LanePassages:
         """
         lanes, ta = self.lanes, self.lanes.integrator
         busy = {k: i for k, i in enumerate(self.holds) if i is not None}
-        broken = [k for k in busy if not np.isfinite(ta.state[:, k]).all()]
-        still = ta.time - before <= 1e-13 * np.maximum(np.abs(ta.time - self.origin), 1e-3)
+        broken = np.flatnonzero(~ta.alive).tolist()
+        still = ta.high - before <= 1e-13 * np.maximum(np.abs(ta.high - self.origin), 1e-3)
         stuck = [k for k in busy if taken[k] == limit and still[k]]
-        passed = [k for k in busy if lanes.steps.has_collapsed(k)]
+        passed = [k for k in busy if lanes.steps.collapsed[k]]
         outgrown = lanes.winding.outgrown(ta.state)
         if output is not None:
             series = lanes.winding.whole_series(output.tcs)
@@ -585,7 +578,7 @@ class _LanePassages:
             elif k in broken or k in stuck:
                 self.fail(i, k, INFINITE if k in broken else COLLAPSE)
             elif output is None:
-                self.passages.note_range(i, ta.time[k], max(taken[k], 1), (np.nan,) * 3)
+                self.passages.note_range(i, ta.high[k], max(int(taken[k]), 1), (np.nan,) * 3)
 
     def collect(self, busy: Mapping[int, int], paths: Paths, trusted: Mapping[int, float]) -> None:
         """Take in the crossings of the lanes that carry motions, each as far as it is trusted."""
@@ -669,7 +662,7 @@ def _follow(
             sampler.take(step.start, step.end, step.at)
             states = np.stack([begin, step.state])[:, : watch.width]
             ends = np.array([step.start, step.end]), states
-            if sizes.has_collapsed(0) or (crosses is not None and crosses(*ends)):
+            if sizes.collapsed[0] or (crosses is not None and crosses(*ends)):
                 raise break_error(SINGULAR_PLACE, step.start, begin)
             begin = step.state
             now = float(plane(np.array([step.end]), begin[None], lane)[0])

@@ -28,7 +28,7 @@ from voronec.errors import DefinitionError, VoronecError
 from voronec.motion.batches import choose_lanes
 from voronec.motion.ensembles import ensemble
 from voronec.motion.inputs import drive
-from voronec.motion.motion_pool import Many, drifts, many
+from voronec.motion.motion_pool import Drifts, Many, many
 from voronec.motion.one_by_one import (
     DrivenPassages,
     LoneMotions,
@@ -38,6 +38,7 @@ from voronec.motion.one_by_one import (
     go_on_alone,
 )
 from voronec.motion.request import (
+    Starts,
     Values,
     Vocabulary,
     begin_of,
@@ -54,7 +55,7 @@ from voronec.motion.section_passages import (
     pass_lanes,
     pass_one_by_one,
 )
-from voronec.motion.state_probe import at_each
+from voronec.motion.state_probe import at_each, changes
 from voronec.motion.steppers.event_states import with_parts
 from voronec.motion.steppers.samples import owned
 from voronec.motion.steppers.scipy_stepper import FINEST
@@ -99,7 +100,7 @@ def starts_alike(
             f"system '{system.name}' declares no integral, so no starts alike are known; "
             "give starts as arrays of initial values"
         )
-    motions = many(equations, scene, [initial], parameters, {}, begin_of(scene))
+    motions = many(equations, scene, Starts.of([initial]), parameters, {}, begin_of(scene))
     if motions.wrong:
         raise motions.wrong[0]
     names = [plain_name(x) for x in (*system.coordinates, *system.velocities)]
@@ -459,7 +460,7 @@ def _whole(equations: VoronecEquations, plane: sp.Expr) -> tuple[Any, ...]:
 
 def _starts(
     equations: VoronecEquations, scene: Any, starts: Any, initial: Any, parameters: Any
-) -> tuple[list[Values], dict[Any, Any]]:
+) -> tuple[Starts, dict[Any, Any]]:
     own = dict(initial or {})
     if isinstance(starts, int) and starts > 1:
         rows = starts_alike(equations, scene, own, parameters or {}, starts)
@@ -467,7 +468,7 @@ def _starts(
     if isinstance(starts, int):
         starts = None
     single, columns = spread_starts(starts, parameters or {})
-    return [{**own, **row} for row in single], columns
+    return single.over(own), columns
 
 
 def _watch(motions: Many, name: str, value: float) -> SectionWatch:
@@ -563,7 +564,7 @@ def _section(
         ends=tuple(passages.ends(i, motions.wrong) for i in range(len(motions))),
         errors=MappingProxyType({**motions.wrong, **passages.errors}),
         parameters=MappingProxyType(dict(motions.parameters)),
-        drift=MappingProxyType(_drift(motions, found, start)),
+        drift=MappingProxyType(_drift(motions, found, start, t, states, cost.tolerance)),
         level=motions.ground.level,
         cost=cost,
         interrupted=passages.interrupted,
@@ -611,16 +612,19 @@ def _driven_section(
 
 
 def _drift(
-    motions: Many, found: Mapping[str, np.ndarray], start: np.ndarray
-) -> dict[str, np.ndarray]:
+    motions: Many, found: Mapping[str, np.ndarray], start: np.ndarray, t: np.ndarray,
+    states: np.ndarray, tol: float,
+) -> dict[str, np.ndarray]:  # fmt: skip
     """See ``Section.drift``."""
-    names = motions.program.names
+    names, drifts = motions.program.names, Drifts(motions, tol)
     first = at_each(motions.extras, names, motions.time, motions.states, motions.values)
-    result = {}
-    for name in motions.ground.integrals:
-        key = f"integral {name}"
-        largest = np.zeros(len(motions))
-        with np.errstate(invalid="ignore"):  # of values that are infinite, or none
-            np.maximum.at(largest, start, np.abs(found[key] - first[key][start]))
-        result[name] = drifts(largest, first[key])
+    result = {name: np.zeros(len(motions)) for name in motions.ground.integrals}
+    for i in range(len(motions)):
+        own = start == i
+        way = np.append(motions.time, t[own]), np.vstack([motions.states[i], states[own]])[None]
+        for name, array in result.items():
+            key = f"integral {name}"
+            begin = first[key][i : i + 1]
+            change = changes(found[key][own], begin).max(initial=0.0, keepdims=True)
+            array[i : i + 1] = drifts.relative(name, change, begin, *way, motions.values[i : i + 1])
     return result

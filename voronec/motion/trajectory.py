@@ -29,6 +29,7 @@ from voronec.motion.observables import (
     shown_program,
 )
 from voronec.motion.request import Vocabulary, held_name
+from voronec.motion.term_sizes import CANCELLATION, SMALL, term_slopes
 from voronec.motion.tolerances import LOOSE, UNIT
 
 if TYPE_CHECKING:
@@ -43,17 +44,9 @@ __all__ = [
     "make_trajectory",
 ]
 
-CANCELLATION = 1e-6
-"""An integral less than this part of its terms counts as starting at zero."""
-SMALL, ROUNDING, NOTHING = 1e-9, 1e-12, 1e-3
-"""Terms of an integral that stay below the first may be rounding: they are, below the third part of
-what they are where no state is less than the second."""
 WORTH, FAR_LARGER = 1e-3, 1e6
 """An integral has no value in doubles where its rounding is more than the first part of it, and its
 terms are so many times larger than at another instant."""
-NUDGE, ROWS = 1e-6, 9
-"""How far arguments are moved to see slopes, in units of their sizes, and at how many instants."""
-
 FEW = 12
 """So many outputs are named where a trajectory is shown in short."""
 NO_INTEGRATOR = "the motion between the instants stayed with the integrator when this was sent"
@@ -184,8 +177,7 @@ class Trajectory:
     ``drift`` maps each integral I to max |I(t) - I(t0)| / |I(t0)|, over the instants
     at which I has a value, t0 the first of them.  Let S be the
     largest value along the motion of I with all its terms taken positive.  Where I starts at zero
-    (below a millionth of S), the change is relative to S instead; where S is rounding, below a
-    thousandth of what it is with no state below 1e-12, relative to that; and where S is less than
+    (below a millionth of S), the change is relative to S instead; and where S is less than
     the tolerance, a thousand times over, leaves of terms that vanish there, as of cos(theta) at
     pi/2, relative to what these would change by if their slopes went on.  ``residuals`` maps each
     relation between redundant coordinates to its largest value.
@@ -517,18 +509,14 @@ def _drifts(
         sound = np.isfinite(values.astype(float)) & np.isfinite(terms.astype(float))
         sound &= ~_is_rounding(values, terms)
         own[name] = (values[sound], terms[sound]) if sound.any() else (values, terms)
-    sizes = {name: terms.max() for name, (_, terms) in own.items()}
-    least = usual.largest if usual and any(size <= SMALL for size in sizes.values()) else {}
     found, left = {}, LOOSE * max(tol, UNIT)
-    for name, (values, _) in own.items():
-        size, start = sizes[name], abs(values[0])
+    for name, (values, terms) in own.items():
+        size, start = terms.max(), abs(values[0])
         scale = start if start > CANCELLATION * size else size
-        if size <= NOTHING * least.get(name, 0.0) or size == 0:
-            scale = least.get(name, 1.0)
         change = np.abs(values - values[0]).max()
         if usual and change > SMALL * scale and size <= left * usual.slopes[name]:
             scale = usual.slopes[name]
-        found[name] = float(change / scale)
+        found[name] = float(change / scale) if change else 0.0
     return found
 
 
@@ -543,38 +531,10 @@ class _TermSizes:
     values: Sequence[Any]
 
     @cached_property
-    def largest(self) -> dict[str, float]:
-        """With every state at its largest, and not below what rounding leaves of states of size 1;
-        1 where that is no number."""
-        largest = np.abs(self.states.astype(float)).max(axis=0, initial=ROUNDING)[None, :]
-        plain = [float(x) if np.ndim(x) == 0 else x for x in self.values]
-        found = evaluate_extras(self.program, self.t[:1].astype(float), largest, plain)
-        sizes = {name: float(found[key][0]) for name, key in self.watch.sizes.items()}
-        return {name: x if np.isfinite(x) and x > 0 else 1.0 for name, x in sizes.items()}
-
-    @cached_property
     def slopes(self) -> dict[str, float]:
-        """The slope of the terms by each state and each parameter, times its size, summed.
-
-        The size of a state is not below one unit, or the largest state if that is less: integrators
-        hold all states to what is left of these.  A slope is that to the steeper side, since terms
-        taken positive have a corner where they vanish.
-        """
-        rows = np.linspace(0, len(self.t) - 1, ROWS).astype(int)
+        """See ``term_slopes``."""
         given = [np.broadcast_to(np.asarray(x, dtype=float), self.t.shape) for x in self.values]
-        states = self.states[rows].astype(float)
-        here = np.column_stack([states, *(x[rows] for x in given)])
-        units = np.abs(here).max(axis=0)
-        still = states.shape[1]
-        units[:still] = np.maximum(units[:still], min(1.0, units[:still].max(initial=0.0)))
-        steps = NUDGE * np.vstack([np.zeros_like(units), np.diag(units), -np.diag(units)])
-        moved = (here + steps[:, None, :]).reshape(-1, here.shape[1])
-        times = np.tile(self.t[rows].astype(float), len(steps))
-        found = evaluate_extras(self.program, times, moved[:, :still], [*moved[:, still:].T])
-        result = {}
-        for name, key in self.watch.sizes.items():
-            terms = found[key].reshape(len(steps), len(rows))
-            changes = np.nan_to_num(np.abs(terms[1:] - terms[0]), posinf=0.0) / NUDGE
-            steepest = changes.reshape(2, -1, len(rows)).max(axis=0)
-            result[name] = float(steepest.sum(axis=0).max())
-        return result
+        values = np.stack(given, axis=-1) if given else np.empty((len(self.t), 0))
+        sizes = self.watch.sizes
+        found = term_slopes(self.program, sizes.values(), self.t, self.states[None], values[None])
+        return {name: float(found[key][0]) for name, key in sizes.items()}

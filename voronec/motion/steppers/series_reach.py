@@ -11,11 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from voronec.equations.program import Program, compile_program
+
+if TYPE_CHECKING:
+    from voronec.motion.steppers.wide_batch import LatestSteps
 
 __all__ = [
     "BLIND",
@@ -35,9 +38,10 @@ __all__ = [
     "blind_steps",
     "field_of",
     "first_reach",
-    "openings",
     "overlong_lanes",
     "reach",
+    "series_reach",
+    "uneven_steps",
 ]
 
 
@@ -128,30 +132,22 @@ def first_reach(
         if which:
             taken, begin = np.array([(steps[i].taken, steps[i].begin) for i in which]).T
             coefficients = np.stack([steps[i].coefficients for i in which], axis=2)
-            found = _lanes_reach(coefficients, taken, tol)
-            series = _Series(field, coefficients, taken, begin, parts, tol).reach()
-            lengths[which] = np.where(found < np.inf, found, series)
+            lengths[which] = series_reach(field, coefficients, taken, begin, parts, tol)
     first = int(np.argmin(lengths == np.inf))
     return (first, float(lengths[first])) if lengths[first] < np.inf else None
 
 
-def _leads_on(integrator: Any, series: np.ndarray, taken: Any) -> Any:
-    """Whether the defect is ordinary where the steps just ``taken`` end, and the integrator stands:
-    as ``_Series`` finds it, and soon.
-
-    Of one motion, with the coefficients (n, order + 1) of its ``series``; or of each motion of a
-    batch, with (n, order + 1, k), and lengths (k,).
+def _leads_on(integrator: Any, series: np.ndarray, taken: float) -> bool:
+    """Whether the defect is ordinary where the step just ``taken`` ends, with the coefficients
+    (n, order + 1) of its ``series``, and the integrator stands: as ``_Series`` finds it, and soon.
     """
-    lanes = np.shape(taken)
-    numbers = np.arange(series.shape[1]).reshape(-1, *(1 for _ in lanes))
+    numbers = np.arange(series.shape[1])
     with np.errstate(all="ignore"):
-        powers = numbers[1:] * taken ** numbers[:-1]
-        rows = series[:, 1:]
-        slopes = np.einsum("ijk,jk->ik", rows, powers) if lanes else rows @ powers
-        size = np.fmax(1.0, np.abs(series[:, 0]).max(axis=0))
-        integrator.step(max_delta_t=np.zeros(lanes).tolist(), write_tc=True)
-        missed = np.abs(slopes - integrator.tc[:, 1]).max(axis=0) * np.abs(taken)
-        return missed <= integrator.tol**BLIND * size
+        slopes = series[:, 1:] @ (numbers[1:] * taken ** numbers[:-1])
+        size = np.fmax(1.0, np.abs(series[:, 0]).max())
+        integrator.step(max_delta_t=0.0, write_tc=True)
+        missed = np.abs(slopes - integrator.tc[:, 1]).max() * abs(taken)
+        return bool(missed <= integrator.tol**BLIND * size)
 
 
 def _coefficients_reach(coefficients: np.ndarray, taken: float, tol: float) -> float:
@@ -268,33 +264,15 @@ def blind_reach(integrator: Any, field: Field, output: Any, step: int) -> np.nda
     return _Series(field, rows, np.atleast_1d(lengths), begin, 1, integrator.tol).reach()
 
 
-def openings(
-    integrator: Any, field: Field, spans: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Such lengths for all lanes of a batch integrator, no step going beyond ``spans``, those that
-    steps have without, and their Taylor coefficients; it stands afterwards where it stood."""
-    times, state = [part.copy() for part in integrator.dtime], integrator.state.copy()
-    integrator.step(max_delta_t=spans.tolist(), write_tc=True)
-    taken, tol = np.array([length for _, length in integrator.step_res]), integrator.tol
-    coefficients, end = integrator.tc.copy(), np.array(integrator.time)
-    whole = (np.abs(taken) >= np.abs(spans)).any()
-    if not whole and _leads_on(integrator, coefficients, taken).all():
-        found = _lanes_reach(coefficients, taken, tol)
-    else:
-        found = _series_reach(field, coefficients, taken, end, PARTS if whole else 1, tol)
-    integrator.set_dtime(*times)
-    integrator.state[:] = state
-    return found, taken, coefficients
-
-
-def _series_reach(
-    field: Field, coefficients: np.ndarray, taken: np.ndarray, end: np.ndarray, parts: int,
+def series_reach(
+    field: Field, coefficients: np.ndarray, taken: np.ndarray, begin: np.ndarray, parts: int,
     tol: float,
 ) -> np.ndarray:  # fmt: skip
-    """``reach`` of the steps ``taken`` (k,) to the times ``end`` (k,), by their Taylor
+    """``reach`` of the steps ``taken`` (k,) from the times ``begin`` (k,), by their Taylor
     coefficients (n, order + 1, k) and by their defect."""
-    series = _Series(field, coefficients, taken, end - taken, parts, tol)
-    return np.minimum(_lanes_reach(coefficients, taken, tol), series.reach())
+    found = _lanes_reach(coefficients, taken, tol)
+    series = _Series(field, coefficients, taken, begin, parts, tol)
+    return np.minimum(found, series.reach())
 
 
 def blind_lanes(integrator: Any, field: Field, output: Any) -> np.ndarray:
@@ -308,74 +286,65 @@ def blind_lanes(integrator: Any, field: Field, output: Any) -> np.ndarray:
     return found
 
 
-def overlong_lanes(
-    integrator: Any,
-    field: Field,
-    begin: tuple[np.ndarray, ...],
-    state: np.ndarray,
-    stride: np.ndarray,
-    limits: np.ndarray,
-) -> np.ndarray:
-    """Which lanes (width,) of a batch integrator took a step that was made too long, from
-    ``begin`` (its ``dtime``) and ``state`` (n, width) to where it stands, and stands afterwards.
-    No step was to be longer than ``limits`` (width,).
-
-    Lanes of which one step is more than ``stride`` (width,) times the others are gone over again.
-    """
-    results = integrator.propagate_res
-    taken, longest = (np.array([abs(result[k]) for result in results]) for k in (3, 2))
-    span = np.abs(integrator.time - begin[0])
+def uneven_steps(
+    span: np.ndarray, latest: LatestSteps, stride: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """How long steps of some motions usually are, of those that led over a ``span`` (width,); and
+    of which motions one is more than ``stride`` (width,) times the others."""
+    taken, longest = latest.taken, latest.longest
     # a last step that was cut is not among the longest; nor is it known where others went on
-    cut = np.fmax(np.abs(integrator.last_h), span - (taken - 1) * longest)
+    cut = np.fmax(np.abs(latest.last), span - (taken - 1) * longest)
     longest = np.where(taken > 1, np.fmax(longest, cut), longest)
     others = (span - longest) / np.maximum(taken - 1, 1)
     with np.errstate(over="ignore"):
         usual = others * np.where(taken > BRIEF, stride, np.minimum(stride, BRIEF_STRIDE))
-    found = np.zeros(len(span), dtype=bool)
-    suspect = (taken > 1) & (longest > usual)
-    if not suspect.any() or not np.isfinite(integrator.state).all():
-        return found
-    ends, there = tuple(part.copy() for part in integrator.dtime), integrator.state.copy()
-    integrator.set_dtime(*begin)
-    integrator.state[:] = state
-    for step in _long_steps(integrator, ends[0], limits, int(taken.max()), suspect, usual):
+    return usual, (taken > 1) & (longest > usual)
+
+
+def overlong_lanes(
+    integrator: Any, field: Field, ends: np.ndarray, limits: np.ndarray, most: int,
+    usual: np.ndarray,
+) -> np.ndarray:  # fmt: skip
+    """Which lanes (width,) of a batch integrator take a step that is made too long from where it
+    stands to the times ``ends`` (width,), in ``most`` steps, none longer than ``limits`` (width,);
+    what is longer than ``usual`` (width,), or than the step before, is looked at."""
+    found = np.zeros(len(ends), dtype=bool)
+    for step in _long_steps(integrator, ends, limits, most, usual):
         if (step.lanes & ~found).any():
             found |= step.lanes & (step.reach(field, integrator.tol, usual) < np.inf)
-    integrator.set_dtime(*ends)
-    integrator.state[:] = there
     return found
 
 
 @dataclass(frozen=True)
 class _LongStep:
-    """A step ``taken`` (k,) to the times ``end`` (k,), with its Taylor ``coefficients``, which is
-    long in some ``lanes`` (k,)."""
+    """A step ``taken`` (k,) from the times ``begin`` (k,), long in some ``lanes`` (k,), with its
+    Taylor ``coefficients`` (n, order + 1, k)."""
 
     taken: np.ndarray
-    end: np.ndarray
+    begin: np.ndarray
     coefficients: np.ndarray
     lanes: np.ndarray
 
     def reach(self, field: Field, tol: float, usual: np.ndarray) -> np.ndarray:
         """The lengths (k,) up to which it may be trusted, where it is too long; else infinite."""
         parts = PARTS if (self.lanes & (np.abs(self.taken) > usual)).any() else 1
-        return _series_reach(field, self.coefficients, self.taken, self.end, parts, tol)
+        return series_reach(field, self.coefficients, self.taken, self.begin, parts, tol)
 
 
 def _long_steps(
-    integrator: Any, ends: np.ndarray, limits: np.ndarray, most: int, suspect: np.ndarray,
-    usual: np.ndarray,
-) -> list[_LongStep]:  # fmt: skip
-    """Of the steps from where a batch integrator stands to the times ``ends``, those of
-    ``suspect`` lanes that are longer than the ``usual``, or much longer than the step before."""
+    integrator: Any, ends: np.ndarray, limits: np.ndarray, most: int, usual: np.ndarray
+) -> list[_LongStep]:
+    """Of the steps from where a batch integrator stands to the times ``ends``, those that are
+    longer than the ``usual``, or much longer than the step before."""
     found, before = list[_LongStep](), np.zeros(len(ends))
 
     def look(at: Any) -> bool:
         nonlocal before
         length = np.abs(at.last_h)
-        lanes = suspect & (length > np.minimum(GROWTH * before, usual))
+        lanes = length > np.minimum(GROWTH * before, usual)
         if lanes.any():
-            found.append(_LongStep(at.last_h.copy(), at.time.copy(), at.tc.copy(), lanes))
+            begin = at.time - at.last_h
+            found.append(_LongStep(at.last_h.copy(), begin, at.tc.copy(), lanes))
         before = length
         return True
 

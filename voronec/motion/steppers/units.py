@@ -40,6 +40,7 @@ __all__ = [
     "SMALL",
     "TurnCount",
     "angles_among",
+    "balance",
     "natural_units",
     "units_next_to",
     "units_of_many",
@@ -146,11 +147,13 @@ def _units_beside(
         size = np.maximum(x, np.where(expected > ORDINARY, soon, expected))
         small = (size > 0) & (size < SMALL)
         if small.any():
-            balance = span * _balance(slopes, states, own)
-            size = np.where(small, np.maximum(size, np.minimum(balance, SMALL)), size)
+            terms = span * balance(slopes, states, own)
+            size = np.where(small, np.maximum(size, np.minimum(terms, SMALL)), size)
         far = (size > 0) & ~((size >= SMALL) & (size <= ORDINARY)) & np.isfinite(size)
     far &= np.isfinite(slope).all(axis=1)[:, None]
     far[:, angles] = False
+    if not far.any():
+        return np.ones(far.shape)
     return np.where(far, _powers_next_to(np.where(far, size, 1.0)), 1.0)
 
 
@@ -164,7 +167,7 @@ def units_next_to(sizes: np.ndarray) -> np.ndarray:
     return np.where((sizes >= 1) & (sizes <= ORDINARY), 1.0, _powers_next_to(sizes))
 
 
-def _balance(slopes: Slopes, states: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+def balance(slopes: Slopes, states: np.ndarray, sizes: np.ndarray) -> np.ndarray:
     """How much rates (s, n) depend on the states: what is small only because large terms cancel."""
     now, found = slopes(states), np.zeros(states.shape)
     for j in np.flatnonzero(sizes.any(axis=0)):
