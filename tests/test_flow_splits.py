@@ -117,7 +117,7 @@ def test_a_run_passes_where_its_split_is_singular(name: str) -> None:
         for method, tol in METHODS if points == 2 else METHODS[:1]:
             run = vo.integrate(system, times=times, initial=start, method=method, tol=tol)
             assert worst(run, truth) < 1e-10, (method, tol)
-            assert run.cost.switches > 0
+            assert run.cost.switches == 0  # one formulation leads all the way
 
 
 @pytest.mark.parametrize("name", KNOWN)
@@ -130,10 +130,52 @@ def test_rolling_without_twist_passes_the_equator(name: str) -> None:
         run = vo.integrate(equations, times=times, initial=start, method=method, tol=tol)
         assert worst(run, truth) < 2e-10, (method, tol)
         assert max(run.drift.values()) < 1e-10
+        assert run.names == tuple(map(str, (*equations.coordinates, *equations.velocities)))
+
+
+@pytest.mark.parametrize(("method", "tol"), [("heyoka", 1e-13), ("scipy", 1e-13), ("auto", 1e-30)])
+def test_velocities_beside_a_frame_are_taken_where_it_fails(method: str, tol: float) -> None:
+    """A skate draws a circle; heading along y its speed along x tells nothing, and gives 0/0."""
+    x, y, phi, u, v, w = sp.symbols("x y phi u v w")
+    skate = vo.System(
+        name="skate",
+        fibration=vo.Fibration(base=(x, phi), fibre=(y,)),
+        frame=vo.Frame.quasi({u: velocity(x), w: velocity(phi)}, beside={v: velocity(y)}),
+        lagrangian=sum(velocity(q) ** 2 for q in (x, y, phi)) / 2,
+        constraints=(velocity(x) * sp.sin(phi) - velocity(y) * sp.cos(phi),),
+        integrals={"energy": ((u / sp.cos(phi)) ** 2 + w**2) / 2},
+    )
+    start = {u: sp.Rational(8, 5), w: 1, phi: sp.asin(sp.Rational(3, 5))}
+    times = np.linspace(0, 9, 7)
+    found = vo.integrate(skate, initial=start, times=times, method=method, tol=tol)
+    assert found.cost.switches == 0 and found.names == ("x", "phi", "y", "u", "w")
+    assert found.drift["energy"] < 100 * tol
+    with mpmath.workdps(60):
+        angles = [mpmath.asin(mpmath.mpf(3) / 5) + mpmath.mpf(float(t)) for t in found.t]
+        for place, angle in zip(found["x"], angles, strict=True):
+            assert abs(place - 2 * (mpmath.sin(angle) - mpmath.mpf(3) / 5)) < 1e3 * tol
+    upright = {phi: sp.pi / 2, velocity(y): 1, w: 1}
+    half = vo.Event(x + sp.Rational(1, 2), name="half")
+    found = vo.integrate(skate, initial=upright, times=times, events=(half,), dense=True)
+    assert found.events["half"].t[0] == pytest.approx(np.pi / 3, abs=1e-12)
+    assert found.at([1.0])["u"] == pytest.approx(-np.sin(1.0), abs=1e-12)
+    assert found.integrals["energy"] == pytest.approx(1.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("beside", [{"u1": 1e-6}, {"u": np.pi - 1e-6}])
+def test_a_ball_passes_its_equator_after_a_start_beside_a_pole(beside: dict[str, float]) -> None:
+    ball = vo.load("rubber-ball-on-sphere")
+    start = {"u": 1.0, "v": -0.4, "theta": 0.5, "u1": 0.9, "v1": 0.1, "omega1": 0.9, "omega2": -1.1}
+    run, sharp = (
+        vo.integrate(ball, initial={**start, **beside}, times=[0, 6, 12], tol=tol)
+        for tol in (1e-13, 1e-20)
+    )
+    for name in start:
+        assert np.abs(run[name] - sharp[name].astype(float)).max() < 1e-11, name
 
 
 def test_a_split_is_derived_once_for_all_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    equations, start = vo.derive(vo.load("veselova")), KNOWN["veselova"]
+    equations, start = vo.derive(vo.load("displaced-rubber-ball")), KNOWN["displaced-rubber-ball"]
     first = vo.integrate(equations, times=[0.0, -9.0], initial=start)
     monkeypatch.setattr(split_models, "Derivation", None)
     again = vo.integrate(equations, times=[0.0, -9.0], initial=start)
@@ -265,7 +307,7 @@ def test_a_divisor_may_touch_zero_and_keep_its_sign() -> None:
     truth = multiplier_motion(system, all_velocities(system, start), times)
     assert 0 < np.pi - truth[list(system.coordinates).index(phi), -1] < 1e-4
     run = vo.integrate(system, times=times, initial=start)
-    assert worst(run, truth) < 1e-11 and run.cost.switches > 0
+    assert worst(run, truth) < 1e-11
 
 
 def test_harmless_divisors_are_not_watched() -> None:
@@ -423,7 +465,7 @@ def test_whether_a_motion_is_followed_hangs_on_no_sample(
     truth = multiplier_motion(make(), all_velocities(make(), start), times)
     for seed in samples(monkeypatch, 4):
         run = vo.integrate(make(), times=times, initial=start, method="scipy")
-        assert worst(run, truth) < 1e-10 and run.cost.switches > 0, seed
+        assert worst(run, truth) < 1e-10, seed
 
 
 BLADE_START = {"y": 1.093, "phi": -1.457, "x": 0.519, "ydot": -0.149, "phidot": 1.294}

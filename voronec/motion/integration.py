@@ -28,15 +28,15 @@ from voronec.equations.attitudes import angles_without_chart, euler_angles, with
 from voronec.equations.program import Program
 from voronec.equations.program.python import precision
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.errors import DefinitionError, EngineLimit, IntegrationError
+from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
 from voronec.motion.angle_cuts import CutWatch
 from voronec.motion.atlas import NEAR as CHANGE
 from voronec.motion.atlas import kept_charts
 from voronec.motion.chart_stepper import through_charts
-from voronec.motion.divisors import Divisor, NearDivisor, guard_events, without_guards
+from voronec.motion.divisors import NEAR, Divisor, NearDivisor, guard_events, without_guards
 from voronec.motion.inputs import drive
 from voronec.motion.methods import CLOSED_FORM, METHODS, choose_regular, is_exact
-from voronec.motion.motion_start import Outset, WideStart
+from voronec.motion.motion_start import FAST, Outset, WideStart
 from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
 from voronec.motion.observables import Watch, evaluate_watch
 from voronec.motion.request import (
@@ -242,9 +242,41 @@ class _Request:
                 if any(near.vocabulary.equations is equations for equations in tried):
                     return None
                 tried.append(near.vocabulary.equations)
-                return replace(self, vocabulary=near.vocabulary).through_splits()
+                found = self.in_ambient()
+                return found or replace(self, vocabulary=near.vocabulary).through_splits()
 
         return [partial(attempt, way) for way in ways]
+
+    def in_ambient(self) -> Trajectory | None:
+        """In the ambient formulation; None where there is none, or where it leads no farther."""
+        from voronec.motion.formulation.ambient import ambient_formulation  # few motions need it
+
+        home, time = self.vocabulary, float(self.grid[0])
+        wanted = home.read_outputs(self.outputs)
+        forces = home.holds_reactions((*wanted.terms.values(), *self.functions.values()))
+        driven = home.inputs or self.outset.changing is not None
+        if wanted.reactions or forces or driven:  # what changes in time has a rate in the reactions
+            return None
+        formulation = ambient_formulation(self.outset.ground(home.equations, time), self.outset)
+        if formulation is None:
+            return None
+        vocabulary = formulation.vocabulary
+        with suppress(VoronecError, NearDivisor):
+            exact = is_exact(self.method, self.tol)
+            given = formulation.start(home, self.start_data, self.outset, time, exact)
+            outset = Outset.of(vocabulary, given, time, False)
+            fastest = (np.abs(x.state).max(initial=1.0) for x in (outset, self.outset))
+            if next(fastest) > FAST * next(fastest):
+                return None  # a slip, which is refused with its velocities
+            there = replace(
+                self, vocabulary=vocabulary, outset=replace(outset, notes=self.outset.notes),
+                outputs=self.outputs or formulation.home_names, start_data=given,
+                functions={n: e.xreplace(vocabulary.inputs) for n, e in self.functions.items()},
+                tol=min(self.tol, max(NEAR * self.tol, EXACT)),
+            )  # fmt: skip
+            ways = (there.in_smallest, there.otherwise, there.on_coordinates)
+            return formulation.to_home(first_success(ways, time))
+        return None
 
     def through_splits(self) -> Trajectory:
         """On the coordinates, in one split of the velocities after another."""
