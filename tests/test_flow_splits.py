@@ -175,16 +175,17 @@ def test_a_ball_passes_its_equator_after_a_start_beside_a_pole(beside: dict[str,
 
 
 def test_a_split_is_derived_once_for_all_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    equations, start = vo.derive(vo.load("displaced-rubber-ball")), KNOWN["displaced-rubber-ball"]
-    first = vo.integrate(equations, times=[0.0, -9.0], initial=start)
+    equations = vo.derive(vo.load("veselova-in-rn"))
+    start = {"gamma1": 0.6, "gamma2": 0.48, "gamma4": 0.64, "Omega14": 1, "Omega24": -0.5}
+    first = vo.integrate(equations, times=[0.0, 9.0], initial=start)
     monkeypatch.setattr(split_models, "Derivation", None)
-    again = vo.integrate(equations, times=[0.0, -9.0], initial=start)
+    again = vo.integrate(equations, times=[0.0, 9.0], initial=start)
     assert again.cost.switches == first.cost.switches > 0
     for name in start:
         assert (again[name] == first[name]).all()
 
 
-def test_many_changes_of_the_split_lose_no_digits() -> None:
+def test_a_frame_that_fails_all_the_time_loses_no_digits() -> None:
     # near a great circle of the sphere one of gamma1, gamma2, gamma3 is small all the time
     equations = vo.derive(vo.load("veselova-in-new-time"))
     start = {
@@ -195,14 +196,14 @@ def test_many_changes_of_the_split_lose_no_digits() -> None:
     truth = multiplier_motion(equations.system, all_velocities(equations.system, start), times)
     for tol, drift in ((1e-10, 1e-9), (1e-13, 1e-11)):
         run = vo.integrate(equations, times=times, initial=start, method="heyoka", tol=tol)
-        assert run.cost.switches > 100
+        assert run.cost.switches == 0
         assert worst(run, truth) < 5e-8, tol  # the truth drifts by 1.2e-8
         assert max(run.drift.values()) < drift, tol
 
 
 @pytest.mark.parametrize("tol", [1e-30, 1e-50])
-def test_changes_of_the_split_lose_no_digits_in_any_precision(tol: float) -> None:
-    """A skate that turns evenly draws a circle; the instants of its changes are no doubles."""
+def test_a_split_that_fails_loses_no_digits_in_any_precision(tol: float) -> None:
+    """A skate that turns evenly draws a circle; its start is no double."""
     x, y, phi = sp.symbols("x y phi")
     skate = vo.System(
         name="skate",
@@ -213,7 +214,7 @@ def test_changes_of_the_split_lose_no_digits_in_any_precision(tol: float) -> Non
     start = {velocity(x): sp.Rational(8, 5), velocity(y): sp.Rational(6, 5), velocity(phi): 1}
     start[phi] = sp.asin(sp.Rational(3, 5))
     found = vo.integrate(skate, initial=start, times=np.linspace(0, 9, 7), tol=tol)
-    assert found.cost.switches > 4
+    assert found.cost.switches == 0
     with mpmath.workdps(60):
         angles = [mpmath.asin(mpmath.mpf(3) / 5) + mpmath.mpf(float(t)) for t in found.t]
         for place, angle in zip(found["x"], angles, strict=True):
@@ -252,7 +253,7 @@ def test_a_run_begins_about_the_level_of_its_watch(method: str, part: float) -> 
     times = np.linspace(0, 0.4, 9)
     found = vo.integrate(system, initial=start, times=times, method=method)
     truth = vo.integrate(system, initial=start, times=times, tol=1e-25)
-    assert found.cost.switches and found["gamma3"].min() < 0
+    assert found["gamma3"].min() < 0
     for name in start:
         assert np.abs(found[name] - truth[name].astype(float)).max() < 1e-10
 
@@ -552,23 +553,32 @@ def test_a_run_ends_where_no_split_leads_on(monkeypatch: pytest.MonkeyPatch) -> 
     assert cost.switches < 20 and cost.steps < 20_000
 
 
-def needle() -> vo.System:
-    """A free point with x y' = y z': no condition at all where x = y = 0."""
+def needle(friction: sp.Expr | int = 0) -> vo.System:
+    """A point with x y' = y z': no condition at all where x = y = 0."""
     x, y, z = sp.symbols("x y z")
     Dx, Dy, Dz = map(vo.velocity, (x, y, z))
     return vo.System(
         name="needle", fibration=vo.Fibration(base=(x, y), fibre=(z,)),
         lagrangian=(Dx**2 + Dy**2 + Dz**2) / 2, constraints=(x * Dy - y * Dz,),
+        forces={x: -friction * sp.sign(Dx)},
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("tol", [1e-13, 1e-18])
-@pytest.mark.parametrize("aside", [0.2, 0.004])
-def test_a_run_says_where_rounding_outgrows_its_tolerance(aside: float, tol: float) -> None:
+@pytest.mark.parametrize("aside", [0.2, 0.004, 0.002])
+def test_a_run_close_to_where_constraints_are_dependent_loses_no_digits(aside: float) -> None:
     start = {"x": -1.0, "y": aside, "z": 0.0, "xdot": 1.0, "ydot": aside / 10}
-    run = vo.integrate(needle(), initial=start, times=[0, 2], tol=tol)
+    run, sharp = (
+        vo.integrate(needle(), initial=start, times=[0, 2], tol=tol) for tol in (1e-13, 1e-22)
+    )
+    assert np.abs(run.state - sharp.state.astype(float)).max() < 1e-13
+
+
+@pytest.mark.parametrize("aside", [0.2, 0.004])
+def test_a_run_says_where_rounding_outgrows_its_tolerance(aside: float) -> None:
+    start = {"x": -1.0, "y": aside, "z": 0.0, "xdot": 1.0, "ydot": aside / 10}
+    run = vo.integrate(needle(sp.Rational(1, 1000)), initial=start, times=[0, 2])
     said = [note for note in run.notes if "lost there by rounding" in note]
-    assert len(said) == (aside < 0.1 and tol > 1e-16)
+    assert len(said) == (aside < 0.1)
     assert all("up to 1e-10" in note and "at t = 0.99" in note for note in said)
 
 

@@ -253,30 +253,33 @@ class _Request:
 
         home, time = self.vocabulary, float(self.grid[0])
         wanted = home.read_outputs(self.outputs)
-        forces = home.holds_reactions((*wanted.terms.values(), *self.functions.values()))
-        driven = home.inputs or self.outset.changing is not None
-        if wanted.reactions or forces or driven:  # what changes in time has a rate in the reactions
-            return None
-        formulation = ambient_formulation(self.outset.ground(home.equations, time), self.outset)
+        exprs = (*wanted.terms.values(), *self.functions.values())
+        reactions = bool(wanted.reactions) or home.holds_reactions(exprs)
+        formulation = ambient_formulation(home.equations, reactions)
         if formulation is None:
             return None
-        vocabulary = formulation.vocabulary
+        vocabulary = formulation.vocabulary(home.inputs)
         with suppress(VoronecError, NearDivisor):
-            exact = is_exact(self.method, self.tol)
-            given = formulation.start(home, self.start_data, self.outset, time, exact)
-            outset = Outset.of(vocabulary, given, time, False)
+            bits = self._start_bits if is_exact(self.method, self.tol) else 0
+            given = formulation.start(home, self.start_data, self.outset, time, bits)
+            outset = Outset.of(vocabulary, given, time, False, self.outset.changing)
             fastest = (np.abs(x.state).max(initial=1.0) for x in (outset, self.outset))
             if next(fastest) > FAST * next(fastest):
                 return None  # a slip, which is refused with its velocities
             there = replace(
                 self, vocabulary=vocabulary, outset=replace(outset, notes=self.outset.notes),
-                outputs=self.outputs or formulation.home_names, start_data=given,
+                outputs=(*self.outputs, *formulation.home_names), start_data=given,
                 functions={n: e.xreplace(vocabulary.inputs) for n, e in self.functions.items()},
                 tol=min(self.tol, max(NEAR * self.tol, EXACT)),
             )  # fmt: skip
             ways = (there.in_smallest, there.otherwise, there.on_coordinates)
-            return formulation.to_home(first_success(ways, time))
+            return formulation.to_home(first_success(ways, time), wanted.names)
         return None
+
+    @property
+    def _start_bits(self) -> int:
+        """In how many bits a start is computed that is exact."""
+        return ceil(-log2(self.tol)) + 2 * MARGIN
 
     def through_splits(self) -> Trajectory:
         """On the coordinates, in one split of the velocities after another."""
@@ -300,7 +303,7 @@ class _Request:
             vocabulary, replace(ground, framed=start.framed), made.watch, made.event_functions,
             start, self.grid,
             self.method, self.tol, self.events, self.dense, self.progress, self.outset.notes,
-            ceil(-log2(self.tol)) + 2 * MARGIN, self.began,
+            self._start_bits, self.began,
         ).trajectory()  # fmt: skip
 
     def in_smallest(self, _: IntegrationError | None) -> Trajectory:

@@ -64,7 +64,16 @@ from voronec.motion.reactions import Multipliers, conditions_of
 from voronec.motion.state_probe import quantities, usual_size
 from voronec.motion.steppers.run import Signals, constants_along
 
-__all__ = ["Geometry", "SplitGround", "SplitModel", "candidates", "divisor_program", "spell_out"]
+__all__ = [
+    "Geometry",
+    "SplitGround",
+    "SplitModel",
+    "candidates",
+    "divisor_program",
+    "fresh_symbol",
+    "spell_out",
+    "split_charts",
+]
 
 
 SHARE = 0.1
@@ -185,7 +194,7 @@ def _split_system(system: System, chosen: Sequence[int]) -> System:
         return bare(system, title, frame=group)
     if system.fibration.relations:
         taken = {plain_name(s) for s in system.known_symbols()}
-        dots = {_fresh(f"d{plain_name(q)}", taken): velocity(q) for q in own}
+        dots = {fresh_symbol(f"d{plain_name(q)}", taken): velocity(q) for q in own}
         return bare(system, title, **spell_out(system, frame), frame=Frame.quasi(dots))
     return bare(
         system,
@@ -193,11 +202,12 @@ def _split_system(system: System, chosen: Sequence[int]) -> System:
         **spell_out(system, frame),
         frame=None,
         fibration=Fibration(tuple(own), rest),
-        charts={name: _split_chart(system, chart) for name, chart in system.charts.items()},
+        charts=split_charts(system),
     )
 
 
-def _fresh(name: str, taken: set[str]) -> sp.Symbol:
+def fresh_symbol(name: str, taken: set[str]) -> sp.Symbol:
+    """A symbol with a name, or one like it, that is not taken."""
     while name in taken:
         name += "_"
     return sp.Symbol(name)
@@ -219,6 +229,11 @@ def spell_out(
         "constraints": tuple(map(on, own["constraints"])),
         "forces": {q: on(e) for q, e in own["forces"].items()},
     }
+
+
+def split_charts(system: System) -> dict[str, Chart]:
+    """The charts of a system as those of its split: the velocities follow the coordinates."""
+    return {name: _split_chart(system, chart) for name, chart in system.charts.items()}
 
 
 def _split_chart(system: System, chart: Chart) -> Chart:

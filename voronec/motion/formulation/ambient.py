@@ -2,36 +2,36 @@
 
 Where a frame v fails, as omega1 and omega2 of a ball with (omega, gamma) = 0 do at gamma3 = 0, more
 velocities w of the body do not: with them the last constraints c = a w + a0 are no longer solved,
-but held by their reaction along w,
+but held by their reactions, whose impulses p are velocities themselves,
 
-    M w' = f + a^T lambda,    lambda = -(a M^-1 a^T)^-1 (a M^-1 f + c'),
+    M w' + a^T p' = f,    a w' = -c',                                  [Theory, eq. (22b)]
 
-c' without the accelerations [Theory, eq. (22b)].  The motion keeps c; nothing divides by what
-vanishes where v fails.  First integrals are the declared ones, in normal form where c = 0.
+c' without the accelerations.  The motion keeps c; nothing divides by what vanishes where v fails.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
+import mpmath
 import numpy as np
 import symengine as se
 import sympy as sp
 
 from voronec.algebra.angles import Angles
-from voronec.algebra.elimination import solve_linear
 from voronec.algebra.normal import canonical, canonical_for_numbers
-from voronec.algebra.stand_ins import StandIns
+from voronec.algebra.rank import generic_rows
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import as_expression
 from voronec.declaration.claims import right_of
 from voronec.declaration.geometry import Fibration, Frame
-from voronec.declaration.system import System, bare
+from voronec.declaration.system import System, bare, system_in
+from voronec.equations.definition import Definition, read
 from voronec.equations.motions import Motions
 from voronec.equations.program.walls import is_rough
 from voronec.equations.reduction import in_invariants
@@ -39,8 +39,9 @@ from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import EngineLimit, VoronecError
 from voronec.motion.motion_start import Outset, WideStart
+from voronec.motion.reactions import conditions_of, drift
 from voronec.motion.request import StartData, Vocabulary
-from voronec.motion.split_models import SplitGround, spell_out
+from voronec.motion.split_models import fresh_symbol, spell_out, split_charts
 from voronec.motion.trajectory import Trajectory
 
 __all__ = ["Formulation", "ambient_formulation"]
@@ -50,14 +51,14 @@ __all__ = ["Formulation", "ambient_formulation"]
 class Formulation:
     """Equations in other variables for the motions of a system, ``home``.
 
-    ``from_home`` gives those of their velocities that home does not have, by name, as functions of
-    its coordinates and velocities, in the user's symbols; ``meaning`` the velocities of home that
-    they do not have, as functions of theirs.  The other variables are the same.
+    ``beside`` gives those of their velocities that no velocities of coordinates are, by name, as
+    functions of the coordinates and velocities of home, in the user's symbols; ``meaning`` the
+    velocities of home that they do not have, as functions of theirs.
     """
 
     home: VoronecEquations
     equations: VoronecEquations
-    from_home: Mapping[str, sp.Expr]
+    beside: Mapping[str, sp.Expr]
     meaning: Mapping[Any, sp.Expr]
 
     @property
@@ -66,138 +67,205 @@ class Formulation:
         system = self.home.system
         return tuple(map(plain_name, (*system.coordinates, *system.velocities)))
 
-    @property
-    def vocabulary(self) -> Vocabulary:
-        """Names of home, as they are spelled in these variables."""
-        return self.equations.memo.once(
-            "names of home", lambda: Vocabulary.of(self.equations, self.meaning)
-        )
+    def vocabulary(self, inputs: Mapping[Any, sp.Expr]) -> Vocabulary:
+        """Names of home, as they are spelled in these variables, with those of its inputs."""
+        found = Vocabulary.of(self.equations, {**inputs, **self.meaning})
+        d = self.home.definition
+        return replace(found, released=replace(d, frame=None, velocities=d.dots))
 
     def start(
-        self, vocabulary: Vocabulary, given: StartData, outset: Outset, time: float, exact: bool
+        self, vocabulary: Vocabulary, given: StartData, outset: Outset, time: float, bits: int
     ) -> StartData:
-        """The start in these variables: exactly, where velocities of home are given, else by those
-        of all coordinates.  ``EngineLimit`` where an ``exact`` start is known in doubles alone."""
-        values, names = {**given.scene_initial, **given.initial}, self.home_names
-        if {*values} <= {*names} and outset.framed and not outset.notes:
+        """The start in these variables, in so many ``bits`` where these are not zero: by all
+        velocities of the coordinates, or by those of home and of the frame, where they are given or
+        where no velocities of coordinates are numbers."""
+        names, values = self.home_names, {**given.scene_initial, **given.initial}
+        if outset.notes and outset.framed:  # what was moved is not moved elsewhere
+            values = dict(zip(names, outset.state.tolist(), strict=True))
+            given = replace(given, scene_initial={}, initial=values)
+        if outset.framed and self.beside and {*values} <= {*names}:
             found = {n: _exactly(values.get(n, 0)) for n in names}
-        elif exact:
-            raise EngineLimit("the start is not known in these variables but for rounding")
         else:
             ground, own = outset.ground(self.home, time), self.home.system.coordinates
-            wide = None if outset.notes else WideStart.of(vocabulary, ground, given, False).wide
-            if wide is not None and np.isfinite(wide).all():
+            framed = outset.state if outset.framed and not bits else None
+            start = WideStart.of(vocabulary, ground, given, False, framed)
+            wide = start.exact(bits)[0] if bits else start.wide
+            if bits or np.isfinite(wide).all():
                 everything = map(plain_name, (*own, *map(velocity, own)))
-                found = dict(zip(everything, wide.tolist(), strict=True))
+                found = dict(zip(everything, map(_exactly, wide), strict=True))
                 return replace(given, scene_initial={}, initial=found)
             found = dict(zip(names, outset.state.tolist(), strict=True))
-        lost = {*map(plain_name, self.meaning)}
         symbols = {vocabulary.symbols[n]: as_expression(x) for n, x in found.items()}
-        beside = {n: e.xreplace(symbols) for n, e in self.from_home.items()}
-        kept = {n: x for n, x in found.items() if n not in lost}
-        return replace(given, scene_initial={}, initial={**kept, **beside})
+        found |= {n: e.xreplace(symbols) for n, e in self.beside.items()}
+        return replace(given, scene_initial={}, initial=found)
 
-    def to_home(self, found: Trajectory) -> Trajectory:
-        """A trajectory in these variables as one of the system."""
+    def to_home(self, found: Trajectory, outputs: tuple[str, ...]) -> Trajectory:
+        """A trajectory in these variables as one of the system, with the outputs asked for."""
         events = {name: self._own_state(rows) for name, rows in found.events.items()}
         within = found.within
         return replace(
             self._own_state(found),
             system=self.home.system,
+            outputs=outputs,
             events=MappingProxyType(events),
-            within=None if within is None else lambda times: self.to_home(within(times)),
+            within=None if within is None else lambda t: self.to_home(within(t), outputs),
         )
 
     def _own_state(self, rows: Any) -> Any:
-        """A trajectory, or crossings, with the state of home, where all of it is known."""
-        names = self.home_names
-        if not {*names} <= {*rows.series, *rows.names}:
-            return rows
-        state = np.stack([rows[n] for n in names], axis=-1)
+        """A trajectory, or crossings, with the state of home."""
+        state = np.stack([rows[n] for n in self.home_names], axis=-1)
         state.flags.writeable = False
-        return replace(rows, names=names, state=state)
+        return replace(rows, names=self.home_names, state=state)
 
 
 def _exactly(value: Any) -> Any:
-    """A value as given, of a float the number that it is."""
+    """A value as given, of a float or a number of mpmath the fraction that it is."""
+    if isinstance(value, mpmath.mpf):
+        return sp.Rational(*mpmath.libmp.to_rational(value._mpf_))
     return sp.Rational(value) if isinstance(value, float) else value
 
 
-def ambient_formulation(ground: SplitGround, outset: Outset) -> Formulation | None:
-    """The ambient formulation of a system: of one whose frame declares velocities ``beside`` its
-    own in these, of another in the velocities of its coordinates; None where it is beyond the
-    normal form or constraints may become dependent, for groups and redundant coordinates, and where
-    forces are not smooth."""
-    home = ground.home
+def ambient_formulation(home: VoronecEquations, reactions: bool) -> Formulation | None:
+    """The ambient formulation of a system: in the velocities of its frame and those that it
+    declares ``beside`` them, else, or where ``reactions`` are asked for, in those of its
+    coordinates; None on groups, where forces are not smooth, and where the equations have no such
+    form."""
 
     def make() -> Formulation | None:
         system, frame = home.system, home.system.frame
-        declared = frame is not None and bool(frame.beside)
-        group, charted = frame is not None and frame.is_group, frame is not None and system.charts
-        form = home.raw.form
-        rough = is_rough((), form.expressions, form.parameters)
-        if group or rough or system.fibration.relations or not system.constraints:
-            return None
-        if not declared and (charted or home.is_large or ground.may_be_dependent(outset.state)):
-            return None
+        form, bound = home.raw.form, system.constraints or system.fibration.relations
+        if system.on_group or not bound or is_rough((), form.expressions, form.parameters):
+            return None  # velocities that friction holds at zero would be rounding
         with suppress(VoronecError):
-            return _FreeSystem(home, declared).formulation
+            if frame is not None and frame.beside and not reactions:
+                return _Declared(home, frame).formulation
+            return _on_coordinates(home)
         return None
 
-    return home.memo.once("ambient formulation", make)
+    return home.memo.once(("ambient formulation", reactions), make)
 
 
 @dataclass(frozen=True)
-class _FreeSystem:
-    """A system with constraints released: as many of the last as its frame has velocities beside
-    its own, where these are ``declared``, else all."""
+class _Held:
+    """A constraint that is held by its reaction: its rate is the ``slopes`` times the rates of
+    velocities, and a ``rest``."""
+
+    slopes: Mapping[Any, sp.Expr]
+    rest: sp.Expr
+
+
+def _pushed(
+    forces: Mapping[Any, Any], held: Sequence[_Held], impulses: Sequence[Any], massless: bool
+) -> dict[Any, sp.Expr]:
+    """Forces with the reactions of constraints, those along the impulses among them.
+
+    Where some velocities are ``massless`` the rates of the constraints, which vanish, give them
+    inertia.
+    """
+    found = {q: as_expression(e) for q, e in forces.items()}
+    for constraint, p in zip(held, impulses, strict=True):
+        rate = sp.Add(constraint.rest, *(a * velocity(w) for w, a in constraint.slopes.items()))
+        for w, a in constraint.slopes.items():
+            pull = velocity(velocity(p)) + (rate if massless else 0)
+            found[w] = found.get(w, sp.Integer(0)) - a * pull
+        found[p] = -rate
+    return found
+
+
+# -- in the velocities of the coordinates ---------------------------------------------------
+
+
+def _on_coordinates(home: VoronecEquations) -> Formulation:
+    system, frame, d = home.system, home.system.frame, home.definition
+    mass = [[d.lagrangian.diff(u).diff(w) for u in d.dots] for w in d.dots]
+    massless = len(generic_rows(mass, d.relations)) < len(mass)
+    impulses = _impulses(system, len(d.constraints.matrix) + len(d.differentiated.matrix))
+
+    def free(parts: Mapping[str, Any], there: Definition) -> dict[str, Any]:
+        forces = _pushed(parts["forces"], _held(there), impulses, massless)
+        return {"lagrangian": parts["lagrangian"], "constraints": (), "forces": forces}
+
+    charts = {
+        name: replace(split, changes=free(split.changes, read(system_in(system, name))))
+        for name, split in split_charts(system).items()
+    }
+    moved = bare(
+        system, system.name, **free(spell_out(system, frame), d), frame=None,
+        fibration=Fibration((*system.coordinates, *impulses)), charts=charts,
+    )  # fmt: skip
+    meaning = {} if frame is None else dict(zip(frame.velocities, frame.expressions, strict=True))
+    equations = derive(replace(moved, integrals=_integrals(home, meaning)))
+    return Formulation(home, equations, {}, meaning)
+
+
+def _impulses(system: System, count: int) -> list[sp.Symbol]:
+    taken = {plain_name(s) for s in system.known_symbols()}
+    return [fresh_symbol(f"impulse{i + 1}", taken) for i in range(count)]
+
+
+def _held(d: Definition) -> list[_Held]:
+    """The constraints and the relations of a system, in the velocities of its coordinates."""
+    found, out = [], d.door.outward
+    for *row, offset in conditions_of(d)[: -len(d.velocities)]:
+        whole = se.Add(offset, *(a * w for a, w in zip(row, d.dots, strict=True)))
+        slopes = {out(w): out(a) for a, w in zip(row, d.dots, strict=True) if a != 0}
+        found.append(_Held(slopes, out(drift(d, d.dots, whole))))
+    return found
+
+
+def _integrals(home: VoronecEquations, meaning: Mapping[Any, Any]) -> dict[str, sp.Expr]:
+    """The declared integrals in all velocities, in normal form where the constraints hold."""
+    d, found = home.definition, {}
+    conditions = (*d.constraints.expressions(d.dots), *d.differentiated.expressions(d.dots))
+    ground = replace(home.raw.form, velocities=d.dots, relations=(*d.relations, *conditions))
+    names = zip(home.system.invariant_symbols, home.system.invariants.values(), strict=True)
+    spelled = {**meaning, **dict(names)}
+    for name, claim in home.system.integrals.items():
+        written = as_expression(right_of(claim)).xreplace(spelled)
+        found[name] = written.xreplace(meaning)
+        with suppress(EngineLimit):
+            short = canonical_for_numbers([d.door.inward(found[name])], ground)[0]
+            found[name] = d.door.outward(short)
+    return found
+
+
+# -- in the velocities of a frame and others beside them ------------------------------------
+
+
+@dataclass(frozen=True)
+class _Declared:
+    """A system whose frame has velocities beside its own, without as many of its last
+    constraints."""
 
     home: VoronecEquations
-    declared: bool
+    frame: Frame
 
     @property
-    def system(self) -> System:
-        """The system."""
-        return self.home.system
-
-    @cached_property
     def count(self) -> int:
         """How many constraints are released."""
-        frame = self.system.frame
-        return len(frame.beside) if self.declared and frame else len(self.system.constraints)
-
-    @property
-    def meaning(self) -> Mapping[Any, sp.Expr]:
-        """Velocities of home that are none of these, as functions of these."""
-        frame = self.system.frame
-        if self.declared or frame is None:
-            return {}
-        return dict(zip(frame.velocities, frame.expressions, strict=True))
+        return len(self.frame.beside)
 
     @cached_property
     def free(self) -> System:
         """The system without the constraints."""
-        home, k = self.system, self.count
+        home, k = self.home.system, self.count
         charts = {
             name: replace(chart, changes={n: self._release(n, x) for n, x in chart.changes.items()})
             for name, chart in home.charts.items()
         }
         base, fibre = home.fibration.base, home.fibration.fibre
-        own = spell_out(home, None if self.declared else home.frame)
+        parts = {n: self._release(n, x) for n, x in spell_out(home, None).items()}
         return bare(
-            home, home.name, **{n: self._release(n, x) for n, x in own.items()}, charts=charts,
+            home, home.name, **parts, charts=charts, invariants=home.invariants,
             fibration=Fibration((*base, *fibre[-k:]), fibre[:-k]),
-            frame=self._release("frame", home.frame),
-            invariants=home.invariants if self.declared else {},
+            frame=self._release("frame", self.frame),
         )  # fmt: skip
 
     def _release(self, part: str, declared: Any) -> Any:
         """A part of what a system declares, where its last constraints are released."""
         if part == "constraints":
             return tuple(declared)[: -self.count]
-        if part != "frame":
-            return declared
-        return Frame.quasi(declared.definitions) if self.declared else None
+        return Frame.quasi(declared.definitions) if part == "frame" else declared
 
     @cached_property
     def motions(self) -> Motions:
@@ -212,7 +280,7 @@ class _FreeSystem:
     @cached_property
     def constraints(self) -> list[Any]:
         """The released constraints c as functions of its state."""
-        given = spell_out(self.system, self.system.frame)["constraints"][-self.count :]
+        given = spell_out(self.home.system, self.frame)["constraints"][-self.count :]
         own = [self.motions.on_coordinates.read(c) for c in given]
         if not self.free.invariants:
             return own
@@ -221,62 +289,47 @@ class _FreeSystem:
             raise EngineLimit("a constraint has no expression in the invariants")
         return found
 
-    @cached_property
-    def reactions(self) -> list[Any]:
-        """a^T lambda along each of the velocities w, with distances of places as they stand."""
-        letters = self._letters
-        flow, k = self.flow.in_letters(letters), self.count
-        held = [letters.hide(c) for c in self.constraints]
-        rows = [[c.diff(w) for w in flow.velocities] for c in held]
-        columns = [[*(row[i] for row in rows), f] for i, f in enumerate(flow.force)]
-        solved = flow.solve(columns)  # M^-1 a^T, and M^-1 f as the last column
-        products = [
-            [se.Add(*[a * x[j] for a, x in zip(row, solved, strict=True)]) for j in range(k + 1)]
-            for row in rows
-        ]
-        right = [[-p[-1] - flow.at_rest(c)] for p, c in zip(products, held, strict=True)]
-        forces = solve_linear([p[:-1] for p in products], right, flow.relations).values
-        pushed = [
-            se.Add(*[row[i] * x[0] for row, x in zip(rows, forces, strict=True)])
-            for i in range(len(flow.velocities))
-        ]
-        return [letters.show(e) for e in canonical(pushed, flow.relations)]
-
-    @property
-    def _letters(self) -> StandIns:
-        """Letters for the distances of places, powers and products of which are taken."""
-        form = self.flow.form
-        held = [*self.flow.entries, *self.constraints]
-        return StandIns.of(held, form, form.velocities) | StandIns.of_distances(held, form)
-
     @property
     def formulation(self) -> Formulation:
         """The equations with the reactions, and how their velocities follow from those of home."""
-        meaning = {se.Symbol(n): self._inward(g) for n, g in self.free.invariants.items()}
-        charts = {
-            name: replace(chart, changes={**chart.changes, "forces": {
-                **chart.changes.get("forces", self.free.forces),
-                **self._forces({x: self._in_chart(e, chart) for x, e in meaning.items()}),
-            }})
-            for name, chart in self.free.charts.items()
-        }  # fmt: skip
+        free = self.free
+        impulses = _impulses(free, self.count)
+        speeds = _impulses(bare(free, free.name, inputs=(*free.inputs, *impulses)), self.count)
+        meaning = {se.Symbol(n): self._inward(g) for n, g in free.invariants.items()}
+
+        def forces(given: Mapping[Any, Any], meaning: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
+            out, held = self.motions.equations.door.outward, []
+            for c in self.constraints:
+                pairs = zip(free.velocities, self.flow.velocities, strict=True)
+                slopes = {w: out(c.diff(v).xreplace(meaning)) for w, v in pairs if c.diff(v) != 0}
+                held.append(_Held(slopes, out(self.flow.at_rest(c).xreplace(meaning))))
+            return _pushed(given, held, impulses, False)
+
+        def framed(own: Any) -> Frame:
+            return Frame.quasi(
+                own.definitions | dict(zip(speeds, map(velocity, impulses), strict=True))
+            )
+
+        charts = {}
+        for name, chart in free.charts.items():
+            there = {x: self._in_chart(e, chart) for x, e in meaning.items()}
+            changes = {
+                **chart.changes,
+                "forces": forces(chart.changes.get("forces", free.forces), there),
+            }
+            if "frame" in changes:
+                changes["frame"] = framed(changes["frame"])
+            charts[name] = replace(chart, changes=changes)
         system = replace(
-            self.free, forces={**self.free.forces, **self._forces(meaning)}, charts=charts,
+            free, forces=forces(free.forces, meaning), charts=charts, frame=framed(self.frame),
+            fibration=Fibration((*free.fibration.base, *impulses), free.fibration.fibre),
             integrals=self._integrals(),
         )  # fmt: skip
-        below, frame = Motions.of(self.home).on_coordinates, system.frame
-        named = frame.expressions if frame is not None else self.free.velocities
-        own = {*self.system.velocities}
-        fresh = {w: e for w, e in zip(self.free.velocities, named, strict=True) if w not in own}
+        below, own = Motions.of(self.home).on_coordinates, {*self.home.system.velocities}
+        fresh = {w: e for w, e in self.frame.definitions.items() if w not in own}
         found = canonical_for_numbers([below.read(e) for e in fresh.values()], below.form)
         beside = {plain_name(w): below.door.outward(e) for w, e in zip(fresh, found, strict=True)}
-        return Formulation(self.home, derive(system), beside, self.meaning)
-
-    def _forces(self, meaning: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
-        """The reactions in the user's symbols, by velocity, with the meaning of invariants."""
-        names, out = self.free.velocities, self.motions.equations.door.outward
-        pushed = zip(names, self.reactions, strict=True)
-        return {w: out(e.xreplace(dict(meaning))) for w, e in pushed if e != 0}
+        return Formulation(self.home, derive(system), beside, {})
 
     def _in_chart(self, expr: Any, chart: Any) -> Any:
         """A function of the coordinates as one of those of a chart."""
@@ -292,12 +345,8 @@ class _FreeSystem:
         """The declared integrals in the velocities w."""
         door, form = self.motions.equations.door, self.flow.form
         ground = replace(form, relations=(*form.relations, *self.constraints))
-        spelled = dict(self.meaning)
-        if not self.declared:
-            names = zip(self.system.invariant_symbols, self.system.invariants.values(), strict=True)
-            spelled |= dict(names)
         found = {}
-        for name, claim in self.system.integrals.items():
-            inside = door.inward(as_expression(right_of(claim)).xreplace(spelled))
+        for name, claim in self.home.system.integrals.items():
+            inside = door.inward(as_expression(right_of(claim)))
             found[name] = door.outward(canonical_for_numbers([inside], ground)[0])
         return found
