@@ -107,7 +107,6 @@ def test_a_blade_is_steered_by_a_table(method: str) -> None:
         tol=1e-20 if method == "flint" else 1e-13, inputs={u: ([0, 4], [FIRST, FIRST + 4 * SPIN])},
     )  # fmt: skip
     assert abs(complex(run["x"][-1], run["y"][-1]) - along(0, 1, 0, 4)) < TOLERANCE
-    assert run.cost.switches > 4
 
 
 @pytest.mark.parametrize("method", ["heyoka", "scipy", "lsoda", "c"])

@@ -8,7 +8,7 @@ Claims and relations are statements about such fields.  Everything here is insid
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -23,7 +23,6 @@ from voronec.algebra.normal import canonical
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.rank import generic_rows
 from voronec.algebra.roots import known_sign
-from voronec.algebra.stand_ins import StandIns
 from voronec.algebra.tape import Tape
 from voronec.algebra.terms import atoms
 from voronec.algebra.verdicts import Verdict
@@ -94,15 +93,6 @@ class VectorField(EquationsOfMotion):
     determinant: Any = None
     turning: tuple[tuple[Any, ...], ...] = ()
     conditions: tuple[Any, ...] = ()
-
-    def in_letters(self, letters: StandIns) -> VectorField:
-        """The field with letters in powers and products of the sums that they stand for."""
-        return replace(
-            self,
-            rates=tuple(map(letters.hide, self.rates)),
-            mass=tuple(tuple(map(letters.hide, row)) for row in self.mass),
-            force=tuple(map(letters.hide, self.force)),
-        )
 
     @property
     def hypotheses(self) -> tuple[Any, ...]:

@@ -405,8 +405,13 @@ def _solved_form(equations: DerivedEquations) -> FirstOrderForm | None:
         return None
     form, field = equations.exact.form, on_coordinates(equations)
     letters = StandIns.of(form.expressions, form, form.velocities)
+    hidden = replace(
+        field,
+        mass=tuple(tuple(map(letters.hide, row)) for row in field.mass),
+        force=tuple(map(letters.hide, field.force)),
+    )
     try:
-        short = shortest(field.in_letters(letters).accelerations, form.relations, form.velocities)
+        short = shortest(hidden.accelerations, form.relations, form.velocities)
     except EngineLimit:
         return None
     rates = tuple(map(letters.show, short))

@@ -528,14 +528,6 @@ class SplitGround:
             found |= dict.fromkeys(factors_of(inside))
         return tuple(found)
 
-    def may_be_dependent(self, start: np.ndarray) -> bool:
-        """Whether there are places where the coordinates are good and the constraints dependent."""
-        A, form = se.DenseMatrix(self.home.definition.constraints.matrix), self.home.raw.form
-        states = (*form.coordinates, *form.velocities)
-        below = quantities(form, {f"start {x}": x for x in states})
-        volume = (A * A.transpose()).det()
-        return bool(self._crossing_divisors([volume], form, below, start))
-
     def _crossing_divisors(
         self, found: list[Any], form: FirstOrderForm, below: Program, start: np.ndarray
     ) -> list[Divisor]:

@@ -11,7 +11,7 @@ c' without the accelerations.  The motion keeps c; nothing divides by what vanis
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -24,6 +24,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.angles import Angles
+from voronec.algebra.door import Door
 from voronec.algebra.normal import canonical, canonical_for_numbers
 from voronec.algebra.rank import generic_rows
 from voronec.algebra.symbols import plain_name, velocity
@@ -32,6 +33,7 @@ from voronec.declaration.claims import right_of
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.system import System, bare, system_in
 from voronec.equations.definition import Definition, read
+from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.motions import Motions
 from voronec.equations.program.walls import is_rough
 from voronec.equations.reduction import in_invariants
@@ -155,15 +157,16 @@ class _Held:
 
 
 def _pushed(
-    forces: Mapping[Any, Any], held: Sequence[_Held], impulses: Sequence[Any], massless: bool
+    forces: Mapping[Any, Any], held: Sequence[_Held], sums: Sequence[Any], massless: bool
 ) -> dict[Any, sp.Expr]:
-    """Forces with the reactions of constraints, those along the impulses among them.
+    """Forces with the reactions of constraints, those along the ``sums`` among them, coordinates
+    whose velocities are the impulses of the reactions.
 
     Where some velocities are ``massless`` the rates of the constraints, which vanish, give them
     inertia.
     """
     found = {q: as_expression(e) for q, e in forces.items()}
-    for constraint, p in zip(held, impulses, strict=True):
+    for constraint, p in zip(held, sums, strict=True):
         rate = sp.Add(constraint.rest, *(a * velocity(w) for w, a in constraint.slopes.items()))
         for w, a in constraint.slopes.items():
             pull = velocity(velocity(p)) + (rate if massless else 0)
@@ -179,10 +182,11 @@ def _on_coordinates(home: VoronecEquations) -> Formulation:
     system, frame, d = home.system, home.system.frame, home.definition
     mass = [[d.lagrangian.diff(u).diff(w) for u in d.dots] for w in d.dots]
     massless = len(generic_rows(mass, d.relations)) < len(mass)
-    impulses = _impulses(system, len(d.constraints.matrix) + len(d.differentiated.matrix))
+    count = len(d.constraints.matrix) + len(d.differentiated.matrix)
+    sums = _fresh(system, "sum", count)
 
     def free(parts: Mapping[str, Any], there: Definition) -> dict[str, Any]:
-        forces = _pushed(parts["forces"], _held(there), impulses, massless)
+        forces = _pushed(parts["forces"], _held(there), sums, massless)
         return {"lagrangian": parts["lagrangian"], "constraints": (), "forces": forces}
 
     charts = {
@@ -191,16 +195,19 @@ def _on_coordinates(home: VoronecEquations) -> Formulation:
     }
     moved = bare(
         system, system.name, **free(spell_out(system, frame), d), frame=None,
-        fibration=Fibration((*system.coordinates, *impulses)), charts=charts,
+        fibration=Fibration((*system.coordinates, *sums)), charts=charts,
     )  # fmt: skip
     meaning = {} if frame is None else dict(zip(frame.velocities, frame.expressions, strict=True))
-    equations = derive(replace(moved, integrals=_integrals(home, meaning)))
-    return Formulation(home, equations, {}, meaning)
+    named = dict(zip(system.invariant_symbols, system.invariants.values(), strict=True))
+    conditions = (*d.constraints.expressions(d.dots), *d.differentiated.expressions(d.dots))
+    form = replace(home.raw.form, velocities=d.dots)
+    integrals = _integrals(system, d.door, {**meaning, **named}, form, conditions)
+    return Formulation(home, derive(replace(moved, integrals=integrals)), {}, meaning)
 
 
-def _impulses(system: System, count: int) -> list[sp.Symbol]:
+def _fresh(system: System, title: str, count: int) -> list[sp.Symbol]:
     taken = {plain_name(s) for s in system.known_symbols()}
-    return [fresh_symbol(f"impulse{i + 1}", taken) for i in range(count)]
+    return [fresh_symbol(f"{title}{i + 1}", taken) for i in range(count)]
 
 
 def _held(d: Definition) -> list[_Held]:
@@ -213,19 +220,21 @@ def _held(d: Definition) -> list[_Held]:
     return found
 
 
-def _integrals(home: VoronecEquations, meaning: Mapping[Any, Any]) -> dict[str, sp.Expr]:
-    """The declared integrals in all velocities, in normal form where the constraints hold."""
-    d, found = home.definition, {}
-    conditions = (*d.constraints.expressions(d.dots), *d.differentiated.expressions(d.dots))
-    ground = replace(home.raw.form, velocities=d.dots, relations=(*d.relations, *conditions))
-    names = zip(home.system.invariant_symbols, home.system.invariants.values(), strict=True)
-    spelled = {**meaning, **dict(names)}
-    for name, claim in home.system.integrals.items():
-        written = as_expression(right_of(claim)).xreplace(spelled)
-        found[name] = written.xreplace(meaning)
+def _integrals(
+    system: System,
+    door: Door,
+    meaning: Mapping[Any, Any],
+    form: FirstOrderForm,
+    held: Iterable[Any],
+) -> dict[str, sp.Expr]:
+    """The declared integrals in the velocities of a form, in normal form where constraints that
+    are ``held`` vanish; ``meaning`` are velocities of the system as functions of these."""
+    ground, found = replace(form, relations=(*form.relations, *held)), {}
+    for name, claim in system.integrals.items():
+        found[name] = as_expression(right_of(claim)).xreplace(meaning).xreplace(meaning)
         with suppress(EngineLimit):
-            short = canonical_for_numbers([d.door.inward(found[name])], ground)[0]
-            found[name] = d.door.outward(short)
+            short = canonical_for_numbers([door.inward(found[name])], ground)[0]
+            found[name] = door.outward(short)
     return found
 
 
@@ -293,8 +302,7 @@ class _Declared:
     def formulation(self) -> Formulation:
         """The equations with the reactions, and how their velocities follow from those of home."""
         free = self.free
-        impulses = _impulses(free, self.count)
-        speeds = _impulses(bare(free, free.name, inputs=(*free.inputs, *impulses)), self.count)
+        sums, impulses = (_fresh(free, title, self.count) for title in ("sum", "impulse"))
         meaning = {se.Symbol(n): self._inward(g) for n, g in free.invariants.items()}
 
         def forces(given: Mapping[Any, Any], meaning: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
@@ -303,11 +311,11 @@ class _Declared:
                 pairs = zip(free.velocities, self.flow.velocities, strict=True)
                 slopes = {w: out(c.diff(v).xreplace(meaning)) for w, v in pairs if c.diff(v) != 0}
                 held.append(_Held(slopes, out(self.flow.at_rest(c).xreplace(meaning))))
-            return _pushed(given, held, impulses, False)
+            return _pushed(given, held, sums, False)
 
         def framed(own: Any) -> Frame:
             return Frame.quasi(
-                own.definitions | dict(zip(speeds, map(velocity, impulses), strict=True))
+                own.definitions | dict(zip(impulses, map(velocity, sums), strict=True))
             )
 
         charts = {}
@@ -322,8 +330,10 @@ class _Declared:
             charts[name] = replace(chart, changes=changes)
         system = replace(
             free, forces=forces(free.forces, meaning), charts=charts, frame=framed(self.frame),
-            fibration=Fibration((*free.fibration.base, *impulses), free.fibration.fibre),
-            integrals=self._integrals(),
+            fibration=Fibration((*free.fibration.base, *sums), free.fibration.fibre),
+            integrals=_integrals(
+                self.home.system, self.motions.equations.door, {}, self.flow.form, self.constraints
+            ),
         )  # fmt: skip
         below, own = Motions.of(self.home).on_coordinates, {*self.home.system.velocities}
         fresh = {w: e for w, e in self.frame.definitions.items() if w not in own}
@@ -340,13 +350,3 @@ class _Declared:
 
     def _inward(self, expr: Any) -> Any:
         return self.motions.equations.door.inward(expr)
-
-    def _integrals(self) -> dict[str, sp.Expr]:
-        """The declared integrals in the velocities w."""
-        door, form = self.motions.equations.door, self.flow.form
-        ground = replace(form, relations=(*form.relations, *self.constraints))
-        found = {}
-        for name, claim in self.home.system.integrals.items():
-            inside = door.inward(as_expression(right_of(claim)))
-            found[name] = door.outward(canonical_for_numbers([inside], ground)[0])
-        return found
