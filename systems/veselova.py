@@ -34,7 +34,10 @@ SYSTEM = System(
     "a direction fixed in space.",
     sketch=kinematics.pinned_sketch((phi, theta, psi), still="no turn about the vertical"),
     fibration=Fibration(base=(theta, psi), fibre=(phi,)),
-    frame=Frame.quasi(dict(zip((w1, w2), rotation.body_rates[:2], strict=True))),
+    frame=Frame.quasi(
+        dict(zip((w1, w2), rotation.body_rates, strict=False)),
+        beside={sp.Symbol("omega3"): rotation.body_rates[2]},
+    ),
     lagrangian=kinetic_energy(0, (0, 0, 0), moments, rotation.body_rates),
     constraints=(rotation.space_rates[2],),
     parameters=Parameter.each(

@@ -76,6 +76,10 @@ MEANT = {
         {"parameters": (x,)}, ["'x' is used twice", "a coordinate and a parameter"],
     ),
     "parameter and time": ({"parameters": (time,)}, ["'t'", "the time"]),
+    "unknown beside the frame": ({"frame": Frame.quasi(QUASI, {z: Dx + k})}, ["'z'", "'k'"]),
+    "too many beside the frame": (
+        {"frame": Frame.quasi(QUASI, {z: Dx, k: Dx})}, ["2 velocities beside"],
+    ),
     "quasi-velocity and velocity": ({"frame": Frame.quasi({Dx: Dx, w: Dphi})}, ["'xdot'", "twice"]),
     "no inertia": ({"lagrangian": (Dx**2 + Dy**2) / 2}, ["mass matrix is singular", "'phidot'"]),
     "no inertia in a combination": (

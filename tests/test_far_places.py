@@ -86,6 +86,9 @@ SYSTEMS: dict[str, Callable[[Any], vo.System]] = {
     "a blade in a bowl": lambda a: sleigh((a**2 + y**2) ** 2 / 4),
     "a constraint": lambda a: blade(velocity(y) - a**3 * velocity(phi), a=a),
     "a quotient": lambda a: blade(velocity(y) * (1 + a**2) - 2 * a * velocity(phi), a=a),
+    "a frame that fails": lambda a: blade(
+        velocity(y) * sp.cos(phi) - (1 + a**2) * v * sp.sin(phi), a=a
+    ),
     "a constraint that moves": lambda a: blade(velocity(y) - a**2 * velocity(phi) - a * t, a=a),
     "quasi-velocities": lambda a: blade(
         velocity(y) * sp.cos(phi) - v * sp.sin(phi),

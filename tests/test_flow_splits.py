@@ -117,7 +117,7 @@ def test_a_run_passes_where_its_split_is_singular(name: str) -> None:
         for method, tol in METHODS if points == 2 else METHODS[:1]:
             run = vo.integrate(system, times=times, initial=start, method=method, tol=tol)
             assert worst(run, truth) < 1e-10, (method, tol)
-            assert run.cost.switches > 0
+            assert run.cost.switches == 0  # one formulation leads all the way
 
 
 @pytest.mark.parametrize("name", KNOWN)
@@ -130,19 +130,62 @@ def test_rolling_without_twist_passes_the_equator(name: str) -> None:
         run = vo.integrate(equations, times=times, initial=start, method=method, tol=tol)
         assert worst(run, truth) < 2e-10, (method, tol)
         assert max(run.drift.values()) < 1e-10
+        assert run.names == tuple(map(str, (*equations.coordinates, *equations.velocities)))
+
+
+@pytest.mark.parametrize(("method", "tol"), [("heyoka", 1e-13), ("scipy", 1e-13), ("auto", 1e-30)])
+def test_velocities_beside_a_frame_are_taken_where_it_fails(method: str, tol: float) -> None:
+    """A skate draws a circle; heading along y its speed along x tells nothing, and gives 0/0."""
+    x, y, phi, u, v, w = sp.symbols("x y phi u v w")
+    skate = vo.System(
+        name="skate",
+        fibration=vo.Fibration(base=(x, phi), fibre=(y,)),
+        frame=vo.Frame.quasi({u: velocity(x), w: velocity(phi)}, beside={v: velocity(y)}),
+        lagrangian=sum(velocity(q) ** 2 for q in (x, y, phi)) / 2,
+        constraints=(velocity(x) * sp.sin(phi) - velocity(y) * sp.cos(phi),),
+        integrals={"energy": ((u / sp.cos(phi)) ** 2 + w**2) / 2},
+    )
+    start = {u: sp.Rational(8, 5), w: 1, phi: sp.asin(sp.Rational(3, 5))}
+    times = np.linspace(0, 9, 7)
+    found = vo.integrate(skate, initial=start, times=times, method=method, tol=tol)
+    assert found.cost.switches == 0 and found.names == ("x", "phi", "y", "u", "w")
+    assert found.drift["energy"] < 100 * tol
+    with mpmath.workdps(60):
+        angles = [mpmath.asin(mpmath.mpf(3) / 5) + mpmath.mpf(float(t)) for t in found.t]
+        for place, angle in zip(found["x"], angles, strict=True):
+            assert abs(place - 2 * (mpmath.sin(angle) - mpmath.mpf(3) / 5)) < 1e3 * tol
+    upright = {phi: sp.pi / 2, velocity(y): 1, w: 1}
+    half = vo.Event(x + sp.Rational(1, 2), name="half")
+    found = vo.integrate(skate, initial=upright, times=times, events=(half,), dense=True)
+    assert found.events["half"].t[0] == pytest.approx(np.pi / 3, abs=1e-12)
+    assert found.at([1.0])["u"] == pytest.approx(-np.sin(1.0), abs=1e-12)
+    assert found.integrals["energy"] == pytest.approx(1.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("beside", [{"u1": 1e-6}, {"u": np.pi - 1e-6}])
+def test_a_ball_passes_its_equator_after_a_start_beside_a_pole(beside: dict[str, float]) -> None:
+    ball = vo.load("rubber-ball-on-sphere")
+    start = {"u": 1.0, "v": -0.4, "theta": 0.5, "u1": 0.9, "v1": 0.1, "omega1": 0.9, "omega2": -1.1}
+    run, sharp = (
+        vo.integrate(ball, initial={**start, **beside}, times=[0, 6, 12], tol=tol)
+        for tol in (1e-13, 1e-20)
+    )
+    for name in start:
+        assert np.abs(run[name] - sharp[name].astype(float)).max() < 1e-11, name
 
 
 def test_a_split_is_derived_once_for_all_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    equations, start = vo.derive(vo.load("veselova")), KNOWN["veselova"]
-    first = vo.integrate(equations, times=[0.0, -9.0], initial=start)
+    equations = vo.derive(vo.load("veselova-in-rn"))
+    start = {"gamma1": 0.6, "gamma2": 0.48, "gamma4": 0.64, "Omega14": 1, "Omega24": -0.5}
+    first = vo.integrate(equations, times=[0.0, 9.0], initial=start)
     monkeypatch.setattr(split_models, "Derivation", None)
-    again = vo.integrate(equations, times=[0.0, -9.0], initial=start)
+    again = vo.integrate(equations, times=[0.0, 9.0], initial=start)
     assert again.cost.switches == first.cost.switches > 0
     for name in start:
         assert (again[name] == first[name]).all()
 
 
-def test_many_changes_of_the_split_lose_no_digits() -> None:
+def test_a_frame_that_fails_all_the_time_loses_no_digits() -> None:
     # near a great circle of the sphere one of gamma1, gamma2, gamma3 is small all the time
     equations = vo.derive(vo.load("veselova-in-new-time"))
     start = {
@@ -153,14 +196,14 @@ def test_many_changes_of_the_split_lose_no_digits() -> None:
     truth = multiplier_motion(equations.system, all_velocities(equations.system, start), times)
     for tol, drift in ((1e-10, 1e-9), (1e-13, 1e-11)):
         run = vo.integrate(equations, times=times, initial=start, method="heyoka", tol=tol)
-        assert run.cost.switches > 100
+        assert run.cost.switches == 0
         assert worst(run, truth) < 5e-8, tol  # the truth drifts by 1.2e-8
         assert max(run.drift.values()) < drift, tol
 
 
 @pytest.mark.parametrize("tol", [1e-30, 1e-50])
-def test_changes_of_the_split_lose_no_digits_in_any_precision(tol: float) -> None:
-    """A skate that turns evenly draws a circle; the instants of its changes are no doubles."""
+def test_a_split_that_fails_loses_no_digits_in_any_precision(tol: float) -> None:
+    """A skate that turns evenly draws a circle; its start is no double."""
     x, y, phi = sp.symbols("x y phi")
     skate = vo.System(
         name="skate",
@@ -171,7 +214,7 @@ def test_changes_of_the_split_lose_no_digits_in_any_precision(tol: float) -> Non
     start = {velocity(x): sp.Rational(8, 5), velocity(y): sp.Rational(6, 5), velocity(phi): 1}
     start[phi] = sp.asin(sp.Rational(3, 5))
     found = vo.integrate(skate, initial=start, times=np.linspace(0, 9, 7), tol=tol)
-    assert found.cost.switches > 4
+    assert found.cost.switches == 0
     with mpmath.workdps(60):
         angles = [mpmath.asin(mpmath.mpf(3) / 5) + mpmath.mpf(float(t)) for t in found.t]
         for place, angle in zip(found["x"], angles, strict=True):
@@ -210,7 +253,7 @@ def test_a_run_begins_about_the_level_of_its_watch(method: str, part: float) -> 
     times = np.linspace(0, 0.4, 9)
     found = vo.integrate(system, initial=start, times=times, method=method)
     truth = vo.integrate(system, initial=start, times=times, tol=1e-25)
-    assert found.cost.switches and found["gamma3"].min() < 0
+    assert found["gamma3"].min() < 0
     for name in start:
         assert np.abs(found[name] - truth[name].astype(float)).max() < 1e-10
 
@@ -265,7 +308,7 @@ def test_a_divisor_may_touch_zero_and_keep_its_sign() -> None:
     truth = multiplier_motion(system, all_velocities(system, start), times)
     assert 0 < np.pi - truth[list(system.coordinates).index(phi), -1] < 1e-4
     run = vo.integrate(system, times=times, initial=start)
-    assert worst(run, truth) < 1e-11 and run.cost.switches > 0
+    assert worst(run, truth) < 1e-11
 
 
 def test_harmless_divisors_are_not_watched() -> None:
@@ -423,7 +466,7 @@ def test_whether_a_motion_is_followed_hangs_on_no_sample(
     truth = multiplier_motion(make(), all_velocities(make(), start), times)
     for seed in samples(monkeypatch, 4):
         run = vo.integrate(make(), times=times, initial=start, method="scipy")
-        assert worst(run, truth) < 1e-10 and run.cost.switches > 0, seed
+        assert worst(run, truth) < 1e-10, seed
 
 
 BLADE_START = {"y": 1.093, "phi": -1.457, "x": 0.519, "ydot": -0.149, "phidot": 1.294}
@@ -510,23 +553,32 @@ def test_a_run_ends_where_no_split_leads_on(monkeypatch: pytest.MonkeyPatch) -> 
     assert cost.switches < 20 and cost.steps < 20_000
 
 
-def needle() -> vo.System:
-    """A free point with x y' = y z': no condition at all where x = y = 0."""
+def needle(friction: sp.Expr | int = 0) -> vo.System:
+    """A point with x y' = y z': no condition at all where x = y = 0."""
     x, y, z = sp.symbols("x y z")
     Dx, Dy, Dz = map(vo.velocity, (x, y, z))
     return vo.System(
         name="needle", fibration=vo.Fibration(base=(x, y), fibre=(z,)),
         lagrangian=(Dx**2 + Dy**2 + Dz**2) / 2, constraints=(x * Dy - y * Dz,),
+        forces={x: -friction * sp.sign(Dx)},
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("tol", [1e-13, 1e-18])
-@pytest.mark.parametrize("aside", [0.2, 0.004])
-def test_a_run_says_where_rounding_outgrows_its_tolerance(aside: float, tol: float) -> None:
+@pytest.mark.parametrize("aside", [0.2, 0.004, 0.002])
+def test_a_run_close_to_where_constraints_are_dependent_loses_no_digits(aside: float) -> None:
     start = {"x": -1.0, "y": aside, "z": 0.0, "xdot": 1.0, "ydot": aside / 10}
-    run = vo.integrate(needle(), initial=start, times=[0, 2], tol=tol)
+    run, sharp = (
+        vo.integrate(needle(), initial=start, times=[0, 2], tol=tol) for tol in (1e-13, 1e-22)
+    )
+    assert np.abs(run.state - sharp.state.astype(float)).max() < 1e-13
+
+
+@pytest.mark.parametrize("aside", [0.2, 0.004])
+def test_a_run_says_where_rounding_outgrows_its_tolerance(aside: float) -> None:
+    start = {"x": -1.0, "y": aside, "z": 0.0, "xdot": 1.0, "ydot": aside / 10}
+    run = vo.integrate(needle(sp.Rational(1, 1000)), initial=start, times=[0, 2])
     said = [note for note in run.notes if "lost there by rounding" in note]
-    assert len(said) == (aside < 0.1 and tol > 1e-16)
+    assert len(said) == (aside < 0.1)
     assert all("up to 1e-10" in note and "at t = 0.99" in note for note in said)
 
 

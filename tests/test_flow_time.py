@@ -74,7 +74,7 @@ def test_a_table_pushes_a_skate_through_its_singular_heading(method: str, end: f
         inputs={u: vo.Table(KNOTS, VALUES, "held")}, outputs=("x", "y", "u"), dense=True,
     )  # fmt: skip
     place = complex(run["x"][-1], run["y"][-1])
-    assert abs(place - pushed(KNOTS, VALUES, end)) < TOLERANCE and run.cost.switches > 4
+    assert abs(place - pushed(KNOTS, VALUES, end)) < TOLERANCE
     inside = run.at([end / 3])
     place = complex(inside["x"][0], inside["y"][0])
     assert abs(place - pushed(KNOTS, VALUES, end / 3)) < TOLERANCE
@@ -107,7 +107,6 @@ def test_a_blade_is_steered_by_a_table(method: str) -> None:
         tol=1e-20 if method == "flint" else 1e-13, inputs={u: ([0, 4], [FIRST, FIRST + 4 * SPIN])},
     )  # fmt: skip
     assert abs(complex(run["x"][-1], run["y"][-1]) - along(0, 1, 0, 4)) < TOLERANCE
-    assert run.cost.switches > 4
 
 
 @pytest.mark.parametrize("method", ["heyoka", "scipy", "lsoda", "c"])
@@ -124,7 +123,6 @@ def test_the_time_turns_a_blade(method: str, turn: float, mu: float) -> None:
         )  # fmt: skip
         place = along(-mu, 1, 0, end, turn + 0.5)
         assert abs(complex(run["x"][-1], run["y"][-1]) - place) < TOLERANCE
-        assert run.cost.switches > 0
 
 
 @pytest.mark.parametrize("method", ["heyoka", "scipy"])

@@ -151,7 +151,7 @@ def test_where_a_skate_on_a_slope_is_not_pressed_aside_in_all_splits() -> None:
         events="reaction 1", outputs=("reaction 1", phi),
     )  # fmt: skip
     found = run.events["reaction 1"]
-    assert run.cost.switches and np.abs(found["reaction 1"]).max() < 1e-12
+    assert np.abs(found["reaction 1"]).max() < 1e-12
     assert np.count_nonzero(np.diff(np.sign(run["reaction 1"]))) == len(found) == 4
 
 

@@ -69,7 +69,8 @@ class Frame:
 
     The frame of a group, ``Frame.group``, is known by ``brackets`` and ``rates`` instead; there
     the definitions are the velocities themselves, and ``fibre`` are those that the constraints
-    determine.
+    determine.  Velocities ``beside`` the frame, with their definitions, follow from it by the last
+    constraints; a run takes them along where the frame fails.
     """
 
     velocities: tuple[sp.Expr, ...]
@@ -79,6 +80,7 @@ class Frame:
     rates: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
     momenta: tuple[sp.Expr, ...] = ()
     determinant: sp.Expr | None = None
+    beside: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         velocities = _names(self.velocities, "frame")
@@ -93,6 +95,10 @@ class Frame:
         object.__setattr__(self, "velocities", velocities)
         object.__setattr__(self, "expressions", read)
         object.__setattr__(self, "fibre", _names(self.fibre, "frame"))
+        beside = fixed_mapping(self.beside, "beside", "velocity: expression")
+        names = _names(tuple(beside), "frame")
+        known = {v: expression(beside[v], f"the definition of '{plain_name(v)}'") for v in names}
+        object.__setattr__(self, "beside", MappingProxyType(known))
         object.__setattr__(self, "momenta", _names(self.momenta, "momenta of the frame"))
         if self.momenta and len(self.momenta) != len(velocities):
             raise DefinitionError(
@@ -142,20 +148,30 @@ class Frame:
         return self.velocities + self.fibre
 
     @property
+    def definitions(self) -> dict[sp.Expr, sp.Expr]:
+        """What its velocities are, and those beside them."""
+        return {**dict(zip(self.velocities, self.expressions, strict=True)), **self.beside}
+
+    @property
     def claim_names(self) -> tuple[sp.Expr, ...]:
         """Names that claims may use: of the momenta, and of the determinant of the mass."""
         return self.momenta if self.determinant is None else (*self.momenta, self.determinant)
 
     @classmethod
-    def quasi(cls, definitions: Mapping[Any, Any]) -> Frame:
+    def quasi(
+        cls, definitions: Mapping[Any, Any], beside: Mapping[Any, Any] | None = None
+    ) -> Frame:
         """The frame whose quasi-velocities are defined by ``{v: expression, ...}``.
 
         Expressions are affine in any velocities, those of the fibre included; together with the
         constraints they must determine all velocities, else ``derive`` raises ``DefinitionError``.
+        They may fail at places, as omega1 and omega2 do where (omega, gamma) = 0 and gamma3 = 0;
+        where these velocities and others ``beside`` them, defined so too, are a frame everywhere
+        without the last of the constraints, as many as there are others, runs pass such places.
         """
         if not isinstance(definitions, Mapping) or not definitions:
             raise DefinitionError("Frame.quasi takes a non-empty mapping {velocity: expression}")
-        return cls(tuple(definitions), tuple(definitions.values()))
+        return cls(tuple(definitions), tuple(definitions.values()), beside=beside or {})
 
     @classmethod
     def group(

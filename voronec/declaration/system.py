@@ -285,7 +285,7 @@ class System:
         functions = [p.symbol for p in self.parameters if not isinstance(p.symbol, sp.Symbol)]
         frame = self.frame
         held = [self.lagrangian, *self.constraints, *self.forces.values()]
-        held += [*self.fibration.relations, *(frame.expressions if frame is not None else ())]
+        held += [*self.fibration.relations, *(frame.definitions.values() if frame else ())]
         held += [e for body in self.bodies for e in body.expressions]
         found = set().union(*map(functions_of_time, held))
         found -= {*self.coordinates, *(frame.ambient if frame is not None else ())}
@@ -684,8 +684,13 @@ def check_frame(system: System) -> None:
     if system.frame.is_group:
         _check_group(system, system.frame)
         return
-    own = set(system.frame.velocities)
-    for v, expr in zip(system.frame.velocities, system.frame.expressions, strict=True):
+    if len(system.frame.beside) > len(system.constraints):
+        raise DefinitionError(
+            f"the frame has {len(system.frame.beside)} velocities beside its own, and the system "
+            f"{len(system.constraints)} constraints; leave out those that no constraint gives"
+        )
+    own = set(system.frame.definitions)
+    for v, expr in system.frame.definitions.items():
         used = sorted(map(plain_name, names_in(expr) & own))
         if used:
             raise DefinitionError(
@@ -730,7 +735,7 @@ def _roles(system: System) -> Iterator[tuple[sp.Expr, str]]:
         yield q, "a coordinate"
     for q in system.coordinates:
         yield velocity(q), "the velocity of a coordinate"
-    for v in system.frame.ambient if system.frame is not None else ():
+    for v in (*system.frame.ambient, *system.frame.beside) if system.frame is not None else ():
         yield v, "a quasi-velocity"
     for name in system.frame.claim_names if system.frame is not None else ():
         yield name, "a name in the frame"
@@ -752,7 +757,7 @@ def _places(system: System) -> Iterator[tuple[str, sp.Expr]]:
     for i, constraint in enumerate(system.constraints):
         yield f"constraint {i + 1}", constraint
     if system.frame is not None:
-        for v, e in zip(system.frame.velocities, system.frame.expressions, strict=True):
+        for v, e in system.frame.definitions.items():
             yield f"the definition of '{v}'", e
         for q, e in system.frame.rates.items():
             yield f"the rate of '{q}'", e

@@ -151,8 +151,10 @@ class RollingBall:
         def of_axes(ball: RollingBall) -> dict[str, Any]:
             normal = dict(zip(GAMMA, ball.normal, strict=True))
             own = ball.energy + dot(momentum, ball.spin)
+            spin = dict(zip(OMEGA, ball.spin, strict=True))
+            beside = {} if twists else {OMEGA[2]: spin.pop(OMEGA[2])}
             return {
-                "frame": Frame.quasi(dict(zip(names, ball.spin, strict=False))),
+                "frame": Frame.quasi(spin, beside),
                 "lagrangian": own - height.xreplace(normal),
             }
 

@@ -31,15 +31,15 @@ from voronec.equations.attitudes import angles_without_chart, euler_angles, with
 from voronec.equations.program import Program
 from voronec.equations.program.python import precision
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.errors import DefinitionError, EngineLimit, IntegrationError
+from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
 from voronec.motion.angle_cuts import CutWatch
 from voronec.motion.atlas import NEAR as CHANGE
 from voronec.motion.atlas import kept_charts
 from voronec.motion.chart_stepper import through_charts
-from voronec.motion.divisors import Divisor, NearDivisor, guard_events, without_guards
+from voronec.motion.divisors import NEAR, Divisor, NearDivisor, guard_events, without_guards
 from voronec.motion.inputs import Drive, drive
 from voronec.motion.methods import CLOSED_FORM, METHODS, choose_regular, is_exact
-from voronec.motion.motion_start import Outset, WideStart
+from voronec.motion.motion_start import FAST, Outset, WideStart
 from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
 from voronec.motion.observables import Watch, evaluate_watch, shown_program
 from voronec.motion.request import (
@@ -378,9 +378,44 @@ class _Request:
                 if any(near.vocabulary.equations is equations for equations in tried):
                     return None
                 tried.append(near.vocabulary.equations)
-                return replace(self, vocabulary=near.vocabulary).through_splits()
+                found = self.in_ambient()
+                return found or replace(self, vocabulary=near.vocabulary).through_splits()
 
         return [partial(attempt, way) for way in ways]
+
+    def in_ambient(self) -> Trajectory | None:
+        """In the ambient formulation; None where there is none, or where it leads no farther."""
+        from voronec.motion.formulation.ambient import ambient_formulation  # few motions need it
+
+        home, time = self.vocabulary, float(self.grid[0])
+        wanted = home.read_outputs(self.outputs)
+        exprs = (*wanted.terms.values(), *self.functions.values())
+        reactions = bool(wanted.reactions) or home.holds_reactions(exprs)
+        formulation = ambient_formulation(home.equations, reactions)
+        if formulation is None:
+            return None
+        vocabulary = formulation.vocabulary(home.inputs)
+        with suppress(VoronecError, NearDivisor):
+            bits = self._start_bits if is_exact(self.method, self.tol) else 0
+            given = formulation.start(home, self.start_data, self.outset, time, bits)
+            outset = Outset.of(vocabulary, given, time, False, self.outset.changing)
+            fastest = (np.abs(x.state).max(initial=1.0) for x in (outset, self.outset))
+            if next(fastest) > FAST * next(fastest):
+                return None  # a slip, which is refused with its velocities
+            there = replace(
+                self, vocabulary=vocabulary, outset=replace(outset, notes=self.outset.notes),
+                outputs=(*self.outputs, *formulation.home_names), start_data=given,
+                functions={n: e.xreplace(vocabulary.inputs) for n, e in self.functions.items()},
+                tol=min(self.tol, max(NEAR * self.tol, EXACT)),
+            )  # fmt: skip
+            ways = (there.in_smallest, there.otherwise, there.on_coordinates)
+            return formulation.to_home(first_success(ways, time), wanted.names)
+        return None
+
+    @property
+    def _start_bits(self) -> int:
+        """In how many bits a start is computed that is exact."""
+        return ceil(-log2(self.tol)) + 2 * MARGIN
 
     def through_splits(self) -> Trajectory:
         """On the coordinates, in one split of the velocities after another."""
@@ -404,7 +439,7 @@ class _Request:
             vocabulary, replace(ground, framed=start.framed), made.watch, made.event_functions,
             start, self.grid,
             self.method, self.tol, self.events, self.dense, self.progress, self.outset.notes,
-            ceil(-log2(self.tol)) + 2 * MARGIN, self.began,
+            self._start_bits, self.began,
         ).trajectory()  # fmt: skip
 
     def in_smallest(self, _: IntegrationError | None) -> Trajectory:

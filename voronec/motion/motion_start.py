@@ -60,7 +60,7 @@ from voronec.motion.split_models import SplitGround
 from voronec.motion.state_probe import StateProbe, quantities, rates_program
 from voronec.motion.steppers.run import Signals
 
-__all__ = ["Exactly", "Outset", "WideStart", "exact_number", "rates_at", "require_inertia"]
+__all__ = ["FAST", "Exactly", "Outset", "WideStart", "exact_number", "rates_at", "require_inertia"]
 
 
 def rates_at(

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
     from voronec.equations.voronec_equations import VoronecEquations
 
-__all__ = ["Multipliers", "conditions_of", "reactions_of_state"]
+__all__ = ["Multipliers", "conditions_of", "drift", "reactions_of_state"]
 
 DEPENDENT = 1e-11
 """A singular value below this part of the largest counts as zero."""
@@ -89,7 +89,7 @@ class Multipliers:
         drifts = []
         for form in conditions:
             terms = (entry * w for entry, w in zip(form, d.dots, strict=False))
-            drifts.append(_drift(d, rates, se.Add(form[-1], *terms)))
+            drifts.append(drift(d, rates, se.Add(form[-1], *terms)))
         flat = [*mass, *_still(d, rates, momenta), *rows, *drifts]
         held = {i: se.sympify(e) for i, e in enumerate(flat)}
         return cls(
@@ -149,13 +149,12 @@ class Multipliers:
         return mass.reshape(-1, size, size), still, left.reshape(-1, rows, size), right
 
 
-def reactions_of_state(equations: VoronecEquations) -> list[Any]:
-    """lambda_k of each constraint k inside the door, in q, w, t and the parameters.
+def reactions_of_state(equations: VoronecEquations, d: Definition) -> list[Any]:
+    """lambda_k of each constraint k of a definition inside the door, in q, w, t and the parameters.
 
     Raises ``DefinitionError`` where they are not unique at generic points, ``EngineLimit`` where
     they are too long.
     """
-    d = equations.definition
     multipliers, kept = Multipliers.of(d), _independent(d)
     total = len(multipliers.entries) + len(multipliers.fixed)
     flat = [multipliers.entries.get(_name(i), multipliers.fixed.get(i)) for i in range(total)]
@@ -250,7 +249,7 @@ def _independent(d: Definition) -> list[int]:
     return [*range(count)]
 
 
-def _drift(d: Definition, rates: Sequence[Any], expr: Any) -> Any:
+def drift(d: Definition, rates: Sequence[Any], expr: Any) -> Any:
     """The time derivative at fixed w."""
     terms = (expr.diff(q) * rate for q, rate in zip(d.coordinates, rates, strict=True))
     return se.Add(expr.diff(d.time), *terms)
@@ -261,7 +260,7 @@ def _still(d: Definition, rates: Sequence[Any], momenta: Sequence[Any]) -> list[
 
     With P = (dL/dq) qdot + dL/dt, d/dt dL/dw^a at fixed w is dP/dw^a - X_a L, since X_a is linear.
     """
-    power = _drift(d, rates, d.lagrangian)
+    power = drift(d, rates, d.lagrangian)
     slopes = [d.lagrangian.diff(q) for q in d.coordinates]
     result = []
     for a, (w, applied) in enumerate(zip(d.dots, d.forces, strict=True)):

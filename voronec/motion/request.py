@@ -34,6 +34,7 @@ from voronec.errors import DefinitionError, did_you_mean, quote
 from voronec.motion.reactions import reactions_of_state
 
 if TYPE_CHECKING:
+    from voronec.equations.definition import Definition
     from voronec.equations.voronec_equations import VoronecEquations
 
 __all__ = [
@@ -398,12 +399,14 @@ class OutputTerms:
 @dataclass(frozen=True)
 class Vocabulary:
     """Names of one system: coordinates, velocities, parameters; what follows from these, such as
-    integrals, invariants, and the dependent velocities and momenta of a group."""
+    integrals, invariants, and the dependent velocities and momenta of a group.  ``released`` is the
+    definition whose constraints react, where the equations are free of them."""
 
     equations: VoronecEquations
     symbols: Mapping[str, sp.Expr]
     claims: Mapping[str, sp.Expr]
     inputs: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
+    released: Definition | None = None
     memo: Memo = field(default_factory=Memo, init=False, repr=False, compare=False)
 
     @classmethod
@@ -461,7 +464,12 @@ class Vocabulary:
         It is the multiplier of ``voronec.reaction_forces``: A^T lambda is what the constraints do,
         in units of dL/dq.
         """
-        return {f"reaction {k + 1}": k for k in range(len(self.equations.system.constraints))}
+        return {f"reaction {k + 1}": k for k in range(len(self.constrained.constraints.matrix))}
+
+    @property
+    def constrained(self) -> Definition:
+        """The definition with the constraints that react."""
+        return self.released or self.equations.definition
 
     @cached_property
     def _reaction_symbols(self) -> tuple[sp.Symbol, ...]:
@@ -594,7 +602,7 @@ class Vocabulary:
         if not self.holds_reactions([spelled]):
             return inside
         found = self.equations.memo.once(
-            "reactions of the state", lambda: reactions_of_state(self.equations)
+            "reactions of the state", lambda: reactions_of_state(self.equations, self.constrained)
         )
         return inside.xreplace(
             dict(zip(map(door.inward, self._reaction_symbols), found, strict=True))

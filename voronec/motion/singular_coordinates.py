@@ -395,7 +395,7 @@ def open_beyond(rows: np.ndarray, blind: np.ndarray) -> np.ndarray:
 def _distances(ground: SplitGround, chart: Chart, wide: np.ndarray) -> tuple[float, float, Any]:
     """How far a wide state is from the singularities of the own coordinates and of a chart, 0 where
     the chart has no value, and df/dq."""
-    found = numbers_of_chart(ground, chart, ground.time, wide.astype(float), slopes=True)
+    found = numbers_of_chart(ground, chart, ground.time, wide.astype(float))
     if found is None:
         return 1.0, 0.0, None
     singular, there, *slopes = found

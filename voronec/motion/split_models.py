@@ -9,9 +9,7 @@ others.  Which do so best is told by the metric
 
 in which units and coordinates play no part: of the covectors dw, at unit length, those whose
 restrictions to the admissible velocities are farthest from being dependent.  For each choice the
-equations are derived anew, exactly, with pivots that are well conditioned at that point.  Where the
-coordinates are singular g is, too; there the choice is made in a chart, among the velocities that
-are the same in both.
+equations are derived anew, exactly, with pivots that are well conditioned at that point.
 """
 
 from __future__ import annotations
@@ -35,12 +33,12 @@ from voronec.algebra.text import as_expression
 from voronec.declaration.charts import Chart
 from voronec.declaration.derivatives import derivative
 from voronec.declaration.geometry import Fibration, Frame
-from voronec.declaration.system import System, bare, system_in
+from voronec.declaration.system import System, bare
 from voronec.equations.definition import Definition, read
 from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.equations.program import Program, compile_program
 from voronec.equations.program.python import compiled_digits
-from voronec.equations.voronec_equations import VoronecEquations, derive
+from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import EngineLimit, VoronecError
 from voronec.motion.divisors import (
     CLEAR,
@@ -66,7 +64,16 @@ from voronec.motion.reactions import Multipliers, conditions_of
 from voronec.motion.state_probe import quantities, usual_size
 from voronec.motion.steppers.run import Signals, constants_along
 
-__all__ = ["Geometry", "SplitGround", "SplitModel", "candidates", "divisor_program"]
+__all__ = [
+    "Geometry",
+    "SplitGround",
+    "SplitModel",
+    "candidates",
+    "divisor_program",
+    "fresh_symbol",
+    "spell_out",
+    "split_charts",
+]
 
 
 SHARE = 0.1
@@ -149,18 +156,11 @@ class Geometry:
     @property
     def best(self) -> tuple[int, ...]:
         """Positions of the velocities w that are the best frame."""
-        return self.best_among(range(len(self.lengths)))[0]
-
-    def best_among(self, positions: Sequence[int]) -> tuple[tuple[int, ...], float]:
-        """Those of some positions whose velocities w are the best frame, and how far these are from
-        being dependent."""
         import scipy.linalg
 
-        rows = (self.admissible / self.lengths[:, None])[list(positions)]
+        rows = self.admissible / self.lengths[:, None]
         _, _, order = scipy.linalg.qr(rows.T, mode="economic", pivoting=True)
-        chosen = order[: len(self.frame)]
-        sizes = np.linalg.svd(rows[chosen], compute_uv=False)
-        return tuple(sorted(int(positions[i]) for i in chosen)), float(sizes.min(initial=1.0))
+        return tuple(sorted(map(int, order[: len(self.frame)])))
 
 
 def _metric_of(values: Mapping[str, Any], rows: np.ndarray) -> np.ndarray:
@@ -194,25 +194,26 @@ def _split_system(system: System, chosen: Sequence[int]) -> System:
         return bare(system, title, frame=group)
     if system.fibration.relations:
         taken = {plain_name(s) for s in system.known_symbols()}
-        dots = {_fresh(f"d{plain_name(q)}", taken): velocity(q) for q in own}
-        return bare(system, title, **_spell_out(system, frame), frame=Frame.quasi(dots))
+        dots = {fresh_symbol(f"d{plain_name(q)}", taken): velocity(q) for q in own}
+        return bare(system, title, **spell_out(system, frame), frame=Frame.quasi(dots))
     return bare(
         system,
         title,
-        **_spell_out(system, frame),
+        **spell_out(system, frame),
         frame=None,
         fibration=Fibration(tuple(own), rest),
-        charts={name: _split_chart(system, chart) for name, chart in system.charts.items()},
+        charts=split_charts(system),
     )
 
 
-def _fresh(name: str, taken: set[str]) -> sp.Symbol:
+def fresh_symbol(name: str, taken: set[str]) -> sp.Symbol:
+    """A symbol with a name, or one like it, that is not taken."""
     while name in taken:
         name += "_"
     return sp.Symbol(name)
 
 
-def _spell_out(
+def spell_out(
     system: System, frame: Frame | None, changes: Mapping[str, Any] | None = None
 ) -> dict[str, Any]:
     """Lagrangian, constraints and forces, with changes, without the quasi-velocities of a frame."""
@@ -230,6 +231,11 @@ def _spell_out(
     }
 
 
+def split_charts(system: System) -> dict[str, Chart]:
+    """The charts of a system as those of its split: the velocities follow the coordinates."""
+    return {name: _split_chart(system, chart) for name, chart in system.charts.items()}
+
+
 def _split_chart(system: System, chart: Chart) -> Chart:
     """A chart of the system as one of its split: the velocities follow the coordinates."""
     frame = chart.changes.get("frame", system.frame)
@@ -244,7 +250,7 @@ def _split_chart(system: System, chart: Chart) -> Chart:
         state=own(chart.state),
         back=own(chart.back),
         twins=tuple(map(own, chart.twins)),
-        changes=_spell_out(system, frame, changes),
+        changes=spell_out(system, frame, changes),
     )
 
 
@@ -768,16 +774,12 @@ def candidates(ground: SplitGround, time: float, wide: np.ndarray) -> Any:
     """Equations to try at a wide state, with their forms, one after the other."""
     home, point = ground.home, _point(ground, time, wide)
     yield home, home.form
-    charted = _best_in_charts(ground, time, wide)
-    if charted:
-        systems = [_split_system(home.system, charted)]
-    else:
-        try:
-            geometry = ground.geometry(time, wide)
-            systems = [home.system] if geometry.quality > CLEAR else []
-            systems.append(_split_system(home.system, geometry.best))
-        except np.linalg.LinAlgError:  # at a pole the own velocities may need other pivots alone
-            systems = [home.system]
+    try:
+        geometry = ground.geometry(time, wide)
+        systems = [home.system] if geometry.quality > CLEAR else []
+        systems.append(_split_system(home.system, geometry.best))
+    except np.linalg.LinAlgError:  # at a pole the own velocities may need other pivots alone
+        systems = [home.system]
     for system in systems:
         try:
             equations = _equations_near(home, system, point)
@@ -787,51 +789,18 @@ def candidates(ground: SplitGround, time: float, wide: np.ndarray) -> Any:
             continue
 
 
-def _best_in_charts(ground: SplitGround, time: float, wide: np.ndarray) -> tuple[int, ...]:
-    """Positions of the velocities that are the best frame where the coordinates are singular, of
-    those that a chart which is regular there leaves as they are; empty where none are."""
-    home, found = ground.home, dict[tuple[int, ...], float]()
-    d, names = home.definition, [plain_name(q) for q in home.system.coordinates]
-    for name, chart in home.system.charts.items() if d.group is None else ():
-        kept = [a for a, q in enumerate(names) if q not in chart.state]
-        image = _image(ground, chart, time, wide)
-        if image is not None and len(kept) >= len(d.velocities):
-            there = replace(ground, home=derive(system_in(home.system, name)))
-            with suppress(np.linalg.LinAlgError):
-                chosen, size = there.geometry(time, image).best_among(kept)
-                found[chosen] = size
-    best = max(found, key=lambda chosen: found[chosen], default=())
-    return best if best and found[best] > CLEAR else ()
-
-
-def _image(ground: SplitGround, chart: Chart, time: float, wide: np.ndarray) -> np.ndarray | None:
-    """The place of a wide state in a chart, at rest; None where the own coordinates are regular or
-    those of the chart singular."""
-    found = numbers_of_chart(ground, chart, time, wide)
-    if found is None:
-        return None
-    own, there, *place = found
-    if not (abs(own) < AT_POLE < abs(there) and np.isfinite(place).all()):
-        return None
-    return np.concatenate([place, np.zeros(len(ground.home.definition.dots))])
-
-
 def numbers_of_chart(
-    ground: SplitGround, chart: Chart, time: float, wide: np.ndarray, slopes: bool = False
+    ground: SplitGround, chart: Chart, time: float, wide: np.ndarray
 ) -> list[float] | None:
     """What vanishes where the own coordinates are singular, and where those of a chart are, and the
-    coordinates in the chart, or their ``slopes`` by the own ones, row by row; None where one of
-    these has no value."""
+    slopes of the coordinates in the chart by the own ones, row by row; None where one of these has
+    no value."""
     d, values = ground.home.definition, chart.values(ground.home.system)
     outside = ground.home.system.coordinates
     images = {q: d.door.inward(values[x]) for q, x in zip(d.coordinates, outside, strict=True)}
     wanted = [d.door.inward(chart.singular), d.door.inward(chart.singular_there).xreplace(images)]
     # slopes as sympy has them: x/(x^2 + y^2) of an arctangent is defined where x or y is zero
-    wanted += (
-        [d.door.inward(derivative(values[q], x)) for q in outside for x in outside]
-        if slopes
-        else images.values()
-    )
+    wanted += [d.door.inward(derivative(values[q], x)) for q in outside for x in outside]
     program = quantities(ground.wide, {str(i): se.sympify(e) for i, e in enumerate(wanted)})
     try:
         return [*map(float, numbers(program, time, wide.tolist(), ground.values(program, time)))]

@@ -56,11 +56,6 @@ ready and so many times better: what a split loses grows with powers of its divi
 HEAVY, MANY = 200.0, 8
 """Programs that weigh more take seconds to make ready, and a run has no more splits than so many
 before one is made that is not needed."""
-BEFORE = 0.9
-"""Where equations break down in one split, the run goes back to this part of the way there and on
-in another: next to the place all velocities of a state of that split have lost their digits."""
-SHORT = 1e-6
-"""A way shorter than this part of the whole is not gone back on: no split leads past its end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,15 +106,7 @@ class SplitRun:
         time, wide, done = self.grid[0], self.start.wide, 1
         split = self.best_split(time, wide, None)
         while True:
-            part, smooth = self.stretch(split, time, wide, self.grid[done:])
-            # a wall at which a motion ends is one in every split
-            lost = part.halt is not None and smooth
-            back = self.turn_back(split, part, wide, done) if lost else None
-            if back is not None:
-                part, wide, best = back
-                done += self.take(split, part, done)
-                time, split = part.t[-1], best
-                continue
+            part = self.stretch(split, time, wide, self.grid[done:])
             done += self.take(split, part, done)
             ended = part.stopped not in ("", *self._guards(split), *self._marks(split))
             if part.interrupted or ended or (part.halt is None and done >= len(self.grid)):
@@ -141,16 +128,11 @@ class SplitRun:
 
     # -- splits -----------------------------------------------------------------------------
 
-    def best_split(
-        self, time: Any, wide: np.ndarray, last: SplitModel | None, leaves: bool = False
-    ) -> SplitModel:
+    def best_split(self, time: Any, wide: np.ndarray, last: SplitModel | None) -> SplitModel:
         """The split to go on in: one that is ready and good enough, else the first of those that
-        can be made that is, else the best; not the last one, unless no other is much better, or,
-        where that ``leaves`` the last one in any case, none is good."""
+        can be made that is, else the best; not the last one, unless no other is much better."""
         plain = wide.astype(float)
         sizes = {p: p.quality(time, plain) for p in self.splits}
-        if leaves and last is not None:
-            sizes[last] = NEAR / GAIN
         ready = max(self.splits, key=lambda p: sizes[p], default=None)
         if ready is not None and ready is not last and sizes[ready] > CLEAR:
             return ready
@@ -197,25 +179,6 @@ class SplitRun:
         self.prepared += perf_counter() - began
         return sizes
 
-    def turn_back(
-        self, split: SplitModel, part: Run, wide: np.ndarray, done: int
-    ) -> tuple[Run, np.ndarray, SplitModel] | None:
-        """A stretch that broke down anew, up to shortly before, with the wide state there and the
-        split in which to go on; None where there is no other that is good."""
-        assert part.halt is not None
-        time, way = part.t[0], part.halt.time - part.t[0]
-        if not abs(way) > SHORT * np.ptp(self.grid):
-            return None
-        end = time + BEFORE * way
-        ahead = self.grid[done:]
-        ahead = ahead[(ahead - end) * np.sign(way) < 0]
-        again, _ = self.stretch(split, time, wide, np.append(ahead, end))
-        if again.halt is not None or again.stopped or again.interrupted:
-            return None
-        wide = self.widen(split, end, again.states[-1])
-        best = self.best_split(end, wide, split, leaves=True)
-        return None if best is split else (again, wide, best)
-
     def obstacle(self, best: SplitModel, time: Any, wide: np.ndarray) -> str:
         """Why not even the best split leads on from a wide state; empty where it does."""
         size, least = best.quality(time, wide), LEAST if self.exact else FAINT
@@ -253,11 +216,8 @@ class SplitRun:
 
     # -- stretches --------------------------------------------------------------------------
 
-    def stretch(
-        self, split: SplitModel, time: Any, wide: np.ndarray, ahead: np.ndarray
-    ) -> tuple[Run, bool]:
-        """Go on in a split until a divisor is small, or the grid ends; and whether the equations
-        are smooth in it."""
+    def stretch(self, split: SplitModel, time: Any, wide: np.ndarray, ahead: np.ndarray) -> Run:
+        """Go on in a split until a divisor is small, or the grid ends."""
         began = perf_counter()
         guards, levels = guard_events(split.guards, bounds=split.bounds)
         bounds = split.bounds_from(float(time), wide)
@@ -300,7 +260,7 @@ class SplitRun:
         self.methods.setdefault(chosen["method"])
         self.prepared += perf_counter() - began
         smooth = switched is None
-        return self.check(split, poles.with_notes(stepper(times)), smooth), smooth
+        return self.check(split, poles.with_notes(stepper(times)), smooth)
 
     def _pole_notes(self, split: SplitModel) -> PoleNotes:
         """What looks for poles at which a split is regular, unless a chart's stepper does."""

@@ -28,6 +28,9 @@ __all__ = [
 
 SINGULAR = 1e-13
 """A mass matrix with a smaller eigenvalue, in units of its diagonal, counts as singular."""
+DEPENDENT = 1e-6
+"""The same for one with rows of multipliers, which is about the square of how independent the
+constraints are: they lose more digits then than they leave."""
 INFINITE = 1e14
 """Rates of coordinates this many times the largest coordinate or velocity may be divisions by
 zero."""
@@ -148,7 +151,9 @@ class StateProbe:
         rates = np.abs(np.array(slope, dtype=float))
         if not np.isfinite(rates).all() or self._is_infinite(start, rates):
             raise self._nowhere("the equations are not defined", start)
-        return () if (sizes > 0).all() else (INDEFINITE,)
+        massive = np.count_nonzero(np.diag(mass))  # rows of multipliers hold none
+        sound = not len(sizes) or (sizes > 0).sum() >= massive
+        return () if sound else (INDEFINITE,)
 
     def _on_floats(self, start: np.ndarray) -> tuple[Any, np.ndarray] | None:
         """Rates and mass matrix at the start, in a tenth of the time that arrays take; None where
@@ -195,9 +200,10 @@ class StateProbe:
         base = self.masses(np.array([self.time]), start[None, :])[0]
         if not np.isfinite(base).all():
             return None
-        units = np.sqrt(np.abs(np.diag(base)))
+        units = _units(base)
         scale = np.outer(units, units) if units.all() else np.ones_like(base)
         negative = int((np.linalg.eigvalsh(base / scale) < 0).sum())
+        least_sound = SINGULAR if np.diag(base).all() else DEPENDENT
 
         def first(t: np.ndarray, states: np.ndarray) -> int | None:
             if not negative and _are_definite(self._lower_rows(t, states), np.diag(scale)):
@@ -206,9 +212,9 @@ class StateProbe:
             masses[~np.isfinite(masses).all(axis=(1, 2))] = base / scale
             sizes = np.linalg.eigvalsh(masses)
             least = np.abs(sizes).min(axis=1)
-            small = least < SINGULAR * np.abs(sizes).max(axis=1)
+            small = least < least_sound * np.abs(sizes).max(axis=1)
             for i in np.flatnonzero(small & bool(units.all())):  # others may have grown without end
-                small[i] = min(least[i], _smallest(masses[i], masses[i])) < SINGULAR
+                small[i] = min(least[i], _smallest(masses[i], masses[i])) < least_sound
             bad = np.flatnonzero(((sizes < 0).sum(axis=1) != negative) | small)
             return int(bad[0]) if len(bad) else None
 
@@ -316,19 +322,29 @@ def _are_definite(rows: Sequence[Sequence[Any]], units: np.ndarray) -> bool:
 
 
 def _smallest(scale: np.ndarray, mass: np.ndarray) -> float:
-    """The least eigenvalue of a mass matrix, in units of the diagonal of another.
+    """The least eigenvalue of a mass matrix, in the units of another.
 
-    Zero where the other has a zero on its diagonal; infinite where a matrix is undefined.
+    Zero where the other has a row of zeros; infinite where a matrix is undefined.
     """
     return float(np.abs(_scaled_eigenvalues(scale, mass)).min(initial=np.inf))
 
 
 def _scaled_eigenvalues(scale: np.ndarray, mass: np.ndarray) -> np.ndarray:
     """The eigenvalues of a mass matrix in units of the diagonal of another, which have the signs of
-    its own; one zero where that has a zero on its diagonal, none where a matrix is undefined."""
+    its own; one zero where that has a row of zeros, none where a matrix is undefined."""
     if not (len(mass) and np.isfinite(mass).all() and np.isfinite(scale).all()):
         return np.empty(0)
-    units = np.sqrt(np.abs(np.diag(scale)))
+    units = _units(scale)
     if not units.all():
         return np.zeros(1)
     return np.asarray(np.linalg.eigvalsh(mass / np.outer(units, units)))
+
+
+def _units(mass: np.ndarray) -> np.ndarray:
+    """The square roots of the diagonal, and units of rows without one, as of multipliers, in which
+    their largest entry is one."""
+    units = np.sqrt(np.abs(np.diag(mass)))
+    massive = units > 0
+    for i in np.flatnonzero(~massive):
+        units[i] = (np.abs(mass[i, massive]) / units[massive]).max(initial=0.0)
+    return units

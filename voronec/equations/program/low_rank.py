@@ -295,16 +295,18 @@ def coupled_rows(matrix: Sequence[Sequence[Any]]) -> set[int]:
 def solve_symmetric(matrix: Sequence[Sequence[Any]], right: Sequence[Any], name: Name) -> list[Any]:
     """The solution x of matrix * x = right, as names, by L D L^T.
 
-    The matrix is symmetric and positive definite (any order of pivots is then stable); a zero on
-    the diagonal that is visible in the expressions is passed over by pivots of size two.  Raises
-    ``DefinitionError`` where a row has nothing left to be solved for.
+    The matrix is symmetric and positive definite (any order of pivots is then stable), but for rows
+    with a visible zero on the diagonal, as those of multipliers: these come last, where
+    -a M^-1 a^T stands for the zeros, or else by pivots of size two.  Raises ``DefinitionError``
+    where a row has nothing left to be solved for.
     """
     size = len(right)
     entries = {(i, j): matrix[i][j] for i in range(size) for j in range(i + 1) if matrix[i][j] != 0}
     rest, active = [name(r) for r in right], set(range(size))
+    late = {i for i in active if matrix[i][i] == 0}
     steps: list[tuple[tuple[int, ...], dict[Any, Any], dict[Any, Any]]] = []
     while active:
-        pivot = _pivot(entries, active)
+        pivot = _pivot(entries, active - late or active)
         active -= set(pivot)
         inverse = _inverse(entries, pivot, name)
         lower = {

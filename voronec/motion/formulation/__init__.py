@@ -1,0 +1,1 @@
+"""Formulations: in which variables a motion is integrated, one file each."""
