@@ -9,16 +9,15 @@ Where a formula is exact and useless in doubles it is written otherwise, for num
     sqrt(1 + x) - 1                     ->  x/(sqrt(1 + x) + 1),   2 sinh^2(asinh(y)/2) of x = y^2
     1 - tanh w                          ->  2 exp(-w - |w|)/(1 + exp(-2|w|)), and powers of it
     exp(-w) (a + b exp(w))              ->  a exp(-w) + b
-    1/(a exp(u) + b exp(w))             ->  exp(-m)/(a exp(u - m) + b exp(w - m)), m = max(u, w)
 
 What holds |w| is the same function of w on both sides of w = 0, so that it is no wall there.
-Quotients such as sin(w)/w are those of ``cardinal``.
+Quotients such as sin(w)/w are those of ``cardinal``, quotients of exponentials those of
+``bounded_exponentials``.
 """
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from functools import lru_cache
 from typing import Any
 
@@ -26,13 +25,12 @@ import symengine as se
 
 from voronec.algebra.bounded_exponentials import exponential_sum
 from voronec.algebra.cardinal import cardinal_all
-from voronec.algebra.numeric_functions import EXPM1, HYPOT, LOG1P, SIZE, numeric_name
+from voronec.algebra.numeric_functions import EXPM1, HYPOT, LOG1P, SIZE
 from voronec.algebra.terms import (
     Rewriter,
     expand_short,
     factors_of,
     is_exponential,
-    summands,
     with_arguments,
 )
 
@@ -40,8 +38,6 @@ __all__ = ["stable_all"]
 
 NEARBY = se.Rational(1, 8)
 """Numbers that differ by less than this part lose three bits or more by subtraction."""
-MOST_ENDS = 4
-"""The largest of so many exponentials is found by sizes of differences, nested."""
 _Terms = dict[int, Any]
 """Powers with their coefficients."""
 
@@ -61,11 +57,11 @@ def _stable(expr: Any, inner: Rewriter) -> Any:
 @lru_cache(2**14)  # programs of one system have their parts in common
 def _write(expr: Any) -> Any:
     if isinstance(expr, se.Pow):
-        return _root(*expr.args) or _over_largest(expr)
+        return _root(*expr.args) or expr
     if isinstance(expr, se.log):
         return _logarithm(expr.args[0]) or expr
     if isinstance(expr, se.Mul):
-        return _balance(_over_largest(expr))
+        return _balance(expr)
     if isinstance(expr, se.Add):
         total = _less_one(expr)
         return _with_tails(_with_differences(total)) if isinstance(total, se.Add) else total
@@ -83,87 +79,6 @@ def _balance(product: Any) -> Any:
             if any(inverse in factors_of(term) for term in total.args):
                 return product / power / total * se.Add(*[power * term for term in total.args])
     return product
-
-
-def _over_largest(product: Any) -> Any:
-    """A product in which sums of exponentials below are divided by the larger of their outermost
-    terms, and so is what stands above: neither leaves doubles where the quotient does not."""
-    above, below, ends = [], [], list[Any]()
-    for factor in factors_of(product):
-        base, power = factor.args if isinstance(factor, se.Pow) else (factor, se.Integer(1))
-        found = _ends(base) if isinstance(power, se.Integer) and power < 0 else None
-        if found is None:
-            above.append(factor)
-        else:
-            ends += [found] * -int(power)
-            below.append(_over(base, [found]) ** power)
-    if not below:
-        return product
-    sums = [f for f in above if isinstance(f, se.Add) and any(_exponential(t)[1] for t in f.args)]
-    rest, exponent = _exponential(se.Mul(*[f for f in above if f not in sums[:1]]))
-    return se.Mul(rest, _over(sums[0] if sums else se.Integer(1), ends, exponent), *below)
-
-
-def _over(total: Any, ends: Sequence[Sequence[Any]], exponent: Any = 0) -> Any:
-    """A sum times exp(exponent), over the largest of the exponentials of some ends, for each of
-    several sets of ends."""
-    terms = []
-    for term in summands(total):
-        c, w = _exponential(term)
-        w, shifts = expand_short(w + exponent), Counter[Any]()
-        for several in ends:
-            w, shift = _less_largest(w, several)
-            shifts[shift] += 1
-        # a multiple of a sum is written out: symengine's search for common parts loses some of it
-        w = se.Add(w, *[-s if n == 1 else expand_short(-n * s) for s, n in shifts.items()])
-        terms.append(c * se.exp(w))
-    return se.Add(*terms)
-
-
-def _less_largest(w: Any, ends: Sequence[Any]) -> tuple[Any, Any]:
-    """(u, s) with u - s = w - max(ends): of two, with d = b - a, w - b and (|d| - d)/2, or w - a
-    and (|d| + d)/2, whichever cancels less."""
-    if len(ends) > 2:
-        largest = ends[0]
-        for end in ends[1:]:
-            largest = (largest + end + se.Function(SIZE)(end - largest)) / 2
-        return w, largest
-    a, b = ends
-    d = expand_short(b - a)
-    size = se.Function(SIZE)(d)
-    to_a, to_b = expand_short(w - a), expand_short(w - b)
-    if _slope(to_b, d) < _slope(to_a, d):
-        return to_b, (size - d) / 2
-    return to_a, (size + d) / 2
-
-
-def _slope(exponent: Any, step: Any) -> float:
-    """How steep an exponent is in the letters of a step between ends."""
-    numbers = exponent.as_coefficients_dict()
-    return sum(abs(float(numbers.get(letter, 0))) for letter in _letters(step))
-
-
-def _letters(exponent: Any) -> list[Any]:
-    return [x for x in exponent.as_coefficients_dict() if not se.sympify(x).is_Number]
-
-
-def _ends(total: Any) -> Sequence[Any] | None:
-    """The exponents of a sum of exponentials of which one may be the largest: the first and the
-    last by what one letter counts in them, or all, where they are few and differ by several;
-    None of anything else."""
-    exponents = [*dict.fromkeys(_exponential(term)[1] for term in summands(total))]
-    if len(exponents) < 2 or any(
-        numeric_name(f) == SIZE for w in exponents for f in se.sympify(w).atoms(se.Function)
-    ):
-        return None  # nothing to choose, or done before
-    steps = [expand_short(w - exponents[0]) for w in exponents]
-    letters = {x for step in steps for x in _letters(step)}
-    if len(letters) != 1:
-        return exponents if letters and len(exponents) <= MOST_ENDS else None
-    (letter,) = letters
-    rates = [float(step.as_coefficients_dict().get(letter, 0)) for step in steps]
-    order = sorted(range(len(rates)), key=rates.__getitem__)
-    return exponents[order[0]], exponents[order[-1]]
 
 
 def _root(base: Any, exponent: Any) -> Any | None:
