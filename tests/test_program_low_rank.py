@@ -13,6 +13,7 @@ import symengine as se
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from voronec.algebra.brackets import nest_sums
 from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.program import (
     Block,
@@ -23,7 +24,6 @@ from voronec.equations.program import (
     taylor_system,
 )
 from voronec.equations.program.low_rank import eliminations, low_rank, solve_symmetric
-from voronec.equations.program.straight import nest_sums
 from voronec.equations.program.weight import QUOTIENT, SQUARE, evaluation_weight, taylor_weight
 
 x, y, z, w, a, b, c, d = se.symbols("x y z w a b c d")

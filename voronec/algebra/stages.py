@@ -11,10 +11,8 @@ the derivative, expanded until it is zero, proves it, but for functions of many 
 
 from __future__ import annotations
 
-import heapq
 import math
 import random
-from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import count, islice
 from typing import Any
@@ -22,6 +20,14 @@ from typing import Any
 import flint
 import symengine as se
 
+from voronec.algebra.brackets import (
+    Pair,
+    bracket,
+    factor_exponents,
+    share_pairs,
+    term_pairs,
+    with_term_pair,
+)
 from voronec.algebra.branches import is_branching
 from voronec.algebra.graphs import is_atom, is_flat, nodes
 from voronec.algebra.points import sample_evaluable
@@ -43,11 +49,6 @@ __all__ = [
 ]
 
 
-Bag = dict[Any, Any]
-"""A sum as {term without number: number}."""
-Pair = tuple[Any, Any, Any]
-"""Two terms of a sum and the ratio of their numbers."""
-
 WIDEST = 60
 """Sums with more terms than this are left alone."""
 
@@ -68,50 +69,15 @@ def shared_sums(definitions: Mapping[Any, Any], fresh: Callable[[], Any]) -> dic
         for x, e in definitions.items()
         if isinstance(e, se.Add) and len(e.args) <= WIDEST
     }
-    keys: dict[Any, str] = {}
-    where: dict[Pair, set[Any]] = defaultdict(set)
-    for x, bag in bags.items():
-        for pair in _pairs(bag, keys):
-            where[pair].add(x)
-    heap = [_entry(p, where, keys) for p, users in where.items() if len(users) > 1]
-    heapq.heapify(heap)
-    while heap:
-        count, _, pair = heapq.heappop(heap)
-        if len(where[pair]) < 2:
-            continue
-        if len(where[pair]) != -count:
-            heapq.heappush(heap, _entry(pair, where, keys))
-            continue
-        first, second, ratio = pair
-        name = fresh()
-        for x in sorted(where[pair], key=str):
-            before = _pairs(bags[x], keys)
-            number = bags[x].pop(first)
-            del bags[x][second]
-            bags[x][name] = number
-            after = _pairs(bags[x], keys)
-            for p in before - after:
-                where[p].discard(x)
-            for p in after - before:
-                where[p].add(x)
-                if len(where[p]) > 1:
-                    heapq.heappush(heap, _entry(p, where, keys))
+
+    def define(pair: Pair) -> tuple[dict[Any, Any], Any]:
+        name, (first, second, ratio) = fresh(), pair
         bags[name] = {first: ONE, second: ratio}
+        return bags[name], name
+
+    share_pairs(bags, term_pairs, define, with_term_pair)
     sums = {x: se.Add(*[c * m for m, c in bag.items()]) for x, bag in bags.items()}
     return _sorted_stages({**definitions, **sums})
-
-
-def _pairs(bag: Bag, keys: dict[Any, str]) -> set[Pair]:
-    for term in bag:
-        if term not in keys:
-            keys[term] = str(term)
-    order = sorted(bag, key=keys.__getitem__)
-    return {(a, b, bag[b] / bag[a]) for i, a in enumerate(order) for b in order[i + 1 :]}
-
-
-def _entry(pair: Pair, where: Mapping[Pair, set[Any]], keys: Mapping[Any, str]) -> Any:
-    first, second, ratio = pair
-    return -len(where[pair]), (keys[first], keys[second], str(ratio)), pair
 
 
 def factor_sums(definitions: Mapping[Any, Any], fresh: Callable[[], Any]) -> dict[Any, Any]:
@@ -131,45 +97,8 @@ def factor_sums(definitions: Mapping[Any, Any], fresh: Callable[[], Any]) -> dic
     for x, expr in definitions.items():
         result[x] = expr
         if isinstance(expr, se.Add):
-            result[x] = _collect([(c, _powers(m)) for m, c in map(split_number, expr.args)], name)
+            result[x] = bracket([*map(factor_exponents, expr.args)], set(), max, name)
     return _sorted_stages(result)
-
-
-def _powers(term: Any) -> dict[Any, int]:
-    """The factors of a term with their exponents; what has no whole positive exponent is one."""
-    powers: dict[Any, int] = {}
-    for f in factors_of(term):
-        if isinstance(f, se.Pow) and isinstance(f.args[1], se.Integer) and f.args[1] > 0:
-            powers[f.args[0]] = int(f.args[1])
-        elif f != 1:
-            powers[f] = 1
-    return powers
-
-
-DEEPEST = 60
-"""So many factors are taken out one inside the other: a power series nests as deep as it goes."""
-
-
-def _collect(
-    terms: list[tuple[Any, dict[Any, int]]], name: Callable[[Any], Any], depth: int = 0
-) -> Any:
-    counts = Counter(f for _, powers in terms for f in powers)
-    keys = {f: str(f) for f, count in counts.items() if count > 1}
-    heads = []
-    while depth < DEEPEST:
-        most = max(keys, key=lambda f: (counts[f], keys[f]), default=None)
-        if most is None or counts[most] < 2:
-            break
-        inside = [(c, powers) for c, powers in terms if most in powers]
-        terms = [(c, powers) for c, powers in terms if most not in powers]
-        counts.subtract(f for _, powers in inside for f in powers)
-        rest = [(c, _divide(powers, most)) for c, powers in inside]
-        heads.append(most * name(_collect(rest, name, depth + 1)))
-    return se.Add(*heads, *[c * se.Mul(*[f**e for f, e in p.items()]) for c, p in terms])
-
-
-def _divide(powers: dict[Any, int], by: Any) -> dict[Any, int]:
-    return {f: e - (f == by) for f, e in powers.items() if e > (f == by)}
 
 
 class StagedElimination:
