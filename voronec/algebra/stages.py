@@ -188,21 +188,10 @@ WORK = 20_000
 """The work of one exact proof; a proof that a whole sum is zero may cost twenty times as much."""
 LENGTH = 4000
 """An expression with more letters than this is not proved to be zero."""
+NEAR = flint.arb("1e-12")
+"""What changes by no more than such a part may not change at all."""
 PATIENCE = 6
 """So many failed proofs in a row, and a coordinate is tried no more."""
-
-_FUNCTIONS: dict[type, Callable[[float], float]] = {
-    se.sin: math.sin,
-    se.cos: math.cos,
-    se.tan: math.tan,
-    se.asin: math.asin,
-    se.acos: math.acos,
-    se.atan: math.atan,
-    se.sinh: math.sinh,
-    se.cosh: math.cosh,
-    se.tanh: math.tanh,
-    se.log: math.log,
-}
 
 
 class Cyclic:
@@ -212,7 +201,7 @@ class Cyclic:
         self.coordinates = list(coordinates)
         self.support: dict[Any, frozenset[Any]] = {}
         self._source = random.Random("voronec cyclic")
-        self._values: dict[Any, tuple[float, ...]] = {}
+        self._points: list[dict[Any, Any]] = [{} for _ in range(len(self.coordinates) + 1)]
         self._slopes: dict[tuple[Any, Any], Any] = {}
         self._branches: dict[tuple[Any, Any], bool] = {}
         self._failures = dict.fromkeys(coordinates, 0)
@@ -221,7 +210,8 @@ class Cyclic:
     def add(self, symbol: Any, expr: Any) -> None:
         """Take note of a new stage."""
         self.support[symbol] = self.free_symbols(expr)
-        self._values[symbol] = self._value(expr)
+        for point, values in zip(self._points, self._values([expr]), strict=True):
+            point[symbol] = values[0]
 
     def free_symbols(self, expr: Any) -> frozenset[Any]:
         """The symbols, no stages among them, that occur in an expression."""
@@ -233,12 +223,11 @@ class Cyclic:
     def absent(self, expr: Any, stages: Stages) -> Iterator[Any]:
         """Coordinates that occur in the expression and are proved to cancel."""
         support = self.free_symbols(expr)
-        values = self._value(expr)
-        for index, q in enumerate(self.coordinates):
+        (there,), *moved = self._values([expr])
+        for q, (value,) in zip(self.coordinates, moved, strict=True):
             if q not in support or self._failures[q] >= PATIENCE:
                 continue
-            change = abs(values[index + 1] - values[0])
-            if not change <= 1e-10 * abs(values[0]):
+            if not abs(value - there) <= NEAR * abs(there):
                 continue
             if self._cancels(expr, q, stages):
                 self._failures[q] = 0
@@ -248,10 +237,8 @@ class Cyclic:
 
     def vanishes(self, expr: Any, stages: Stages) -> bool:
         """Whether a sum is proved to be zero."""
-        values = [self._value(t)[0] for t in expr.args]
-        if not all(map(math.isfinite, values)):
-            return False
-        small = abs(math.fsum(values)) <= 1e-12 * max(map(abs, values))
+        values, *_ = self._values(expr.args)
+        small = abs(sum(values)) <= NEAR * abs(max(values, key=abs))
         if not small or self._lost >= PATIENCE:
             return False
         for _ in range(DEPTH + 1):
@@ -316,36 +303,16 @@ class Cyclic:
                 terms.append(expr.diff(w) * self._slopes[w, q])
         return se.expand(se.Add(*terms))
 
-    def _value(self, expr: Any) -> tuple[float, ...]:
-        """Values at a point, then with each coordinate moved alone; nan where undefined."""
-        known = self._values.get(expr)
-        if known is None:
-            try:
-                known = self._compute(expr)
-            except (ValueError, TypeError, ZeroDivisionError, OverflowError, KeyError):
-                known = (math.nan,) * (len(self.coordinates) + 1)
-            self._values[expr] = known
-        return known
-
-    def _compute(self, expr: Any) -> tuple[float, ...]:
-        width = len(self.coordinates) + 1
-        if is_atom(expr):
-            return self._atom(expr)
-        if expr.is_Number or not expr.args:
-            return (float(expr),) * width
-        args = [self._value(a) for a in expr.args]
-        if isinstance(expr, se.Add):
-            return tuple(map(math.fsum, zip(*args, strict=True)))
-        if isinstance(expr, se.Mul):
-            return tuple(map(math.prod, zip(*args, strict=True)))
-        if isinstance(expr, se.Pow):
-            return tuple(_power(b, e) for b, e in zip(*args, strict=True))
-        return tuple(map(_FUNCTIONS[type(expr)], args[0]))
-
-    def _atom(self, atom: Any) -> tuple[float, ...]:
-        centre = self._source.uniform(0.3, 0.9)
-        moved = (centre + 0.173 * (q in atom.free_symbols) for q in self.coordinates)
-        return (centre, *moved)
+    def _values(self, exprs: Sequence[Any]) -> list[list[Any]]:
+        """Balls around expressions at a point, then with each coordinate moved alone; infinite ones
+        where they are undefined."""
+        tape = Tape(exprs)
+        for atom in tape.atoms:
+            if atom not in self._points[0]:
+                centre, step = flint.arb(self._source.uniform(0.3, 0.9)), flint.arb(0.173)
+                for point, q in zip(self._points, (None, *self.coordinates), strict=True):
+                    point[atom] = centre + step * (q in atom.free_symbols)
+        return [tape.arb(point, GENERIC) for point in self._points]
 
 
 def _is_zero(expr: Any, work: int) -> bool:
@@ -366,13 +333,6 @@ def _terms(expr: Any, inside: Mapping[Any, Any]) -> int:
                 count *= len(inside[base].args) ** min(abs(int(float(power))) or 1, 9)
         total += count
     return total
-
-
-def _power(base: float, exponent: float) -> float:
-    value = base**exponent
-    if isinstance(value, complex):
-        raise TypeError("a root of a negative number")
-    return float(value)
 
 
 ZERO, ONE = se.Integer(0), se.Integer(1)
