@@ -34,7 +34,7 @@ from voronec.algebra.brackets import (
 from voronec.algebra.factors import irreducible_factors, write_polynomial
 from voronec.algebra.memo import remember
 from voronec.algebra.stages import needed_stages, primitive
-from voronec.algebra.terms import factors_of, rewrite_kinds, summands
+from voronec.algebra.terms import factors_of, rewrite_kinds
 from voronec.equations.program.parts import arguments_of
 from voronec.equations.program.python import compile_program
 from voronec.equations.program.straight import (
@@ -376,8 +376,7 @@ def _compile(
 def hoist(program: Program) -> HoistedProgram:
     """The program with every largest expression of parameters and numbers as one parameter.
 
-    A sum whose terms share such a factor is written as factor times sum, and so are sums of
-    multiples, by such a factor, of parts that are needed for themselves.
+    A sum whose terms share such a factor is written as factor times sum.
     """
     lifting = _Lifting(program)
     derivative, extras = lifting.block(program.derivative), lifting.block(program.extras)
@@ -385,48 +384,6 @@ def hoist(program: Program) -> HoistedProgram:
     parameters = (*program.parameters, *(name for name, _ in definitions))
     changed = replace(program, parameters=parameters, derivative=derivative, extras=extras)
     return HoistedProgram(changed, program, definitions)
-
-
-def _multiply_late(
-    assignments: list[tuple[Any, Any]], results: list[Any], still: set[Any]
-) -> Block:
-    """A block in which constants stand before sums, and not in multiples of other parts that all
-    terms of these sums hold: with a = k c and b = k d, k (c x - d y) for a x - b y.
-
-    There are no more products then, and fewer quantities, which Taylor's method carries as series.
-    """
-    for constant, parts in _multiples(assignments, still).items():
-        own = {*parts}
-        others = [(n, e) for n, e in assignments if n not in own]
-        uses = {e for e in (*results, *(e for _, e in others)) if e.free_symbols & own}
-        if own & {*parts.values()} or len(uses) > len(own):
-            continue
-        if all(_has_one_in_each_term(e, own) for e in uses):
-            late = {e: constant * e.xreplace(parts) for e in uses}
-            assignments = [(n, late.get(e, e)) for n, e in others]
-            results = [late.get(e, e) for e in results]
-    return Block(tuple(assignments), tuple(results))
-
-
-def _multiples(assignments: list[tuple[Any, Any]], still: set[Any]) -> dict[Any, dict[Any, Any]]:
-    """Of each constant, the names that stand for it times another name."""
-    found: dict[Any, dict[Any, Any]] = {}
-    for name, expr in assignments:
-        factors = factors_of(expr)
-        constants = [f for f in factors if f in still]
-        others = [f for f in factors if f not in still]
-        if len(constants) == len(others) == 1 and others[0].is_Symbol:
-            found.setdefault(constants[0], {})[name] = others[0]
-    return found
-
-
-def _has_one_in_each_term(expr: Any, names: set[Any]) -> bool:
-    """Whether each term of a sum has one of some names as a factor, and no other of them."""
-    held = [[f.free_symbols & names for f in factors_of(term)] for term in summands(expr)]
-    return all(
-        sum(map(bool, each)) == 1 and any(f in names for f in factors_of(term))
-        for each, term in zip(held, summands(expr), strict=True)
-    )
 
 
 class _Lifting:
@@ -451,7 +408,7 @@ class _Lifting:
             else:
                 kept.append((name, changed))
         results = [self.of(se.sympify(r)) for r in block.results]
-        return _multiply_late(kept, results, self._still)
+        return Block(tuple(kept), tuple(results))
 
     @remember("_memo")
     def of(self, expr: Any) -> Any:
