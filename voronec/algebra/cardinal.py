@@ -404,4 +404,4 @@ _SLOPES: dict[type, Callable[[Any], list[tuple[Any, Any]]]] = {
 """Functions f with terms g that cancel beside them, and f - g."""
 _OVER: dict[type, type] = {se.cos: se.sin, se.cosh: se.sinh}
 """Cotangents as quotients."""
-_KINDS = (*_SLOPES, *_OVER)
+_KINDS: Any = (*_SLOPES, *_OVER)
