@@ -13,9 +13,9 @@ import symengine as se
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from voronec.algebra.brackets import nest_sums
 from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.program import (
-    Block,
     Program,
     compile_program,
     hoist,
@@ -23,7 +23,6 @@ from voronec.equations.program import (
     taylor_system,
 )
 from voronec.equations.program.low_rank import eliminations, low_rank, solve_symmetric
-from voronec.equations.program.straight import nest_sums
 from voronec.equations.program.weight import QUOTIENT, SQUARE, evaluation_weight, taylor_weight
 
 x, y, z, w, a, b, c, d = se.symbols("x y z w a b c d")
@@ -237,21 +236,6 @@ def test_constants_are_computed_once_and_give_the_same_motion() -> None:
             if isinstance(node, se.Mul | se.Add):
                 assert sum(f.free_symbols <= still for f in node.args) <= 1, node
             nodes += node.args
-
-
-def test_a_constant_of_multiples_stands_before_sums_of_all_of_them() -> None:
-    e, f, g, h = se.symbols("e f g h")
-    parts = ((e, x + y**2), (f, x * y), (g, a * e), (h, a * f))
-    turning = (g * y - h * x, x * g, e - f)
-    shifted = (g * y - h * x, g + x, e - f)  # a term that no multiple is a factor of
-    for results, left in ((turning, 2), (shifted, 4), ((h * y - g**2, x, f), 4)):
-        block = Block(parts, results)
-        program = Program(se.Symbol("t"), (x, y, z), (), (a,), block, (), Block((), ()))
-        raised = hoist(program)
-        assert len(raised.program.derivative.assignments) == left, results
-        before, after = (compile_program(p)[0] for p in (program, raised.program))
-        found = after(0.0, [0.4, -0.6, 1.0], raised.values([1.7]))
-        assert np.allclose(found, before(0.0, [0.4, -0.6, 1.0], [1.7]), rtol=1e-14)
 
 
 def test_a_constant_without_a_value_is_nan_and_the_others_are_kept() -> None:

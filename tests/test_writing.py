@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from voronec.cli import main
-from voronec.cli.files import create, delivery, wanted_folder
+from voronec.cli.files import create, deliver, wanted_folder
 from voronec.declaration.whole_files import (
     Store,
     draft,
@@ -98,9 +98,8 @@ def test_drafts_that_fail_leave_nothing(tmp_path):
 
 def test_an_old_picture_goes_where_the_new_run_has_none(tmp_path):
     for names in (("a.csv", "path.svg"), ("a.csv",)):
-        with delivery(tmp_path / "out", ("a.csv", "path.svg", "plot.svg")) as made:
-            for name in names:
-                (made / name).write_text("x")
+        write = lambda made, names=names: [(made / n).write_text("x") for n in names]  # noqa: E731
+        deliver(tmp_path / "out", write, ("a.csv", "path.svg", "plot.svg"))
         (tmp_path / "out" / "mine.svg").write_text("mine")
     assert {p.name for p in (tmp_path / "out").iterdir()} == {"a.csv", "mine.svg"}
 

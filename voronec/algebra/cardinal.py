@@ -18,7 +18,7 @@ and so are the slopes of tan(w)/w, tanh(w)/w, atan(w)/w and log(1 + w)/w.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from math import ceil, comb
 from typing import Any
@@ -129,35 +129,12 @@ def cardinal_all(exprs: Iterable[Any]) -> list[Any]:
     return [*map(Rewriter(_rewrite), given)] if vanish else given
 
 
-_KINDS = (se.sin, se.cos, se.tan, se.sinh, se.cosh, se.tanh, se.coth, se.cot, se.atan)
-
-
 def _divides(product: Any) -> bool:
-    """Whether what vanishes with w divides a product that holds a power of w, as in w/sinh w, or
-    another function that vanishes with w, as in tanh(2 w)/tanh w."""
+    """Whether what vanishes with w divides a product that holds a power of w, as in w/sinh w."""
     powers = _factors(product)
-    below = _zeros_below(powers)
-    held = (any(powers.get(u, 0) > 0 for u in _factors(w)) for w, _, _ in below.values())
-    return any(held) or _pair(powers, below) is not None
-
-
-def _zeros_below(powers: Mapping[Any, Any]) -> dict[Any, _Zero]:
-    """The divisors that vanish with some w, with what ``_zero`` says of them."""
     divisors = (b for b, e in powers.items() if isinstance(e, se.Integer) and e < 0)
-    return {b: zero for b in divisors if (zero := _zero(b)) is not None}
-
-
-def _pair(powers: Mapping[Any, Any], below: Mapping[Any, _Zero]) -> tuple[Any, Any] | None:
-    """(f/g, the same divided at zero) of functions in a product that vanish with w and with r w."""
-    for g, (u, q, under) in below.items():
-        for f, exponent in powers.items():
-            zero = _zero(f) if isinstance(exponent, se.Integer) and exponent > 0 else None
-            if zero is not None:
-                w, p, above = zero
-                ratio = u / w if (u / w).is_Number else _ratio(u, w)
-                if ratio is not None:
-                    return f / g, above(w) * w ** (p - q) / under(ratio * w) / ratio**q
-    return None
+    zeros = filter(None, map(_zero, divisors))
+    return any(powers.get(u, 0) > 0 for w, _, _ in zeros for u in _factors(w))
 
 
 def _factors(expr: Any) -> dict[Any, Any]:
@@ -293,41 +270,19 @@ def _slopes_in(term: Any) -> list[tuple[Any, Any, Any]]:
     found = list[tuple[Any, Any, Any]]()
     powers = _factors(term)
     for base in powers:
-        w: Any = base.args[0] if isinstance(base, _KINDS) else None
-        zero = _zero(base)
-        if isinstance(base, se.sin):
-            found.append((base, w * se.cos(w), w**3 * se.Function(SINC_SLOPE)(w)))
-        elif isinstance(base, se.sinh):
-            found.append((base, w * se.cosh(w), -(w**3) * se.Function(SINHC_SLOPE)(w)))
-        elif isinstance(base, (se.coth, se.cosh)):
-            whole = base if isinstance(base, se.coth) else base / se.sinh(w)
-            if whole == base or powers.get(se.sinh(w)) == -1:
-                found.append((whole, 1 / w, w * se.Function(TANH_SHORTFALL)(w) / _tangent(w)))
-            if isinstance(base, se.coth):
-                slope = w * se.Function(TANH_RATIO_SLOPE)(w) / _tangent(w) ** 2
-                found.append((base, w / se.sinh(w) ** 2, slope))
-        elif isinstance(base, se.tan):
-            cosine, quotient = se.cos(w), se.Function(SINC)(w) / se.cos(w)
-            slope = se.Function(SINC_SLOPE)(w) / cosine - quotient**2
-            found.append((base, w * (1 + base**2), w**3 * slope))
-        elif isinstance(base, se.atan):
-            found.append((base, w / (1 + w**2), w**3 * se.Function(ATAN_RATIO_SLOPE)(w)))
-        elif isinstance(base, se.tanh):
-            slope = w**3 * se.Function(TANH_RATIO_SLOPE)(w)
-            found.append((base, w, -(w**3) * se.Function(TANH_SHORTFALL)(w)))
-            found += [(base, w * (1 - base**2), slope), (base, -w * (base**2 - 1), slope)]
-        elif isinstance(base, (se.cot, se.cos)):
-            whole = base if isinstance(base, se.cot) else base / se.sin(w)
-            if whole == base or powers.get(se.sin(w)) == -1:
-                found.append((whole, 1 / w, -w * se.Function(SINC_SLOPE)(w) / se.Function(SINC)(w)))
-        elif zero is not None and isinstance(base, se.Add):
-            w, order, _ = zero
-            exponential = base + 1 if -1 in base.args else None
-            if order == 1 and exponential == se.exp(w):
-                found.append((base, w * se.exp(w), -(w**2) * se.Function(EXPREL_SLOPE)(w)))
-        elif isinstance(base, se.log) and zero is not None:
+        kind = type(base)
+        if kind in _SLOPES:
+            found += [(base, g, s) for g, s in _SLOPES[kind](base.args[0])]
+        elif kind in _OVER:
+            below, w = _OVER[kind](base.args[0]), base.args[0]
+            if powers.get(below) == -1:
+                found += [(base / below, *_SLOPES[se.cot if kind is se.cos else se.coth](w)[0])]
+        elif (zero := _zero(base)) is not None and zero[1] == 1:
             w = zero[0]
-            found.append((base, w / (1 + w), w**2 * se.Function(LOG_RATIO_SLOPE)(w)))
+            if kind is se.log:
+                found.append((base, w / (1 + w), w**2 * se.Function(LOG_RATIO_SLOPE)(w)))
+            elif base == se.exp(w) - 1:
+                found.append((base, w * se.exp(w), -(w**2) * se.Function(EXPREL_SLOPE)(w)))
     return found
 
 
@@ -354,8 +309,6 @@ def _quotient(product: Any, spread: bool = True) -> Any:
             times = min(abs(int(exponent)), ceil(abs(e) / (order * held)))
             whole = value(argument) * argument**order / base
             return _quotient(product * (whole if exponent > 0 else 1 / whole) ** times, spread)
-    if (pair := _pair(powers, _zeros_below(powers))) is not None:
-        return _quotient(product / pair[0] * pair[1], spread)
     for base, exponent in powers.items() if spread else ():
         if isinstance(base, se.Add) and exponent == 1:
             vanish = _zeros(base) if below else set()
@@ -393,15 +346,8 @@ def _distribute(above: Any, rest: Any, u: Any) -> Any | None:
 
 def _zero(factor: Any) -> _Zero | None:
     """(w, p, c) with c(w) w^p equal to a factor that vanishes with w; None for any other."""
-    if isinstance(factor, (se.sin, se.sinh)):
-        name = SINC if isinstance(factor, se.sin) else SINHC
-        return factor.args[0], 1, se.Function(name)
-    if isinstance(factor, se.tan):
-        return factor.args[0], 1, lambda w: se.Function(SINC)(w) / se.cos(w)
-    if isinstance(factor, se.tanh):
-        return factor.args[0], 1, _tangent
-    if isinstance(factor, se.atan):
-        return factor.args[0], 1, se.Function(ATAN_RATIO)
+    if type(factor) in _ZEROS:
+        return factor.args[0], 1, _ZEROS[type(factor)]
     if isinstance(factor, se.log):
         inner = factor.args[0]
         beside = isinstance(inner, se.Add) and se.Integer(1) in inner.args
@@ -422,3 +368,40 @@ def _tangent(w: Any) -> Any:
     """tanh(w)/w, without overflow for large w."""
     z = -2 * se.Function(SIZE)(w)
     return 2 * se.Function(EXPREL)(z) / (1 + se.exp(z))
+
+
+def _tan_slope(w: Any) -> Any:
+    quotient = se.Function(SINC)(w) / se.cos(w)
+    return se.Function(SINC_SLOPE)(w) / se.cos(w) - quotient**2
+
+
+_ZEROS: dict[type, Callable[[Any], Any]] = {
+    se.sin: se.Function(SINC),
+    se.sinh: se.Function(SINHC),
+    se.tan: lambda w: se.Function(SINC)(w) / se.cos(w),
+    se.tanh: _tangent,
+    se.atan: se.Function(ATAN_RATIO),
+}
+"""Functions f that vanish at zero, with f(w)/w."""
+_SLOPES: dict[type, Callable[[Any], list[tuple[Any, Any]]]] = {
+    se.sin: lambda w: [(w * se.cos(w), w**3 * se.Function(SINC_SLOPE)(w))],
+    se.sinh: lambda w: [(w * se.cosh(w), -(w**3) * se.Function(SINHC_SLOPE)(w))],
+    se.tan: lambda w: [(w * (1 + se.tan(w) ** 2), w**3 * _tan_slope(w))],
+    se.atan: lambda w: [(w / (1 + w**2), w**3 * se.Function(ATAN_RATIO_SLOPE)(w))],
+    se.tanh: lambda w: [
+        (w, -(w**3) * se.Function(TANH_SHORTFALL)(w)),
+        *[
+            (slope, w**3 * se.Function(TANH_RATIO_SLOPE)(w))
+            for slope in (w * (1 - se.tanh(w) ** 2), -w * (se.tanh(w) ** 2 - 1))
+        ],
+    ],
+    se.cot: lambda w: [(1 / w, -w * se.Function(SINC_SLOPE)(w) / se.Function(SINC)(w))],
+    se.coth: lambda w: [
+        (1 / w, w * se.Function(TANH_SHORTFALL)(w) / _tangent(w)),
+        (w / se.sinh(w) ** 2, w * se.Function(TANH_RATIO_SLOPE)(w) / _tangent(w) ** 2),
+    ],
+}
+"""Functions f with terms g that cancel beside them, and f - g."""
+_OVER: dict[type, type] = {se.cos: se.sin, se.cosh: se.sinh}
+"""Cotangents as quotients."""
+_KINDS: Any = (*_SLOPES, *_OVER)

@@ -8,7 +8,6 @@ from typing import Any
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.bounded_exponentials import holds_exponentials
 from voronec.algebra.door import Door
 from voronec.algebra.field import WORK_LIMIT, Fraction
 from voronec.algebra.generators import TRIGONOMETRIC, holds_far_multiples
@@ -17,7 +16,7 @@ from voronec.algebra.ring import Ring
 from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import expand_element, expression
 from voronec.algebra.stand_ins import OriginShift, StandIns
-from voronec.algebra.terms import atoms
+from voronec.algebra.terms import atoms, is_exponential
 from voronec.errors import EngineLimit
 
 __all__ = ["canonical", "canonical_for_numbers", "quotient", "shorten", "shortest"]
@@ -45,7 +44,8 @@ def shortest(
 def _shorter(before: Any, after: Any) -> Any:
     """An expression with exponentials as it was, where that is shorter: sums of quotients, brought
     over one denominator, lose the digits of what is small, and leave doubles."""
-    if not holds_exponentials(se.sympify(before), after):
+    parts = nodes([se.sympify(before), after])
+    if not any(isinstance(n, se.sinh | se.cosh) or is_exponential(n) for n in parts):
         return after
     return before if se.count_ops(before) < se.count_ops(after) else after
 

@@ -7,10 +7,9 @@ Where a formula is exact and useless in doubles it is written otherwise, for num
     log(1 + exp(w))                     ->  (w + |w|)/2 + log1p exp(-|w|)
     1 - cos w,   cosh w - 1             ->  2 sin^2(w/2),   2 sinh^2(w/2)
     sqrt(1 + x) - 1                     ->  x/(sqrt(1 + x) + 1),   2 sinh^2(asinh(y)/2) of x = y^2
-    1 - tanh w                          ->  2 exp(-w - |w|)/(1 + exp(-2|w|)), and powers of it
-    exp(-w) (a + b exp(w))              ->  a exp(-w) + b
     1/(a exp(u) + b exp(w))             ->  exp(-m)/(a exp(u - m) + b exp(w - m)), m = max(u, w)
 
+Hyperbolic sines and cosines are such sums, and exp(u) - exp(w) = (exp(u) + exp(w)) tanh((u - w)/2).
 What holds |w| is the same function of w on both sides of w = 0, so that it is no wall there.
 Quotients such as sin(w)/w are those of ``cardinal``.
 """
@@ -18,13 +17,12 @@ Quotients such as sin(w)/w are those of ``cardinal``.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from typing import Any
 
 import symengine as se
 
-from voronec.algebra.bounded_exponentials import exponential_sum
 from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.numeric_functions import EXPM1, HYPOT, LOG1P, SIZE, numeric_name
 from voronec.algebra.terms import (
@@ -32,7 +30,6 @@ from voronec.algebra.terms import (
     expand_short,
     factors_of,
     is_exponential,
-    summands,
     with_arguments,
 )
 
@@ -40,10 +37,12 @@ __all__ = ["stable_all"]
 
 NEARBY = se.Rational(1, 8)
 """Numbers that differ by less than this part lose three bits or more by subtraction."""
-MOST_ENDS = 4
-"""The largest of so many exponentials is found by sizes of differences, nested."""
-_Terms = dict[int, Any]
-"""Powers with their coefficients."""
+MOST_TERMS = 64
+"""Products of sums of exponentials with more terms are not written out."""
+_Exponentials = dict[Any, Any]
+"""A sum of c exp(w) as {w: c}."""
+_Ends = tuple[Any, Any]
+"""The outermost two of its exponents."""
 
 
 def stable_all(exprs: Iterable[Any]) -> list[Any]:
@@ -65,105 +64,116 @@ def _write(expr: Any) -> Any:
     if isinstance(expr, se.log):
         return _logarithm(expr.args[0]) or expr
     if isinstance(expr, se.Mul):
-        return _balance(_over_largest(expr))
+        return _over_largest(expr)
     if isinstance(expr, se.Add):
         total = _less_one(expr)
-        return _with_tails(_with_differences(total)) if isinstance(total, se.Add) else total
+        return _with_differences(total) if isinstance(total, se.Add) else total
     return expr
-
-
-def _balance(product: Any) -> Any:
-    """A product of an exponential and a sum in which its inverse stands, term by term: exp(w) is
-    beyond doubles where exp(-w) (a + b exp(w)) is not."""
-    factors = factors_of(product)
-    sums = [f for f in factors if isinstance(f, se.Add)]
-    for power in filter(is_exponential, factors):
-        inverse = 1 / power
-        for total in sums:
-            if any(inverse in factors_of(term) for term in total.args):
-                return product / power / total * se.Add(*[power * term for term in total.args])
-    return product
 
 
 def _over_largest(product: Any) -> Any:
     """A product in which sums of exponentials below are divided by the larger of their outermost
     terms, and so is what stands above: neither leaves doubles where the quotient does not."""
-    above, below, ends = [], [], list[Any]()
+    above, below, every = list[Any](), list[Any](), Counter[_Ends]()
     for factor in factors_of(product):
         base, power = factor.args if isinstance(factor, se.Pow) else (factor, se.Integer(1))
-        found = _ends(base) if isinstance(power, se.Integer) and power < 0 else None
-        if found is None:
+        terms = _exponentials(base) if isinstance(power, se.Integer) and power < 0 else {}
+        ends = _ends(terms)
+        if ends is None:
             above.append(factor)
         else:
-            ends += [found] * -int(power)
-            below.append(_over(base, [found]) ** power)
+            below.append(_over(terms, {ends: 1}) ** power)
+            every[ends] -= int(power)
     if not below:
         return product
-    sums = [f for f in above if isinstance(f, se.Add) and any(_exponential(t)[1] for t in f.args)]
-    rest, exponent = _exponential(se.Mul(*[f for f in above if f not in sums[:1]]))
-    return se.Mul(rest, _over(sums[0] if sums else se.Integer(1), ends, exponent), *below)
+    moving = [f for f in above if any(_exponentials(f))]
+    rest = [f for f in above if f not in moving]
+    return se.Mul(*rest, _over(_exponentials(se.Mul(*moving)), every), *below)
 
 
-def _over(total: Any, ends: Sequence[Sequence[Any]], exponent: Any = 0) -> Any:
-    """A sum times exp(exponent), over the largest of the exponentials of some ends, for each of
-    several sets of ends."""
-    terms = []
-    for term in summands(total):
-        c, w = _exponential(term)
-        w, shifts = expand_short(w + exponent), Counter[Any]()
-        for several in ends:
-            w, shift = _less_largest(w, several)
-            shifts[shift] += 1
-        # a multiple of a sum is written out: symengine's search for common parts loses some of it
-        w = se.Add(w, *[-s if n == 1 else expand_short(-n * s) for s, n in shifts.items()])
-        terms.append(c * se.exp(w))
-    return se.Add(*terms)
+def _exponentials(expr: Any) -> _Exponentials:
+    """An expression as a sum of c exp(w), hyperbolic sines and cosines written out."""
+    half = se.Rational(1, 2)
+    if isinstance(expr, se.sinh | se.cosh):
+        return {expr.args[0]: half, -expr.args[0]: half if isinstance(expr, se.cosh) else -half}
+    if is_exponential(expr):
+        return {expr.args[1]: se.Integer(1)}
+    if isinstance(expr, se.Add):
+        return _collected(item for term in expr.args for item in _exponentials(term).items())
+    factors = [*factors_of(expr)]
+    if isinstance(expr, se.Pow) and isinstance(expr.args[1], se.Integer) and 0 < expr.args[1] <= 8:
+        factors = [expr.args[0]] * int(expr.args[1])
+    found = {se.Integer(0): se.Integer(1)}
+    for factor in factors:
+        terms = _exponentials(factor) if len(factors) > 1 else {}
+        if not any(terms):
+            terms = {se.Integer(0): factor}
+        if len(found) * len(terms) > MOST_TERMS:
+            return {se.Integer(0): expr}
+        found = _collected((u + w, a * b) for u, a in found.items() for w, b in terms.items())
+    return found
 
 
-def _less_largest(w: Any, ends: Sequence[Any]) -> tuple[Any, Any]:
-    """(u, s) with u - s = w - max(ends): of two, with d = b - a, w - b and (|d| - d)/2, or w - a
-    and (|d| + d)/2, whichever cancels less."""
-    if len(ends) > 2:
-        largest = ends[0]
-        for end in ends[1:]:
-            largest = (largest + end + se.Function(SIZE)(end - largest)) / 2
-        return w, largest
-    a, b = ends
-    d = expand_short(b - a)
-    size = se.Function(SIZE)(d)
-    to_a, to_b = expand_short(w - a), expand_short(w - b)
-    if _slope(to_b, d) < _slope(to_a, d):
-        return to_b, (size - d) / 2
-    return to_a, (size + d) / 2
+def _collected(items: Iterable[tuple[Any, Any]]) -> _Exponentials:
+    found: _Exponentials = {}
+    for w, c in items:
+        found[w] = found.get(w, se.Integer(0)) + c
+    return {w: c for w, c in found.items() if c != 0}
 
 
-def _slope(exponent: Any, step: Any) -> float:
-    """How steep an exponent is in the letters of a step between ends."""
-    numbers = exponent.as_coefficients_dict()
-    return sum(abs(float(numbers.get(letter, 0))) for letter in _letters(step))
-
-
-def _letters(exponent: Any) -> list[Any]:
-    return [x for x in exponent.as_coefficients_dict() if not se.sympify(x).is_Number]
-
-
-def _ends(total: Any) -> Sequence[Any] | None:
-    """The exponents of a sum of exponentials of which one may be the largest: the first and the
-    last by what one letter counts in them, or all, where they are few and differ by several;
-    None of anything else."""
-    exponents = [*dict.fromkeys(_exponential(term)[1] for term in summands(total))]
-    if len(exponents) < 2 or any(
+def _ends(terms: _Exponentials) -> _Ends | None:
+    """The outermost exponents of a sum; None where there are none, or more than two of which
+    nothing tells which are the outermost."""
+    exponents = sorted(terms, key=str)
+    if len(terms) < 2 or any(
         numeric_name(f) == SIZE for w in exponents for f in se.sympify(w).atoms(se.Function)
     ):
         return None  # nothing to choose, or done before
-    steps = [expand_short(w - exponents[0]) for w in exponents]
-    letters = {x for step in steps for x in _letters(step)}
-    if len(letters) != 1:
-        return exponents if letters and len(exponents) <= MOST_ENDS else None
-    (letter,) = letters
-    rates = [float(step.as_coefficients_dict().get(letter, 0)) for step in steps]
-    order = sorted(range(len(rates)), key=rates.__getitem__)
-    return exponents[order[0]], exponents[order[-1]]
+    steps = [_rates(w - exponents[0]) for w in exponents]
+    letters = [*{letter for step in steps for letter in step}]
+    if len(letters) == 1:
+        order = sorted(range(len(steps)), key=lambda i: steps[i].get(letters[0], 0.0))
+        return exponents[order[0]], exponents[order[-1]]
+    return (exponents[0], exponents[1]) if letters and len(terms) == 2 else None
+
+
+def _rates(exponent: Any) -> dict[Any, float]:
+    """How an exponent changes with its letters."""
+    numbers = expand_short(exponent).as_coefficients_dict().items()
+    return {x: float(c) for x, c in numbers if not se.sympify(x).is_Number}
+
+
+def _over(terms: _Exponentials, every: Mapping[_Ends, int]) -> Any:
+    """A sum of exponentials over so many powers of the larger of some ends; of two terms that may
+    cancel, c exp(u) - c exp(w), the sum times a tangent."""
+    left, written = dict(terms), list[Any]()
+    while left:
+        u, c = left.popitem()
+        w = next((w for w, d in left.items() if d == -c), None)
+        total = se.exp(_less_largest(u, every))
+        if w is not None:
+            del left[w]
+            c *= se.tanh(expand_short(u - w) / 2)
+            total += se.exp(_less_largest(w, every))
+        written.append(c * total)
+    return se.Add(*written)
+
+
+def _less_largest(w: Any, every: Mapping[_Ends, int]) -> Any:
+    """w - n max(a, b) for ends a and b, as w - n a - n (b - a + |b - a|)/2 from the end that is
+    nearer to it, so that less cancels."""
+    shifts = []
+    for ends, n in every.items():
+        near, far = sorted(ends, key=lambda end: sum(map(abs, _rates(w - n * end).values())))
+        w = expand_short(w - n * near)
+        shift = (expand_short(far - near) + _size(ends)) / 2
+        # a multiple of a sum is written out: symengine's search for common parts loses some of it
+        shifts.append(-shift if n == 1 else expand_short(-n * shift))
+    return se.Add(w, *shifts)
+
+
+def _size(ends: _Ends) -> Any:
+    return se.Function(SIZE)(expand_short(ends[1] - ends[0]))
 
 
 def _root(base: Any, exponent: Any) -> Any | None:
@@ -197,26 +207,15 @@ def _is_even(exponent: Any) -> bool:
 
 def _logarithm(inner: Any) -> Any | None:
     """log of a sum that may lie close to one, or overflow; None of any other."""
-    found = exponential_sum(inner)
-    if found is None:
+    terms = _exponentials(inner)
+    ends = _ends(terms)
+    if ends is None:
         beside = isinstance(inner, se.Add) and se.Integer(1) in inner.args
         return se.Function(LOG1P)(inner - 1) if beside else None
-    w, terms = found
-    low, high = min(terms), max(terms)
-    ends = terms[low], terms[high]
-    if len(terms) == 2 and all(c.is_Number and c > 0 for c in ends):
-        shift = se.log(ends[1] / ends[0])
-        return low * w + se.log(ends[0]) + _soft((high - low) * w + shift)
-    middle, size = (low + high) * w / 2, se.Function(SIZE)(w)
-    reach = (high - low) * size / 2
-    if all(terms.get(low + high - k) == c for k, c in terms.items()) and ends[0].is_Number:
-        rest = [c / ends[0] * se.exp((k - high) * size) for k, c in terms.items() if k != high]
-        return middle + reach + se.log(ends[0]) + se.Function(LOG1P)(se.Add(*rest))
-    return (
-        middle
-        + reach
-        + se.log(se.Add(*[c * se.exp(k * w - middle - reach) for k, c in terms.items()]))
-    )
+    if len(terms) == 2 and all(c.is_Number and c > 0 for c in terms.values()):
+        (u, a), (w, b) = sorted(terms.items(), key=lambda term: (len(str(term[0])), str(term[0])))
+        return u + se.log(a) + _soft(w - u + se.log(b / a))
+    return (se.Add(*ends) + _size(ends)) / 2 + se.log(_over(terms, {ends: 1}))
 
 
 def _soft(w: Any) -> Any:
@@ -317,63 +316,3 @@ def _is_part(u: Any, w: Any) -> bool:
         return False
     ratio = u / w
     return u == 0 or bool(ratio.is_Number and 0 < ratio < 1)
-
-
-def _with_tails(total: Any) -> Any:
-    """A sum that vanishes where tanh w = 1 or -1, with factors 1 - tanh w and 1 + tanh w."""
-    if not isinstance(total, se.Add):
-        return total
-    tangents = [f for term in total.args for f in _tangents(term)]
-    for tangent in dict.fromkeys(tangents):
-        terms = _in_powers(total, tangent)
-        tails, w = se.Integer(1), tangent.args[0]
-        for end in (1, -1) if terms else ():
-            while (rest := _without_root(terms, end)) is not None:
-                terms, tails = rest, tails * _tail(end, w)
-        if tails != 1:
-            return tails * se.Add(*[c * tangent**k for k, c in terms.items()])
-    return total
-
-
-def _tangents(term: Any) -> list[Any]:
-    factors = factors_of(term)
-    bases = [f.args[0] if isinstance(f, se.Pow) else f for f in factors]
-    return [b for b in bases if isinstance(b, se.tanh)]
-
-
-def _in_powers(total: Any, tangent: Any) -> _Terms:
-    """The coefficients of a sum in powers of a tangent; none where it is no polynomial in it."""
-    parts: dict[int, list[Any]] = {}
-    for term in total.args:
-        power, rest = 0, [se.Integer(1)]
-        for factor in factors_of(term):
-            base, exponent = factor.args if isinstance(factor, se.Pow) else (factor, se.Integer(1))
-            if base == tangent and isinstance(exponent, se.Integer) and exponent > 0:
-                power += int(exponent)
-            else:
-                rest.append(factor)
-        coefficient = se.Mul(*rest)
-        if tangent in coefficient.atoms(se.tanh):
-            return {}
-        parts.setdefault(power, []).append(coefficient)
-    # one sum for each power: sums that grow by a term at a time would cost its square
-    return {power: se.Add(*terms) for power, terms in parts.items()}
-
-
-def _without_root(terms: _Terms, end: int) -> _Terms | None:
-    """P/(1 - end T) where P vanishes at T = end; None where it does not."""
-    if max(terms, default=0) == 0:
-        return None
-    quotient, carried = {}, se.Integer(0)
-    for k in range(max(terms) + 1):  # P = (1 - end T) Q, from the lowest power on
-        carried = expand_short(terms.get(k, se.Integer(0)) + end * carried)
-        quotient[k] = carried
-    if quotient.pop(max(terms)) != 0:
-        return None
-    return {k: c for k, c in quotient.items() if c != 0}
-
-
-def _tail(end: int, w: Any) -> Any:
-    """1 - tanh w, or 1 + tanh w for the other end."""
-    size = se.Function(SIZE)(w)
-    return 2 * se.exp(-end * w - size) / (1 + se.exp(-2 * size))

@@ -11,10 +11,8 @@ the derivative, expanded until it is zero, proves it, but for functions of many 
 
 from __future__ import annotations
 
-import heapq
 import math
 import random
-from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import count, islice
 from typing import Any
@@ -22,6 +20,14 @@ from typing import Any
 import flint
 import symengine as se
 
+from voronec.algebra.brackets import (
+    Pair,
+    bracket,
+    factor_exponents,
+    share_pairs,
+    term_pairs,
+    with_term_pair,
+)
 from voronec.algebra.branches import is_branching
 from voronec.algebra.graphs import is_atom, is_flat, nodes
 from voronec.algebra.points import sample_evaluable
@@ -43,11 +49,6 @@ __all__ = [
 ]
 
 
-Bag = dict[Any, Any]
-"""A sum as {term without number: number}."""
-Pair = tuple[Any, Any, Any]
-"""Two terms of a sum and the ratio of their numbers."""
-
 WIDEST = 60
 """Sums with more terms than this are left alone."""
 
@@ -68,50 +69,15 @@ def shared_sums(definitions: Mapping[Any, Any], fresh: Callable[[], Any]) -> dic
         for x, e in definitions.items()
         if isinstance(e, se.Add) and len(e.args) <= WIDEST
     }
-    keys: dict[Any, str] = {}
-    where: dict[Pair, set[Any]] = defaultdict(set)
-    for x, bag in bags.items():
-        for pair in _pairs(bag, keys):
-            where[pair].add(x)
-    heap = [_entry(p, where, keys) for p, users in where.items() if len(users) > 1]
-    heapq.heapify(heap)
-    while heap:
-        count, _, pair = heapq.heappop(heap)
-        if len(where[pair]) < 2:
-            continue
-        if len(where[pair]) != -count:
-            heapq.heappush(heap, _entry(pair, where, keys))
-            continue
-        first, second, ratio = pair
-        name = fresh()
-        for x in sorted(where[pair], key=str):
-            before = _pairs(bags[x], keys)
-            number = bags[x].pop(first)
-            del bags[x][second]
-            bags[x][name] = number
-            after = _pairs(bags[x], keys)
-            for p in before - after:
-                where[p].discard(x)
-            for p in after - before:
-                where[p].add(x)
-                if len(where[p]) > 1:
-                    heapq.heappush(heap, _entry(p, where, keys))
+
+    def define(pair: Pair) -> tuple[dict[Any, Any], Any]:
+        name, (first, second, ratio) = fresh(), pair
         bags[name] = {first: ONE, second: ratio}
+        return bags[name], name
+
+    share_pairs(bags, term_pairs, define, with_term_pair)
     sums = {x: se.Add(*[c * m for m, c in bag.items()]) for x, bag in bags.items()}
     return _sorted_stages({**definitions, **sums})
-
-
-def _pairs(bag: Bag, keys: dict[Any, str]) -> set[Pair]:
-    for term in bag:
-        if term not in keys:
-            keys[term] = str(term)
-    order = sorted(bag, key=keys.__getitem__)
-    return {(a, b, bag[b] / bag[a]) for i, a in enumerate(order) for b in order[i + 1 :]}
-
-
-def _entry(pair: Pair, where: Mapping[Pair, set[Any]], keys: Mapping[Any, str]) -> Any:
-    first, second, ratio = pair
-    return -len(where[pair]), (keys[first], keys[second], str(ratio)), pair
 
 
 def factor_sums(definitions: Mapping[Any, Any], fresh: Callable[[], Any]) -> dict[Any, Any]:
@@ -131,45 +97,8 @@ def factor_sums(definitions: Mapping[Any, Any], fresh: Callable[[], Any]) -> dic
     for x, expr in definitions.items():
         result[x] = expr
         if isinstance(expr, se.Add):
-            result[x] = _collect([(c, _powers(m)) for m, c in map(split_number, expr.args)], name)
+            result[x] = bracket([*map(factor_exponents, expr.args)], set(), max, name)
     return _sorted_stages(result)
-
-
-def _powers(term: Any) -> dict[Any, int]:
-    """The factors of a term with their exponents; what has no whole positive exponent is one."""
-    powers: dict[Any, int] = {}
-    for f in factors_of(term):
-        if isinstance(f, se.Pow) and isinstance(f.args[1], se.Integer) and f.args[1] > 0:
-            powers[f.args[0]] = int(f.args[1])
-        elif f != 1:
-            powers[f] = 1
-    return powers
-
-
-DEEPEST = 60
-"""So many factors are taken out one inside the other: a power series nests as deep as it goes."""
-
-
-def _collect(
-    terms: list[tuple[Any, dict[Any, int]]], name: Callable[[Any], Any], depth: int = 0
-) -> Any:
-    counts = Counter(f for _, powers in terms for f in powers)
-    keys = {f: str(f) for f, count in counts.items() if count > 1}
-    heads = []
-    while depth < DEEPEST:
-        most = max(keys, key=lambda f: (counts[f], keys[f]), default=None)
-        if most is None or counts[most] < 2:
-            break
-        inside = [(c, powers) for c, powers in terms if most in powers]
-        terms = [(c, powers) for c, powers in terms if most not in powers]
-        counts.subtract(f for _, powers in inside for f in powers)
-        rest = [(c, _divide(powers, most)) for c, powers in inside]
-        heads.append(most * name(_collect(rest, name, depth + 1)))
-    return se.Add(*heads, *[c * se.Mul(*[f**e for f, e in p.items()]) for c, p in terms])
-
-
-def _divide(powers: dict[Any, int], by: Any) -> dict[Any, int]:
-    return {f: e - (f == by) for f, e in powers.items() if e > (f == by)}
 
 
 class StagedElimination:
@@ -259,21 +188,10 @@ WORK = 20_000
 """The work of one exact proof; a proof that a whole sum is zero may cost twenty times as much."""
 LENGTH = 4000
 """An expression with more letters than this is not proved to be zero."""
+NEAR = flint.arb("1e-12")
+"""What changes by no more than such a part may not change at all."""
 PATIENCE = 6
 """So many failed proofs in a row, and a coordinate is tried no more."""
-
-_FUNCTIONS: dict[type, Callable[[float], float]] = {
-    se.sin: math.sin,
-    se.cos: math.cos,
-    se.tan: math.tan,
-    se.asin: math.asin,
-    se.acos: math.acos,
-    se.atan: math.atan,
-    se.sinh: math.sinh,
-    se.cosh: math.cosh,
-    se.tanh: math.tanh,
-    se.log: math.log,
-}
 
 
 class Cyclic:
@@ -283,7 +201,7 @@ class Cyclic:
         self.coordinates = list(coordinates)
         self.support: dict[Any, frozenset[Any]] = {}
         self._source = random.Random("voronec cyclic")
-        self._values: dict[Any, tuple[float, ...]] = {}
+        self._points: list[dict[Any, Any]] = [{} for _ in range(len(self.coordinates) + 1)]
         self._slopes: dict[tuple[Any, Any], Any] = {}
         self._branches: dict[tuple[Any, Any], bool] = {}
         self._failures = dict.fromkeys(coordinates, 0)
@@ -292,7 +210,8 @@ class Cyclic:
     def add(self, symbol: Any, expr: Any) -> None:
         """Take note of a new stage."""
         self.support[symbol] = self.free_symbols(expr)
-        self._values[symbol] = self._value(expr)
+        for point, values in zip(self._points, self._values([expr]), strict=True):
+            point[symbol] = values[0]
 
     def free_symbols(self, expr: Any) -> frozenset[Any]:
         """The symbols, no stages among them, that occur in an expression."""
@@ -304,12 +223,11 @@ class Cyclic:
     def absent(self, expr: Any, stages: Stages) -> Iterator[Any]:
         """Coordinates that occur in the expression and are proved to cancel."""
         support = self.free_symbols(expr)
-        values = self._value(expr)
-        for index, q in enumerate(self.coordinates):
+        (there,), *moved = self._values([expr])
+        for q, (value,) in zip(self.coordinates, moved, strict=True):
             if q not in support or self._failures[q] >= PATIENCE:
                 continue
-            change = abs(values[index + 1] - values[0])
-            if not change <= 1e-10 * abs(values[0]):
+            if not abs(value - there) <= NEAR * abs(there):
                 continue
             if self._cancels(expr, q, stages):
                 self._failures[q] = 0
@@ -319,10 +237,8 @@ class Cyclic:
 
     def vanishes(self, expr: Any, stages: Stages) -> bool:
         """Whether a sum is proved to be zero."""
-        values = [self._value(t)[0] for t in expr.args]
-        if not all(map(math.isfinite, values)):
-            return False
-        small = abs(math.fsum(values)) <= 1e-12 * max(map(abs, values))
+        values, *_ = self._values(expr.args)
+        small = abs(sum(values)) <= NEAR * abs(max(values, key=abs))
         if not small or self._lost >= PATIENCE:
             return False
         for _ in range(DEPTH + 1):
@@ -387,36 +303,16 @@ class Cyclic:
                 terms.append(expr.diff(w) * self._slopes[w, q])
         return se.expand(se.Add(*terms))
 
-    def _value(self, expr: Any) -> tuple[float, ...]:
-        """Values at a point, then with each coordinate moved alone; nan where undefined."""
-        known = self._values.get(expr)
-        if known is None:
-            try:
-                known = self._compute(expr)
-            except (ValueError, TypeError, ZeroDivisionError, OverflowError, KeyError):
-                known = (math.nan,) * (len(self.coordinates) + 1)
-            self._values[expr] = known
-        return known
-
-    def _compute(self, expr: Any) -> tuple[float, ...]:
-        width = len(self.coordinates) + 1
-        if is_atom(expr):
-            return self._atom(expr)
-        if expr.is_Number or not expr.args:
-            return (float(expr),) * width
-        args = [self._value(a) for a in expr.args]
-        if isinstance(expr, se.Add):
-            return tuple(map(math.fsum, zip(*args, strict=True)))
-        if isinstance(expr, se.Mul):
-            return tuple(map(math.prod, zip(*args, strict=True)))
-        if isinstance(expr, se.Pow):
-            return tuple(_power(b, e) for b, e in zip(*args, strict=True))
-        return tuple(map(_FUNCTIONS[type(expr)], args[0]))
-
-    def _atom(self, atom: Any) -> tuple[float, ...]:
-        centre = self._source.uniform(0.3, 0.9)
-        moved = (centre + 0.173 * (q in atom.free_symbols) for q in self.coordinates)
-        return (centre, *moved)
+    def _values(self, exprs: Sequence[Any]) -> list[list[Any]]:
+        """Balls around expressions at a point, then with each coordinate moved alone; infinite ones
+        where they are undefined."""
+        tape = Tape(exprs)
+        for atom in tape.atoms:
+            if atom not in self._points[0]:
+                centre, step = flint.arb(self._source.uniform(0.3, 0.9)), flint.arb(0.173)
+                for point, q in zip(self._points, (None, *self.coordinates), strict=True):
+                    point[atom] = centre + step * (q in atom.free_symbols)
+        return [tape.arb(point, GENERIC) for point in self._points]
 
 
 def _is_zero(expr: Any, work: int) -> bool:
@@ -437,13 +333,6 @@ def _terms(expr: Any, inside: Mapping[Any, Any]) -> int:
                 count *= len(inside[base].args) ** min(abs(int(float(power))) or 1, 9)
         total += count
     return total
-
-
-def _power(base: float, exponent: float) -> float:
-    value = base**exponent
-    if isinstance(value, complex):
-        raise TypeError("a root of a negative number")
-    return float(value)
 
 
 ZERO, ONE = se.Integer(0), se.Integer(1)

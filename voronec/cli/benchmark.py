@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.columns import columns
-from voronec.cli.files import delivery, wanted_folder
-from voronec.cli.output import print_json, progress, progress_line
-from voronec.cli.subject import resolve
-from voronec.cli.values import finite, input_values, pair, split_values
+from voronec.cli.files import deliver, wanted_folder
+from voronec.cli.output import answer, progress, progress_line, wrote
+from voronec.cli.values import finite, motion_of
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -35,11 +34,9 @@ def execute(arguments: Namespace) -> int:
     """
     tolerances = [finite(word, "--tols") for word in _words(arguments.tols)]
     time = _span(arguments.time)
-    pairs, inputs = [pair(text) for text in arguments.set], input_values(arguments.input)
-    system, _ = resolve(arguments.system)
-    parameters, initial = split_values(system, pairs)
-    given = {"parameters": parameters, "initial": initial, "inputs": inputs}
-    _refuse_tables(inputs)
+    system, given = motion_of(arguments)
+    del given["scene"]  # the problem chooses one
+    _refuse_tables(given["inputs"])
     values = {kind: {k: str(v) for k, v in found.items()} for kind, found in given.items()}
     if arguments.setup:
         return _show_calls(arguments, system.name, time, tolerances, values)
@@ -50,9 +47,7 @@ def execute(arguments: Namespace) -> int:
     contenders(methods)  # refuses an unknown one before any work
     outputs = tuple(_words(arguments.outputs))
     with progress_line(f"{system.name}: deriving ..."):
-        problem = scene_problem(
-            system, arguments.scene, outputs, time, parameters, initial, inputs=inputs
-        )
+        problem = scene_problem(system, arguments.scene, outputs, time, **given)
         bench = measure(
             problem, methods, tolerances,
             setup=lambda: measure_setup(
@@ -61,10 +56,8 @@ def execute(arguments: Namespace) -> int:
             say=lambda text: progress(f"{system.name}: {text} ..."),
         )  # fmt: skip
     files = write(bench, folder)
-    if arguments.json:
-        print_json({**bench.as_dict(), "files": [str(f) for f in files]})
-    else:
-        print("\n".join([*report(bench), "wrote " + ", ".join(str(f) for f in files)]))
+    data = {**bench.as_dict(), "files": files}
+    answer(arguments.json, lambda: data, [*report(bench), *wrote(files)])
     return 130 if bench.interrupted else 0
 
 
@@ -98,17 +91,16 @@ def _show_calls(
         found = measure_calls(
             arguments.system, arguments.scene, time, (tolerances or [TOLERANCE])[0], values
         ).as_dict()
-    if arguments.json:
-        print_json({"system": name, "seconds": found})
-        return 0
     stages = sorted(
         {s for d in found.values() for s in d}, key=lambda s: -found["first ever"].get(s, 0)
     )
     rows = [[s, *(f"{1e3 * d.get(s, 0.0):.1f}" for d in found.values())] for s in stages]
     rows.append(["together", *(f"{1e3 * sum(d.values()):.1f}" for d in found.values())])
-    print(f"{name}: a whole call of integrate, milliseconds of the processor")
-    print("\n".join(columns([["stage", *found], *rows])))
-    print("first in a process: heyoka finds on disk what it has compiled; both with imports")
+    answer(arguments.json, lambda: {"system": name, "seconds": found}, [
+        f"{name}: a whole call of integrate, milliseconds of the processor",
+        *columns([["stage", *found], *rows]),
+        "first in a process: heyoka finds on disk what it has compiled; both with imports",
+    ])  # fmt: skip
     return 0
 
 
@@ -122,14 +114,14 @@ def write(bench: Bench, folder: Path) -> list[Path]:
     from voronec.accuracy.bench.work_precision_picture import plot_work_precision
     from voronec.motion.pictures.run_pictures import save
 
-    with delivery(folder) as workshop:
+    def fill(workshop: Path) -> None:
         data = json.dumps(bench.as_dict(), indent=2, ensure_ascii=False)
         (workshop / "bench.json").write_text(data + "\n", encoding="utf-8")
         (workshop / "bench.txt").write_text("\n".join(report(bench)) + "\n", encoding="utf-8")
         with suppress(DefinitionError):  # no run succeeded; the table says why
             save(plot_work_precision(bench), workshop / "work-precision.svg")
-        written = sorted(file.name for file in workshop.iterdir())
-    return [folder / name for name in written]
+
+    return deliver(folder, fill)
 
 
 def report(bench: Bench) -> list[str]:

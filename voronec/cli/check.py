@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from voronec.algebra.columns import columns
-from voronec.cli.output import print_json, progress, progress_line
+from voronec.cli.output import answer, progress, progress_line
 from voronec.cli.subject import is_file, name_in
 from voronec.errors import DefinitionError
 
@@ -30,11 +30,8 @@ def execute(arguments: Namespace) -> int:
     store = None if arguments.fresh else user_store()
     with progress_line():
         report = check_catalogue(names, stock, arguments.jobs, store, progress)
-    if arguments.json:
-        print_json(report.as_dict())
-    else:
-        print("\n".join(_lines(report)))
-        sys.stdout.flush()
+    answer(arguments.json, report.as_dict, _lines(report))
+    sys.stdout.flush()
     for result, finding in report.failures:
         print(f"voronec: {failure_line(result, finding)}", file=sys.stderr)
     if report.stopped:

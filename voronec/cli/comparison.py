@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from voronec.algebra.columns import columns
-from voronec.cli.output import print_json, progress, progress_line
+from voronec.cli.output import answer, progress, progress_line
 from voronec.cli.subject import resolve
 
 if TYPE_CHECKING:
@@ -25,10 +25,7 @@ def execute(arguments: Namespace) -> int:
         first, second = (_side(subject) for subject in (arguments.first, arguments.second))
         progress(f"comparing '{first.name}' and '{second.name}'")
         found = compare(first, second)
-    if arguments.json:
-        print_json(found.as_dict())
-    else:
-        print("\n".join(_lines(found)))
+    answer(arguments.json, found.as_dict, _lines(found))
     return 0 if found.equal else 1
 
 

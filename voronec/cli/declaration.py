@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.columns import columns
-from voronec.cli.output import plain, print_json
+from voronec.cli.output import answer, plain, wrote
 from voronec.cli.subject import entry_of_name, is_file, resolve
 from voronec.errors import DefinitionError
 
@@ -129,10 +129,7 @@ def execute(arguments: Namespace) -> int:
     if arguments.out is not None:
         return _draw_sketch(arguments.system, Path(arguments.out), arguments.json)
     data, _ = declaration(arguments.system)
-    if arguments.json:
-        print_json(data)
-    else:
-        print("\n".join(_lines(data)))
+    answer(arguments.json, lambda: data, _lines(data))
     return 0
 
 
@@ -149,7 +146,7 @@ def _draw_sketch(subject: str, path: Path, as_json: bool) -> int:
     stream = io.BytesIO()
     save(sketch.figure(), stream, path.suffix)
     replace(path, stream.getvalue())
-    print_json({"file": str(path)}) if as_json else print(f"wrote {path}")
+    answer(as_json, lambda: {"file": str(path)}, wrote([path]))
     return 0
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.columns import columns
-from voronec.cli.output import plain, print_json, progress, progress_line
+from voronec.cli.output import answer, plain, progress, progress_line
 from voronec.cli.subject import resolve
 from voronec.equations.printers import PRINTERS
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
@@ -47,7 +47,7 @@ def _execute(arguments: Namespace, eqs: VoronecEquations, chosen: str | None) ->
         write = printer.with_jacobian if arguments.jacobian else None
         text = (write or printer.text)(eqs)
         progress("")
-        print_json({chosen: text}) if arguments.json else print(text.rstrip("\n"))
+        answer(arguments.json, lambda: {chosen: text}, [text.rstrip("\n")])
         return 0
     motions, name = Motions(eqs), eqs.system.name
     if not arguments.json:  # the equations come before what may take longer
@@ -62,13 +62,13 @@ def _execute(arguments: Namespace, eqs: VoronecEquations, chosen: str | None) ->
     claims = check_claims(motions, lambda what: progress(f"{name}: {what}"))
     if arguments.json:
         progress(f"{name}: the short form of the equations")
-        found = eqs.as_dict() | _descent_data(reduction)
-        progress("")
-        print_json(found | {"claims": [_claim_data(claim) for claim in claims]})
-    else:
-        progress("")
-        for line in (*_descent(eqs, reduction), *_claims(claims)):
-            print(line)
+    data = eqs.as_dict() | _descent_data(reduction) if arguments.json else {}
+    progress("")
+    answer(
+        arguments.json,
+        lambda: data | {"claims": [_claim_data(claim) for claim in claims]},
+        [*_descent(eqs, reduction), *_claims(claims)],
+    )
     return 1 if any(claim.verdict.refuted for claim in claims) else 0
 
 
@@ -87,10 +87,8 @@ def _store(eqs: VoronecEquations, path: Path, subject: str, as_json: bool) -> in
 
     replace_file(path, StoredDerivation.of(eqs).text())
     progress("")
-    if as_json:
-        print_json({"system": eqs.system.name, "file": str(path)})
-    else:
-        print(f"wrote {path}; now try: voronec compare {path} {subject}")
+    told = f"wrote {path}; now try: voronec compare {path} {subject}"
+    answer(as_json, lambda: {"system": eqs.system.name, "file": str(path)}, [told])
     return 0
 
 

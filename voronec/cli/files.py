@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import Any
 
 from voronec.declaration.whole_files import replace_file, unwritable, workshop
 from voronec.errors import DefinitionError
 
-__all__ = ["create", "delivery", "refuse_file", "replace", "wanted_folder"]
+__all__ = ["create", "deliver", "refuse_file", "replace", "wanted_folder"]
 
 
-@contextmanager
-def delivery(folder: Path, products: Iterable[str] = ()) -> Iterator[Path]:
-    """A workshop for files, which are moved into ``folder`` when, and only when, all are done.
+def deliver(folder: Path, write: Callable[[Path], Any], products: Iterable[str] = ()) -> list[Path]:
+    """What ``write`` puts into a workshop is moved into ``folder`` when, and only when, all is
+    done; returns the files by name.
 
     Files of the same names are replaced; of ``products``, what this command may make, those go that
     an earlier run has left and this one did not make.  Others in ``folder`` stay.
@@ -27,7 +27,7 @@ def delivery(folder: Path, products: Iterable[str] = ()) -> Iterator[Path]:
         place.mkdir(parents=True, exist_ok=True)
         with workshop(place) as drafts:
             try:
-                yield drafts
+                write(drafts)
             except DefinitionError as error:
                 raise DefinitionError(str(error).replace(str(drafts), str(folder))) from None
             folder.mkdir(exist_ok=True)
@@ -36,6 +36,7 @@ def delivery(folder: Path, products: Iterable[str] = ()) -> Iterator[Path]:
                 os.replace(file, folder / file.name)
             for name in {*products} - {file.name for file in made}:
                 (folder / name).unlink(missing_ok=True)
+            return [folder / file.name for file in made]
     except (OSError, UnicodeEncodeError) as error:
         raise unwritable(folder, error) from None
 

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.columns import columns
 from voronec.algebra.symbols import plain_name
-from voronec.cli.files import delivery, refuse_file, wanted_folder
-from voronec.cli.output import plain, print_json, progress, progress_line
+from voronec.cli.files import deliver, refuse_file, wanted_folder
+from voronec.cli.output import answer, plain, progress, progress_line
 from voronec.cli.subject import resolve
 from voronec.cli.values import pair, split_values
 from voronec.errors import DefinitionError, did_you_mean
@@ -101,12 +101,11 @@ def _pages(arguments: Namespace) -> int:
     folder = wanted_folder(arguments.out or "gallery")
     from voronec.motion.viewer.gallery import write_gallery
 
-    with progress_line(), delivery(folder) as workshop:
-        names = [file.name for file in write_gallery(workshop, progress)]
-    if arguments.json:
-        print_json({"files": [str(folder / name) for name in names]})
-    else:
-        print(f"wrote {len(names) - 1} pages; open {folder / names[0]} in a browser")
+    names = list[str]()
+    with progress_line():
+        deliver(folder, lambda to: names.extend(f.name for f in write_gallery(to, progress)))
+    told = f"wrote {len(names) - 1} pages; open {folder / names[0]} in a browser"
+    answer(arguments.json, lambda: {"files": [folder / name for name in names]}, [told])
     return 0
 
 
@@ -184,13 +183,13 @@ def _write(system: System, found: Sequence[GalleryMotion], target: Path) -> list
     from voronec.motion.pictures.run_pictures import save
 
     own = [(f, _draw_motion(system, f)) for f in found]
-    if target.suffix in SUFFIXES:
-        with delivery(target.parent) as workshop:
-            shown = [_of_class(f, traces) for f, traces in own]
-            save(traces_figure(shown, columns=3), workshop / target.name)
-        return [target]
-    names = []
-    with delivery(target) as workshop:
+    names = list[str]()
+
+    def write_one(workshop: Path) -> None:
+        shown = [_of_class(f, traces) for f, traces in own]
+        save(traces_figure(shown, columns=3), workshop / target.name)
+
+    def write_all(workshop: Path) -> None:
         for f, traces in own:
             progress(f"{system.name}: drawing {f.request.label} {f.request.trace}")
             names.append(f"{_slug(f.request.trace)}-{f.request.label}.svg")
@@ -199,6 +198,10 @@ def _write(system: System, found: Sequence[GalleryMotion], target: Path) -> list
             shown = [_of_class(f, traces) for f, traces in own if f.request.trace == title]
             names.append(f"{_slug(title)}.svg")
             save(traces_figure(shown, title=title, columns=3), workshop / names[-1])
+
+    if target.suffix in SUFFIXES:
+        return deliver(target.parent, write_one)
+    deliver(target, write_all)
     progress("")
     return [target / name for name in names]
 
@@ -233,19 +236,14 @@ def _tell(
     files: Sequence[Path],
     as_json: bool,
 ) -> None:
-    if as_json:
-        print_json({"system": system.name, "motions": [_data(f) for f in answers],
-                    "files": [str(file) for file in files]})  # fmt: skip
-        return
     found = [f for f in answers if isinstance(f, GalleryMotion)]
-    if found:
-        print("\n".join(columns([_head(found[0]), *map(_row, found)])))
-    for f in answers:
-        if isinstance(f, GalleryGap):
-            print(f.reason)
+    lines = columns([_head(found[0]), *map(_row, found)]) if found else []
+    lines += [f.reason for f in answers if isinstance(f, GalleryGap)]
     if files:
-        print(f"wrote {files[0]}" if len(files) == 1 else f"wrote {len(files)} pictures to "
-              f"{files[0].parent}")  # fmt: skip
+        many = f"{len(files)} pictures to {files[0].parent}"
+        lines.append(f"wrote {files[0] if len(files) == 1 else many}")
+    motions = map(_data, answers)
+    answer(as_json, lambda: {"system": system.name, "motions": [*motions], "files": files}, lines)
 
 
 def _head(first: GalleryMotion) -> list[str]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.columns import columns
 from voronec.cli.files import replace
-from voronec.cli.output import print_json, progress_line, warn
+from voronec.cli.output import answer, progress_line, warn
 from voronec.cli.subject import is_file, name_in
 from voronec.errors import DefinitionError
 
@@ -41,23 +41,19 @@ def execute(arguments: Namespace) -> int:
     _warn_of_trouble(stock)
     if path is not None:
         replace(path, _content(graph, data, path.suffix))
-    if arguments.json:
-        print_json({"file": str(path)} if path is not None else data)
-    elif path is not None:
-        print(f"wrote {path}: {len(graph)} systems, {graph.number_of_edges()} relations")
-    else:
-        rows = ([e["label"], e["line"], ", ".join(e["kinds"]), e["status"]] for e in data["edges"])
-        print("\n".join([*columns(rows), *(f"{n} stands alone" for n in _alone(graph))]))
+    if path is not None:
+        told = f"wrote {path}: {len(graph)} systems, {graph.number_of_edges()} relations"
+        answer(arguments.json, lambda: {"file": str(path)}, [told])
+        return 0
+    rows = ([e["label"], e["line"], ", ".join(e["kinds"]), e["status"]] for e in data["edges"])
+    alone = (f"{n} stands alone" for n in sorted(graph) if not graph.degree(n))
+    answer(arguments.json, lambda: data, [*columns(rows), *alone])
     return 0
 
 
 def _warn_of_trouble(stock: Inventory) -> None:
     for trouble in stock.all_troubles:
         warn(f"{trouble.kind} '{trouble.name}': {trouble.why}")
-
-
-def _alone(graph: Any) -> list[str]:
-    return sorted(n for n in graph if not graph.degree(n))
 
 
 def _data(graph: Any, known: dict[str, Any]) -> dict[str, Any]:

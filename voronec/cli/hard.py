@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from argparse import Namespace
 from typing import TYPE_CHECKING
 
 from voronec.algebra.columns import columns
-from voronec.cli.files import delivery, wanted_folder
-from voronec.cli.output import print_json, progress, warn
+from voronec.cli.files import deliver, wanted_folder
+from voronec.cli.output import answer, progress, warn, wrote
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -51,10 +52,11 @@ def _choose_cases(arguments: Namespace) -> tuple[HardCase, ...]:
 
 
 def _list(cases: Sequence[HardCase], as_json: bool) -> int:
-    if as_json:
-        print_json([{"case": c.name, "system": c.system, "hard": c.hard} for c in cases])
-    else:
-        print("\n".join(columns([c.name, c.system, c.hard] for c in cases)))
+    answer(
+        as_json,
+        lambda: [{"case": c.name, "system": c.system, "hard": c.hard} for c in cases],
+        columns([c.name, c.system, c.hard] for c in cases),
+    )
     return 0
 
 
@@ -93,21 +95,15 @@ def _run(
 
 
 def _tell(findings: Sequence[CaseResult], folder: Path | None, as_json: bool) -> None:
-    from voronec.accuracy.hard.page import data, summary
+    from voronec.accuracy.hard.page import data, page, summary
 
-    if as_json:
-        print_json([data(f) for f in findings])
-    else:
-        print(summary(findings))
-    if folder is None:
-        return
-    from voronec.accuracy.hard.page import page
+    found = [data(f) for f in findings]
 
-    with delivery(folder) as workshop:
+    def write(workshop: Path) -> None:
         (workshop / "hard-cases.md").write_text(page(findings), "utf-8")
-        with (workshop / "hard.json").open("w", encoding="utf-8") as file:
-            import json
+        (workshop / "hard.json").write_text(json.dumps(found, indent=2), "utf-8")
 
-            json.dump([data(f) for f in findings], file, indent=2)
+    answer(as_json, lambda: found, [summary(findings)])
+    files = [] if folder is None else deliver(folder, write)
     if not as_json:
-        print(f"wrote {folder / 'hard-cases.md'}, {folder / 'hard.json'}")
+        answer(as_json, list, wrote(files))

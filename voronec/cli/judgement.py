@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import Namespace
 
-from voronec.cli.output import print_json
+from voronec.cli.output import answer
 from voronec.cli.subject import resolve
 
 __all__ = ["execute"]
@@ -16,8 +16,5 @@ def execute(arguments: Namespace) -> int:
 
     system, _ = resolve(arguments.system)
     found = judge(system, arguments.equation)
-    if arguments.json:
-        print_json(found.as_dict())
-    else:
-        print(found)
+    answer(arguments.json, found.as_dict, [found])
     return 0 if found.proved else 1

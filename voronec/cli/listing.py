@@ -9,7 +9,7 @@ from argparse import Namespace
 from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.columns import columns
-from voronec.cli.output import print_json, warn
+from voronec.cli.output import answer, warn
 from voronec.declaration.catalogue import Entry, entries, names, papers
 
 if TYPE_CHECKING:
@@ -22,20 +22,21 @@ def execute(arguments: Namespace) -> int:
     """Print the catalogue."""
     if arguments.names:
         found = names()
-        print_json(found) if arguments.json else print("\n".join(found))
+        answer(arguments.json, lambda: found, found)
         return 0
     from voronec.proof.check import Inventory
 
     warnings = entries()[1]
     stock, with_paper = Inventory.of(), papers()
     rows = [_row(stock, entry) for entry in stock.entries.values()]
-    if arguments.json:
-        print_json({"systems": rows, "papers": with_paper, "warnings": list(warnings)})
-        return 0
-    for message in (*warnings, *(row["trouble"] for row in rows if row["trouble"])):
-        warn(message)
-    for line in columns([row["name"], row["title"], _mark(row, with_paper)] for row in rows):
-        print(line)
+    if not arguments.json:
+        for message in (*warnings, *(row["trouble"] for row in rows if row["trouble"])):
+            warn(message)
+    answer(
+        arguments.json,
+        lambda: {"systems": rows, "papers": with_paper, "warnings": list(warnings)},
+        columns([row["name"], row["title"], _mark(row, with_paper)] for row in rows),
+    )
     return 0
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import Namespace
 
-from voronec.cli.output import print_json, progress_line
+from voronec.cli.output import answer, progress_line
 from voronec.cli.subject import resolve
 
 __all__ = ["execute"]
@@ -17,7 +17,6 @@ def execute(arguments: Namespace) -> int:
 
     with progress_line(f"{system.name}: the equations by six methods ..."):
         found = by_methods(system)
-        data = found.as_dict() if arguments.json else None
-        text = str(found) if data is None else ""
-    print_json(data) if data is not None else print(text)
+        lines = [] if arguments.json else [str(found)]
+    answer(arguments.json, found.as_dict, lines)
     return 0 if found.proved else 1

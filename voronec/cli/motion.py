@@ -7,17 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from voronec.algebra.columns import columns
-from voronec.cli.files import delivery, wanted_folder
-from voronec.cli.output import print_json, progress, progress_line, warn
-from voronec.cli.subject import resolve
-from voronec.cli.values import (
-    input_values,
-    instants,
-    outputs_of,
-    pair,
-    split_values,
-    tolerance,
-)
+from voronec.cli.files import deliver, wanted_folder
+from voronec.cli.output import answer, progress, progress_line, warn, wrote
+from voronec.cli.values import instants, motion_of, outputs_of, tolerance
 
 if TYPE_CHECKING:
     from voronec.motion import Trajectory
@@ -35,12 +27,9 @@ def execute(arguments: Namespace) -> int:
     """
     tol = tolerance(arguments.tol)
     times = instants(arguments.times)
-    pairs, inputs = [pair(text) for text in arguments.set], input_values(arguments.input)
     outputs = outputs_of(arguments.outputs)
-    system, _ = resolve(arguments.system)
+    system, given = motion_of(arguments)
     folder = wanted_folder(arguments.out or f"{system.name}-run")
-    parameters, initial = split_values(system, pairs)
-    scene = arguments.scene or system.first_scene
     if arguments.animate:
         from voronec.motion.pictures.rolling_animation import check_film
 
@@ -50,14 +39,13 @@ def execute(arguments: Namespace) -> int:
 
     with progress_line(f"{system.name}: integrating ..."):
         trajectory = integrate(
-            system, scene=scene, times=times, outputs=outputs, parameters=parameters,
-            initial=initial, method=arguments.method, tol=tol, inputs=inputs,
+            system, times=times, outputs=outputs, method=arguments.method, tol=tol, **given,
             progress=lambda share: progress(f"{system.name}: {share:.0%} of the motion"),
         )  # fmt: skip
-    files = _write(trajectory, folder)
+    files = deliver(folder, lambda to: _write(trajectory, to), PRODUCTS)
     if arguments.animate:
         files += _animate(trajectory, Path(arguments.animate))
-    _report(trajectory, scene, files, arguments.json)
+    _report(trajectory, given["scene"], files, arguments.json)
     if lost := _lost_integrals(trajectory):
         warn(
             f"the integral {lost} drifts far beyond the tolerance: it is not constant, the motion "
@@ -68,56 +56,53 @@ def execute(arguments: Namespace) -> int:
     return 130 if trajectory.interrupted else 0
 
 
-def _write(trajectory: Trajectory, folder: Path) -> list[Path]:
+def _write(trajectory: Trajectory, workshop: Path) -> None:
     from voronec.motion.pictures.run_pictures import pictures, save
 
-    with delivery(folder, PRODUCTS) as workshop:
-        trajectory.save(workshop / "trajectory.csv")
-        figures = pictures(trajectory)
-        for name, figure in figures.items():
-            save(figure, workshop / f"{name}.svg")
-        if trajectory.system.drawing is not None and "drawing" not in figures:
-            warn("the system's own drawing shows more than these outputs, so it is left out")
-        written = sorted(file.name for file in workshop.iterdir())
-    return [folder / name for name in written]
+    trajectory.save(workshop / "trajectory.csv")
+    figures = pictures(trajectory)
+    for name, figure in figures.items():
+        save(figure, workshop / f"{name}.svg")
+    if trajectory.system.drawing is not None and "drawing" not in figures:
+        warn("the system's own drawing shows more than these outputs, so it is left out")
 
 
 def _animate(trajectory: Trajectory, target: Path) -> list[Path]:
     from voronec.motion.pictures.rolling_animation import film, rolling_of
 
     name = trajectory.system.name
+
+    def write(workshop: Path) -> None:
+        film(
+            rolling_of(trajectory), workshop / target.name,
+            progress=lambda share: progress(f"{name}: {share:.0%} of the film"),
+        )  # fmt: skip
+
     with progress_line():
-        with delivery(target.parent) as workshop:
-            made = film(
-                rolling_of(trajectory), workshop / target.name,
-                progress=lambda share: progress(f"{name}: {share:.0%} of the film"),
-            )  # fmt: skip
-        return [target.parent / file.name for file in made]
+        return deliver(target.parent, write)
 
 
 def _report(trajectory: Trajectory, scene: str | None, files: list[Path], as_json: bool) -> None:
     cost = trajectory.cost
-    if as_json:
-        print_json({
-            "system": trajectory.system.name, "scene": scene,
-            "times": [float(trajectory.t[0]), float(trajectory.t[-1])],
-            "instants": len(trajectory.t), "interrupted": trajectory.interrupted,
-            "method": cost.method, "reason": cost.reason, "tolerance": cost.tolerance,
-            "level": cost.level, "setup_seconds": cost.setup, "run_seconds": cost.run,
-            "steps": cost.steps, "evaluations": cost.evaluations, "switches": cost.switches,
-            "parameters": {name: float(x) for name, x in trajectory.parameters.items()},
-            "drift": dict(trajectory.drift), "residuals": dict(trajectory.residuals),
-            "notes": list(trajectory.notes), "files": [str(f) for f in files],
-        })  # fmt: skip
-        return
+    data = {
+        "system": trajectory.system.name, "scene": scene,
+        "times": [float(trajectory.t[0]), float(trajectory.t[-1])],
+        "instants": len(trajectory.t), "interrupted": trajectory.interrupted,
+        "method": cost.method, "reason": cost.reason, "tolerance": cost.tolerance,
+        "level": cost.level, "setup_seconds": cost.setup, "run_seconds": cost.run,
+        "steps": cost.steps, "evaluations": cost.evaluations, "switches": cost.switches,
+        "parameters": {name: float(x) for name, x in trajectory.parameters.items()},
+        "drift": dict(trajectory.drift), "residuals": dict(trajectory.residuals),
+        "notes": list(trajectory.notes), "files": files,
+    }  # fmt: skip
     what = f"{trajectory.system.name}, scene {scene}" if scene else trajectory.system.name
-    print(f"{what}: {_span(trajectory)}")
-    print(cost)
     rows = [["drift of", name, f"{value:.1e}"] for name, value in trajectory.drift.items()]
     rows += [["residual of", name, f"{value:.1e}"] for name, value in trajectory.residuals.items()]
-    print("\n".join(columns(rows) or ["no integral is declared, so no drift is known"]))
-    print("".join(f"note: {note}\n" for note in trajectory.notes), end="")
-    print("wrote " + ", ".join(str(f) for f in files))
+    answer(as_json, lambda: data, [
+        f"{what}: {_span(trajectory)}", cost,
+        *(columns(rows) or ["no integral is declared, so no drift is known"]),
+        *(f"note: {note}" for note in trajectory.notes), *wrote(files),
+    ])  # fmt: skip
 
 
 def _lost_integrals(trajectory: Trajectory) -> str:

@@ -4,16 +4,26 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-__all__ = ["plain", "print_json", "progress", "progress_line", "warn"]
+__all__ = ["answer", "plain", "progress", "progress_line", "warn", "wrote"]
 
 
-def print_json(data: Any) -> None:
-    """Data to stdout as JSON; expressions and numbers of other libraries as text."""
-    print(json.dumps(data, indent=2, ensure_ascii=False, default=str))
+def answer(as_json: bool, data: Callable[[], Any], lines: Iterable[Any]) -> None:
+    """What a command says, to stdout: data as JSON, expressions and numbers of other libraries as
+    text; or lines.  Only what is printed is made."""
+    if as_json:
+        print(json.dumps(data(), indent=2, ensure_ascii=False, default=str))
+    else:
+        for line in lines:
+            print(line)
+
+
+def wrote(files: Iterable[Any]) -> list[str]:
+    """The line that says where results are; none where nothing was written."""
+    return ["wrote " + ", ".join(map(str, files))] if files else []
 
 
 def plain(expr: Any) -> str:

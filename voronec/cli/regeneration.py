@@ -10,12 +10,12 @@ import re
 import shutil
 from argparse import Namespace
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from voronec.cli.files import delivery, wanted_folder
-from voronec.cli.output import print_json, progress, progress_line
+from voronec.cli.files import deliver, wanted_folder
+from voronec.cli.output import answer, progress, progress_line
 from voronec.cli.subject import is_file
 from voronec.declaration.catalogue import load, load_paper, load_paper_file, names
 from voronec.errors import DefinitionError
@@ -47,14 +47,11 @@ def execute(arguments: Namespace) -> int:
     with progress_line(f"{paper.name}: deriving what the paper speaks of ..."):
         audit = audit_paper(paper, _announce, cache, arguments.label, stage)
         try:
-            files = [] if folder is None else _write(audit, arguments.paper, folder)
+            if folder is not None:
+                files = deliver(folder, lambda to: _write(audit, arguments.paper, to))
         except DefinitionError as error:  # the verdicts are told all the same
             failure = error
-    if arguments.json:
-        print_json(audit.as_list())
-    else:
-        print(_errata_text(audit, arguments), end="")
-        print(_next(arguments, folder, files))
+    answer(arguments.json, audit.as_list, _lines(audit, arguments, folder, files))
     if failure is not None:
         raise failure
     return 1 if audit.count()["undecided"] + audit.count()["not read"] else 0
@@ -76,44 +73,38 @@ class _Sections:
         print(f"  {title}: {told or 'nothing to prove'}", flush=True)
 
 
-def _errata_text(audit: Audit, arguments: Namespace) -> str:
-    """The errors on one screen, or, of a single label or where details are wanted, all."""
+def _lines(
+    audit: Audit, arguments: Namespace, folder: Path | None, files: list[Path]
+) -> Iterator[str]:
+    """The errors on one screen, or, of a single label or where details are wanted, all; and what to
+    do now."""
     from voronec.audit.page.report import audit_summary, audit_table
 
     width = shutil.get_terminal_size((100, 24)).columns
     whole = arguments.label or arguments.details
-    return "\n" + (audit_table if whole else audit_summary)(audit, width)
-
-
-def _next(arguments: Namespace, folder: Path | None, files: list[Path]) -> str:
-    """Where the page is, and what to do now."""
+    yield "\n" + (audit_table if whole else audit_summary)(audit, width)
     command = f"voronec regenerate {arguments.paper}"
-    lines = [""]
     if folder is not None and files:
         others = ", ".join(f.name for f in files if f.suffix != ".html")
-        lines.append(f"open {folder / 'report.html'}: each formula, derived and as printed")
-        lines.append(f"beside it: {others}")
+        yield f"open {folder / 'report.html'}: each formula, derived and as printed"
+        yield f"beside it: {others}"
     elif not arguments.label:
-        lines.append(f"{command} --out DIR writes a page with all of it")
+        yield f"{command} --out DIR writes a page with all of it"
     if not (arguments.label or arguments.details):
-        lines.append(f"{command} --details prints a line a formula; --label L one of them whole")
+        yield f"{command} --details prints a line a formula; --label L one of them whole"
     if arguments.paper in names():
-        lines.append(f"voronec derive {arguments.paper} prints the equations; voronec run "
-                     f"{arguments.paper} integrates and draws a motion")  # fmt: skip
-    return "\n".join(lines)
+        yield (f"voronec derive {arguments.paper} prints the equations; voronec run "
+               f"{arguments.paper} integrates and draws a motion")  # fmt: skip
 
 
 def _announce(place: str, verdict: str) -> None:
     progress(f"{place}: {verdict}")
 
 
-def _write(audit: Audit, name: str, folder: Path) -> list[Path]:
+def _write(audit: Audit, name: str, workshop: Path) -> None:
     from voronec.audit.page.report import write_audit
 
-    with delivery(folder) as workshop:
-        write_audit(audit, workshop, _figures(name, workshop))
-        written = sorted(file.name for file in workshop.iterdir())
-    return [folder / file for file in written]
+    write_audit(audit, workshop, _figures(name, workshop))
 
 
 def _figures(name: str, workshop: Path) -> list[Any]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.columns import columns
 from voronec.algebra.text import formula
-from voronec.cli.output import plain, print_json, progress
+from voronec.cli.output import answer, plain, progress
 from voronec.cli.subject import resolve
 from voronec.cli.values import name_and_value
 from voronec.errors import DefinitionError
@@ -41,7 +41,7 @@ def execute(arguments: Namespace) -> int:
     progress("")
     if result is None:
         raise KeyboardInterrupt
-    print_json(result.as_dict()) if arguments.json else print("\n".join(_lines(result)))
+    answer(arguments.json, result.as_dict, _lines(result))
     if stopped:
         print("voronec: stopped", file=sys.stderr)
         return 130

@@ -9,17 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.columns import columns
 from voronec.algebra.text import name_or_formula
-from voronec.cli.files import delivery, wanted_folder
-from voronec.cli.output import print_json, progress, progress_line, warn
-from voronec.cli.subject import resolve
-from voronec.cli.values import (
-    finite,
-    input_values,
-    outputs_of,
-    pair,
-    split_values,
-    tolerance,
-)
+from voronec.cli.files import deliver, wanted_folder
+from voronec.cli.output import answer, progress, progress_line, warn, wrote
+from voronec.cli.values import finite, motion_of, outputs_of, tolerance
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -41,25 +33,20 @@ def execute(arguments: Namespace) -> int:
     # long because all options are read and refused before the work, and all is told after it
     tol = tolerance(arguments.tol)
     until = None if arguments.until is None else finite(arguments.until, "--until")
-    pairs, inputs = [pair(text) for text in arguments.set], input_values(arguments.input)
     _refuse_none(arguments)
     plane = None if arguments.plane is None else _plane(arguments.plane)
     outputs = [*outputs_of(arguments.outputs)]
-    system, _ = resolve(arguments.system)
+    system, given = motion_of(arguments)
     folder = wanted_folder(arguments.out or f"{system.name}-section")
-    parameters, initial = split_values(system, pairs)
     from voronec.motion.inputs import drive
     from voronec.motion.sections import section
 
     with progress_line(f"{system.name}: deriving ..."):
-        scene = arguments.scene or system.first_scene
-        chosen = system.scenes.get(scene) if scene else None
-        driven = drive(system, inputs, chosen)
+        inputs = given.pop("inputs")
+        driven = drive(system, inputs, system.scenes.get(given["scene"]))
         equations: Any = driven.equations
         if driven.changing is None:
-            parameters = {**parameters, **driven.constants}
-        given: dict[str, Any] = {"scene": scene, "initial": initial, "parameters": parameters}
-        if driven.changing is None:
+            given["parameters"] = {**given["parameters"], **driven.constants}
             plane, value, outputs = _complete_request(equations, plane, outputs, given)
         elif plane is None:
             raise DefinitionError("--plane: with a table for an input name one, EXPR=VALUE")
@@ -73,8 +60,8 @@ def execute(arguments: Namespace) -> int:
         )  # fmt: skip
     if found.interrupted and not len(found):
         raise KeyboardInterrupt
-    files = _write(found, folder)
-    _report(found, scene, files, arguments.json)
+    files = deliver(folder, lambda to: _write(found, to))
+    _report(found, given["scene"], files, arguments.json)
     for error in found.errors.values():
         warn(str(error))
     if found.interrupted:
@@ -110,57 +97,50 @@ def _complete_request(
     return *plane, outputs or list(surface.outputs)
 
 
-def _write(found: Section, folder: Path) -> list[Path]:
+def _write(found: Section, workshop: Path) -> None:
     from voronec.motion.pictures.run_pictures import save
     from voronec.motion.pictures.section_picture import plot_section
 
-    with delivery(folder) as workshop:
-        with (workshop / "points.csv").open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(["start", "t", *found.outputs])
-            rows = (found.start.tolist(), found.t.tolist(), found.points.tolist())
-            writer.writerows([i, t, *point] for i, t, point in zip(*rows, strict=True))
-        save(plot_section(found), workshop / "section.svg")
-        written = sorted(file.name for file in workshop.iterdir())
-    return [folder / name for name in written]
+    with (workshop / "points.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["start", "t", *found.outputs])
+        rows = (found.start.tolist(), found.t.tolist(), found.points.tolist())
+        writer.writerows([i, t, *point] for i, t, point in zip(*rows, strict=True))
+    save(plot_section(found), workshop / "section.svg")
 
 
 def _report(found: Section, scene: str | None, files: list[Path], as_json: bool) -> None:
     cost = found.cost
     rate = len(found) / cost.run if cost.run > 0 else 0.0
     drift = {name: float(x.max()) for name, x in found.drift.items()}
-    if as_json:
-        print_json({
-            "system": found.system.name, "scene": scene, "plane": found.plane,
-            "value": found.value, "direction": found.direction, "outputs": list(found.outputs),
-            "points": len(found), "starts": len(found.ends), "points_per_second": rate,
-            "near_tangent": int(found.near_tangent.sum()), "touches": len(found.touches),
-            "ends": list(found.ends), "errors": {str(i): str(e) for i, e in found.errors.items()},
-            "notes": {str(i): list(notes) for i, notes in found.notes.items()},
-            "drift": drift, "level": found.level, "interrupted": found.interrupted,
-            "method": cost.method, "reason": cost.reason, "tolerance": cost.tolerance,
-            "setup_seconds": cost.setup, "run_seconds": cost.run, "steps": cost.steps,
-            "files": [str(f) for f in files],
-        })  # fmt: skip
-        return
+    data = {
+        "system": found.system.name, "scene": scene, "plane": found.plane,
+        "value": found.value, "direction": found.direction, "outputs": list(found.outputs),
+        "points": len(found), "starts": len(found.ends), "points_per_second": rate,
+        "near_tangent": int(found.near_tangent.sum()), "touches": len(found.touches),
+        "ends": list(found.ends), "errors": {str(i): str(e) for i, e in found.errors.items()},
+        "notes": {str(i): list(notes) for i, notes in found.notes.items()},
+        "drift": drift, "level": found.level, "interrupted": found.interrupted,
+        "method": cost.method, "reason": cost.reason, "tolerance": cost.tolerance,
+        "setup_seconds": cost.setup, "run_seconds": cost.run, "steps": cost.steps,
+        "files": files,
+    }  # fmt: skip
     stopped = ", stopped by hand" if found.interrupted else ""
     way = {1: "upwards", -1: "downwards", 0: "both ways"}[found.direction]
-    print(
-        f"{found.system.name}: {found.plane} = {found.value:g}, {way}; "
-        f"{', '.join(found.outputs)} recorded{stopped}"
-    )
     starts = "1 start" if len(found.ends) == 1 else f"{len(found.ends)} starts"
-    print(f"{len(found)} points of {starts}, {rate:.0f} a second; {cost}")
-    for line in columns([["drift of", name, f"{x:.1e}"] for name, x in drift.items()]):
-        print(line)
-    if near := int(found.near_tangent.sum()):
-        print(f"{near} crossings are near-tangent: their times are ill-conditioned")
+    lines = [
+        f"{found.system.name}: {found.plane} = {found.value:g}, {way}; "
+        f"{', '.join(found.outputs)} recorded{stopped}",
+        f"{len(found)} points of {starts}, {rate:.0f} a second; {cost}",
+        *columns([["drift of", name, f"{x:.1e}"] for name, x in drift.items()]),
+    ]
+    if near := data["near_tangent"]:
+        lines.append(f"{near} crossings are near-tangent: their times are ill-conditioned")
     if found.touches:
-        print(f"{len(found.touches)} times a motion touched the surface and turned back")
+        lines.append(f"{len(found.touches)} times a motion touched the surface and turned back")
     short = [[f"start {i}", end] for i, end in enumerate(found.ends) if end != "complete"]
     short += [[f"start {i}", note] for i, notes in found.notes.items() for note in notes]
-    for line in columns(short[:LONGEST_LIST]):
-        print(line)
+    lines += columns(short[:LONGEST_LIST])
     if len(short) > LONGEST_LIST:
-        print(f"and {len(short) - LONGEST_LIST} further lines of starts")
-    print("wrote " + ", ".join(str(f) for f in files))
+        lines.append(f"and {len(short) - LONGEST_LIST} further lines of starts")
+    answer(as_json, lambda: data, [*lines, *wrote(files)])

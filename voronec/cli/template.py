@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from voronec.cli.files import create
-from voronec.cli.output import print_json
+from voronec.cli.output import answer
 from voronec.declaration.catalogue import names
 from voronec.errors import DefinitionError
 
@@ -35,13 +35,10 @@ def execute(arguments: Namespace) -> int:
     path = Path(name.replace("-", "_") + (".toml" if arguments.toml else ".py"))
     text = mechanism.toml if arguments.toml else mechanism.python
     create(path, text.replace("@NAME@", name))
-    if arguments.json:
-        print_json({"system": name, "file": str(path), "mechanism": mechanism.title})
-    else:
-        print(
-            f"wrote {path}, {mechanism.title}; now try: voronec derive {path}; voronec run {path}; "
-            f"voronec view {path}"
-        )
+    told = f"wrote {path}, {mechanism.title}; now try: "
+    told += "; ".join(f"voronec {command} {path}" for command in ("derive", "run", "view"))
+    data = {"system": name, "file": str(path), "mechanism": mechanism.title}
+    answer(arguments.json, lambda: data, [told])
     return 0
 
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 import re
+from argparse import Namespace
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.text import name_or_formula
+from voronec.cli.subject import resolve
 from voronec.errors import DefinitionError, quote
 
 if TYPE_CHECKING:
@@ -18,6 +20,7 @@ __all__ = [
     "finite",
     "input_values",
     "instants",
+    "motion_of",
     "outputs_of",
     "pair",
     "split_values",
@@ -132,6 +135,18 @@ def split_values(
             )
         (parameters if name in constants else initial)[name] = value
     return parameters, initial
+
+
+def motion_of(arguments: Namespace) -> tuple[System, dict[str, Any]]:
+    """The system, and which motion of it the options ``--scene``, ``--set`` and ``--input`` mean,
+    as arguments of ``integrate``."""
+    pairs, inputs = [pair(text) for text in arguments.set], input_values(arguments.input)
+    system, _ = resolve(arguments.system)
+    parameters, initial = split_values(system, pairs)
+    scene = arguments.scene or system.first_scene
+    return system, {
+        "scene": scene, "parameters": parameters, "initial": initial, "inputs": inputs,
+    }  # fmt: skip
 
 
 def input_values(texts: Iterable[str]) -> dict[str, Any]:

@@ -19,7 +19,6 @@ from typing import Any
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.bounded_exponentials import bound_exponentials, holds_exponentials
 from voronec.algebra.conditions import condition
 from voronec.algebra.door import Door
 from voronec.algebra.elimination import independent_columns, solve_linear
@@ -107,13 +106,6 @@ class Definition:
     def inputs(self) -> tuple[Any, ...]:
         """The functions of the time that are given at run time."""
         return tuple(self.door.inward_all(self.system.inputs))
-
-    @cached_property
-    def exponential(self) -> bool:
-        """Whether something holds an exponential, so that quotients of them may overflow."""
-        forms = [self.constraints, *([self.frame] if self.frame is not None else [])]
-        held = [e for form in forms for row in (*form.matrix, form.offset) for e in row]
-        return holds_exponentials(self.lagrangian, *self.forces, *held)
 
     def along_fibre(self, function: Any) -> list[Any]:
         """The derivatives of a function of the coordinates along the fibre directions."""
@@ -334,7 +326,7 @@ def _reader(
 
     def plain(expr: sp.Expr, place: str) -> Any:
         try:
-            return bound_exponentials(door.inward(expr))
+            return door.inward(expr)
         except DefinitionError as error:
             raise DefinitionError(f"system '{system.name}': {place}: {error}") from None
 

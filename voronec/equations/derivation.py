@@ -15,7 +15,6 @@ from typing import Any
 
 import symengine as se
 
-from voronec.algebra.bounded_exponentials import bound_all_exponentials
 from voronec.algebra.normal import canonical, shortest
 from voronec.algebra.stand_ins import StandIns
 from voronec.declaration.reading import quote
@@ -82,17 +81,12 @@ class Derivation:
 
     def tidy(self, exprs: Sequence[Any]) -> list[Any]:
         """Bring intermediate results into normal form, or leave them, as this derivation does."""
-        if not self.exact:
-            return list(exprs)
-        given = bound_all_exponentials(exprs) if self.definition.exponential else exprs
-        return canonical(given, self.definition.relations)
+        return canonical(exprs, self.definition.relations) if self.exact else list(exprs)
 
     def polish(self, exprs: Sequence[Any]) -> list[Any]:
-        """Bring final results into their shortest form, or leave them, as this derivation does;
-        quotients of exponentials are written so that they do not overflow."""
+        """Bring final results into their shortest form, or leave them, as this derivation does."""
         d = self.definition
-        found = bound_all_exponentials(exprs) if d.exponential else list(exprs)
-        return shortest(found, d.relations, d.velocities) if self.exact else found
+        return shortest(exprs, d.relations, d.velocities) if self.exact else list(exprs)
 
     @cached_property
     def _in_letters(self) -> tuple[Derivation, StandIns] | None:

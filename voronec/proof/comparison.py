@@ -1,7 +1,8 @@
 """Two derivations side by side: two systems, or a stored one and today's.
 
-What was derived of a system is stored in a form that can be compared entry by entry: facts, entries
-with verdicts, accelerations, a motion.
+What was derived of a system is stored in a form that can be compared entry by entry: its equations,
+and facts on them.  Two systems at hand are compared by a motion too, and by accelerations at points
+where they have no exact equations.
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ import mpmath as mp
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from voronec.algebra.symbols import is_symbolic_name, plain_name, time
-from voronec.algebra.text import as_expression, exact_number, read_sympy_text
+from voronec.algebra.symbols import plain_name, time, velocity
+from voronec.algebra.text import as_expression, read_sympy_text
 from voronec.algebra.typeset import html_table, plain_text
 from voronec.algebra.verdicts import prove_equal
 from voronec.declaration.reading import quote
@@ -59,7 +60,7 @@ def random_point(system: System, seed: int = 0) -> dict[Any, Any]:
     relations.
     """
     source = random.Random(f"{system.name} {seed}")
-    signals = [s for u in system.inputs for s in (u, sp.diff(u, time))]
+    signals = [s for u in system.inputs for s in (u, velocity(u))]
     free = (*system.coordinates, *system.velocities, time, *signals)
     state = {s: _number(source) for s in free}
     scaled = {}
@@ -91,9 +92,9 @@ def _on_relations(system: System, point: Mapping[Any, Any]) -> dict[Any, Any]:
 FORMAT = 1
 """Of stored derivations; another one is not read."""
 LONGEST = 20_000
-"""A group of entries with more characters is not stored; the values at points stand for it."""
+"""A group of entries with more characters is not stored."""
 POINTS = 2
-"""Of values kept beside the entries: one may be special, two are not."""
+"""At which equations without exact entries are compared: one may be special, two are not."""
 ABSENT = "not computed"
 DIGITS = 30
 """Of these values: twice a double's, so that rounding is told from a difference."""
@@ -108,7 +109,6 @@ _SHAPE = {
     "parameters": _NAMES, "relations": _NAMES, "inputs": _NAMES, "kind": str,
     "positive": (type(None), _NAMES), "growth": (str, [int]), "integrable": (str, [str]),
     "ideals": {str: _NAMES}, "groups": {str: _TEXTS},
-    "points": [{"at": _TEXTS, "acceleration": _TEXTS}],
 }  # fmt: skip
 """What a file holds: types, lists of one kind, mappings by given keys or, where ``str`` stands for
 them, by any; what may be several things is a tuple of them."""
@@ -116,19 +116,17 @@ them, by any; what may be several things is a tuple of them."""
 
 @dataclass(frozen=True)
 class StoredDerivation:
-    """A derivation: ``facts`` on the system, ``groups`` of entries as text, values at ``points``.
+    """A derivation: ``facts`` on the system, and its equations, ``groups`` of entries as text.
 
     An entry that a group does not list is zero.  A group that is missing was too long, or beyond
-    the budget of the exact algebra.  A group on the invariants names them by itself.  ``points``
-    are pairs of a point and the accelerations there; ``positive`` is declared to be so, None where
-    a file says nothing of signs.
+    the budget of the exact algebra.  A group on the invariants names them by itself.  ``positive``
+    is declared to be so, None where a file says nothing of signs.
     """
 
     name: str
     facts: Mapping[str, Any]
     groups: Groups
     ideals: Mapping[str, list[str]]
-    points: tuple[tuple[Mapping[str, str], Mapping[str, str]], ...] = ()
     positive: tuple[str, ...] | None = ()
     equations: VoronecEquations | None = field(default=None, repr=False, compare=False)
 
@@ -143,7 +141,6 @@ class StoredDerivation:
             _plain_facts(eqs) | {"relations": relations},
             groups | reduced,
             ideals | rules,
-            tuple(_points(eqs)),
             tuple(dict.fromkeys(_positive(eqs.system))),
             eqs,
         )
@@ -163,7 +160,6 @@ class StoredDerivation:
             "groups": {k: dict(g) for k, g in self.groups.items()},
             "ideals": dict(self.ideals),
             "positive": [*(self.positive or ())],
-            "points": [{"at": dict(at), "acceleration": dict(a)} for at, a in self.points],
         }
 
     def text(self) -> str:
@@ -182,10 +178,9 @@ class StoredDerivation:
             raise DefinitionError(
                 f"{place} holds no derivation; make one by: voronec derive NAME --store FILE.json"
             )
-        points = tuple((p["at"], p["acceleration"]) for p in data["points"])
         facts = {fact: data[fact] for fact in (*FACTS, "inputs")}
         signs = None if data["positive"] is None else tuple(data["positive"])
-        return cls(data["system"], facts, data["groups"], data["ideals"], points, signs)
+        return cls(data["system"], facts, data["groups"], data["ideals"], signs)
 
 
 def _has_shape(data: Any, shape: Any) -> bool:
@@ -311,30 +306,6 @@ def _nonzero(pairs: Iterable[tuple[str, Any]]) -> dict[str, str]:
     return {name: plain_text(e) for name, e in pairs if e != 0}
 
 
-def _points(eqs: VoronecEquations) -> Iterable[tuple[dict[str, str], dict[str, str]]]:
-    """The accelerations at a few points where there are some."""
-    for seed in range(0 if is_general(eqs.system) else POINTS):
-        point = random_point(eqs.system, seed)
-        try:
-            found = eqs.acceleration(point, digits=DIGITS)
-        except (DefinitionError, EngineLimit):
-            continue
-        at = {plain_name(k): _digits(x) for k, x in point.items() if _is_name(k)}
-        yield at, {plain_name(q): str(a) for q, a in found.items()}
-
-
-def _is_name(thing: Any) -> bool:
-    try:
-        return bool(plain_name(thing))
-    except DefinitionError:
-        return False
-
-
-def _digits(value: Any) -> str:
-    number = as_expression(value)
-    return str(number) if number.is_Rational else str(sp.N(number, 60))
-
-
 def read_expression(text: Any) -> sp.Expr:
     """What ``plain_text`` wrote; every name is a symbol but ``pi``, an unknown function a function.
 
@@ -346,7 +317,7 @@ def read_expression(text: Any) -> sp.Expr:
 
 
 AGREEMENT = sp.Float("1e-24", 30)
-"""How far accelerations of 30 digits may lie apart, relative to the largest."""
+"""How far accelerations to ``DIGITS`` may lie apart, relative to the largest."""
 INSTANTS = 201
 """At how many instants motions are compared."""
 
@@ -448,10 +419,13 @@ def compare(first: Side, second: Side) -> Comparison:
     rows = [
         *_facts(first, second),
         *(row for group in _groups(first, second) for row in _entries(first, second, group)),
-        *_values(first, second),
     ]
-    deviations, remark = _motions(first, second)
     exact = all(group in d.groups for d in (first, second) for group in ("mass", "force"))
+    if not exact and {*first.facts["velocities"]} == {*second.facts["velocities"]}:
+        numbers = [*_accelerations(first, second)]
+        how = "one side has no exact equations, and there is no point with numbers of both"
+        rows += numbers or [Row("accelerations", "all", "undecided", "", "", how)]
+    deviations, remark = _motions(first, second)
     return Comparison(first.name, second.name, tuple(rows), deviations, remark, exact)
 
 
@@ -512,7 +486,8 @@ def _entries(first: StoredDerivation, second: StoredDerivation, group: str) -> I
         ideal = [*map(read_expression, first.ideals.get(part, ())), *shared]
         sides = read_expression(a), read_expression(b)
         verdict = prove_equal(*sides, ideal)
-        if not verdict.proved and (used := _conditions_on(sides, own)):
+        used = [c for c in own if any(c.free_symbols & e.free_symbols for e in sides)]
+        if used and not verdict.proved:
             closer = prove_equal(*sides, [*ideal, *own]).where(*map(str, used))
             verdict = verdict if closer.undecided else closer
         how = verdict.method if verdict.witness is None else str(verdict.witness)
@@ -521,86 +496,47 @@ def _entries(first: StoredDerivation, second: StoredDerivation, group: str) -> I
 
 def _known(first: StoredDerivation, second: StoredDerivation) -> tuple[list[Any], list[Any]]:
     """What is declared of the parameters on both sides, and what one side alone declares, in the
-    symbols that entries are read in; what a file cannot say is taken from the other side."""
-    sides = [(side, _conditions(side)) for side in (first, second)]
-    every = dict.fromkeys(c for _, own in sides for c in own)
-    alone = [c for c in every if any(c not in own and _may_say(side, c) for side, own in sides)]
-    return [c for c in every if c not in alone], alone
+    symbols that entries are read in.  Files tell signs alone; one that tells none takes the other
+    side's."""
+    files = first.equations is None or second.equations is None
+    ours, theirs = (_conditions(side, files) for side in (first, second))
+    known = [side for side in (ours, theirs) if side is not None] or [[]]
+    ours, theirs = known[0], known[-1]
+    shared = [c for c in ours if c in theirs]
+    return shared, [c for c in dict.fromkeys((*ours, *theirs)) if c not in shared]
 
 
-def _may_say(side: StoredDerivation, condition: Any) -> bool:
-    """Whether a side, if it declared this, would be known to do so: a file keeps signs alone."""
-    is_sign = isinstance(condition, sp.StrictGreaterThan | sp.StrictLessThan)
-    return side.equations is not None or (is_sign and side.positive is not None)
-
-
-def _conditions_on(exprs: Iterable[Any], conditions: list[Any]) -> list[Any]:
-    """The conditions that hold symbols of some expressions."""
-    held = {s for e in exprs for s in e.free_symbols}
-    return [c for c in conditions if c.free_symbols & held]
-
-
-def _conditions(side: StoredDerivation) -> list[Any]:
-    """What is declared of the parameters of a system, in the symbols that entries are read in."""
-    signs = [read_expression(text) > 0 for text in side.positive or ()]
-    if side.equations is None:
+def _conditions(side: StoredDerivation, signs_alone: bool) -> list[Any] | None:
+    """What is declared of the parameters of a system; None where that is not known."""
+    if side.positive is None:
+        return None
+    signs = [read_expression(text) > 0 for text in side.positive]
+    if signs_alone or side.equations is None:
         return signs
     system = side.equations.system
     own = {p.symbol: sp.Symbol(p.name) for p in system.parameters}
     return [*signs, *(c.xreplace(own) for c in system.conditions)]
 
 
-def _values(first: StoredDerivation, second: StoredDerivation) -> Iterator[Row]:
-    """Accelerations at the points of one side, which the other side knows or computes."""
-    for ours, theirs in ((first, second), (second, first)):
-        rows: list[Row] = []
-        for number, (at, stored) in enumerate(ours.points):
-            found = _acceleration(theirs, at)
-            if found is not None:
-                rows += _point(number + 1, at, stored, found, ours is second)
-        if rows:
-            yield from rows
-            return
-    if {*first.facts["velocities"]} == {*second.facts["velocities"]} and not (
-        "mass" in first.groups and "mass" in second.groups
-    ):
-        how = "one side has no exact equations, and there is no point that both know"
-        yield Row("accelerations", "all", "undecided", "", "", how)
-
-
-def _acceleration(side: StoredDerivation, at: Any) -> dict[str, str] | None:
-    """The accelerations of one side at a point; None where it knows none there."""
-    for point, stored in side.points:
-        if point == at:
-            return dict(stored)
-    if side.equations is None:
-        return None
-    point = {k: _stored_number(x) for k, x in at.items()}
-    known = {plain_name(s) for s in side.equations.system.known_symbols() if is_symbolic_name(s)}
-    if not {*at} <= known:
-        return None
-    try:
-        found = side.equations.acceleration(point, digits=30)
-    except (DefinitionError, EngineLimit):
-        return None
-    return {plain_name(q): str(a) for q, a in found.items()}
-
-
-def _stored_number(number: Any) -> sp.Expr:
-    return exact_number(str(number), "a number of a stored derivation")
-
-
-def _point(number: int, at: Any, stored: Any, found: Any, swapped: bool) -> Iterator[Row]:
-    size = 1 + max((abs(_stored_number(a)) for a in stored.values()), default=0)
-    for name, value in stored.items():
-        other = found.get(name)
-        if other is None:
+def _accelerations(first: StoredDerivation, second: StoredDerivation) -> Iterator[Row]:
+    """The accelerations of both sides at a few points of the first one."""
+    ours, theirs = first.equations, second.equations
+    points: Iterable[Any] = ()
+    if ours is not None and theirs is not None and not is_general(ours.system):
+        points = [random_point(ours.system, seed) for seed in range(POINTS)]
+    for number, point in enumerate(points, 1):
+        at = {plain_name(k): x for k, x in point.items()}
+        try:
+            a, b = (eqs.acceleration(at, digits=DIGITS) for eqs in (ours, theirs) if eqs)
+        except (DefinitionError, EngineLimit):
             continue
-        close = abs(_stored_number(value) - _stored_number(other)) <= AGREEMENT * size
-        status = "numeric" if close else "refuted"
-        a, b = (other, value) if swapped else (value, other)
-        how = "" if close else "at " + ", ".join(f"{k} = {x}" for k, x in at.items())
-        yield Row(f"acceleration at point {number}", name, status, a, b, how)
+        size = 1 + max(map(abs, a.values()), default=0)
+        for q in a.keys() & b.keys():
+            close = abs(a[q] - b[q]) <= AGREEMENT * size
+            status = "numeric" if close else "refuted"
+            how = "" if close else "at " + ", ".join(f"{k} = {x}" for k, x in at.items())
+            name = plain_name(q)
+            yield Row(f"acceleration at point {number}", name, status, str(a[q]), str(b[q]), how)
 
 
 def _motions(first: StoredDerivation, second: StoredDerivation) -> tuple[dict[str, float], str]:

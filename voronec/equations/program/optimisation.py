@@ -22,19 +22,25 @@ from typing import Any
 import flint
 import symengine as se
 
+from voronec.algebra.brackets import (
+    Choice,
+    Pair,
+    factor_exponents,
+    nest_sums,
+    share_pairs,
+    term_pairs,
+    with_term_pair,
+)
 from voronec.algebra.factors import irreducible_factors, write_polynomial
 from voronec.algebra.memo import remember
 from voronec.algebra.stages import needed_stages, primitive
-from voronec.algebra.terms import factors_of, rewrite_kinds, summands
+from voronec.algebra.terms import factors_of, rewrite_kinds
 from voronec.equations.program.parts import arguments_of
 from voronec.equations.program.python import compile_program
 from voronec.equations.program.straight import (
     Block,
-    Choice,
     Program,
-    factor_exponents,
     fresh_names,
-    nest_sums,
     prune,
 )
 from voronec.equations.program.weight import operation_count
@@ -48,8 +54,6 @@ LONG = 1000
 MANY = 400
 """The brackets of longer programs stay as they are."""
 ONE = se.Integer(1)
-Pair = tuple[Any, Any, Any]
-"""Two parts, and the exponent or the number of the second where that of the first is 1."""
 
 
 def shorten_program(program: Program) -> Program:
@@ -175,32 +179,9 @@ class _SharedParts:
         args = [c * name for c, name in map(self._read, expr.args)]
         return ONE, self._name_for(self.others, expr, (expr.func, args))
 
-    def _share(
-        self,
-        table: dict[Any, dict[Any, Any]],
-        pairs: Callable[[Mapping[Any, Any]], set[Pair]],
-        define: Callable[[Pair], tuple[dict[Any, Any], Any]],
-        put: Callable[[Mapping[Any, Any], Mapping[Any, Any], Any], dict[Any, Any]],
-    ) -> None:
-        """Name pairs of parts that several entries of a table hold, most first.
-
-        ``pairs`` are those of an entry, ``define`` a pair as an entry of its own with its name,
-        and ``put`` an entry with the name in the place of the pair.
-        """
-        while True:
-            counts = Counter(pair for parts in table.values() for pair in pairs(parts))
-            most = max(counts.values(), default=0)
-            if most < 2:
-                return
-            pair = min((p for p, n in counts.items() if n == most), key=str)
-            inner, name = define(pair)
-            for held, parts in [*table.items()]:
-                if held != name and pair in pairs(parts):
-                    table[held] = put(parts, inner, name)
-
     def _share_factors(self) -> None:
         """Name pairs of factors that several products hold."""
-        self._share(self.products, _pairs, self._factor_pair, _with_pair)
+        share_pairs(self.products, _pairs, self._factor_pair, _with_pair)
 
     def _factor_pair(self, pair: Pair) -> tuple[dict[Any, Any], Any]:
         first, second, sign = pair
@@ -209,7 +190,7 @@ class _SharedParts:
 
     def _share_terms(self) -> None:
         """Name pairs of terms that several sums hold but for a factor."""
-        self._share(self.sums, _term_pairs, self._term_pair, _with_term_pair)
+        share_pairs(self.sums, term_pairs, self._term_pair, with_term_pair)
 
     def _term_pair(self, pair: Pair) -> tuple[dict[Any, Any], Any]:
         first, second, ratio = pair
@@ -276,21 +257,6 @@ def _with_pair(powers: Mapping[Any, int], inner: Mapping[Any, int], name: Any) -
     left = {s: e - times * inner.get(s, 0) for s, e in powers.items()}
     left[name] = left.get(name, 0) + times
     return {s: e for s, e in left.items() if e}
-
-
-def _term_pairs(terms: Mapping[Any, Any]) -> set[Pair]:
-    """Pairs of terms, with the ratio of their numbers."""
-    items = sorted(terms.items(), key=str)
-    return {(a, b, d / c) for (a, c), (b, d) in combinations(items, 2)}
-
-
-def _with_term_pair(
-    terms: Mapping[Any, Any], inner: Mapping[Any, Any], name: Any
-) -> dict[Any, Any]:
-    """A sum with a name for a pair of its terms."""
-    rest = {s: c for s, c in terms.items() if s not in inner}
-    rest[name] = rest.get(name, 0) + terms[next(iter(inner))]
-    return {s: c for s, c in rest.items() if c != 0}
 
 
 WIDEST = 60
@@ -410,8 +376,7 @@ def _compile(
 def hoist(program: Program) -> HoistedProgram:
     """The program with every largest expression of parameters and numbers as one parameter.
 
-    A sum whose terms share such a factor is written as factor times sum, and so are sums of
-    multiples, by such a factor, of parts that are needed for themselves.
+    A sum whose terms share such a factor is written as factor times sum.
     """
     lifting = _Lifting(program)
     derivative, extras = lifting.block(program.derivative), lifting.block(program.extras)
@@ -419,48 +384,6 @@ def hoist(program: Program) -> HoistedProgram:
     parameters = (*program.parameters, *(name for name, _ in definitions))
     changed = replace(program, parameters=parameters, derivative=derivative, extras=extras)
     return HoistedProgram(changed, program, definitions)
-
-
-def _multiply_late(
-    assignments: list[tuple[Any, Any]], results: list[Any], still: set[Any]
-) -> Block:
-    """A block in which constants stand before sums, and not in multiples of other parts that all
-    terms of these sums hold: with a = k c and b = k d, k (c x - d y) for a x - b y.
-
-    There are no more products then, and fewer quantities, which Taylor's method carries as series.
-    """
-    for constant, parts in _multiples(assignments, still).items():
-        own = {*parts}
-        others = [(n, e) for n, e in assignments if n not in own]
-        uses = {e for e in (*results, *(e for _, e in others)) if e.free_symbols & own}
-        if own & {*parts.values()} or len(uses) > len(own):
-            continue
-        if all(_has_one_in_each_term(e, own) for e in uses):
-            late = {e: constant * e.xreplace(parts) for e in uses}
-            assignments = [(n, late.get(e, e)) for n, e in others]
-            results = [late.get(e, e) for e in results]
-    return Block(tuple(assignments), tuple(results))
-
-
-def _multiples(assignments: list[tuple[Any, Any]], still: set[Any]) -> dict[Any, dict[Any, Any]]:
-    """Of each constant, the names that stand for it times another name."""
-    found: dict[Any, dict[Any, Any]] = {}
-    for name, expr in assignments:
-        factors = factors_of(expr)
-        constants = [f for f in factors if f in still]
-        others = [f for f in factors if f not in still]
-        if len(constants) == len(others) == 1 and others[0].is_Symbol:
-            found.setdefault(constants[0], {})[name] = others[0]
-    return found
-
-
-def _has_one_in_each_term(expr: Any, names: set[Any]) -> bool:
-    """Whether each term of a sum has one of some names as a factor, and no other of them."""
-    held = [[f.free_symbols & names for f in factors_of(term)] for term in summands(expr)]
-    return all(
-        sum(map(bool, each)) == 1 and any(f in names for f in factors_of(term))
-        for each, term in zip(held, summands(expr), strict=True)
-    )
 
 
 class _Lifting:
@@ -485,7 +408,7 @@ class _Lifting:
             else:
                 kept.append((name, changed))
         results = [self.of(se.sympify(r)) for r in block.results]
-        return _multiply_late(kept, results, self._still)
+        return Block(tuple(kept), tuple(results))
 
     @remember("_memo")
     def of(self, expr: Any) -> Any:

@@ -1,11 +1,7 @@
-"""From a first-order form to one straight-line program.
-
-A normal form is expanded; as it stands a*b*c + a*b*d takes four products, as a*b*(c + d) two.
-"""
+"""From a first-order form to one straight-line program."""
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -14,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import symengine as se
 
+from voronec.algebra.brackets import nest_sums
 from voronec.algebra.cardinal import divides_sines_of_sums
 from voronec.algebra.graphs import is_atom, nodes
 from voronec.algebra.normal import shortest
@@ -21,7 +18,7 @@ from voronec.algebra.numeric_functions import formula
 from voronec.algebra.stable import stable_all
 from voronec.algebra.stages import needed_stages
 from voronec.algebra.stand_ins import StandIns
-from voronec.algebra.terms import atoms, factors_of, summands
+from voronec.algebra.terms import atoms, summands
 from voronec.equations.program.choices import choose_sides, holds_choices, holds_walls
 from voronec.equations.program.low_rank import (
     MassElimination,
@@ -38,85 +35,14 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Block",
-    "Choice",
     "Program",
-    "factor_exponents",
     "fresh_names",
-    "nest_sums",
     "prune",
     "share_subexpressions",
     "with_choices",
     "with_plain_roots",
     "without_stages",
 ]
-
-
-Choice = Callable[..., Any]
-"""``min`` or ``max``: which of several factors that are as frequent stands before a bracket."""
-
-
-def nest_sums(expr: Any, constants: Iterable[Any], choice: Choice = min) -> Any:
-    """An expression whose sums take the factor that most of their terms share before a bracket,
-    and so on inside; ``constants`` are no such factors, ``choice`` is made by name."""
-    return _nest(se.sympify(expr), set(constants), choice, {})
-
-
-def _nest(expr: Any, still: set[Any], choice: Choice, memo: dict[Any, Any]) -> Any:
-    if not expr.args or expr.is_Number:
-        return expr
-    done = memo.get(expr)
-    if done is None:
-        if isinstance(expr, se.Add):
-            terms = [factor_exponents(_nest(t, still, choice, memo)) for t in expr.args]
-            done = _bracket(terms, still, choice)
-        else:
-            done = expr.func(*[_nest(a, still, choice, memo) for a in expr.args])
-        memo[expr] = done
-    return done
-
-
-def factor_exponents(term: Any) -> dict[Any, int]:
-    """A term as {factor: exponent}; numbers and odd powers are factors of their own."""
-    found: dict[Any, int] = {}
-    for factor in factors_of(term):
-        base, exponent = factor, 1
-        if isinstance(factor, se.Pow) and isinstance(factor.args[1], se.Integer):
-            base, exponent = factor.args[0], int(factor.args[1])
-        found[base] = found.get(base, 0) + exponent
-    return found
-
-
-def _product(factors: Mapping[Any, int]) -> Any:
-    return se.Mul(*[se.Pow(base, e) for base, e in factors.items()])
-
-
-def _bracket(terms: list[dict[Any, int]], still: set[Any], choice: Choice) -> Any:
-    """The sum of terms, factors that are shared before brackets, the most frequent first."""
-    counts: Counter[Any] = Counter()
-    for term in terms:
-        for base, exponent in term.items():
-            if base.is_Number or base.free_symbols <= still:
-                continue
-            counts[base, 1 if exponent > 0 else -1] += 1
-    frequent = max(counts.values(), default=0)
-    if frequent < 2 or len(terms) < 2:
-        return se.Add(*map(_product, terms))
-    (base, sign) = choice((k for k, n in counts.items() if n == frequent), key=str)
-    inside, outside = [], []
-    for term in terms:
-        exponent = term.get(base, 0)
-        if exponent * sign > 0:
-            rest = {b: e for b, e in term.items() if b != base}
-            if exponent != sign:
-                rest[base] = exponent - sign
-            inside.append(rest)
-        else:
-            outside.append(term)
-    bracket = _bracket(inside, still, choice)
-    factor = base if sign > 0 else 1 / base
-    if not outside:
-        return factor * bracket
-    return se.Add(factor * bracket, _bracket(outside, still, choice))
 
 
 LONGEST_TO_NEST = 1_000

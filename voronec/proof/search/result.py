@@ -54,18 +54,18 @@ class IntegralSearch:
     letters: dict[str, sp.Expr]
     at: dict[sp.Symbol, sp.Expr]
     parameters: tuple[sp.Expr, ...]
-    known: tuple[str, ...]
-    ignored: tuple[str, ...]
     monomials: int
-    examined: int
     classes: int
-    functions: int
-    dimension: int
-    explained: int
-    integrals: tuple[FoundIntegral, ...]
-    missing: int
-    finished: bool
-    seconds: float
+    known: tuple[str, ...] = ()
+    ignored: tuple[str, ...] = ()
+    examined: int = 0
+    functions: int = 0
+    dimension: int = 0
+    explained: int = 0
+    integrals: tuple[FoundIntegral, ...] = ()
+    missing: int = 0
+    finished: bool = False
+    seconds: float = 0.0
     assumed: tuple[sp.Expr, ...] = ()
     unknown: tuple[sp.Expr, ...] = ()
 

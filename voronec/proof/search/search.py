@@ -11,7 +11,7 @@ what is known.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from math import lcm
 from time import perf_counter
 from typing import Any
@@ -127,11 +127,11 @@ def searches(
         system, degree, positions, denominators, power, functions or {}, momenta, at or {}, again
     )
     run = _Run.of(question, limit, np.random.default_rng(seed))
-    yield run.outcome(False, perf_counter() - started)
+    yield replace(run.result, seconds=perf_counter() - started)
     for kernel in run.kernels():
         run.take(kernel)
-        yield run.outcome(False, perf_counter() - started)
-    yield run.outcome(True, perf_counter() - started)
+        yield replace(run.result, seconds=perf_counter() - started)
+    yield replace(run.result, finished=True, seconds=perf_counter() - started)
 
 
 @dataclass
@@ -142,19 +142,10 @@ class _Run:
     probe: Probe
     values: Values
     classes: list[Array]
-    monomials: int
     normalization: Normalization
-    independence: Independence
     rng: Any
     known: list[KnownFunction]
-    names: list[str]
-    foreign: list[str]
-    integrals: list[FoundIntegral] = field(default_factory=list)
-    failures: int = 0
-    size: int = 0
-    functions: int = 0
-    dimension: int = 0
-    known_dimension: int = 0
+    result: IntegralSearch
 
     @classmethod
     def of(cls, question: Question, limit: int, rng: Any) -> _Run:
@@ -168,13 +159,10 @@ class _Run:
         known = [KnownFunction(v, q, i) for i, ((v, q), ok) in enumerate(places) if ok]
         names = [n for n, ok in zip(question.known, holding, strict=True) if ok]
         ignored = [n for n, ok in zip(question.known, holding, strict=True) if not ok]
-        ignored += question.foreign
-        count = sum(map(len, classes))
         scaled = Normalization.of(question.field, letters, probe.constants)
-        free = probe.independence(rng)
-        return cls(
-            question, probe, values, classes, count, scaled, free, rng, known, names, ignored
-        )
+        result = _beginning(question, probe, classes, probe.independence(rng))
+        result = replace(result, known=tuple(names), ignored=(*ignored, *question.foreign))
+        return cls(question, probe, values, classes, scaled, rng, known, result)
 
     def kernels(self) -> Iterator[Kernel]:
         """Degree by degree in the velocities, and class by class."""
@@ -185,10 +173,13 @@ class _Run:
                 if bound in each:
                     kernel = self._investigate(rows[each <= bound])
                     if bound == each.max():
-                        self.size += len(rows)
-                        self.functions += kernel.independent
-                        self.dimension += kernel.dimension
-                        self.known_dimension += kernel.known
+                        self.result = replace(
+                            self.result,
+                            examined=self.result.examined + len(rows),
+                            functions=self.result.functions + kernel.independent,
+                            dimension=self.result.dimension + kernel.dimension,
+                            explained=self.result.explained + kernel.known,
+                        )
                     yield kernel
 
     def _investigate(self, rows: Array) -> Kernel:
@@ -212,10 +203,12 @@ class _Run:
                 exponents=candidate.exponents,
                 vector=candidate.vector,
             )
+            before = self.result
             try:
-                self.integrals.append(self._lift(candidate, self._independent(known)))
+                new = self._lift(candidate, self._independent(known))
+                self.result = replace(before, integrals=(*before.integrals, new))
             except EngineLimit:
-                self.failures += 1
+                self.result = replace(before, missing=before.missing + 1)
             self.known.append(known)
 
     def _independent(self, new: KnownFunction) -> bool:
@@ -237,36 +230,29 @@ class _Run:
         named = {door_symbol: x.name for door_symbol, x in zip(plain, letters, strict=True)}
         door = mechanics.door
         shown = door.outward(short).xreplace({door.outward(a): n for a, n in named.items()})
-        name = f"F{len(self.integrals) + 1}"
+        name = f"F{len(self.result.integrals) + 1}"
         return FoundIntegral(name, door.outward(spelled), shown, verdict, independent)
 
-    def outcome(self, finished: bool, seconds: float) -> IntegralSearch:
-        question = self.question
-        outward = question.field.door.outward
-        constants = [s for s in self.probe.constants if s.free_symbols]
-        order = [outward(s) for s in (*question.field.parameters, *constants)]
-        return IntegralSearch(
-            system=question.field.system.name,
-            level=question.field.level,
-            form=question.ansatz.words(),
-            letters={str(x.symbol): x.meaning for x in question.ansatz.letters if x.is_named},
-            at=question.at,
-            parameters=tuple(sorted(map(outward, constants), key=order.index)),
-            known=tuple(self.names),
-            ignored=tuple(self.foreign),
-            monomials=self.monomials,
-            examined=self.size,
-            classes=len(self.classes),
-            functions=self.functions,
-            dimension=self.dimension,
-            explained=self.known_dimension,
-            integrals=tuple(self.integrals),
-            missing=self.failures,
-            finished=finished,
-            seconds=seconds,
-            assumed=tuple(map(outward, self.independence.assumed)),
-            unknown=tuple(map(outward, self.independence.unknown)),
-        )
+
+def _beginning(
+    question: Question, probe: Probe, classes: Sequence[Array], independence: Independence
+) -> IntegralSearch:
+    """The outcome of a search that has looked at nothing yet."""
+    outward = question.field.door.outward
+    constants = [s for s in probe.constants if s.free_symbols]
+    order = [outward(s) for s in (*question.field.parameters, *constants)]
+    return IntegralSearch(
+        system=question.field.system.name,
+        level=question.field.level,
+        form=question.ansatz.words(),
+        letters={str(x.symbol): x.meaning for x in question.ansatz.letters if x.is_named},
+        at=question.at,
+        parameters=tuple(sorted(map(outward, constants), key=order.index)),
+        monomials=sum(map(len, classes)),
+        classes=len(classes),
+        assumed=tuple(map(outward, independence.assumed)),
+        unknown=tuple(map(outward, independence.unknown)),
+    )
 
 
 def _classes(question: Question, limit: int) -> list[Array]:
