@@ -80,7 +80,7 @@ KINDS = {
         ({"v": 0.5, "xdot": 0.5}, {"m": 3}, 1.0),
     ],
     "demchenko": [({}, {}, 3.0), ({"n": 0}, {}, 3.0), ({"s": 0.3}, {"k": 0}, 2.0)],
-    "ball-on-sphere": [({}, {}, 2.0), ({"omega3": 0}, {}, 2.0), ({"u1": 0}, {"m": 2}, 2.0)],
+    "ball-on-sphere": [({}, {}, 2.0), ({"omega3": 0}, {}, 2.0), ({"omega1": 0}, {"m": 2}, 2.0)],
 }  # fmt: skip
 """Starts of different patterns: other zeros, parameters and directions of time."""
 ALONE = """
