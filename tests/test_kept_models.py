@@ -80,13 +80,13 @@ KINDS = {
         ({"v": 0.5, "xdot": 0.5}, {"m": 3}, 1.0),
     ],
     "demchenko": [({}, {}, 3.0), ({"n": 0}, {}, 3.0), ({"s": 0.3}, {"k": 0}, 2.0)],
-    "ball-on-sphere": [({}, {}, 2.0), ({"omega3": 0}, {}, 2.0), ({"u": 1e-7}, {}, 2.0)],
+    "ball-on-sphere": [({}, {}, 2.0), ({"omega3": 0}, {}, 2.0), ({"omega1": 0}, {"m": 2}, 2.0)],
 }  # fmt: skip
 """Starts of different patterns: other zeros, parameters and directions of time."""
 ALONE = """
 import sys, numpy as np, voronec as vo
-name, (initial, parameters, end) = sys.argv[1], eval(sys.argv[2])
-run = vo.integrate(vo.load(name), "default", np.linspace(0, end, 120), tol=1e-10,
+name, (initial, parameters, end, tol) = sys.argv[1], eval(sys.argv[2])
+run = vo.integrate(vo.load(name), "default", np.linspace(0, end, 120), tol=tol,
                    initial=initial, parameters=parameters)
 print(run.state.tobytes().hex(), sorted(run.drift.items()), run.notes)
 """
@@ -95,12 +95,13 @@ print(run.state.tobytes().hex(), sorted(run.drift.items()), run.notes)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
 def test_prepared_problems_give_each_start_what_a_fresh_process_does_bit_for_bit(name) -> None:
-    prepared = vo.prepare(vo.load(name), "default", tol=1e-10)
+    tol = 1e-12 if name == "ball-on-sphere" else 1e-10  # by heyoka and by DOP853
+    prepared = vo.prepare(vo.load(name), "default", tol=tol)
     for turn in range(2):  # then all that is kept is there
         for initial, parameters, end in KINDS[name][:: 1 - 2 * turn]:
             run = prepared.run(initial, parameters, np.linspace(0, end, 120))
             here = f"{run.state.tobytes().hex()} {sorted(run.drift.items())} {run.notes}"
-            words = [sys.executable, "-c", ALONE, name, repr((initial, parameters, end))]
+            words = [sys.executable, "-c", ALONE, name, repr((initial, parameters, end, tol))]
             alone = subprocess.run(words, capture_output=True, text=True, check=True)
             assert alone.stdout.strip() == here, (initial, parameters)
 
