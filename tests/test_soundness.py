@@ -534,18 +534,3 @@ def test_a_claim_that_drifts_is_told_at_every_tolerance(tol):
     )  # fmt: skip
     run = vo.integrate(spring, initial={x: 1}, times=[0, 1, 3], tol=tol)
     assert "'wrong' is only claimed, and drifts" in run.notes[0]
-
-
-def test_rates_at_single_times_are_those_of_arrays_however_often_they_are_asked_for():
-    v = vo.velocity(x)
-    system = vo.System(
-        name="steep", fibration=vo.Fibration((x,)), lagrangian=v**2 / 2,
-        forces={x: 1 / (1 + sp.exp(x)) ** 2 + sp.log(v) / x},
-    )  # fmt: skip
-    program = Program.of(vo.derive(system).raw.form)
-    rates = step_defects.program_rates(program, lambda _: [])
-    for state in ([0.5, 2.0], [1000.0, 1.0], [0.0, 2.0], [1.0, -1.0]):
-        row, t = np.array([state]), np.zeros(1)
-        many = rates(np.zeros(2), np.vstack([row, row]))[:1]
-        for _ in range(2 * step_defects.OFTEN):
-            assert np.allclose(rates(t, row), many, rtol=1e-15, equal_nan=True)

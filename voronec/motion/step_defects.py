@@ -12,9 +12,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
-from functools import cache
-from itertools import count, pairwise
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -35,8 +33,6 @@ DOUBT = 2.0
 the coefficients that are left out are of their size."""
 BUDGET = 3000
 """Evaluations that integrating a step again may take."""
-OFTEN = 24
-"""Single evaluations after which it pays to make those on floats."""
 NEARBY, FINE, MARGIN = 1e-7, 1e-11, 1e3
 """How far from the first another start is, the tolerance from there, and how many tolerances the
 state may be off."""
@@ -208,25 +204,12 @@ def _signs(count: int) -> np.ndarray:
 
 
 def program_rates(program: Program, at: Callable[[np.ndarray], list[Any]]) -> Rates:
-    """The right-hand side that was integrated, ``at`` giving its parameters at times (k,).
-
-    Who asks often at single times gets answers from floats, which take a tenth of the time.
-    """
-    rhs, asked = compile_program(program)[0], count()
-
-    @cache
-    def on_floats() -> Any:
-        return compile_program(program, scalar=True)[0]
+    """The right-hand side that was integrated, ``at`` giving its parameters at times (k,)."""
+    right = compile_program(program)[0]
 
     def rates(t: np.ndarray, states: np.ndarray) -> np.ndarray:
-        values = at(t)
-        if len(t) == 1 and next(asked) >= OFTEN:
-            # what floats refuse may yet have a value: 1/(1 + exp(1000))
-            with suppress(ArithmeticError, ValueError):
-                plain = [float(np.ravel(x)[0]) for x in values]
-                return np.array([on_floats()(float(t[0]), states[0].tolist(), plain)], dtype=float)
         with np.errstate(all="ignore"):
-            found = rhs(t, list(states.T), values)
+            found = right(t, list(states.T), at(t))
         return np.stack([np.broadcast_to(np.asarray(r, float), t.shape) for r in found], axis=-1)
 
     return rates

@@ -31,7 +31,7 @@ from voronec.motion.observables import evaluate_extras
 from voronec.motion.state_probe import at_each, changes, usual_size
 from voronec.motion.step_defects import program_rates, strayed_rows, wrong_steps
 from voronec.motion.steppers.run import Run, Signals, values_along
-from voronec.motion.steppers.samples import OwnedSamples, Rates, StepSamples, owned
+from voronec.motion.steppers.samples import OwnedSamples, Rates, StepSamples, owned, spread
 from voronec.motion.tolerances import LOOSE, UNIT
 from voronec.motion.trajectory import Trajectory
 
@@ -49,6 +49,8 @@ HASTE = {"opt_level": 0}
 """To have LLVM optimise what a run evaluates a few times takes three times as long as the rest."""
 REGULAR = 1e12
 """The condition number of a mass matrix below which accelerations mean something."""
+PARTS = 100
+"""Parts of a run that are looked at, between changes of the right side."""
 FEW = 4
 """Steps in which the original equations are looked at."""
 DISOBEDIENT = "the states do not obey the equations"
@@ -134,7 +136,8 @@ class SolutionCheck:
         """The samples of the steps to instants ``t``, in which no function of Python's jumps."""
         inputs = self.changing.signals if self.changing is not None else ()
         jumps = [span for signal in inputs for span in signal.sharp]
-        inner = (part.within(float(t[0]), float(t[-1]), jumps) for part in samples)
+        some = (samples[i] for i in spread(len(samples), PARTS))
+        inner = (part.within(float(t[0]), float(t[-1]), jumps) for part in some)
         return [part for part in inner if part.states.size]
 
     def _wrong_steps(
@@ -271,13 +274,6 @@ class ConservedQuantities:
                 off = np.where(jumps, 0.0, np.abs(4 * near - far) / 3)
                 rough = np.fmax(rough, off)
         return total * largest, rough
-
-
-def spread(size: int, most: int) -> np.ndarray:
-    """As many of so many indices as may be, evenly spread, each once."""
-    found = np.linspace(0, size - 1, most).astype(int)
-    # numpy's unique loads its masked arrays
-    return found[np.diff(found, prepend=-1) > 0]
 
 
 def _scale(sizes: np.ndarray) -> np.ndarray:

@@ -15,7 +15,7 @@ import numpy as np
 
 __all__ = [
     "NODES", "WIDTH", "OwnedSamples", "Rates", "Sampler", "StepSamples", "burst", "owned",
-    "series_samples",
+    "series_samples", "spread",
 ]  # fmt: skip
 
 _RIGHT = (0.3631174638261782, 0.6771862795107377, 0.8997579954114602, 1.0)
@@ -30,6 +30,13 @@ as many of them."""
 
 Rates = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Times (k,) and states (k, n) to the rates (k, n) of the variables; nan where undefined."""
+
+
+def spread(size: int, most: int) -> np.ndarray:
+    """As many of so many indices as may be, evenly spread, each once."""
+    found = np.linspace(0, size - 1, most if size else 0).astype(int)
+    # numpy's unique loads its masked arrays
+    return found[np.diff(found, prepend=-1) > 0]
 
 
 @dataclass(frozen=True)
@@ -51,6 +58,16 @@ class StepSamples:
         if not parts:
             return ()
         return (cls(np.concatenate([t for t, _ in parts]), np.concatenate([x for _, x in parts])),)
+
+    @classmethod
+    def joined(cls, parts: Iterable[StepSamples]) -> tuple[StepSamples, ...]:
+        """Those of the pieces of a run, no more than ``MOST`` of them where one right side holds
+        for all."""
+        parts = tuple(parts)
+        if len(parts) < 2 or any(part.rates or part.apart for part in parts):
+            return parts
+        (whole,) = cls.of([(part.times, part.states) for part in parts])
+        return (whole.pick(spread(len(whole.times), MOST)),)
 
     def narrow(self, width: int) -> StepSamples:
         """The samples without what stands behind the first entries of their states."""

@@ -459,7 +459,7 @@ class _March:
             self.states[new] = stride.at(self.grid[new])
             self.suspect(self.grid[new], self.states[new])
             self.done = reached
-        self.sampler.take(stride.start, stride.end, stride.at)
+        self.sampler.take(stride.start, end, stride.at)
         if self.problem.dense:
             self.strides.append(stride)
         if self.problem.marked:
