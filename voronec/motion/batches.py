@@ -113,7 +113,7 @@ class StepSizes:
         self.longest[which] = np.maximum(self.longest[which], longest)
 
     @property
-    def collapsed(self) -> np.ndarray:
+    def has_collapsed(self) -> np.ndarray:
         """Of which motions steps became so short that it must have passed a place where its
         equations are singular, or nearly: a pole of coordinates, a zero of a divisor."""
         return np.asarray(self.shortest < COLLAPSE_RATIO * self.longest)
@@ -121,7 +121,7 @@ class StepSizes:
     @property
     def doubtful(self) -> np.ndarray:
         """Which motions are to be followed once more, alone."""
-        return self.collapsed | self.overlong
+        return self.has_collapsed | self.overlong
 
 
 @dataclass(eq=False)
@@ -195,7 +195,7 @@ class Lanes:
         places = self.integrator.pars[self.constants :]
         places[:] = self.winding.units[: len(places)]
 
-    def carrying(self, count: int) -> Lanes:
+    def with_width(self, count: int) -> Lanes:
         """The same for so many motions, or a few more to fill the lanes."""
         batch = self.integrator.batch
         width = -(-count // batch.batch_size) * batch.batch_size
@@ -359,7 +359,7 @@ def along(
 
     A motion that breaks down keeps its states up to there, the rest are not numbers.
     """
-    count, lanes = len(states), lanes.carrying(len(states))
+    count, lanes = len(states), lanes.with_width(len(states))
     # places without a motion of their own repeat the last one
     pick = np.minimum(np.arange(lanes.width), count - 1)
     lanes.load(slice(None), states[pick], values[pick], float(grid[0]))
@@ -432,7 +432,7 @@ def _pieces(
             continue
         own = slice(None) if alive.all() else alive
         rows[own, at : end + 1] = new[own]
-        found = {i: _broken(rows[i], grid) for i in np.flatnonzero(alive & ~ta.alive).tolist()}
+        found = {i: _last_good(rows[i], grid) for i in np.flatnonzero(alive & ~ta.alive).tolist()}
         lanes.look_back(begin, limits)
         found |= headway.errors(lanes)
         ta.state[:, [*found]] = np.nan
@@ -447,7 +447,7 @@ def _pieces(
     return errors, steps
 
 
-def _broken(rows: np.ndarray, grid: np.ndarray) -> IntegrationError:
+def _last_good(rows: np.ndarray, grid: np.ndarray) -> IntegrationError:
     """The error of a motion whose state is no longer finite; the last good one of its ``rows``
     (k, n) is the last on the grid."""
     good = np.isfinite(rows).all(axis=1)

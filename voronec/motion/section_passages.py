@@ -560,7 +560,7 @@ class _LanePassages:
         broken = np.flatnonzero(~ta.alive).tolist()
         still = ta.high - before <= 1e-13 * np.maximum(np.abs(ta.high - self.origin), 1e-3)
         stuck = [k for k in busy if taken[k] == limit and still[k]]
-        passed = [k for k in busy if lanes.steps.collapsed[k]]
+        passed = [k for k in busy if lanes.steps.has_collapsed[k]]
         outgrown = lanes.winding.outgrown(ta.state)
         if output is not None:
             series = lanes.winding.whole_series(output.tcs)
@@ -662,7 +662,7 @@ def _follow(
             sampler.take(step.start, step.end, step.at)
             states = np.stack([begin, step.state])[:, : watch.width]
             ends = np.array([step.start, step.end]), states
-            if sizes.collapsed[0] or (crosses is not None and crosses(*ends)):
+            if sizes.has_collapsed[0] or (crosses is not None and crosses(*ends)):
                 raise break_error(SINGULAR_PLACE, step.start, begin)
             begin = step.state
             now = float(plane(np.array([step.end]), begin[None], lane)[0])

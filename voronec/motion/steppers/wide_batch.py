@@ -96,11 +96,10 @@ class WideBatch:
         if alike:
             batch.pars[:] = self.pars[:, :lanes]
         rows = which.reshape(-1, lanes)
-        for k, (some, every) in enumerate(zip(rows.any(axis=1), rows.all(axis=1), strict=True)):
+        every = np.asarray(rows.all(axis=1))
+        for k in np.flatnonzero(rows.any(axis=1)).tolist():
             own: Any = slice(lanes * k, lanes * (k + 1))
-            if not some:
-                continue
-            if not every:
+            if not every[k]:
                 own = lanes * k + np.where(rows[k], np.arange(lanes), int(np.argmax(rows[k])))
             if together:
                 batch.set_time(float(times[0]))
