@@ -410,9 +410,8 @@ def test_the_cost_names_all_methods_that_worked(monkeypatch: pytest.MonkeyPatch)
     assert mixed.state[-1] == pytest.approx(plain.state[-1], abs=1e-9)
 
 
-def test_a_run_goes_back_before_it_leaves_a_split_that_broke_down() -> None:
-    # on its side the bicycle's wheels pass where phi', beta_R', beta_F' do not tell the rest;
-    # next to that place they told it to five digits alone
+def test_a_bicycle_on_its_side_passes_where_its_frame_fails() -> None:
+    # on its side the bicycle's wheels pass where phi', beta_R', beta_F' do not tell the rest
     start = {
         "phi": -1.5013434089513054, "delta": -0.5084794929358508, "beta_R": 0.32671924192890134,
         "x": 0.6983074456848546, "y": 0.18940903917460084, "z": 0.36883414348148635,

@@ -125,6 +125,19 @@ def test_other_matrices_are_left_alone(matrix: Any) -> None:
     assert [e.rows for e in eliminations(matrix)] == [tuple(range(len(matrix)))]
 
 
+@pytest.mark.parametrize("heading", [(0, 1), (1, 0), (3, 4)])
+def test_rows_of_multipliers_wait_for_those_with_inertia(heading: tuple[int, int]) -> None:
+    """A skate with two rotors: eliminated before y it would divide by x, which may vanish."""
+    rows = [[a, 0, 0, 0, x], [0, b, z, z, y], [0, z, c, z, 0], [0, z, z, d, 0], [x, y, 0, 0, 0]]
+    matrix = [[se.sympify(e) for e in row] for row in rows]
+    at = dict(zip((x, y, a, b, c, d, z), map(se.Integer, (*heading, 2, 3, 5, 7, 1)), strict=True))
+    right = [*map(se.Integer, (1, 2, 3, 4, 5))]
+    found = values(*straight(matrix, right), at)
+    for row, entry in zip(matrix, right, strict=True):
+        terms = (e.xreplace(at) * f for e, f in zip(row, found, strict=True))
+        assert se.Add(*terms) == entry
+
+
 def chosen(scale: Any, diagonal: Any, positive: Any) -> bool:
     """Whether the product is eliminated on its own."""
     matrix = rolling(scale, diagonal, [x, y, z])

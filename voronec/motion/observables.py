@@ -162,7 +162,7 @@ def watch_of(
         wanted.expressions,
         {name: vocabulary.inward(vocabulary.claims[name]) for name in names},
         {str(r): vocabulary.inward(r) for r in system.fibration.relations},
-        Multipliers.of(vocabulary.constrained) if wanted.reactions else None,
+        Multipliers.of(vocabulary.reaction_definition) if wanted.reactions else None,
     )
 
 

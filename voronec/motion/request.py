@@ -399,14 +399,14 @@ class OutputTerms:
 @dataclass(frozen=True)
 class Vocabulary:
     """Names of one system: coordinates, velocities, parameters; what follows from these, such as
-    integrals, invariants, and the dependent velocities and momenta of a group.  ``released`` is the
-    definition whose constraints react, where the equations are free of them."""
+    integrals, invariants, and the dependent velocities and momenta of a group.  Reactions are those
+    of ``home_definition`` where the equations are free of constraints."""
 
     equations: VoronecEquations
     symbols: Mapping[str, sp.Expr]
     claims: Mapping[str, sp.Expr]
     inputs: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
-    released: Definition | None = None
+    home_definition: Definition | None = None
     memo: Memo = field(default_factory=Memo, init=False, repr=False, compare=False)
 
     @classmethod
@@ -464,12 +464,14 @@ class Vocabulary:
         It is the multiplier of ``voronec.reaction_forces``: A^T lambda is what the constraints do,
         in units of dL/dq.
         """
-        return {f"reaction {k + 1}": k for k in range(len(self.constrained.constraints.matrix))}
+        return {
+            f"reaction {k + 1}": k for k in range(len(self.reaction_definition.constraints.matrix))
+        }
 
     @property
-    def constrained(self) -> Definition:
+    def reaction_definition(self) -> Definition:
         """The definition with the constraints that react."""
-        return self.released or self.equations.definition
+        return self.home_definition or self.equations.definition
 
     @cached_property
     def _reaction_symbols(self) -> tuple[sp.Symbol, ...]:
@@ -602,7 +604,8 @@ class Vocabulary:
         if not self.holds_reactions([spelled]):
             return inside
         found = self.equations.memo.once(
-            "reactions of the state", lambda: reactions_of_state(self.equations, self.constrained)
+            "reactions of the state",
+            lambda: reactions_of_state(self.equations, self.reaction_definition),
         )
         return inside.xreplace(
             dict(zip(map(door.inward, self._reaction_symbols), found, strict=True))

@@ -73,7 +73,7 @@ class Formulation:
         """Names of home, as they are spelled in these variables, with those of its inputs."""
         found = Vocabulary.of(self.equations, {**inputs, **self.meaning})
         d = self.home.definition
-        return replace(found, released=replace(d, frame=None, velocities=d.dots))
+        return replace(found, home_definition=replace(d, frame=None, velocities=d.dots))
 
     def start(
         self, vocabulary: Vocabulary, given: StartData, outset: Outset, time: float, bits: int
@@ -140,7 +140,7 @@ def ambient_formulation(home: VoronecEquations, reactions: bool) -> Formulation 
             return None  # velocities that friction holds at zero would be rounding
         with suppress(VoronecError):
             if frame is not None and frame.beside and not reactions:
-                return _Declared(home, frame).formulation
+                return _FrameFormulation(home, frame).formulation
             return _on_coordinates(home)
         return None
 
@@ -148,16 +148,16 @@ def ambient_formulation(home: VoronecEquations, reactions: bool) -> Formulation 
 
 
 @dataclass(frozen=True)
-class _Held:
+class _Constraint:
     """A constraint that is held by its reaction: its rate is the ``slopes`` times the rates of
-    velocities, and a ``rest``."""
+    velocities, and a ``remainder``."""
 
     slopes: Mapping[Any, sp.Expr]
-    rest: sp.Expr
+    remainder: sp.Expr
 
 
-def _pushed(
-    forces: Mapping[Any, Any], held: Sequence[_Held], sums: Sequence[Any], massless: bool
+def _with_reactions(
+    forces: Mapping[Any, Any], held: Sequence[_Constraint], sums: Sequence[Any], massless: bool
 ) -> dict[Any, sp.Expr]:
     """Forces with the reactions of constraints, those along the ``sums`` among them, coordinates
     whose velocities are the impulses of the reactions.
@@ -167,7 +167,9 @@ def _pushed(
     """
     found = {q: as_expression(e) for q, e in forces.items()}
     for constraint, p in zip(held, sums, strict=True):
-        rate = sp.Add(constraint.rest, *(a * velocity(w) for w, a in constraint.slopes.items()))
+        rate = sp.Add(
+            constraint.remainder, *(a * velocity(w) for w, a in constraint.slopes.items())
+        )
         for w, a in constraint.slopes.items():
             pull = velocity(velocity(p)) + (rate if massless else 0)
             found[w] = found.get(w, sp.Integer(0)) - a * pull
@@ -186,7 +188,7 @@ def _on_coordinates(home: VoronecEquations) -> Formulation:
     sums = _fresh(system, "sum", count)
 
     def free(parts: Mapping[str, Any], there: Definition) -> dict[str, Any]:
-        forces = _pushed(parts["forces"], _held(there), sums, massless)
+        forces = _with_reactions(parts["forces"], _constraints_of(there), sums, massless)
         return {"lagrangian": parts["lagrangian"], "constraints": (), "forces": forces}
 
     charts = {
@@ -210,13 +212,13 @@ def _fresh(system: System, title: str, count: int) -> list[sp.Symbol]:
     return [fresh_symbol(f"{title}{i + 1}", taken) for i in range(count)]
 
 
-def _held(d: Definition) -> list[_Held]:
+def _constraints_of(d: Definition) -> list[_Constraint]:
     """The constraints and the relations of a system, in the velocities of its coordinates."""
     found, out = [], d.door.outward
     for *row, offset in conditions_of(d)[: -len(d.velocities)]:
         whole = se.Add(offset, *(a * w for a, w in zip(row, d.dots, strict=True)))
         slopes = {out(w): out(a) for a, w in zip(row, d.dots, strict=True) if a != 0}
-        found.append(_Held(slopes, out(drift(d, d.dots, whole))))
+        found.append(_Constraint(slopes, out(drift(d, d.dots, whole))))
     return found
 
 
@@ -242,7 +244,7 @@ def _integrals(
 
 
 @dataclass(frozen=True)
-class _Declared:
+class _FrameFormulation:
     """A system whose frame has velocities beside its own, without as many of its last
     constraints."""
 
@@ -310,10 +312,10 @@ class _Declared:
             for c in self.constraints:
                 pairs = zip(free.velocities, self.flow.velocities, strict=True)
                 slopes = {w: out(c.diff(v).xreplace(meaning)) for w, v in pairs if c.diff(v) != 0}
-                held.append(_Held(slopes, out(self.flow.at_rest(c).xreplace(meaning))))
-            return _pushed(given, held, sums, False)
+                held.append(_Constraint(slopes, out(self.flow.at_rest(c).xreplace(meaning))))
+            return _with_reactions(given, held, sums, False)
 
-        def framed(own: Any) -> Frame:
+        def frame_with_impulses(own: Any) -> Frame:
             return Frame.quasi(
                 own.definitions | dict(zip(impulses, map(velocity, sums), strict=True))
             )
@@ -326,10 +328,11 @@ class _Declared:
                 "forces": forces(chart.changes.get("forces", free.forces), there),
             }
             if "frame" in changes:
-                changes["frame"] = framed(changes["frame"])
+                changes["frame"] = frame_with_impulses(changes["frame"])
             charts[name] = replace(chart, changes=changes)
         system = replace(
-            free, forces=forces(free.forces, meaning), charts=charts, frame=framed(self.frame),
+            free, forces=forces(free.forces, meaning), charts=charts,
+            frame=frame_with_impulses(self.frame),
             fibration=Fibration((*free.fibration.base, *sums), free.fibration.fibre),
             integrals=_integrals(
                 self.home.system, self.motions.equations.door, {}, self.flow.form, self.constraints
