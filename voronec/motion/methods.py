@@ -244,8 +244,8 @@ LONG_RUN = 100_000
 
 
 LOSS = 100.0
-"""So many times finer a tolerance is given to LSODA, whose errors have the same sign, for others to
-be of the size of the one asked for."""
+"""So many times finer a tolerance is given to LSODA and DOP853 in place of Taylor's method, which
+errs so much less at the same: no digits are lost by the choice."""
 
 
 def is_exact(method: str, tol: float) -> bool:
@@ -277,12 +277,15 @@ def choose(
         )
     if method in ("heyoka", "numba", "c", "python") and not problem.program.state:
         return _make_stepper("scipy", problem, f"nothing moves, and {method} wants equations")
-    used, reason = (method, "") if method != "auto" else _best(outset or problem, grid)
-    if called is not None and method == "auto":
-        used, reason = "scipy", f"the input '{called.name}' is a function of Python's"
+    if method != "auto":
+        used, reason, loss = method, "", 1.0
+    elif called is not None:
+        used, reason, loss = "scipy", f"the input '{called.name}' is a function of Python's", 1.0
+    else:
+        used, reason, loss = _best(outset or problem, grid)
     try:
-        if used == "lsoda" and method == "auto":
-            finer = replace(problem, tol=problem.tol / LOSS)
+        if loss > 1:
+            finer = replace(problem, tol=problem.tol / loss)
             stepper, chosen = _make_stepper(used, finer, f"auto: {reason}")
             return stepper, chosen | {"tolerance": max(problem.tol, METHODS[used].finest)}
         return _make_stepper(used, problem, f"auto: {reason}" if reason else "asked for")
@@ -309,17 +312,28 @@ def choose_regular(
     return lambda times: cut_at_singularity(stepper(times), problem), chosen
 
 
-def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
-    """The method to take, and why."""
+def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str, float]:
+    """The method to take, why, and how many times finer its tolerance has to be."""
     from voronec.motion.method_costs import dop853_is_cheaper, is_stiff
 
+    brief = problem.brief is not None
+    if problem.tol >= FINEST and problem.program.state and not brief:
+        if not problem.walls and is_stiff(problem, grid):
+            return "lsoda", "the motion is stiff", LOSS
+        compiled = compiled_method()
+        light = problem.program.weight <= HEAVY and not METHODS["heyoka"].absence
+        soon = light and compiled and METHODS[compiled].compiles_soon
+        if soon and dop853_is_cheaper(problem.program, problem.tol / LOSS):
+            return compiled, "its steps cost less than those of heyoka at equal error", LOSS
+    return *_usual(problem, grid, brief), 1.0
+
+
+def _usual(problem: Problem, grid: np.ndarray, brief: bool) -> tuple[str, str]:
+    """The method to take and why, where no other makes up for a finer tolerance."""
     if problem.tol < EXACT:
         return "flint", "the tolerance is finer than doubles"
     if not problem.program.state:
         return "scipy", "nothing moves"
-    brief = problem.brief is not None
-    if problem.tol >= FINEST and not (brief or problem.walls) and is_stiff(problem, grid):
-        return "lsoda", "the motion is stiff"
     compiled = "" if brief else compiled_method()
     soon = bool(compiled) and METHODS[compiled].compiles_soon
     heavy = problem.tol >= FINEST and problem.program.weight > HEAVY
@@ -328,8 +342,6 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str]:
     if not there and _is_short(problem, grid, LOAD_OPERATIONS):
         return "python", f"{absence}, and the run is short"
     if there and not heavy:
-        if soon and dop853_is_cheaper(problem.program, problem.tol):
-            return compiled, "its steps cost less than those of heyoka"
         return "heyoka", "heyoka is installed"
     if there and _is_short(problem, grid, TINY):
         return "python", "the run takes less time than compiling for heyoka"
