@@ -40,7 +40,7 @@ from voronec.motion.motion_start import Outset, WideStart
 from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
 from voronec.motion.observables import Watch, evaluate_watch
 from voronec.motion.request import (
-    Event,
+    Guard,
     StartData,
     Vocabulary,
     grid_of,
@@ -171,14 +171,14 @@ def integrate(
     given = replace(
         given, parameters={**given.parameters, **driven.parameters(float(grid[0]), float(grid[-1]))}
     )
-    happenings, functions = name_events(vocabulary, events)
+    guards, functions = name_events(vocabulary, events)
     outset = Outset.of(vocabulary, given, float(grid[0]), project, driven.changing)
-    if method == CLOSED_FORM and happenings:
+    if method == CLOSED_FORM and guards:
         raise DefinitionError(
             "the closed form looks for no events; use another method, or evaluate the motion "
             "on a fine grid"
         )
-    far = equations.system.motion is not None and not happenings and abs(grid[-1] - grid[0]) >= FAR
+    far = equations.system.motion is not None and not guards and abs(grid[-1] - grid[0]) >= FAR
     if method == CLOSED_FORM or (method == "auto" and far):
         from voronec.motion.closed_form_run import evaluated_motion
 
@@ -186,22 +186,34 @@ def integrate(
             return evaluated_motion(
                 vocabulary, asked, given, outset, grid, tol, dense, progress, began, method
             )
-    followed = dense or bool(happenings) or not asked or len(grid) < FEW
+    followed = dense or bool(guards) or not asked or len(grid) < FEW
 
     def go(
-        outputs: tuple[Any, ...], functions: Mapping[str, Any], events: tuple[Event, ...],
+        outputs: tuple[Any, ...], functions: Mapping[str, Any], guards: tuple[Guard, ...],
         grid: np.ndarray,
     ) -> Trajectory:  # fmt: skip
         request = _Request(
-            vocabulary, outputs, functions, events, outset, grid, tol, dense, progress, followed,
+            vocabulary, outputs, functions, guards, outset, grid, tol, dense, progress, followed,
             method, began, given, project,
         )  # fmt: skip
         ways = (request.in_smallest, request.otherwise, request.on_coordinates)
         return first_success(request.in_any_split(ways), float(grid[0]))
 
-    found = CutWatch.of(vocabulary).motion(go, asked, functions, happenings, grid)
+    try:
+        found = CutWatch.of(vocabulary).motion(go, asked, functions, guards, grid)
+    except IntegrationError as error:
+        if error.trajectory is not None:
+            error.trajectory = _with_events(error.trajectory, guards)
+        raise
     notes = (*driven.notes, *found.notes, *_notes_of_cost(found.cost, tol))
-    return replace(found, system=declared, notes=notes)
+    return replace(_with_events(found, guards), system=declared, notes=notes)
+
+
+def _with_events(found: Trajectory, guards: Sequence[Guard]) -> Trajectory:
+    """A trajectory with what belongs to users alone, called as they do."""
+    names = {guard.name: guard.owner.name for guard in guards if guard.owner is not None}
+    events = {own: found.events[name] for name, own in names.items() if name in found.events}
+    return replace(found, events=MappingProxyType(events), stopped=names.get(found.stopped, ""))
 
 
 @dataclass(frozen=True)
@@ -214,7 +226,7 @@ class _Request:
     vocabulary: Vocabulary
     outputs: tuple[Any, ...]
     functions: Mapping[str, Any]
-    events: tuple[Event, ...]
+    events: tuple[Guard, ...]
     outset: Outset
     grid: np.ndarray
     tol: float
@@ -376,7 +388,7 @@ class _Job:
     outset: Outset
     grid: np.ndarray
     tol: float
-    events: tuple[Event, ...]
+    events: tuple[Guard, ...]
     dense: bool
     progress: Callable[[float], Any] | None
     near: Any = None

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import isfinite
 from typing import TYPE_CHECKING, Any
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Event",
+    "Guard",
     "OutputTerms",
     "StartData",
     "Values",
@@ -613,25 +614,44 @@ class Event:
             )
 
 
-def name_events(vocabulary: Vocabulary, events: Any) -> tuple[tuple[Event, ...], dict[str, Any]]:
-    """Events with their names filled in, and their functions in the user's symbols by name."""
+@dataclass(frozen=True)
+class Guard:
+    """A function that a run looks at for zeros, told as of an ``Event``.
+
+    ``owner`` is the event of the user for whom it looks, None where it looks for itself.  ``name``
+    is what the function is called on the way, by what watches it; how users call their events
+    plays no part there.
+    """
+
+    name: str
+    direction: int = 0
+    stop: bool = False
+    owner: Event | None = None
+
+
+def name_events(vocabulary: Vocabulary, events: Any) -> tuple[tuple[Guard, ...], dict[str, Any]]:
+    """Guards for events with their names filled in, and functions in the user's symbols by the
+    guards' names."""
     single = isinstance(events, str | sp.Basic | Event)
     if not SEVERAL.holds(events) and not isinstance(events, Event):
         raise DefinitionError(f"events = {quote(events)} are no events; give voronec.Event(...)")
     given: Sequence[Any] = (events,) if single else tuple(events)
-    named, inside = [], {}
+    guards: list[Guard] = []
+    inside, names = dict[str, Any](), set[str]()
     for item in given:
         event = item if isinstance(item, Event) else Event(item)
         own, function = vocabulary.read_condition(event.function)
         name = event.name or own
-        if name in inside:
+        if name in names:
             raise DefinitionError(
                 f"system '{vocabulary.equations.system.name}': two events are called '{name}'; "
                 "give Event(..., name=)"
             )
-        named.append(Event(event.function, name, event.direction, event.stop))
-        inside[name] = _simple(function)
-    return tuple(named), inside
+        names.add(name)
+        called = f"event {len(guards)}"
+        guards.append(Guard(called, event.direction, event.stop, replace(event, name=name)))
+        inside[called] = _simple(function)
+    return tuple(guards), inside
 
 
 def _simple(function: Any) -> Any:

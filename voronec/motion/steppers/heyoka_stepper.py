@@ -19,7 +19,7 @@ import symengine as se
 
 from voronec.declaration.whole_files import make_private, user_cache
 from voronec.equations.program import Program, hoist, taylor_extras, taylor_system
-from voronec.motion.request import Event
+from voronec.motion.request import Guard
 from voronec.motion.steppers.run import (
     DISTANT,
     INFINITE,
@@ -260,7 +260,7 @@ def _moving_extras(levels: Program) -> set[str]:
 
 
 def _event_of(
-    event: Event, columns: dict[str, tuple[int, Event]], expr: Any, log: Log, winding: TurnCount,
+    event: Guard, columns: dict[str, tuple[int, Guard]], expr: Any, log: Log, winding: TurnCount,
     hy: Any,
 ) -> Any:  # fmt: skip
     """heyoka's own event, which writes into the log; ``columns`` are those of all events.

@@ -21,7 +21,7 @@ import numpy as np
 
 from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError
-from voronec.motion.request import Event
+from voronec.motion.request import Guard
 
 __all__ = [
     "COLLAPSE",
@@ -101,7 +101,7 @@ class Problem:
     start: np.ndarray
     parameters: Sequence[Any]
     tol: float
-    events: tuple[Event, ...] = ()
+    events: tuple[Guard, ...] = ()
     levels: Program | None = None
     dense: bool = False
     suspect: Suspect | None = None
@@ -288,12 +288,12 @@ class Log:
         end = self.last[0]
         return bool(abs(time - end) <= AT_END * max(abs(end), self.span))
 
-    def holds(self, event: Event, time: float, near: float) -> bool:
+    def holds(self, event: Guard, time: float, near: float) -> bool:
         """Whether the crossing that was kept last of an event is as near as that."""
         rows = self.rows.get(event.name, [])
         return any(abs(kept - time) <= near for kept, _ in rows[-1:])
 
-    def enter(self, event: Event, time: Any, state: np.ndarray) -> bool:
+    def enter(self, event: Guard, time: Any, state: np.ndarray) -> bool:
         """Keep a crossing; whether it ends the run."""
         near = event.name not in self.walls and abs(time - self.start) <= AT_START * self.span
         if self.silent or near:
@@ -308,13 +308,13 @@ class Log:
         """The crossing that ended the run."""
         return self.rows[self.stopped][-1]
 
-    def arrays(self, events: Sequence[Event], dtype: Any) -> dict[str, tuple[Any, Any]]:
+    def arrays(self, events: Sequence[Guard], dtype: Any) -> dict[str, tuple[Any, Any]]:
         """Times (k,) and states (k, n) by name."""
         return crossing_arrays(self.rows, events, self.width, dtype)
 
 
 def crossing_arrays(
-    found: Mapping[str, Sequence[tuple[Any, np.ndarray]]], events: Sequence[Event], width: int,
+    found: Mapping[str, Sequence[tuple[Any, np.ndarray]]], events: Sequence[Guard], width: int,
     dtype: Any,
 ) -> dict[str, tuple[np.ndarray, np.ndarray]]:  # fmt: skip
     """Times (k,) and states (k, n) of each event, from pairs of a time and a state (n,)."""

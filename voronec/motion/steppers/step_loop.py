@@ -11,7 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from voronec.equations.program import compile_program
-from voronec.motion.request import Event
+from voronec.motion.request import Guard
 from voronec.motion.steppers.run import (
     COLLAPSE,
     DISTANT,
@@ -106,9 +106,9 @@ def rounding(levels: Levels, time: np.ndarray, states: np.ndarray) -> np.ndarray
 
 
 def crossings(
-    events: Mapping[int, Event], levels: Callable[..., np.ndarray], stride: Stride,
+    events: Mapping[int, Guard], levels: Callable[..., np.ndarray], stride: Stride,
     walls: frozenset[str] = frozenset(), first: bool = False,
-) -> list[tuple[Any, Event]]:  # fmt: skip
+) -> list[tuple[Any, Guard]]:  # fmt: skip
     """Times at which events happen within a step, in the order of the motion.
 
     ``events`` are given by the columns of their ``levels``.  Those named in ``walls`` fall from
@@ -153,7 +153,7 @@ def crossings(
 
 
 def _look_along(
-    events: Mapping[int, Event], levels: Levels, stride: Stride, walls: frozenset[str]
+    events: Mapping[int, Guard], levels: Levels, stride: Stride, walls: frozenset[str]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Times (k,) along a step, the states and the functions there (k, m): a wall on which it starts
     is beyond none, and zeros where others touch it are no passages."""
@@ -193,7 +193,7 @@ Bracket = tuple[int, list[tuple[Any, Any]], bool]
 
 def _early_brackets(
     levels: Callable[..., np.ndarray], stride: Stride, until: Any, walls: frozenset[str],
-    events: Mapping[int, Event],
+    events: Mapping[int, Guard],
 ) -> list[Bracket]:  # fmt: skip
     """Where functions that are zero where the step starts, walls aside, are zero again before its
     first look."""
@@ -468,7 +468,7 @@ class _March:
         many digits tells which is first."""
         return bisect_right(self.forward, self.order * time)
 
-    def stays(self, stride: Stride, events: Mapping[int, Event]) -> bool:
+    def stays(self, stride: Stride, events: Mapping[int, Guard]) -> bool:
         """Whether the function of a wall is zero where a step ends: short first steps may leave it
         by less than rounding."""
         walls = [i for i, event in events.items() if event.name in self.problem.walls]
@@ -478,8 +478,8 @@ class _March:
         return bool((self.levels(end, stride.at(end))[0, walls] == 0).any())
 
     def cut(
-        self, stride: Stride, found: list[tuple[Any, Event]], events: Mapping[int, Event]
-    ) -> tuple[Stride, list[tuple[Any, Event]]]:
+        self, stride: Stride, found: list[tuple[Any, Guard]], events: Mapping[int, Guard]
+    ) -> tuple[Stride, list[tuple[Any, Guard]]]:
         """A step up to the first wall in it, where its stages look beyond, and what happens in it:
         there other equations hold."""
         walls = self.problem.walls
