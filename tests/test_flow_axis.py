@@ -65,6 +65,16 @@ def test_a_ball_leaves_the_vertex(ball: vo.VoronecEquations, pace: float) -> Non
     assert max(motion.drift.values()) < 1e-11
 
 
+@pytest.mark.parametrize("name", ["the chart becomes singular", "quadrant of an angle 0"])
+def test_an_event_may_be_called_as_what_a_run_watches(ball: vo.VoronecEquations, name: str) -> None:
+    start = {"r": 0, "phi": 0.4, "alpha": 0.8, "beta": 0.6, "v": 0.3, "w": 5, "s": -0.7}
+    times = [0, 1e-3, 0.7]
+    stop = vo.Event(sp.Symbol("r") - sp.Rational(1, 100), name, stop=True)
+    motion = vo.integrate(ball, times=times, initial=start, events=(stop,))
+    assert motion.stopped == name and motion["r"][-1] == pytest.approx(0.01, abs=1e-12)
+    assert [len(passages) for passages in motion.events.values()] == [1]
+
+
 def test_a_ball_without_spin_passes_through_the_vertex(ball: vo.VoronecEquations) -> None:
     start = {"r": 0.5, "phi": 0.4, "alpha": 0.8, "beta": 0.6, "v": -0.6, "w": 0, "s": 0}
     motion = vo.integrate(ball, times=np.linspace(0, 2, 41), initial=start, outputs=("r", "phi"))

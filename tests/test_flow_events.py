@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib.util import find_spec
+from random import Random
 from shutil import which
 from typing import Any
 
@@ -12,10 +13,11 @@ import pytest
 import sympy as sp
 
 import voronec as vo
+from voronec.motion.crossings import Course, crossings, roots
+from voronec.motion.request import Guard
 from voronec.motion.steppers import heyoka_stepper as taylor
 from voronec.motion.steppers import run
 from voronec.motion.steppers import run as marching
-from voronec.motion.steppers.step_loop import Stride, crossings, root
 
 pytestmark = pytest.mark.slow
 
@@ -221,6 +223,12 @@ def test_events_that_make_no_sense_are_named() -> None:
         vo.Event(x, direction=2)
 
 
+def root(function: Any, *bracket: Any) -> Any:
+    """A zero of one function, between two places with the values there."""
+    a, left, b, right = (np.array([x]) for x in bracket)
+    return roots(lambda t, _: np.array([function(t[0])]), a, left, b, right)[0]
+
+
 def test_roots_to_the_last_digit() -> None:
     assert root(lambda t: t**3 - 2, 0.0, -2.0, 2.0, 6.0) == pytest.approx(2 ** (1 / 3), rel=4e-16)
     with mpmath.workdps(50):
@@ -395,15 +403,15 @@ def test_a_zero_at_the_last_instant_counts(method: str, way: int) -> None:
 
 @pytest.mark.parametrize("ends", [(0.3, 1.0), (1.0, 1.7), (0.3, 1.7)])
 def test_a_pole_beside_the_end_of_a_step_is_no_passage(ends: tuple[float, float]) -> None:
-    event = {0: vo.Event(x, "level")}
+    event = {0: Guard("level")}
     passages = [lambda t: t - 1, lambda t: (t - 1) ** 3, lambda t: np.tanh(1e10 * (t - 1))]
     jumps = [np.sign, lambda t: np.where(t < 0, -1, 5), lambda t: np.where(t < 0, -0.01, 5)]
     poles = [lambda t: 1 / t, lambda t: np.cbrt(1 / t), lambda t: 1 / t**3 - t]
     passages += [lambda t, jump=jump: jump(t - 1) for jump in jumps]
 
     def found(level: Any, begin: float, end: float) -> list[Any]:
-        stride = Stride(begin, end, np.zeros(1), lambda times: np.zeros((len(times), 1)))
-        return crossings(event, lambda times, _: level(np.asarray(times))[:, None], stride)
+        step = Course(np.array([begin, end]), lambda times: np.zeros((len(times), 1)))
+        return crossings(event, lambda times, _: level(np.asarray(times))[:, None], step).passages
 
     # a step that begins or ends there does so one to four units in the last place beyond
     for beyond in np.spacing(1.0) * np.arange(1, 5):
@@ -440,6 +448,46 @@ def test_what_touches_zero_is_none_and_what_dips_below_it_two(method: str) -> No
     apart = np.arccos(1 - 1e-9)
     places = [turn * np.pi + side * apart for turn in (1, 3) for side in (-1, 1)]
     assert len(found["touch"]) == 0 and close(found["dip"].t, places, 1e-6)
+
+
+def polynomial(roots: Any) -> tuple[vo.System, dict[Any, Any], sp.Expr]:
+    """A body whose place x is (t - a)(t - b)..., and its start at t = 0."""
+    place = sp.expand(sp.prod([vo.time - root for root in roots]))
+    rate = place.diff(vo.time)
+    force = {x: rate.diff(vo.time)}
+    system = vo.System("polynomial", vo.Fibration(base=(x,)), lagrangian=Dx**2 / 2, forces=force)
+    return system, {x: place.subs(vo.time, 0), Dx: rate.subs(vo.time, 0)}, rate
+
+
+HALVES = [sp.Rational(k, 2) for k in range(2, 8)]
+DICE = Random(3)
+ROOTS = [
+    [1, 2, 3], HALVES, [1, 1 + sp.Rational(1, 10**5), 2], [1, 2, 2 + sp.Rational(1, 10**4)],
+    *(sorted(DICE.sample([sp.Rational(k, 20) for k in range(1, 80)], n)) for n in (2, 5, 8)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("method", [*DOUBLES, "flint", *COMPILED])
+@pytest.mark.parametrize("roots", ROOTS, ids=str)
+def test_simple_roots_of_polynomials_are_all_found_once(roots: Any, method: str) -> None:
+    """They are where a step is halved, or close together: Taylor's method takes one step."""
+    system, start, rate = polynomial(roots)
+    run = vo.integrate(
+        system, initial=start, times=[0, 2, 4], events=("x", vo.Event(Dx, "turn")), method=method
+    )
+    assert close(run.events["x"].t, roots, 1e-6)
+    assert close(run.events["turn"].t, sp.Poly(rate, vo.time).nroots(n=30), 1e-6)
+    up = vo.Event("x", "up", direction=1, stop=True)
+    end = vo.integrate(system, initial=start, times=[0, 4], events=up, method=method)
+    assert end.stopped == "up" and close(end.t[-1:], roots[len(roots) % 2 == 0 :][:1], 1e-6)
+
+
+@pytest.mark.skipif("heyoka" not in DOUBLES, reason="no heyoka")
+def test_a_root_without_a_change_of_sign_is_noted() -> None:
+    system, start, _ = polynomial([2, 2])
+    run = vo.integrate(system, initial=start, times=[0, 4], events="x", method="heyoka")
+    (note,) = run.notes
+    assert note.startswith("the event 'x' touches zero at t = 2") and not len(run.events["x"])
 
 
 @pytest.mark.parametrize("way", [1, -1])

@@ -449,3 +449,17 @@ def test_starts_where_the_velocities_are_no_frame_go_alone_or_are_refused(method
     assert single.t == pytest.approx(found.t[1:]) and single.cost.method == method
     with pytest.raises(vo.DefinitionError, match="almost no frame"):
         vo.section(blade, x, ("y",), starts=[beside], **options)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("roots", [(1, 2, 3), (1, 1.5, 2, 2.5, 3, 3.5)], ids=str)
+def test_a_motion_that_is_a_polynomial_passes_at_each_of_its_roots(roots, method):
+    """Over one long step looks that are as far apart as these see none of them change a sign."""
+    place = sp.expand(sp.prod([vo.time - sp.Rational(root) for root in roots]))
+    rate = place.diff(vo.time)
+    system = vo.System("p", vo.Fibration(x), xdot**2 / 2, forces={x: rate.diff(vo.time)})
+    start = {x: place.subs(vo.time, 0), xdot: rate.subs(vo.time, 0)}
+    found = vo.section(
+        system, x, (xdot,), initial=start, crossings=9, direction=0, until=4.0, method=method
+    )
+    assert found.t == pytest.approx(roots, abs=1e-9)

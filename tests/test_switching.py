@@ -505,6 +505,19 @@ def test_events_at_a_switch_and_between_are_seen():
     assert np.allclose(swing.events["size"].t, np.pi * np.array([1, 2, 4, 5]) / 3, atol=1e-12)
 
 
+@pytest.mark.parametrize("name", ["wall 0", "turn at wall 0", "weight 0", "event 1", "event 0"])
+def test_what_users_call_their_events_is_theirs(name):
+    """Runs that watch walls, charts and cuts for themselves know what they watch by no name."""
+    events = (vo.Event(x - sp.Rational(3, 10), name), vo.Event(x - sp.Rational(4, 10)))
+    found = motion(mass_point(-sp.sign(Dx)), (0, 1), 3, events=events)
+    assert [*found.events] == [name, "x - 2/5"] and abs(found["x"][-1] - 0.5) < 1e-12
+    assert np.allclose(found.events[name].t, [1 - np.sqrt(0.4)], atol=1e-12)
+    halted = motion(mass_point(-sp.sign(Dx)), (0, 1), 3, events=(vo.Event(events[0].function, name,
+                    stop=True), events[1]))  # fmt: skip
+    assert halted.stopped == name and not len(halted.events["x - 2/5"])
+    assert abs(halted.t[-1] - 1 + np.sqrt(0.4)) < 1e-12
+
+
 CASES = [
     sp.Heaviside(x), sp.Heaviside(x, 1), sp.Max(x, y, 1), sp.Min(x, y), sp.floor(x), sp.frac(x),
     sp.ceiling(x), sp.Mod(x, sp.Rational(3, 2)), sp.Piecewise((x**2, x < 1), (y, x > 1), (7, True)),

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ import sympy as sp
 
 from voronec.equations.jumps import AngleCut, angle_cuts
 from voronec.errors import IntegrationError
-from voronec.motion.request import Event, Vocabulary
+from voronec.motion.request import Guard, Vocabulary
 from voronec.motion.trajectory import Trajectory
 
 __all__ = ["CutWatch"]
@@ -23,7 +22,7 @@ __all__ = ["CutWatch"]
 CUT = "the cut of an angle"
 """Begins the names of events that nobody asked for."""
 
-Motion = Callable[[tuple[Any, ...], Mapping[str, Any], tuple[Event, ...], np.ndarray], Trajectory]
+Motion = Callable[[tuple[Any, ...], Mapping[str, Any], tuple[Guard, ...], np.ndarray], Trajectory]
 """Of outputs, functions of events by name, events, and a grid."""
 
 
@@ -49,7 +48,7 @@ class CutWatch:
 
     def motion(
         self, go: Motion, outputs: tuple[Any, ...], functions: Mapping[str, Any],
-        events: tuple[Event, ...], grid: np.ndarray,
+        events: tuple[Guard, ...], grid: np.ndarray,
     ) -> Trajectory:  # fmt: skip
         """The motion, with nobody looking; ``IntegrationError``, with the motion up to there, where
         it reaches a cut."""
@@ -59,7 +58,7 @@ class CutWatch:
         hidden = tuple(s for n, s in self._sides.items() if n not in names)
         wide = (*(outputs or names), *hidden) if hidden else outputs
         walls = {name: self._outward(cut.wall) for name, cut in self.cuts.items()}
-        looks = [Event(walls[n], n, stop=cut.side is None) for n, cut in self.cuts.items()]
+        looks = [Guard(n, stop=cut.side is None) for n, cut in self.cuts.items()]
         failure = None
         try:
             found = go(wide, {**functions, **walls}, (*events, *looks), grid)
@@ -72,8 +71,7 @@ class CutWatch:
             end = float(hit[0])
             early = grid[np.abs(grid - grid[0]) < abs(end - grid[0])]
             raise self._error(*hit, go(outputs, functions, events, np.append(early, end)))
-        kept = {name: rows for name, rows in found.events.items() if name not in self.cuts}
-        found = replace(found, events=MappingProxyType(kept), outputs=names)
+        found = replace(found, outputs=names)
         if hidden and (inside := found.within) is not None:
             found = replace(found, within=lambda times: replace(inside(times), outputs=names))
         if failure is not None:

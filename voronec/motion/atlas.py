@@ -18,7 +18,7 @@ from voronec.declaration.system import system_in
 from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.motion.methods import choose
-from voronec.motion.request import Event
+from voronec.motion.request import Guard
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run, Stepper, cut_at_singularity
 from voronec.motion.steppers.units import natural_units
@@ -368,7 +368,7 @@ class Atlas:
             program=program,
             start=state.copy(),
             parameters=self._values(program),
-            events=(*given.events, *ends, *(Event(name, name) for name in sides)),
+            events=(*given.events, *ends, *(Guard(name) for name in sides)),
             levels=quantities(form, levels | sides),
             suspect=None,
             progress=self.progress,
@@ -381,10 +381,10 @@ class Atlas:
         twins = tuple(self._rows(self.form, twin) for twin in chart.twins)
         return ChartProblem(name, problem, *made, self._rows(chart.form, chart.back), twins)
 
-    def _end(self, name: str, direction: int) -> Event:
+    def _end(self, name: str, direction: int) -> Guard:
         """The end of a stretch; the direction is that along the run, which may go backwards."""
         order = 1 if self.grid[-1] >= self.grid[0] else -1
-        return Event(name, name, direction * order, stop=True)
+        return Guard(name, direction * order, stop=True)
 
     def _rows(self, form: FirstOrderForm, images: Mapping[Any, Any]) -> Home:
         """A map to the own chart, for many states of a form."""

@@ -48,7 +48,7 @@ from voronec.declaration.system import System
 from voronec.equations.definition import read
 from voronec.equations.derivation import Derivation
 from voronec.equations.program.walls import Sides, is_rough, plain_roots
-from voronec.motion.request import Event, Vocabulary
+from voronec.motion.request import Guard, Vocabulary
 from voronec.motion.state_probe import usual_size
 from voronec.motion.steppers import Run
 
@@ -276,7 +276,7 @@ def guard_events(
     level: float = NEAR,
     direction: int = 0,
     bounds: Sequence[Any] = (),
-) -> tuple[tuple[Event, ...], dict[str, Any]]:
+) -> tuple[tuple[Guard, ...], dict[str, Any]]:
     """Events that end a run where a divisor passes a level, in units of its usual size, and their
     functions by name; by default where it comes near zero.  Symbols of ``bounds`` stand for the
     values that are watched, where programs are made once for all of them."""
@@ -286,7 +286,7 @@ def guard_events(
         name: g.function**2 - bound**2
         for name, g, bound in zip(names, guards, watched, strict=True)
     }
-    return tuple(Event(name, name, direction, stop=True) for name in names), functions
+    return tuple(Guard(name, direction, stop=True) for name in names), functions
 
 
 class NearDivisor(Exception):

@@ -44,6 +44,7 @@ from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
 from voronec.motion.observables import Watch, evaluate_watch, shown_program
 from voronec.motion.request import (
     Event,
+    Guard,
     StartData,
     Vocabulary,
     events_of,
@@ -147,12 +148,12 @@ class PreparedProblem:
         read, tol, method = self._read(initial is not None), self.tol, self.method
         grid = grid_of(self.system, read.scene, times)
         start, end = float(grid[0]), float(grid[-1])
-        driven, vocabulary, happenings = read.drive.over(start, end), read.vocabulary, read.events
+        driven, vocabulary, guards = read.drive.over(start, end), read.vocabulary, read.guards
         given = read.start_data.given(vocabulary, parameters, initial)
         given = replace(given, parameters={**given.parameters, **driven.parameters(start, end)})
         outset = Outset.of(vocabulary, given, start, self.project, driven.changing)
         far = driven.equations.system.motion is not None and abs(end - start) >= FAR
-        if method == CLOSED_FORM or (method == "auto" and far and not happenings):
+        if method == CLOSED_FORM or (method == "auto" and far and not guards):
             from voronec.motion.closed_form_run import evaluated_motion
 
             with suppress(*(() if method == CLOSED_FORM else (DefinitionError, EngineLimit))):
@@ -160,20 +161,26 @@ class PreparedProblem:
                     vocabulary, read.outputs, given, outset, grid, tol, self.dense, progress,
                     began, method,
                 )  # fmt: skip
-        followed = self.dense or bool(happenings) or not read.outputs or len(grid) < FEW
+        followed = self.dense or bool(guards) or not read.outputs or len(grid) < FEW
 
         def go(
-            outputs: tuple[Any, ...], functions: Mapping[str, Any], events: tuple[Event, ...],
+            outputs: tuple[Any, ...], functions: Mapping[str, Any], guards: tuple[Guard, ...],
             grid: np.ndarray,
         ) -> Trajectory:  # fmt: skip
             request = _Request(
-                vocabulary, outputs, functions, events, outset, grid, tol, self.dense, progress,
+                vocabulary, outputs, functions, guards, outset, grid, tol, self.dense, progress,
                 followed, method, began, given, self.project,
             )  # fmt: skip
             ways = (request.in_smallest, request.otherwise, request.on_coordinates)
             return first_success(request.in_any_split(ways), start)
 
-        found = read.cuts.motion(go, read.outputs, read.functions, happenings, grid)
+        try:
+            found = read.cuts.motion(go, read.outputs, read.functions, guards, grid)
+        except IntegrationError as error:
+            if error.trajectory is not None:
+                error.trajectory = _with_events(error.trajectory, guards)
+            raise
+        found = _with_events(found, guards)
         more = (*driven.notes, *_notes_of_cost(found.cost, tol))
         if not more and found.system is self.system:
             return found
@@ -190,7 +197,7 @@ class _Reading:
     drive: Drive
     vocabulary: Vocabulary
     outputs: tuple[Any, ...]
-    events: tuple[Event, ...]
+    guards: tuple[Guard, ...]
     functions: Mapping[str, Any]
     start_data: StartData
     cuts: CutWatch
@@ -202,15 +209,15 @@ class _Reading:
         _refuse_unknown_functions(driven.equations.system)
         vocabulary = Vocabulary.of(driven.equations, driven.meaning)
         vocabulary.read_outputs(outputs)
-        events, functions = name_events(vocabulary, asked.events)
-        if asked.method == CLOSED_FORM and events:
+        guards, functions = name_events(vocabulary, asked.events)
+        if asked.method == CLOSED_FORM and guards:
             raise DefinitionError(
                 "the closed form looks for no events; use another method, or evaluate the motion "
                 "on a fine grid"
             )
         data = StartData.of(vocabulary, scene)
         cuts = CutWatch.of(vocabulary)
-        return cls(scene, driven, vocabulary, outputs, events, functions, data, cuts)
+        return cls(scene, driven, vocabulary, outputs, guards, functions, data, cuts)
 
 
 @accepts(**ASKED)
@@ -340,6 +347,15 @@ def _prepared(
     return kept.setdefault(key, made)
 
 
+def _with_events(found: Trajectory, guards: Sequence[Guard]) -> Trajectory:
+    """A trajectory with what belongs to users alone, called as they do."""
+    if not (guards or found.events or found.stopped):
+        return found
+    names = {guard.name: guard.owner.name for guard in guards if guard.owner is not None}
+    events = {own: found.events[name] for name, own in names.items() if name in found.events}
+    return replace(found, events=MappingProxyType(events), stopped=names.get(found.stopped, ""))
+
+
 @dataclass(frozen=True)
 class _Request:
     """What is wanted of one motion, and the ways to it, as ``first_success`` takes them.
@@ -350,7 +366,7 @@ class _Request:
     vocabulary: Vocabulary
     outputs: tuple[Any, ...]
     functions: Mapping[str, Any]
-    events: tuple[Event, ...]
+    events: tuple[Guard, ...]
     outset: Outset
     grid: np.ndarray
     tol: float
@@ -547,7 +563,7 @@ class _Job:
     outset: Outset
     grid: np.ndarray
     tol: float
-    events: tuple[Event, ...]
+    events: tuple[Guard, ...]
     dense: bool
     progress: Callable[[float], Any] | None
     near: Any = None

@@ -21,7 +21,7 @@ from voronec.errors import EngineLimit
 from voronec.motion.atlas import Progress
 from voronec.motion.methods import choose, choose_regular
 from voronec.motion.modes import Corner, LevelSurface, Modes, is_length, motion_along_surfaces
-from voronec.motion.request import Event
+from voronec.motion.request import Guard
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run, Stepper, cut_at_singularity
 from voronec.motion.steppers.event_states import narrow, widen
@@ -251,8 +251,8 @@ class ModeSet:
     ) -> Problem:  # fmt: skip
         """What is to be integrated until a surface is met that the mode does not lie along."""
         given, ends = self.problem, [*self._watched_surfaces(corner, sides, along)]
-        events = [Event(name, name, -self.order, stop=True) for name in ends]
-        events += [Event(name, name, 1) for name in turns]
+        events = [Guard(name, -self.order, stop=True) for name in ends]
+        events += [Guard(name, 1) for name in turns]
         watching = levels if not along else _of_events(levels, [*given.events], ends)
         numbers = [*map(float, self.values(program, sides, self.grid[0]))]
         return replace(
@@ -343,7 +343,7 @@ def _held_states(along: Sequence[LevelSurface], states: frozenset[Any]) -> dict[
     return found
 
 
-def _of_events(levels: Program, given: Sequence[Event], ends: Sequence[str]) -> Program:
+def _of_events(levels: Program, given: Sequence[Guard], ends: Sequence[str]) -> Program:
     """What the events of a motion along surfaces look at: weights by how far they are from +-1."""
     found = dict(zip(levels.names, levels.extras.results, strict=True))
     results = [found[e.name] for e in given]

@@ -22,7 +22,7 @@ from voronec.motion.methods import is_exact
 from voronec.motion.mode_set import DOUBLE, GUARD, Mode
 from voronec.motion.mode_transitions import NO_VALUE, PAST, TOUCH, Crossroads
 from voronec.motion.modes import Corner, LevelSurface, Modes
-from voronec.motion.request import Event
+from voronec.motion.request import Guard
 from voronec.motion.step_defects import program_rates
 from voronec.motion.steppers import Halt, Problem, Run, Stepper
 from voronec.motion.steppers.run import (
@@ -354,7 +354,7 @@ class _Passage:
             self.time, self.state = time, state
         self.lingers = self.lingers + 1 if near else 0
 
-    def passes(self, event: Event, before: Mode, after: Mode) -> bool:
+    def passes(self, event: Guard, before: Mode, after: Mode) -> bool:
         """Whether an event happens just where the mode changes, or its function jumps through zero
         there: neither stretch sees it then."""
         seen = self.crossings.get(event.name, [])
@@ -372,7 +372,7 @@ class _Passage:
         upwards = left < 0 <= right and direction >= 0
         return bool(upwards or (left > 0 >= right and direction <= 0))
 
-    def level(self, event: Event, mode: Mode, way: int) -> Any:
+    def level(self, event: Guard, mode: Mode, way: int) -> Any:
         """An event's function a moment before (-1) or after (1) the switch in a mode."""
         roads = self.roads
         time, state = roads.moment(mode, self.time, self.state, way)

@@ -34,7 +34,7 @@ from voronec.motion.methods import METHODS
 from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
 from voronec.motion.motion_pool import Many
 from voronec.motion.observables import jumps
-from voronec.motion.request import Event, Starts, begin_of, label
+from voronec.motion.request import Event, Guard, Starts, begin_of, label
 from voronec.motion.section_passages import PATIENCE, SectionPassages, SectionWatch
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run
@@ -208,7 +208,7 @@ class SwitchedMotions:
         if self.plane is None:
             exact = se.Rational(*float(value).as_integer_ratio())
             functions = {PLANE: self.motions.ground.quantities[name] - exact}
-            event = Event(PLANE, PLANE, direction)
+            event = Guard(PLANE, direction)
             made = _switching_stepper(
                 self.motions, i, self.method, self.tol, grid, (event,), functions, state
             )
@@ -244,7 +244,7 @@ def crossing_speeds(
 
 def _switching_stepper(
     motions: Many, i: int, method: str, tol: float, grid: np.ndarray,
-    events: tuple[Event, ...] = (), functions: dict[str, Any] | None = None,
+    events: tuple[Guard, ...] = (), functions: dict[str, Any] | None = None,
     state: np.ndarray | None = None,
 ) -> SwitchedIntegrator | None:  # fmt: skip
     guards, watched = guard_events(motions.divisors)

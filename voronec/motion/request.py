@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import isfinite
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Event",
+    "Guard",
     "OutputTerms",
     "StartData",
     "Starts",
@@ -668,6 +669,21 @@ class Event:
             )
 
 
+@dataclass(frozen=True)
+class Guard:
+    """A function that a run looks at for zeros, told as of an ``Event``.
+
+    ``owner`` is the event of the user for whom it looks, None where it looks for itself.  ``name``
+    is what the function is called on the way, by what watches it; how users call their events
+    plays no part there.
+    """
+
+    name: str
+    direction: int = 0
+    stop: bool = False
+    owner: Event | None = None
+
+
 def events_of(events: Any) -> tuple[Event, ...]:
     """Events as they are given: one or several, or what they watch alone."""
     single = isinstance(events, str | sp.Basic | Event)
@@ -677,20 +693,24 @@ def events_of(events: Any) -> tuple[Event, ...]:
     return tuple(item if isinstance(item, Event) else Event(item) for item in given)
 
 
-def name_events(vocabulary: Vocabulary, events: Any) -> tuple[tuple[Event, ...], dict[str, Any]]:
-    """Events with their names filled in, and their functions in the user's symbols by name."""
-    named, inside = [], {}
+def name_events(vocabulary: Vocabulary, events: Any) -> tuple[tuple[Guard, ...], dict[str, Any]]:
+    """Guards for events with their names filled in, and functions in the user's symbols by the
+    guards' names."""
+    guards: list[Guard] = []
+    inside, names = dict[str, Any](), set[str]()
     for event in events_of(events):
         own, function = vocabulary.read_condition(event.function)
         name = event.name or own
-        if name in inside:
+        if name in names:
             raise DefinitionError(
                 f"system '{vocabulary.equations.system.name}': two events are called '{name}'; "
                 "give Event(..., name=)"
             )
-        named.append(Event(event.function, name, event.direction, event.stop))
-        inside[name] = _simple(function)
-    return tuple(named), inside
+        names.add(name)
+        called = f"event {len(guards)}"
+        guards.append(Guard(called, event.direction, event.stop, replace(event, name=name)))
+        inside[called] = _simple(function)
+    return tuple(guards), inside
 
 
 def _simple(function: Any) -> Any:

@@ -1,8 +1,8 @@
 """Following motions from one passage through a surface to the next.
 
 A Taylor step is a small part (about e^-2) of the radius of convergence, so over one step all but
-the first few terms are small; a few samples a step see every change of sign that lies further
-apart than the step resolves.  What touches zero between samples is looked for at the extrema.
+the first few terms are small, and ``crossings`` needs few looks; of a polynomial in the time steps
+are as long as the motion, and it cuts them in pieces.
 """
 
 from __future__ import annotations
@@ -22,12 +22,13 @@ from voronec.motion.batches import (
     StepSizes,
     break_error,
 )
+from voronec.motion.crossings import NODES, Pieces, find_crossings, roots
 from voronec.motion.methods import METHODS
 from voronec.motion.request import number
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
 from voronec.motion.steppers.samples import Sampler, StepSamples, series_samples
 from voronec.motion.steppers.scipy_stepper import dop853_steps
-from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride, crosses
+from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride
 
 if TYPE_CHECKING:
     from voronec.motion.motion_pool import Many
@@ -43,17 +44,14 @@ __all__ = [
 ]
 
 
-SAMPLES = 4
-"""Looks at each polynomial."""
-NEAR = 0.25
-"""An extremum whose parabola comes nearer to zero than this part of its rise is looked into."""
 TOUCH = 1e-10
 """An extremum this near to zero, relative to the largest value seen, touches it."""
+BESIDE = 1e-2
+"""Touches nearer to each other than this part of a step are one."""
 POLE = 1e3
 """What is larger than this part of its size at both ends of a bracket has a pole there."""
 FEWER = "ask for fewer crossings"
 OUTGROWN = "its states outgrow the sizes from which they set out"
-GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 
 Quantity = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 """``(t, states (m, n), lane (m,))`` to values (m,)."""
@@ -98,11 +96,11 @@ class Paths:
         return np.diff(self.times, axis=0)
 
     def sample(self, needed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Times (m, lanes) and states (n, lanes, m), m = SAMPLES s + 1; only needed entries."""
+        """Times (m, lanes) and states (n, lanes, m), m = 8 s + 1; only needed entries."""
         steps, size, order, lanes = self.series.shape
-        h, parts = self.lengths, np.arange(SAMPLES)[:, None] / SAMPLES
-        times = np.empty((SAMPLES * steps + 1, lanes))
-        within = times[:-1].reshape(steps, SAMPLES, lanes)
+        h, parts, looks = self.lengths, NODES[:-1, None], len(NODES) - 1
+        times = np.empty((looks * steps + 1, lanes))
+        within = times[:-1].reshape(steps, looks, lanes)
         np.add(self.times[:-1, None], h[:, None] * parts, out=within)
         times[-1] = self.times[-1]
         # term by term in memory, so that sums over them run along it
@@ -113,11 +111,11 @@ class Paths:
             power *= along
         # no BLAS: a second thread of it would cost more than it gains
         later = np.einsum("jk,km->jm", parts[1:] ** np.arange(order), terms.reshape(order, -1))
-        later = later.reshape(SAMPLES - 1, *terms.shape[1:])
-        states = np.zeros((size, lanes, SAMPLES * steps + 1))
+        later = later.reshape(looks - 1, *terms.shape[1:])
+        states = np.zeros((size, lanes, looks * steps + 1))
         for i, entry in enumerate(needed):
             for k, samples in enumerate((terms[0, i], *later[:, i])):
-                states[entry, :, k:-1:SAMPLES] = samples
+                states[entry, :, k:-1:looks] = samples
         states[needed, :, -1] = terms[..., -1].sum(axis=0)
         return times, states
 
@@ -169,36 +167,52 @@ def zeros(paths: Paths, quantity: Quantity, needed: np.ndarray, direction: int) 
     values = np.stack([quantity(times[:, i], states[:, i].T, which[i]) for i in range(lanes)]).T
     size = float(np.nanmax(np.abs(values), initial=0.0)) or 1.0
 
-    def close(step: np.ndarray, lane: np.ndarray) -> _Close:
-        return _Close.of(paths, quantity, needed, step, lane)
-
-    a, b = values[:-1], values[1:]
     with np.errstate(all="ignore"):  # a lane that idles takes steps of no length
-        rates = np.abs(b - a) / np.diff(times, axis=0)
-    row, lane = np.nonzero(crosses(a, b, direction))
-    step, left = row // SAMPLES, (row % SAMPLES) / SAMPLES
-    h = paths.lengths[step, lane]
-    brackets = [(step, lane, left * h, (left + 1 / SAMPLES) * h)]
-    more, touches = _turns(close, paths, values, direction, size)
-    brackets += more
-    step, lane, lower, upper = (np.concatenate(x) for x in zip(*brackets, strict=True))
-    order = np.lexsort((paths.times[step, lane] + lower, lane))
-    step, lane = step[order], lane[order]
-    look = close(step, lane)
-    tau, true = look.roots(lower[order], upper[order])
-    if not true.all():
-        tau, lane, look = tau[true], lane[true], close(step[true], lane[true])
-        step = step[true]
+        rates = np.abs(np.diff(values, axis=0)) / np.diff(times, axis=0)
+        low, high = np.fmin.reduce(values, axis=0), np.fmax.reduce(values, axis=0)
+        length = paths.lengths.ravel()
+        pieces = Pieces.along(np.zeros(len(length)), length, values)
+
+        def close(number: np.ndarray) -> _Close:
+            return _Close.of(paths, quantity, needed, *np.divmod(number, lanes))
+
+        found, touches = find_crossings(
+            lambda tau, number: close(number).value(tau),
+            pieces,
+            lambda tau, _: np.full(len(tau), TOUCH * size),
+        )
+        found = found.where((direction == 0) | ((found.after > found.before) == (direction > 0)))
+        step, lane = np.divmod(found.number, lanes)
+        found = found.where(np.lexsort((paths.times[step, lane] + found.start, lane)))
+        look = close(found.number)
+        tau = roots(lambda tau, i: look.where(i).value(tau), *found.parts[:4])
+        # what is larger than at both ends is a pole; beside a jump a quantity stays of its size
+        ends = np.maximum(np.abs(found.before), np.abs(found.after))
+        true = np.abs(look.value(tau)) <= POLE * ends
+        tau, look = tau[true], look.where(true)
+        step, lane = np.divmod(found.number[true], lanes)
     return Zeros(
         lane=lane,
         t=look.begin + tau,
         states=_horner(paths.terms(step, lane, np.arange(look.size)), tau).T.copy(),
         speed=look.speed(tau),
-        touches=touches,
-        low=np.fmin.reduce(values, axis=0),
-        high=np.fmax.reduce(values, axis=0),
+        touches=tuple(_touches(paths, touches)),
+        low=low,
+        high=high,
         fastest=np.fmax.reduce(rates, axis=0),
     )
+
+
+def _touches(paths: Paths, found: Sequence[tuple[int, float]]) -> Iterator[tuple[int, float]]:
+    """Lanes and times of touches, from numbers of steps and times in these: each once."""
+    lanes, last = paths.times.shape[1], (-1, 0.0)
+    for lane, time, length in sorted(
+        (n % lanes, float(paths.times.flat[n] + tau), float(paths.lengths.flat[n]))
+        for n, tau in found
+    ):
+        if last[0] != lane or time - last[1] > BESIDE * length:
+            yield lane, time
+        last = lane, time
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,119 +242,16 @@ class _Close:
         states[self.needed] = _horner(self.terms, tau)
         return self.quantity(self.begin + tau, states.T, self.lane)
 
-    def roots(self, lower: np.ndarray, upper: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The zero in each bracket, and which of them (m,) are no poles, where the sign changes as
-        well; jumps through zero, beside which a quantity stays of its size, are zeros."""
-        if not len(lower):
-            return lower, np.ones(0, dtype=bool)
-        below, above = self.value(lower), self.value(upper)
-        tau = self._root(lower, upper, below, above)
-        with np.errstate(all="ignore"):
-            ends = np.maximum(np.abs(below), np.abs(above))
-            return tau, np.asarray(np.abs(self.value(tau)) <= POLE * ends)
-
-    def _root(
-        self, lower: np.ndarray, upper: np.ndarray, below: np.ndarray, above: np.ndarray
-    ) -> np.ndarray:
-        """Regula falsi (Illinois), bisection where that is slow, from the values at the ends."""
-        a, b, fa, fb = lower, upper, below, above
-        before = np.abs(b - a)
-        for k in range(100):
-            with np.errstate(all="ignore"):
-                c = np.where(fb == fa, 0.5 * (a + b), b - fb * (b - a) / (fb - fa))
-            outside = ~((c - a) * (c - b) <= 0)
-            slow = np.zeros(len(a), dtype=bool)
-            if k % 4 == 3:
-                slow, before = np.abs(b - a) > 0.25 * before, np.abs(b - a)
-            c = np.where((slow | outside) & (fb != 0), 0.5 * (a + b), np.where(fb == 0, b, c))
-            fc = self.value(c)
-            swap = np.sign(fc) * np.sign(fb) < 0
-            done = (np.abs(c - b) <= 4e-16 * np.abs(upper)) | (fc == 0)
-            # the end that stays loses half its weight, so that both ends move
-            a, fa = np.where(swap, b, a), np.where(swap, fb, 0.5 * fa)
-            b, fb = c, fc
-            if done.all():
-                break
-        return np.asarray(b)
+    def where(self, which: np.ndarray) -> _Close:
+        """At some of them."""
+        lane, begin, length = self.lane[which], self.begin[which], self.length[which]
+        terms = self.terms[:, :, which]
+        return _Close(self.quantity, self.needed, self.size, lane, begin, length, terms)
 
     def speed(self, tau: np.ndarray) -> np.ndarray:
         """The rate of the quantity, by a difference."""
         d = 1e-4 * self.length
         return np.asarray((self.value(tau + d) - self.value(tau - d)) / (2 * d))
-
-    def lowest(
-        self, lower: np.ndarray, upper: np.ndarray, sign: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Where sign * quantity is least between bounds, and its value: by the golden section."""
-        a, b = lower, upper
-        for _ in range(44):
-            c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
-            left = sign * self.value(c) < sign * self.value(d)
-            a, b = np.where(left, a, c), np.where(left, d, b)
-        best = 0.5 * (a + b)
-        return best, sign * self.value(best)
-
-
-Bracket = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
-
-
-def _turns(
-    close: Callable[[np.ndarray, np.ndarray], _Close],
-    paths: Paths,
-    values: np.ndarray,
-    direction: int,
-    size: float,
-) -> tuple[list[Bracket], tuple[tuple[int, float], ...]]:
-    """Pairs of zeros between samples, where the quantity comes near to zero and turns back.
-
-    The extremum lies between the neighbours of its least sample; these may belong to two steps, so
-    each half is looked into by itself.  Beyond both ends the series go on for a sample: an extremum
-    next to an end is that of the paths that hold it.
-    """
-    around = _with_neighbours(close, paths, values)
-    far = np.abs(around)
-    rows, lanes = np.nonzero((far[:-2] >= far[1:-1]) & (far[2:] >= far[1:-1]))
-    sign = np.sign(values[rows, lanes])
-    a, m, b = (sign * around[rows + k, lanes] for k in range(3))
-    with np.errstate(all="ignore"):  # a motion that grows without bound overflows here first
-        bend = a - 2 * m + b
-        turning = (sign != 0) & (a > 0) & (b > 0) & (bend > 0)
-        near = turning & (m - (a - b) ** 2 / (8 * bend) < NEAR * np.maximum(a - m, b - m))
-    rows, lanes, sign = rows[near], lanes[near], sign[near]
-    brackets: list[Bracket] = []
-    touches: dict[tuple[int, int], float] = {}
-    nothing = TOUCH * size
-    for half in (0, 1):
-        within = (rows + half >= 1) & (rows + half < len(values))
-        row, lane, s = rows[within], lanes[within], sign[within]
-        place = row - 1 + half
-        step, h = place // SAMPLES, paths.lengths[place // SAMPLES, lane]
-        lower = (place % SAMPLES) / SAMPLES * h
-        upper = lower + h / SAMPLES
-        if not len(row):
-            continue
-        best, least = close(step, lane).lowest(lower, upper, s)
-        times = paths.times[step, lane] + best
-        for k in np.nonzero(np.abs(least) <= nothing)[0]:
-            touches.setdefault((int(lane[k]), int(row[k])), float(times[k]))
-        through = least < -nothing
-        # towards zero first, away from it afterwards
-        for first, want in ((lower, -s), (best, s)):
-            second = best if first is lower else upper
-            take = through & ((direction == 0) | (want == direction))
-            brackets.append((step[take], lane[take], first[take], second[take]))
-    return brackets, tuple((k[0], t) for k, t in touches.items())
-
-
-def _with_neighbours(
-    close: Callable[[np.ndarray, np.ndarray], _Close], paths: Paths, values: np.ndarray
-) -> np.ndarray:
-    """Samples (m, lanes) with one more before the first and after the last."""
-    last, lanes = len(paths.lengths) - 1, values.shape[1]
-    step, lane = np.repeat([0, last], lanes), np.tile(np.arange(lanes), 2)
-    part = np.repeat([-1 / SAMPLES, 1 + 1 / SAMPLES], lanes)
-    before, after = close(step, lane).value(part * paths.lengths[step, lane]).reshape(2, lanes)
-    return np.vstack([before, values, after])
 
 
 PATIENCE = 50_000
@@ -650,7 +561,7 @@ def _follow(
     size = len(begin)
     everything, lane = np.arange(size), np.zeros(1, dtype=int)
     last = float(plane(np.array([motions.time]), motions.states[i : i + 1], lane)[0])
-    sizes, crosses = StepSizes.of(1), motions.divisor_watch(values, 0.0)
+    before, sizes, crosses = 0.0, StepSizes.of(1), motions.divisor_watch(values, 0.0)
     sampler = Sampler()
     try:
         span = (motions.time, end)
@@ -668,9 +579,11 @@ def _follow(
             now = float(plane(np.array([step.end]), begin[None], lane)[0])
             if after is None:
                 after = motions.time + START_SHARE * (step.end - motions.time)
-            # no look where the quantity could not come to zero at twice its latest rate
+            # no look where the quantity could not come to zero at twice its latest rate, unless
+            # steps grow as those of polynomials do
             rise = abs(now - last)
             near = min(abs(last), abs(now)) <= 2 * max(rise, rate * length)
+            near, before = near or length > 2 * before, length
             rate = rise / length
             if near or last * now <= 0:
                 found = zeros(_as_polynomial(step), plane, everything, passages.direction)

@@ -24,7 +24,7 @@ from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import IntegrationError
 from voronec.motion.numeric_model import ProgrammedModel
-from voronec.motion.request import Event
+from voronec.motion.request import Guard
 from voronec.motion.split_models import SplitGround, numbers_of_chart
 from voronec.motion.state_probe import quantities, quiet
 from voronec.motion.steppers import Halt, Problem, Run
@@ -154,7 +154,7 @@ def _with_events(
     """A problem with events at zeros of further functions on its model."""
     return replace(
         problem,
-        events=(*problem.events, *(Event(name, name, **how) for name in levels)),
+        events=(*problem.events, *(Guard(name, **how) for name in levels)),
         levels=quantities(form, {**functions, **levels}),
         coarse=problem.coarse | levels.keys(),
     )

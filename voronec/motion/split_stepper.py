@@ -25,7 +25,7 @@ from voronec.motion.methods import is_exact
 from voronec.motion.mode_stepper import through_walls
 from voronec.motion.motion_start import WideStart
 from voronec.motion.observables import Watch, evaluate_watch
-from voronec.motion.request import Event, Vocabulary
+from voronec.motion.request import Guard, Vocabulary
 from voronec.motion.singular_coordinates import PoleNotes
 from voronec.motion.split_models import SplitGround, SplitModel, candidates
 from voronec.motion.state_probe import StateProbe, quantities
@@ -84,7 +84,7 @@ class SplitRun:
     grid: np.ndarray
     method: str
     tol: float
-    events: tuple[Event, ...]
+    events: tuple[Guard, ...]
     dense: bool
     progress: Callable[[float], Any] | None
     notes: tuple[str, ...]
@@ -210,7 +210,7 @@ class SplitRun:
     def _marks(self, split: SplitModel) -> tuple[str, ...]:
         return tuple(event.name for event in self._early_events(split)[0])
 
-    def _early_events(self, split: SplitModel) -> tuple[tuple[Event, ...], dict[str, Any]]:
+    def _early_events(self, split: SplitModel) -> tuple[tuple[Guard, ...], dict[str, Any]]:
         falling = -1 if self.grid[-1] >= self.grid[0] else 1
         return guard_events(split.guards, EARLY, falling)
 

@@ -8,7 +8,6 @@ programs); by default it lets them grow to 20 GB.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -19,7 +18,7 @@ import symengine as se
 
 from voronec.declaration.whole_files import make_private, user_cache
 from voronec.equations.program import Program, hoist, taylor_extras, taylor_system
-from voronec.motion.request import Event
+from voronec.motion.crossings import SPECK, Course, Levels, crossings
 from voronec.motion.steppers.run import (
     DISTANT,
     INFINITE,
@@ -49,14 +48,7 @@ from voronec.motion.steppers.series_reach import (
     first_reach,
     reach,
 )
-from voronec.motion.steppers.step_loop import (
-    crosses,
-    early_looks,
-    early_returns,
-    level_function,
-    root,
-    rounding,
-)
+from voronec.motion.steppers.step_loop import level_function
 from voronec.motion.steppers.units import CHUNK, LEAST, SHORT, TurnCount, natural_units
 
 __all__ = [
@@ -80,21 +72,8 @@ LONG, WEIGHT = 250_000, 20.0
 fewer, by as much as its program weighs more than the other."""
 CRAWL = 1e-9
 """A chunk of steps that covers less than this part of the span leads nowhere."""
-SPECK = 1e-300
-"""What functions of events are raised by: where one is zero at the start of a step, heyoka takes
-that for its zero in the step, and sees no other."""
-GRAIN = 1e-26
-"""The same of walls: a motion may leave one with a rate that is zero to rounding, and fall first,
-by less than the square of that."""
 COMPACT = 60.0
 """Above this weight heyoka compiles in its compact mode: seconds sooner, then half as fast."""
-NARROW, WIDE, WIDER = 1e-12, 1e-2, 8.0
-"""About a zero of a series its function is looked at this part of a step before and after, and ever
-farther off by the third, up to the second, until its signs differ."""
-AROUND = 1 / 16
-"""Of a step; so far about a zero it is seen how large states are, and their rounding is told."""
-LATE = 1e-6
-"""This part of the last step before its end, a function is looked at that may be zero there."""
 IDLE = 16
 """So many integrators wait for another run; one of a large system takes some megabytes."""
 
@@ -105,11 +84,11 @@ parameters, and brings it back, one of a kind.  To make one anew takes longer th
 
 @dataclass
 class _Machine:
-    """heyoka's integrator, the log in which its events write, what is taken out of states and their
-    units, and the ``parameters`` that it was given last, at first none at all."""
+    """heyoka's integrator; ``hints``, times about which an event may have stopped it; what is taken
+    out of states and their units; and the ``parameters`` that it was given last, at first none."""
 
     integrator: Any
-    log: Log
+    hints: list[float]
     winding: TurnCount
     constants: Any
     parameters: list[float] | None = None
@@ -117,13 +96,13 @@ class _Machine:
     @classmethod
     def of(cls, problem: Problem, winding: TurnCount, hy: Any) -> _Machine:
         """One for problems that differ in start, units and parameters."""
-        log = Log(0.0, 0.0, len(problem.start), walls=problem.walls)
-        integrator = _integrator(problem, log, winding, hy)
-        return cls(integrator, log, winding, hoist(problem.program))
+        hints: list[float] = []
+        integrator = _integrator(problem, hints, winding, hy)
+        return cls(integrator, hints, winding, hoist(problem.program))
 
     def place(self, problem: Problem, grid: np.ndarray) -> None:
         """Go to the start of a problem, whatever went before."""
-        ta, log = self.integrator, self.log
+        ta = self.integrator
         if self.winding.scaled:
             self.winding.measure(natural_units(problem))
         ta.time, ta.state[:] = float(grid[0]), problem.start / self.winding.units
@@ -132,13 +111,8 @@ class _Machine:
             self.parameters = given
             constants = self.constants.values(given)[: len(ta.pars)]
             ta.pars[: len(constants)] = constants
-        if ta.with_events:
-            ta.reset_cooldowns()
         self.winding.reset()
         self.fit_units(anew=True)
-        log.rows, log.stopped, log.silent = {}, "", False
-        log.start, log.span = float(grid[0]), float(np.ptp(grid))
-        log.levels = level_function(problem) if problem.events else None
 
     def fit_units(self, anew: bool = False) -> None:
         """Measure states that left their units in others; units are parameters, behind those of the
@@ -161,7 +135,6 @@ def taylor(problem: Problem) -> Stepper:
         try:
             return _Drive(hy, machine, problem, grid, ticker).run()
         finally:
-            machine.log.levels = None  # it holds the problem, and with it the system
             pool.at_rest[:] = [machine]
 
     def run(grid: np.ndarray) -> Run:
@@ -191,7 +164,7 @@ class _Pool:
         """That of a problem, which is ``scaled`` where some unit is not 1; what was longest in no
         use gives way to it."""
         events = tuple((e.name, e.direction, e.stop) for e in problem.events)
-        watched = events, problem.levels if events else None, problem.walls
+        watched = events, problem.levels if events else None
         key = problem.program, scaled, problem.tol, watched
         # a program is hashed here, and not in runs
         at_rest = _idle[key] = _idle.pop(key, [])
@@ -209,23 +182,29 @@ class _Pool:
         return _Machine.of(problem, winding, self.hy)
 
 
-def _integrator(problem: Problem, log: Log, winding: TurnCount, hy: Any) -> Any:
-    """heyoka's integrator, to be given start and parameters."""
+def _integrator(problem: Problem, hints: list[float], winding: TurnCount, hy: Any) -> Any:
+    """heyoka's integrator, to be given start and parameters.
+
+    With functions of events among its own its steps are as short as their series ask for.  What
+    heyoka finds of their zeros is a hint, at which a chunk of steps ends, where they stop a run: of
+    two of them, one where a bisection cuts a step, it finds one.
+    """
     program, levels = hoist(problem.program).program, problem.levels
     units = unit_parameters(winding, len(program.parameters), hy)
     functions = taylor_extras(levels, units) if levels is not None else {}
     moving = _moving_extras(levels) if levels is not None else set()
     watched: list[Any] = []
-    kinds: dict[str, list[Any]] = {"nt_events": [], "t_events": []}
-    names = levels.names if levels is not None else ()
-    columns = {event.name: (names.index(event.name), event) for event in problem.events}
+    kinds: dict[str, list[Any]] = {"nt_events": []}
+
+    def hint(_: Any, time: float, __: int) -> None:
+        hints.append(time)
+
     for event in problem.events:
-        if levels is None or event.name not in moving:
+        if event.name not in moving:
             continue  # a constant passes through nothing, and heyoka takes none
-        expr = functions[event.name] + (GRAIN if event.name in problem.walls else SPECK)
-        watched.append(expr)
-        kind = kinds["t_events" if event.stop else "nt_events"]
-        kind.append(_event_of(event, columns, expr, log, winding, hy))
+        watched.append(functions[event.name])
+        callback = hint if event.stop else lambda *_: None
+        kinds["nt_events"].append(hy.nt_event(watched[-1], callback))
     system = taylor_system(program, units)
     count = parameter_count([e for _, e in system] + watched, hy)
     beside = levels.extras.weight(levels.parameters) if levels is not None else 0.0
@@ -262,85 +241,6 @@ def _moving_extras(levels: Program) -> set[str]:
     return {name for name, expr in pairs if se.sympify(expr).free_symbols & moving}
 
 
-def _event_of(
-    event: Event, columns: dict[str, tuple[int, Event]], expr: Any, log: Log, winding: TurnCount,
-    hy: Any,
-) -> Any:  # fmt: skip
-    """heyoka's own event, which writes into the log; ``columns`` are those of all events.
-
-    heyoka calls but one of those that stop it at one instant; it enters the others."""
-    kinds = hy.event_direction
-    direction = {1: kinds.positive, -1: kinds.negative, 0: kinds.any}[event.direction]
-
-    def passage(integrator: Any, time: float, name: str) -> float | None:
-        (column, own), levels = columns[name], log.levels
-        assert levels is not None
-
-        def state(moment: float) -> np.ndarray:
-            integrator.update_d_output(moment)
-            return winding.whole(integrator.d_output)
-
-        def level(moment: float) -> float:
-            return float(levels(np.array([moment]), state(moment)[None, :])[0, column])
-
-        if name in log.walls:
-            return None if log.holds(own, time, 0.0) else time
-        step = integrator.last_h
-        rows = np.stack([state(time + part * step) for part in (0, -AROUND, AROUND)])
-        depth = float(rounding(levels, np.array([time]), rows)[column])
-        passed = _passage(level, time, abs(step), own.direction, depth)
-        return None if passed is None or log.holds(own, passed, NARROW * abs(step)) else passed
-
-    def enter(integrator: Any, time: float) -> bool:
-        passed = passage(integrator, time, event.name)
-        if passed is None:
-            return False
-        integrator.update_d_output(passed)
-        state = winding.whole(integrator.d_output)
-        if log.enter(event, passed, state):
-            for name, (_, other) in columns.items():
-                if name == event.name or name in log.walls:
-                    continue
-                again = passage(integrator, passed, name)
-                if again is not None and log.is_at_end(again):
-                    log.enter(other, passed, state)
-        return bool(log.stopped)
-
-    def note(integrator: Any, time: float, _sign: int) -> None:
-        enter(integrator, time)
-
-    def note_end(integrator: Any, _sign: int) -> bool:
-        return not enter(integrator, float(integrator.time))
-
-    if event.stop:
-        return hy.t_event(expr, callback=note_end, direction=direction)
-    return hy.nt_event(expr, callback=note, direction=direction)
-
-
-def _passage(
-    level: Callable[[float], float], time: float, step: float, direction: int, depth: float
-) -> float | None:
-    """When a function of the time passes zero in a direction, about a zero of its series in a
-    ``step``; None where it only touches zero, or goes beyond it by no more than a ``depth``.
-
-    Where a function has a zero of third order, its series, whose coefficients are rounded, has one
-    or three, off by the cube root of the rounding: the function itself is asked.
-    """
-    reach = least = max(NARROW * step, 4 * float(np.spacing(abs(time))))
-    while reach <= max(WIDE * step, least):
-        before, after = level(time - reach), level(time + reach)
-        if not np.isfinite([before, after]).all():
-            return time
-        if crosses(before, after) and min(abs(before), abs(after)) > depth:
-            if not crosses(before, after, direction):
-                return None
-            if reach == least:
-                return time
-            return float(root(level, time - reach, before, time + reach, after))
-        reach *= WIDER
-    return None
-
-
 @dataclass
 class _Drive:
     """One run, chunk by chunk."""
@@ -355,7 +255,6 @@ class _Drive:
     ends: list[float] = field(default_factory=list)
     samples: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
     series: list[tuple[float, float, np.ndarray]] | None = None
-    early: float = np.inf
     done: int = 1
     steps: int = 0
     efforts: int = 0
@@ -367,6 +266,9 @@ class _Drive:
     usual: float = np.inf
     integrator: Any = field(init=False)
     log: Log = field(init=False)
+    levels: Levels = field(init=False)
+    is_on_wall: bool = True
+    before: np.ndarray | None = None
     winding: TurnCount = field(init=False)
     standing: tuple[float, np.ndarray] = field(init=False)
     span: float = field(init=False)
@@ -376,7 +278,10 @@ class _Drive:
     def __post_init__(self) -> None:
         share = min(1.0, WEIGHT / (self.problem.program.weight or 1.0))
         self.headway = Headway(self.grid[0], float(self.grid[-1]), max(int(share * LONG), WINDOW))
-        self.integrator, self.log = self.machine.integrator, self.machine.log
+        self.integrator, problem = self.machine.integrator, self.problem
+        span = float(np.ptp(self.grid))
+        self.log = Log(float(self.grid[0]), span, len(problem.start), walls=problem.walls)
+        self.levels = level_function(problem)
         self.winding = self.machine.winding
         self.standing = self.integrator.time, self.problem.start
         self.span = abs(float(self.grid[-1] - self.grid[0]))
@@ -389,58 +294,26 @@ class _Drive:
 
     def first_step(self) -> float:
         """The length of the first step where heyoka's own would be too long, else infinite."""
-        ta, self.log.silent = self.integrator, True
+        ta = self.integrator
         moment, state = ta.dtime, ta.state.copy()
         span = float(self.grid[-1] - self.grid[0])
         taken = ta.step(max_delta_t=span, write_tc=True)[1] if span else 0.0
         # where the right side is not defined no step is taken, and the run says so
         well = np.isfinite(taken)
-        self.early = self.half_of_return(taken) if well and taken else np.inf
         parts = PARTS if abs(taken) >= abs(span) else 1
         length = reach(ta, self.right_side, taken, parts) if well else np.inf
-        self.log.silent = False
         self.return_to(moment, state)
         return length
 
     def return_to(self, moment: tuple[float, float], state: np.ndarray) -> None:
         """Take the integrator back to a moment, as if it had not gone on."""
         self.integrator.dtime, self.integrator.state[:] = moment, state
-        if self.integrator.with_events:
-            self.integrator.reset_cooldowns()
-
-    def half_of_return(self, taken: float) -> float:
-        """Less than half of the time after which a function of an event that is zero at the start
-        is zero again, where that is far less than the step just ``taken``; else infinite.
-
-        Between zeros that close together heyoka's search gives up, and sees none of them.
-        """
-        if not self.problem.events:
-            return np.inf
-        series, parts = self.integrator.tc, early_looks(0.0, taken)
-        states = self.winding.whole((series @ parts ** np.arange(series.shape[1])[:, None]).T)
-        with np.errstate(all="ignore"):
-            values = level_function(self.problem)(self.grid[0] + parts, states)
-        returns = [i for i, k in early_returns(values, states).values() if k < len(parts) - 1]
-        return min((abs(float(parts[i])) / 2 for i in returns), default=np.inf)
-
-    def leave_start(self) -> None:
-        """First steps, no longer than the first may be, that end before functions of events that
-        are zero at the start are zero again, where that is soon."""
-        if self.early < abs(self.grid[min(1, len(self.grid) - 1)] - self.grid[0]):
-            end = self.grid[0] + np.copysign(self.early, self.grid[-1] - self.grid[0])
-            found = self.integrator.propagate_until(
-                end, c_output=self.problem.dense, max_delta_t=self.opening, **self.callback
-            )
-            self.steps += found[3]
-            if self.problem.dense:
-                self.stretches.append(_Chunk(found[4], self.winding.now()))
 
     def run(self) -> Run | None:
         """The run; None where states without units of their own outgrow ordinary size, which
         loosens the steps of all others."""
         self.rows.append(self.problem.start[None, :])
         try:
-            self.leave_start()
             while self.done < len(self.grid) and not self.log.stopped:
                 halt = self.chunk()
                 if self.has_outgrown:
@@ -450,28 +323,7 @@ class _Drive:
                 self.ticker(self.integrator.time)
         except KeyboardInterrupt:
             return self.result(interrupted=True)
-        if not self.log.stopped:
-            self.enter_last()
         return self.result()
-
-    def enter_last(self) -> None:
-        """Passages at the last instant: what ends a step heyoka takes for the start of the next."""
-        events, levels = self.problem.events, self.log.levels
-        time, state = self.standing
-        own = [event for event in events if event.name not in self.log.walls]
-        if not own or levels is None or time != self.grid[-1]:
-            return
-        names = self.problem.levels.names if self.problem.levels is not None else ()
-        near = max(LATE * abs(self.integrator.last_h), 4 * float(np.spacing(abs(time))))
-        order = 1 if time >= self.grid[0] else -1
-        self.integrator.update_d_output(time - order * near)
-        states = np.stack([self.winding.whole(self.integrator.d_output), state])
-        values = levels(np.array([time - order * near, time]), states)
-        for event in sorted(own, key=lambda event: event.stop):
-            before, after = values[:, names.index(event.name)]
-            passes = crosses(before, after, order * event.direction)
-            if passes and not self.log.holds(event, time, near):
-                self.log.enter(event, time, state)
 
     def chunk(self) -> Halt | None:
         self.machine.fit_units()
@@ -480,7 +332,6 @@ class _Drive:
         moment = self.integrator.dtime
         limit = self.opening
         size = self.size if limit == np.inf else 1
-        kept = {name: len(rows) for name, rows in self.log.rows.items()}
         ends, stretches = len(self.ends), len(self.stretches)
         ahead, sampled = burst(self.steps)
         self.series = [] if sampled else None
@@ -491,24 +342,25 @@ class _Drive:
         self.usual = min(self.usual, limit)
         if overlong is not None:
             good, length = overlong
-            self.log.stopped = ""
             del self.ends[ends:], self.stretches[stretches:]
             self.series = [] if sampled else None
-            for name, rows in self.log.rows.items():
-                del rows[kept.get(name, 0) :]
             self.opening = np.inf if good else length
             outcome, taken, new = self.advance(good or 1)
             self.opening = length if good else np.inf
         self.has_outgrown = bool(
             self.winding.outgrown(self.integrator.state) or self.winding.outgrown(new)
         )
+        if self.problem.events and self.output is not None and not self.has_outgrown:
+            taken, new = self.look(taken, new, ends)
         self.steps += taken
-        self.take_samples()
+        self.take_samples(taken)
         self.idle = 0 if len(new) else self.idle + taken
         if len(new):
             self.rows.append(self.winding.whole(new))
         self.set_pace(taken, len(new))
         self.done += len(new)
+        if self.log.stopped:
+            return None
         moved = abs(self.integrator.time - before)
         # heyoka does not count steps of length zero among those that it took
         limited = outcome == self.hy.taylor_outcome.step_limit
@@ -521,6 +373,28 @@ class _Drive:
             return self.last_good(before, state, taken)
         self.standing = self.integrator.time, self.winding.whole(self.integrator.state)
         return None
+
+    def look(self, taken: int, new: np.ndarray, ends: int) -> tuple[int, np.ndarray]:
+        """Enter what happens in the steps of a chunk; how many of them, and which of its new rows
+        of the grid, lie before what stops the run, as do the ``ends`` of steps kept since."""
+        problem, order = self.problem, 1.0 if self.grid[-1] >= self.grid[0] else -1.0
+        course = Course(
+            np.array(self.output.times), _Chunk(self.output, self.winding.now()), self.before
+        )
+        left = problem.walls if self.is_on_wall else frozenset[str]()
+        seen = crossings(dict(enumerate(problem.events)), self.levels, course, left)
+        pairs = zip(problem.events, seen.end, strict=True)
+        on = [abs(value) <= SPECK for event, value in pairs if event.name in problem.walls]
+        self.is_on_wall = self.is_on_wall and any(on)
+        self.before = seen.end
+        self.log.touches += seen.touches
+        self.log.enter_all(seen.passages, course.at)
+        if not self.log.stopped:
+            return taken, new
+        time, coming = order * self.log.last[0], self.grid[self.done : self.done + len(new)]
+        self.ends[ends:] = [t for t in self.ends[ends:] if order * t < time] + [self.log.last[0]]
+        taken = int(np.searchsorted(order * course.ends[1:], time)) + 1
+        return taken, new[: np.searchsorted(order * coming, time, side="right")]
 
     def overlong(
         self, moment: tuple[float, float], state: np.ndarray, taken: int
@@ -538,9 +412,8 @@ class _Drive:
         if not taken or not longest > usual:
             return None
         end, there = ta.dtime, ta.state.copy()
-        ta.dtime, ta.state[:], self.log.silent = moment, state, True
+        ta.dtime, ta.state[:] = moment, state
         found = self.first_overlong(taken, usual)
-        self.log.silent = False
         if found:
             self.return_to(moment, state)
         else:
@@ -574,9 +447,7 @@ class _Drive:
         ta, output, found = self.integrator, self.output, None
         if output is None or not np.isfinite(ta.state).all():
             return None
-        self.log.silent = True
         blind = np.flatnonzero(blind_steps(ta, output)).tolist()
-        self.log.silent = False
         for k in blind:
             allowed = float(blind_reach(ta, self.right_side, output, k)[0])
             if allowed < np.inf:
@@ -604,7 +475,8 @@ class _Drive:
         """One chunk of steps towards, or along, the rest of the grid; new rows of it."""
         limits = {"max_steps": size, "max_delta_t": self.opening} | self.callback
         standing, done = self.integrator.time, self.done
-        if self.problem.dense or self.has_roots:
+        self.machine.hints.clear()
+        if self.problem.dense or self.has_roots or self.problem.events:
             outcome, _, self.longest, steps, stretch, _ = self.integrator.propagate_until(
                 self.grid[-1], c_output=True, **limits
             )
@@ -627,22 +499,24 @@ class _Drive:
     @property
     def callback(self) -> dict[str, Any]:
         """What heyoka calls after each step: nothing, unless the steps are sampled, their ends are
-        asked for, or states may leave their units, at which the chunk ends."""
+        asked for, states may leave their units, or events stop the run, at which the chunk ends."""
+        hints, stops = self.machine.hints, any(event.stop for event in self.problem.events)
 
         def has_ended(integrator: Any) -> bool:
             if self.problem.marked:
                 self.ends.append(integrator.time)
             if self.series is not None:
                 self.series.append((integrator.time, integrator.last_h, integrator.tc.copy()))
-            return not self.winding.scaled or self.winding.fits(integrator.state)
+            return not hints and (not self.winding.scaled or self.winding.fits(integrator.state))
 
-        asked = self.problem.marked or self.winding.scaled or self.series is not None
-        return {"callback": has_ended} if asked else {}
+        needed = self.problem.marked or self.winding.scaled or stops or self.series is not None
+        return {"callback": has_ended} if needed else {}
 
-    def take_samples(self) -> None:
-        """Sample the steps of the chunk, whose states nothing was taken out of since."""
+    def take_samples(self, taken: int) -> None:
+        """Sample the steps of the chunk, whose states nothing was taken out of since, up to that in
+        which it stopped."""
         if self.series:
-            ends, lengths, series = map(np.array, zip(*self.series, strict=True))
+            ends, lengths, series = map(np.array, zip(*self.series[:taken], strict=True))
             times, states = series_samples(ends, lengths, series)
             self.samples.append((times, self.winding.whole(states)))
         self.series = None
@@ -661,7 +535,7 @@ class _Drive:
 
     def last_good(self, time: float, state: np.ndarray, taken: int) -> Halt:
         """The last step before the state broke, found by going over the last chunk again."""
-        ta, self.log.silent = self.integrator, True
+        ta = self.integrator
         ta.time, ta.state[:] = time, state
         step = ta.step if self.grid[-1] >= self.grid[0] else ta.step_backward
         halt = self.halt(INFINITE)
@@ -683,7 +557,7 @@ class _Drive:
             t.copy(), states, self.steps, self.steps,
             self.log.arrays(self.problem.events, float), halt, interrupted, self.log.stopped,
             _join_stretches(self.stretches, states) if self.problem.dense else None,
-            ends=tuple(self.ends), samples=StepSamples.of(self.samples),
+            ends=tuple(self.ends), samples=StepSamples.of(self.samples), notes=self.log.notes,
         )  # fmt: skip
 
 

@@ -15,9 +15,10 @@ from voronec.algebra.tape import as_ball
 from voronec.equations.program import Program
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.recurrences import Recurrences, fixed_point, recurrences
+from voronec.motion.crossings import Levels
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
 from voronec.motion.steppers.series_reach import BLIND, FAITHFUL, HALVINGS, SHRINKS
-from voronec.motion.steppers.step_loop import IntegratorFailure, Levels, Stride, march
+from voronec.motion.steppers.step_loop import IntegratorFailure, Stride, march
 from voronec.motion.steppers.units import SMALL, natural_units
 
 __all__ = ["GUARD", "DigitsWalker", "digit_levels", "digits", "units_of"]

@@ -24,10 +24,11 @@ from voronec.algebra.graphs import nodes
 from voronec.equations.program import Block, Program
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.recurrences import recurrences
+from voronec.motion.crossings import Levels, roots
 from voronec.motion.steppers.event_states import narrow
 from voronec.motion.steppers.integer_taylor import GUARD, DigitsWalker, digit_levels, units_of
 from voronec.motion.steppers.run import COLLAPSE, Problem, Run, Stepper
-from voronec.motion.steppers.step_loop import IntegratorFailure, Levels, Stride, march, root
+from voronec.motion.steppers.step_loop import IntegratorFailure, Stride, march
 from voronec.motion.steppers.units import natural_units
 
 __all__ = ["RootStates", "digits_through_roots"]
@@ -231,4 +232,5 @@ def _place(
     left, right = before[column] - level, after[column] - level
     if left == 0 or (left > 0) == (right > 0):
         return a if abs(left) <= abs(right) else b
-    return root(lambda s: row(s)[column] - level, a, left, b, right)
+    known = (np.array([x], dtype=object) for x in (a, left, b, right))
+    return roots(lambda s, _: np.array([row(s[0])[column] - level]), *known)[0]

@@ -21,7 +21,7 @@ import numpy as np
 
 from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError
-from voronec.motion.request import Event
+from voronec.motion.request import Guard
 from voronec.motion.steppers.samples import StepSamples
 
 __all__ = [
@@ -101,7 +101,7 @@ class Problem:
     start: np.ndarray
     parameters: Sequence[Any]
     tol: float
-    events: tuple[Event, ...] = ()
+    events: tuple[Guard, ...] = ()
     levels: Program | None = None
     dense: bool = False
     suspect: Suspect | None = None
@@ -271,24 +271,43 @@ class Log:
     width: int
     rows: dict[str, list[tuple[Any, np.ndarray]]] = field(default_factory=dict)
     stopped: str = ""
-    silent: bool = False
     walls: frozenset[str] = frozenset()
-    levels: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None
+    touches: list[tuple[Any, Guard]] = field(default_factory=list)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is to be said of events of users whose functions touch zero, before a stop."""
+        last, first = self.last[0] if self.stopped else None, dict[str, Any]()
+        for time, event in self.touches:
+            early = last is None or abs(time - self.start) <= abs(last - self.start)
+            if event.owner is not None and early:
+                first.setdefault(event.owner.name, time)
+        return tuple(
+            f"the event '{name}' touches zero at t = {float(time):.6g} and passes it at most by "
+            "rounding: that is no passage"
+            for name, time in first.items()
+        )
 
     def is_at_end(self, time: Any) -> bool:
         """Whether an instant is, but for rounding, the one at which the run was stopped."""
         end = self.last[0]
         return bool(abs(time - end) <= AT_END * max(abs(end), self.span))
 
-    def holds(self, event: Event, time: float, near: float) -> bool:
-        """Whether the crossing that was kept last of an event is as near as that."""
-        rows = self.rows.get(event.name, [])
-        return any(abs(kept - time) <= near for kept, _ in rows[-1:])
+    def enter_all(
+        self, found: Iterable[tuple[Any, Guard]], at: Callable[[np.ndarray], np.ndarray]
+    ) -> None:
+        """Keep crossings, in the order of the motion, up to those at the instant of one that stops;
+        ``at`` gives states (k, n) at times (k,)."""
+        for time, event in found:
+            if self.stopped and not self.is_at_end(time):
+                break
+            moment, state = self.last if self.stopped else (time, at(np.array([time]))[0])
+            self.enter(event, moment, state)
 
-    def enter(self, event: Event, time: Any, state: np.ndarray) -> bool:
+    def enter(self, event: Guard, time: Any, state: np.ndarray) -> bool:
         """Keep a crossing; whether it ends the run."""
         near = event.name not in self.walls and abs(time - self.start) <= AT_START * self.span
-        if self.silent or near:
+        if near:
             return False
         self.rows.setdefault(event.name, []).append((time, state))
         if event.stop:
@@ -300,13 +319,13 @@ class Log:
         """The crossing that ended the run."""
         return self.rows[self.stopped][-1]
 
-    def arrays(self, events: Sequence[Event], dtype: Any) -> dict[str, tuple[Any, Any]]:
+    def arrays(self, events: Sequence[Guard], dtype: Any) -> dict[str, tuple[Any, Any]]:
         """Times (k,) and states (k, n) by name."""
         return crossing_arrays(self.rows, events, self.width, dtype)
 
 
 def crossing_arrays(
-    found: Mapping[str, Sequence[tuple[Any, np.ndarray]]], events: Sequence[Event], width: int,
+    found: Mapping[str, Sequence[tuple[Any, np.ndarray]]], events: Sequence[Guard], width: int,
     dtype: Any,
 ) -> dict[str, tuple[np.ndarray, np.ndarray]]:  # fmt: skip
     """Times (k,) and states (k, n) of each event, from pairs of a time and a state (n,)."""

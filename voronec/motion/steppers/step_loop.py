@@ -5,13 +5,13 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 from typing import Any, Protocol
 
 import numpy as np
 
 from voronec.equations.program import compile_program
-from voronec.motion.request import Event
+from voronec.motion.crossings import SPECK, Course, Levels, crossings
+from voronec.motion.request import Guard
 from voronec.motion.steppers.run import (
     COLLAPSE,
     DISTANT,
@@ -32,268 +32,9 @@ __all__ = [
     "Stretch",
     "Stride",
     "Walker",
-    "crosses",
-    "crossings",
-    "early_looks",
-    "early_returns",
     "level_function",
     "march",
-    "root",
-    "rounding",
 ]
-
-
-Levels = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""Times (k,) and states (k, n) to the events' functions (k, m)."""
-
-LOOKS = 8
-"""Parts of a step at whose ends the functions are looked at."""
-TOUCH = 0.1
-"""Where a parabola predicts a least value below this part of what is seen, the least value between
-two looks is computed: there may be two zeros there."""
-GRAIN = 1e-26
-"""What stands for the function of a wall on it: a motion may leave it and come back at once."""
-RATIO, RATIOS, ROUNDINGS = 4.0, 26, 2e-15
-"""Where a function is zero at the start of a run, it is looked at after so many spans, each so many
-times longer than the one before, too: it may be zero again soon. Less than the last, in units of
-the states, is rounding."""
-ROUNDOFF = 1e-15
-"""What rounding makes of a state, in units of its size: where a function goes beyond zero and comes
-back by less than that makes of it, it touches zero."""
-BESIDE, TALL = 1e-6, 100.0
-"""A pole is told by values so many times larger than at this part of a span from it."""
-TRIES = 200
-"""Of secants and bisections for a root: one of four halves what is left; doubles need no more."""
-NARROWINGS = 40
-"""Of a golden section: to 1e-8 of the step, below which an extremum is flat in doubles."""
-GOLDEN = 0.381966
-"""The smaller part of a golden section, 1 - 1/phi."""
-
-
-def early_looks(start: Any, length: Any) -> np.ndarray:
-    """Times (k,): a start, and others soon after it, the last after some length."""
-    later = [start + length * RATIO**-k for k in range(RATIOS, -1, -1)]
-    return np.array([start, *later])
-
-
-def early_returns(values: np.ndarray, states: np.ndarray) -> dict[int, tuple[int, int]]:
-    """Column -> the two looks between which a function is zero again, of those of functions that
-    are zero at the first: ``values`` (k, m) at ``states`` (k, n), a start and what comes soon after
-    it."""
-    numbers = values.astype(float)
-    size = np.abs(states.astype(float)).max(axis=1, keepdims=True, initial=1.0)
-    rounding = 0.0 if values.dtype == object else ROUNDINGS * size
-    signs = np.where(np.abs(numbers) > rounding, np.sign(numbers), 0.0)
-    found = {}
-    for column in np.flatnonzero(signs[0] == 0):
-        moved = np.flatnonzero(signs[:, column])
-        turns = np.flatnonzero(np.diff(signs[moved, column]))
-        if len(turns):
-            before, after = moved[turns[0] : turns[0] + 2].tolist()
-            found[int(column)] = before, after
-    return found
-
-
-def rounding(levels: Levels, time: np.ndarray, states: np.ndarray) -> np.ndarray:
-    """By how much rounding may change functions (m,) at a time (1,): ``states`` (k, n) are that,
-    then others on the way, which tell how large each is; of many digits it does not count."""
-    here = states[:1]
-    if states.dtype == object:
-        return np.zeros(levels(time, here).shape[1])
-    rows = np.vstack([here, here + ROUNDOFF * np.diag(np.abs(states).max(axis=0))])
-    with np.errstate(all="ignore"):
-        values = levels(np.repeat(time, len(rows)), rows)
-        return np.asarray(np.nansum(np.abs(values[1:] - values[:1]), axis=0))
-
-
-def crossings(
-    events: Mapping[int, Event], levels: Callable[..., np.ndarray], stride: Stride,
-    walls: frozenset[str] = frozenset(), first: bool = False,
-) -> list[tuple[Any, Event]]:  # fmt: skip
-    """Times at which events happen within a step, in the order of the motion.
-
-    ``events`` are given by the columns of their ``levels``.  Those named in ``walls`` fall from
-    what is not negative where the step starts, but for rounding: it may start on a wall.  In the
-    ``first`` step of a run others may be zero at its start, and again soon after it.
-    """
-    start, end = stride.start, stride.end
-    times, states, values = _look_along(events, levels, stride, walls)
-    on_wall = values[0] == GRAIN
-    touches, found = _may_touch(values), []
-    brackets = _early_brackets(levels, stride, times[1], walls, events) if first else []
-    for i, column in np.argwhere(touches | crosses(values[:-1], values[1:])).tolist():
-        pair = [(times[i], values[i, column]), (times[i + 1], values[i + 1, column])]
-        brackets.append((column, pair, bool(touches[i, column])))
-    for column, bracket, is_touch in brackets:
-        if column not in events:
-            continue
-        event = events[column]
-
-        def level(time: Any, column: int = column) -> Any:
-            moment = np.array([time], dtype=times.dtype)
-            return levels(moment, stride.at(moment))[0, column]
-
-        is_wall, begin = event.name in walls, bracket[0][0]
-        leaves = bool(on_wall[column]) and begin == start
-        depth: Any = 0.0
-        if is_touch and leaves and states.dtype != object:
-            # beside the wall that a step leaves, values are the rounding of its dense output, too
-            depth = 2 * rounding(levels, times[:1], states[:1])[column]
-            depth += ROUNDINGS * np.nanmax(np.abs(values[:, column]))
-        elif is_touch and not is_wall:
-            middle = np.array([begin + (bracket[1][0] - begin) / 2], times.dtype)
-            depth = rounding(levels, middle, np.vstack([stride.at(middle), states]))[column]
-        if is_touch and (turn := _turn(level, bracket, is_wall, depth)):
-            bracket.insert(1, turn)
-        for (a, before), (b, after) in pairwise(bracket):
-            if crosses(before, after, event.direction if end > start else -event.direction):
-                time = root(level, a, before, b, after)
-                if event.name in walls or not _is_pole(level, (a, before), time, (b, after)):
-                    found.append((time, event))
-    return sorted(found, key=lambda pair: abs(pair[0] - start))
-
-
-def _look_along(
-    events: Mapping[int, Event], levels: Levels, stride: Stride, walls: frozenset[str]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times (k,) along a step, the states and the functions there (k, m): a wall on which it starts
-    is beyond none, and zeros where others touch it are no passages."""
-    start, end = stride.start, stride.end
-    times = np.array([start + (end - start) * i / LOOKS for i in range(LOOKS)] + [end])
-    states = stride.at(times)
-    values = levels(times, states)
-    for column, event in events.items():
-        if event.name in walls and values[0, column] <= 0:
-            values[0, column] = GRAIN
-            # what stays at zero, as a push that is just what friction bears, does not fall
-            values[values[:, column] == 0, column] = GRAIN
-        elif event.name not in walls:
-            _leave_touches(values[:, column])
-    return times, states, values
-
-
-def _is_pole(
-    level: Callable[[Any], Any], begin: tuple[Any, Any], time: Any, end: tuple[Any, Any]
-) -> bool:
-    """Whether a function that changes its sign at a ``time`` between two is infinite there.
-
-    It is larger than at both, or, where one of them is beside the pole, than a little way off: on
-    the side of its own sign, since it may also jump, be it beyond that one.
-    """
-    (a, before), (b, after), value = begin, end, level(time)
-    height, sizes = abs(value), (abs(before), abs(after))
-    if not height < float("inf") or height > max(sizes):
-        return True
-    way = (b - a if (value > 0) == (after > 0) else a - b) * BESIDE
-    return bool(height > min(sizes) and height > TALL * abs(level(time + way)))
-
-
-Bracket = tuple[int, list[tuple[Any, Any]], bool]
-"""A column, times with the values of its function there, and whether it may touch zero between."""
-
-
-def _early_brackets(
-    levels: Callable[..., np.ndarray], stride: Stride, until: Any, walls: frozenset[str],
-    events: Mapping[int, Event],
-) -> list[Bracket]:  # fmt: skip
-    """Where functions that are zero where the step starts, walls aside, are zero again before its
-    first look."""
-    times = early_looks(stride.start, until - stride.start)
-    states = stride.at(times)
-    values = levels(times, states)
-    own = {i for i, event in events.items() if event.name not in walls}
-    return [
-        (column, [(times[i], values[i, column]), (times[k], values[k, column])], False)
-        for column, (i, k) in early_returns(values, states).items()
-        if column in own
-    ]
-
-
-def crosses(before: Any, after: Any, direction: int = 0) -> Any:
-    """Whether functions pass zero between looks, numbers or arrays of them, in a direction, or in
-    any: a zero counts for the part of a step that it ends."""
-    upwards, downwards = (before < 0) & (after >= 0), (before > 0) & (after <= 0)
-    return upwards | downwards if direction == 0 else upwards if direction > 0 else downwards
-
-
-def _may_touch(values: np.ndarray) -> np.ndarray:
-    """Whether functions (k + 1, m) of one sign may reach zero between looks (k, m): the parabola
-    through three looks has its least value there, close to zero or beyond."""
-    left, right = values[:-1], values[1:]
-    positive = (left > 0) & (right > 0)
-    sign = np.where(positive, 1.0, -1.0)
-    rest = positive | ((left < 0) & (right < 0))
-    numbers, touches = values.astype(float), np.zeros(left.shape, dtype=bool)
-    a, b, c = numbers[:-2], numbers[1:-1], numbers[2:]
-    bend, slope = (a - 2 * b + c) / 2, (c - a) / 2
-    with np.errstate(all="ignore"):
-        place, least = slope / (2 * bend), b - slope**2 / (4 * bend)
-    looks = np.arange(len(left))
-    for k in (np.maximum(looks - 1, 0), np.minimum(looks, len(a) - 1)):
-        there = k[:, None] + 1 - place[k] - looks[:, None]
-        near = rest & (sign * bend[k] > 0) & (there >= -TOUCH) & (there <= 1 + TOUCH)
-        most = np.maximum.reduce([sign * a[k], sign * b[k], sign * c[k]])
-        touches |= near & (sign * least[k] < TOUCH * most)
-        rest &= ~near
-    return touches
-
-
-def _leave_touches(values: np.ndarray) -> None:
-    """Give zeros at looks (k + 1,) between values of one sign that sign: there may be no passage,
-    or two."""
-    before, here, after = values[:-2], values[1:-1], values[2:]
-    for i in np.flatnonzero((here == 0) & (before * after > 0)).tolist():
-        here[i] = GRAIN if before[i] > 0 else -GRAIN
-
-
-def _turn(
-    function: Callable[[Any], Any], bracket: Sequence[tuple[Any, Any]], or_zero: bool, depth: Any
-) -> tuple[Any, Any] | None:
-    """A point between two, and the value there, where the function has the other sign, beyond a
-    ``depth``, or else is zero, ``or_zero``; None where it keeps its own."""
-    (a, value), (b, _) = bracket
-    sign = 1 if value > 0 else -1
-    c, d = a + (b - a) * GOLDEN, b - (b - a) * GOLDEN
-    low, high = function(c), function(d)
-    for _ in range(NARROWINGS):
-        for place, level in ((c, low), (d, high)):
-            if sign * level < -depth or (or_zero and level == depth == 0):
-                return place, level
-        if sign * low < sign * high:
-            b, d, high = d, c, low
-            c = a + (b - a) * GOLDEN
-            low = function(c)
-        else:
-            a, c, low = c, d, high
-            d = b - (b - a) * GOLDEN
-            high = function(d)
-    return None
-
-
-def root(function: Callable[[Any], Any], a: Any, left: Any, b: Any, right: Any) -> Any:
-    """A zero between a and b, where the function has values of different signs, to the last digits
-    of the numbers in use: secants from the latest point b, the value at an end that stays halved
-    (Illinois), which give way to bisection where three of them do not halve what is left."""
-    wide, slow = abs(b - a), 0
-    for count in range(TRIES):
-        if right == 0 or a == b:
-            return b
-        middle = b - right * (b - a) / (right - left)
-        if count % 3 == 2:
-            if slow > 1 or 2 * abs(b - a) > wide:
-                middle, slow = a + (b - a) / 2, slow + 1
-            wide = abs(b - a)
-        if not min(a, b) < middle < max(a, b):
-            middle = a + (b - a) / 2
-        if middle in (a, b):
-            return middle
-        value = function(middle)
-        if (value > 0) == (right > 0):
-            left = left / 2
-        else:
-            a, left = b, right
-        b, right = middle, value
-    return b
 
 
 TINY = 1e-6
@@ -324,6 +65,11 @@ class Stride:
     at: Callable[[np.ndarray], np.ndarray]
     slopes: tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]] | None = None
     up_to: Callable[[float], Stride] | None = None
+
+    def course(self, before: np.ndarray | None = None) -> Course:
+        """The step as events are looked for on it."""
+        ends = np.array([self.start, self.end], dtype=self.state.dtype)
+        return Course(ends, self.at, before)
 
 
 @dataclass(frozen=True)
@@ -394,6 +140,7 @@ class _March:
     steps: int = 0
     idle: int = 0
     is_on_wall: bool = True
+    seen: tuple[Any, np.ndarray | None] = (None, None)
     last: Halt = field(init=False)
 
     def __post_init__(self) -> None:
@@ -440,17 +187,9 @@ class _March:
             if event.name not in self.problem.coarse or near[i]
         }
         if fine:
-            left = self.problem.walls if self.is_on_wall else frozenset()
-            found = crossings(fine, self.levels, stride, left, self.steps <= 1)
-            self.is_on_wall = self.is_on_wall and self.stays(stride, fine)
-            stride, found = self.cut(stride, found, fine)
-            for time, event in found:
-                if self.log.stopped and not self.log.is_at_end(time):
-                    break
-                if not self.log.stopped:
-                    end, state = time, stride.at(np.array([time], dtype=self.states.dtype))[0]
-                self.log.enter(event, end, state)
-            end = end if self.log.stopped else stride.end
+            stride, found = self.happenings(stride, fine)
+            self.log.enter_all(found, stride.at)
+            end = self.log.last[0] if self.log.stopped else stride.end
         reached = self.count_until(end)
         self.idle += 1
         if reached > self.done:
@@ -472,27 +211,26 @@ class _March:
         many digits tells which is first."""
         return bisect_right(self.forward, self.order * time)
 
-    def stays(self, stride: Stride, events: Mapping[int, Event]) -> bool:
-        """Whether the function of a wall is zero where a step ends: short first steps may leave it
-        by less than rounding."""
-        walls = [i for i, event in events.items() if event.name in self.problem.walls]
-        if not walls:
-            return False
-        end = np.array([stride.end], dtype=self.states.dtype)
-        return bool((self.levels(end, stride.at(end))[0, walls] == 0).any())
-
-    def cut(
-        self, stride: Stride, found: list[tuple[Any, Event]], events: Mapping[int, Event]
-    ) -> tuple[Stride, list[tuple[Any, Event]]]:
+    def happenings(
+        self, stride: Stride, events: Mapping[int, Guard]
+    ) -> tuple[Stride, list[tuple[Any, Guard]]]:
         """A step up to the first wall in it, where its stages look beyond, and what happens in it:
         there other equations hold."""
         walls = self.problem.walls
+        left = walls if self.is_on_wall else frozenset()
+        known = self.seen[1] if self.seen[0] == stride.start else None
+        seen = crossings(events, self.levels, stride.course(known), left)
+        self.seen, found = (stride.end, seen.end), seen.passages
+        self.log.touches += seen.touches
+        # short first steps may leave a wall by less than rounding
+        on = [abs(seen.end[i]) <= SPECK for i, event in events.items() if event.name in walls]
+        self.is_on_wall = self.is_on_wall and any(on)
         wall = next((pair for pair in found if pair[1].name in walls), None)
         if wall is None or stride.up_to is None or wall[0] == stride.start:
             return stride, found
         shorter = stride.up_to(wall[0])
         others = {i: event for i, event in events.items() if event.name not in walls}
-        before = crossings(others, self.levels, shorter, frozenset(), self.steps <= 1)
+        before = crossings(others, self.levels, shorter.course(known)).passages if others else []
         return shorter, [*before, wall]
 
     def suspect(self, times: np.ndarray, states: np.ndarray, every: int = 1) -> None:
@@ -567,7 +305,7 @@ class _March:
         return Run(
             t, states, self.steps, self.walker.evaluations, found, halt, interrupted,
             self.log.stopped, self.inside if self.problem.dense else None, ends=tuple(self.ends),
-            samples=StepSamples.of(self.sampler.rows),
+            samples=StepSamples.of(self.sampler.rows), notes=self.log.notes,
         )  # fmt: skip
 
     def inside(self, times: np.ndarray) -> np.ndarray:

@@ -1,0 +1,425 @@
+"""Where functions pass zero within steps: the finder for one motion, for many, and in any digits.
+
+On a piece of a step a function is sampled at the nine places where Chebyshev's polynomial T_8 is
+extreme.  The polynomial through these values, in Bernstein's form
+
+    p(x) = sum_i b_i C(8, i) x^i (1 - x)^(8 - i),    0 <= x <= 1,
+
+has no more zeros between 0 and 1 than b_0, ..., b_8 change their sign, and as many but for an even
+number [LaneRiesenfeld1981, thm. 1].  Where that leaves open whether there is none, or one, the
+piece is cut in two, at a place at which the function is far from zero.  Both ends of a piece keep
+the values that the pieces beside it have there, so that crossings alternate along a whole run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from itertools import pairwise
+from math import comb
+from typing import Any
+
+import numpy as np
+
+from voronec.motion.request import Guard
+
+__all__ = [
+    "NODES", "SPECK", "Course", "Levels", "Pieces", "crosses", "crossings", "find_crossings",
+    "roots",
+]  # fmt: skip
+
+DEGREE = 8
+NODES = (1 - np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)) / 2
+"""Where functions are looked at, from 0 to 1."""
+BERNSTEIN = np.linalg.inv(
+    [[comb(DEGREE, i) * s**i * (1 - s) ** (DEGREE - i) for i in range(DEGREE + 1)] for s in NODES]
+)
+"""Values at the nodes to coefficients; an error of one becomes one of up to 184."""
+HIGHEST = np.linalg.inv(np.polynomial.chebyshev.chebvander(2 * NODES - 1, DEGREE))[-2:]
+"""Values at the nodes to the last two coefficients of Chebyshev's polynomials, by whose size the
+function may be off its polynomial."""
+NOISE = 184 * 2.2e-16
+ROUGH, COARSE = 0.05, 5
+"""What is that far off its polynomial in units of its size, on pieces cut so often, has a pole or a
+jump there: it passes zero where it does between two nodes."""
+SMALL = 1e-3
+"""Where a function is smaller than this part of its size no piece is cut: its sign is told there by
+little."""
+DEEP = 60
+"""Pieces are cut no more often: they are as short as doubles can tell."""
+FLAT = 1e-6
+"""Where a function has come down to this part of its size, it is asked what of it is rounding."""
+SPECK = 1e-300
+"""What stands for a function that is zero where a motion leaves it."""
+TRIES = 200
+"""Of secants and bisections for a root: one of four halves what is left; doubles need no more."""
+BESIDE, TALL = 1e-6, 100.0
+"""A pole is told by values so many times larger than at this part of a span from it."""
+
+ROUNDINGS = 2e-15
+"""Of the size of a wall's function on a step that leaves it: dense output rounds by as much."""
+ROUNDOFF = 1e-15
+"""What rounding makes of a state, in units of its size: where a function goes beyond zero and comes
+back by less than that makes of it, it touches zero."""
+
+Levels = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""Times (k,) and states (k, n) to the events' functions (k, m)."""
+Function = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""Times (k,), each within one of pieces (k,), given by their numbers, to values (k,)."""
+
+
+def crosses(before: Any, after: Any, direction: int = 0) -> Any:
+    """Whether functions pass zero between looks, numbers or arrays of them, in a direction, or in
+    any: a zero counts for the part of a step that it ends."""
+    upwards, downwards = (before < 0) & (after >= 0), (before > 0) & (after <= 0)
+    return upwards | downwards if direction == 0 else upwards if direction > 0 else downwards
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Spans of time (k,) with values (9, k) of a function at their nodes, each a part of the piece
+    of a number (k,) that was given first, whose largest value is its ``size`` (k,)."""
+
+    start: np.ndarray
+    end: np.ndarray
+    values: np.ndarray
+    number: np.ndarray
+    size: np.ndarray
+
+    @classmethod
+    def along(cls, start: np.ndarray, end: np.ndarray, values: np.ndarray) -> Pieces:
+        """Whole steps s, each for m functions, numbered in this order: values (8 s + 1, m), where
+        what ends a step begins the next."""
+        nodes = np.arange(DEGREE + 1)[:, None] + DEGREE * np.arange(len(values) // DEGREE)
+        rows = _settle_ends(values)[nodes].reshape(DEGREE + 1, -1)
+        size = np.fmax.reduce(np.abs(rows), axis=0)
+        return cls(start, end, rows, np.arange(len(start)), size)
+
+    def where(self, which: np.ndarray) -> Pieces:
+        """Some of them."""
+        return Pieces(
+            self.start[which], self.end[which], self.values[:, which], self.number[which],
+            self.size[which],
+        )  # fmt: skip
+
+    def times(self) -> np.ndarray:
+        """The times (9, k) of the nodes."""
+        found = self.start + NODES[:, None] * (self.end - self.start)
+        found[-1] = self.end
+        return found
+
+    def halves(self, function: Function) -> Pieces:
+        """Two for each, cut in the middle, or, where the function is small there, beside it."""
+        sizes, each = np.abs(self.values), np.arange(len(self.start))
+        beside = np.where(sizes[3] > sizes[5], 3, 5)
+        middle = np.where(sizes[4] > SMALL * np.fmax.reduce(sizes, axis=0), 4, beside)
+        cut, known = self.times()[middle, each], self.values[middle, each]
+        twice = Pieces(
+            np.concatenate([self.start, cut]), np.concatenate([cut, self.end]),
+            np.concatenate([self.values, self.values], axis=1),
+            np.tile(self.number, 2), np.tile(self.size, 2),
+        )  # fmt: skip
+        inner, values = twice.times()[1:-1], twice.values
+        # both take a zero there, which is rounding, for what is on one side of it
+        known = np.where(known == 0, np.where(self.values[0] < 0, -SPECK, SPECK), known)
+        values[-1, : len(each)] = values[0, len(each) :] = known
+        found = function(inner.ravel(), np.tile(twice.number, len(inner)))
+        values[1:-1] = found.reshape(inner.shape)
+        return twice
+
+    def signs(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The signs (k,) that functions have where pieces begin; how often they pass zero, one time
+        at most, -1 where that is open; and whether they are far off their polynomials."""
+        whole = np.fmax.reduce(np.abs(self.values), axis=0)
+        values = self.values / np.where(whole > 0, whole, 1)
+        numbers = values.astype(float)
+        off = np.abs(HIGHEST @ numbers).sum(axis=0)
+        found = BERNSTEIN @ numbers
+        found = np.where(np.abs(found) > NOISE + off, np.sign(found), 0.0)
+        found[0], found[-1] = ((x > 0) * 1.0 - (x < 0) for x in (self.values[0], self.values[-1]))
+        found[0] = np.where(found[0] == 0, found[1], found[0])
+        turns = found[:-2] * found[2:] == -1
+        told = ((found[1:-1] != 0) | turns).all(axis=0) & (found[0] != 0) & (found[-1] != 0)
+        # the zero with which a piece begins is no other
+        told &= (self.values[0] != 0) | (values[1] * found[0] > 0)
+        changes = (found[:-1] * found[1:] == -1).sum(axis=0) + (found[1:-1] == 0).sum(axis=0)
+        return found[0], np.where(told & (changes < 2), changes, -1), ~(off < ROUGH)
+
+
+@dataclass(frozen=True)
+class Brackets:
+    """Spans (k,) within numbered pieces at whose ends functions have values of different signs."""
+
+    start: np.ndarray
+    before: np.ndarray
+    end: np.ndarray
+    after: np.ndarray
+    number: np.ndarray
+
+    @property
+    def parts(self) -> tuple[np.ndarray, ...]:
+        """All of them, those of ``roots`` first."""
+        return self.start, self.before, self.end, self.after, self.number
+
+    def where(self, which: np.ndarray) -> Brackets:
+        """Some of them."""
+        return Brackets(*(part[which] for part in self.parts))
+
+
+def _brackets(pieces: Pieces, first: np.ndarray, single: bool) -> list[Brackets]:
+    """Between which nodes functions pass zero, from a sign (k,) at the first; of ``single``
+    crossings between the ends of the piece where the nodes tell another number."""
+    values = pieces.values.copy()
+    values[0] = np.where(values[0] == 0, first * SPECK, values[0])
+    for later, row in pairwise(values[:0:-1]):  # zeros are on the side of what comes after them
+        row[:] = np.where(row == 0, np.where(later < 0, -SPECK, SPECK), row)
+    last = np.where(np.abs(values) <= SPECK, 0 * values, values)  # where it is zero, it passes
+    passes, times = crosses(values[:-1], values[1:]), pieces.times()
+    ends = np.zeros(values.shape[1], dtype=bool)
+    if single:
+        one, ends = passes.sum(axis=0) == 1, crosses(values[0], values[-1])
+        passes, ends = passes & one & ends, ends & ~one
+    node, which = np.nonzero(passes)
+    inner = Brackets(
+        times[node, which], values[node, which], times[node + 1, which], last[node + 1, which],
+        pieces.number[which],
+    )  # fmt: skip
+    outer = Brackets(pieces.start, values[0], pieces.end, last[-1], pieces.number)
+    return [inner, outer.where(ends)]
+
+
+def find_crossings(
+    function: Function, pieces: Pieces, rounding: Function
+) -> tuple[Brackets, list[tuple[int, Any]]]:
+    """Spans in each of which a function passes zero once, and the numbers and times of what touches
+    zero.
+
+    ``rounding`` tells by how much it may change functions: what dips below zero and comes back by
+    less touches it.
+    """
+    found, touches = list[Brackets](), list[tuple[int, Any]]()
+    depths = np.full(len(pieces.start), np.nan)
+
+    def keep(which: np.ndarray, single: bool) -> None:
+        if level == 0 or which.any():
+            found.extend(_brackets(pieces.where(which), first[which], single))
+
+    for level in range(DEEP + 1):
+        first, count, off = pieces.signs()
+        keep(count == 1, single=True)
+        if not (count < 0).any():
+            break
+        pieces, first, off = pieces.where(count < 0), first[count < 0], off[count < 0]
+        most = np.fmax.reduce(np.abs(pieces.values), axis=0)
+        number = pieces.number
+        asked = (off | (most <= FLAT * pieces.size)) & np.isnan(depths[number])
+        if asked.any():
+            sides = (rounding(t[asked], number[asked]) for t in (pieces.start, pieces.end))
+            depths[number[asked]] = np.maximum(*sides)
+        deep, ends = depths[number], pieces.values[[0, -1]]
+        # a dip no deeper than rounding, before a piece may be cut in it
+        least = (np.where(ends[0] < 0, -1, 1) * pieces.values).min(axis=0)
+        shallow = (ends[0] * ends[1] > 0) & (least >= -deep) & (most * SMALL <= deep)
+        flat = ((most <= deep) | shallow).astype(bool)
+        keep(flat, single=True)
+        meets = flat & (pieces.values[0] * pieces.values[-1] > 0) & (abs(pieces.values[0]) > SPECK)
+        lowest = np.argmin(np.abs(pieces.values), axis=0), np.arange(len(most))
+        touches += zip(number[meets].tolist(), pieces.times()[lowest][meets], strict=True)
+        rough = ~flat & ((off & (level >= COARSE)) | (level == DEEP))
+        keep(rough, single=False)
+        if (flat | rough).all():
+            break
+        pieces = pieces.where(~(flat | rough)).halves(function)
+    return Brackets(*map(np.concatenate, zip(*(b.parts for b in found), strict=True))), touches
+
+
+def _settle_ends(values: np.ndarray) -> np.ndarray:
+    """Values (8 s + 1, m) along steps in which zeros at the ends of steps are taken for what is on
+    the side of what comes after them; the last one is passed, where the function was not zero."""
+    for row, event in np.argwhere(values[DEGREE::DEGREE] == 0) * [DEGREE, 1] + [DEGREE, 0]:
+        ahead, behind = values[row:, event], values[:row, event]
+        known = behind[behind != 0][-1:]
+        stays = np.where(np.abs(known) <= SPECK, known, -known)
+        values[row, event] = SPECK if [*ahead[ahead != 0], *stays, 1][0] > 0 else -SPECK
+    return values
+
+
+def roots(
+    function: Callable[[np.ndarray, np.ndarray], np.ndarray], a: Any, left: Any, b: Any, right: Any
+) -> np.ndarray:
+    """Zeros (k,) between a and b (k,), at which functions have values of different signs, to the
+    last digits of the numbers in use; ``function`` takes times and the positions of what is looked
+    at.  Secants from the latest point b, the value at an end that stays halved (Illinois), which
+    give way to bisection where three of them do not halve what is left."""
+    a, left, b, right = (np.array(x) for x in (a, left, b, right))
+    wide, slow = np.abs(b - a), np.zeros(len(a), dtype=int)
+    live = np.flatnonzero((right != 0) & (a != b))
+    for count in range(TRIES):
+        if not len(live):
+            break
+        p, q, f, g = a[live], b[live], left[live], right[live]
+        with np.errstate(all="ignore"):
+            place = q - g * (q - p) / (g - f)
+            if count % 3 == 2:
+                half = (slow[live] > 1) | (2 * np.abs(q - p) > wide[live])
+                place = np.where(half, p + (q - p) / 2, place)
+                slow[live] += half
+                wide[live] = np.abs(q - p)
+            inside = (np.minimum(p, q) < place) & (place < np.maximum(p, q))
+            place = np.where(inside, place, p + (q - p) / 2)
+        moves = (place != p) & (place != q)
+        b[live] = place
+        live, place, p, q, f, g = (x[moves] for x in (live, place, p, q, f, g))
+        if not len(live):
+            break
+        value = function(place, live)
+        same = (value > 0) == (g > 0)
+        a[live], left[live] = np.where(same, p, q), np.where(same, f / 2, g)
+        right[live] = value
+        live = live[value != 0]
+    return b
+
+
+def _is_pole(
+    level: Callable[[Any], Any], begin: tuple[Any, Any], time: Any, end: tuple[Any, Any]
+) -> bool:
+    """Whether a function that changes its sign at a ``time`` between two is infinite there.
+
+    It is larger than at both, or, where one of them is beside the pole, than a little way off: on
+    the side of its own sign, since it may also jump, be it beyond that one.
+    """
+    (a, before), (b, after), value = begin, end, level(time)
+    height, sizes = abs(value), (abs(before), abs(after))
+    if not height < float("inf") or height > max(sizes):
+        return True
+    way = (b - a if (value > 0) == (after > 0) else a - b) * BESIDE
+    return bool(height > min(sizes) and height > TALL * abs(level(time + way)))
+
+
+@dataclass(frozen=True)
+class Course:
+    """Consecutive steps, as events are looked for on them: the times (s + 1,) at which they end,
+    the first their start, and states (k, n) at times (k,).  ``before`` are the values (m,) that the
+    functions had where the steps before ended, where these are known."""
+
+    ends: np.ndarray
+    at: Callable[[np.ndarray], np.ndarray]
+    before: np.ndarray | None = None
+
+    @property
+    def times(self) -> np.ndarray:
+        """Where functions are looked at, (8 s + 1,)."""
+        begin, length = self.ends[:-1, None], np.diff(self.ends)[:, None]
+        return np.append((begin + NODES[:-1] * length).ravel(), self.ends[-1:])
+
+
+@dataclass(frozen=True)
+class Findings:
+    """Times at which events happen within steps, in the order of the motion, those at which their
+    functions only touch zero, and the values (m,) of all functions at the ``end``: zeros there have
+    the sign of the side that is taken for theirs."""
+
+    passages: list[tuple[Any, Guard]]
+    touches: list[tuple[Any, Guard]]
+    end: np.ndarray
+
+
+def crossings(
+    events: Mapping[int, Guard], levels: Levels, course: Course, walls: frozenset[str] = frozenset()
+) -> Findings:
+    """What happens on steps.
+
+    ``events`` are given by the columns of their ``levels``.  Those named in ``walls`` fall from
+    what is not negative where the steps start, but for rounding: they may start on a wall.
+    """
+    with np.errstate(all="ignore"):
+        return _Search(events, levels, course, walls).result()
+
+
+@dataclass
+class _Search:
+    """The search for m events on s steps: piece i is that of event i mod m on step i // m; ``held``
+    (m,) are walls on which the steps start."""
+
+    events: Mapping[int, Guard]
+    levels: Levels
+    course: Course
+    walls: frozenset[str]
+    states: np.ndarray = field(init=False)
+    held: np.ndarray = field(init=False)
+    pieces: Pieces = field(init=False)
+
+    def result(self) -> Findings:
+        """What ``crossings`` gives."""
+        ends, guards = self.course.ends, list(self.events.values())
+        self.states = self.course.at(self.course.times)
+        values = self.levels(self.course.times, self.states)
+        if self.course.before is not None:
+            values[0] = self.course.before
+        every, values = values[-1].copy(), self.looks(values[:, [*self.events]])
+        count = len(guards)
+        begin, end = np.repeat(ends[:-1], count), np.repeat(ends[1:], count)
+        self.pieces = Pieces.along(begin, end, values)
+        found, touches = find_crossings(self.value, self.pieces, self.depth)
+        every[[*self.events]] = values[-1]  # zeros are settled there
+        if not len(found.number):
+            return Findings([], [(time, guards[n % count]) for n, time in touches], every)
+        own = found.number % count
+        way = np.array([guard.direction for guard in guards])[own]
+        rises = (found.after > found.before) == (ends[-1] > ends[0])
+        found = found.where((way == 0) | (rises == (way > 0)))
+        times = roots(lambda t, i: self.value(t, found.number[i]), *found.parts[:4])
+        kept = [
+            (time, guards[found.number[i] % count])
+            for i, time in enumerate(times)
+            if not self.is_pole(found, i, time)
+        ]
+        kept.sort(key=lambda pair: abs(pair[0] - ends[0]))
+        return Findings(kept, [(time, guards[n % count]) for n, time in touches], every)
+
+    def looks(self, values: np.ndarray) -> np.ndarray:
+        """Values (k, m) along the steps: a wall on which they start is beyond none, and stays there
+        where its function is zero, as that of a push that is just what friction bears."""
+        walls = np.array([guard.name in self.walls for guard in self.events.values()])
+        self.held = walls & (values[0] <= 0).astype(bool)
+        values[0, self.held] = SPECK
+        values[(values == 0) & self.held] = SPECK
+        return values
+
+    def value(self, times: np.ndarray, number: np.ndarray) -> np.ndarray:
+        """The functions of pieces (k,) at times (k,)."""
+        event = number % len(self.events)
+        every = self.levels(times, self.course.at(times))
+        found = every[np.arange(len(times)), np.array([*self.events])[event]]
+        found[(found == 0) & self.held[event]] = SPECK
+        return found
+
+    def depth(self, times: np.ndarray, number: np.ndarray) -> np.ndarray:
+        """By how much rounding may change the functions of pieces (k,) about times (k,): that of
+        states, by a part of the largest values that these have on a step."""
+        if times.dtype == object:
+            return np.zeros(len(times))
+        steps, events = np.divmod(number, len(self.events))
+        each = len(self.course.ends) - 1, DEGREE, self.states.shape[1]
+        sizes = np.abs(self.states[:-1]).reshape(each).max(axis=1)
+        here, off = self.course.at(times)[:, None, :], ROUNDOFF * sizes[steps]
+        rows = np.concatenate([here, here + off[:, :, None] * np.eye(off.shape[1])], axis=1)
+        values = self.levels(np.repeat(times, rows.shape[1]), np.concatenate(rows))
+        own = np.array([*self.events])[events]
+        found = values.reshape(*rows.shape[:2], -1)[np.arange(len(own)), :, own]
+        depth = np.nansum(np.abs(found[:, 1:] - found[:, :1]), axis=1)
+        # beside the wall that a step leaves, values are the rounding of its dense output, too
+        leaves = self.held[events] & (steps == 0)
+        return np.where(leaves, 2 * depth + ROUNDINGS * self.pieces.size[number], depth)
+
+    def is_pole(self, found: Brackets, place: int, time: Any) -> bool:
+        """Whether a function passes zero through a pole; walls have none."""
+        number = found.number[place : place + 1]
+        if [*self.events.values()][int(number[0]) % len(self.events)].name in self.walls:
+            return False
+
+        def level(moment: Any) -> Any:
+            return self.value(np.array([moment], self.course.times.dtype), number)[0]
+
+        start, before, end, after, _ = (x[place] for x in found.parts)
+        return _is_pole(level, (start, before), time, (end, after))
