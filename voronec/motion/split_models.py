@@ -165,7 +165,7 @@ class Geometry:
 
 def _metric_of(values: Mapping[str, Any], rows: np.ndarray) -> np.ndarray:
     """g = d2L/dw2 + s A^T A with s such that both parts are of one size, at one point, or at each
-    of several, shape (..., velocities, velocities) [Theory, eq. (22a)]."""
+    of several, shape (..., velocities, velocities) [Theory, eq. (22b)]."""
     mass = _mass_of(values, rows.shape[-1])
     square = np.swapaxes(rows, -1, -2) @ rows
     inertia, size = (np.trace(x, axis1=-2, axis2=-1)[..., None, None] for x in (mass, square))

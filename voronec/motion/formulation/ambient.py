@@ -4,7 +4,7 @@ Where a frame v fails, as omega1 and omega2 of a ball with (omega, gamma) = 0 do
 velocities w of the body do not: with them the last constraints c = a w + a0 are no longer solved,
 but held by their reactions, whose impulses p are velocities themselves,
 
-    M w' + a^T p' = f,    a w' = -c',                                  [Theory, eq. (22b)]
+    M w' + a^T p' = f,    a w' = -c',                                  [Theory, eq. (22a)]
 
 c' without the accelerations.  The motion keeps c; nothing divides by what vanishes where v fails.
 """
