@@ -57,7 +57,7 @@ if TYPE_CHECKING:
     from voronec.proof.measures import divergence
     from voronec.proof.search import FoundIntegral, IntegralSearch, search_integrals
 
-__version__ = "0.1.0"
+__version__ = "0.9.0"
 
 _HOME = {
     name: f"voronec.{module}"
