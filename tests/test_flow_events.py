@@ -467,10 +467,9 @@ ROOTS = [
 ]  # fmt: skip
 
 
+METHODS = (*DOUBLES, "flint", *COMPILED)
 # numba compiles for ten seconds for each polynomial
-FOUND = [
-    (r, m) for r in ROOTS for m in (*DOUBLES, "flint", *COMPILED) if m != "numba" or r is HALVES
-]
+FOUND = [(r, m) for r in ROOTS for m in METHODS if m != "numba" or r is HALVES]
 
 
 @pytest.mark.parametrize(("roots", "method"), FOUND, ids=str)
