@@ -44,8 +44,8 @@ __all__ = ["Sampler", "close"]
 
 Where = Mapping[str, int]
 BITS = GENERIC
-WORK = {Derivative: 20, Partial: 250}
-"""How many derivatives are taken symbolically: they cost more than all else together."""
+WORK = {Derivative: 60, Partial: 1500}
+"""How many derivatives are taken at a point: they cost more than all else together."""
 TOLERANCE = 1e-9
 """Of doubles that went through a formula: far above rounding, far below any misprint."""
 
@@ -63,7 +63,6 @@ class Sampler:
 
     ``moved`` are symbols that have other values than at the point of the same seed without them.
     Accelerations have the values of the motion if ``along`` is true, else values of their own.
-    ``work`` says how many derivatives are taken.
     """
 
     def __init__(
@@ -72,9 +71,8 @@ class Sampler:
         seed: int = 0,
         moved: tuple[Any, ...] = (),
         along: bool = False,
-        work: Mapping[type, int] = WORK,
     ) -> None:
-        self.study, self.seed, self.along, self.work = study, seed, along, work
+        self.study, self.seed, self.along = study, seed, along
         self.door = Door()
         relations = [r for r in self.door.inward_all(study.relations) if r != 0]
         self.point: dict[Any, Any] = sample_point((), relations, seed) if relations else {}
@@ -104,7 +102,7 @@ class Sampler:
     def _symbolic(self, node: Node, where: Where) -> Any:
         try:
             self.spent[type(node)] += 1
-            if self.spent[type(node)] > self.work.get(type(node), self.spent[type(node)]):
+            if self.spent[type(node)] > WORK.get(type(node), self.spent[type(node)]):
                 raise EngineLimit("too many derivatives to take")
             return self.number_of(evaluate(node, self.study, where))
         except SENSELESS as error:
