@@ -90,8 +90,8 @@ def apply_pieces(printed: str, pieces: Sequence[Piece]) -> tuple[str, tuple[tupl
 
 @dataclass(frozen=True)
 class _Letter:
-    r"""``\mathbf G``: the command of the font or accent, or nothing, the letter, its range, and that
-    of the letter alone."""
+    r"""``\mathbf G``: the command of the font or accent, or nothing, the letter, its range, and
+    that of the letter alone."""
 
     accent: str
     letter: str
@@ -380,10 +380,9 @@ def _own_factors(printed: str, words: Sequence[Token], study: Study) -> list[str
         parts = list(walk(read(printed, study.vocabulary)))
     except DefinitionError:
         parts = []
-    powers = [p for p in parts if isinstance(p, Power) and isinstance(p.exponent, Number)]
-    others = [p for p in powers if isinstance(p.base, Name)]
-    others += [p for p in parts if isinstance(p, Elementary)]
-    texts = [printed[slice(*part.at)] for part in others]
+    raised = [p for p in parts if isinstance(p, Power) and isinstance(p.exponent, Number)]
+    texts = [printed[slice(*p.at)] for p in raised if isinstance(p.base, Name)]
+    texts += [printed[slice(*p.at)] for p in parts if isinstance(p, Elementary)]
     return [*dict.fromkeys((*names, *texts, *(f"{name}^2" for name in names)))]
 
 

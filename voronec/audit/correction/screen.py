@@ -5,7 +5,8 @@ The printed formula fails at that point; a changed one has to hold there.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any
 
 from voronec.audit.comparisons import accelerations
 from voronec.audit.correction.sampling import Sampler, close
@@ -73,11 +74,11 @@ class Screen:
     def _holds(self, chain: Chain, where: Where) -> bool:
         """Whether all equalities of a formula hold."""
         if self.check.value is not None:
-            return self._has_value(chain, where)
+            return self._has_value(chain, self.check.value, where)
         return all(self._agree(left, right, where) for left, right in self._links(chain))
 
-    def _has_value(self, chain: Chain, where: Where) -> bool:
-        goal = self.sampler.number_of(call_hook(self.check.value, self.study, where))
+    def _has_value(self, chain: Chain, hook: Callable[..., Any], where: Where) -> bool:
+        goal = self.sampler.number_of(call_hook(hook, self.study, where))
         values = (self.sampler.value(part, where) for part in chain.parts)
         return all(close(v, goal if getattr(goal, "ndim", 0) else 0.0 * v + goal) for v in values)
 
@@ -85,7 +86,8 @@ class Screen:
         a, b = self.sampler.value(left, where), self.sampler.value(right, where)
         if self.check.truth is None:
             return close(a, b)
-        return any(close(a - b, goal, a) for goal in self._goals(left, right, where))
+        truth = self._truth(self.check.truth, where)
+        return any(close(a - b, goal, a) for goal in self._goals(left, right, truth, where))
 
     def _links(self, chain: Chain) -> Iterator[tuple[Node, Node]]:
         """Neighbours between which equality is claimed; names defined here are left out."""
@@ -101,23 +103,25 @@ class Screen:
                 yield last, part
             last = part
 
-    def _goals(self, left: Node, right: Node, where: Where) -> Iterator[float]:
+    def _goals(
+        self, left: Node, right: Node, truth: tuple[float, float], where: Where
+    ) -> Iterator[float]:
         """What left minus right should be: the truth, its negative, or with the factor in print.
 
         The factor is seen where the accelerations move.
         """
-        here, there = self._truth(where)
+        here, there = truth
         yield from (here, -here)
         if not close(there, here):
             now = self.sampler.value(left, where) - self.sampler.value(right, where)
             then = self.moved.value(left, where) - self.moved.value(right, where)
             yield (then - now) / (there - here) * here
 
-    def _truth(self, where: Where) -> tuple[float, float]:
+    def _truth(self, hook: Callable[..., Any], where: Where) -> tuple[float, float]:
         """What should vanish along the motion, here and where the accelerations have moved."""
         key = tuple(where.values())
         if key not in self.truths:
-            derived = call_hook(self.check.truth, self.study, where)
+            derived = call_hook(hook, self.study, where)
             value = derived.xreplace(dict(self.study.given))
             self.truths[key] = self.sampler.number(value), self.moved.number(value)
         return self.truths[key]
