@@ -149,7 +149,7 @@ _HEAD = r"""\documentclass[11pt]{article}
 % a formula that is wider than a line is broken by TeX; the second argument is its form there
 \newcommand{\formulas}[2]{\sbox{\formulabox}{$\displaystyle#1$}%
   \ifdim\wd\formulabox>\linewidth
-  \begin{flushleft}\hangindent=2em\hangafter=1 $\displaystyle#2$\end{flushleft}%
+  \par{\raggedright\hangindent=2em\hangafter=1\noindent$\displaystyle#2$\par}%
   \else\[#1\]\fi}
 \newcommand{\formula}[1]{\formulas{#1}{#1}}
 % a table is shrunk
