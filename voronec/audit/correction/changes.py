@@ -156,7 +156,7 @@ def _names(words: Sequence[Token], source: str) -> Iterator[str]:
 def single_changes(printed: str, study: Study, spare: Spare) -> list[Change]:
     """Every change that is tried, the believable ones first."""
     words = tokenize(printed)
-    own = [letter.text for letter in _letters(words)]
+    printed_letters = [letter.text for letter in _letters(words)]
     known = [name for name, value in study.names.items() if not callable(value)]
     letters = [x.text for key in study.table for x in _letters(tokenize(_bare_key(key)))]
     kinds = (
@@ -164,7 +164,7 @@ def single_changes(printed: str, study: Study, spare: Spare) -> list[Change]:
         _exchanges(words),
         _index_edits(words, study, spare.indices),
         _mark_edits(words, [printed, *spare.formulas]),
-        _letter_edits(words, own, study),
+        _letter_edits(words, printed_letters, study),
         _digit_edits(words),
         _script_edits(words),
         _omissions(words),
@@ -175,13 +175,13 @@ def single_changes(printed: str, study: Study, spare: Spare) -> list[Change]:
         _letter_edits(words, letters, study),
         _transpositions(words),
     )
-    found: dict[tuple[Piece, ...], Change] = {}
+    changes: dict[tuple[Piece, ...], Change] = {}
     for rank, kind in enumerate(kinds):
         for change in kind:
             pieces = tuple(p for p in change.pieces if printed[p[0] : p[1]] != p[2])
             if pieces:
-                found.setdefault(pieces, Change(pieces, rank))
-    return list(found.values())
+                changes.setdefault(pieces, Change(pieces, rank))
+    return list(changes.values())
 
 
 def _bare_key(key: str) -> str:
@@ -276,7 +276,7 @@ def _script_edits(words: Sequence[Token]) -> Iterator[Change]:
         sign, a, b = words[start - 1].text, words[start - 1].start, words[end - 1].end
         if words[start].kind == "number" or sign == "_":
             yield Change.at(a, b, "")
-        yield Change.at(b, b, "^2") if sign == "_" else Change.at(a, b, "^2")
+        yield Change.at(b, b, "^2") if sign == "_" else Change.at(words[start].start, b, "2")
 
 
 def _omissions(words: Sequence[Token]) -> Iterator[Change]:
@@ -401,12 +401,12 @@ def _font_edits(words: Sequence[Token], study: Study) -> Iterator[Change]:
 
 def _known_fonts(study: Study) -> Mapping[str, Sequence[str]]:
     """Letter -> fonts and accents that the dictionary has it with."""
-    found: dict[str, dict[str, None]] = {}
+    fonts_by_letter: dict[str, dict[str, None]] = {}
     for key in study.table:
         match = re.match(r"(\\[a-z]+)\{(.+?)\}", key)
         if match and match.group(1) in ACCENTS:
-            found.setdefault(match.group(2), {})[match.group(1)] = None
-    return {letter: tuple(fonts) for letter, fonts in found.items()}
+            fonts_by_letter.setdefault(match.group(2), {})[match.group(1)] = None
+    return {letter: tuple(fonts) for letter, fonts in fonts_by_letter.items()}
 
 
 def _transpositions(words: Sequence[Token]) -> Iterator[Change]:

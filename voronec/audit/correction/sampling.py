@@ -184,8 +184,8 @@ def _bound(node: Bound, where: Where, value: Value) -> Any:
     if lower != round(lower) or upper != round(upper):
         raise DefinitionError("a sum runs over integers")
     indices = range(int(lower), int(upper) + 1)
-    found = [value(node.body, {**where, node.index.head: i}) for i in indices]
-    return reduce(np.add, found) if found else 0.0
+    terms = [value(node.body, {**where, node.index.head: i}) for i in indices]
+    return reduce(np.add, terms) if terms else 0.0
 
 
 def _name(node: Name, where: Where, value: Value) -> Any:

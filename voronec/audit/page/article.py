@@ -98,11 +98,11 @@ def _walk(box: Box) -> Iterator[Box]:
 
 def _body(latex: str, box: Box, colours: list[tuple[int, int, str]]) -> str:
     """The formula with its colours."""
-    found, last = [], 0
+    pieces, last = [], 0
     for at, _, text in sorted(colours):
-        found += [latex[last:at], text]
+        pieces += [latex[last:at], text]
         last = at
-    text = _LABEL.sub("", "".join([*found, latex[last:]])).strip()
+    text = _LABEL.sub("", "".join([*pieces, latex[last:]])).strip()
     # lines or cells outside any environment
     bare = box.kind == "table" and not latex.startswith("\\begin", box.start)
     return f"\\begin{{aligned}}\n{text}\n\\end{{aligned}}" if bare else text
@@ -186,25 +186,25 @@ def audit_latex(audit: Audit) -> str:
 
 def _commands(audit: Audit) -> list[str]:
     """Definitions of the paper's own commands, such as ``\\diag``."""
-    found: set[str] = set()
+    commands: set[str] = set()
     for formula in (f for r in audit.records for f in r.formulas):
         for latex in (formula.printed, formula.correction, formula.derived, *formula.quantifiers):
-            found |= own_commands(latex or "")
-        found |= {c for piece in formula.says.split("$")[1::2] for c in own_commands(piece)}
-    return [f"\\providecommand{{{c}}}{{\\operatorname{{{c[1:]}}}}}\n" for c in sorted(found)]
+            commands |= own_commands(latex or "")
+        commands |= {c for piece in formula.says.split("$")[1::2] for c in own_commands(piece)}
+    return [f"\\providecommand{{{c}}}{{\\operatorname{{{c[1:]}}}}}\n" for c in sorted(commands)]
 
 
 def _summary(audit: Audit) -> str:
-    found = counts(audit)
-    heads = " & ".join(KINDS[kind] for kind in found)
+    by_kind = counts(audit)
+    heads = " & ".join(KINDS[kind] for kind in by_kind)
     rows = []
     for verdict in reversed(VERDICTS):
-        numbers = [str(found[kind][verdict]) for kind in found]
+        numbers = [str(by_kind[kind][verdict]) for kind in by_kind]
         if any(n != "0" for n in numbers):
             rows.append(f"\\verdict{{{verdict}}} & {' & '.join(numbers)} & {MEANING[verdict]}")
-    totals = " & ".join(str(sum(found[kind].values())) for kind in found)
+    totals = " & ".join(str(sum(by_kind[kind].values())) for kind in by_kind)
     body = "\\\\\n".join([f"& {heads} &", *rows, f"all & {totals} &"])
-    columns = f"l{'r' * len(found)}P{{.42}}"
+    columns = f"l{'r' * len(by_kind)}P{{.42}}"
     return f"\\begin{{longtable}}{{{columns}}}\n{body}\n\\end{{longtable}}\n\n"
 
 
@@ -271,10 +271,10 @@ def _ranges(formula: FormulaRecord) -> str:
 
 
 def _witness(formula: FormulaRecord) -> str:
-    found = values(formula)
-    if not found or formula.witness is None:
+    sides = values(formula)
+    if not sides or formula.witness is None:
         return ""
     what = f" ({escape_text(about(formula.witness))})" if about(formula.witness) else ""
-    first, second = (f"{name} \\texttt{{{escape_text(short(v))}}}" for name, v in found)
-    stop = "" if short(found[1][1]).endswith("...") else "."
+    first, second = (f"{name} \\texttt{{{escape_text(short(v))}}}" for name, v in sides)
+    stop = "" if short(sides[1][1]).endswith("...") else "."
     return f"{{\\small At a point: {first}{what}, {second}{stop}\\par}}\n\n"

@@ -66,7 +66,7 @@ class Word:
 
 def split_words(latex: str, offset: int) -> list[Word]:
     """The words that show something; the size of a bracket belongs to the bracket."""
-    found: list[Word] = []
+    words: list[Word] = []
     start = -1
     for match in _WORD.finditer(latex):
         text = match.group()
@@ -74,9 +74,9 @@ def split_words(latex: str, offset: int) -> list[Word]:
             continue
         start = match.start() if start < 0 else start
         if text not in SIZES:
-            found.append(Word(str(match.lastgroup), text, offset + start, offset + match.end()))
+            words.append(Word(str(match.lastgroup), text, offset + start, offset + match.end()))
             start = -1
-    return found
+    return words
 
 
 def is_closed(words: Sequence[Word], opening: str) -> bool:

@@ -86,15 +86,15 @@ class _Setter:
 
     def run(self, parts: Sequence[Box], before: Box | None = None) -> str:
         """Boxes one after the other; what is marked as a whole is one element of that class."""
-        found = []
+        elements = []
         for group, marked in self.marks.groups(parts):
             setter = replace(self, marks=Marks(())) if marked else self
             body = ""
             for box in group:
                 body += setter.place(box, before)
                 before = box
-            found.append(f'<mrow class="{self.mark}">{body}</mrow>' if marked else body)
-        return "".join(found)
+            elements.append(f'<mrow class="{self.mark}">{body}</mrow>' if marked else body)
+        return "".join(elements)
 
     def place(self, box: Box, before: Box | None) -> str:
         """A box in a row: signs between two things keep their spaces wherever they stand."""
@@ -150,8 +150,8 @@ class _Setter:
         inside = [_leaf(base) if base.kind == "function" else self.element(base)]
         inside += [small.element(x) for x in (below, above) if x.end > x.start]
         name = names[2] if len(inside) == 3 else names[below.end == below.start]
-        found = f"<{name}>{''.join(inside)}</{name}>"
-        return f"<mrow>{found}{primes}</mrow>" if primes else found
+        element = f"<{name}>{''.join(inside)}</{name}>"
+        return f"<mrow>{element}{primes}</mrow>" if primes else element
 
     def prime(self, box: Box) -> str:
         return f"<mrow>{self.element(box.parts[0])}{_primes(box.text)}</mrow>"
