@@ -44,7 +44,7 @@ __all__ = ["Sampler", "close"]
 
 Where = Mapping[str, int]
 BITS = GENERIC
-WORK = {Derivative: 60, Partial: 1500}
+WORK = {Derivative: 60, Partial: 400}
 """How many derivatives are taken at a point: they cost more than all else together."""
 TOLERANCE = 1e-9
 """Of doubles that went through a formula: far above rounding, far below any misprint."""
