@@ -94,17 +94,18 @@ def correct(
     case = _Case(formula, check, study)
     if says_nothing(case.chain):
         return None  # what it should have said cannot be seen
-    screen, tried = Screen(case.chain, check, study), 0
+    printed, tried = formula.printed, 0
+    screen = Screen(printed, case.chain, check, study)
     for change in _order_changes(case, spare or Spare()):
-        latex, marks = apply_pieces(formula.printed, change.pieces)
-        if screen.passes(latex) and tried < PROOFS:
+        latex, marks = apply_pieces(printed, change.pieces)
+        if screen.passes(latex, change) and tried < PROOFS:
             tried += 1
             method = case.proof_of(latex)
             if method is not None:
                 struck = tuple((start, end) for start, end, _ in sorted(change.pieces))
                 return Correction(latex, marks, struck, method)
     method = case.proof_of(check.proposal) if check.proposal else None
-    return None if method is None else _by_words(formula.printed, str(check.proposal), method)
+    return None if method is None else _by_words(printed, str(check.proposal), method)
 
 
 @dataclass(frozen=True)

@@ -1,21 +1,26 @@
 """Numbers at a point sort out which changes of a formula are worth a proof.
 
-The printed formula fails at that point; a changed one has to hold there.
+The printed formula fails at that point; a changed one has to hold there.  Of a changed formula only
+the term is read in which the change stands; all else keeps its tree, and with it its values.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields, replace
+from functools import partial
+from operator import attrgetter
 from typing import Any
 
 from voronec.audit.comparisons import accelerations
+from voronec.audit.correction.changes import Change
 from voronec.audit.correction.sampling import Sampler, close
 from voronec.audit.display import Check
 from voronec.audit.hooks import call_hook
-from voronec.audit.latex.nodes import Chain, Integral, Node, walk
+from voronec.audit.latex.nodes import Chain, Name, Node
 from voronec.audit.latex.reader import read
 from voronec.audit.meaning import SENSELESS
-from voronec.audit.structure import names_constant, new_names, whole_name
+from voronec.audit.structure import free_indices, names_constant, new_names, whole_name
 from voronec.audit.study import Study
 from voronec.audit.transcript import assignments
 
@@ -29,21 +34,39 @@ FEWER = 4
 """For how many values of the free indices a changed formula is tried."""
 
 
+@dataclass(frozen=True)
+class _Term:
+    """A term of the printed formula, its range, and what puts another one in its place."""
+
+    node: Node
+    start: int
+    end: int
+    put: Callable[[Node], Chain]
+
+    @property
+    def length(self) -> int:
+        """Of its words."""
+        return self.end - self.start
+
+
 class Screen:
     """A point at which a printed formula fails, and values of its free indices, ``where``.
 
     Where there is no such point, as where the formula has no value, it is some point.
     """
 
-    def __init__(self, chain: Chain, check: Check, study: Study) -> None:
+    def __init__(self, printed: str, chain: Chain, check: Check, study: Study) -> None:
         self.check, self.study = check, study
+        self.printed, self.chain = printed, chain
+        terms = filter(self._reads_alone, _terms(chain, _same))
+        self.terms = sorted(terms, key=attrgetter("length"))
         self.where: Where = {}
-        self.truths: dict[tuple[int, ...], tuple[float, float]] = {}
+        self.wheres = assignments(chain, study)
+        self.truths: dict[tuple[tuple[str, int], ...], tuple[float, float]] = {}
         for seed in (*range(SEEDS), 0):
             self._stand_at(seed)
             try:
-                wheres = assignments(chain, study)
-                failing = next((w for w in wheres if not self._holds(chain, w)), None)
+                failing = next((w for w in self.wheres if not self._holds(chain, w)), None)
                 if failing is not None:
                     self.where = failing
                     return
@@ -57,19 +80,43 @@ class Screen:
         self.moved = Sampler(self.study, seed, accelerations(self.study))
         self.truths.clear()
 
-    def passes(self, latex: str) -> bool:
+    def _reads_alone(self, term: _Term) -> bool:
+        """Whether the words of a term have its tree where nothing stands around them."""
+        try:
+            return self._read(self.printed[term.start : term.end]) == Chain((term.node,))
+        except SENSELESS:
+            return False
+
+    def _read(self, latex: str) -> Chain:
+        return read(latex, self.study.vocabulary)
+
+    def passes(self, latex: str, change: Change) -> bool:
         """Whether a formula has a value and holds at the point, as far as it has numbers."""
         if self.check.stationary:
             return True
         try:
-            chain = read(latex, self.study.vocabulary)
-            if any(isinstance(part, Integral) for part in walk(chain)):
+            chain, wheres = self._changed(latex, change)
+            if "\\int" in latex:
                 return True
-            wheres = assignments(chain, self.study)
             first = [where for where in wheres if where == self.where]
             return all(self._holds(chain, where) for where in (first + wheres)[:FEWER])
         except SENSELESS:
             return False
+
+    def _changed(self, latex: str, change: Change) -> tuple[Chain, list[Where]]:
+        """A changed formula, the printed one with another term or one read anew, and the values
+        of its free indices."""
+        start, end = min(p[0] for p in change.pieces), max(p[1] for p in change.pieces)
+        term = next((t for t in self.terms if t.start <= start and end <= t.end), None)
+        if term is not None:
+            longer = len(latex) - len(self.printed)
+            part = self._read(latex[term.start : term.end + longer])
+            if not part.relations:
+                chain = term.put(part.parts[0])
+                one, other = (set(free_indices(x, self.study)) for x in (term.node, part))
+                return chain, self.wheres if one == other else assignments(chain, self.study)
+        chain = self._read(latex)
+        return chain, assignments(chain, self.study)
 
     def _holds(self, chain: Chain, where: Where) -> bool:
         """Whether all equalities of a formula hold."""
@@ -119,9 +166,34 @@ class Screen:
 
     def _truth(self, hook: Callable[..., Any], where: Where) -> tuple[float, float]:
         """What should vanish along the motion, here and where the accelerations have moved."""
-        key = tuple(where.values())
+        key = tuple(sorted(where.items()))
         if key not in self.truths:
             derived = call_hook(hook, self.study, where)
             value = derived.xreplace(dict(self.study.given))
             self.truths[key] = self.sampler.number(value), self.moved.number(value)
         return self.truths[key]
+
+
+def _same(chain: Chain) -> Chain:
+    return chain
+
+
+def _terms(value: Any, put: Callable[[Any], Chain], whole: bool = False) -> Iterator[_Term]:
+    """The sides of a formula and the terms of its sums, at any depth but in indices."""
+    if isinstance(value, tuple):
+        for i, item in enumerate(value):
+            yield from _terms(item, partial(_put_item, put, value, i), whole)
+    elif hasattr(value, "at"):
+        if whole:
+            yield _Term(value, *value.at, put)
+        for name in (part.name for part in fields(value) if not isinstance(value, Name)):
+            inside = partial(_put_field, put, value, name)
+            yield from _terms(getattr(value, name), inside, name in ("parts", "terms"))
+
+
+def _put_item(put: Callable[[Any], Chain], items: tuple[Any, ...], i: int, new: Any) -> Chain:
+    return put((*items[:i], new, *items[i + 1 :]))
+
+
+def _put_field(put: Callable[[Any], Chain], node: Node, name: str, new: Any) -> Chain:
+    return put(replace(node, **{name: new}))
