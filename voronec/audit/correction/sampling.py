@@ -10,6 +10,7 @@ import random
 from collections import Counter
 from collections.abc import Callable, Mapping
 from functools import reduce
+from operator import add
 from typing import Any
 
 import flint
@@ -54,8 +55,12 @@ def close(a: Any, b: Any, scale: Any = 1.0) -> bool:
     """Whether two numbers, or two vectors, are equal as far as rounding shows."""
     if np.shape(a) != np.shape(b):
         return False
-    size = np.max(np.abs(a)) + np.max(np.abs(b)) + np.max(np.abs(scale))
-    return bool(np.max(np.abs(np.subtract(a, b))) <= TOLERANCE * size)
+    return bool(_size(a - b) <= TOLERANCE * (_size(a) + _size(b) + _size(scale)))
+
+
+def _size(value: Any) -> float:
+    """Of a number, or of the largest entry of a vector."""
+    return abs(value) if isinstance(value, float) else np.max(np.abs(value))
 
 
 class Sampler:
@@ -82,13 +87,17 @@ class Sampler:
 
     def value(self, node: Node, where: Where) -> Any:
         """The number, or the array of a vector or matrix; ``SENSELESS`` errors where none is."""
-        key = (node, tuple(sorted(where.items())))
+        key = _key(node, where)
         known = self.cache.get(key)
         if known is None:
             known = self.cache[key] = self._value_of(node, where)
         if isinstance(known, Exception):
             raise known
         return known
+
+    def has_met(self, node: Node, where: Where) -> bool:
+        """Whether the value of a tree, by itself, was asked for before."""
+        return _key(node, where) in self.cache
 
     def _value_of(self, node: Node, where: Where) -> Any:
         try:
@@ -136,6 +145,10 @@ class Sampler:
         return -value if self.seed % 2 and source.random() < 0.5 else value
 
 
+def _key(node: Node, where: Where) -> tuple[Node, tuple[tuple[str, int], ...]]:
+    return node, tuple(sorted(where.items()))
+
+
 class _Vectorial(Exception):
     """A rule that only fits numbers met something else."""
 
@@ -164,11 +177,10 @@ def _root(node: Root, where: Where, value: Value) -> Any:
 
 
 def _sum(node: Sum, where: Where, value: Value) -> Any:
-    terms = [sign * np.asarray(value(term, where)) for sign, term in node.terms]
+    terms = [sign * value(term, where) for sign, term in node.terms]
     if len({np.shape(t) for t in terms}) > 1:
         raise DefinitionError("a vector is added to a number")
-    total = reduce(np.add, terms)
-    return total if np.ndim(total) else float(total)
+    return reduce(add, terms)
 
 
 def _product(node: Product, where: Where, value: Value) -> Any:

@@ -60,6 +60,7 @@ class Screen:
         self.printed, self.chain = printed, chain
         terms = filter(self._reads_alone, _terms(chain, _same))
         self.terms = sorted(terms, key=attrgetter("length"))
+        self.letters = {t.node: {*free_indices(t.node, study)} for t in self.terms}
         self.where: Where = {}
         self.wheres = assignments(chain, study)
         self.truths: dict[tuple[tuple[str, int], ...], tuple[float, float]] = {}
@@ -112,11 +113,18 @@ class Screen:
             longer = len(latex) - len(self.printed)
             part = self._read(latex[term.start : term.end + longer])
             if not part.relations:
-                chain = term.put(part.parts[0])
-                one, other = (set(free_indices(x, self.study)) for x in (term.node, part))
-                return chain, self.wheres if one == other else assignments(chain, self.study)
+                return self._with_term(term, part.parts[0])
         chain = self._read(latex)
         return chain, assignments(chain, self.study)
+
+    def _with_term(self, term: _Term, node: Node) -> tuple[Chain, list[Where]]:
+        """The printed formula with another term; an error where that has no value by itself."""
+        if {*free_indices(node, self.study)} != self.letters[term.node]:
+            chain = term.put(node)
+            return chain, assignments(chain, self.study)
+        if self.sampler.has_met(term.node, self.where):
+            self.sampler.value(node, self.where)
+        return term.put(node), self.wheres
 
     def _holds(self, chain: Chain, where: Where) -> bool:
         """Whether all equalities of a formula hold."""
