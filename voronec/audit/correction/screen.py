@@ -45,7 +45,7 @@ class _Term:
 
     @property
     def length(self) -> int:
-        """Of its words."""
+        """How many characters it takes in print."""
         return self.end - self.start
 
 
@@ -193,7 +193,8 @@ def _terms(value: Any, put: Callable[[Any], Chain], whole: bool = False) -> Iter
             yield from _terms(item, partial(_put_item, put, value, i), whole)
     elif hasattr(value, "at"):
         if whole:
-            yield _Term(value, *value.at, put)
+            start, end = value.at
+            yield _Term(value, start, end, put)
         for name in (part.name for part in fields(value) if not isinstance(value, Name)):
             inside = partial(_put_field, put, value, name)
             yield from _terms(getattr(value, name), inside, name in ("parts", "terms"))
