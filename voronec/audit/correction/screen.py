@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields, replace
 from functools import partial
-from operator import attrgetter
 from typing import Any
 
 from voronec.audit.comparisons import accelerations
@@ -43,11 +42,6 @@ class _Term:
     end: int
     put: Callable[[Node], Chain]
 
-    @property
-    def length(self) -> int:
-        """How many characters it takes in print."""
-        return self.end - self.start
-
 
 class Screen:
     """A point at which a printed formula fails, and values of its free indices, ``where``.
@@ -58,8 +52,8 @@ class Screen:
     def __init__(self, printed: str, chain: Chain, check: Check, study: Study) -> None:
         self.check, self.study = check, study
         self.printed, self.chain = printed, chain
-        terms = filter(self._reads_alone, _terms(chain, _same))
-        self.terms = sorted(terms, key=attrgetter("length"))
+        terms = filter(self._reads_alone, _terms(chain, lambda changed: changed))
+        self.terms = sorted(terms, key=lambda term: term.end - term.start)
         self.letters = {t.node: {*free_indices(t.node, study)} for t in self.terms}
         self.where: Where = {}
         self.wheres = assignments(chain, study)
@@ -180,10 +174,6 @@ class Screen:
             value = derived.xreplace(dict(self.study.given))
             self.truths[key] = self.sampler.number(value), self.moved.number(value)
         return self.truths[key]
-
-
-def _same(chain: Chain) -> Chain:
-    return chain
 
 
 def _terms(value: Any, put: Callable[[Any], Chain], whole: bool = False) -> Iterator[_Term]:
