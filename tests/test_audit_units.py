@@ -7,8 +7,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.audit import Check, Display, Motion, Section, Study, Transcript
-from voronec.audit.correction import correct
-from voronec.audit.correction.changes import Spare
+from voronec.audit.correction import Spare, correct
 from voronec.audit.correction.units import Units
 from voronec.audit.latex.reader import read
 from voronec.audit.verify import omission

@@ -488,8 +488,8 @@ def plane(lagrangian=(Dx**2 + Dy**2) / 2, **options):
 REST = {x: 0, y: 0, Dx: 0}
 BAD = {
     "missing": (sleigh(), {k: n for k, n in SLEIGH_POINT.items() if k != w}, "no value for 'w'"),
-    "unknown": (sleigh(), SLEIGH_POINT | {"k": 1}, "names 'k', which is not one of"),
-    "dependent velocity": (sleigh(), SLEIGH_POINT | {Dy: 1}, "names 'ydot'"),
+    "unknown": (sleigh(), SLEIGH_POINT | {"k": 1}, "'k' is not a coordinate, velocity"),
+    "dependent velocity": (sleigh(), SLEIGH_POINT | {Dy: 1}, "'ydot' is not a coordinate"),
     "twice": (sleigh(), SLEIGH_POINT | {"x": 1}, "gives 'x' twice"),
     "no name": (sleigh(), SLEIGH_POINT | {x + y: 1}, "neither a symbol nor a name"),
     "not a number": (sleigh(), SLEIGH_POINT | {x: "wide"}, "value of 'x' is 'wide'"),

@@ -76,14 +76,12 @@ class SectionContext:
     corrects: bool = True
     prints: bool = True
 
-    def correction(
-        self, formula: Formula, check: Check, study: Study, senseless: bool = False
-    ) -> Correction | None:
+    def correction(self, formula: Formula, check: Check, study: Study) -> Correction | None:
         """What makes a formula true, a single change or the proposal, if it is to be sought."""
         if not self.corrects:
             return None
         spare = Spare.of(self.transcript, study)
-        return correct(formula, check, study, spare, senseless)
+        return correct(formula, check, study, spare)
 
     def study(self, check: Check | Sentence, name: str = "") -> Study:
         """The dictionary that a check asks for, or the one called ``name``."""
@@ -279,7 +277,7 @@ def _made_true(
 ) -> FormulaRecord | None:
     """The record of a misprint, where a small change makes true what says nothing as printed."""
     study = bench.study(check)
-    correction = bench.correction(formula, check, study, senseless=True)
+    correction = bench.correction(formula, check, study)
     if correction is None:
         return None
     latex = correction.latex

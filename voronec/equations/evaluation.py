@@ -22,51 +22,13 @@ from voronec.declaration.reading import quote
 from voronec.declaration.system import System
 from voronec.equations.definition import read
 from voronec.equations.derivation import Derivation
+from voronec.equations.point_values import named_point
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["acceleration", "acceleration_tape", "check_added_mass", "check_inertia"]
 
 ON_RELATIONS = 1e-9
 """How far a point may lie off the relations between redundant coordinates."""
-
-
-def _named_point(system: System, point: Mapping[Any, Any]) -> dict[str, Any]:
-    """A point by plain names, completed by the parameters' default values.
-
-    Keys are symbols or names.  Raises ``DefinitionError`` for a name that the system lacks, for
-    one that is named twice or has no value, and for a value that is not a finite real number.
-    """
-    if not isinstance(point, Mapping):
-        raise DefinitionError(
-            f"system '{system.name}': the point is '{quote(point)}'; give {{symbol: number, ...}}"
-        )
-    constants = [p for p in system.parameters if isinstance(p.symbol, sp.Symbol)]
-    needed = [*system.coordinates, *system.velocities, *(p.symbol for p in constants)]
-    names = [plain_name(s) for s in needed]
-    others = {plain_name(time), *jets(system)}
-    given: dict[str, Any] = {}
-    for key, value in point.items():
-        name = _name(system, key)
-        if name not in names and name not in others:
-            raise DefinitionError(
-                f"'{name}' is not a coordinate, velocity or parameter of system '{system.name}'; "
-                f"it has {', '.join(names)}"
-            )
-        if name in given:
-            raise DefinitionError(
-                f"system '{system.name}': the point gives '{name}' twice; give it once"
-            )
-        given[name] = _check(system, name, value)
-    for parameter in constants:
-        if parameter.value is not None:
-            given.setdefault(parameter.name, parameter.value)
-    missing = [name for name in names if name not in given]
-    if missing:
-        raise DefinitionError(
-            f"the point gives no value for {', '.join(repr(m) for m in missing)} of system "
-            f"'{system.name}'; add it to the point"
-        )
-    return given
 
 
 def jets(system: System) -> dict[str, Any]:
@@ -78,18 +40,6 @@ def jets(system: System) -> dict[str, Any]:
             found[u + "dot" * order] = function
             function = function.diff(clock)
     return found
-
-
-def _name(system: System, key: Any) -> str:
-    if isinstance(key, str):
-        return key
-    try:
-        return plain_name(key)
-    except DefinitionError:
-        raise DefinitionError(
-            f"system '{system.name}': the point has the key '{quote(key)}', which is neither a "
-            "symbol nor a name; give {symbol: number, ...}"
-        ) from None
 
 
 def _check(system: System, name: str, value: Any) -> Any:
@@ -111,7 +61,8 @@ def acceleration(
 ) -> dict[sp.Expr, sp.Float]:
     """See ``VoronecEquations.acceleration``; ``tape`` is the ``acceleration_tape`` of ``raw``."""
     require_digits(f"system '{system.name}'", digits)
-    values = _named_point(system, point)
+    others = {plain_name(time), *jets(system)}
+    values = named_point(system, point, others, _check)
     values |= {str(f): values[name] for name, f in jets(system).items() if name in values}
     result = _accelerations(raw, tape, values, digits)
     if result is None:  # a pivot may vanish just here: solve the constraints for this point

@@ -10,11 +10,17 @@ from voronec.audit import Check, Convention, Display, Section, Study, Transcript
 from ..sentences.inversion import INVERSION as SENTENCES
 
 
-def beside(*pairs: tuple[str, Callable[[Any], Any]], role: str = "claim", study: str = "") -> Check:
+def beside(
+    *pairs: tuple[str, Callable[[Any], Any]],
+    role: str = "claim",
+    study: str = "",
+    proposal: str | None = None,
+) -> Check:
     """A check beside which values are printed that the curve of the dictionary gives."""
     return Check(
         role,
         study,
+        proposal=proposal,
         derived=lambda study, where: [(left, value(study.context)) for left, value in pairs],
     )
 
@@ -84,7 +90,14 @@ $$"""
             r"""$$
 Y=(y-3\wp(\zeta))^2+2(2y\wp'(\zeta)-\wp''(\zeta).
 $$""",
-            (beside(QUARTIC, role="definition"),),
+            (
+                beside(
+                    QUARTIC,
+                    role="definition",
+                    # a bracket, too, is not closed in print
+                    proposal=r"Y=(y^2-3\wp(\zeta))^2+2(2y\wp'(\zeta)-\wp''(\zeta))",
+                ),
+            ),
         ),
         Display(
             r"""$$

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from voronec.audit.correction.changes import Spare
-from voronec.audit.correction.edits import close_brackets
+from voronec.audit.correction.changes import Spare, close_brackets
 from voronec.audit.correction.mending import Correction, correct
 
 __all__ = ["Correction", "Spare", "close_brackets", "correct"]

@@ -1,29 +1,26 @@
-"""The smallest change that makes a refuted formula true: at one place, or of one name.
+"""The single change that makes a refuted formula true, or the formula that is proposed.
 
-Words of the formula are exchanged: an index for another index, a sign, sine and cosine, a name for
-its companion, a prime more or less, a font, a small number.  Numbers at a point sort out what is
-hopeless; a change is accepted only if the changed formula is proved.  Several changes at once are
-not searched: the transcription proposes them, and they are proved in the same way.
-
-At a random point every part of the formula has a value, and one that would mend the whole.  A
-change is tried on the smallest part that it concerns.
+Numbers at a point sort out what is hopeless; a change is accepted only if the changed formula is
+proved, and says what the print said.  Several changes at once are proposed by the transcription,
+and proved in the same way.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from difflib import SequenceMatcher
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
 
-import numpy as np
-
-from voronec.audit.correction.changes import Change, Piece, Spare, apply_pieces
-from voronec.audit.correction.edits import repairs, single_changes
-from voronec.audit.correction.goals import MendingPlace, Where, along, holds, slots_of
-from voronec.audit.correction.sampling import Sampler, close
+from voronec.audit.correction.changes import (
+    Change,
+    Spare,
+    apply_pieces,
+    repairs,
+    single_changes,
+)
+from voronec.audit.correction.screen import Screen
 from voronec.audit.correction.units import Units
 from voronec.audit.display import Check
 from voronec.audit.formula import Formula
@@ -33,14 +30,11 @@ from voronec.audit.latex.nodes import (
     Call,
     Chain,
     Cross,
-    Derivative,
     Differential,
-    Integral,
     Listing,
     Name,
     Node,
     Number,
-    Partial,
     Power,
     Product,
     Quotient,
@@ -50,7 +44,7 @@ from voronec.audit.latex.nodes import (
 )
 from voronec.audit.latex.reader import read
 from voronec.audit.latex.tokens import Token, tokenize
-from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
+from voronec.audit.meaning import SENSELESS, evaluate
 from voronec.audit.structure import (
     are_multiples,
     bare_letter,
@@ -60,167 +54,19 @@ from voronec.audit.structure import (
     names_constant,
     new_names,
     says_nothing,
-    whole_name,
 )
-from voronec.audit.study import Study, name_or_nothing
+from voronec.audit.study import Study
 from voronec.audit.transcript import assignments
 from voronec.audit.verify import verify
 from voronec.errors import VoronecError
 
-__all__ = ["Correction", "CorrectionSearch", "Screen", "Spare", "correct"]
+__all__ = ["Correction", "correct"]
 
 
-SEEDS = 12
-"""Points at which a formula is tried: most letters are undefined at some, and a few suffice."""
-
-
-@dataclass(frozen=True)
-class CorrectionSearch:
-    """A false formula at a point where it fails; ``slots`` are its parts with their goals."""
-
-    latex: str
-    check: Check
-    study: Study
-    sampler: Sampler
-    where: Where
-    slots: tuple[MendingPlace, ...]
-
-    @classmethod
-    def of(cls, printed: str, check: Check, study: Study) -> CorrectionSearch | None:
-        """Look for a point; ``None`` where the formula has no numbers to go by."""
-        if check.stationary or check.decide is not None:
-            return None
-        try:
-            chain = read(printed, study.vocabulary)
-        except SENSELESS:
-            return None
-        for seed in range(SEEDS):
-            try:
-                sampler = Sampler(study, seed, along=along(check))
-                for where in assignments(chain, study):
-                    slots = slots_of(chain, check, study, sampler, where)
-                    if slots is not None:
-                        return cls(printed, check, study, sampler, where, tuple(slots))
-            except SENSELESS:
-                continue
-        return None
-
-    def singles(self, changes: Sequence[Change]) -> Iterator[Change]:
-        """The changes that reach the goal, in the order given."""
-        return filter(self._mends, changes)
-
-    def _reaches(self, slot: MendingPlace, value: Any) -> bool:
-        scale = slot.value if slot.parent is None or not np.ndim(slot.value) else 1.0
-        return any(close(value, goal, scale) for goal in slot.goals)
-
-    def _slot(self, change: Change) -> MendingPlace | None:
-        """The smallest part that holds the words of a change."""
-        start, end = change.about
-        holding = [s for s in self.slots if s.at[0] <= start and end <= s.at[1]]
-        return min(holding, key=lambda s: s.at[1] - s.at[0], default=None)
-
-    def _mends(self, change: Change) -> bool:
-        """Whether the smallest part in which the change can stand gets a value it ought to have."""
-        slot = self._slot(change)
-        while slot is not None:
-            node, value = self._changed_part(slot, change.pieces)
-            if value is not None and _fits(node, slot):
-                return self._reaches(slot, value)
-            if node is not None and value is None:
-                return False
-            slot = slot.parent
-        return False
-
-    def _changed_part(self, slot: MendingPlace, pieces: Sequence[Piece]) -> tuple[Node | None, Any]:
-        """A part with replacements in it, and its value; ``None`` for what there is not."""
-        start, end = slot.at
-        moved = [(a - start, b - start, text) for a, b, text in pieces]
-        latex, _ = apply_pieces(self.latex[start:end], moved)
-        if not latex:
-            return None, None
-        node: Node | None = slot.node
-        try:
-            (node,) = read(latex, self.study.vocabulary).parts
-            value = self.sampler.value(node, self.where)
-        except SENSELESS:
-            return node, None
-        return node, value if np.shape(value) == np.shape(slot.value) else None
-
-
-def _fits(node: Node, slot: MendingPlace) -> bool:
-    """Whether a changed part can stand where the old one does without brackets around it."""
-    bare = tuple(node.at) == (0, node.at[1])
-    if isinstance(node, Sum) and len(node.terms) > 1 and bare:
-        return isinstance(slot.node, Sum)
-    inside_power = slot.parent is not None and isinstance(slot.parent.node, Power)
-    return not (inside_power and isinstance(node, (Product, Power)) and bare)
-
-
-SCREENING_SEEDS = (0, 2)
-"""The points at which a changed formula must hold before it is put to the proof: roots are real."""
-WORK = {Derivative: 60, Partial: 1500}
-"""How many derivatives are taken at each point, for all changes together."""
-FEWER = 4
-"""For how many values of the free indices it is tried at each point."""
-
-
-class Screen:
-    """Points at which changed formulas are tried; what they share is evaluated once."""
-
-    def __init__(self, check: Check, study: Study) -> None:
-        self.check, self.study = check, study
-        self.samplers = [
-            Sampler(study, seed, along=along(check), work=WORK) for seed in SCREENING_SEEDS
-        ]
-
-    def filter(self, printed: str, changes: Iterable[Change]) -> Iterator[Change]:
-        """The changes after which the formula has a value and holds at the points."""
-        for change in changes:
-            latex, _ = apply_pieces(printed, change.pieces)
-            if self._fits(latex):
-                yield change
-
-    def _fits(self, latex: str) -> bool:
-        try:
-            chain = read(latex, self.study.vocabulary)
-            if any(isinstance(part, Integral) for part in walk(chain)):
-                return True  # it has no numbers to go by
-            wheres = assignments(chain, self.study)[:FEWER]
-            return all(
-                holds(chain, self.check, self.study, sampler, where)
-                for sampler in self.samplers
-                for where in wheres
-            )
-        except SENSELESS:
-            return False
-
-
-def _unknown_places(printed: str, study: Study, new: Collection[str] = ()) -> list[tuple[int, int]]:
-    """Where the first name stands that is unknown and none of the ``new`` ones; else nothing."""
-    try:
-        chain = read(printed, study.vocabulary)
-        (where, *_) = assignments(chain, study)
-        for part in chain.parts:
-            if not names_constant(part) and whole_name(part, study) not in new:
-                evaluate(part, study, where)
-    except UnknownName as unknown:
-        names = [part for part in walk(chain) if isinstance(part, Name)]
-        return [name.at for name in names if name_or_nothing(name) == unknown.name]
-    except SENSELESS:
-        return []
-    return []
-
-
-SINGLES = 250
-"""How many single changes of a formula are tried that has no numbers to go by."""
-PROOFS = 60
+PROOFS = 250
 """How many changes that numbers allow are put to the proof."""
-REPAIRS = 8
-"""So many changes that give a formula a meaning are tried, each with a second one."""
-
 ORDER = {**dict.fromkeys("< \\le \\leq".split(), -1), **dict.fromkeys("> \\ge \\geq".split(), 1)}
 """Relations that rise from left to right, and that fall."""
-
 NEAR = 6
 """How many characters on either side of a change are compared with the neighbours."""
 
@@ -235,69 +81,71 @@ class Correction:
     method: str
 
 
+def correct(
+    formula: Formula, check: Check, study: Study, spare: Spare | None = None
+) -> Correction | None:
+    """The first change, the most believable first, that makes the formula proved.
+
+    ``spare`` is what the rest of the section offers to take in exchange.  A proposal of the check
+    is tried last.
+    """
+    if check.decide is not None:
+        return None
+    case = _Case(formula, check, study)
+    if says_nothing(case.chain):
+        return None  # what it should have said cannot be seen
+    printed, tried = formula.printed, 0
+    screen = Screen(printed, case.chain, check, study)
+    for change in _order_changes(case, spare or Spare()):
+        latex, marks = apply_pieces(printed, change.pieces)
+        if screen.passes(latex, change) and tried < PROOFS:
+            tried += 1
+            method = case.proof_of(latex)
+            if method is not None:
+                struck = tuple((start, end) for start, end, _ in sorted(change.pieces))
+                return Correction(latex, marks, struck, method)
+    method = case.proof_of(check.proposal) if check.proposal else None
+    return None if method is None else _by_words(printed, str(check.proposal), method)
+
+
 @dataclass(frozen=True)
 class _Case:
-    """A formula to be mended; ``new`` are the names that it defines, ``terms`` what it adds.
+    """A formula to be mended."""
 
-    ``letters`` are those that it has; ``cancelling_terms`` are the terms that it adds and takes
-    away again, ``shared_numbers`` the numbers by which both sides of a relation are multiplied or
-    to which both are raised, ``beside`` the other formulas of its display; ``empty`` says that it
-    sets something equal to itself, ``legible`` that it can be read.
-    """
-
-    latex: str
+    formula: Formula
     check: Check
     study: Study
-    new: frozenset[str] = frozenset()
-    terms: frozenset[Node] = frozenset()
-    letters: frozenset[str] = frozenset()
-    cancelling_terms: frozenset[Node] = frozenset()
-    shared_numbers: frozenset[tuple[str, Node]] = frozenset()
-    beside: frozenset[str] = frozenset()
-    empty: bool = False
-    legible: bool = False
+
+    @cached_property
+    def chain(self) -> Chain:
+        """Its tree; an empty one where it cannot be read."""
+        try:
+            return read(self.formula.printed, self.study.vocabulary)
+        except VoronecError:
+            return Chain(())
+
+    @cached_property
+    def beside(self) -> frozenset[str]:
+        """The other formulas of the display, without spacing."""
+        units = self.formula.display.units
+        texts = [unit.display[slice(*piece.at)] for unit in units for piece in unit.pieces]
+        return frozenset(map(_bare, texts)) - {_bare(self.formula.printed)}
 
     @cached_property
     def units(self) -> Units | None:
         """The units of the letters, as far as a system tells."""
         return Units.of(self.study)
 
-    def prove(self, change: Change) -> Correction | None:
-        """The correction that a change makes, if the changed formula is proved."""
-        latex, marks = apply_pieces(self.latex, change.pieces)
-        method = self.proof_of(latex)
-        struck = tuple((start, end) for start, end, _ in sorted(change.pieces))
-        return None if method is None else Correction(latex, marks, struck, method)
-
     def proof_of(self, latex: str) -> str | None:
-        """How a formula is proved that says something and leaves no new name open."""
-        if "".join(latex.split()) in self.beside:
-            return None  # the display says it already
+        """How a formula is proved that says what the print said, and nothing idle."""
         try:
             chain = read(latex, self.study.vocabulary)
-            if says_nothing(chain) or any(holds_always(*link) for link in pairwise(chain.parts)):
-                return None  # true, but it says nothing
-            if any(are_multiples(*link) for link in pairwise(chain.parts)):
-                return None  # no more than the sign of a letter
-            if len({ORDER[s] for s in chain.relations if s in ORDER}) > 1:
-                return None  # a chain rises or falls
-            if _repeats_term(chain):
-                return None  # x + x is no print of 2x
-            if _shared_numbers(chain) - self.shared_numbers:
-                return None  # 2a > 2b is no print of a > b, nor a^2 = b^2 of a = b
-            if self.letters and self.letters.isdisjoint(_letters(chain)):
-                return None  # nothing of the print is left
-            if _is_misspelled(chain, self.study):
-                return None  # B_ii where B_ij is meant, f f(x)
-            if (
-                not new_names(chain, self.study) <= self.new
-                or _cancelling_terms(chain) - self.cancelling_terms
-            ):
+            if _bare(latex) in self.beside or self._is_idle(chain) or self._strays(chain):
                 return None
             finding = verify(chain, self.check, self.study)
             if not (finding.verdict.proved and finding.count):
                 return None
-            if any(_is_zero(term, self.study) for term in _terms(chain) - self.terms):
+            if any(_is_zero(term, self.study) for term in _terms(chain) - _terms(self.chain)):
                 return None  # a term of it is struck, in effect
             if self.units is not None and self.units.is_unbalanced(chain, self.study):
                 return None  # what it adds vanishes apart
@@ -305,38 +153,35 @@ class _Case:
             return None  # the changed formula has no meaning
         return finding.verdict.method
 
-    def first(self, changes: Iterable[Change], most: int = PROOFS) -> Correction | None:
-        """The first change that is proved."""
-        for position, change in enumerate(changes):
-            found = self.prove(change)
-            if found is not None or position == most:
-                return found
-        return None
+    def _is_idle(self, chain: Chain) -> bool:
+        """Whether a formula says nothing, or no more than the sign of a letter, or is odd."""
+        links = list(pairwise(chain.parts))
+        return (
+            says_nothing(chain)
+            or any(holds_always(*link) or are_multiples(*link) for link in links)
+            or len({ORDER[s] for s in chain.relations if s in ORDER}) > 1  # it rises, and falls
+            or _repeats_term(chain)  # x + x is no print of 2x
+            or _is_misspelled(chain, self.study)  # B_ii where B_ij is meant, f f(x)
+        )
+
+    def _strays(self, chain: Chain) -> bool:
+        """Whether a formula has what the print has not: new names, terms that cancel, numbers on
+        both sides (2a > 2b is no print of a > b, nor a^2 = b^2 of a = b); or no letter of it."""
+        letters = _letters(self.chain)
+        return (
+            bool(letters and letters.isdisjoint(_letters(chain)))
+            or bool(_shared_numbers(chain) - _shared_numbers(self.chain))
+            or bool(_cancelling_terms(chain) - _cancelling_terms(self.chain))
+            or not new_names(chain, self.study) <= self._new
+        )
+
+    @cached_property
+    def _new(self) -> set[str]:
+        return new_names(self.chain, self.study) if self.chain.parts else set()
 
 
-def correct(
-    formula: Formula,
-    check: Check,
-    study: Study,
-    spare: Spare | None = None,
-    senseless: bool = False,
-) -> Correction | None:
-    """The first change, in order of size, that makes the formula proved.
-
-    ``spare`` is what the rest of the section offers to take in exchange.  ``senseless`` says that
-    the formula has no value as printed.  A proposal of the check is tried last.
-    """
-    if check.decide is not None:
-        return None
-    printed = formula.printed
-    case = replace(_case(printed, check, study), beside=_formulas_beside(formula))
-    if case.empty:
-        return None  # what it should have said cannot be seen
-    spare = spare or Spare()
-    changes = _order_changes(formula, study, spare)
-    search = None if senseless else CorrectionSearch.of(printed, check, study)
-    found = _search_correction(case, changes, spare, search)
-    return found or (None if check.proposal is None else _proposed_correction(case, check.proposal))
+def _bare(latex: str) -> str:
+    return "".join(latex.split())
 
 
 def _terms(chain: Chain) -> frozenset[Node]:
@@ -344,13 +189,6 @@ def _terms(chain: Chain) -> frozenset[Node]:
     sums = [part for part in walk(chain) if isinstance(part, Sum)]
     sides = () if Number("0") in chain.parts else chain.parts
     return frozenset([*sides, *(term for node in sums for _, term in node.terms)])
-
-
-def _formulas_beside(formula: Formula) -> frozenset[str]:
-    """The other formulas of the display, without spacing."""
-    units = formula.display.units
-    texts = [unit.display[slice(*piece.at)] for unit in units for piece in unit.pieces]
-    return frozenset("".join(text.split()) for text in texts) - {"".join(formula.printed.split())}
 
 
 def _letters(chain: Chain) -> frozenset[str]:
@@ -428,46 +266,25 @@ def _is_zero(term: Node, study: Study) -> bool:
         return False  # it holds the index of a sum
 
 
-def _case(printed: str, check: Check, study: Study) -> _Case:
-    try:
-        chain = read(printed, study.vocabulary)
-    except VoronecError:
-        return _Case(printed, check, study)
-    return _Case(
-        printed,
-        check,
-        study,
-        new=frozenset(new_names(chain, study)),
-        terms=_terms(chain),
-        letters=_letters(chain),
-        cancelling_terms=_cancelling_terms(chain),
-        shared_numbers=_shared_numbers(chain),
-        empty=says_nothing(chain),
-        legible=True,
-    )
-
-
-def _order_changes(formula: Formula, study: Study, spare: Spare) -> list[Change]:
+def _order_changes(case: _Case, spare: Spare) -> list[Change]:
     """Those at an index that nothing binds first, then by kind, then what a neighbour prints."""
-    printed = formula.printed
-    bound = {w.text for words in formula.piece.quantifiers for w in words}
-    changes = single_changes(printed, study, spare)
-    suspects = _unbound_places(printed, study, bound)
+    printed, study = case.formula.printed, case.study
+    suspects = _unbound_places(case)
 
     def order(change: Change) -> tuple[bool, int, bool]:
         start = change.pieces[0][0]
         bound_here = not any(a <= start < b for a, b in suspects)
         return bound_here, change.rank, not _like_neighbours(printed, change, spare)
 
-    return sorted(changes, key=order)
+    return [*repairs(printed), *sorted(single_changes(printed, study, spare), key=order)]
 
 
-def _unbound_places(printed: str, study: Study, bound: set[str]) -> list[tuple[int, int]]:
+def _unbound_places(case: _Case) -> list[tuple[int, int]]:
     """Where an index stands that neither a sum nor a quantifier nor the left side binds."""
-    try:
-        chain = read(printed, study.vocabulary)
-    except VoronecError:
+    chain, study = case.chain, case.study
+    if not chain.parts:
         return []
+    bound = {w.text for words in case.formula.piece.quantifiers for w in words}
     letters = set(free_indices(chain, study)) - bound - set(free_indices(chain.parts[0], study))
     return [name.at for name in free_names(chain, study) if name.head in letters]
 
@@ -480,60 +297,7 @@ def _like_neighbours(printed: str, change: Change, spare: Spare) -> bool:
     return any(near in text for text in spare.formulas)
 
 
-def _search_correction(
-    case: _Case, changes: Sequence[Change], spare: Spare, search: CorrectionSearch | None
-) -> Correction | None:
-    if search is not None:
-        return case.first(search.singles(changes))
-    mending = [*repairs(case.latex), *changes]
-    if case.check.stationary:
-        mending = mending[:SINGLES]  # it has no numbers to go by
-        found = case.first(mending, SINGLES)
-    else:
-        mending = _at_unknown(case, mending)
-        fitting = Screen(case.check, case.study).filter(case.latex, mending)
-        found = case.first(fitting, SINGLES)
-    if found is not None or case.legible:
-        return found
-    return _after_repair(case, mending[:SINGLES], spare)
-
-
-def _at_unknown(case: _Case, changes: Sequence[Change]) -> list[Change]:
-    """The changes that concern the first name that means nothing; all, where each has a meaning."""
-    places = _unknown_places(case.latex, case.study, case.new)
-    if not places:
-        return list(changes)
-    return [
-        change
-        for change in changes
-        if any(a <= end and start <= b for start, end, _ in change.pieces for a, b in places)
-    ]
-
-
-def _after_repair(case: _Case, mending: Sequence[Change], spare: Spare) -> Correction | None:
-    """Two changes, the first of which gives the formula a meaning."""
-    mended = 0
-    for repair in mending:
-        latex, _ = apply_pieces(case.latex, repair.pieces)
-        search = CorrectionSearch.of(latex, case.check, case.study)
-        if search is None:
-            continue
-        changes = single_changes(latex, case.study, spare)
-        found = replace(case, latex=latex).first(search.singles(changes))
-        if found is not None:
-            return _correction_by_words(case.latex, found.latex, found.method)
-        mended += 1
-        if mended == REPAIRS:
-            break
-    return None
-
-
-def _proposed_correction(case: _Case, proposal: str) -> Correction | None:
-    method = case.proof_of(proposal)
-    return None if method is None else _correction_by_words(case.latex, proposal, method)
-
-
-def _correction_by_words(printed: str, latex: str, method: str) -> Correction:
+def _by_words(printed: str, latex: str, method: str) -> Correction:
     """A correction whose changes are found by comparing word by word."""
     old, new = tokenize(printed), tokenize(latex)
     matcher = SequenceMatcher(None, [w.text for w in old], [w.text for w in new], autojunk=False)

@@ -10,6 +10,7 @@ import random
 from collections import Counter
 from collections.abc import Callable, Mapping
 from functools import reduce
+from operator import add
 from typing import Any
 
 import flint
@@ -44,8 +45,8 @@ __all__ = ["Sampler", "close"]
 
 Where = Mapping[str, int]
 BITS = GENERIC
-WORK = {Derivative: 20, Partial: 250}
-"""How many derivatives are taken symbolically: they cost more than all else together."""
+WORK = {Derivative: 60, Partial: 400}
+"""How many derivatives are taken at a point: they cost more than all else together."""
 TOLERANCE = 1e-9
 """Of doubles that went through a formula: far above rounding, far below any misprint."""
 
@@ -54,8 +55,12 @@ def close(a: Any, b: Any, scale: Any = 1.0) -> bool:
     """Whether two numbers, or two vectors, are equal as far as rounding shows."""
     if np.shape(a) != np.shape(b):
         return False
-    size = np.max(np.abs(a)) + np.max(np.abs(b)) + np.max(np.abs(scale))
-    return bool(np.max(np.abs(np.subtract(a, b))) <= TOLERANCE * size)
+    return bool(_size(a - b) <= TOLERANCE * (_size(a) + _size(b) + _size(scale)))
+
+
+def _size(value: Any) -> float:
+    """Of a number, or of the largest entry of a vector."""
+    return abs(value) if isinstance(value, float) else np.max(np.abs(value))
 
 
 class Sampler:
@@ -63,7 +68,6 @@ class Sampler:
 
     ``moved`` are symbols that have other values than at the point of the same seed without them.
     Accelerations have the values of the motion if ``along`` is true, else values of their own.
-    ``work`` says how many derivatives are taken.
     """
 
     def __init__(
@@ -72,9 +76,8 @@ class Sampler:
         seed: int = 0,
         moved: tuple[Any, ...] = (),
         along: bool = False,
-        work: Mapping[type, int] = WORK,
     ) -> None:
-        self.study, self.seed, self.along, self.work = study, seed, along, work
+        self.study, self.seed, self.along = study, seed, along
         self.door = Door()
         relations = [r for r in self.door.inward_all(study.relations) if r != 0]
         self.point: dict[Any, Any] = sample_point((), relations, seed) if relations else {}
@@ -84,13 +87,17 @@ class Sampler:
 
     def value(self, node: Node, where: Where) -> Any:
         """The number, or the array of a vector or matrix; ``SENSELESS`` errors where none is."""
-        key = (node, tuple(sorted(where.items())))
+        key = _key(node, where)
         known = self.cache.get(key)
         if known is None:
             known = self.cache[key] = self._value_of(node, where)
         if isinstance(known, Exception):
             raise known
         return known
+
+    def has_met(self, node: Node, where: Where) -> bool:
+        """Whether the value of a tree, by itself, was asked for before."""
+        return _key(node, where) in self.cache
 
     def _value_of(self, node: Node, where: Where) -> Any:
         try:
@@ -104,7 +111,7 @@ class Sampler:
     def _symbolic(self, node: Node, where: Where) -> Any:
         try:
             self.spent[type(node)] += 1
-            if self.spent[type(node)] > self.work.get(type(node), self.spent[type(node)]):
+            if self.spent[type(node)] > WORK.get(type(node), self.spent[type(node)]):
                 raise EngineLimit("too many derivatives to take")
             return self.number_of(evaluate(node, self.study, where))
         except SENSELESS as error:
@@ -138,6 +145,10 @@ class Sampler:
         return -value if self.seed % 2 and source.random() < 0.5 else value
 
 
+def _key(node: Node, where: Where) -> tuple[Node, tuple[tuple[str, int], ...]]:
+    return node, tuple(sorted(where.items()))
+
+
 class _Vectorial(Exception):
     """A rule that only fits numbers met something else."""
 
@@ -166,11 +177,10 @@ def _root(node: Root, where: Where, value: Value) -> Any:
 
 
 def _sum(node: Sum, where: Where, value: Value) -> Any:
-    terms = [sign * np.asarray(value(term, where)) for sign, term in node.terms]
+    terms = [sign * value(term, where) for sign, term in node.terms]
     if len({np.shape(t) for t in terms}) > 1:
         raise DefinitionError("a vector is added to a number")
-    total = reduce(np.add, terms)
-    return total if np.ndim(total) else float(total)
+    return reduce(add, terms)
 
 
 def _product(node: Product, where: Where, value: Value) -> Any:
@@ -186,8 +196,8 @@ def _bound(node: Bound, where: Where, value: Value) -> Any:
     if lower != round(lower) or upper != round(upper):
         raise DefinitionError("a sum runs over integers")
     indices = range(int(lower), int(upper) + 1)
-    found = [value(node.body, {**where, node.index.head: i}) for i in indices]
-    return reduce(np.add, found) if found else 0.0
+    terms = [value(node.body, {**where, node.index.head: i}) for i in indices]
+    return reduce(np.add, terms) if terms else 0.0
 
 
 def _name(node: Name, where: Where, value: Value) -> Any:

@@ -122,10 +122,10 @@ class _Scale:
     def product(self, several: Iterable[Weight | None]) -> Weight | None:
         """The weight of a product."""
         known = list(several)
-        found: list[Weight] = [weight for weight in known if weight is not None]
-        if len(found) < len(known):
+        weights: list[Weight] = [weight for weight in known if weight is not None]
+        if len(weights) < len(known):
             return None
-        return reduce(lambda a, b: tuple(x + y for x, y in zip(a, b, strict=True)), found)
+        return reduce(lambda a, b: tuple(x + y for x, y in zip(a, b, strict=True)), weights)
 
     def power(self, weight: Weight | None, exponent: Any) -> Weight | None:
         """The weight of a power."""
@@ -192,12 +192,12 @@ class Units:
             return None
 
     def _dimension(self, chain: Chain, study: Study) -> Weight | None:
-        found: Weight | None = None
+        common: Weight | None = None
         for where in assignments(chain, study):
             spoken = [p for p in chain.parts if not names_constant(p)]
             parts = [_Weights(self.scale, study, where).weight(p) for p in spoken]
-            found = self.scale.common_weight([weight for weight in parts if weight != SILENT])
-        return found
+            common = self.scale.common_weight([weight for weight in parts if weight != SILENT])
+        return common
 
 
 SILENT: Any = ()
@@ -216,8 +216,8 @@ class _Weights:
         """The weight of a part; all that is added in it must agree."""
         if isinstance(node, Sum):
             terms = [self.weight(term) for _, term in node.terms]
-            found = self.scale.common_weight(t for t in terms if t != SILENT)
-            return SILENT if SILENT in terms and found is None else found
+            common = self.scale.common_weight(t for t in terms if t != SILENT)
+            return SILENT if SILENT in terms and common is None else common
         if isinstance(node, Product):
             return self._join([self.weight(factor) for factor in node.factors])
         if isinstance(node, Quotient):
@@ -280,15 +280,15 @@ def _unit(size: int, at: int) -> Weight:
 
 def _rates(units: Mapping[Any, Weight], size: int) -> dict[Any, Weight]:
     """The weights of velocities and accelerations: one time less, two times less."""
-    found: dict[Any, Weight] = {}
+    rates: dict[Any, Weight] = {}
     for key, weight in units.items():
         if isinstance(key, sp.Symbol) and key != time:
             rate, symbol = weight, key
             for _ in range(2):
                 rate = tuple(x - y for x, y in zip(rate, units[time], strict=True))
                 symbol = velocity(symbol)
-                found[symbol] = rate
-    return {key: weight for key, weight in found.items() if key not in units}
+                rates[symbol] = rate
+    return {key: weight for key, weight in rates.items() if key not in units}
 
 
 def _homogeneous(system: Any, scale: _Scale) -> None:
@@ -330,8 +330,8 @@ def _solve_scale(scale: _Scale, rows: list[Weight]) -> _Scale:
     """The same scale in the weights that all equations allow."""
     table = [[int(x * _common(row)) for x in row] for row in dict.fromkeys(rows)]
     whole = flint.fmpz_mat(table or [[0] * scale.size])
-    found, count = whole.nullspace()
-    basis = [[flint.fmpq(found[i, j]) for i in range(scale.size)] for j in range(count)]
+    kernel, count = whole.nullspace()
+    basis = [[flint.fmpq(kernel[i, j]) for i in range(scale.size)] for j in range(count)]
 
     def substitute(weight: Weight) -> Weight:
         return tuple(

@@ -375,8 +375,6 @@ def _tex(name: str) -> str:
 
 WIDTH = 96
 """Letters in a line of text."""
-COLUMN = 52.0
-"""How wide a formula on the page may be, in em."""
 
 
 _INDENT: dict[str, Any] = {"initial_indent": "  ", "subsequent_indent": "  "}
@@ -579,8 +577,8 @@ def _sections(found: Lesson) -> Iterator[str]:
         yield f"<h2>{number}. {escape(part.title)}</h2><p>{escape(part.sentence)}</p>"
         if part.formula[1]:
             told = f"<span>{escape(part.numbers)}</span>" if part.numbers else ""
-            yield f"<div class='theory'>{mathml(part.formula[1], limit=COLUMN)}{told}</div>"
+            yield f"<div class='theory'>{mathml(part.formula[1])}{told}</div>"
         for row in part.rows:
-            yield f"<div class='row'>{mathml(_latex(found, row), limit=COLUMN)}</div>"
+            yield f"<div class='row'>{mathml(_latex(found, row))}</div>"
         if not part.rows and part.empty_note:
             yield f"<p>{escape(part.empty_note)}</p>"

@@ -1,7 +1,7 @@
 """The report of an audit as a LaTeX article, for plain pdflatex.
 
-The source is kept letter for letter; colours and line breaks are put between its characters, where
-the tree of boxes says that braces are balanced.
+The source is kept letter for letter; colours are put between its characters, where the tree of
+boxes says that braces are balanced.  What is wider than a line is broken by TeX.
 """
 
 from __future__ import annotations
@@ -13,9 +13,7 @@ from voronec.audit.page.boxes import (
     BINARY,
     RELATIONS,
     Box,
-    LineBreaks,
     Marks,
-    break_lines,
     read_boxes,
 )
 from voronec.audit.page.phrases import (
@@ -38,9 +36,6 @@ from voronec.errors import DefinitionError
 __all__ = ["audit_latex", "display", "escape_text", "inline", "own_commands"]
 
 
-SPARE = 1.15
-"""How far the estimated width of a line may be over the limit before it is shrunk."""
-_WIDTH = r"\ifdim\width>\linewidth\linewidth\else\width\fi"
 _LABEL = re.compile(r"\\(?:label|tag)\s*\{[^}]*\}")
 _SPECIAL = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
 _SPECIAL |= {c: f"\\{c}" for c in "_&%#${}"}
@@ -48,24 +43,24 @@ _SPECIAL |= {c: f"\\{c}" for c in "_&%#${}"}
 _SPECIAL |= {c: rf"\ensuremath{{\{n}}}" for n, c in (SIGNS | LETTERS).items() if not c.isascii()}
 
 
-def display(
-    latex: str, marks: Sequence[tuple[int, int]] = (), command: str = "", limit: float = 34.0
-) -> str:
-    """A displayed formula; ranges of its source in ``marks`` are arguments of ``command``.
+_EDGE = re.compile(r"\\(left|right)(?![a-zA-Z])")
 
-    What is wider than ``limit``, in em, is broken into lines.  What is no formula is printed as
-    its source.
+
+def display(latex: str, marks: Sequence[tuple[int, int]] = (), command: str = "") -> str:
+    r"""A displayed formula; ranges of its source in ``marks`` are arguments of ``command``.
+
+    No line ends between ``\left`` and ``\right``: a formula of several lines has ``\bigl`` and
+    ``\bigr`` in their place.  A wide table is shrunk.  What is no formula is printed as its source.
     """
     try:
         box = read_boxes(latex)
     except DefinitionError:
         return f"\n\\texttt{{{escape_text(latex)}}}\n\n"
-    broken = break_lines(box, limit)
-    body = _body(latex, box, broken, _colours(box, marks, command, broken))
-    if broken.width <= SPARE * limit:
-        return f"\\[\n{body}\n\\]\n"
-    shrunk = f"\\resizebox{{{_WIDTH}}}{{!}}{{$\\displaystyle\n{body}\n$}}"
-    return f"\\begin{{center}}\n{shrunk}\n\\end{{center}}\n"
+    body = _body(latex, box, _colours(box, marks, command))
+    if box.kind == "table":
+        return f"\\widetable{{{body}}}\n"
+    broken = _EDGE.sub(lambda edge: "\\bigl" if edge[1] == "left" else "\\bigr", body)
+    return f"\\formula{{{body}}}\n" if broken == body else f"\\formulas{{{body}}}{{{broken}}}\n"
 
 
 def inline(text: str) -> str:
@@ -79,7 +74,7 @@ def _small(latex: str) -> str:
         box = read_boxes(latex)
     except DefinitionError:
         return f"\\texttt{{{escape_text(latex)}}}"
-    return f"${_body(latex, box, break_lines(box, float('inf')), [])}$"
+    return f"${_body(latex, box, [])}$"
 
 
 def own_commands(latex: str) -> set[str]:
@@ -101,56 +96,29 @@ def _walk(box: Box) -> Iterator[Box]:
         yield from _walk(part)
 
 
-def _body(latex: str, box: Box, broken: LineBreaks, colours: list[tuple[int, int, str]]) -> str:
-    """The formula with its line breaks and colours."""
-    starts = [line[0].start for line in broken.lines[1:]]
-    places = [(at, 1, "\\\\\n&\\quad ") for at in starts] + colours
-    edges = [edge for fence in broken.fences for edge in (fence.parts[0], fence.parts[2])]
-    text = _insert(latex, places, edges)
-    if starts:
-        return f"\\begin{{aligned}}\n&{text}\n\\end{{aligned}}"
-    return f"\\begin{{aligned}}\n{text}\n\\end{{aligned}}" if _bare_table(box, latex) else text
-
-
-def _bare_table(box: Box, latex: str) -> bool:
-    """Whether there are lines or cells outside any environment."""
-    return box.kind == "table" and not latex.startswith("\\begin", box.start)
+def _body(latex: str, box: Box, colours: list[tuple[int, int, str]]) -> str:
+    """The formula with its colours."""
+    pieces, last = [], 0
+    for at, _, text in sorted(colours):
+        pieces += [latex[last:at], text]
+        last = at
+    text = _LABEL.sub("", "".join([*pieces, latex[last:]])).strip()
+    # lines or cells outside any environment
+    bare = box.kind == "table" and not latex.startswith("\\begin", box.start)
+    return f"\\begin{{aligned}}\n{text}\n\\end{{aligned}}" if bare else text
 
 
 def _colours(
-    box: Box, marks: Sequence[tuple[int, int]], command: str, broken: LineBreaks
+    box: Box, marks: Sequence[tuple[int, int]], command: str
 ) -> list[tuple[int, int, str]]:
-    """Where colours begin and end; they end before a line does, and begin again after."""
-    breaks = [line[0].start for line in broken.lines[1:]]
+    """Where colours begin, and where they end, which comes first at one place."""
     places: list[tuple[int, int, str]] = []
     for run in Marks.of(marks, box).runs(box):
-        cuts = [at for at in breaks if run[0].start < at < run[-1].end]
         # an empty group keeps the space on the left of a sign
         sign = run[0].kind == "sign" and run[0].text in BINARY | RELATIONS
-        places.append((run[0].start, 2, f"{{\\{command}{{" + ("{}" if sign else "")))
-        for at in cuts:
-            places += [(at, 0, "}}"), (at, 2, f"{{\\{command}{{{{}}")]
+        places.append((run[0].start, 1, f"{{\\{command}{{" + ("{}" if sign else "")))
         places.append((run[-1].end, 0, "}}"))
     return places
-
-
-def _insert(latex: str, places: Sequence[tuple[int, int, str]], edges: Sequence[Box]) -> str:
-    r"""The source with texts inserted; ``\left`` and ``\right`` of open fences are plain."""
-    found, last = [], 0
-    plain = {e.start: e for e in edges if latex.startswith(("\\left", "\\right"), e.start)}
-    stops = sorted([*places, *((at, 3, "") for at in plain)])
-    for at, order, text in stops:
-        found.append(latex[last:at])
-        last = at
-        if order == 3:
-            edge = plain[at]
-            size = r"\bigl" if latex.startswith("\\left", at) else r"\bigr"
-            shown = re.sub(r"\\(?:left|right)\s*", "", latex[at : edge.end])
-            found.append("" if shown == "." else size + shown)
-            last = edge.end
-        found.append(text)
-    found.append(latex[last:])
-    return _LABEL.sub("", "".join(found)).strip()
 
 
 _HEAD = r"""\documentclass[11pt]{article}
@@ -177,6 +145,17 @@ _HEAD = r"""\documentclass[11pt]{article}
 % a red line through the formula: plain TeX, so that no further package is needed
 \newcommand{\struckin}[2]{{\color{misprint}\setbox0\hbox{$#1#2$}%
   \rlap{\raise\dimexpr(\ht0-\dp0)/2\relax\hbox to\wd0{\leaders\hrule height.5pt\hfill}}\box0}}
+\newsavebox{\formulabox}
+% a formula that is wider than a line is broken by TeX; the second argument is its form there
+\newcommand{\formulas}[2]{\sbox{\formulabox}{$\displaystyle#1$}%
+  \ifdim\wd\formulabox>\linewidth
+  \par{\raggedright\hangindent=2em\hangafter=1\noindent$\displaystyle#2$\par}%
+  \else\[#1\]\fi}
+\newcommand{\formula}[1]{\formulas{#1}{#1}}
+% a table is shrunk
+\newcommand{\widetable}[1]{\sbox{\formulabox}{$\displaystyle#1$}%
+  \ifdim\wd\formulabox>\linewidth
+  \[\resizebox{\linewidth}{!}{\usebox{\formulabox}}\]\else\[#1\]\fi}
 \setlength{\parindent}{0pt}
 \setlength{\parskip}{.35\baselineskip}
 \emergencystretch=3em
@@ -207,25 +186,25 @@ def audit_latex(audit: Audit) -> str:
 
 def _commands(audit: Audit) -> list[str]:
     """Definitions of the paper's own commands, such as ``\\diag``."""
-    found: set[str] = set()
+    commands: set[str] = set()
     for formula in (f for r in audit.records for f in r.formulas):
         for latex in (formula.printed, formula.correction, formula.derived, *formula.quantifiers):
-            found |= own_commands(latex or "")
-        found |= {c for piece in formula.says.split("$")[1::2] for c in own_commands(piece)}
-    return [f"\\providecommand{{{c}}}{{\\operatorname{{{c[1:]}}}}}\n" for c in sorted(found)]
+            commands |= own_commands(latex or "")
+        commands |= {c for piece in formula.says.split("$")[1::2] for c in own_commands(piece)}
+    return [f"\\providecommand{{{c}}}{{\\operatorname{{{c[1:]}}}}}\n" for c in sorted(commands)]
 
 
 def _summary(audit: Audit) -> str:
-    found = counts(audit)
-    heads = " & ".join(KINDS[kind] for kind in found)
+    by_kind = counts(audit)
+    heads = " & ".join(KINDS[kind] for kind in by_kind)
     rows = []
     for verdict in reversed(VERDICTS):
-        numbers = [str(found[kind][verdict]) for kind in found]
+        numbers = [str(by_kind[kind][verdict]) for kind in by_kind]
         if any(n != "0" for n in numbers):
             rows.append(f"\\verdict{{{verdict}}} & {' & '.join(numbers)} & {MEANING[verdict]}")
-    totals = " & ".join(str(sum(found[kind].values())) for kind in found)
+    totals = " & ".join(str(sum(by_kind[kind].values())) for kind in by_kind)
     body = "\\\\\n".join([f"& {heads} &", *rows, f"all & {totals} &"])
-    columns = f"l{'r' * len(found)}P{{.42}}"
+    columns = f"l{'r' * len(by_kind)}P{{.42}}"
     return f"\\begin{{longtable}}{{{columns}}}\n{body}\n\\end{{longtable}}\n\n"
 
 
@@ -292,10 +271,10 @@ def _ranges(formula: FormulaRecord) -> str:
 
 
 def _witness(formula: FormulaRecord) -> str:
-    found = values(formula)
-    if not found or formula.witness is None:
+    sides = values(formula)
+    if not sides or formula.witness is None:
         return ""
     what = f" ({escape_text(about(formula.witness))})" if about(formula.witness) else ""
-    first, second = (f"{name} \\texttt{{{escape_text(short(v))}}}" for name, v in found)
-    stop = "" if short(found[1][1]).endswith("...") else "."
+    first, second = (f"{name} \\texttt{{{escape_text(short(v))}}}" for name, v in sides)
+    stop = "" if short(sides[1][1]).endswith("...") else "."
     return f"{{\\small At a point: {first}{what}, {second}{stop}\\par}}\n\n"

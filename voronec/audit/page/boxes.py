@@ -6,8 +6,7 @@ Kinds of boxes: ``letter``, ``upright``, ``number``, ``sign``, ``text``, ``funct
 ``primed``; ``fraction``; ``root`` (body, degree); ``accent`` and ``over`` with the sign in
 ``text``; ``table`` (rows of cells), ``text`` says how its columns are aligned, as ``rl``.
 
-Ranges of characters of a formula's source are marked as the boxes that they cover; long formulas
-are broken into lines where their boxes allow it.
+Ranges of characters of a formula's source are marked as the boxes that they cover.
 """
 
 from __future__ import annotations
@@ -15,6 +14,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 from voronec.audit.page.symbols import (
     ACCENTS,
@@ -36,14 +36,12 @@ __all__ = [
     "BINARY",
     "RELATIONS",
     "Box",
-    "LineBreaks",
     "Marks",
     "Word",
-    "break_lines",
     "is_closed",
     "read_boxes",
     "split_words",
-    "width",
+    "stretches",
 ]
 
 
@@ -68,7 +66,7 @@ class Word:
 
 def split_words(latex: str, offset: int) -> list[Word]:
     """The words that show something; the size of a bracket belongs to the bracket."""
-    found: list[Word] = []
+    words: list[Word] = []
     start = -1
     for match in _WORD.finditer(latex):
         text = match.group()
@@ -76,9 +74,9 @@ def split_words(latex: str, offset: int) -> list[Word]:
             continue
         start = match.start() if start < 0 else start
         if text not in SIZES:
-            found.append(Word(str(match.lastgroup), text, offset + start, offset + match.end()))
+            words.append(Word(str(match.lastgroup), text, offset + start, offset + match.end()))
             start = -1
-    return found
+    return words
 
 
 def is_closed(words: Sequence[Word], opening: str) -> bool:
@@ -449,109 +447,39 @@ def _whole(names: Sequence[Box], start: int, end: int) -> tuple[int, int]:
 
 RELATIONS = frozenset("= < > ≠ ≤ ≥ ⩽ ⩾ ≡ ≈ ∼ ∈ → ↦ ⟼ ⇒ ⟺".split())
 BINARY = frozenset("+ − ± ∓ ⊕ ∧".split())
-INDENT = 2.0
-"""How far the second line and those after it begin to the right, in em."""
-_LETTER, _DIGIT, _OPERATOR, _SCRIPT = 0.55, 0.5, 1.3, 0.7  # in em
+LONG = 40
+"""Brackets around more leaves than these may be broken inside."""
 
 
-def width(box: Box) -> float:
-    """How wide a box is in print, in em, roughly."""
-    parts = [width(part) for part in box.parts]
-    if box.kind == "space":
-        return float(box.text)
-    if box.kind == "sign":
-        wide = box.text in RELATIONS or box.text in BINARY
-        return _OPERATOR if wide else 0.9 if box.text in "∑∏∫" else 0.4
-    if box.kind in ("text", "function", "unknown", "number"):
-        return _DIGIT * len(box.text) + (0.3 if box.kind == "function" else 0)
-    if box.kind == "scripts":
-        base, below, above = parts
-        beside = _SCRIPT * max(below, above)
-        return max(base, beside) if box.text == "limits" else base + beside
-    if box.kind == "fraction":
-        return max(parts) + 0.2
-    if box.kind == "table":
-        return max(parts)
-    if not parts:
-        return _LETTER if box.kind in ("letter", "upright") else 0.0
-    return sum(parts) + {"root": 0.8, "primed": 0.3}.get(box.kind, 0.0)
+def stretches(formula: Box) -> list[tuple[Box, ...]]:
+    """The parts of a formula between the places where a line may end.
 
-
-@dataclass(frozen=True)
-class _Item:
-    """A box on a line; ``depth`` counts the brackets around it that were opened."""
-
-    box: Box
-    depth: int
-
-
-@dataclass(frozen=True)
-class LineBreaks:
-    """The lines of a formula, and the fences that had to be opened for it."""
-
-    lines: tuple[tuple[Box, ...], ...]
-    fences: tuple[Box, ...]
-
-    @property
-    def width(self) -> float:
-        """How wide the widest line is, in em."""
-        indents = (INDENT if number else 0.0 for number in range(len(self.lines)))
-        return max(i + sum(map(width, x)) for i, x in zip(indents, self.lines, strict=True))
-
-
-def break_lines(row: Box, limit: float) -> LineBreaks:
-    """The parts of a row on lines that are about ``limit`` em wide at most.
-
-    A break comes before a relation, a sum's sign, or after a comma; between brackets only where
-    these would not fit in half a line.
+    A line may end before a relation, before a sum's sign, and behind a wide space.
     """
-    if row.kind != "row" or width(row) <= limit:
-        return LineBreaks((row.parts if row.kind == "row" else (row,),), ())
-    fences: list[Box] = []
-    rest = _open(row.parts, limit / 2, 0, fences)
-    lines: list[tuple[Box, ...]] = []
-    while rest:
-        cut = _cut(rest, limit - (INDENT if lines else 0.0))
-        lines.append(tuple(item.box for item in rest[:cut]))
-        rest = rest[cut:]
-    return LineBreaks(tuple(lines), tuple(fences))
+    items = list(_opened(formula.parts)) if formula.kind == "row" else [formula]
+    cuts = [i for i in range(1, len(items)) if _breaks(items[i - 1], items[i])]
+    return [tuple(items[a:b]) for a, b in pairwise([0, *cuts, len(items)])]
 
 
-def _open(parts: tuple[Box, ...], limit: float, depth: int, fences: list[Box]) -> list[_Item]:
-    found: list[_Item] = []
+def _opened(parts: Sequence[Box]) -> Iterator[Box]:
+    """The parts of a row; long brackets are three of them."""
     for box in parts:
-        inner = box.parts[1] if box.kind == "fence" else box
-        if box.kind == "fence" and inner.kind == "row" and width(box) > limit:
-            fences.append(box)
-            found.append(_Item(box.parts[0], depth + 1))
-            found += _open(inner.parts, limit, depth + 1, fences)
-            found.append(_Item(box.parts[2], depth + 1))
+        if box.kind == "fence" and box.parts[1].kind == "row" and _leaves(box) > LONG:
+            yield box.parts[0]
+            yield from _opened(box.parts[1].parts)
+            yield box.parts[2]
         else:
-            found.append(_Item(box, depth))
-    return found
+            yield box
 
 
-def _cut(items: list[_Item], limit: float) -> int:
-    """How many items the next line takes."""
-    if sum(width(item.box) for item in items) <= limit:
-        return len(items)
-    best, score, taken = len(items), float("-inf"), 0.0
-    for position, item in enumerate(items):
-        if position and _breaks(items[position - 1], item):
-            over = taken > limit
-            found = (-taken if over else taken / limit) - 0.3 * item.depth
-            found += 0.4 * (item.depth == 0 and item.box.text in RELATIONS and not over)
-            found += 0.6 * (items[position - 1].box.kind == "space" and not over)
-            if found > score and (taken > 0.25 * limit):
-                best, score = position, found
-        taken += width(item.box)
-    return best
+def _leaves(box: Box) -> int:
+    return sum(map(_leaves, box.parts)) if box.parts else 1
 
 
-def _breaks(before: _Item, item: _Item) -> bool:
-    """Whether a line may end between two items."""
-    if before.box.kind == "space" and float(before.box.text) >= 1 and item.box.kind != "space":
+def _breaks(before: Box, box: Box) -> bool:
+    """Whether a line may end between two boxes."""
+    if before.kind == "space" and float(before.text) >= 1 and box.kind != "space":
         return True
-    if item.box.kind != "sign" or item.box.text not in RELATIONS | BINARY:
+    if box.kind != "sign" or box.text not in RELATIONS | BINARY:
         return False
-    return before.box.kind != "sign" or before.box.text in (")", "]", "}", "|", "!")
+    return before.kind != "sign" or before.text in (")", "]", "}", "|", "!")

@@ -10,53 +10,42 @@ from voronec.audit.page.boxes import (
     BINARY,
     RELATIONS,
     Box,
-    LineBreaks,
     Marks,
-    break_lines,
     read_boxes,
-    width,
+    stretches,
 )
 from voronec.audit.page.phrases import typeset_words
 from voronec.errors import DefinitionError
 
-__all__ = ["fits", "mathml", "prose"]
+__all__ = ["mathml", "prose"]
 
 _SIDES = {"r": "right", "c": "center", "l": "left"}
 _CLOSING = frozenset(")]}|!⟩")
 _TALL = frozenset({"fraction", "table"})
-SMALLEST = 0.6
-"""The smallest size of a wide formula, against that of the others."""
 _THIN = '<mspace width="0.17em"/>'
 
 
 def mathml(
-    latex: str,
-    marks: Sequence[tuple[int, int]] = (),
-    mark: str = "changed",
-    limit: float = float("inf"),
-    inline: bool = False,
+    latex: str, marks: Sequence[tuple[int, int]] = (), mark: str = "changed", inline: bool = False
 ) -> str:
-    """A ``<math>`` element for a formula, or for a display with its delimiters.
+    """A formula, or a display with its delimiters, as ``<math>`` elements in one ``<div>``.
 
-    Characters of ``latex`` in ``marks`` get the class ``mark``.  What is wider than ``limit``, in
-    em, is broken into lines.  What is no formula is shown as its source.
+    A browser may end a line between two of them; a formula ``inline`` is one without the ``<div>``.
+    Characters of ``latex`` in ``marks`` get the class ``mark``.  What is no formula is shown as its
+    source.
     """
     try:
         box = read_boxes(latex)
     except DefinitionError:
         return f'<code class="latex">{escape(latex)}</code>'
     setter = _Setter(Marks.of(marks, box), mark)
-    broken = break_lines(box, limit)
-    display = "" if inline else ' display="block"'
-    return f"<math{display}{_shrink(broken, limit)}>{setter.lines(box, broken)}</math>"
-
-
-def fits(latex: str, limit: float) -> bool:
-    """Whether a formula has room in one line of ``limit`` em."""
-    try:
-        return width(read_boxes(latex)) <= limit
-    except DefinitionError:
-        return True
+    if inline:
+        return f"<math>{setter.set(box)}</math>"
+    several, before = list[str](), None
+    for parts in stretches(box):
+        several.append(f'<math displaystyle="true">{setter.run(parts, before)}</math>')
+        before = parts[-1] if parts else None
+    return f'<div class="math">{"<wbr/>".join(several)}</div>'
 
 
 def prose(text: str) -> str:
@@ -71,18 +60,6 @@ class _Setter:
     marks: Marks
     mark: str
     small: bool = False
-
-    def lines(self, box: Box, broken: LineBreaks) -> str:
-        """A formula, on several lines where it is too wide."""
-        if len(broken.lines) == 1:
-            return self.set(box)  # a formula is a row by itself
-        rows = []
-        for number, parts in enumerate(broken.lines):
-            indent = '<mspace width="2em"/>' if number else ""
-            before = broken.lines[number - 1][-1] if number else None
-            body = f"<mrow>{indent}{self.run(parts, before)}</mrow>"
-            rows.append(f"<mtr>{_cell('l', body)}</mtr>")
-        return f'<mtable displaystyle="true">{"".join(rows)}</mtable>'
 
     def set(self, box: Box) -> str:
         """The MathML of one box."""
@@ -109,15 +86,15 @@ class _Setter:
 
     def run(self, parts: Sequence[Box], before: Box | None = None) -> str:
         """Boxes one after the other; what is marked as a whole is one element of that class."""
-        found = []
+        elements = []
         for group, marked in self.marks.groups(parts):
             setter = replace(self, marks=Marks(())) if marked else self
             body = ""
             for box in group:
                 body += setter.place(box, before)
                 before = box
-            found.append(f'<mrow class="{self.mark}">{body}</mrow>' if marked else body)
-        return "".join(found)
+            elements.append(f'<mrow class="{self.mark}">{body}</mrow>' if marked else body)
+        return "".join(elements)
 
     def place(self, box: Box, before: Box | None) -> str:
         """A box in a row: signs between two things keep their spaces wherever they stand."""
@@ -173,8 +150,8 @@ class _Setter:
         inside = [_leaf(base) if base.kind == "function" else self.element(base)]
         inside += [small.element(x) for x in (below, above) if x.end > x.start]
         name = names[2] if len(inside) == 3 else names[below.end == below.start]
-        found = f"<{name}>{''.join(inside)}</{name}>"
-        return f"<mrow>{found}{primes}</mrow>" if primes else found
+        element = f"<{name}>{''.join(inside)}</{name}>"
+        return f"<mrow>{element}{primes}</mrow>" if primes else element
 
     def prime(self, box: Box) -> str:
         return f"<mrow>{self.element(box.parts[0])}{_primes(box.text)}</mrow>"
@@ -201,12 +178,6 @@ class _Setter:
             )
             rows.append(f"<mtr>{''.join(cells)}</mtr>")
         return f'<mtable displaystyle="true">{"".join(rows)}</mtable>'
-
-
-def _shrink(broken: LineBreaks, limit: float) -> str:
-    """A smaller size for what cannot be broken, as a long fraction."""
-    scale = max(limit / max(broken.width, 1.0), SMALLEST)
-    return f' style="font-size:{scale:.2f}em"' if scale < 1 else ""
 
 
 def _row(box: Box) -> tuple[Box, ...]:

@@ -16,7 +16,7 @@ from html import escape
 from pathlib import Path
 
 from voronec.audit.page.article import audit_latex
-from voronec.audit.page.mathml import fits, mathml, prose
+from voronec.audit.page.mathml import mathml, prose
 from voronec.audit.page.phrases import (
     KINDS,
     MEANING,
@@ -208,8 +208,6 @@ def _witness(formula: FormulaRecord) -> list[str]:
     return [lines[0] + (f"  ({what})" if what else ""), *lines[1:]] if lines else []
 
 
-COLUMN, WIDE = 24.0, 54.0
-"""How wide a formula may be in one of two columns, and in a line of its own, in em."""
 LONG = 200
 """What is said of a formula is folded where it has more characters."""
 
@@ -292,7 +290,7 @@ def _statement(formula: FormulaRecord) -> str:
     words = f'<p class="claim">{prose(formula.says)}</p>' if formula.says else ""
     if not formula.printed:
         return words
-    shown = mathml(formula.printed, formula.struck, "struck", WIDE)
+    shown = mathml(formula.printed, formula.struck, "struck")
     return f'{words}<div class="cell">{shown}</div>'
 
 
@@ -301,15 +299,15 @@ def _erratum(record: Record, formula: FormulaRecord, places: Places) -> str:
     if formula.printed:
         if formula.says:
             parts.append(f'<p class="claim">{prose(formula.says)}</p>')
-        parts.append(_line("for", mathml(formula.printed, formula.struck, "struck", WIDE)))
+        parts.append(_line("for", mathml(formula.printed, formula.struck, "struck")))
     else:
         parts.append(f'<p class="claim">Not true: {prose(formula.says)}</p>')
     if formula.correction is not None:
-        read = mathml(formula.correction, formula.changes, "mended", WIDE)
+        read = mathml(formula.correction, formula.changes, "mended")
         parts.append(_line("read", read))
     else:
         if formula.derived:
-            parts.append(_line("instead", mathml(formula.derived, limit=WIDE)))
+            parts.append(_line("instead", mathml(formula.derived)))
         parts.append(f'<p class="method">{prose(end_sentence(short(formula.method)))}</p>')
     link = places[record.section, record.ordinal]
     return f"<li>{''.join(parts)}{_at_a_point(formula, link)}</li>"
@@ -351,9 +349,7 @@ def _source(formula: FormulaRecord) -> str:
 
 def _cell(title: str, latex: str, marks: Sequence[tuple[int, int]] = (), mark: str = "") -> str:
     """A formula under its title: in one of two columns, or across both where it is too wide."""
-    narrow = fits(latex, COLUMN)
-    shown = mathml(latex, marks, mark, COLUMN if narrow else WIDE)
-    return f'<div class="cell{"" if narrow else " wide"}"><span>{title}</span>{shown}</div>'
+    return f'<div class="cell"><span>{title}</span>{mathml(latex, marks, mark)}</div>'
 
 
 def _badge(verdict: str) -> str:

@@ -1,9 +1,9 @@
 """SymPy expressions as the referee reads them, on a way of its own.
 
 Whatever has a name - a coordinate, its velocity, its acceleration, a parameter, an input and its
-rates - is replaced in SymPy's tree by a plain symbol; what then is left of functions of the time,
-of derivatives or of anything else unevaluated is refused.  The rest, which is elementary, goes
-through symengine's own reader.  So nothing is shared with ``voronec.algebra.door``.
+rates - is replaced in SymPy's tree by a plain symbol, and the rest goes through symengine's own
+reader: nothing is shared with ``voronec.algebra.door``.  What is then left of functions of the
+time, or that symengine does not know, is refused.
 """
 
 from __future__ import annotations
@@ -16,9 +16,6 @@ from typing import Any
 import mpmath as mp
 import symengine as se
 import sympy as sp
-from sympy.core.function import AppliedUndef
-from sympy.functions.elementary.piecewise import ExprCondPair
-from sympy.logic.boolalg import Boolean
 
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.declaration.system import System
@@ -28,13 +25,6 @@ __all__ = ["Names", "rate_names"]
 
 ORDERS = 4
 """Derivatives of an input that may occur: its rate in L, and what the equations make of it."""
-
-_NUMBERS = (sp.Rational, type(sp.pi), type(sp.E))
-_OPERATIONS = (
-    sp.Add, sp.Mul, sp.Pow, sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc,
-    sp.asin, sp.acos, sp.atan, sp.acot, sp.atan2, sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.asinh,
-    sp.acosh, sp.atanh, sp.sign, sp.Abs, sp.floor, sp.Piecewise, ExprCondPair, Boolean,
-)  # fmt: skip
 
 
 def _inverse(x: sp.Expr) -> sp.Expr:
@@ -47,6 +37,7 @@ _RECIPROCALS = {
     sp.acoth: (sp.atanh, _inverse),
 }  # fmt: skip
 """What is written by the functions that are evaluated: f(g(x))."""
+_UNREAL = "has no real value; write it with elementary functions"
 _CASES = (sp.Heaviside, sp.Max, sp.Min)
 """What SymPy writes out in cases."""
 
@@ -82,8 +73,18 @@ class Names:
         exact = expr.xreplace({x: _decimal(x) for x in expr.atoms(sp.Float)})
         named = self._carry_out(exact).xreplace(self.letters)
         named = named.replace(sp.sinc, lambda a: sp.sin(a) / a)
-        _refuse_others(named)
-        return se.sympify(_in_cases(named))
+        try:
+            found = se.sympify(_in_cases(named))
+        except se.SympifyError:
+            raise DefinitionError(f"'{expr}' {_UNREAL}") from None
+        for function in sorted(found.atoms(se.FunctionSymbol), key=str):
+            if type(function) is not se.FunctionSymbol:  # SymPy's own, without a derivative here
+                raise DefinitionError(f"'{function}' {_UNREAL}")
+            raise DefinitionError(
+                f"the unknown function '{function}' has no value; numeric evaluation needs a "
+                "formula for it"
+            )
+        return found
 
     def symbol(self, thing: sp.Basic) -> Any:
         """The symbol of something that has a name."""
@@ -134,28 +135,3 @@ def _decimal(number: sp.Float) -> sp.Rational:
     """A decimal as it was written, in as many digits as it has."""
     double = float(number) if number._prec == 53 else mp.nan
     return sp.Rational(repr(double) if double and mp.isfinite(double) else str(number))
-
-
-def _refuse_others(expr: sp.Expr) -> None:
-    """Refuse whatever is neither a symbol, a number nor an elementary function."""
-    for node in sp.preorder_traversal(expr):
-        if isinstance(node, AppliedUndef):
-            raise DefinitionError(
-                f"the unknown function '{node}' has no value; numeric evaluation needs a formula "
-                "for it"
-            )
-        known = (
-            sp.Symbol,
-            *_NUMBERS,
-            *_OPERATIONS,
-            *_RECIPROCALS,
-            *_CASES,
-            sp.Mod,
-            sp.frac,
-            sp.ceiling,
-        )
-        if not isinstance(node, known):
-            raise DefinitionError(
-                f"'{node}' of kind {type(node).__name__} has no real value; write it with "
-                "elementary functions"
-            )

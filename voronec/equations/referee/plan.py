@@ -76,8 +76,8 @@ _CONSTANTS: dict[Any, Operation] = {se.pi: lambda: +mp.pi, se.E: lambda: +mp.e}
 class ExpressionSequence:
     """Several symengine expressions, ready to be evaluated at any precision of mpmath.
 
-    ``names`` are the symbols they need, in the order of their slots.  An unknown function raises
-    ``DefinitionError``.
+    ``names`` are the symbols they need, in the order of their slots.  A function that is not
+    elementary raises ``DefinitionError``.
     """
 
     def __init__(self, exprs: Sequence[Any]) -> None:
@@ -146,10 +146,6 @@ def _step(expr: Any) -> tuple[Operation, Sequence[Any]]:
     function = _FUNCTIONS.get(numeric.numeric_name(expr) or type(expr).__name__)
     if function is not None:
         return function, expr.args
-    if isinstance(expr, (se.FunctionSymbol, se.Derivative, se.Subs)):
-        raise DefinitionError(
-            f"the unknown function '{expr}' has no value; numeric evaluation needs a formula for it"
-        )
     raise DefinitionError(f"'{expr}' has no real value; write it with elementary functions")
 
 

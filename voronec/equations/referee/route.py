@@ -28,6 +28,7 @@ from voronec.algebra.arguments import POINT, accepts, require_digits
 from voronec.algebra.symbols import plain_name, time
 from voronec.algebra.text import as_expression, exact_number
 from voronec.declaration.system import System, require_system
+from voronec.equations.point_values import named_point
 from voronec.equations.referee.names import rate_names
 from voronec.equations.referee.plan import Plan, make_plan
 from voronec.errors import DefinitionError
@@ -394,60 +395,24 @@ LARGEST = 1e6
 
 
 def _read_point(system: System, point: Mapping[Any, Any], held: Set[str]) -> dict[str, Exact]:
-    """The point by plain names, completed by the parameters' default values.
-
-    Every coordinate, velocity and parameter must get a value; the time, inputs and their rates only
-    where they occur, by their names, that is among ``held``.
-    """
-    constants = [p for p in system.parameters if isinstance(p.symbol, sp.Symbol)]
-    needed = [*map(plain_name, (*system.coordinates, *system.velocities))]
-    needed += [p.name for p in constants]
+    """The point by plain names; the time, inputs and their rates only where they occur, by their
+    names, that is among ``held``."""
     clock = plain_name(time)
     driven = {name: u for u in system.inputs for name in rate_names(u)}
-    values: dict[str, Exact] = {}
-    for key, number in point.items():
-        name = _name(system, key)
-        if name not in needed and name not in (clock, *driven):
-            raise DefinitionError(
-                f"system '{system.name}': the point names '{name}', which is not one of its "
-                f"coordinates, velocities and parameters; these are {', '.join(needed)}"
-            )
-        if name in values:
-            raise DefinitionError(f"the point gives '{name}' twice; give it once")
-        values[name] = _exact(name, number)
-    for parameter in constants:
-        if parameter.value is not None and parameter.name not in values:
-            values[parameter.name] = _exact(parameter.name, parameter.value)
-    if clock in held:
-        needed.append(clock)
+    values = named_point(system, point, {clock, *driven}, _exact)
     for name in sorted(driven.keys() & held - values.keys()):
         raise DefinitionError(
             f"system '{system.name}': the unknown function '{driven[name]}' has no value; add "
             f"'{name}' to the point"
         )
-    missing = [name for name in needed if name not in values]
-    if missing:
+    if clock in held and clock not in values:
         raise DefinitionError(
-            f"system '{system.name}': the point gives no value for "
-            f"{', '.join(repr(name) for name in missing)}; add it to the point"
+            f"the point gives no value for '{clock}' of system '{system.name}'; add it to the point"
         )
-    values.setdefault(clock, Fraction(0))
-    return values
+    return {clock: Fraction(0), **values}
 
 
-def _name(system: System, key: Any) -> str:
-    if isinstance(key, str):
-        return key
-    try:
-        return plain_name(as_expression(key))
-    except DefinitionError:
-        raise DefinitionError(
-            f"system '{system.name}': the point has the key '{key}', which is neither a symbol "
-            "nor a name"
-        ) from None
-
-
-def _exact(name: str, number: Any) -> Exact:
+def _exact(system: System, name: str, number: Any) -> Exact:
     """A number as it stands: decimals in strings are decimals, floats are binary."""
     try:
         value = _read(number)
@@ -455,8 +420,8 @@ def _exact(name: str, number: Any) -> Exact:
         value = None
     if value is None:
         raise DefinitionError(
-            f"the value of '{name}' is '{number}', which is not a real number "
-            "of a size that can be written"
+            f"system '{system.name}': the value of '{name}' is '{number}', which is not a real "
+            "number of a size that can be written"
         )
     return value
 
