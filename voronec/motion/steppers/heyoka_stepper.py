@@ -517,6 +517,9 @@ class _Drive:
         which it stopped."""
         if self.series:
             ends, lengths, series = map(np.array, zip(*self.series[:taken], strict=True))
+            if self.log.stopped:  # the last step leads beyond what stops the run
+                lengths[-1] -= ends[-1] - self.log.last[0]
+                ends[-1] = self.log.last[0]
             times, states = series_samples(ends, lengths, series)
             self.samples.append((times, self.winding.whole(states)))
         self.series = None
