@@ -91,6 +91,7 @@ def _over_largest(product: Any) -> Any:
     return se.Mul(*rest, _over(_exponentials(se.Mul(*moving)), every), *below)
 
 
+@lru_cache(2**14)  # parts that many expressions share are looked at once
 def _exponentials(expr: Any) -> _Exponentials:
     """An expression as a sum of c exp(w), hyperbolic sines and cosines written out."""
     if not _holds_exponentials(expr):
@@ -116,7 +117,7 @@ def _exponentials(expr: Any) -> _Exponentials:
     return found
 
 
-@lru_cache(2**14)  # parts that many expressions share are looked at once
+@lru_cache(2**14)
 def _holds_exponentials(expr: Any) -> bool:
     """Whether there are exponentials among the terms and factors of an expression."""
     if isinstance(expr, se.Add | se.Mul | se.Pow) and not is_exponential(expr):
