@@ -13,7 +13,7 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.motion.crossings import Course, crossings, roots
+from voronec.motion.crossings import StepCourse, crossings, roots
 from voronec.motion.request import Guard
 from voronec.motion.steppers import heyoka_stepper as taylor
 from voronec.motion.steppers import run
@@ -410,7 +410,7 @@ def test_a_pole_beside_the_end_of_a_step_is_no_passage(ends: tuple[float, float]
     passages += [lambda t, jump=jump: jump(t - 1) for jump in jumps]
 
     def found(level: Any, begin: float, end: float) -> list[Any]:
-        step = Course(np.array([begin, end]), lambda times: np.zeros((len(times), 1)))
+        step = StepCourse(np.array([begin, end]), lambda times: np.zeros((len(times), 1)))
         return crossings(event, lambda times, _: level(np.asarray(times))[:, None], step).passages
 
     # a step that begins or ends there does so one to four units in the last place beyond

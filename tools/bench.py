@@ -24,7 +24,7 @@ KINDS = {
     "closed-form": "figures.closed_form",
     "references": "figures.closed_references",
     "mechanics": "figures.mechanics",
-    "prepared": "figures.prepared",
+    "prepared": "figures.many_calls",
     "costs": "figures.method_costs",
     "doubts": "figures.doubts",
 }

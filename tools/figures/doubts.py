@@ -121,23 +121,23 @@ class Watch:
     seconds: float = 0.0
 
     @contextmanager
-    def watching(self) -> Iterator[None]:
+    def count_doubts(self) -> Iterator[None]:
         """Count what is integrated again."""
         places = [m for m in _modules() if hasattr(m, "again")]
         with ExitStack() as stack:
             for module in places:
-                stack.enter_context(patch.object(module, "again", self._counted(module.again)))
+                stack.enter_context(patch.object(module, "again", self._with_count(module.again)))
             yield
 
-    def _counted(self, again: Callable[..., Any]) -> Callable[..., Any]:
-        def counted(*given: Any) -> Any:
+    def _with_count(self, again: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapper(*given: Any) -> Any:
             began = perf_counter()
             try:
                 return again(*given)
             finally:
                 self.again, self.seconds = self.again + 1, self.seconds + perf_counter() - began
 
-        return counted
+        return wrapper
 
 
 def _modules() -> list[Any]:
@@ -145,7 +145,7 @@ def _modules() -> list[Any]:
 
 
 @contextmanager
-def unchecked() -> Iterator[None]:
+def without_check() -> Iterator[None]:
     """Runs of which nothing is looked at."""
     with ExitStack() as stack:
         for module in _modules():
@@ -163,7 +163,7 @@ def is_right(draw: Draw, found: Any) -> bool | None:
     """Whether a run is that of finer steps; None where these do not come to the end, or two of
     them do not agree."""
     try:
-        with unchecked():
+        with without_check():
             best = _values(draw, draw.run(tol=1e-16, method="heyoka"))
             other = _values(draw, draw.run(tol=1e-13, method="scipy"))
     except vo.VoronecError:
@@ -177,7 +177,7 @@ def is_right(draw: Draw, found: Any) -> bool | None:
 
 def is_harmed(draw: Draw, found: Any) -> bool:
     """Whether a run with a fault is another than without it."""
-    with unchecked():
+    with without_check():
         sound = _values(draw, draw.run())
     size = np.maximum(1.0, np.abs(sound))
     return not (np.abs(sound - _values(draw, found)) <= HARM[draw.fault] * size).all()
@@ -199,7 +199,7 @@ def doubts(seed: int, count: int, only: str | None) -> None:
     for draw in draws(seed, count, only):
         watch, began, told = Watch(), perf_counter(), ""
         try:
-            with watch.watching():
+            with watch.count_doubts():
                 found = draw.run()
         except vo.IntegrationError as error:
             found, told = None, str(error)
@@ -234,7 +234,7 @@ def _is_many(draw: Draw) -> bool:
 
 
 @contextmanager
-def planted(draw: Draw) -> Iterator[list[str]]:
+def fault_in(draw: Draw) -> Iterator[list[str]]:
     """A fault in the integrators of all methods; the list says what was planted."""
     make, lanes, done = methods._make_stepper, batches.lanes_of, list[str]()
     where = draw.dice.random()
@@ -303,12 +303,12 @@ def planted(draw: Draw) -> Iterator[list[str]]:
         yield done
 
 
-def noticed(seed: int, count: int, only: str | None) -> None:
+def print_findings(seed: int, count: int, only: str | None) -> None:
     """Plant faults, and print how many of those that make a run wrong are noticed, by kind."""
     seen: Counter[tuple[str, str]] = Counter()
     for draw in draws(seed + 1000, count, only):
         try:
-            with planted(draw) as done:
+            with fault_in(draw) as done:
                 found = draw.run()
         except vo.IntegrationError:
             seen[draw.fault, "noticed"] += 1
@@ -343,5 +343,5 @@ def main() -> int:
     if given.count:
         doubts(given.seed, given.count, given.only)
     if given.planted:
-        noticed(given.seed, given.planted, given.only)
+        print_findings(given.seed, given.planted, given.only)
     return 0

@@ -102,7 +102,7 @@ def _exponentials(expr: Any) -> _Exponentials:
     if is_exponential(expr):
         return {expr.args[1]: se.Integer(1)}
     if isinstance(expr, se.Add):
-        return _collected(item for term in expr.args for item in _exponentials(term).items())
+        return _sum_of_terms(item for term in expr.args for item in _exponentials(term).items())
     factors = [*factors_of(expr)]
     if isinstance(expr, se.Pow) and isinstance(expr.args[1], se.Integer) and 0 < expr.args[1] <= 8:
         factors = [expr.args[0]] * int(expr.args[1])
@@ -113,7 +113,7 @@ def _exponentials(expr: Any) -> _Exponentials:
             terms = {se.Integer(0): factor}
         if len(found) * len(terms) > MOST_TERMS:
             return {se.Integer(0): expr}
-        found = _collected((u + w, a * b) for u, a in found.items() for w, b in terms.items())
+        found = _sum_of_terms((u + w, a * b) for u, a in found.items() for w, b in terms.items())
     return found
 
 
@@ -125,7 +125,7 @@ def _holds_exponentials(expr: Any) -> bool:
     return isinstance(expr, se.sinh | se.cosh) or bool(is_exponential(expr))
 
 
-def _collected(items: Iterable[tuple[Any, Any]]) -> _Exponentials:
+def _sum_of_terms(items: Iterable[tuple[Any, Any]]) -> _Exponentials:
     found: _Exponentials = {}
     for w, c in items:
         found[w] = found.get(w, se.Integer(0)) + c

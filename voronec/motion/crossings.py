@@ -24,11 +24,19 @@ import numpy as np
 from voronec.motion.request import Guard
 
 __all__ = [
-    "NODES", "SPECK", "Course", "Levels", "Pieces", "crosses", "crossings", "find_crossings",
+    "NODES",
+    "SPECK",
+    "Levels",
+    "Pieces",
+    "StepCourse",
+    "crosses",
+    "crossings",
+    "find_crossings",
     "roots",
 ]  # fmt: skip
 
 DEGREE = 8
+"""Of the polynomials that stand for functions on a step."""
 NODES = (1 - np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)) / 2
 """Where functions are looked at, from 0 to 1."""
 BERNSTEIN = np.linalg.inv(
@@ -39,6 +47,7 @@ HIGHEST = np.linalg.inv(np.polynomial.chebyshev.chebvander(2 * NODES - 1, DEGREE
 """Values at the nodes to the last two coefficients of Chebyshev's polynomials, by whose size the
 function may be off its polynomial."""
 NOISE = 184 * 2.2e-16
+"""Rounding of values, as it shows in coefficients."""
 ROUGH, COARSE = 0.05, 5
 """What is that far off its polynomial in units of its size, on pieces cut so often, has a pole or a
 jump there: it passes zero where it does between two nodes."""
@@ -147,7 +156,7 @@ class Pieces:
 
 
 @dataclass(frozen=True)
-class Brackets:
+class RootBrackets:
     """Spans (k,) within numbered pieces at whose ends functions have values of different signs."""
 
     start: np.ndarray
@@ -161,12 +170,12 @@ class Brackets:
         """All of them, those of ``roots`` first."""
         return self.start, self.before, self.end, self.after, self.number
 
-    def where(self, which: np.ndarray) -> Brackets:
+    def where(self, which: np.ndarray) -> RootBrackets:
         """Some of them."""
-        return Brackets(*(part[which] for part in self.parts))
+        return RootBrackets(*(part[which] for part in self.parts))
 
 
-def _brackets(pieces: Pieces, first: np.ndarray, single: bool) -> list[Brackets]:
+def _brackets(pieces: Pieces, first: np.ndarray, single: bool) -> list[RootBrackets]:
     """Between which nodes functions pass zero, from a sign (k,) at the first; of ``single``
     crossings between the ends of the piece where the nodes tell another number."""
     values = pieces.values.copy()
@@ -180,24 +189,24 @@ def _brackets(pieces: Pieces, first: np.ndarray, single: bool) -> list[Brackets]
         one, ends = passes.sum(axis=0) == 1, crosses(values[0], values[-1])
         passes, ends = passes & one & ends, ends & ~one
     node, which = np.nonzero(passes)
-    inner = Brackets(
+    inner = RootBrackets(
         times[node, which], values[node, which], times[node + 1, which], last[node + 1, which],
         pieces.number[which],
     )  # fmt: skip
-    outer = Brackets(pieces.start, values[0], pieces.end, last[-1], pieces.number)
+    outer = RootBrackets(pieces.start, values[0], pieces.end, last[-1], pieces.number)
     return [inner, outer.where(ends)]
 
 
 def find_crossings(
     function: Function, pieces: Pieces, rounding: Function
-) -> tuple[Brackets, list[tuple[int, Any]]]:
+) -> tuple[RootBrackets, list[tuple[int, Any]]]:
     """Spans in each of which a function passes zero once, and the numbers and times of what touches
     zero.
 
     ``rounding`` tells by how much it may change functions: what dips below zero and comes back by
     less touches it.
     """
-    found, touches = list[Brackets](), list[tuple[int, Any]]()
+    found, touches = list[RootBrackets](), list[tuple[int, Any]]()
     depths = np.full(len(pieces.start), np.nan)
 
     def keep(which: np.ndarray, single: bool) -> None:
@@ -230,7 +239,7 @@ def find_crossings(
         if (flat | rough).all():
             break
         pieces = pieces.where(~(flat | rough)).halves(function)
-    return Brackets(*map(np.concatenate, zip(*(b.parts for b in found), strict=True))), touches
+    return RootBrackets(*map(np.concatenate, zip(*(b.parts for b in found), strict=True))), touches
 
 
 def _settle_ends(values: np.ndarray) -> np.ndarray:
@@ -297,7 +306,7 @@ def _is_pole(
 
 
 @dataclass(frozen=True)
-class Course:
+class StepCourse:
     """Consecutive steps, as events are looked for on them: the times (s + 1,) at which they end,
     the first their start, and states (k, n) at times (k,).  ``before`` are the values (m,) that the
     functions had where the steps before ended, where these are known."""
@@ -325,7 +334,10 @@ class Findings:
 
 
 def crossings(
-    events: Mapping[int, Guard], levels: Levels, course: Course, walls: frozenset[str] = frozenset()
+    events: Mapping[int, Guard],
+    levels: Levels,
+    course: StepCourse,
+    walls: frozenset[str] = frozenset(),
 ) -> Findings:
     """What happens on steps.
 
@@ -343,7 +355,7 @@ class _Search:
 
     events: Mapping[int, Guard]
     levels: Levels
-    course: Course
+    course: StepCourse
     walls: frozenset[str]
     states: np.ndarray = field(init=False)
     held: np.ndarray = field(init=False)
@@ -412,7 +424,7 @@ class _Search:
         leaves = self.held[events] & (steps == 0)
         return np.where(leaves, 2 * depth + ROUNDINGS * self.pieces.size[number], depth)
 
-    def is_pole(self, found: Brackets, place: int, time: Any) -> bool:
+    def is_pole(self, found: RootBrackets, place: int, time: Any) -> bool:
         """Whether a function passes zero through a pole; walls have none."""
         number = found.number[place : place + 1]
         if [*self.events.values()][int(number[0]) % len(self.events)].name in self.walls:

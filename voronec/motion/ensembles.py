@@ -36,7 +36,7 @@ from voronec.motion.request import (  # fmt: skip
     spread_starts,
 )
 from voronec.motion.state_probe import at_each, changes
-from voronec.motion.steppers.samples import OwnedSamples, owned
+from voronec.motion.steppers.samples import OwnedSamples, by_owner
 from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Trajectory
@@ -490,7 +490,7 @@ def _block(
             if filled.switched is not None:
                 rows, error, run = filled.switched.along(int(where[0]), filled.grid)
                 rows, failed = rows[None], {} if error is None else {0: error}
-                steps, samples = (0, []) if run is None else (run.steps, owned(run.samples))
+                steps, samples = (0, []) if run is None else (run.steps, by_owner(run.samples))
             elif lanes is None:
                 rows, error, run, short = along_one(
                     filled.single, motions.program, states[0], values[0], filled.grid, tol,
@@ -498,7 +498,7 @@ def _block(
                 )  # fmt: skip
                 filled.collapsed.extend(where[:short].tolist())
                 rows, failed = rows[None], {} if error is None else {0: error}
-                steps, samples = run.steps, owned(run.samples)
+                steps, samples = run.steps, by_owner(run.samples)
             else:
                 rows, failed, steps, near, samples = along(
                     lanes, states, values, filled.grid, halt.is_set
@@ -509,7 +509,7 @@ def _block(
     except StopRequest:
         pass
     finally:
-        _fill_checked(filled, over, taken)
+        _fill_sound(filled, over, taken)
     return taken
 
 
@@ -517,7 +517,7 @@ _Load = tuple[np.ndarray, np.ndarray, dict[int, IntegrationError], list[OwnedSam
 """Motions, their states along the grid, what failed, and samples of steps, by their place here."""
 
 
-def _fill_checked(filled: _ResultRows, over: list[_Load], steps: int) -> None:
+def _fill_sound(filled: _ResultRows, over: list[_Load], steps: int) -> None:
     """Fill in what is done of a block, after a look at whether it went well."""
     if not over:
         return

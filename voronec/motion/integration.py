@@ -83,11 +83,11 @@ FAR = 500.0
 both are about equal at half of it for every system that declares one."""
 
 
-ASKED = {
+PROBLEM_KINDS = {
     "outputs": SEVERAL, "inputs": VALUES, "method": TEXT, "tol": TOLERANCE, "project": FLAG,
     "dense": FLAG,
 }  # fmt: skip
-GIVEN = {"initial": VALUES, "parameters": VALUES, "progress": CALLABLE}
+RUN_KINDS = {"initial": VALUES, "parameters": VALUES, "progress": CALLABLE}
 """Kinds of arguments: of a problem, and of one run of it."""
 
 
@@ -118,7 +118,7 @@ class PreparedProblem:
         source = self.source
         return source.system if isinstance(source, VoronecEquations) else require_system(source)
 
-    @accepts(**GIVEN)
+    @accepts(**RUN_KINDS)
     def run(
         self,
         initial: Mapping[Any, Any] | None = None,
@@ -149,7 +149,7 @@ class PreparedProblem:
         grid = grid_of(self.system, read.scene, times)
         start, end = float(grid[0]), float(grid[-1])
         driven, vocabulary, guards = read.drive.over(start, end), read.vocabulary, read.guards
-        given = read.start_data.given(vocabulary, parameters, initial)
+        given = read.start_data.with_values(vocabulary, parameters, initial)
         given = replace(given, parameters={**given.parameters, **driven.parameters(start, end)})
         outset = Outset.of(vocabulary, given, start, self.project, driven.changing)
         far = driven.equations.system.motion is not None and abs(end - start) >= FAR
@@ -220,7 +220,7 @@ class _Reading:
         return cls(scene, driven, vocabulary, outputs, guards, functions, data, cuts)
 
 
-@accepts(**ASKED)
+@accepts(**PROBLEM_KINDS)
 def prepare(
     system: System | VoronecEquations,
     scene: str | Scene | None = None,
@@ -242,12 +242,12 @@ def prepare(
     Raises ``DefinitionError`` for input that makes no sense.
     """
     what = system, scene, outputs, method, tol, events, project, dense, inputs
-    found = _prepared(*what)
+    found = _problem_of(*what)
     found._read(initial_given="default" not in found.system.scenes)
     return found
 
 
-@accepts(**ASKED, **GIVEN)
+@accepts(**PROBLEM_KINDS, **RUN_KINDS)
 def integrate(
     system: System | VoronecEquations,
     scene: str | Scene | None = None,
@@ -321,14 +321,14 @@ def integrate(
     """
     began = perf_counter()
     what = system, scene, outputs, method, tol, events, project, dense, inputs
-    return _prepared(*what)._motion(initial, parameters, times, progress, began)
+    return _problem_of(*what)._motion(initial, parameters, times, progress, began)
 
 
 MOST = 16
 """So many problems stay with a system, as they were prepared for calls of ``integrate``."""
 
 
-def _prepared(
+def _problem_of(
     system: System | VoronecEquations, scene: Any, outputs: Any, method: str, tol: float,
     events: Any, project: bool, dense: bool, inputs: Any,
 ) -> PreparedProblem:  # fmt: skip
@@ -860,7 +860,7 @@ class _Sight:
         known = self.at(t)
         values = [known.get(str(p), np.nan) for p in self.program.parameters]
         with mpmath.workprec(self.bits):
-            shown = shown_program(self.program, self.watch.kept)
+            shown = shown_program(self.program, self.watch.for_conservation)
             return own | evaluate_watch(self.watch, shown, t, states, values)
 
     def crossings(self, t: np.ndarray, states: np.ndarray) -> Crossings:

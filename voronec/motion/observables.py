@@ -84,7 +84,7 @@ class Watch:
         return (*self.outputs, *self.besides)
 
     @cached_property
-    def kept(self) -> frozenset[str]:
+    def for_conservation(self) -> frozenset[str]:
         """The names under which the program computes integrals, their sizes and relations."""
         parts = (self.integrals, self.sizes, self.relations)
         return frozenset(key for part in parts for key in part.values())

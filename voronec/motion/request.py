@@ -92,9 +92,9 @@ class StartData:
             scene_initial=name_values(vocabulary, start, "initial value"),
             initial={},
         )
-        return said.given(vocabulary, parameters, initial)
+        return said.with_values(vocabulary, parameters, initial)
 
-    def given(
+    def with_values(
         self, vocabulary: Vocabulary, parameters: Values | None, initial: Values | None
     ) -> StartData:
         """What a scene says, and over it what is given besides."""

@@ -26,7 +26,7 @@ from voronec.motion.crossings import NODES, Pieces, find_crossings, roots
 from voronec.motion.methods import METHODS
 from voronec.motion.request import number
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
-from voronec.motion.steppers.samples import Sampler, StepSamples, series_samples
+from voronec.motion.steppers.samples import StepSampler, StepSamples, series_samples
 from voronec.motion.steppers.scipy_stepper import dop853_steps
 from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride
 
@@ -562,7 +562,7 @@ def _follow(
     everything, lane = np.arange(size), np.zeros(1, dtype=int)
     last = float(plane(np.array([motions.time]), motions.states[i : i + 1], lane)[0])
     before, sizes, crosses = 0.0, StepSizes.of(1), motions.divisor_watch(values, 0.0)
-    sampler = Sampler()
+    sampler = StepSampler()
     try:
         span = (motions.time, end)
         for step in _strides(method, watch.program, begin, values, span, tol):

@@ -57,7 +57,7 @@ from voronec.motion.section_passages import (
 )
 from voronec.motion.state_probe import at_each, changes
 from voronec.motion.steppers.event_states import with_parts
-from voronec.motion.steppers.samples import owned
+from voronec.motion.steppers.samples import by_owner
 from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost
@@ -528,7 +528,7 @@ def _cut_unsound(
         t = np.concatenate([[motions.time], *(part[0] for part in passages.parts[i])])
         states = np.vstack([motions.states[i], *(part[1] for part in passages.parts[i])])
         ends = motions.time, float(t[-1])
-        samples = owned(part.within(*ends) for part in passages.samples.get(i, ()))
+        samples = by_owner(part.within(*ends) for part in passages.samples.get(i, ()))
         breaches, notes = check.breaches(t, states[None], motions.values[i][None], steps, samples)
         if notes:
             passages.notes[i] = (*passages.notes.get(i, ()), *notes[0])

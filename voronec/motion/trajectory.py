@@ -124,7 +124,7 @@ class Crossings:
 
 
 @dataclass(frozen=True, eq=False)
-class Conserved:
+class Conservation:
     """What ought to stay along a motion: the ``integrals`` and relations of ``watch``, evaluated
     when they are first asked for.
 
@@ -196,7 +196,7 @@ class Trajectory:
     outputs: tuple[str, ...]
     series: Mapping[str, np.ndarray]
     parameters: Mapping[str, float]
-    conserved: Conserved
+    conserved: Conservation
     cost: Cost
     interrupted: bool = False
     events: Mapping[str, Crossings] = field(default_factory=dict)
@@ -423,9 +423,11 @@ def make_trajectory(
 
     return assemble_trajectory(
         vocabulary, watch, t, tuple(map(str, program.state)), states,
-        evaluate_watch(watch, shown_program(program, watch.kept), t, states, values),
+        evaluate_watch(watch, shown_program(program, watch.for_conservation), t, states, values),
         constants, cost,
-        Conserved(watch, cost.tolerance, everything, _TermSizes(watch, program, t, states, values)),
+        Conservation(
+            watch, cost.tolerance, everything, _TermSizes(watch, program, t, states, values)
+        ),
         **ends,
     )  # fmt: skip
 
@@ -439,7 +441,7 @@ def assemble_trajectory(
     series: Mapping[str, np.ndarray],
     constants: Mapping[str, float],
     cost: Cost,
-    conserved: Conserved | None = None,
+    conserved: Conservation | None = None,
     **ends: Any,
 ) -> Trajectory:
     """The trajectory of states (k, n) called ``names`` and of what is watched along them.
@@ -457,7 +459,7 @@ def assemble_trajectory(
     still = {n: x for n, x in constants.items() if np.ndim(x) == 0}  # others are inputs
     # what is no number is not equal to itself
     known = {n for n in system.parameter_names if n in still and still[n] == still[n]}
-    kept = conserved or Conserved(watch, cost.tolerance, lambda: series)
+    kept = conserved or Conservation(watch, cost.tolerance, lambda: series)
     return Trajectory(
         system=system,
         t=t,

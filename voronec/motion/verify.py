@@ -31,7 +31,7 @@ from voronec.motion.observables import evaluate_extras
 from voronec.motion.state_probe import at_each, changes, usual_size
 from voronec.motion.step_defects import program_rates, strayed_rows, wrong_steps
 from voronec.motion.steppers.run import Run, Signals, values_along
-from voronec.motion.steppers.samples import OwnedSamples, Rates, StepSamples, owned, spread
+from voronec.motion.steppers.samples import OwnedSamples, Rates, StepSamples, by_owner, spread
 from voronec.motion.tolerances import LOOSE, UNIT
 from voronec.motion.trajectory import Trajectory
 
@@ -144,7 +144,7 @@ class SolutionCheck:
         self, t: np.ndarray, parts: Sequence[StepSamples], rates: Rates
     ) -> list[Breach]:
         """The steps that do not obey the equations."""
-        found = wrong_steps(owned(parts), lambda _: rates, self.tol)
+        found = wrong_steps(by_owner(parts), lambda _: rates, self.tol)
         return [Breach.of_step(t, part, i) for _, part, i in found]
 
     def at(self, t: np.ndarray) -> list[Any]:
@@ -373,7 +373,7 @@ class CheckOfMany:
         (m, k, n) at ``t`` (k,), parameters (m, p), ``samples`` of the steps; each took so many."""
         notes, found = dict[int, tuple[str, ...]](), dict[int, Breach]()
         breaches = [*self._disobedient(t, states, values, samples)]
-        for i, name in self._drifting(t, states, values):
+        for i, name in self._drifts_at(t, states, values):
             whole, own = np.isfinite(states[i]).all(axis=1), {name: (self.integrals[name],) * 2}
             jumps = name in self.jumping
             one = SolutionCheck(
@@ -389,7 +389,7 @@ class CheckOfMany:
                 found[i] = breach
         return found, notes
 
-    def _drifting(
+    def _drifts_at(
         self, t: np.ndarray, states: np.ndarray, values: np.ndarray
     ) -> Iterator[tuple[int, str]]:
         """The motions of which an integral may be lost, and its name."""

@@ -109,14 +109,14 @@ class _Letter:
     @property
     def text(self) -> str:
         """One spelling, to be put in another place."""
-        return (self.accent + " " if self.accent else "") + _spaced(self.letter)
+        return (self.accent + " " if self.accent else "") + _with_spaces(self.letter)
 
 
 def _is_letter(word: Token) -> bool:
     return word.kind == "letter" or word.text in GREEK
 
 
-def _spaced(text: str) -> str:
+def _with_spaces(text: str) -> str:
     """A word that a letter may follow."""
     return text + " " if re.search(r"\\[a-zA-Z]+$", text) else text
 
@@ -219,7 +219,7 @@ def _index_edits(words: Sequence[Token], study: Study, spare: Sequence[str]) -> 
     for start, end in script_ranges(words):
         for word in words[start:end]:
             if word.text in study.indices:
-                yield from (Change.at(word.start, word.end, _spaced(x)) for x in letters)
+                yield from (Change.at(word.start, word.end, _with_spaces(x)) for x in letters)
     for start, end in script_ranges(words):
         inside = {w.text for w in words[start:end]} & set(study.indices)
         for other in spare if inside else ():
@@ -363,7 +363,7 @@ def _put_in(words: Sequence[Token], texts: Sequence[str]) -> Iterator[Change]:
                 continue
             if not number:
                 spots.insert(0 if "^" in text else 1, words[end - 1].end)
-            yield from (Change.at(spot, spot, _spaced(text)) for spot in spots)
+            yield from (Change.at(spot, spot, _with_spaces(text)) for spot in spots)
 
 
 def _numeral_end(words: Sequence[Token], start: int) -> int:
@@ -422,7 +422,7 @@ def _differentials(words: Sequence[Token]) -> Iterator[Change]:
         for sign in ("\\partial", "d"):
             if (top.text == sign) != (bottom.text == sign):
                 place = (bottom if top.text == sign else top).start
-                yield Change.at(place, place, _spaced(sign))
+                yield Change.at(place, place, _with_spaces(sign))
 
 
 def _braced_fractions(words: Sequence[Token]) -> Iterator[tuple[int, int, int]]:

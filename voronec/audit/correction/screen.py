@@ -90,7 +90,7 @@ class Screen:
         if self.check.stationary:
             return True
         try:
-            chain, wheres = self._changed(latex, change)
+            chain, wheres = self._with_change(latex, change)
             if "\\int" in latex:
                 return True
             first = [where for where in wheres if where == self.where]
@@ -98,7 +98,7 @@ class Screen:
         except SENSELESS:
             return False
 
-    def _changed(self, latex: str, change: Change) -> tuple[Chain, list[Where]]:
+    def _with_change(self, latex: str, change: Change) -> tuple[Chain, list[Where]]:
         """A changed formula, the printed one with another term or one read anew, and the values
         of its free indices."""
         start, end = min(p[0] for p in change.pieces), max(p[1] for p in change.pieces)

@@ -456,17 +456,17 @@ def stretches(formula: Box) -> list[tuple[Box, ...]]:
 
     A line may end before a relation, before a sum's sign, and behind a wide space.
     """
-    items = list(_opened(formula.parts)) if formula.kind == "row" else [formula]
+    items = list(_without_brackets(formula.parts)) if formula.kind == "row" else [formula]
     cuts = [i for i in range(1, len(items)) if _breaks(items[i - 1], items[i])]
     return [tuple(items[a:b]) for a, b in pairwise([0, *cuts, len(items)])]
 
 
-def _opened(parts: Sequence[Box]) -> Iterator[Box]:
+def _without_brackets(parts: Sequence[Box]) -> Iterator[Box]:
     """The parts of a row; long brackets are three of them."""
     for box in parts:
         if box.kind == "fence" and box.parts[1].kind == "row" and _leaves(box) > LONG:
             yield box.parts[0]
-            yield from _opened(box.parts[1].parts)
+            yield from _without_brackets(box.parts[1].parts)
             yield box.parts[2]
         else:
             yield box

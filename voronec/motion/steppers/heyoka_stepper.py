@@ -18,7 +18,7 @@ import symengine as se
 
 from voronec.declaration.whole_files import make_private, user_cache
 from voronec.equations.program import Program, hoist, taylor_extras, taylor_system
-from voronec.motion.crossings import SPECK, Course, Levels, crossings
+from voronec.motion.crossings import SPECK, Levels, StepCourse, crossings
 from voronec.motion.steppers.run import (
     DISTANT,
     INFINITE,
@@ -378,7 +378,7 @@ class _Drive:
         """Enter what happens in the steps of a chunk; how many of them, and which of its new rows
         of the grid, lie before what stops the run, as do the ``ends`` of steps kept since."""
         problem, order = self.problem, 1.0 if self.grid[-1] >= self.grid[0] else -1.0
-        course = Course(
+        course = StepCourse(
             np.array(self.output.times), _Chunk(self.output, self.winding.now()), self.before
         )
         left = problem.walls if self.is_on_wall else frozenset[str]()

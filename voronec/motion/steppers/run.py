@@ -734,7 +734,7 @@ def _join_runs(parts: Sequence[Run], grid: np.ndarray, problem: Problem) -> Run:
         crossings=crossings,
         switches=sum(part.switches for part in parts),
         held=any(part.held for part in parts),
-        samples=StepSamples.joined(sample for part in parts for sample in part.samples),
+        samples=StepSamples.of_pieces(sample for part in parts for sample in part.samples),
         prepared=sum(part.prepared for part in parts),
         notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
         inside=_inside(parts) if problem.dense else None,

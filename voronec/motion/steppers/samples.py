@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 __all__ = [
-    "NODES", "WIDTH", "OwnedSamples", "Rates", "Sampler", "StepSamples", "burst", "owned",
+    "NODES", "WIDTH", "OwnedSamples", "Rates", "StepSampler", "StepSamples", "burst", "by_owner",
     "series_samples", "spread",
 ]  # fmt: skip
 
@@ -60,7 +60,7 @@ class StepSamples:
         return (cls(np.concatenate([t for t, _ in parts]), np.concatenate([x for _, x in parts])),)
 
     @classmethod
-    def joined(cls, parts: Iterable[StepSamples]) -> tuple[StepSamples, ...]:
+    def of_pieces(cls, parts: Iterable[StepSamples]) -> tuple[StepSamples, ...]:
         """Those of the pieces of a run, no more than ``MOST`` of them where one right side holds
         for all."""
         parts = tuple(parts)
@@ -103,24 +103,24 @@ OwnedSamples = tuple[np.ndarray, StepSamples]
 """Samples (s, ...) and whose they are (s,), by its position among many motions."""
 
 
-def owned(parts: Iterable[StepSamples]) -> list[OwnedSamples]:
+def by_owner(parts: Iterable[StepSamples]) -> list[OwnedSamples]:
     """The samples of one motion, as those of the first of many."""
     return [(np.zeros(len(part.times), dtype=int), part) for part in parts]
 
 
 @dataclass
-class Sampler:
+class StepSampler:
     """What takes samples step by step, ``rows`` of them: each, until there are too many; then every
     second one is dropped, and taken from there on."""
 
     rows: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
     every: int = 1
-    seen: int = 0
+    count: int = 0
 
     def take(self, start: Any, end: Any, at: Callable[[np.ndarray], np.ndarray]) -> None:
         """A step, whose states at times (k,) ``at`` gives (k, n)."""
-        self.seen += 1
-        if self.seen % self.every:
+        self.count += 1
+        if self.count % self.every:
             return
         begin = float(start)
         times = begin + (float(end) - begin) * NODES

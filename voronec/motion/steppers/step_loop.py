@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from voronec.equations.program import compile_program
-from voronec.motion.crossings import SPECK, Course, Levels, crossings
+from voronec.motion.crossings import SPECK, Levels, StepCourse, crossings
 from voronec.motion.request import Guard
 from voronec.motion.steppers.run import (
     COLLAPSE,
@@ -25,7 +25,7 @@ from voronec.motion.steppers.run import (
     in_parts,
     until,
 )
-from voronec.motion.steppers.samples import Sampler, StepSamples
+from voronec.motion.steppers.samples import StepSampler, StepSamples
 
 __all__ = [
     "IntegratorFailure",
@@ -66,10 +66,10 @@ class Stride:
     slopes: tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]] | None = None
     up_to: Callable[[float], Stride] | None = None
 
-    def course(self, before: np.ndarray | None = None) -> Course:
+    def course(self, before: np.ndarray | None = None) -> StepCourse:
         """The step as events are looked for on it."""
         ends = np.array([self.start, self.end], dtype=self.state.dtype)
-        return Course(ends, self.at, before)
+        return StepCourse(ends, self.at, before)
 
 
 @dataclass(frozen=True)
@@ -133,14 +133,14 @@ class _March:
     states: np.ndarray = field(init=False)
     strides: list[Stride] = field(default_factory=list)
     ends: list[float] = field(default_factory=list)
-    sampler: Sampler = field(default_factory=Sampler)
+    sampler: StepSampler = field(default_factory=StepSampler)
     recent: list[tuple[np.ndarray, np.ndarray, int]] = field(default_factory=list)
     unseen: int = 0
     done: int = 1
     steps: int = 0
     idle: int = 0
     is_on_wall: bool = True
-    seen: tuple[Any, np.ndarray | None] = (None, None)
+    last_look: tuple[Any, np.ndarray | None] = (None, None)
     last: Halt = field(init=False)
 
     def __post_init__(self) -> None:
@@ -218,9 +218,9 @@ class _March:
         there other equations hold."""
         walls = self.problem.walls
         left = walls if self.is_on_wall else frozenset()
-        known = self.seen[1] if self.seen[0] == stride.start else None
+        known = self.last_look[1] if self.last_look[0] == stride.start else None
         seen = crossings(events, self.levels, stride.course(known), left)
-        self.seen, found = (stride.end, seen.end), seen.passages
+        self.last_look, found = (stride.end, seen.end), seen.passages
         self.log.touches += seen.touches
         # short first steps may leave a wall by less than rounding
         on = [abs(seen.end[i]) <= SPECK for i, event in events.items() if event.name in walls]

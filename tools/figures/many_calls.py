@@ -41,7 +41,7 @@ def line(name: str, end: float, outputs: tuple[str, ...], rounds: int) -> list[s
     system = vo.load(name)
     asked = scene_problem(system, time=end, instants=INSTANTS, outputs=outputs)
     by_hand, grid = contender.prepare(asked), asked.grid
-    prepared = vo.prepare(system, "default", outputs, tol=TOLERANCE)
+    problem = vo.prepare(system, "default", outputs, tol=TOLERANCE)
     own = plain_name(system.velocities[-1])
     first = float(vo.integrate(system, times=grid, tol=TOLERANCE)[own][0])
 
@@ -49,7 +49,7 @@ def line(name: str, end: float, outputs: tuple[str, ...], rounds: int) -> list[s
         return {own: first * (1 + 1e-6 * k)}
 
     hand = 1e3 * min(by_hand(TOLERANCE).seconds for _ in range(3))
-    run = fastest(lambda k: prepared.run(start(k), times=grid), rounds)
+    run = fastest(lambda k: problem.run(start(k), times=grid), rounds)
     whole = fastest(
         lambda k: vo.integrate(
             system, "default", grid, outputs, initial=start(k), tol=TOLERANCE
