@@ -133,11 +133,11 @@ class PreparedProblem:
         """
         return self._motion(initial, parameters, times, progress, perf_counter())
 
-    def _read(self, initial_given: bool) -> _Reading:
+    def _read(self, initial_given: bool) -> _ProblemReading:
         """What is asked, with the scene of a run that is given initial values, or none."""
         alone = initial_given and self.scene is None
         return self.memo.once(
-            alone, lambda: _Reading.of(self, scene_of(self.system, self.scene, not alone))
+            alone, lambda: _ProblemReading.of(self, scene_of(self.system, self.scene, not alone))
         )
 
     def _motion(
@@ -189,7 +189,7 @@ class PreparedProblem:
 
 
 @dataclass(frozen=True, eq=False)
-class _Reading:
+class _ProblemReading:
     """What a ``PreparedProblem`` asks for, in the names of its system, and what one scene, or none,
     says of starts."""
 
@@ -203,7 +203,7 @@ class _Reading:
     cuts: CutWatch
 
     @classmethod
-    def of(cls, asked: PreparedProblem, scene: Scene | None) -> _Reading:
+    def of(cls, asked: PreparedProblem, scene: Scene | None) -> _ProblemReading:
         """Read what is asked; ``DefinitionError`` for what the system does not know."""
         driven, outputs = drive(asked.source, asked.inputs, scene), outputs_of(scene, asked.outputs)
         _refuse_unknown_functions(driven.equations.system)
