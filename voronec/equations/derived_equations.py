@@ -156,7 +156,7 @@ class DerivedEquations:
         try:
             lean = lean_form(self.raw)
         except EngineLimit:
-            return self.raw.form if self.is_large else self.best.form
+            return self.best.form
         if self.is_large:
             return lean
         return min(lean, self.exact.form, key=_cost) if self.in_normal_form else lean
