@@ -148,13 +148,17 @@ def many(page: Path, extent: Extent) -> str:
     lines = {name: _line(name, loop, span, extent) for name, loop in loops.items()}
     table.picture(
         lines, ("number of starts", "microseconds of CPU a start"),
-        f"Ball without symmetry on a sphere, T = {span:g}, middle error {ERROR:g}", page, "many",
+        f"Ball on a sphere, T = {span:g}, error {ERROR:g}", page, "many",
     )  # fmt: skip
     head = ("microseconds a start", *(f"{count}" for count in extent.starts))
     return table.markdown(head, (
-        (name, *(f"{dict(zip(*line, strict=True)).get(n, ''):.4}" for n in extent.starts))
+        (name, *(_text(dict(zip(*line, strict=True)).get(n)) for n in extent.starts))
         for name, line in lines.items()
     ))  # fmt: skip
+
+
+def _text(time: float | None) -> str:
+    return "" if time is None else f"{time:.0f}" if time >= 100 else f"{time:.3g}"
 
 
 def _line(name: str, loop: Loop, span: float, extent: Extent) -> tuple[list[int], list[float]]:
