@@ -158,7 +158,7 @@ def test_the_command(
     data = json.loads(capsys.readouterr().out)
     assert data["check"] == "proved"
     assert [Path(f).name for f in data["files"]] == [
-        f"derivation.{suffix}" for suffix in ("txt", "tex", "html")
+        f"derivation.{suffix}" for suffix in ("html", "tex", "txt")
     ]
     assert all(Path(f).is_file() for f in data["files"])
 
