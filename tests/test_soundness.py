@@ -18,7 +18,7 @@ from voronec.motion import motion_pool as many_motions
 from voronec.motion.integration import first_success
 from voronec.motion.steppers import Halt
 from voronec.motion.steppers import heyoka_stepper as taylor
-from voronec.motion.steppers.samples import NODES, StepSamples, owned
+from voronec.motion.steppers.samples import NODES, StepSamples, by_owner
 
 pytestmark = pytest.mark.slow
 
@@ -455,7 +455,7 @@ def test_only_steps_that_seem_wrong_are_integrated_again() -> None:
     states = np.stack([np.cos(times), -np.sin(times)], axis=-1)
 
     def wrong(rows: np.ndarray) -> list[int]:
-        samples = owned([StepSamples(times, rows)])
+        samples = by_owner([StepSamples(times, rows)])
         return [i for _, _, i in step_defects.wrong_steps(samples, lambda _: rates, 1e-10)]
 
     assert wrong(states) == [] and asked == [times.size]
