@@ -118,7 +118,8 @@ class Sheet:
     def write(self, page: Path, known: Mapping[str, Any]) -> None:
         """Put what is known between the marks of the page."""
         shown = [Row(**row) for key in self.rows for row in known["rows"].get(key, [])]
-        parts = {name: known[name] for name in self.parts}
+        call = f"python {self.by} {{}} --page docs/{page.name}"
+        parts = {n: known[n] or f"Not measured yet: `{call.format(n)}`." for n in self.parts}
         if shown:
             parts["figures"] = _table(shown)
         parts["machine"] = f"Measured on {known['machine']}."

@@ -20,7 +20,7 @@ import numpy as np
 from voronec.equations.program import Program, compile_program
 from voronec.motion.steppers.run import Problem
 
-__all__ = ["dop853_gain", "dop853_is_cheaper", "is_stiff", "order_of"]
+__all__ = ["FINER", "dop853_gain", "dop853_is_cheaper", "is_stiff", "order_of"]
 
 TAYLOR_STEP, TAYLOR = 0.5, 0.0088
 """Microseconds of a step of heyoka, which Python looks at now and then, and of each order of it and
@@ -30,7 +30,8 @@ DOP853_STEP, EVALUATION = 0.15, 0.005
 STEPS = 0.087
 """Steps of DOP853 for one of heyoka, times tol^(1/8): within a third for all of the catalogue."""
 FINER = 100.0
-"""At equal error heyoka's tolerance may be so many times coarser."""
+"""At equal error heyoka's tolerance may be so many times coarser than that of DOP853 or LSODA: what
+``auto`` gives to these in its place has one so much finer, and loses no digits."""
 REACH = 1e-11
 """At finer tolerances rounding keeps DOP853 from the errors of Taylor's method."""
 STABLE = 0.15

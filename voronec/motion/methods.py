@@ -82,8 +82,8 @@ class Method:
         the method that may go on where this one cannot.
     loop
         what compiles a program, and functions of events, into steps along a grid.
-    all_events
-        whether it finds events in a step however many they are.
+    follows_events
+        whether its own steps are as short as the functions of events ask for.
     sound_steps
         after more steps a run is said to have added up their errors; none say so by default.
     """
@@ -98,7 +98,7 @@ class Method:
     compiler: str = ""
     other: str = ""
     loop: Loop | None = None
-    all_events: bool = False
+    follows_events: bool = False
     sound_steps: float = inf
 
     @property
@@ -181,8 +181,9 @@ def _digits(problem: Problem) -> Stepper:
 METHODS: dict[str, Method] = {
     # below EXACT a tolerance would only raise the order of heyoka's series, beyond all bounds
     "heyoka": Method(
-        _taylor, EXACT, symbolic=True, many=True, library="heyoka", other="scipy", all_events=True
-    ),
+        _taylor, EXACT, symbolic=True, many=True, library="heyoka", other="scipy",
+        follows_events=True,
+    ),  # fmt: skip
     "scipy": Method(_dop853, FINEST, many=True, other="heyoka"),
     "numba": Method(
         partial(_compiled_stepper, loop=_numba_loop), FINEST, symbolic=True, many=True,
@@ -241,11 +242,6 @@ COARSE = 1e-13
 """At finer tolerances than this Taylor's method is more accurate than DOP853."""
 LONG_RUN = 100_000
 """So many steps of a heavy program take heyoka longer than numba takes to compile and to run."""
-
-
-LOSS = 100.0
-"""So many times finer a tolerance is given to LSODA and DOP853 in place of Taylor's method, which
-errs so much less at the same: no digits are lost by the choice."""
 
 
 def is_exact(method: str, tol: float) -> bool:
@@ -314,17 +310,17 @@ def choose_regular(
 
 def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str, float]:
     """The method to take, why, and how many times finer its tolerance has to be."""
-    from voronec.motion.method_costs import dop853_is_cheaper, is_stiff
+    from voronec.motion.method_costs import FINER, dop853_is_cheaper, is_stiff
 
     brief = problem.brief is not None
     if problem.tol >= FINEST and problem.program.state and not brief:
         if not problem.walls and is_stiff(problem, grid):
-            return "lsoda", "the motion is stiff", LOSS
+            return "lsoda", "the motion is stiff", FINER
         compiled = compiled_method()
         light = problem.program.weight <= HEAVY and not METHODS["heyoka"].absence
         soon = light and compiled and METHODS[compiled].compiles_soon
-        if soon and dop853_is_cheaper(problem.program, problem.tol / LOSS):
-            return compiled, "its steps cost less than those of heyoka at equal error", LOSS
+        if soon and dop853_is_cheaper(problem.program, problem.tol / FINER):
+            return compiled, "its steps cost less than those of heyoka at equal error", FINER
     return *_usual(problem, grid, brief), 1.0
 
 
@@ -384,7 +380,7 @@ def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Stepper, 
     made = METHODS[method]
     make = made.make
     assert make is not None
-    if problem.levels is not None and not made.all_events:
+    if problem.levels is not None and not made.follows_events:
         from voronec.motion.steppers.event_states import make_with_event_states
 
         make = partial(make_with_event_states, make)
