@@ -94,8 +94,6 @@ def _over_largest(product: Any) -> Any:
 @lru_cache(2**14)  # parts that many expressions share are looked at once
 def _exponentials(expr: Any) -> _Exponentials:
     """An expression as a sum of c exp(w), hyperbolic sines and cosines written out."""
-    if not _holds_exponentials(expr):
-        return {se.Integer(0): expr}
     half = se.Rational(1, 2)
     if isinstance(expr, se.sinh | se.cosh):
         return {expr.args[0]: half, -expr.args[0]: half if isinstance(expr, se.cosh) else -half}
@@ -115,14 +113,6 @@ def _exponentials(expr: Any) -> _Exponentials:
             return {se.Integer(0): expr}
         found = _sum_of_terms((u + w, a * b) for u, a in found.items() for w, b in terms.items())
     return found
-
-
-@lru_cache(2**14)
-def _holds_exponentials(expr: Any) -> bool:
-    """Whether there are exponentials among the terms and factors of an expression."""
-    if isinstance(expr, se.Add | se.Mul | se.Pow) and not is_exponential(expr):
-        return any(map(_holds_exponentials, expr.args))
-    return isinstance(expr, se.sinh | se.cosh) or bool(is_exponential(expr))
 
 
 def _sum_of_terms(items: Iterable[tuple[Any, Any]]) -> _Exponentials:

@@ -183,7 +183,7 @@ METHODS: dict[str, Method] = {
     "heyoka": Method(
         _taylor, EXACT, symbolic=True, many=True, library="heyoka", other="scipy",
         follows_events=True,
-    ),  # fmt: skip
+    ),
     "scipy": Method(_dop853, FINEST, many=True, other="heyoka"),
     "numba": Method(
         partial(_compiled_stepper, loop=_numba_loop), FINEST, symbolic=True, many=True,
