@@ -51,9 +51,9 @@ NOISE = 184 * 2.2e-16
 ROUGH, COARSE = 0.05, 5
 """What is that far off its polynomial in units of its size, on pieces cut so often, has a pole or a
 jump there: it passes zero where it does between two nodes."""
-SMALL = 1e-3
-"""Where a function is smaller than this part of its size no piece is cut: its sign is told there by
-little."""
+SMALL = 0.035
+"""Where a function is smaller than this part of its size no piece is cut, since it may dip there: a
+dip lies no further from a node than (a fifth of half a piece), where a parabola is that small."""
 DEEP = 60
 """Pieces are cut no more often: they are as short as doubles can tell."""
 FLAT = 1e-6
