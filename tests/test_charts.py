@@ -175,8 +175,8 @@ def test_a_run_backwards_retraces_the_way(demchenko):
 
 def test_events_happen_in_every_chart(demchenko):
     start = run(demchenko, [1e-3, *NEAR_POLE[1:]], [0, -1]).states[-1]
-    u = demchenko.door.inward(sp.Symbol("u"))
-    dot = demchenko.door.inward(vo.velocity(sp.Symbol("u")))
+    u = demchenko.bridge.inward(sp.Symbol("u"))
+    dot = demchenko.bridge.inward(vo.velocity(sp.Symbol("u")))
     functions = {"lowest": dot, "close": u - sp.Rational(1, 200)}
     events = (Event("lowest", "lowest", 1), Event("close", "close", -1))
     more = {"events": events, "levels": quantities(demchenko.form, functions)}
@@ -192,7 +192,7 @@ def test_events_happen_in_every_chart(demchenko):
 
 def test_an_event_in_another_chart_stops_the_run(demchenko):
     start = run(demchenko, [1e-3, *NEAR_POLE[1:]], [0, -1]).states[-1]
-    functions = {"close": demchenko.door.inward(sp.Symbol("u")) - sp.Rational(1, 200)}
+    functions = {"close": demchenko.bridge.inward(sp.Symbol("u")) - sp.Rational(1, 200)}
     more = {
         "events": (Event("close", "close", -1, True),),
         "levels": quantities(demchenko.form, functions),

@@ -293,7 +293,7 @@ def test_what_turns_at_a_wall_is_not_said_of_the_whole_domain() -> None:
         found = vo.derive(pushed(force)).control.accessibility.verdict
         assert found.proved and found.method.endswith("so near it")
     found = vo.derive(pushed(sp.sign(x))).control.accessibility.verdict
-    assert found.refuted and "off the walls where signs turn" in found.method
+    assert found.refuted and "off the switching surfaces where signs turn" in found.method
     for force in (x**3, sp.sqrt(1 + x**2), x / (1 + y)):
         found = vo.derive(pushed(force)).control.accessibility.verdict
         assert found.proved and "on an open dense set" in found.method

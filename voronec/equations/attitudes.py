@@ -60,7 +60,7 @@ QUARTER = se.pi / 2
 class EulerAngles:
     """Three coordinates that are Euler's angles: Rz(phi) Rx(theta + shift) Rz(sense psi), up to
     constant turns of space and of the body; or, where ``psi`` is None, two that are longitude and
-    colatitude of a direction, the third column.  Symbols are those inside the door."""
+    colatitude of a direction, the third column.  Symbols are those in the engine's symbols."""
 
     phi: Any
     theta: Any
@@ -151,7 +151,7 @@ def _make_chart(equations: VoronecEquations) -> VoronecEquations | None:
             )
     if not turned:
         return None
-    poles = sp.Mul(*[equations.door.outward(t.singular) for t in triples])
+    poles = sp.Mul(*[equations.bridge.outward(t.singular) for t in triples])
     kept = {
         name: replace(chart, singular_there=chart.singular_there * poles)
         for name, chart in system.charts.items()
@@ -346,7 +346,7 @@ class _TurnedSystem:
     @property
     def chart(self) -> Chart:
         """The chart; ``EngineLimit`` where the system is not regular at the poles."""
-        out = self.d.door.outward
+        out = self.d.bridge.outward
         there: dict[Any, Any] = {}
         back: dict[Any, Any] = {}
         twins: list[dict[Any, Any]] = []
@@ -383,7 +383,7 @@ class _TurnedSystem:
     @property
     def _near(self) -> dict[Any, Any]:
         """The image of a pole, where the body has turned by something, and the default scene."""
-        scenes, out = self.d.system.scenes, self.d.door.outward
+        scenes, out = self.d.system.scenes, self.d.bridge.outward
         start = (
             {plain_name(q): x for q, x in scenes["default"].initial.items()}
             if "default" in scenes
@@ -396,7 +396,7 @@ class _TurnedSystem:
         return {q: own[plain_name(q)] for q in map(out, self.d.coordinates)}
 
     def _changes(self) -> dict[str, Any]:
-        d, out = self.d, self.d.door.outward
+        d, out = self.d, self.d.bridge.outward
         if d.added:
             raise EngineLimit("forces that hold accelerations are not written in other angles")
         changes: dict[str, Any] = {"lagrangian": out(self._move(d.lagrangian))}

@@ -19,10 +19,10 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.arguments import POINT, SEQUENCE, instance, require
-from voronec.algebra.door import Door
 from voronec.algebra.matrices import determinant
 from voronec.algebra.normal import shorten, shortest
 from voronec.algebra.symbols import names_in, plain_name, velocity
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.declaration.charts import Chart
 from voronec.declaration.geometry import Frame
 from voronec.declaration.reading import expression
@@ -119,11 +119,11 @@ class _ChartImage:
 
     def solve(self, constraints: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
         """The constraints solved for velocities for which the solution is regular on the axis."""
-        rows, door = [self._of(c) for c in constraints], Door()
-        inside = door.inward_all(rows)
-        axis = dict.fromkeys(door.inward_all((self.r, self.phi)), 0)
+        rows, bridge = [self._of(c) for c in constraints], SymPyBridge()
+        inside = bridge.inward_all(rows)
+        axis = dict.fromkeys(bridge.inward_all((self.r, self.phi)), 0)
         for chosen in self._pivots(rows):
-            names = door.inward_all(chosen)
+            names = bridge.inward_all(chosen)
             matrix = [[row.diff(x) for x in names] for row in inside]
             rest = [row.xreplace(dict.fromkeys(names, 0)) for row in inside]
             # by Cramer's rule
@@ -132,7 +132,7 @@ class _ChartImage:
             ends = [e.xreplace(axis) for e in (below, *above)]
             if below == 0 or (ends[0] == 0 and any(e not in (0, se.nan) for e in ends[1:])):
                 continue  # the solution is infinite there
-            found = [door.outward(e) for e in shortest([x / below for x in above])]
+            found = [bridge.outward(e) for e in shortest([x / below for x in above])]
             if all(map(self._is_regular, found)):
                 return tuple(v + x for v, x in zip(chosen, found, strict=True))
         raise DefinitionError(

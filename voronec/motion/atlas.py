@@ -20,7 +20,7 @@ from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.motion.methods import choose
 from voronec.motion.request import Guard
 from voronec.motion.state_probe import quantities
-from voronec.motion.steppers import Problem, Run, Stepper, cut_at_singularity
+from voronec.motion.steppers import Problem, Run, Solver, cut_at_singularity
 from voronec.motion.steppers.units import natural_units
 
 if TYPE_CHECKING:
@@ -88,8 +88,8 @@ class KeptChart:
 
     def pull_back(self, function: Any) -> Any:
         """A function of the system's state as one of the state in the chart."""
-        door, system = self.equations.door, self.equations.system
-        dots = {door.inward(q): door.inward(velocity(q)) for q in system.coordinates}
+        bridge, system = self.equations.bridge, self.equations.system
+        dots = {bridge.inward(q): bridge.inward(velocity(q)) for q in system.coordinates}
         rates = {
             own: se.Add(*[self.back[q].diff(x) * dot for x, dot in dots.items()])
             for q, own in dots.items()
@@ -103,21 +103,21 @@ def kept_charts(equations: VoronecEquations, form: FirstOrderForm) -> tuple[Kept
 
     There is none where the form has other velocities than the system's, or other variables.
     """
-    system, door = equations.system, equations.door
-    names = {door.inward(x): x for x in (*system.coordinates, *system.velocities)}
+    system, bridge = equations.system, equations.bridge
+    names = {bridge.inward(x): x for x in (*system.coordinates, *system.velocities)}
     state = (*form.coordinates, *form.velocities)
     if not {*state} <= {*names} or len(form.velocities) != len(system.velocities):
         return ()
-    dots = {door.inward(velocity(q)) for q in system.coordinates}
+    dots = {bridge.inward(velocity(q)) for q in system.coordinates}
     # a coordinate that a model holds fast is a parameter of its form, but not of the chart's
-    closed = {*state, *dots, *(door.inward(p.symbol) for p in system.parameters)}
+    closed = {*state, *dots, *(bridge.inward(p.symbol) for p in system.parameters)}
     found: dict[Any, KeptChart] = {}
     for name, chart in system.charts.items():
         maps = [chart.values(system), chart.values(system, "back"), *chart.twin_values(system)]
-        there, back, *twins = ({x: door.inward(e[names[x]]) for x in state} for e in maps)
+        there, back, *twins = ({x: bridge.inward(e[names[x]]) for x in state} for e in maps)
         images = [*there.values(), *back.values(), *(e for twin in twins for e in twin.values())]
         own, others = (
-            tuple(f for f in _factors(door.inward(e)) if f.free_symbols <= closed)
+            tuple(f for f in _factors(bridge.inward(e)) if f.free_symbols <= closed)
             for e in (chart.singular, chart.singular_there)
         )
         moves = any(x != e for x, e in there.items())
@@ -200,7 +200,7 @@ class ChartProblem:
 
     name: str
     problem: Problem
-    stepper: Stepper
+    solver: Solver
     chosen: Mapping[str, Any]
     home: Home
     twins: tuple[Home, ...] = ()
@@ -216,7 +216,7 @@ class ChartProblem:
     def run(self, state: np.ndarray, times: np.ndarray) -> Run:
         """The motion from a state on."""
         self.problem.start[:] = state
-        return cut_at_singularity(self.stepper(times), self.problem)
+        return cut_at_singularity(self.solver(times), self.problem)
 
 
 @dataclass

@@ -26,12 +26,12 @@ from voronec.declaration.relation import Relation
 from voronec.declaration.system import System, system_in
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
+from voronec.proof.branch_cuts import not_vacuous
 from voronec.proof.claims import Claim
 from voronec.proof.decision import all_zero, verdict_of
 from voronec.proof.relations.decision import decided_at_limit
 from voronec.proof.relations.parameters import applications
 from voronec.proof.relations.statemap import StateMap, is_period
-from voronec.proof.walls import not_vacuous
 
 __all__ = ["check_charts"]
 
@@ -78,7 +78,7 @@ def _bare(system: System) -> System:
 def _inverse(motions: Motions, chart: Chart) -> Verdict:
     """Whether the way there and back ends where it began; angles of it up to whole turns."""
     field, system = motions.on_coordinates, motions.system
-    read = {x: field.door.inward(x) for x in (*system.coordinates, *system.velocities)}
+    read = {x: field.bridge.inward(x) for x in (*system.coordinates, *system.velocities)}
     there = {read[x]: field.read(e) for x, e in chart.values(system).items()}
     positive = _factors(field.read(chart.singular))
     angles = Angles(field.relations, positive)
@@ -93,7 +93,7 @@ def _inverse(motions: Motions, chart: Chart) -> Verdict:
 def _same_state(motions: Motions, there: Motions, chart: Chart, twin: Mapping[Any, Any]) -> Verdict:
     """Whether a twin has the same image as what it is a twin of; angles there up to whole turns."""
     field, system = motions.on_coordinates, motions.system
-    other = {field.door.inward(x): field.read(e) for x, e in twin.items()}
+    other = {field.bridge.inward(x): field.read(e) for x, e in twin.items()}
     images = [(x, field.read(e)) for x, e in chart.values(system).items()]
     pairs = [(x, se.expand(e.xreplace(other) - e)) for x, e in images]
     turned = _up_to_turns(pairs, Angles(field.relations), there.on_coordinates)
@@ -106,7 +106,7 @@ def _up_to_turns(
     """What must vanish where differences do, those of angles of a field up to whole turns."""
     residuals = []
     for x, difference in pairs:
-        label, own, off = plain_name(x), field.door.inward(x), angles.resolve(difference)
+        label, own, off = plain_name(x), field.bridge.inward(x), angles.resolve(difference)
         turns = (
             bool(off.atoms(se.atan2))
             and own in field.positions
