@@ -181,7 +181,7 @@ def _both(chart: Chart, declared: Chart, system: System) -> Chart:
         changes={**declared.changes, **chart.changes},
         back={**chart.back, **{x: e.xreplace(last) for x, e in declared.back.items()}},
         singular_there=chart.singular_there * declared.singular_there,
-        twins=(*declared.twins, *chart.twins),
+        double_cover=(*declared.double_cover, *chart.double_cover),
         near={**chart.near, **declared.near},
     )
 
@@ -349,7 +349,7 @@ class _TurnedSystem:
         out = self.d.bridge.outward
         there: dict[Any, Any] = {}
         back: dict[Any, Any] = {}
-        twins: list[dict[Any, Any]] = []
+        sheets: list[dict[Any, Any]] = []
 
         def outside(values: Any) -> dict[Any, Any]:
             return {out(q): out(e) for q, e in values}
@@ -368,16 +368,16 @@ class _TurnedSystem:
             back |= zip(t.symbols, (phi, theta - t.shift, t.sense * (t.last + turn)), strict=False)
             other_side = [t.phi + se.pi, -t.theta - 2 * t.shift]
             other_side += [] if t.psi is None else [t.psi - se.pi]
-            twins.append(dict(zip(t.symbols, other_side, strict=True)))
+            sheets.append(dict(zip(t.symbols, other_side, strict=True)))
             for pair in lines[t]:
                 there |= pair.along(down)
                 back |= pair.along(up)
-                twins[-1] |= {pair.x: -pair.x, pair.y: -pair.y}
+                sheets[-1] |= {pair.x: -pair.x, pair.y: -pair.y}
 
         return Chart(
             state=outside(there.items()), singular=out(singular), changes=self._changes(),
             back=outside(back.items()), singular_there=out(other),
-            twins=[outside(twin.items()) for twin in twins], near=self._near,
+            double_cover=[outside(sheet.items()) for sheet in sheets], near=self._near,
         )  # fmt: skip
 
     @property

@@ -64,7 +64,7 @@ def cartesian_chart(
         require("cartesian_chart", "near", near, POINT)
     r, phi = distinct_names(tuple(polar), 2, "the polar coordinates")
     moved = _ChartImage(r, phi)
-    there, back, twin = _maps(r, phi, frame)
+    there, back, sheet = _maps(r, phi, frame)
     changes: dict[str, Any] = {"lagrangian": moved.regular(lagrangian, "the Lagrangian")}
     if constraints:
         changes["constraints"] = moved.solve([expression(c, "a constraint") for c in constraints])
@@ -73,7 +73,7 @@ def cartesian_chart(
     length = expression(unit, "unit")
     return Chart(
         state=there, singular=r / length, changes=changes, back=back, singular_there=sp.Integer(1),
-        twins=(twin,), near={**(near or {}), r: 0, phi: 0},
+        double_cover=(sheet,), near={**(near or {}), r: 0, phi: 0},
     )  # fmt: skip
 
 
@@ -159,11 +159,11 @@ def _with_column(rows: Sequence[Sequence[Any]], j: int, column: Sequence[Any]) -
 
 
 def _maps(r: sp.Expr, phi: sp.Expr, frame: Frame | None) -> tuple[dict[Any, Any], ...]:
-    """The state in the chart, that of the system, and the twin with r on the other side."""
+    """The state in the chart, that of the system, and the sheet with r on the other side."""
     cos, sin, square = sp.cos(phi), sp.sin(phi), r**2 + phi**2
     there = {r: r * cos, phi: r * sin}
     back = {r: sp.sqrt(square), phi: sp.atan2(phi, r)}
-    twin = {r: -r, phi: phi + sp.pi}
+    sheet = {r: -r, phi: phi + sp.pi}
     named = {} if frame is None else dict(zip(frame.expressions, frame.velocities, strict=True))
     v, w = (named.get(velocity(q)) for q in (r, phi))
     if (v is None) != (w is None):
@@ -173,5 +173,5 @@ def _maps(r: sp.Expr, phi: sp.Expr, frame: Frame | None) -> tuple[dict[Any, Any]
     if v is not None:
         there |= {v: v * cos - r * w * sin, w: v * sin + r * w * cos}
         back |= {v: (r * v + phi * w) / sp.sqrt(square), w: (r * w - phi * v) / square}
-        twin[v] = -v
-    return there, back, twin
+        sheet[v] = -v
+    return there, back, sheet

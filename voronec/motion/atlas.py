@@ -36,7 +36,8 @@ __all__ = [
 class KeptChart:
     """One chart on the variables that are kept.
 
-    ``there`` and ``back`` map every variable, of the chart and of the system; ``twins`` give
+    ``there`` and ``back`` map every variable, of the chart and of the system; ``double_cover``
+    give
     other values for the same state of the system, where there are some; ``singular`` is a function
     in the chart.  ``factors`` vanish where the system's own coordinates are singular.
     """
@@ -46,7 +47,7 @@ class KeptChart:
     kept: FirstOrderForm
     there: Mapping[Any, Any]
     back: Mapping[Any, Any]
-    twins: tuple[Mapping[Any, Any], ...]
+    double_cover: tuple[Mapping[Any, Any], ...]
     singular: Any
     factors: tuple[Any, ...]
 
@@ -113,16 +114,16 @@ def kept_charts(equations: VoronecEquations, form: FirstOrderForm) -> tuple[Kept
     closed = {*state, *dots, *(bridge.inward(p.symbol) for p in system.parameters)}
     found: dict[Any, KeptChart] = {}
     for name, chart in system.charts.items():
-        maps = [chart.values(system), chart.values(system, "back"), *chart.twin_values(system)]
-        there, back, *twins = ({x: bridge.inward(e[names[x]]) for x in state} for e in maps)
-        images = [*there.values(), *back.values(), *(e for twin in twins for e in twin.values())]
+        maps = [chart.values(system), chart.values(system, "back"), *chart.sheet_values(system)]
+        there, back, *sheets = ({x: bridge.inward(e[names[x]]) for x in state} for e in maps)
+        images = [*there.values(), *back.values(), *(e for sheet in sheets for e in sheet.values())]
         own, others = (
             tuple(f for f in _factors(bridge.inward(e)) if f.free_symbols <= closed)
             for e in (chart.singular, chart.singular_there)
         )
         moves = any(x != e for x, e in there.items())
         if own and moves and all(e.free_symbols <= closed for e in images):
-            kept = KeptChart(name, equations, form, there, back, (*twins,), se.Mul(*others), own)
+            kept = KeptChart(name, equations, form, there, back, (*sheets,), se.Mul(*others), own)
             found.setdefault(tuple(there.values()), kept)
     return tuple(found.values())
 
@@ -194,7 +195,8 @@ class ChartProblem:
     """One chart, ready to be integrated in.
 
     ``stepper`` begins at what ``problem.start`` holds when it is called; ``home`` takes times (k,)
-    and states (k, n) to states of the own chart, and each of ``twins`` takes these to others that
+    and states (k, n) to states of the own chart, and each of ``double_cover`` takes these to
+    others that
     are the same.
     """
 
@@ -203,14 +205,14 @@ class ChartProblem:
     solver: Solver
     chosen: Mapping[str, Any]
     home: Home
-    twins: tuple[Home, ...] = ()
+    double_cover: tuple[Home, ...] = ()
 
     @property
     def ways_home(self) -> list[Home]:
-        """``home``, and then any of the twins, one after another."""
+        """``home``, and then any of the sheets, one after another."""
         ways = [self.home]
-        for twin in self.twins:
-            ways += [_after(way, twin) for way in ways]
+        for sheet in self.double_cover:
+            ways += [_after(way, sheet) for way in ways]
         return ways
 
     def run(self, state: np.ndarray, times: np.ndarray) -> Run:
@@ -378,8 +380,8 @@ class Atlas:
         # a rate that is next to nothing in one chart is that of a whole turn in another
         problem = replace(problem, units=natural_units(problem))
         made = choose(self.place(HOME).chosen["method"], problem, self.grid)
-        twins = tuple(self._rows(self.form, twin) for twin in chart.twins)
-        return ChartProblem(name, problem, *made, self._rows(chart.form, chart.back), twins)
+        sheets = tuple(self._rows(self.form, sheet) for sheet in chart.double_cover)
+        return ChartProblem(name, problem, *made, self._rows(chart.form, chart.back), sheets)
 
     def _end(self, name: str, direction: int) -> Guard:
         """The end of a stretch; the direction is that along the run, which may go backwards."""

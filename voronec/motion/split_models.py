@@ -249,7 +249,7 @@ def _split_chart(system: System, chart: Chart) -> Chart:
         chart,
         state=own(chart.state),
         back=own(chart.back),
-        twins=tuple(map(own, chart.twins)),
+        double_cover=tuple(map(own, chart.double_cover)),
         changes=spell_out(system, frame, changes),
     )
 

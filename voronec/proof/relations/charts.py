@@ -1,7 +1,8 @@
 """Charts proved: the same motion, in coordinates that go over into one another.
 
 A chart is a relation of a system to itself in other coordinates, DPhi f = g(Phi), together with an
-inverse: Psi(Phi(x)) = x where the factors of ``singular`` are positive.  Its twins T give the same
+inverse: Psi(Phi(x)) = x where the factors of ``singular`` are positive.  The sheets T of its
+double cover give the same
 state as x: Phi(T(x)) = Phi(x).
 """
 
@@ -52,10 +53,10 @@ def _decide(motions: Motions, name: str) -> Verdict:
     if not inverse.proved:
         return replace(inverse, method=f"there and back: {inverse.method}")
     away = Motions.of(there)
-    for twin in chart.twin_values(motions.system):
-        same = _same_state(motions, away, chart, twin)
+    for sheet in chart.sheet_values(motions.system):
+        same = _same_state(motions, away, chart, sheet)
         if not same.proved:
-            return replace(same, method=f"twins: {same.method}")
+            return replace(same, method=f"double cover: {same.method}")
     home = replace(motions.equations, system=_bare(motions.system))
     known = {home.system.name: Motions(home), there.name: away}
     own = {p.symbol: p.symbol for p in motions.system.parameters}
@@ -90,10 +91,12 @@ def _inverse(motions: Motions, chart: Chart) -> Verdict:
     return replace(found, modulo="2*pi") if len(turned) > len(pairs) else found
 
 
-def _same_state(motions: Motions, there: Motions, chart: Chart, twin: Mapping[Any, Any]) -> Verdict:
-    """Whether a twin has the same image as what it is a twin of; angles there up to whole turns."""
+def _same_state(
+    motions: Motions, there: Motions, chart: Chart, sheet: Mapping[Any, Any]
+) -> Verdict:
+    """Whether a state on another sheet has the same image; angles there up to whole turns."""
     field, system = motions.on_coordinates, motions.system
-    other = {field.bridge.inward(x): field.read(e) for x, e in twin.items()}
+    other = {field.bridge.inward(x): field.read(e) for x, e in sheet.items()}
     images = [(x, field.read(e)) for x, e in chart.values(system).items()]
     pairs = [(x, se.expand(e.xreplace(other) - e)) for x, e in images]
     turned = _up_to_turns(pairs, Angles(field.relations), there.on_coordinates)
