@@ -37,9 +37,8 @@ class KeptChart:
     """One chart on the variables that are kept.
 
     ``there`` and ``back`` map every variable, of the chart and of the system; ``double_cover``
-    give
-    other values for the same state of the system, where there are some; ``singular`` is a function
-    in the chart.  ``factors`` vanish where the system's own coordinates are singular.
+    gives other values for the same state of the system, where there are some; ``singular`` is a
+    function in the chart.  ``factors`` vanish where the system's own coordinates are singular.
     """
 
     name: str

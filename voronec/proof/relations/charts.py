@@ -2,8 +2,7 @@
 
 A chart is a relation of a system to itself in other coordinates, DPhi f = g(Phi), together with an
 inverse: Psi(Phi(x)) = x where the factors of ``singular`` are positive.  The sheets T of its
-double cover give the same
-state as x: Phi(T(x)) = Phi(x).
+double cover give the same state as x: Phi(T(x)) = Phi(x).
 """
 
 from __future__ import annotations
