@@ -136,8 +136,8 @@ def routes_agree_at_random_points(name: str) -> None:
 
 
 def routes_agree_where_scenes_start(name: str) -> None:
-    """The same at the initial data of every scene, where these are given in numbers; with inputs of
-    any value, as at random points."""
+    """The two routes agree at the initial data of every scene, where these are given in numbers;
+    with inputs of any value, as at random points."""
     eqs = _equations_of(name)
     for scene in eqs.system.scenes.values():
         point = _start(eqs.system, scene)

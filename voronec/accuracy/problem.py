@@ -86,7 +86,7 @@ class ReferenceProblem:
         return Scene(initial=dict(self.initial), parameters=dict(self.parameters))
 
     def until(self, end: float) -> ReferenceProblem:
-        """The same motion on the part of the grid up to a time."""
+        """The motion on the part of the grid up to a time."""
         order = np.sign(self.grid[-1] - self.grid[0])
         return replace(self, grid=self.grid[order * (self.grid - end) <= 0])
 

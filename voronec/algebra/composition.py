@@ -80,7 +80,7 @@ def _agrees_within(
 
 
 def _are_congruent(a: Any, b: Any, relations: Sequence[Any], in_pieces: bool) -> bool:
-    """The same with one letter for equal arguments of functions."""
+    """Whether two expressions agree, with one letter for equal arguments of functions."""
     whole = _whole(relations)
     if whole:  # a letter for an exponent would not be a whole number any more
         return False
@@ -100,7 +100,7 @@ def _are_congruent(a: Any, b: Any, relations: Sequence[Any], in_pieces: bool) ->
 
 
 def _agree(a: Any, b: Any, relations: Sequence[Any], in_pieces: bool, work_limit: int) -> bool:
-    """The same in one case; of functions in pieces one that is not taken need not be real."""
+    """Whether two expressions agree in one case; a piece that is not taken need not be real."""
     whole = _whole(relations)
     known = [*relations, *(() if in_pieces else _real_where([a, b], whole))]
     forms = Composition(known)

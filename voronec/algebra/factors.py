@@ -41,8 +41,8 @@ def irreducible_factors(poly: Any) -> tuple[Any, list[tuple[Any, int]]]:
 
 
 def fraction_factors(num: Any, den: Iterable[tuple[Any, int]]) -> tuple[Any, list[tuple[Any, int]]]:
-    """The same of a fraction whose denominator is a product of powers: a number, and the
-    irreducible factors with their exponents, those below negative."""
+    """The factors of a fraction whose denominator is a product of powers: a number, and the
+    irreducible ones with their exponents, those below negative."""
     unit, powers = irreducible_factors(num)
     for poly, exponent in den:
         content, parts = irreducible_factors(poly)

@@ -249,7 +249,7 @@ class FieldJet:
         }
 
     def shorten(self, order: int) -> FieldJet:
-        """The same up to an order."""
+        """The jet up to an order."""
         return FieldJet(tuple(parts[: order + 1] for parts in self.components))
 
     def bracket(self, other: FieldJet) -> FieldJet:

@@ -74,7 +74,7 @@ def _fractions(
 def _with_short_arguments(
     exprs: Sequence[Any], relations: Sequence[Any], work_limit: int
 ) -> Sequence[Any]:
-    """The same with what jumps, or has a corner, of arguments in their shortest form: the ring
+    """Expressions with what jumps, or has a corner, of arguments in their shortest form: the ring
     takes sign(v sin(x)^2 + v cos(x)^2) for a letter of its own, which is sign(v). So are roots of
     squares, |f|, where f loses a symbol; else they stay, lest |2 f| be another letter than |f|."""
     found = {node: _corner(node) for node in nodes(map(se.sympify, exprs))}
@@ -101,7 +101,7 @@ def _corner(node: Any) -> Any | None:
 
 
 def _of(node: Any, argument: Any) -> Any:
-    """The same of another argument."""
+    """The function of a node at another argument."""
     if isinstance(node, JUMPS):
         return node.func(argument)
     fewer = argument.free_symbols < node.free_symbols
@@ -109,9 +109,9 @@ def _of(node: Any, argument: Any) -> Any:
 
 
 def canonical_for_numbers(exprs: Sequence[Any], ground: Any) -> list[Any]:
-    """The same on a ``ground``, as ``StandIns.of`` takes it, with what loses digits as it stands:
-    powers of sums of places, and sines and cosines of many-fold angles, which are expanded in those
-    of the angle."""
+    """Canonical forms on a ``ground``, as ``StandIns.of`` takes it, with what loses digits as it
+    stands: powers of sums of places, and sines and cosines of many-fold angles, which are expanded
+    in those of the angle."""
     letters, relations = StandIns.of(exprs, ground, ground.velocities), ground.relations
     exprs = [letters.hide(e) for e in exprs]
     far = holds_far_multiples(exprs)

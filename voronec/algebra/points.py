@@ -153,8 +153,8 @@ def _slopes(relations: tuple[Any, ...]) -> tuple[Tape, list[list[Any]]]:
 def _with_values_of(
     functions: Sequence[Any], point: dict[Any, Any], relations: Sequence[Any], bits: int
 ) -> dict[Any, Any]:
-    """The same where functions of other variables, as inputs are of the time, have values of their
-    own; derivatives are replaced first, since the function stands in them too."""
+    """Values of relations where functions of other variables, as inputs are of the time, have
+    values of their own; derivatives are replaced first, since the function stands in them too."""
     moving = {a for a in Tape(relations).atoms if isinstance(a, se.Symbol)}
     if any(f.free_symbols & moving for f in functions):
         raise EngineLimit("no point is looked for on relations between unknown functions")
@@ -171,7 +171,7 @@ def _with_values_of(
 def _about_origins(
     shift: OriginShift, point: dict[Any, Any], relations: Sequence[Any], bits: int
 ) -> dict[Any, Any]:
-    """The same found in distances, in doubles, which have few digits for these far away."""
+    """A point found in distances, in doubles, which have few digits for these far away."""
     exact = 2 * bits  # balls of a point are not to grow by what is taken from them
     lengths = Tape([*shift.meaning.values()]).arb(point, exact)
     near = {**point, **dict(zip(shift.meaning, lengths, strict=True))}

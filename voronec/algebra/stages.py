@@ -376,7 +376,7 @@ def primitive(total: Any) -> tuple[Any, Any]:
 
 
 def _sorted_stages(definitions: Mapping[Any, Any]) -> dict[Any, Any]:
-    """The same stages, each after those it uses."""
+    """The stages, each after those it uses."""
     return {x: definitions[x] for x in needed_stages(definitions, definitions)}
 
 

@@ -86,7 +86,7 @@ def is_fraction(exponent: Any) -> bool:
 
 
 def with_arguments(expr: Any, args: list[Any]) -> Any:
-    """The same function, sum or product of equal arguments, written otherwise; conditions stay as
+    """A function, sum or product of equal arguments, written otherwise; conditions stay as
     they are."""
     if args == list(expr.args) or isinstance(expr, Boolean):
         return expr

@@ -414,7 +414,7 @@ def in_doubles(expr: Any) -> float | None:
 
 
 def doubles_of_parts(expr: Any) -> dict[Any, float | None]:
-    """The same of every subexpression, each visited once."""
+    """The size of every subexpression, each visited once."""
     values: dict[Any, float | None] = {}
     stack = [expr]
     while stack:

@@ -67,7 +67,7 @@ def plain_text(expr: Any) -> str:
 
 
 def caret_text(expr: Any) -> str:
-    """The same for people: powers as ``x^2``."""
+    """An expression in one line for people: powers as ``x^2``."""
     return plain_text(expr).replace("**", "^")
 
 

@@ -90,7 +90,7 @@ class Motion:
         return cls(rates | dict(more or {}), constrained, constants=constants, quasi=quasi)
 
     def solved(self, eqs: Any) -> Motion:
-        """The same with the accelerations vdot = mass^-1 force."""
+        """The motion with the accelerations vdot = mass^-1 force."""
         values = eqs.mass.LUsolve(eqs.force)
         symbols = [velocity(v) for v in eqs.velocities]
         return replace(self, accelerations=dict(zip(symbols, values, strict=True)))
@@ -293,7 +293,7 @@ class Study:
                 yield _with_values(name, letters, values), value(*values)
 
     def join(self, defined: Mapping[str, Node]) -> Study:
-        """The same study with names that the paper defines itself."""
+        """The study with names that the paper defines itself."""
         if all(self.defined.get(key) == node for key, node in defined.items()):
             return self  # with all that it has made of its names
         return replace(self, defined={**self.defined, **defined})

@@ -133,7 +133,7 @@ def _straight(
 def _values_at_ratio(
     form: InvertedMotion, _: list[Any], i: int, at: Any, bits: int
 ) -> tuple[Any, ...]:
-    """The same where the cosine is a ratio p/q."""
+    """1 - cosine and 1 + cosine of a trace, the cosine p/q, and its slope by x."""
     ratio, problem = ratios(form.problem.prepared)[i], form.problem
     p, q, south, north, bend = (
         part.value(problem, at.x, bits)

@@ -98,8 +98,8 @@ class ClosedForm(InvertedMotion):
         return sample_coordinates(self, times, self._names(names), whole=True)
 
     def modulo(self, times: Any, names: Sequence[Any] = ()) -> dict[str, np.ndarray]:
-        """The same, arrays of the shape of ``times`` by name, with angles in (-pi, pi], as accurate
-        however late, and beyond poles, too.  Raises ``DefinitionError`` as ``at`` does.
+        """Coordinates and velocities by name, of the shape of ``times``, with angles in (-pi, pi],
+        as accurate however late, and beyond poles, too.  Raises ``DefinitionError`` as ``at`` does.
         """
         return sample_coordinates(self, times, self._names(names), whole=False)
 

@@ -137,7 +137,7 @@ def prepare(system: System, values: Mapping[Any, Any]) -> CompiledMotion:
 
 
 def _prepare_with(system: System, special: Mapping[Any, Any]) -> CompiledMotion:
-    """The same where it is known which parameters send poles to infinity."""
+    """The motion made ready where it is known which parameters send poles to infinity."""
     motion = motion_of(system)
     what = ("prepared", frozenset(special.items()))
     return motion.memo.once(what, lambda: _prepare(system, motion, special))

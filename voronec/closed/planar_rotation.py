@@ -47,7 +47,7 @@ def place_on_grid(form: InvertedMotion, grid: np.ndarray) -> dict[Any, np.ndarra
 
 
 def rolled_in_balls(form: InvertedMotion, time: Any, bits: int) -> dict[Any, Any]:
-    """The same at one time."""
+    """The place at one time, in balls."""
     x, y, first, second, a, b, spin = _rolling(form, bits)
     half = spin * time / 2
     length, cosine, sine = half.sinc() * time, half.cos(), half.sin()

@@ -168,7 +168,7 @@ class InversionProblem:
         ], bits)  # fmt: skip
 
     def start_by_symbol(self, bits: int) -> dict[Any, Any]:
-        """The same by coordinate, velocity and parameter."""
+        """The start as balls, by coordinate, velocity and parameter."""
         return dict(zip(self.prepared.inputs, self.start_balls(bits), strict=True))
 
     def level(self, bits: int) -> list[Any]:

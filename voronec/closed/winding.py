@@ -384,7 +384,8 @@ class Winding:
             raise NoWholeTurns(self.names, min(met, key=abs))
 
     def _stay(self, level: CapPassages, phases: np.ndarray, times: np.ndarray) -> None:
-        """The same at many times; what is too near to tell is evaluated in balls."""
+        """That a contact has not passed a pole up to many times; what is too near to tell is
+        evaluated in balls."""
         met = []
         for half in level.borders:
             with precise(FIRST):

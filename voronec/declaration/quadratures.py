@@ -342,7 +342,7 @@ class Quadratures:
         return tuple(found)
 
     def with_titles(self, drawing: Any) -> Quadratures:
-        """The same with the titles that a system's ``drawing`` gives to the traces."""
+        """The quadratures with the titles that a system's ``drawing`` gives to the traces."""
         if not isinstance(drawing, Mapping):
             return self
         titles = {tuple(map(str, pair)): title for title, pair in drawing.items()}

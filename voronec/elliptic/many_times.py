@@ -293,7 +293,7 @@ class TimeStretch:
         return value
 
     def modulo(self, number: int, start: float = 0.0) -> np.ndarray:
-        """The same as an angle in (-pi, pi]."""
+        """The sum as an angle in (-pi, pi]."""
         periodic = self._periodic(number)
         value = self.arguments.spare()
         mark = self.arguments.scratch.mark()
@@ -448,7 +448,7 @@ class Sample:
         return self._join(lambda at: at.integral(number, start))
 
     def modulo(self, number: int, start: float = 0.0) -> np.ndarray:
-        """The same as an angle in (-pi, pi], as accurate late as early."""
+        """An integral as an angle in (-pi, pi], as accurate late as early."""
         return self._join(lambda at: at.modulo(number, start))
 
     def each(self, work: Callable[[TimeStretch], Sequence[np.ndarray]]) -> tuple[np.ndarray, ...]:

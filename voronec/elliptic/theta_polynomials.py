@@ -162,7 +162,7 @@ def _height(angle: Angle) -> float:
 
 
 def with_series(angle: Angle) -> Angle:
-    """The same with the series of the whole phase as its periodic term."""
+    """An angle with the series of the whole phase as its periodic term."""
     decay = math.exp(-2 * _height(angle))
     count = max(len(angle.periodic_term), math.ceil(math.log(NEGLIGIBLE) / math.log(decay)), 1)
     known = [*angle.periodic_term, *(0.0 for _ in range(count - len(angle.periodic_term)))]

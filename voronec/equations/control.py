@@ -253,7 +253,7 @@ class Control:
         return control_form(replace(self.equations, definition=definition, raw=raw, exact=exact))
 
     def _with_inputs(self, values: Sequence[Any]) -> Control:
-        """The same with inputs that are counted from these values."""
+        """The control form with inputs that are counted from these values."""
         if all(w == 0 for w in values):
             return self
         drift = list(self.inner_drift)

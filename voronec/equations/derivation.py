@@ -90,8 +90,8 @@ class Derivation:
 
     @cached_property
     def _in_letters(self) -> tuple[Derivation, StandIns] | None:
-        """The same with letters for sums of places of which powers are declared, and for distances
-        in the lift, products of which are momenta; None where there are none."""
+        """The derivation with letters for sums of places of which powers are declared, and for
+        distances in the lift, products of which are momenta; None where there are none."""
         d = self.definition
         if not self.exact or self.given_lift is not None:
             return None
@@ -352,7 +352,7 @@ class Derivation:
 
     @cached_property
     def dot_drift(self) -> list[Any]:
-        """The same for the velocities in which the Lagrangian is written."""
+        """d/dt at fixed v of the velocities in which the Lagrangian is written."""
         return [self.connection.flow_derivative(rate, self.rates) for rate in self.dot_rates]
 
     @property

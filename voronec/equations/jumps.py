@@ -101,7 +101,7 @@ def require_no_jump_of_lagrangian(
     variables: Sequence[Any],
     conditions: Sequence[Any],
 ) -> None:
-    """The same of a Lagrangian, which may jump in time, and of its momenta, which may not.
+    """Raise ``DefinitionError`` where momenta jump, or a Lagrangian does but for jumps in time.
 
     ``variables`` are the coordinates and velocities.
     """

@@ -58,7 +58,8 @@ class Motions:
 
     @property
     def for_numbers(self) -> VectorField:
-        """The same, without normal forms where these would be too large to be of use."""
+        """The field on coordinates, without normal forms where these would be too large to be of
+        use."""
         return for_numbers(self.equations)
 
     @cached_property

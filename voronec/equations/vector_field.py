@@ -109,16 +109,16 @@ class VectorField(EquationsOfMotion):
         return self.express(self.bridge.inward(expr))
 
     def read_with_momenta(self, expr: sp.Expr) -> Any:
-        """The same with named momenta as they are: its rate is simpler so."""
+        """A function of the state with named momenta as they are: its rate is simpler so."""
         return self._own(self._spell_determinant(self.bridge.inward(expr)).xreplace(self.meaning))
 
     def read_density(self, expr: sp.Expr) -> Any:
-        """The same with the determinant of the mass by its name."""
+        """A density, with the determinant of the mass by its name."""
         return self._own(self.bridge.inward(expr).xreplace(self.meaning).xreplace(self.momenta))
 
     def read_branches(self, expr: sp.Expr) -> Any:
-        """The same where the determinant is raised to powers only: it is nowhere zero, and has no
-        branches; else spelled out."""
+        """A function whose branches are sought, where the determinant is raised to powers only: it
+        is nowhere zero, and has no branches; else spelled out."""
         named = self.read_density(expr)
         inside = [p for p in atoms([named], se.Pow) if self.determinant == p.args[0]]
         rest = named.xreplace(dict.fromkeys(inside, se.Integer(1)))
@@ -258,7 +258,8 @@ def on_coordinates(equations: DerivedEquations) -> VectorField:
 
 
 def for_numbers(equations: DerivedEquations) -> VectorField:
-    """The same, without normal forms where these would be too large to be of use."""
+    """The field on coordinates, without normal forms where these would be too large to be of
+    use."""
     if not equations.is_large:
         return on_coordinates(equations)
     return equations.memo.once("field for numbers", lambda: _field(equations, equations.raw))

@@ -215,7 +215,7 @@ class BalancedBall:
 
     @cached_property
     def rubber(self) -> RubberMotion:
-        """The same without twist too."""
+        """The rubber ball: it does not twist either."""
         x, y, z = (moment + self.contact_inertia for moment in self.ball.inertia)
         return RubberMotion((x, y, z), self.rotor, self.epsilon)
 
@@ -286,7 +286,7 @@ class BalancedBall:
         return join_declarations(own, declared)
 
     def rubber_system(self, *, values: Mapping[Any, Any], **declared: Any) -> System:
-        """The same where the ball does not twist, without scenes of its own.
+        """The system of the ball that does not twist, without scenes of its own.
 
         Without a gyroscope N is a reducing multiplier; with one the bracket alone says so.
         """

@@ -263,7 +263,7 @@ class Atlas:
         return np.min(self.distances_apart(times, rows), axis=0)
 
     def distances_apart(self, times: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        """The same for each of m poles by itself, (m, k)."""
+        """How far states of the own chart are from each of m poles, (m, k)."""
         factors = {f"{HOME} {i}": e for i, e in enumerate(_own_factors(self.charts))}
         program = quantities(self.form, factors)
         with np.errstate(all="ignore"):

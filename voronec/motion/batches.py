@@ -196,7 +196,7 @@ class Lanes:
         places[:] = self.winding.units[: len(places)]
 
     def with_width(self, count: int) -> Lanes:
-        """The same for so many motions, or a few more to fill the lanes."""
+        """Lanes for so many motions, or a few more to fill the lanes."""
         batch = self.integrator.batch
         width = -(-count // batch.batch_size) * batch.batch_size
         units = np.ones((len(self.plain.state), width))

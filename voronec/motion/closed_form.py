@@ -58,7 +58,7 @@ def closed_form(
 def closed_form_of_start(
     namespace: Namespace, given: StartData, outset: InitialState
 ) -> ClosedForm:
-    """The same from what ``integrate`` has read."""
+    """The motion in closed form, from what ``integrate`` has read."""
     system = namespace.equations.system
     motion_of(system)
     names = {plain_name(q) for q in (*system.coordinates, *system.velocities)}

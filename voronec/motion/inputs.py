@@ -66,7 +66,7 @@ class Drive:
         return {**self.constants, **changing}
 
     def over(self, start: float, end: float) -> Drive:
-        """The same for a span, on which functions of Python's are asked where they change fast;
+        """Inputs on a span, on which functions of Python's are asked where they change fast;
         times at which a table has no value are refused."""
         if self.changing is None:
             return self

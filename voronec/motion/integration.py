@@ -150,7 +150,7 @@ class PreparedProblem:
         self, initial: Mapping[Any, Any] | None, parameters: Mapping[Any, Any] | None, times: Any,
         progress: Callable[[float], Any] | None, began: float,
     ) -> Trajectory:  # fmt: skip
-        """The same; its set-up counts from the time that it ``began``."""
+        """The motion; its set-up counts from the time that it ``began``."""
         read, tol, method = self._read(initial is not None), self.tol, self.method
         grid = grid_of(self.system, read.scene, times)
         start, end = float(grid[0]), float(grid[-1])
@@ -875,7 +875,7 @@ class _Sight:
             return own | evaluate_watch(self.watch, shown, t, states, values)
 
     def crossings(self, t: np.ndarray, states: np.ndarray) -> Crossings:
-        """The same at the passages of an event."""
+        """What is watched at the passages of an event."""
         known = self.at(t)
         values = [known.get(str(p), np.nan) for p in self.program.parameters]
         series = dict.fromkeys(self.watch.outputs, t)

@@ -301,7 +301,8 @@ def choose(
 def choose_regular(
     method: str, problem: Problem, grid: np.ndarray
 ) -> tuple[Solver, dict[str, Any]]:
-    """The same, with runs cut before the first point of the grid beyond a singular mass matrix."""
+    """The integrator, with runs cut before the first point of the grid beyond a singular mass
+    matrix."""
     from voronec.motion.steppers.run import cut_at_singularity
 
     solver, chosen = choose(method, problem, grid)

@@ -71,7 +71,7 @@ class Mode:
     def run_by(
         self, method: str, state: np.ndarray, values: Sequence[Any], times: np.ndarray
     ) -> Run:
-        """The same by a method of its own."""
+        """The motion from a state on, by a given method."""
         wide = self._widen(state, values, times[0])
         problem = replace(self.problem, start=wide, parameters=list(values))
         return self._narrow(choose_regular(method, problem, times)[0](times), len(state))
@@ -126,7 +126,7 @@ class ModeSet:
         self.progress = Progress(self.problem.progress) if self.problem.progress else None
 
     def elsewhere(self, time: float, start: np.ndarray, parameters: Sequence[Any]) -> Self:
-        """The same modes for another start and other parameters; what a rim is depends on those."""
+        """The modes for another start and other parameters; what a rim is depends on those."""
         problem = replace(self.problem, start=start.copy(), parameters=list(parameters))
         grid = np.array([time, time + (self.grid[-1] - self.grid[0])])
         kept = {k: p for k, p in self.known_modes.items() if not p.corner.rims}
@@ -294,7 +294,7 @@ def _with_turns(
     turns: Mapping[str, LevelSurface],
     functions: Mapping[str, Any],
 ) -> Program:
-    """The same quantities, and the rates of those of ``functions`` that turn."""
+    """The events' quantities, and the rates of those of ``functions`` that turn."""
     lines = program.derivative.assignments
     fresh = {name: se.Symbol(f"level {i}") for i, (name, _) in enumerate(levels.extras.assignments)}
     own = tuple((fresh[n], e.xreplace(fresh)) for n, e in levels.extras.assignments)

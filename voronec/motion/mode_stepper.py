@@ -82,7 +82,7 @@ class SwitchedIntegrator:
     def elsewhere(
         self, time: float, start: np.ndarray, parameters: Sequence[Any]
     ) -> SwitchedIntegrator:
-        """The same from another start, with what was made ready for this one."""
+        """The integrator for another start, with what was made ready for this one."""
         return SwitchedIntegrator.of(self.roads.elsewhere(time, start, parameters))
 
 
@@ -205,7 +205,7 @@ class _Passage:
             return self.pass_through()
 
     def pass_through(self) -> Run:
-        """The same, in numbers that are long enough."""
+        """The run, in numbers that are long enough."""
         try:
             while self.done < len(self.grid):
                 part = self.segment()

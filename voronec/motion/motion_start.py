@@ -353,7 +353,7 @@ class WideStart:
         return np.concatenate([q, found.frame[:, :-1] @ w + found.frame[:, -1]])
 
     def exact(self, bits: int) -> tuple[np.ndarray, Mapping[str, Any]]:
-        """The same, and the parameters by name, as mpmath's numbers."""
+        """State and parameters, these by name, as mpmath's numbers."""
         with mpmath.workprec(bits):
             constants, given, q = _exact_place(self.namespace, self.ground, self.start_data, bits)
             w = [mpmath.mpf(float(x)) for x in self.wide[len(q) :]]
@@ -495,7 +495,7 @@ class _Conditions:
         return _least_squares(left, right, *self._pose(self.conditions[:0], otherwise))
 
     def sharp(self, names: Sequence[str], given: Mapping[str, Any]) -> np.ndarray:
-        """The same for conditions of mpmath's numbers, the first ``names`` before others, where
+        """The w for conditions of mpmath's numbers, the first ``names`` before others, where
         rows may be dependent but for a hair; velocities that are not given are zero."""
         rows = np.vstack([self.conditions, *(self.row(k)[None, :] for k in names)])
         values = [0] * len(self.conditions) + [given.get(k, 0) for k in names]

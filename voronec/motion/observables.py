@@ -233,7 +233,7 @@ def _along(
 def _digits_along(
     program: Program, which: int, t: np.ndarray, states: np.ndarray, values: Sequence[Any]
 ) -> list[np.ndarray]:
-    """The same in many digits; not a number where a quantity has no value at an instant."""
+    """Extra quantities in many digits; not a number where a quantity has no value at an instant."""
     block = program.extras if which else program.derivative
     try:
         return compiled_digits(program)[which](t, list(states.T), list(values))

@@ -555,7 +555,8 @@ class Namespace:
         return name, self.inward(expr)
 
     def read_condition(self, key: Any) -> tuple[str, sp.Expr]:
-        """The same with the expression in the user's symbols, those of invariants among them.
+        """A single output, with its expression in the user's symbols, those of invariants among
+        them.
 
         What was read before is known: to spell long expressions takes as long as a short run.
         """

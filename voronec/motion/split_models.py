@@ -342,8 +342,8 @@ class SplitContext:
         return dict(zip(program.names, flat, strict=True))
 
     def _limit_entries(self, time: Any, wide: np.ndarray, constants: Any = None) -> dict[str, Any]:
-        """The same; as they are by continuity where the constraints are infinite, or those of a
-        group dependent."""
+        """Entries by name; as they are by continuity where the constraints are infinite, or those
+        of a group dependent."""
         entries = self._entries(time, wide.tolist(), constants)
         rows = self._rows_of(entries, wide.dtype)[0][:, :-1].astype(float)
         if self.home.definition.group is None:

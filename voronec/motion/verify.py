@@ -122,8 +122,8 @@ class SolutionCheck:
         at_home: Callable[[np.ndarray, np.ndarray], np.ndarray],
         constants: Mapping[str, Any],
     ) -> Breach | None:
-        """The same by the equations derived first, of some steps ``at_home``: from times (k,) and
-        states (k, n) to coordinates and velocities (k, m)."""
+        """What went wrong by the equations derived first, of some steps ``at_home``: from times
+        (k,) and states (k, n) to coordinates and velocities (k, m)."""
         parts = self._inner(t, samples)
         rates = original_rates(self.equations, constants, self.changing) if parts else None
         if rates is None:
@@ -353,7 +353,7 @@ def _evaluator(form: Any) -> Any:
 
 @dataclass
 class CheckOfMany:
-    """The same of motions of one program, each with values of its own.
+    """What went wrong first with motions of one program, each with values of its own.
 
     ``integrals`` maps names of integrals to those of extra quantities of the program; those
     ``jumping`` do so with the forces.

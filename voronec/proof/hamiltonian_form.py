@@ -90,7 +90,7 @@ def _verdict(motions: Motions, field: VectorField, n: Any) -> Verdict:
 
 
 def _verdict_on_group(motions: Motions, field: VectorField, n: Any) -> Verdict:
-    """The same on a group: the space of the coordinates is the base."""
+    """The verdict on a group: the space of the coordinates is the base."""
     derivation = motions.equations.best
     own, connection = derivation.definition, derivation.connection
     lagrangian, momenta = derivation.constrained_lagrangian, derivation.quasi_momenta

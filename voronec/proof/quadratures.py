@@ -62,7 +62,7 @@ class QuadratureGround:
         return self.at_level(self.field.bridge.inward(expr))
 
     def at_level(self, expr: Any) -> Any:
-        """The same of an expression in the engine's symbols."""
+        """A function on the level, of an expression in the engine's symbols."""
         return self.field.express(expr.xreplace(self.level))
 
     @cached_property

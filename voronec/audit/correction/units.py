@@ -327,7 +327,7 @@ def _rules(
 
 
 def _solve_scale(scale: _Scale, rows: list[Weight]) -> _Scale:
-    """The same scale in the weights that all equations allow."""
+    """A scale in the weights that all equations allow."""
     table = [[int(x * _common(row)) for x in row] for row in dict.fromkeys(rows)]
     whole = flint.fmpz_mat(table or [[0] * scale.size])
     kernel, count = whole.nullspace()

@@ -157,7 +157,7 @@ class Judgement:
         return lines
 
     def as_dict(self) -> dict[str, Any]:
-        """The same as data that JSON can hold."""
+        """The judgement as data that JSON can hold."""
         witness = self.verdict.witness
         data: dict[str, Any] = {
             "system": self.system.name,

@@ -450,7 +450,7 @@ def _onto(problem: Statement, values: Sequence[Any]) -> Vector:
 
 
 def _in_base(problem: Statement) -> System:
-    """The same system with the velocities of the base in use, and no claims."""
+    """The system with the velocities of the base in use, and no claims."""
     declared = problem.equations.system
     outward = problem.bridge.outward
     rows = zip(problem.constraint_rows, problem.constraint_offsets, strict=True)
@@ -618,7 +618,7 @@ class MethodComparison:
         return lines
 
     def as_dict(self) -> dict[str, Any]:
-        """The same as data that JSON can hold."""
+        """The methods as data that JSON can hold."""
         problem = self.problem
         return {
             "system": problem.equations.system.name,

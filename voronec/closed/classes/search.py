@@ -157,7 +157,7 @@ def fill(system: System, own: Mapping[Any, Any], start: Mapping[Any, Any]) -> di
 
 
 def elsewhere(closed: ClosedForm, start: Mapping[Any, Any]) -> dict[Any, Any]:
-    """The same motion from another point, in exact numbers; for a start at which a trace is at its
+    """The motion from another point, in exact numbers; for a start at which a trace is at its
     pole.  It is left where coordinates or velocities are not given by x alone."""
     motion, problem = closed.quadratures, closed.problem
     moving = [q for q in closed.system.coordinates if motion.meaning.has(q)]

@@ -62,7 +62,7 @@ class Arcs:
     handles: np.ndarray  # (arcs, 4, 3)
 
     def project(self, view: View) -> Arcs:
-        """The same arcs as (right, up, towards the eye)."""
+        """The arcs as (right, up, towards the eye)."""
         return Arcs(view.project(self.handles))
 
     def parts(self) -> tuple[tuple[Arcs, bool], ...]:

@@ -354,7 +354,7 @@ def precessions(system: System, parameters: Mapping[Any, Any] | None = None) -> 
 
 
 def _at_rest(family: Precessions, value: sp.Expr) -> sp.Expr:
-    """The same where angles turn at their rates and the colatitude is constant."""
+    """An expression where angles turn at their rates and the colatitude is constant."""
     own = family.quadratures
     turning = {velocity(q): e / own.clock for q, e in own.integrals.items()}
     still = {velocity(q): sp.S.Zero for q in own.meaning.free_symbols}

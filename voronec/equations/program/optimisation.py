@@ -349,7 +349,7 @@ class HoistedProgram:
         return _compile(self.original, self.original.parameters, self.definitions, names)
 
     def _one_by_one(self, given: list[Any]) -> list[Any]:
-        """The same where some have no value."""
+        """Values one by one, where some have none."""
         known = list(self.original.parameters)
         for name, expr in self.definitions:
             function = _compile(self.original, known, (), [expr])
@@ -398,7 +398,7 @@ class _Lifting:
         self._fresh = fresh_names([*known, *(n for b in blocks for n, _ in b.assignments)], "k")
 
     def block(self, block: Block) -> Block:
-        """The same assignments without those that are constant."""
+        """The assignments without those that are constant."""
         kept = []
         self._memo = {}  # each block has names of its own, which may be those of another
         for name, expr in block.assignments:

@@ -157,7 +157,8 @@ def casadi_function(program: Program) -> Any:
 
 
 def mpmath_source(program: Program) -> str:
-    """The same functions on mpmath numbers, at the precision in force when they are called."""
+    """Rates and extra quantities on mpmath numbers, at the precision in force when they are
+    called."""
     return _module(program, _DIGITS)
 
 

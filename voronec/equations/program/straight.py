@@ -120,7 +120,7 @@ class Program:
     inputs: tuple[Any, ...] = ()
 
     def only(self, places: Sequence[int]) -> Program:
-        """The same with some of the extra quantities alone."""
+        """The program with some of the extra quantities alone."""
         extras = prune(self.extras.assignments, [self.extras.results[i] for i in places])
         return replace(self, names=tuple(self.names[i] for i in places), extras=extras)
 
@@ -141,7 +141,7 @@ class Program:
 
     @classmethod
     def of_extras(cls, form: FirstOrderForm, extras: Mapping[str, Any]) -> Program:
-        """The same for the extra quantities alone: nothing moves in it."""
+        """The program of extra quantities alone: nothing moves in it."""
         wanted = {name: se.sympify(e) for name, e in extras.items()}
         return _program(form, tuple(wanted.items()), moves=False)
 
@@ -235,7 +235,7 @@ def _program(
 def _replace_functions(
     form: FirstOrderForm, extras: dict[str, Any]
 ) -> tuple[FirstOrderForm, dict[str, Any], tuple[Any, ...]]:
-    """The same with plain symbols, also returned, for functions of the time and their rates."""
+    """A form with plain symbols, also returned, for functions of the time and their rates."""
     if not form.inputs:
         return form, extras, ()
     rows = (*form.mass, form.rates, form.force, form.definitions, (*extras.values(),))

@@ -452,8 +452,8 @@ def square_part(base: Any) -> tuple[Any, Any]:
 
 
 def _square_factor(base: Any) -> tuple[Any, Any]:
-    """The same of a sum, by its factors; 1 -+ cos a and 1 -+ sin a are twice the square of a sine
-    or cosine."""
+    """The square part of a sum, by its factors; 1 -+ cos a and 1 -+ sin a are twice the square of a
+    sine or cosine."""
     ring = Ring([base])
     value = ring.fraction(base)
     content, factors = irreducible_factors(value.num)

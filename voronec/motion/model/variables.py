@@ -47,7 +47,7 @@ __all__ = ["momenta_level", "relative_level"]
 
 
 def momenta_level(level: Level) -> Level | None:
-    """The same equations in momenta; None where their rates are no shorter so."""
+    """The equations in momenta; None where their rates are no shorter so."""
     v, n = level.velocities, len(level.velocities)
     if not level.exact or level.stages or not n:
         return None
@@ -162,7 +162,7 @@ _Form = tuple[int, ...]
 
 
 def relative_level(level: Level) -> Level | None:
-    """The same equations in relative angles; None where the velocities' equations change with a
+    """The equations in relative angles; None where the velocities' equations change with a
     common shift of the angles, or have no normal form."""
     if not level.exact or level.stages or level.system.charts or not _hints(level):
         return None

@@ -432,8 +432,9 @@ class _Drive:
         return found
 
     def first_overlong(self, taken: int, usual: float) -> tuple[int, float] | None:
-        """The same of so many steps from where the integrator stands; those that are longer than
-        the ``usual``, or grow fast, are looked at, more and more of them at a time."""
+        """The first step that was too long, of so many from where the integrator stands; those that
+        are longer than the ``usual``, or grow fast, are looked at, more and more of them at a
+        time."""
         ta, end, most = self.integrator, float(self.grid[-1]), FIRST_LOOK
         before, held = 0.0, dict[int, TaylorStep]()
         for k in range(taken):
@@ -453,8 +454,8 @@ class _Drive:
         return None
 
     def blind(self, moment: tuple[float, float], state: np.ndarray) -> tuple[int, float] | None:
-        """The same where roots in the equations may have corners so little rounded that no series
-        sees it: by the defect at the end of each step."""
+        """The first step that went over a corner, where roots in the equations may have corners so
+        little rounded that no series sees it: by the defect at the end of each step."""
         ta, output, found = self.integrator, self.output, None
         if output is None or not np.isfinite(ta.state).all():
             return None

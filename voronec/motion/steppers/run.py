@@ -471,7 +471,7 @@ class Signal:
         return dict(zip(self.parameters, [*numbers, instant][: len(self.parameters)], strict=True))
 
     def along(self, times: np.ndarray) -> dict[str, np.ndarray]:
-        """The same at instants (k,), an array (k,) for each parameter."""
+        """The parameters at instants (k,), an array (k,) for each parameter."""
         if self.functions:
             rows = [[*self.at(t).values()] for t in times.tolist()]
         else:

@@ -52,7 +52,7 @@ def dop853(problem: Problem) -> Solver:
 
 
 def dop853_steps(problem: Problem, grid: np.ndarray) -> Stepper:
-    """The same, step by step."""
+    """The method of Dormand and Prince, step by step."""
     from scipy.integrate import DOP853
 
     fine = replace(problem, tol=dop853_tolerance(problem.tol))

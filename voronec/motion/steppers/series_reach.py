@@ -151,8 +151,8 @@ def _leads_on(integrator: Any, series: np.ndarray, taken: float) -> bool:
 
 
 def _coefficients_reach(coefficients: np.ndarray, taken: float, tol: float) -> float:
-    """The same by the latter half of the coefficients (n, order + 1): the radius of convergence
-    that each suggests, times tol^(1/order)."""
+    """How far a step may reach by the latter half of the coefficients (n, order + 1): the radius of
+    convergence that each suggests, times tol^(1/order)."""
     sizes = np.abs(coefficients).max(axis=0).tolist()
     scale, order = max(1.0, sizes[0]), len(sizes) - 1
     later = ((k, sizes[k] / scale) for k in range(order // 2, order + 1))
@@ -162,7 +162,7 @@ def _coefficients_reach(coefficients: np.ndarray, taken: float, tol: float) -> f
 
 
 def _lanes_reach(coefficients: np.ndarray, taken: np.ndarray, tol: float) -> np.ndarray:
-    """The same of several steps (k,), with coefficients (n, order + 1, k)."""
+    """How far several steps (k,) may reach, with coefficients (n, order + 1, k)."""
     sizes = np.abs(coefficients).max(axis=0)
     sizes = sizes / np.fmax(1.0, sizes[0])
     order = len(sizes) - 1

@@ -116,7 +116,7 @@ def units_of_many(program: Program, states: np.ndarray, values: np.ndarray) -> n
 def _units_beside(
     program: Program, states: np.ndarray, values: np.ndarray, angles: list[int]
 ) -> np.ndarray:
-    """The same where it is known which states are ``angles``."""
+    """The units of starts, where it is known which states are ``angles``."""
     rhs = compile_program(program)[0]
 
     def slopes(at: np.ndarray) -> np.ndarray:

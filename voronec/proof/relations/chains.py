@@ -60,7 +60,7 @@ class _Chain:
     scaling: dict[Any, Any] = field(default_factory=dict)
 
     def map(self, change: Callable[[Any], Any]) -> _Chain:
-        """The same with a change of every expression, as a limit of parameters."""
+        """The chain with a change of every expression, as a limit of parameters."""
         return replace(
             self,
             state={x: change(e) for x, e in self.state.items()},

@@ -75,7 +75,7 @@ def _scaled_parameters(limit: Limit) -> dict[str, sp.Expr]:
 
 
 def _plain(expr: sp.Expr) -> sp.Expr:
-    """The same in symbols that are told by their names alone."""
+    """An expression in symbols that are told by their names alone."""
     return expr.xreplace({s: sp.Symbol(str(s)) for s in expr.free_symbols})
 
 

@@ -86,7 +86,7 @@ def _arguments(relation: Relation, name: str, applied: list[Any]) -> list[str]:
 
 
 def by_name(mapping: Mapping[Any, Any]) -> dict[str, Any]:
-    """The same by names."""
+    """A mapping by names."""
     return {k if isinstance(k, str) else plain_name(k): v for k, v in mapping.items()}
 
 

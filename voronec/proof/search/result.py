@@ -92,7 +92,7 @@ class IntegralSearch:
 
     @property
     def exhausted(self) -> bool:
-        """The same, if the functions in ``assumed`` are independent."""
+        """Whether the search is complete, if the functions in ``assumed`` are independent."""
         proved = all(f.verdict.proved for f in self.integrals)
         return self.finished and proved and not self.missing
 
@@ -110,7 +110,7 @@ class IntegralSearch:
 
     @property
     def _statement(self) -> str:
-        """The same for what is taken as independent."""
+        """What is proved, in words, for what is taken as independent."""
         data = [*self.parameters, *self.unknown]
         where = f" at {_equations(self.at)}" if self.at else ""
         generic = f", for generic {_list_names(data)}" if data else ""
