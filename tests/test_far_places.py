@@ -16,10 +16,6 @@ import sympy as sp
 
 import voronec as vo
 from voronec import velocity
-from voronec.algebra.normal import canonical, shortest
-from voronec.algebra.points import sample_point
-from voronec.algebra.stand_ins import StandIns
-from voronec.algebra.tape import Tape
 from voronec.motion.observables import size_of_terms
 
 x, y, phi, along, turn = sp.symbols("x y phi along turn")
@@ -78,28 +74,12 @@ SYSTEMS: dict[str, Callable[[Any], vo.System]] = {
     "poles": lambda a: line(12 * ((a + 2) ** -13 - (a + 2) ** -7)),
     "a bump": lambda a: line(30 / (1 + 10**4 * a**4)),
     "two places": lambda a: line(-(a**3) * (a + 1) ** 2),
-    "friction": lambda a: line(-(a**3) - sp.sign(v) / 100 - a**2 / 7),
-    "corners": lambda a: line(-sp.Abs(a) * a - sp.Max(0, a) ** 3),
     "a mass": lambda a: line(mass=1 + a**2, potential=a**4 / 4 + a / 10),
     "a distance": lambda a: line(potential=sp.sqrt(1 + a**2) ** 3 + a / 5),
     "a blade": lambda a: sleigh(a**4 / 4 + phi**2 + a / 10),
     "a blade in a bowl": lambda a: sleigh((a**2 + y**2) ** 2 / 4),
     "a constraint": lambda a: blade(velocity(y) - a**3 * velocity(phi), a=a),
-    "a quotient": lambda a: blade(velocity(y) * (1 + a**2) - 2 * a * velocity(phi), a=a),
-    "a frame that fails": lambda a: blade(
-        velocity(y) * sp.cos(phi) - (1 + a**2) * v * sp.sin(phi), a=a
-    ),
     "a constraint that moves": lambda a: blade(velocity(y) - a**2 * velocity(phi) - a * t, a=a),
-    "quasi-velocities": lambda a: blade(
-        velocity(y) * sp.cos(phi) - v * sp.sin(phi),
-        a=a,
-        frame=vo.Frame.quasi(
-            {
-                along: (1 + a**2) * (v * sp.cos(phi) + velocity(y) * sp.sin(phi)),
-                turn: velocity(phi) + (a - 3) * v,
-            }
-        ),
-    ),
     "accelerations": lambda a: line(-(a**4) * velocity(v) - a**3 * v, mass=2),
     "a constraint without poles": lambda a: blade(
         velocity(y) - sp.sqrt(1 + a**2) * velocity(phi) / 9 - sp.log(2 + a**4) * v, a=a
@@ -121,87 +101,6 @@ def test_a_motion_far_away_is_that_at_the_origin(name: str, method: str) -> None
         moved = FAR if key == "x" else 0
         assert found[key][-1] - moved == pytest.approx(truth[key][-1], abs=3e-10), key
     assert all(drift < 1e-9 for drift in found.drift.values())
-
-
-def ring(a: Any, drive: Any = 0, **more: Any) -> vo.System:
-    """A bead on a circle about a = 0 in redundant coordinates, that drives a third one."""
-    w = sp.Symbol("w")
-    potential = more.pop("potential", y)
-    kinetic = (v**2 + velocity(y) ** 2 + velocity(phi) ** 2) / 2
-    return vo.System(
-        name="ring",
-        fibration=vo.Fibration(base=(x, y), fibre=(phi,), relations=(a**2 + y**2 - 1,)),
-        lagrangian=kinetic - potential,
-        constraints=(velocity(phi) - drive,),
-        frame=vo.Frame.quasi({w: a * velocity(y) - y * v}),
-        integrals={"energy": kinetic + potential},
-        **more,
-    )
-
-
-RINGS: dict[str, Callable[[Any], vo.System]] = {
-    "a drive": lambda a: ring(a, a * v),
-    "powers": lambda a: ring(a, a**2 * v - y * velocity(y) + (1 + a) ** 3 * velocity(y)),
-    "a root": lambda a: ring(a, potential=sp.sqrt(2 + a * y) + sp.exp(a)),
-    "a function": lambda a: ring(a, potential=sp.cos(a) + a**4 + y, drive=y * v),
-}
-
-
-@pytest.mark.parametrize("method", ["auto", "scipy", "flint"])
-@pytest.mark.parametrize("name", RINGS)
-def test_relations_keep_the_distance(name: str, method: str) -> None:
-    start = {y: sp.Rational(4, 5), "w": -1, phi: 0}
-    truth = vo.integrate(RINGS[name](x), initial={x: 0.6, **start}, times=[0, 3])
-    far = RINGS[name](x - FAR)
-    found = vo.integrate(far, initial={x: FAR + 0.6, **start}, times=[0, 3], method=method)
-    for key in truth.outputs:
-        moved = FAR if key == "x" else 0
-        assert float(found[key][-1]) - moved == pytest.approx(truth[key][-1], abs=1e-10), key
-    assert found.drift["energy"] < 1e-10
-
-
-def test_a_centre_may_be_a_parameter() -> None:
-    c = sp.Symbol("c")
-    system = ring(x - c, (x - c) ** 3 * v, parameters=(c,))
-    ends = [
-        vo.integrate(
-            system,
-            parameters={c: place},
-            initial={x: place + 0.6, y: sp.Rational(4, 5), "w": -1, phi: 0},
-            times=[0, 3],
-        )["phi"][-1]
-        for place in (0, FAR)
-    ]
-    assert ends[1] == pytest.approx(ends[0], abs=1e-10)
-
-
-def test_normal_forms_and_points_on_relations_far_away() -> None:
-    a, b, c, d = se.symbols("a b c d")
-    relations = [(a - FAR) ** 2 + b**2 - 1, (a - c) ** 2 + d**2 - 4]
-    power = (a - FAR) ** 4 + (a - c) ** 2 * b + se.cos(a)
-    (short,) = shortest([power], relations)
-    assert str(FAR**2) not in str(short)
-    assert canonical([short - power], relations) == [0]
-    assert canonical([b**4 - 2 * b**2 + 1 - (a - FAR) ** 4], relations) == [0]
-    mixed = [(a - 1) ** 2 + se.cos(a) + b**2 - 3, (a - 1) * (c - a) - d]
-    for held in (relations, mixed):
-        point = sample_point([a, b, c, d], held)
-        assert all(abs(r) < 1e-30 for r in Tape(held).arb(point, 160))
-
-
-def test_the_distance_of_two_places_is_one_in_constraints() -> None:
-    def pair(late: int) -> tuple[float, float]:
-        d, first = x - phi, {x: late + 1, phi: late, v: sp.Rational(1, 5)}
-        system = vo.System(
-            name="pair",
-            fibration=vo.Fibration(base=(x, phi), fibre=(y,)),
-            lagrangian=(v**2 + velocity(phi) ** 2 + velocity(y) ** 2 - d**2) / 2,
-            constraints=(velocity(y) - d**2 * v - d * velocity(phi),),
-        )
-        run = vo.integrate(system, initial=first, times=[0, 3])
-        return run["x"][-1] - late, run["y"][-1]
-
-    assert pair(3 * FAR) == pytest.approx(pair(0), abs=1e-10)
 
 
 def test_time_is_a_place_too() -> None:
@@ -249,30 +148,3 @@ def test_a_power_is_as_large_as_its_sum_makes_it() -> None:
     assert size(c * (a + b) ** 2) == pytest.approx(2 * 2001)
     assert size((a + b) * (a + c)) == pytest.approx(2001 * 1003 + 1003)
     assert size(a - c) == pytest.approx(1003)
-
-
-def test_letters_stand_for_sums_of_places_alone() -> None:
-    a, b, w, s = se.symbols("a b w t")
-
-    class WorkingEquations:
-        coordinates, parameters, relations, time = (a, b), (se.Symbol("k"),), (), s
-
-    expr = (a - 7) ** 3 + (a * w - b) ** 2 + se.sin(a) ** 2 + (a - 7) * (b - s) + 5 * (b - 2)
-    letters = StandIns.of([expr], WorkingEquations)
-    turned = (w - se.Symbol("k") * (7 - a)) ** 2 * (3 - 2 * a + w * b)
-    distances = StandIns.of_distances([turned], WorkingEquations)
-    assert {*distances.meaning.values()} == {a - 7, a - se.Rational(3, 2)}
-    assert {*StandIns.of_distances([(b - a) * w, a + b], WorkingEquations).meaning.values()} == {
-        a - b
-    }
-    assert se.expand(distances.show(distances.hide(turned)) - turned) == 0
-    hidden = distances.hide(turned).xreplace(dict.fromkeys(distances.meaning, se.Integer(0)))
-    assert hidden == w**2 * w * b
-    assert {*letters.meaning.values()} == {a - 7, b - s}
-    belt = StandIns.of([(w - 3) ** 2 + (w - a * w) ** 2 + (w + b) ** 3], WorkingEquations, [w])
-    assert {*belt.meaning.values()} == {w - 3, w + b, w - a * w}
-    bent = belt.hide((w - 3) ** 2).xreplace({w: a * w})
-    assert belt.show(bent) == (a * w - 3) ** 2
-    assert letters.show(letters.hide(expr)) == expr
-    slope = letters.show(letters.hide(expr).diff(a))
-    assert se.expand(slope - expr.diff(a)) == 0

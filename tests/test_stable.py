@@ -226,28 +226,6 @@ def test_quotients_of_sines_of_sums_have_a_value_where_the_sum_vanishes(force, m
         assert space["rhs"](0, [gap, 0, 0, 0], [])[2] == pytest.approx(exact, rel=1e-15)
 
 
-@pytest.mark.parametrize(
-    "potential",
-    [
-        (1 - sp.cos(x)) / x**2,
-        sp.Piecewise(((sp.cosh(2 * x) - 1) / x**2, sp.Ne(x, 0)), (2, True)),
-        sp.Piecewise(((1 - sp.cos(x)) / x**2, sp.Ne(x, 0)), (sp.Rational(1, 2), True)),
-    ],
-)
-def test_the_slope_of_a_versed_sine_over_a_square_does_not_cancel(potential):
-    """sin(x)/x^2 - 2 (1 - cos x)/x^3 is x/12 in small."""
-    system = System(name="k", fibration=Fibration(x), lagrangian=v**2 / 2 - potential)
-    space = {}
-    exec(vo.derive(system).python(), space)
-    smooth = potential.args[0][0] if potential.is_Piecewise else potential
-    exact = sp.lambdify(x, -smooth.diff(x), "mpmath")
-    assert space["rhs"](0, [0.0, 0.0], [])[1] == 0
-    for place in (1e-8, 0.01, 1.0):
-        with mp.workdps(60):
-            value = float(exact(mp.mpf(place)))
-        assert space["rhs"](0, [place, 0.0], [])[1] == pytest.approx(value, rel=1e-14)
-
-
 def test_a_sum_keeps_a_term_that_another_becomes():
     """1 - cos x becomes 2 sin^2(x/2), and one of these was lost where both stood."""
     whole, near = sp.sin(x / 2) ** 2 * 2, sp.Rational(1, 10**10)

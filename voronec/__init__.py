@@ -9,53 +9,81 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from voronec.accuracy.hard import HardCase
-    from voronec.algebra.signs import prove_inequality
-    from voronec.algebra.symbols import time, velocity
-    from voronec.algebra.verdicts import Verdict, Witness, prove_equal
-    from voronec.audit.lessons.judgement import Judgement, judge
-    from voronec.audit.lessons.lesson import lesson
-    from voronec.audit.lessons.methods import by_methods
-    from voronec.closed import ClosedForm
-    from voronec.closed.special.precessions import Precessions, precessions
-    from voronec.declaration.bodies import Body
-    from voronec.declaration.catalogue import load, names
-    from voronec.declaration.charts import Chart
-    from voronec.declaration.claims import Assertion, Case, Corrected, Equation, Measure, Poisson
-    from voronec.declaration.geometry import Fibration, Frame
-    from voronec.declaration.mechanics import from_mechanics
-    from voronec.declaration.quadratures import Plane, Quadratures, Space, Trace
-    from voronec.declaration.relation import Limit, Relation, Square
-    from voronec.declaration.scene import Parameter, Scene
-    from voronec.declaration.shapes import Shape
-    from voronec.declaration.sketch import Sketch
-    from voronec.declaration.system import System
-    from voronec.equations.linearisation import Linearisation, linearise
-    from voronec.equations.reduction import Reduction, descend
-    from voronec.equations.referee import multiplier_acceleration, reaction_forces
-    from voronec.equations.voronec_equations import VoronecEquations, derive
-    from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
-    from voronec.motion import (
-        Crossings,
-        Ensemble,
-        Event,
-        PreparedProblem,
-        Section,
-        Table,
-        Trajectory,
-        ensemble,
-        integrate,
-        prepare,
-        section,
-    )
-    from voronec.motion.closed_form import closed_form
-    from voronec.motion.explanation import explain
-    from voronec.motion.model import Model
-    from voronec.proof.check import check_catalogue, check_relation, graph
-    from voronec.proof.claims import Claim, check_claims
-    from voronec.proof.comparison import compare
-    from voronec.proof.measures import divergence
-    from voronec.proof.search import FoundIntegral, IntegralSearch, search_integrals
+    from voronec.accuracy.hard import HardCase as HardCase
+    from voronec.algebra.signs import prove_inequality as prove_inequality
+    from voronec.algebra.symbols import time as time
+    from voronec.algebra.symbols import velocity as velocity
+    from voronec.algebra.verdicts import Verdict as Verdict
+    from voronec.algebra.verdicts import Witness as Witness
+    from voronec.algebra.verdicts import prove_equal as prove_equal
+    from voronec.audit.lessons.judgement import Judgement as Judgement
+    from voronec.audit.lessons.judgement import judge as judge
+    from voronec.audit.lessons.lesson import lesson as lesson
+    from voronec.audit.lessons.methods import by_methods as by_methods
+    from voronec.closed import ClosedForm as ClosedForm
+    from voronec.closed.special.precessions import Precessions as Precessions
+    from voronec.closed.special.precessions import precessions as precessions
+    from voronec.declaration.bodies import Body as Body
+    from voronec.declaration.catalogue import load as load
+    from voronec.declaration.catalogue import names as names
+    from voronec.declaration.charts import Chart as Chart
+    from voronec.declaration.claims import Assertion as Assertion
+    from voronec.declaration.claims import Case as Case
+    from voronec.declaration.claims import Corrected as Corrected
+    from voronec.declaration.claims import Equation as Equation
+    from voronec.declaration.claims import Measure as Measure
+    from voronec.declaration.claims import Poisson as Poisson
+    from voronec.declaration.geometry import Fibration as Fibration
+    from voronec.declaration.geometry import Frame as Frame
+    from voronec.declaration.mechanics import from_mechanics as from_mechanics
+    from voronec.declaration.quadratures import Plane as Plane
+    from voronec.declaration.quadratures import Quadratures as Quadratures
+    from voronec.declaration.quadratures import Space as Space
+    from voronec.declaration.quadratures import Trace as Trace
+    from voronec.declaration.relation import Limit as Limit
+    from voronec.declaration.relation import Relation as Relation
+    from voronec.declaration.relation import Square as Square
+    from voronec.declaration.scene import Parameter as Parameter
+    from voronec.declaration.scene import Scene as Scene
+    from voronec.declaration.shapes import Shape as Shape
+    from voronec.declaration.sketch import Sketch as Sketch
+    from voronec.declaration.system import System as System
+    from voronec.equations.linearisation import Linearisation as Linearisation
+    from voronec.equations.linearisation import linearise as linearise
+    from voronec.equations.reduction import Reduction as Reduction
+    from voronec.equations.reduction import descend as descend
+    from voronec.equations.referee import multiplier_acceleration as multiplier_acceleration
+    from voronec.equations.referee import reaction_forces as reaction_forces
+    from voronec.equations.voronec_equations import VoronecEquations as VoronecEquations
+    from voronec.equations.voronec_equations import derive as derive
+    from voronec.errors import DefinitionError as DefinitionError
+    from voronec.errors import EngineLimit as EngineLimit
+    from voronec.errors import IntegrationError as IntegrationError
+    from voronec.errors import VoronecError as VoronecError
+    from voronec.motion import Crossings as Crossings
+    from voronec.motion import Ensemble as Ensemble
+    from voronec.motion import Event as Event
+    from voronec.motion import PreparedProblem as PreparedProblem
+    from voronec.motion import Section as Section
+    from voronec.motion import Table as Table
+    from voronec.motion import Trajectory as Trajectory
+    from voronec.motion import ensemble as ensemble
+    from voronec.motion import integrate as integrate
+    from voronec.motion import prepare as prepare
+    from voronec.motion import section as section
+    from voronec.motion.closed_form import closed_form as closed_form
+    from voronec.motion.explanation import explain as explain
+    from voronec.motion.model import Model as Model
+    from voronec.proof.check import check_catalogue as check_catalogue
+    from voronec.proof.check import check_relation as check_relation
+    from voronec.proof.check import graph as graph
+    from voronec.proof.claims import Claim as Claim
+    from voronec.proof.claims import check_claims as check_claims
+    from voronec.proof.comparison import compare as compare
+    from voronec.proof.measures import divergence as divergence
+    from voronec.proof.search import FoundIntegral as FoundIntegral
+    from voronec.proof.search import IntegralSearch as IntegralSearch
+    from voronec.proof.search import search_integrals as search_integrals
 
 __version__ = "0.9.0"
 
@@ -104,84 +132,7 @@ _HOME = {
 }
 """Where the names are that load on first use."""
 
-__all__ = [
-    "Assertion",
-    "Body",
-    "Case",
-    "Chart",
-    "Claim",
-    "ClosedForm",
-    "Corrected",
-    "Crossings",
-    "DefinitionError",
-    "EngineLimit",
-    "Ensemble",
-    "Equation",
-    "Event",
-    "Fibration",
-    "FoundIntegral",
-    "Frame",
-    "HardCase",
-    "IntegralSearch",
-    "IntegrationError",
-    "Judgement",
-    "Limit",
-    "Linearisation",
-    "Measure",
-    "Model",
-    "Parameter",
-    "Plane",
-    "Poisson",
-    "Precessions",
-    "PreparedProblem",
-    "Quadratures",
-    "Reduction",
-    "Relation",
-    "Scene",
-    "Section",
-    "Shape",
-    "Sketch",
-    "Space",
-    "Square",
-    "System",
-    "Table",
-    "Trace",
-    "Trajectory",
-    "Verdict",
-    "VoronecEquations",
-    "VoronecError",
-    "Witness",
-    "by_methods",
-    "check_catalogue",
-    "check_claims",
-    "check_relation",
-    "closed_form",
-    "compare",
-    "derive",
-    "descend",
-    "divergence",
-    "ensemble",
-    "explain",
-    "from_mechanics",
-    "graph",
-    "integrate",
-    "judge",
-    "kinematics",
-    "lesson",
-    "linearise",
-    "load",
-    "multiplier_acceleration",
-    "names",
-    "precessions",
-    "prepare",
-    "prove_equal",
-    "prove_inequality",
-    "reaction_forces",
-    "search_integrals",
-    "section",
-    "time",
-    "velocity",
-]
+__all__ = sorted(_HOME)
 
 
 def __getattr__(name: str) -> Any:

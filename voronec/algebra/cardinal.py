@@ -7,18 +7,15 @@ tan w = sin(w)/cos(w) are divided likewise, and so is tanh, which is even but fo
 
     tanh(w)/w = 2 exprel(-2|w|)/(1 + exp(-2|w|)).
 
-log(1 + w) and atan w are divided too, and all of them divide, as in w/sinh w and tanh(2 w)/tanh w.
-What cancels in the slopes of such quotients is taken together:
+All of them divide, as in w/sinh w and tanh(2 w)/tanh w.  What cancels in the slopes of the first
+two is taken together:
 
-    cos(w)/w - sin(w)/w^2,    cosh(w)/w - sinh(w)/w^2,    exp(w)/w - (exp(w) - 1)/w^2,
-    cot w - 1/w,              coth w - 1/w,             sin(w)/w^2 - 2 (1 - cos w)/w^3,
-
-and so are the slopes of tan(w)/w, tanh(w)/w, atan(w)/w and log(1 + w)/w.
+    cos(w)/w - sin(w)/w^2,    cosh(w)/w - sinh(w)/w^2.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 from math import ceil, comb
 from typing import Any
@@ -26,20 +23,13 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.numeric_functions import (
-    ATAN_RATIO,
-    ATAN_RATIO_SLOPE,
     EXPREL,
-    EXPREL_SLOPE,
-    LOG_RATIO,
-    LOG_RATIO_SLOPE,
     QUOTIENTS,
     SINC,
     SINC_SLOPE,
     SINHC,
     SINHC_SLOPE,
     SIZE,
-    TANH_RATIO_SLOPE,
-    TANH_SHORTFALL,
 )
 from voronec.algebra.terms import (
     Rewriter,
@@ -56,8 +46,6 @@ __all__ = ["cardinal_all", "coefficient", "divides_sines_of_sums", "loses_quotie
 
 _Zero = tuple[Any, int, Callable[[Any], Any]]
 """(w, p, c) of a function that is c(w) w^p."""
-SPREAD = 40
-"""Sums of more terms are not spread out to look for what cancels."""
 
 
 def coefficient(name: str, at: int, order: int, bits: int) -> int:
@@ -121,8 +109,6 @@ def cardinal_all(exprs: Iterable[Any]) -> list[Any]:
                 below.add(base)
         elif isinstance(node, _KINDS):
             arguments |= _factors(node.args[0]).keys()
-        elif isinstance(node, se.log):
-            arguments |= _factors(node.args[0] - 1).keys()
         inverse = inverse or (isinstance(node, se.Mul) and _divides(node))
     sums = {a for a in arguments if isinstance(a, se.Add)}
     vanish = inverse or below & arguments or any(_ratio(a, b) for a in sums for b in below)
@@ -185,16 +171,11 @@ def _slopes_within(factor: Any) -> Any:
 @lru_cache(2**14)  # a sum stands in many products, of the equations and of what is made of them
 def _with_slopes(total: Any) -> Any:
     """A sum in which terms that cancel at w = 0 are slopes of quotients."""
-    found = _exponential_slope(total.args)
-    if found is None:
-        found = _versed_slope([part for term in total.args for part in _bracket_parts(term)])
-    if found is None and len(total.args) <= SPREAD and any(map(_is_spread, total.args)):
-        found = _exponential_slope([part for term in total.args for part in _spread(term)])
-    if found is not None:
-        return found
     left, written = dict.fromkeys(total.args), list[Any]()
     for term in total.args:
-        for function, partner, slope in _slopes_in(term) if term in left else ():
+        sloped = (f for f in _factors(term) if type(f) in _SLOPES) if term in left else ()
+        for function in sloped:
+            partner, slope = _SLOPES[type(function)](function.args[0])
             rest = term / function
             other = -rest * partner
             if other in left and term != other:
@@ -202,88 +183,6 @@ def _with_slopes(total: Any) -> Any:
                 written.append(rest * slope)
                 break
     return se.Add(*left, *written) if written else total
-
-
-def _is_spread(term: Any) -> bool:
-    """Whether a term is an exponential times a sum, as normal forms have it."""
-    held = isinstance(term, se.Mul) and any(map(is_exponential, term.args))
-    return held and any(isinstance(f, se.Add) for f in term.args)
-
-
-def _spread(term: Any) -> Sequence[Any]:
-    """The parts of a term that is an exponential times a sum: one sum, and not what is inside of
-    its terms, which may be as long as it likes."""
-    inner = (
-        next((f for f in term.args if isinstance(f, se.Add)), None) if _is_spread(term) else None
-    )
-    return [term] if inner is None else [term / inner * part for part in inner.args]
-
-
-def _exponential_slope(terms: Sequence[Any]) -> Any | None:
-    """A sum of terms in which c (w e^w - e^w + 1) or c (h e^2h - e^2h + h + 1) is one; None where
-    neither is there."""
-    known = {*terms}
-    for term in terms:
-        for factor in filter(is_exponential, factors_of(term)):
-            w, c = factor.args[1], -term / factor
-            half = w / 2
-            for parts, value in (
-                ((term, c * w * factor, c), c * w**2 * se.Function(EXPREL_SLOPE)(w)),
-                (
-                    (term, c * half * factor, c, c * half),
-                    2 * c * half**3 * se.exp(half) * se.Function(SINHC_SLOPE)(half),
-                ),
-            ):
-                if known.issuperset(parts):
-                    return se.Add(*[t for t in terms if t not in parts], value)
-    return None
-
-
-def _bracket_parts(term: Any) -> Sequence[Any]:
-    """The parts of a term with a factor 1 - cos w, or another that vanishes with w."""
-    sums = [f for f in factors_of(term) if isinstance(f, se.Add) and len(f.args) == 2]
-    inner = next((f for f in sums if _zero(f) is not None), None)
-    return [term] if inner is None else [term / inner * part for part in inner.args]
-
-
-def _versed_slope(terms: Sequence[Any]) -> Any | None:
-    """A sum of terms in which c (2 cos w - 2 + w sin w), of the slope of (1 - cos w)/w^2, or
-    c (2 cosh w - 2 - w sinh w), is one; None where neither is there."""
-    known = {*terms}
-    for term in terms:
-        for factor in factors_of(term):
-            if not isinstance(factor, (se.cos, se.cosh)):
-                continue
-            w, c = factor.args[0], term / factor / 2
-            turns = isinstance(factor, se.cos)
-            sine, sign = (se.sin, 1) if turns else (se.sinh, -1)
-            parts = term, -2 * c, sign * c * w * sine(w)
-            if known.issuperset(parts):
-                slope = se.Function(SINC_SLOPE if turns else SINHC_SLOPE)(w / 2)
-                value = -4 * c * sine(w / 2) * (w / 2) ** 3 * slope
-                return se.Add(*[t for t in terms if t not in parts], value)
-    return None
-
-
-def _slopes_in(term: Any) -> list[tuple[Any, Any, Any]]:
-    """(f, g, s) of factors f of a term: f - g = s, and s is written without cancellation."""
-    found = list[tuple[Any, Any, Any]]()
-    powers = _factors(term)
-    for base in powers:
-        kind = type(base)
-        if kind in _SLOPES:
-            found += [(base, g, s) for g, s in _SLOPES[kind](base.args[0])]
-        elif kind in _OVER:
-            below, w = _OVER[kind](base.args[0]), base.args[0]
-            if powers.get(below) == -1:
-                found += [(base / below, *_SLOPES[se.cot if kind is se.cos else se.coth](w)[0])]
-        elif (zero := _zero(base)) is not None and zero[1] == 1:
-            w = zero[0]
-            if kind is se.log:
-                found.append((base, w / (1 + w), w**2 * se.Function(LOG_RATIO_SLOPE)(w)))
-            elif base == se.exp(w) - 1:
-                found.append((base, w * se.exp(w), -(w**2) * se.Function(EXPREL_SLOPE)(w)))
-    return found
 
 
 def _quotient(product: Any, spread: bool = True) -> Any:
@@ -348,10 +247,6 @@ def _zero(factor: Any) -> _Zero | None:
     """(w, p, c) with c(w) w^p equal to a factor that vanishes with w; None for any other."""
     if type(factor) in _ZEROS:
         return factor.args[0], 1, _ZEROS[type(factor)]
-    if isinstance(factor, se.log):
-        inner = factor.args[0]
-        beside = isinstance(inner, se.Add) and se.Integer(1) in inner.args
-        return (inner - 1, 1, se.Function(LOG_RATIO)) if beside else None
     if not isinstance(factor, se.Add) or len(factor.args) != 2:
         return None
     number, term = sorted(factor.args, key=lambda a: not a.is_Number)
@@ -370,38 +265,16 @@ def _tangent(w: Any) -> Any:
     return 2 * se.Function(EXPREL)(z) / (1 + se.exp(z))
 
 
-def _tan_slope(w: Any) -> Any:
-    quotient = se.Function(SINC)(w) / se.cos(w)
-    return se.Function(SINC_SLOPE)(w) / se.cos(w) - quotient**2
-
-
 _ZEROS: dict[type, Callable[[Any], Any]] = {
     se.sin: se.Function(SINC),
     se.sinh: se.Function(SINHC),
     se.tan: lambda w: se.Function(SINC)(w) / se.cos(w),
     se.tanh: _tangent,
-    se.atan: se.Function(ATAN_RATIO),
 }
 """Functions f that vanish at zero, with f(w)/w."""
-_SLOPES: dict[type, Callable[[Any], list[tuple[Any, Any]]]] = {
-    se.sin: lambda w: [(w * se.cos(w), w**3 * se.Function(SINC_SLOPE)(w))],
-    se.sinh: lambda w: [(w * se.cosh(w), -(w**3) * se.Function(SINHC_SLOPE)(w))],
-    se.tan: lambda w: [(w * (1 + se.tan(w) ** 2), w**3 * _tan_slope(w))],
-    se.atan: lambda w: [(w / (1 + w**2), w**3 * se.Function(ATAN_RATIO_SLOPE)(w))],
-    se.tanh: lambda w: [
-        (w, -(w**3) * se.Function(TANH_SHORTFALL)(w)),
-        *[
-            (slope, w**3 * se.Function(TANH_RATIO_SLOPE)(w))
-            for slope in (w * (1 - se.tanh(w) ** 2), -w * (se.tanh(w) ** 2 - 1))
-        ],
-    ],
-    se.cot: lambda w: [(1 / w, -w * se.Function(SINC_SLOPE)(w) / se.Function(SINC)(w))],
-    se.coth: lambda w: [
-        (1 / w, w * se.Function(TANH_SHORTFALL)(w) / _tangent(w)),
-        (w / se.sinh(w) ** 2, w * se.Function(TANH_RATIO_SLOPE)(w) / _tangent(w) ** 2),
-    ],
+_SLOPES: dict[type, Callable[[Any], tuple[Any, Any]]] = {
+    se.sin: lambda w: (w * se.cos(w), w**3 * se.Function(SINC_SLOPE)(w)),
+    se.sinh: lambda w: (w * se.cosh(w), -(w**3) * se.Function(SINHC_SLOPE)(w)),
 }
-"""Functions f with terms g that cancel beside them, and f - g."""
-_OVER: dict[type, type] = {se.cos: se.sin, se.cosh: se.sinh}
-"""Cotangents as quotients."""
-_KINDS: Any = (*_SLOPES, *_OVER)
+"""Functions f with a term g that cancels beside them, and f - g."""
+_KINDS: Any = (*_ZEROS, se.cos, se.cosh)

@@ -22,6 +22,7 @@ from voronec.errors import EngineLimit
 
 __all__ = [
     "Generators",
+    "distance_powers",
     "holds_far_multiples",
     "linear_terms",
     "prime_factors",
@@ -92,6 +93,21 @@ def splits_curved_angles(exprs: Iterable[Any], moving: Iterable[Any]) -> bool:
         and _is_curved_sum(node.args[0], symbols)
         for node in nodes(exprs)
     )
+
+
+def distance_powers(exprs: Iterable[Any], moving: Iterable[Any]) -> list[Any]:
+    """Powers beyond the second of distances, (x - 1000)^5: written out, their terms are larger
+    than what they leave, and numbers computed from them have lost their digits."""
+    symbols = {*moving}
+    powers = (n for n in nodes(exprs) if isinstance(n, se.Pow) and isinstance(n.args[0], se.Add))
+    return [
+        p
+        for p in powers
+        if isinstance(p.args[1], se.Integer)
+        and abs(int(p.args[1])) > 2
+        and {0, 1} <= {_degree(term, symbols) for term in p.args[0].args}
+        and any(term.free_symbols.isdisjoint(symbols) for term in p.args[0].args)
+    ]
 
 
 def _is_curved_sum(angle: Any, moving: set[Any]) -> bool:

@@ -9,12 +9,11 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.field import WORK_LIMIT, Fraction
-from voronec.algebra.generators import TRIGONOMETRIC, holds_far_multiples
+from voronec.algebra.generators import TRIGONOMETRIC, distance_powers, holds_far_multiples
 from voronec.algebra.graphs import nodes
 from voronec.algebra.ring import Ring
 from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import expand_element, expression
-from voronec.algebra.stand_ins import OriginShift, StandIns
 from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.terms import atoms, is_exponential
 from voronec.errors import EngineLimit
@@ -36,8 +35,8 @@ def shortest(
     ``EngineLimit`` where the normal form is beyond the work limit.
     """
     exprs = _with_short_arguments(exprs, relations, work_limit)
-    shift, ring, elements = _fractions(exprs, relations, work_limit, group=group)
-    found = [shift.show(expression(ring, e, group)) for e in elements]
+    ring, elements = _fractions(exprs, relations, work_limit, group=group)
+    found = [expression(ring, e, group) for e in elements]
     return [_shorter(e, f) for e, f in zip(exprs, found, strict=True)]
 
 
@@ -56,19 +55,17 @@ def canonical(
 ) -> list[Any]:  # fmt: skip
     """Each symengine expression as an expanded fraction: what ``shortest`` starts from."""
     exprs = _with_short_arguments(exprs, relations, work_limit)
-    shift, ring, elements = _fractions(exprs, relations, work_limit, split=split)
-    return [shift.show(expand_element(ring, e)) for e in elements]
+    ring, elements = _fractions(exprs, relations, work_limit, split=split)
+    return [expand_element(ring, e) for e in elements]
 
 
 def _fractions(
     exprs: Sequence[Any], relations: Sequence[Any], work_limit: int,
     split: bool = False, group: Sequence[Any] = (),
-) -> tuple[OriginShift, Ring, list[Fraction]]:  # fmt: skip
-    """The distances in relations, a ring over these, and the expressions as fractions in it."""
-    shift = OriginShift.of(relations)
-    inside = [shift.hide(e) for e in exprs]
-    ring = ring_over([*inside, *group], [shift.hide(r) for r in relations], work_limit, split)
-    return shift, ring, [ring.field.absorb(ring.fraction(e)) for e in inside]
+) -> tuple[Ring, list[Fraction]]:  # fmt: skip
+    """The ring where relations vanish, and the expressions as fractions in it."""
+    ring = ring_over([*exprs, *group], relations, work_limit, split)
+    return ring, [ring.field.absorb(ring.fraction(e)) for e in exprs]
 
 
 def _with_short_arguments(
@@ -109,17 +106,16 @@ def _of(node: Any, argument: Any) -> Any:
 
 
 def canonical_for_numbers(exprs: Sequence[Any], ground: Any) -> list[Any]:
-    """Canonical forms on a ``ground``, as ``StandIns.of`` takes it, with what loses digits as it
-    stands: powers of sums of places, and sines and cosines of many-fold angles, which are expanded
-    in those of the angle."""
-    letters, relations = StandIns.of(exprs, ground, ground.velocities), ground.relations
-    exprs = [letters.hide(e) for e in exprs]
+    """Canonical forms where the relations of a ``ground`` vanish, with what loses digits as it
+    stands: powers of distances, and sines and cosines of many-fold angles, which are expanded in
+    those of the angle."""
     far = holds_far_multiples(exprs)
     angles = sorted(atoms(exprs, *TRIGONOMETRIC), key=str) if far else []
-    folds = {node: se.Symbol(f"fold {i}") for i, node in enumerate(angles)}
-    found = canonical([e.xreplace(folds) for e in exprs], relations)
+    powers = distance_powers(exprs, (*ground.coordinates, *ground.velocities, ground.time))
+    folds = {node: se.Symbol(f"fold {i}") for i, node in enumerate([*angles, *powers])}
+    found = canonical([e.xreplace(folds) for e in exprs], ground.relations)
     back = {name: node for node, name in folds.items()}
-    return [letters.show(e.xreplace(back)) for e in found]
+    return [e.xreplace(back) for e in found]
 
 
 def quotient(expr: Any, relations: Sequence[Any] = ()) -> tuple[Any, Any]:

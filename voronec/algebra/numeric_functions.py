@@ -2,9 +2,6 @@
 
     sinc w = sin(w)/w,    sinhc w = sinh(w)/w,    exprel w = (exp(w) - 1)/w    (entire)
     (sin w - w cos w)/w^3,  (w cosh w - sinh w)/w^3,  (w exp(w) - exp(w) + 1)/w^2  (of their slopes)
-    log(1 + w)/w,    atan(w)/w,    (w - tanh w)/w^3            (regular at zero)
-    (log(1 + w) - w/(1 + w))/w^2,    (atan w - w/(1 + w^2))/w^3,
-    (tanh w - w (1 - tanh^2 w))/w^3                            (of their slopes)
     expm1 w = exp(w) - 1,    log1p x = log(1 + x)            (all digits where they are small)
     hypot(a, b, ...) = sqrt(a^2 + b^2 + ...)                 (squares overflow before it does)
     size w = |w|      in expressions that are equal for both signs of w, so that it is no cut
@@ -20,16 +17,14 @@ from collections.abc import Callable
 from math import factorial
 from typing import Any, NamedTuple
 
-import flint
 import symengine as se
 
 from voronec.algebra.terms import subexpressions
 
 __all__ = [
-    "ATAN_RATIO", "ATAN_RATIO_SLOPE", "CASE", "CHOICE", "EXPM1", "EXPREL", "EXPREL_SLOPE",
-    "FORMULAS", "HYPOT", "LOG1P", "LOG_RATIO", "LOG_RATIO_SLOPE", "QUOTIENTS", "SINC",
-    "SINC_SLOPE", "SINHC", "SINHC_SLOPE", "SIZE", "TANH_RATIO_SLOPE", "TANH_SHORTFALL",
-    "CardinalQuotient", "elementary", "formula", "numeric_name",
+    "CASE", "CHOICE", "EXPM1", "EXPREL", "EXPREL_SLOPE", "FORMULAS", "HYPOT", "LOG1P",
+    "QUOTIENTS", "SINC", "SINC_SLOPE", "SINHC", "SINHC_SLOPE", "SIZE", "CardinalQuotient",
+    "elementary", "formula", "numeric_name",
 ]  # fmt: skip
 
 SINC, SINHC, EXPREL = "cardinal sine", "hyperbolic cardinal sine", "relative exponential"
@@ -39,11 +34,6 @@ CHOICE, CASE = "choice between sides", "case of three"
 
 SINC_SLOPE, SINHC_SLOPE = "slope of the cardinal sine", "slope of the hyperbolic cardinal sine"
 EXPREL_SLOPE = "slope of the relative exponential"
-LOG_RATIO, ATAN_RATIO = "logarithm beside one over its argument", "arctangent over its argument"
-LOG_RATIO_SLOPE = "slope of the logarithm beside one over its argument"
-ATAN_RATIO_SLOPE = "slope of the arctangent over its argument"
-TANH_RATIO_SLOPE = "slope of the hyperbolic tangent over its argument"
-TANH_SHORTFALL = "what a hyperbolic tangent falls short of its argument"
 
 
 class CardinalQuotient(NamedTuple):
@@ -59,15 +49,6 @@ class CardinalQuotient(NamedTuple):
     def even(self) -> bool:
         """Whether odd powers are absent."""
         return self.coefficient(1)[0] == 0
-
-
-def _tanh_remainder(n: int) -> tuple[int, int]:
-    """That of (w - tanh w)/w^3, by the numbers of Bernoulli: -4^k (4^k - 1) B_2k/(2k)! of
-    w^(2k - 4), 2k = n + 4."""
-    if n % 2:
-        return 0, 1
-    power, number = 2 ** (n + 4), flint.fmpq.bernoulli(n + 4)
-    return -power * (power - 1) * int(number.p), int(number.q) * factorial(n + 4)
 
 
 def _turning_sign(n: int) -> int:
@@ -89,20 +70,6 @@ QUOTIENTS: dict[str, CardinalQuotient] = {
     ),
     EXPREL_SLOPE: CardinalQuotient(
         lambda w: w * se.exp(w) - se.exp(w) + 1, 2, lambda n: (n + 1, factorial(n + 2))
-    ),
-    LOG_RATIO: CardinalQuotient(lambda w: se.log(1 + w), 1, lambda n: ((-1) ** n, n + 1), 0.25),
-    TANH_SHORTFALL: CardinalQuotient(lambda w: w - se.tanh(w), 3, _tanh_remainder, 0.375),
-    TANH_RATIO_SLOPE: CardinalQuotient(
-        lambda w: se.tanh(w) - w * (1 - se.tanh(w) ** 2), 3,
-        lambda n: ((n + 2) * _tanh_remainder(n)[0], _tanh_remainder(n)[1]), 0.375,
-    ),
-    ATAN_RATIO: CardinalQuotient(se.atan, 1, lambda n: (_turning_sign(n), n + 1), 0.25),
-    LOG_RATIO_SLOPE: CardinalQuotient(
-        lambda w: se.log(1 + w) - w / (1 + w), 2, lambda n: ((-1) ** n * (n + 1), n + 2), 0.25
-    ),
-    ATAN_RATIO_SLOPE: CardinalQuotient(
-        lambda w: se.atan(w) - w / (1 + w**2), 3,
-        lambda n: (_turning_sign(n) * (n + 2), n + 3), 0.5,
     ),
 }  # fmt: skip
 """Functions with a value at zero that a division does not give, by name."""

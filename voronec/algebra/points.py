@@ -12,7 +12,6 @@ import symengine as se
 
 from voronec.algebra.conditions import Domain, domain_of, split_hypotheses
 from voronec.algebra.precision import GENERIC
-from voronec.algebra.stand_ins import OriginShift
 from voronec.algebra.tape import Tape
 from voronec.errors import EngineLimit
 
@@ -100,15 +99,6 @@ def _onto_relations(point: dict[Any, Any], relations: Sequence[Any], bits: int) 
     functions = [a for a in atoms if not isinstance(a, se.Symbol)]
     if functions:
         return _with_values_of(functions, point, relations, bits)
-    shift = OriginShift.of(relations)
-    if shift.values:
-        return _about_origins(shift, point, relations, bits)
-    return _near(point, relations, bits)
-
-
-def _near(point: dict[Any, Any], relations: Sequence[Any], bits: int) -> dict[Any, Any]:
-    """The point with balls around a solution of relations without unknown functions."""
-    atoms = Tape(relations).atoms
     if not atoms:
         raise EngineLimit("the relations hold no variable, so no point can be found on them")
     near = tuple(float(flint.arb(point[a])) for a in atoms)  # balls cannot be looked up
@@ -166,20 +156,6 @@ def _with_values_of(
     found = _onto_relations(point, relations, bits)
     back = {letter: function for function, letter in letters.items()}
     return {back.get(a, a): x for a, x in found.items()}
-
-
-def _about_origins(
-    shift: OriginShift, point: dict[Any, Any], relations: Sequence[Any], bits: int
-) -> dict[Any, Any]:
-    """A point found in distances, in doubles, which have few digits for these far away."""
-    exact = 2 * bits  # balls of a point are not to grow by what is taken from them
-    lengths = Tape([*shift.meaning.values()]).arb(point, exact)
-    near = {**point, **dict(zip(shift.meaning, lengths, strict=True))}
-    whole = [shift.hide(r).xreplace(shift.values) for r in relations]  # inside of functions, too
-    found = _near(near, whole, bits)
-    places = Tape([*shift.values.values()]).arb(found, exact)
-    moved = {**found, **dict(zip(shift.values, places, strict=True))}
-    return {a: x for a, x in moved.items() if a not in shift.meaning}
 
 
 def _values(tape: Tape, point: dict[Any, Any], n: int, bits: int) -> tuple[Any, Any]:

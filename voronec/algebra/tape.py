@@ -40,16 +40,6 @@ _NUMERIC: dict[str, Callable[..., Any]] = {
     numeric.SINC_SLOPE: lambda a: (-a * a / 4).hypgeom_0f1(flint.arb(5) / 2) / 3,
     numeric.SINHC_SLOPE: lambda a: (a * a / 4).hypgeom_0f1(flint.arb(5) / 2) / 3,
     numeric.EXPREL_SLOPE: lambda a: a.hypgeom_1f1(2, 3) / 2,
-    numeric.TANH_SHORTFALL: lambda a: (a * a / 4).hypgeom_0f1(flint.arb(5) / 2) / 3 / a.cosh(),
-    numeric.TANH_RATIO_SLOPE: lambda a: (
-        (a * a).hypgeom([flint.arb(1)], [flint.arb(2), flint.arb(5) / 2]) * 2 / 3 / a.cosh() ** 2
-    ),
-    numeric.LOG_RATIO: lambda a: (-a).hypgeom_2f1(1, 1, 2),
-    numeric.ATAN_RATIO: lambda a: (-a * a).hypgeom_2f1(flint.arb(1) / 2, 1, flint.arb(3) / 2),
-    numeric.LOG_RATIO_SLOPE: lambda a: (-a).hypgeom_2f1(2, 2, 3) / 2,
-    numeric.ATAN_RATIO_SLOPE: lambda a: (
-        (-a * a).hypgeom_2f1(flint.arb(3) / 2, 2, flint.arb(5) / 2) * 2 / 3
-    ),
     numeric.EXPM1: lambda a: a.expm1(),
     numeric.LOG1P: lambda a: a.log1p(),
     numeric.SIZE: abs,

@@ -9,14 +9,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cache, cached_property, partial
+from dataclasses import dataclass
+from functools import cache, cached_property
 from typing import Any
 
 import symengine as se
 
 from voronec.algebra.normal import canonical, shortest
-from voronec.algebra.stand_ins import StandIns
 from voronec.declaration.reading import quote
 from voronec.equations.connection import (
     EhresmannConnection,
@@ -77,7 +76,6 @@ class Derivation:
 
     definition: Definition
     exact: bool
-    given_lift: tuple[tuple[Any, ...], ...] | None = None
 
     def tidy(self, exprs: Sequence[Any]) -> list[Any]:
         """Bring intermediate results into normal form, or leave them, as this derivation does."""
@@ -87,41 +85,6 @@ class Derivation:
         """Bring final results into their shortest form, or leave them, as this derivation does."""
         d = self.definition
         return shortest(exprs, d.relations, d.velocities) if self.exact else list(exprs)
-
-    @cached_property
-    def _in_letters(self) -> tuple[Derivation, StandIns] | None:
-        """The derivation with letters for sums of places of which powers are declared, and for
-        distances in the lift, products of which are momenta; None where there are none."""
-        d = self.definition
-        if not self.exact or self.given_lift is not None:
-            return None
-        lift = coordinate_lift(d.fibre, d.base) if d.frame is None else self._framed_lift
-        applied = [*d.forces, *(e for row in d.added for e in row)]
-        letters = (
-            StandIns.of([d.lagrangian], d)
-            | StandIns.of(applied, d, (*d.dots, *d.velocities))
-            | StandIns.of_distances((e for row in lift for e in row), d)
-        )
-        if not letters.meaning:
-            return None
-        hidden = replace(
-            d,
-            lagrangian=letters.hide(d.lagrangian),
-            forces=tuple(map(letters.hide, d.forces)),
-            added=tuple(tuple(map(letters.hide, row)) for row in d.added),
-        )
-        given = tuple(
-            tuple(map(partial(_hide, letters), row, short))
-            for row, short in zip(lift, self.connection.lift, strict=True)
-        )
-        return Derivation(hidden, True, given), letters
-
-    def _out_of_letters(self, stage: str) -> list[Any] | None:
-        """A stage of the derivation in letters, with the sums again; None without letters."""
-        if self._in_letters is None:
-            return None
-        hidden, letters = self._in_letters
-        return [letters.show(e) for e in getattr(hidden, stage)]
 
     @cached_property
     def fibre(self) -> FibreSolution:
@@ -147,9 +110,7 @@ class Derivation:
 
     def _connect(self, framed: bool) -> EhresmannConnection:
         d = self.definition
-        if self.given_lift is not None:
-            lift = self._tidy_rows(self.given_lift)
-        elif framed:
+        if framed:
             lift = self._tidy_rows(self._framed_lift)
         else:
             lift = coordinate_lift(self.fibre, d.base)
@@ -202,7 +163,7 @@ class Derivation:
     @cached_property
     def dot_rates(self) -> list[Any]:
         """The velocities in which the Lagrangian is written, in terms of q, v, t."""
-        return self._out_of_letters("dot_rates") or self.tidy(self.connection.rates)
+        return self.tidy(self.connection.rates)
 
     @cached_property
     def rates(self) -> list[Any]:
@@ -210,8 +171,7 @@ class Derivation:
         group = self.definition.group
         if group is None:
             return self.dot_rates
-        found = self._out_of_letters("rates")
-        return found or self.tidy(group.coordinate_rates(self.dot_rates))
+        return self.tidy(group.coordinate_rates(self.dot_rates))
 
     @property
     def dependent(self) -> tuple[tuple[Any, Any], ...]:
@@ -252,8 +212,6 @@ class Derivation:
     @cached_property
     def quasi_momenta(self) -> list[Any]:
         """dLc/dv."""
-        if found := self._out_of_letters("quasi_momenta"):
-            return found
         if not self.exact:
             lift = self.connection.lift
             return [
@@ -268,8 +226,6 @@ class Derivation:
         """d2Lc/dv2, less what forces hold of the accelerations: mass * vdot = force, shape (n, n)
         [Theory, eq. (11)]."""
         vs = self.definition.velocities
-        if self._in_letters is not None:
-            return [[*row] for row in self.form.mass]
         n = len(vs)
         upper = [(i, j) for i in range(n) for j in range(i, n)]
         own = [self.quasi_momenta[i].diff(vs[j]) for i, j in upper]
@@ -340,8 +296,6 @@ class Derivation:
     @cached_property
     def force(self) -> list[Any]:
         """mass * vdot = force."""
-        if self._in_letters is not None:
-            return [*self.form.force]
         raw = [r - d for r, d in zip(self.right, self.inertial, strict=True)]
         return self.polish(raw)
 
@@ -365,16 +319,6 @@ class Derivation:
     def form(self) -> FirstOrderForm:
         """The first-order form."""
         d = self.definition
-        if self._in_letters is not None:
-            hidden, letters = self._in_letters
-            form = hidden.form
-            return replace(
-                form,
-                rates=tuple(map(letters.show, form.rates)),
-                mass=tuple(tuple(map(letters.show, row)) for row in form.mass),
-                force=tuple(map(letters.show, form.force)),
-                dependent=tuple((name, letters.show(e)) for name, e in form.dependent),
-            )
         return FirstOrderForm(
             coordinates=d.coordinates,
             velocities=d.velocities,
@@ -390,12 +334,6 @@ class Derivation:
             positive=d.positive,
             inputs=d.inputs,
         )
-
-
-def _hide(letters: StandIns, entry: Any, short: Any) -> Any:
-    """An entry of the lift in letters; its normal form, where that holds less: nothing, perhaps."""
-    hidden = letters.hide(entry, alone=True)
-    return short if short.free_symbols < hidden.free_symbols else hidden
 
 
 def _frame_error(d: Definition, error: UndeterminedVelocities) -> DefinitionError:

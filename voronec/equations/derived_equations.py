@@ -16,7 +16,11 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.cardinal import divides_sines_of_sums, loses_quotients
-from voronec.algebra.generators import holds_far_multiples, splits_curved_angles
+from voronec.algebra.generators import (
+    distance_powers,
+    holds_far_multiples,
+    splits_curved_angles,
+)
 from voronec.algebra.memo import Memo
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
@@ -114,9 +118,7 @@ class DerivedEquations:
     def is_large(self) -> bool:
         """Whether numbers are better computed from the straight-line form."""
         form = self.raw.form
-        own = self.definition
-        moving = (own.time, *own.coordinates, *own.velocities)
-        if holds_far_multiples(form.expressions) or splits_curved_angles(form.expressions, moving):
+        if self._loses_digits:
             return True
         if self.system.invariants:
             return self._divides_sines
@@ -126,6 +128,17 @@ class DerivedEquations:
             return not (short and self._exact_cost <= SHORT) or self._divides_sines
         return self._divides_sines or (
             self.in_normal_form and _nodes(self.exact.form) > max(SHORT, LONG * _nodes(form))
+        )
+
+    @cached_property
+    def _loses_digits(self) -> bool:
+        """Whether terms of normal forms are larger than what they leave."""
+        exprs, own = self.raw.form.expressions, self.definition
+        moving = (own.time, *own.coordinates, *own.velocities)
+        return (
+            holds_far_multiples(exprs)
+            or splits_curved_angles(exprs, moving)
+            or bool(distance_powers(exprs, moving))
         )
 
     @cached_property
@@ -156,7 +169,7 @@ class DerivedEquations:
         try:
             lean = staged_form(self.raw)
         except EngineLimit:
-            return self.best.form
+            return self.raw.form if self._loses_digits else self.best.form
         if self.is_large:
             return lean
         return min(lean, self.exact.form, key=_cost) if self.in_normal_form else lean

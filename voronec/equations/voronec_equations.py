@@ -22,7 +22,6 @@ import sympy as sp
 
 from voronec.algebra.columns import columns
 from voronec.algebra.normal import shortest
-from voronec.algebra.stand_ins import StandIns
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.typeset import caret_text, latex_of, plain_text
 from voronec.declaration.system import System, require_system
@@ -404,17 +403,10 @@ def _solved_form(equations: DerivedEquations) -> FirstOrderForm | None:
     if equations.is_large or not equations.in_normal_form or equations.operations > SHORT:
         return None
     form, field = equations.exact.form, on_coordinates(equations)
-    letters = StandIns.of(form.expressions, form, form.velocities)
-    hidden = replace(
-        field,
-        mass=tuple(tuple(map(letters.hide, row)) for row in field.mass),
-        force=tuple(map(letters.hide, field.force)),
-    )
     try:
-        short = shortest(hidden.accelerations, form.relations, form.velocities)
+        rates = tuple(shortest(field.accelerations, form.relations, form.velocities))
     except EngineLimit:
         return None
-    rates = tuple(map(letters.show, short))
     size = range(len(rates))
     unit = tuple(tuple(se.Integer(int(i == j)) for j in size) for i in size)
     return replace(form, mass=unit, force=rates)

@@ -10,137 +10,93 @@ from importlib import import_module as _import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from voronec.declaration.derivatives import derivative
-    from voronec.kinematics.balanced_balls import BalancedBall, BallMotion, SymmetricBallMotion
-    from voronec.kinematics.balls import RollingBall, contact_momentum
-    from voronec.kinematics.bodies import (
-        axial_rotor,
-        kinetic_energy,
-        point_velocity,
-        uniform_field_energy,
-    )
-    from voronec.kinematics.bodies_in_rn import BodyInRn
-    from voronec.kinematics.carried_contact import CarriedContact
-    from voronec.kinematics.convex import ConvexBody
-    from voronec.kinematics.ellipsoids import RollingEllipsoid
-    from voronec.kinematics.forms import SurfaceForms
-    from voronec.kinematics.groups import (
-        BodyVelocity,
-        skew,
-        skew_entries,
-        wedge_square,
-    )
-    from voronec.kinematics.meanings import (
-        contact_meanings,
-        euler_meanings,
-        moving_meanings,
-        place_meanings,
-        sleigh_meanings,
-        vector_meanings,
-    )
-    from voronec.kinematics.moving_sphere import BallOnMovingSphere
-    from voronec.kinematics.neumann_charts import turned_poles, turned_sphere
-    from voronec.kinematics.polar_chart import cartesian_chart
-    from voronec.kinematics.revolution import BodyOfRevolution, TorusOnEllipsoid
-    from voronec.kinematics.rolling import RollingContact
-    from voronec.kinematics.rotations import Rotation
-    from voronec.kinematics.rubber import RubberMotion
-    from voronec.kinematics.sketches import (
-        ball_sketch,
-        disc_sketch,
-        particle_sketch,
-        pinned_sketch,
-        rolling_sketch,
-        sleigh_shapes,
-        sleigh_sketch,
-    )
-    from voronec.kinematics.sleighs import Sleigh
-    from voronec.kinematics.surfaces import Surface
-    from voronec.kinematics.vectors import cross, dot, matrix_product
+    from voronec.declaration.derivatives import derivative as derivative
+    from voronec.kinematics.balanced_balls import BalancedBall as BalancedBall
+    from voronec.kinematics.balanced_balls import BallMotion as BallMotion
+    from voronec.kinematics.balanced_balls import SymmetricBallMotion as SymmetricBallMotion
+    from voronec.kinematics.balls import RollingBall as RollingBall
+    from voronec.kinematics.balls import contact_momentum as contact_momentum
+    from voronec.kinematics.bodies import axial_rotor as axial_rotor
+    from voronec.kinematics.bodies import kinetic_energy as kinetic_energy
+    from voronec.kinematics.bodies import point_velocity as point_velocity
+    from voronec.kinematics.bodies import uniform_field_energy as uniform_field_energy
+    from voronec.kinematics.bodies_in_rn import BodyInRn as BodyInRn
+    from voronec.kinematics.carried_contact import CarriedContact as CarriedContact
+    from voronec.kinematics.convex import ConvexBody as ConvexBody
+    from voronec.kinematics.ellipsoids import RollingEllipsoid as RollingEllipsoid
+    from voronec.kinematics.forms import SurfaceForms as SurfaceForms
+    from voronec.kinematics.groups import BodyVelocity as BodyVelocity
+    from voronec.kinematics.groups import skew as skew
+    from voronec.kinematics.groups import skew_entries as skew_entries
+    from voronec.kinematics.groups import wedge_square as wedge_square
+    from voronec.kinematics.meanings import contact_meanings as contact_meanings
+    from voronec.kinematics.meanings import euler_meanings as euler_meanings
+    from voronec.kinematics.meanings import moving_meanings as moving_meanings
+    from voronec.kinematics.meanings import place_meanings as place_meanings
+    from voronec.kinematics.meanings import sleigh_meanings as sleigh_meanings
+    from voronec.kinematics.meanings import vector_meanings as vector_meanings
+    from voronec.kinematics.moving_sphere import BallOnMovingSphere as BallOnMovingSphere
+    from voronec.kinematics.neumann_charts import turned_poles as turned_poles
+    from voronec.kinematics.neumann_charts import turned_sphere as turned_sphere
+    from voronec.kinematics.polar_chart import cartesian_chart as cartesian_chart
+    from voronec.kinematics.revolution import BodyOfRevolution as BodyOfRevolution
+    from voronec.kinematics.revolution import TorusOnEllipsoid as TorusOnEllipsoid
+    from voronec.kinematics.rolling import RollingContact as RollingContact
+    from voronec.kinematics.rotations import Rotation as Rotation
+    from voronec.kinematics.rubber import RubberMotion as RubberMotion
+    from voronec.kinematics.sketches import ball_sketch as ball_sketch
+    from voronec.kinematics.sketches import disc_sketch as disc_sketch
+    from voronec.kinematics.sketches import particle_sketch as particle_sketch
+    from voronec.kinematics.sketches import pinned_sketch as pinned_sketch
+    from voronec.kinematics.sketches import rolling_sketch as rolling_sketch
+    from voronec.kinematics.sketches import sleigh_shapes as sleigh_shapes
+    from voronec.kinematics.sketches import sleigh_sketch as sleigh_sketch
+    from voronec.kinematics.sleighs import Sleigh as Sleigh
+    from voronec.kinematics.surfaces import Surface as Surface
+    from voronec.kinematics.vectors import cross as cross
+    from voronec.kinematics.vectors import dot as dot
+    from voronec.kinematics.vectors import matrix_product as matrix_product
 
-__all__ = [
-    "BalancedBall",
-    "BallMotion",
-    "BallOnMovingSphere",
-    "BodyInRn",
-    "BodyOfRevolution",
-    "BodyVelocity",
-    "CarriedContact",
-    "ConvexBody",
-    "RollingBall",
-    "RollingContact",
-    "RollingEllipsoid",
-    "Rotation",
-    "RubberMotion",
-    "Sleigh",
-    "Surface",
-    "SurfaceForms",
-    "SymmetricBallMotion",
-    "TorusOnEllipsoid",
-    "axial_rotor",
-    "ball_sketch",
-    "cartesian_chart",
-    "contact_meanings",
-    "contact_momentum",
-    "cross",
-    "derivative",
-    "disc_sketch",
-    "dot",
-    "euler_meanings",
-    "kinetic_energy",
-    "matrix_product",
-    "moving_meanings",
-    "particle_sketch",
-    "pinned_sketch",
-    "place_meanings",
-    "point_velocity",
-    "rolling_sketch",
-    "skew",
-    "skew_entries",
-    "sleigh_meanings",
-    "sleigh_shapes",
-    "sleigh_sketch",
-    "turned_poles",
-    "turned_sphere",
-    "uniform_field_energy",
-    "vector_meanings",
-    "wedge_square",
-]
 
 _HOME = {
-    ".declaration.derivatives": "derivative",
-    "balanced_balls": "BalancedBall BallMotion SymmetricBallMotion",
-    "balls": "RollingBall contact_momentum",
-    "bodies": "axial_rotor kinetic_energy point_velocity uniform_field_energy",
-    "bodies_in_rn": "BodyInRn",
-    "carried_contact": "CarriedContact",
-    "convex": "ConvexBody",
-    "ellipsoids": "RollingEllipsoid",
-    "forms": "SurfaceForms",
-    "groups": "BodyVelocity skew skew_entries wedge_square",
-    "meanings": "contact_meanings euler_meanings moving_meanings place_meanings sleigh_meanings "
-    "vector_meanings",
-    "moving_sphere": "BallOnMovingSphere",
-    "neumann_charts": "turned_poles turned_sphere",
-    "polar_chart": "cartesian_chart",
-    "revolution": "BodyOfRevolution TorusOnEllipsoid",
-    "rolling": "RollingContact",
-    "rotations": "Rotation",
-    "rubber": "RubberMotion",
-    "sketches": "ball_sketch disc_sketch particle_sketch pinned_sketch "
-    "rolling_sketch sleigh_shapes sleigh_sketch",
-    "sleighs": "Sleigh",
-    "surfaces": "Surface",
-    "vectors": "cross dot matrix_product",
+    name: module
+    for module, names in {
+        ".declaration.derivatives": "derivative",
+        "balanced_balls": "BalancedBall BallMotion SymmetricBallMotion",
+        "balls": "RollingBall contact_momentum",
+        "bodies": "axial_rotor kinetic_energy point_velocity uniform_field_energy",
+        "bodies_in_rn": "BodyInRn",
+        "carried_contact": "CarriedContact",
+        "convex": "ConvexBody",
+        "ellipsoids": "RollingEllipsoid",
+        "forms": "SurfaceForms",
+        "groups": "BodyVelocity skew skew_entries wedge_square",
+        "meanings": "contact_meanings euler_meanings moving_meanings place_meanings "
+        "sleigh_meanings vector_meanings",
+        "moving_sphere": "BallOnMovingSphere",
+        "neumann_charts": "turned_poles turned_sphere",
+        "polar_chart": "cartesian_chart",
+        "revolution": "BodyOfRevolution TorusOnEllipsoid",
+        "rolling": "RollingContact",
+        "rotations": "Rotation",
+        "rubber": "RubberMotion",
+        "sketches": "ball_sketch disc_sketch particle_sketch pinned_sketch "
+        "rolling_sketch sleigh_shapes sleigh_sketch",
+        "sleighs": "Sleigh",
+        "surfaces": "Surface",
+        "vectors": "cross dot matrix_product",
+    }.items()
+    for name in names.split()
 }
-"""Modules, and the names in them."""
+"""Names, and the modules that they are in."""
+
+__all__ = sorted(_HOME)
 
 
 def __getattr__(name: str) -> Any:
-    for module, names in _HOME.items():
-        if name in names.split():
-            return getattr(_import_module(f".{module}", __name__), name)
-    raise AttributeError(f"module 'voronec.kinematics' has no attribute '{name}'")
+    if name not in _HOME:
+        raise AttributeError(f"module 'voronec.kinematics' has no attribute '{name}'")
+    return getattr(_import_module(f".{_HOME[name]}", __name__), name)
 
 
 def __dir__() -> list[str]:

@@ -50,18 +50,12 @@ CARDINAL = {
     numeric.SINC: ("sinc", "sin"),
     numeric.SINHC: ("sinhc", "sinh"),
     numeric.EXPREL: ("exprel", "expm1"),
-    numeric.LOG_RATIO: ("log1p_ratio", "log1p"),
-    numeric.ATAN_RATIO: ("atan_ratio", "atan"),
 }
 """Quotients such as sin(x)/x: a word, and the function that is divided by its argument."""
 SLOPES = {
     numeric.SINC_SLOPE: ("sinc_slope", "sin(x) - x*cos(x)"),
     numeric.SINHC_SLOPE: ("sinhc_slope", "x*cosh(x) - sinh(x)"),
     numeric.EXPREL_SLOPE: ("exprel_slope", "(x - 1)*exp(x) + 1"),
-    numeric.TANH_SHORTFALL: ("tanh_rest", "x - tanh(x)"),
-    numeric.TANH_RATIO_SLOPE: ("tanh_ratio_slope", "tanh(x) - x*(1 - tanh(x)*tanh(x))"),
-    numeric.LOG_RATIO_SLOPE: ("log1p_ratio_slope", "log1p(x) - x/(1 + x)"),
-    numeric.ATAN_RATIO_SLOPE: ("atan_ratio_slope", "atan(x) - x/(1 + x*x)"),
 }
 """Quotients that cancel near zero, where doubles take their ``series``: a word, what is divided."""
 DOUBLE = 1e-18

@@ -31,8 +31,6 @@ _SLOPES: dict[str, Callable[..., tuple[Any, ...]]] = {
     numeric.SINC: _slope_of(numeric.SINC_SLOPE, -1),
     numeric.SINHC: _slope_of(numeric.SINHC_SLOPE, 1),
     numeric.EXPREL: lambda w: (se.Function(numeric.EXPREL_SLOPE)(w),),
-    numeric.LOG_RATIO: lambda w: (-se.Function(numeric.LOG_RATIO_SLOPE)(w),),
-    numeric.ATAN_RATIO: _slope_of(numeric.ATAN_RATIO_SLOPE, -1),
     numeric.EXPM1: lambda w: (se.exp(w),),
     numeric.LOG1P: lambda w: (1 / (1 + w),),
     numeric.HYPOT: lambda *sides: tuple(a / se.Function(numeric.HYPOT)(*sides) for a in sides),

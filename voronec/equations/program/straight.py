@@ -12,12 +12,12 @@ import symengine as se
 
 from voronec.algebra.brackets import nest_sums
 from voronec.algebra.cardinal import divides_sines_of_sums
+from voronec.algebra.generators import distance_powers
 from voronec.algebra.graphs import is_atom, nodes
 from voronec.algebra.normal import shortest
 from voronec.algebra.numeric_functions import formula
 from voronec.algebra.stable import stable_all
 from voronec.algebra.stages import needed_stages
-from voronec.algebra.stand_ins import StandIns
 from voronec.algebra.terms import atoms, summands
 from voronec.equations.program.choices import choose_sides, holds_choices, holds_switches
 from voronec.equations.program.low_rank import (
@@ -439,13 +439,13 @@ def _choose_entries(form: FirstOrderForm, given: FirstOrderForm) -> FirstOrderFo
     wherever these hold switching surfaces; what holds none stands beside them in its shortest
     form."""
     sources = dict(zip(form.expressions, given.expressions, strict=True))
+    moving = (form.time, *form.coordinates, *form.velocities)
 
     def short(expr: Any) -> Any:
-        if divides_sines_of_sums([expr]):
+        if divides_sines_of_sums([expr]) or distance_powers([expr], moving):
             return expr
-        letters = StandIns.of([expr], form, form.velocities)
         try:
-            return letters.show(*shortest([letters.hide(expr)], form.relations))
+            return shortest([expr], form.relations)[0]
         except EngineLimit:
             return expr
 

@@ -183,12 +183,6 @@ _ABOVE: dict[str, Callable[[Any, Any], Any]] = {
     numeric.SINC_SLOPE: lambda w, hy: hy.sin(w) - w * hy.cos(w),
     numeric.SINHC_SLOPE: lambda w, hy: w * hy.cosh(w) - hy.sinh(w),
     numeric.EXPREL_SLOPE: lambda w, hy: (w - 1.0) * hy.exp(w) + 1.0,
-    numeric.TANH_SHORTFALL: lambda w, hy: w - hy.tanh(w),
-    numeric.TANH_RATIO_SLOPE: lambda w, hy: hy.tanh(w) - w * (1.0 - hy.tanh(w) ** 2.0),
-    numeric.LOG_RATIO: lambda w, hy: _beside_one(w, hy),
-    numeric.ATAN_RATIO: lambda w, hy: hy.atan(w),
-    numeric.LOG_RATIO_SLOPE: lambda w, hy: _beside_one(w, hy) - w / (1.0 + w),
-    numeric.ATAN_RATIO_SLOPE: lambda w, hy: hy.atan(w) - w / (1.0 + w**2.0),
 }
 
 

@@ -46,14 +46,6 @@ _FUNCTIONS |= {
     numeric.SINC_SLOPE: lambda a: mp.hyp0f1(mp.mpf(5) / 2, -a * a / 4) / 3,
     numeric.SINHC_SLOPE: lambda a: mp.hyp0f1(mp.mpf(5) / 2, a * a / 4) / 3,
     numeric.EXPREL_SLOPE: lambda a: mp.hyp1f1(2, 3, a) / 2,
-    numeric.TANH_SHORTFALL: lambda a: mp.hyp0f1(mp.mpf(5) / 2, a * a / 4) / 3 / mp.cosh(a),
-    numeric.TANH_RATIO_SLOPE: lambda a: (
-        mp.hyp1f2(1, 2, mp.mpf(5) / 2, a * a) * 2 / 3 / mp.cosh(a) ** 2
-    ),
-    numeric.LOG_RATIO: lambda a: mp.log1p(a) / a if a else mp.mpf(1),
-    numeric.ATAN_RATIO: lambda a: mp.atan(a) / a if a else mp.mpf(1),
-    numeric.LOG_RATIO_SLOPE: lambda a: mp.hyp2f1(2, 2, 3, -a) / 2,
-    numeric.ATAN_RATIO_SLOPE: lambda a: mp.hyp2f1(mp.mpf(3) / 2, 2, mp.mpf(5) / 2, -a * a) * 2 / 3,
     numeric.EXPM1: mp.expm1,
     numeric.LOG1P: mp.log1p,
     numeric.SIZE: mp.fabs,
