@@ -89,10 +89,8 @@ def test_a_gyroscope_spoils_the_integral_of_borisov_and_fedorov():
     other = sum(b * p * g for b, p, g in zip(weights, whole, gamma, strict=True))
     for integral in (mine.linear_integral, other):
         case = vo.Case(parameters={R1: -R2 / 2}, integrals={"F4": integral})
-        (verdict,) = [
-            c.verdict for c in vo.check_claims(replace(system, cases={"shell": case}))
-            if c.name == "shell: F4"
-        ]  # fmt: skip
+        shell = bare(system, invariants=system.invariants, cases={"shell": case})
+        (verdict,) = [c.verdict for c in vo.check_claims(shell) if c.name == "shell: F4"]
         assert verdict.refuted
 
 
@@ -135,9 +133,15 @@ def test_the_product_of_the_linear_integrals_is_one_of_the_known_quadratic_ones(
     assert not prove_equal(squares, quadratic, relations=(UNIT,)).proved
 
 
-@pytest.mark.parametrize("name", SYMMETRIC)
-@pytest.mark.parametrize("scene", ["default", "inner", "shell"])
-@pytest.mark.parametrize(("shape", "axial"), [("oblate", 0.6), ("prolate", 0.3)])
+@pytest.mark.parametrize(
+    ("name", "scene", "shape", "axial"),
+    [
+        (SYMMETRIC[0], "default", "oblate", 0.6),
+        (SYMMETRIC[0], "shell", "prolate", 0.3),
+        (SYMMETRIC[1], "inner", "prolate", 0.3),
+        (SYMMETRIC[1], "shell", "oblate", 0.6),
+    ],
+)
 def test_the_linear_integrals_stay_along_a_motion(name, scene, shape, axial):
     """In numbers, outside, inside and as a shell, for both shapes of the ball."""
     system = vo.load(name)
@@ -219,14 +223,3 @@ def test_a_ball_has_its_energy_and_its_momentum_from_the_torus(name):
 def test_the_axial_integral_of_bobylev_says_nothing_where_the_inertia_is_spherical():
     axial = vo.load("bobylev-ball").integrals["axial"]
     assert prove_equal(axial.xreplace({C: A}), sp.sqrt(A) * k).proved
-
-
-@pytest.mark.parametrize("name", [*PLANE, *SPHERE, "borisov-fedorov-ball"])
-def test_scenes_stay_away_from_the_poles_of_the_coordinates(name):
-    system = vo.load(name)
-    for scene in system.scenes:
-        moved = vo.integrate(
-            system, scene=scene, outputs=("u",), tol=1e-8,
-            times=np.linspace(*system.scenes[scene].times, 201),
-        )  # fmt: skip
-        assert moved["u"].min() > 0.3 and moved["u"].max() < np.pi - 0.3
