@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
-from voronec.audit import Audit, Paper, Record, Section
-from voronec.audit.paper_audit import audit_section
-from voronec.audit.transcript import Formula, formulas_by_label
-from voronec.declaration.catalogue import load_paper
+from voronec.audit import (
+    Audit,
+    Paper,
+    Record,
+    Section,
+    audit_section,
+    formulas_by_label,
+    load_paper,
+)
 
 
 @cache
@@ -16,7 +22,7 @@ def paper() -> Paper:
 
 
 @cache
-def labels() -> dict[str, list[Formula]]:
+def labels() -> dict[str, list[Any]]:
     """The formulas of the whole paper, to which sentences refer."""
     return formulas_by_label(paper().sections)
 

@@ -12,10 +12,21 @@ from voronec.systems.demchenko.paper.neumann import NEUMANN
 from voronec.systems.demchenko.sentences.claims import residuals
 
 import voronec as vo
-from voronec.audit import Check, Display, Motion, Paper, Quoted, Section, Sentence, Study, Verdict
+from voronec.audit import (
+    Check,
+    Display,
+    Motion,
+    Paper,
+    Quoted,
+    Section,
+    Sentence,
+    Study,
+    Transcript,
+    Verdict,
+    formulas_by_label,
+)
 from voronec.audit import audit_paper as audited
 from voronec.audit.paper_audit import Work, items
-from voronec.audit.transcript import Transcript, formulas_by_label
 
 pytestmark = pytest.mark.slow
 

@@ -27,8 +27,7 @@ from voronec.systems.demchenko.dictionary.verdicts import worst
 from voronec.systems.demchenko.paper.contemporary import CONTEMPORARY, studies
 
 import voronec as vo
-from voronec.audit import Display, Paper, Section, audit_paper
-from voronec.audit.paper_audit import audit_section
+from voronec.audit import Display, Paper, Section, audit_paper, audit_section
 
 pytestmark = pytest.mark.slow
 

@@ -13,9 +13,7 @@ from demchenko_audit import audit_of, has_formula
 from demchenko_audit import paper as whole
 
 from voronec import DefinitionError
-from voronec.audit import Display, Paper, audit_paper
-from voronec.audit.transcript import Transcript
-from voronec.declaration.catalogue import load_paper
+from voronec.audit import Display, Paper, Transcript, audit_paper, load_paper
 
 pytestmark = pytest.mark.slow
 

@@ -16,8 +16,7 @@ from voronec.systems.demchenko.paper.kinds_of_motion import KINDS_OF_MOTION
 from voronec.systems.demchenko.paper.quadratures import QUADRATURES
 from voronec.systems.demchenko.paper.special_solutions import SPECIAL_SOLUTIONS
 
-from voronec.audit import FormulaRecord, Range, Record, Study
-from voronec.audit.paper_audit import audit_section
+from voronec.audit import FormulaRecord, Range, Record, Study, audit_section
 
 pytestmark = pytest.mark.slow
 

@@ -6,7 +6,7 @@ import pytest
 import sympy as sp
 
 from voronec import DefinitionError
-from voronec.audit import Study
+from voronec.audit import Study, Transcript, load_paper
 from voronec.audit.latex.nodes import (
     Bound,
     Call,
@@ -25,8 +25,6 @@ from voronec.audit.latex.nodes import (
 from voronec.audit.latex.reader import read, read_name
 from voronec.audit.latex.vocabulary import LatexVocabulary
 from voronec.audit.meaning import evaluate
-from voronec.audit.transcript import Transcript
-from voronec.declaration.catalogue import load_paper
 
 a = sp.Symbol("a")
 f = sp.Function("f")

@@ -11,7 +11,7 @@ from voronec.systems.demchenko.paper.gyroscope import GYROSCOPE
 from voronec.systems.demchenko.paper.neumann import NEUMANN
 from voronec.systems.demchenko.paper.voronec_principle import VORONEC_PRINCIPLE
 
-from voronec.audit.paper_audit import audit_section
+from voronec.audit import audit_section
 
 pytestmark = pytest.mark.slow
 

@@ -21,13 +21,14 @@ from voronec.audit import (
     Section,
     Sentence,
     Study,
+    Transcript,
     Verdict,
     audit_paper,
+    audit_section,
+    formulas_by_label,
+    load_paper,
 )
 from voronec.audit.judge import SectionContext, judge_sentence
-from voronec.audit.paper_audit import audit_section
-from voronec.audit.transcript import Transcript, formulas_by_label
-from voronec.declaration.catalogue import load_paper
 from voronec.errors import DefinitionError
 
 pytestmark = pytest.mark.slow

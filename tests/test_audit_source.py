@@ -17,11 +17,9 @@ from voronec.systems.demchenko.dictionary.quadratures import level
 from voronec.systems.demchenko.dictionary.rubber_balls import Rubber
 
 import voronec as vo
-from voronec.audit import Check, Display, Paper, Section, Study, audit_paper
+from voronec.audit import Check, Display, Paper, Section, Study, Transcript, audit_paper, load_paper
 from voronec.audit.latex.nodes import Listing, Node, Number, Power, Product, Quotient, Sum, walk
 from voronec.audit.page.report import audit_page
-from voronec.audit.transcript import Transcript
-from voronec.declaration.catalogue import load_paper
 
 pytestmark = pytest.mark.slow
 

@@ -24,8 +24,8 @@ from voronec.audit import (
     Section,
     Study,
     audit_paper,
+    load_paper,
 )
-from voronec.declaration.catalogue import load_paper
 
 x, y, w, m, c = sp.symbols("x y w m c")
 DEFINITION = Check("definition")

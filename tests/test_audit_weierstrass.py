@@ -10,10 +10,7 @@ import sympy as sp
 from demchenko_audit import records_of
 
 import voronec as vo
-from voronec.audit import Display
-from voronec.audit.paper_audit import audit_section
-from voronec.audit.transcript import Transcript
-from voronec.declaration.catalogue import load_paper
+from voronec.audit import Display, Transcript, audit_section, load_paper
 
 pytestmark = pytest.mark.slow
 

@@ -13,10 +13,8 @@ import pytest
 from demchenko_audit import records_of
 
 import voronec as vo
-from voronec.audit import Audit, Paper, Section
+from voronec.audit import Audit, Paper, Section, Transcript, load_paper
 from voronec.audit.page.article import audit_latex
-from voronec.audit.transcript import Transcript
-from voronec.declaration.catalogue import load_paper
 
 pytestmark = pytest.mark.slow
 

@@ -9,10 +9,6 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.equations.program import Program
-from voronec.motion.steppers import Problem
-from voronec.motion.steppers.heyoka_stepper import taylor
-from voronec.motion.steppers.units import TurnCount
 
 x, y, z, u, v, angle = sp.symbols("x y z u v angle")
 DX, DY, DZ, DU, DV, SPIN = map(vo.velocity, (x, y, z, u, v, angle))
@@ -90,35 +86,6 @@ def test_a_path_that_nothing_depends_on() -> None:
     run = vo.integrate(made, initial=start, times=times, method="heyoka")
     assert np.abs(run["y"] - np.cos(50 * times) - np.sin(50 * times)).max() < 1e-12
     assert np.abs(run["z"][1:] / (SIZE * np.expm1(times[1:])) - 1).max() < 1e-12
-
-
-def test_what_was_taken_out_is_measured_anew() -> None:
-    """Beyond its bound or not, a state is the same in other units."""
-    tiny = np.array([2.0**-30, 1.0, 2.0**-30])
-    winding = TurnCount(np.array([0]), np.array([1]), tiny.copy(), scaled=True)
-    winding.measure(tiny)
-    state = np.array([300.0, 7.0, 0.5])
-    winding.take(state)
-    assert not winding.renew(state)
-    state += [1e3, 1.0, 2.0**20]
-    whole = winding.whole(state)
-    assert not winding.fits(state)
-    assert winding.renew(state)
-    assert winding.units.tolist() == [2.0**-20, 1.0, 2.0**-9]
-    assert winding.whole(state).tolist() == whole.tolist()
-    assert whole[0] == 1300 * 2.0**-30
-
-
-def test_a_start_beyond_its_unit(beside: vo.VoronecEquations) -> None:
-    """Where a chart or a split is entered again, its states are not what they were at first."""
-    program = Program.of(beside.form)
-    start = np.array([1e6 if str(s) == "x" else 1.0 for s in program.state])
-    tiny = np.array([SIZE if str(s) == "x" else 1.0 for s in program.state])
-    ends = [
-        taylor(Problem(program, start, [], 1e-13, units=units))(np.array([0, 0.02])).states[-1]
-        for units in (tiny, np.where(tiny < 1, 2.0**20, 1.0))
-    ]
-    assert np.abs(ends[0] / ends[1] - 1).max() < 1e-14
 
 
 def test_an_event_next_to_the_start_while_others_grow(beside: vo.VoronecEquations) -> None:
@@ -222,25 +189,6 @@ def test_what_is_large_and_dies_away(many: bool) -> None:
     truth = np.cos(np.sqrt(2500 - 0.25) * times)
     assert np.abs(xs / envelope - truth).max() < 2e-12
     assert np.abs(ys - np.cos(times) - np.sin(times)).max() < 1e-12
-
-
-@pytest.mark.parametrize("times", [GRIDS["grid"], GRIDS["sparse"]], ids=["grid", "sparse"])
-def test_growth_stopped_by_hand(
-    beside: vo.VoronecEquations, times: np.ndarray, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """What was passed before is kept, in the units of the states, and where it stood."""
-    fits, count = TurnCount.fits, iter(range(10**6))
-
-    def stop(self: TurnCount, state: np.ndarray) -> bool:
-        if next(count) == 900:
-            raise KeyboardInterrupt
-        return fits(self, state)
-
-    monkeypatch.setattr(TurnCount, "fits", stop)
-    run = vo.integrate(beside, initial={x: SIZE, y: 1}, times=times, method="heyoka")
-    assert run.interrupted
-    assert run.t[-1] > 5
-    assert errors(run.t, run["x"], run["y"]) < 1e-12
 
 
 @pytest.mark.slow

@@ -11,10 +11,6 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.equations.program import Program
-from voronec.motion.observables import evaluate_watch, watch_of
-from voronec.motion.reactions import Multipliers
-from voronec.motion.request import Namespace
 
 pytestmark = pytest.mark.slow
 
@@ -103,51 +99,24 @@ def test_twice_the_constraint_has_half_the_multiplier_and_forces_count() -> None
 
 
 def test_reactions_keep_the_precision_of_the_states() -> None:
-    equations = vo.derive(sleigh())
-    namespace = Namespace.of(equations)
-    watch = watch_of(namespace, ("reaction 1", x * phi))
-    program = Program.of(equations.form, watch.expressions)
+    system = sleigh()
+    run = vo.integrate(
+        system, times=[0, 1], initial={"x": sp.Rational(1, 3), phi: sp.pi / 5, v: 1, w: 2},
+        parameters={a: sp.Rational(1, 7)}, outputs=("reaction 1", x * phi), tol=1e-40,
+    )  # fmt: skip
+    state = zip(run.names, run.state[-1], strict=True)
     with mp.workdps(60):
-        third = mp.mpf(1) / 3
-        values = {"m": third, "J": mp.mpf(3), "a": third / 7}
-        state = {"x": 1 / third, "phi": mp.pi / 5, "y": mp.mpf(1), "v": third, "w": 2 * third}
-        states = np.array([[state[str(s)] for s in program.state]] * 2, dtype=object)
-        series = evaluate_watch(
-            watch, program, np.zeros(2), states, [values[str(p)] for p in program.parameters]
-        )
-        point = {k: sp.Float(number, 60) for k, number in {**state, **values}.items()}
-        expected = vo.reaction_forces(equations.system, point, 50).multipliers
-        assert expected is not None
-        assert abs(series["reaction 1"][1] - mp.mpf(expected[0]._mpf_)) < mp.mpf(10) ** -48
-        assert abs(series["phi*x"][0] - 3 * mp.pi / 5) < mp.mpf(10) ** -57
+        point = {k: sp.Float(number, 60) for k, number in (*state, *run.parameters.items())}
+        (expected,) = vo.reaction_forces(system, point, 50).multipliers
+        assert abs(run["reaction 1"][-1] - mp.mpf(expected._mpf_)) < mp.mpf(10) ** -38
+        product = mp.mpf((point["x"] * point["phi"])._mpf_)
+        assert abs(run[x * phi][-1] - product) < mp.mpf(10) ** -38
 
 
 def test_a_reaction_that_is_not_unique_is_refused() -> None:
     system = vo.load("bychkov-ball")  # its constraints keep the length of the normal
     with pytest.raises(vo.DefinitionError, match=r"'reaction \d' is not unique, because constr"):
         vo.integrate(system, times=GRID, outputs=("reaction 2",))
-
-
-def test_a_reaction_is_nan_where_a_constraint_vanishes() -> None:
-    system = vo.System(
-        name="fading", fibration=vo.Fibration(base=(x, z), fibre=(y,)),
-        lagrangian=(Dx**2 + Dy**2 + Dz**2) / 2 - 3 * y, constraints=(x * Dy - x * Dz,),
-    )  # fmt: skip
-    multipliers = Multipliers.of(vo.derive(system).definition)
-    positions = np.array([2.0, 0.0, -0.5])
-    known = {"x": positions, "z": 0 * positions, "xdot": 1 + 0 * positions}
-    values: dict[str, Any] = {"ydot": 2.0, "zdot": 2.0, **known}
-    series = {
-        name: np.array(
-            [float(e.subs({s: np.broadcast_to(values[str(s)], 3)[i] for s in e.free_symbols}))
-             for i in range(3)]
-        )
-        for name, e in multipliers.entries.items()
-    }  # fmt: skip
-    # y'' = z'' = -3/2, so that the edge carries half of the weight 3: x lambda = 3/2
-    slopes = {"xdot": 0 * positions, "zdot": -1.5 + 0 * positions}
-    found, _ = multipliers.solve(series, [slopes[str(u)] for u in multipliers.velocities])
-    assert found[:, 0] == pytest.approx([0.75, np.nan, -3.0], nan_ok=True)
 
 
 def test_traces_and_the_configuration_stand_for_coordinates() -> None:
@@ -171,20 +140,12 @@ def test_a_quantity_of_the_system_comes_before_a_group_of_its_name() -> None:
     system = dataclasses.replace(
         sleigh(), invariants={"configuration": sp.sin(phi)}, drawing={"energy": ("x", "y")}
     )
-    wanted = Namespace.of(vo.derive(system)).read_outputs(("configuration", "energy", v))
-    assert wanted.names == ("configuration", "energy", "v") and not wanted.reactions
-    assert wanted.terms["configuration"] == sp.Symbol("configuration")
-    assert str(wanted.expressions["configuration"]) == "sin(phi)"
-
-
-def test_wanted_keeps_order_and_says_what_each_is() -> None:
-    wanted = Namespace.of(vo.derive(sleigh())).read_outputs((phi, "reaction 1", x * v, "phi"))
-    assert wanted.names == ("phi", "reaction 1", "v*x")
-    assert dict(wanted.reactions) == {"reaction 1": 0}
-    assert set(wanted.expressions) == {"phi", "v*x"} == set(wanted.terms)
-    assert wanted.terms["v*x"] == x * v
-    everything = Namespace.of(vo.derive(sleigh())).read_outputs(())
-    assert everything.names == ("x", "phi", "y", "v", "w")
+    run = vo.integrate(
+        system, times=GRID, initial={v: 1, w: 2}, outputs=("configuration", "energy", v, phi, "phi")
+    )
+    assert run.outputs == ("configuration", "energy", "v", "phi")  # in order, each once
+    assert np.abs(run["configuration"] - np.sin(run["phi"])).max() < 1e-14
+    assert set(run.drift) == {"energy", "spin"}
 
 
 @pytest.mark.parametrize(
@@ -214,17 +175,6 @@ def test_formulas_may_be_text() -> None:
     assert run["x"][-1] == pytest.approx(0.5) and (run["v*x"] == run["x"] * run["v"]).all()
     with pytest.raises(vo.DefinitionError, match="the plane 'psi \\+ x' contains 'psi'"):
         vo.section(sleigh(), "x + psi", starts=[{"v": 1.0}], crossings=1)
-
-
-def test_only_the_integrals_asked_for_are_followed() -> None:
-    namespace = Namespace.of(vo.derive(sleigh()))
-    assert set(watch_of(namespace, ()).integrals) == {"energy", "spin"}
-    watch = watch_of(namespace, (x,), {"spin"})
-    assert set(watch.integrals) == set(watch.sizes) == {"spin"}
-    assert len(watch.expressions) == 3
-    assert not watch_of(namespace, (x,), ()).integrals
-    with pytest.raises(vo.DefinitionError, match="no integral 'energi'; did you mean 'energy'"):
-        watch_of(namespace, (), {"energi"})
 
 
 @pytest.mark.parametrize("method", ["heyoka", "scipy"])

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import symengine as se
 import sympy as sp
 
 import voronec as vo
-from voronec.equations.program import Block, Program
-from voronec.motion.steppers import Problem
-from voronec.motion.steppers.units import natural_units
 
 TIMES = np.linspace(0, 20, 21)
 
@@ -82,16 +78,6 @@ def test_motions_of_many_sizes_at_once(ball: vo.VoronecEquations, method: str) -
     for column in (points["x"] / sizes[points.start], points["omega2"], points.t):
         rows = column.reshape(5, 3)
         assert np.abs(rows - rows[0]).max() < 2e-11
-
-
-def test_states_of_ordinary_size_have_the_unit_one(ball: vo.VoronecEquations) -> None:
-    program = Program.of(ball.form)
-    values = [1.0 if str(p) in "mR" else 0.5 for p in program.parameters]
-    start = np.full(len(program.state), 0.7)
-    assert (natural_units(Problem(program, start, values, 1e-13)) == 1).all()
-    start[[str(s) for s in program.state].index("omega1")] = 3e9
-    units = natural_units(Problem(program, start, values, 1e-13))
-    assert sorted(set(units)) == [1.0, 2.0**32]
 
 
 @pytest.mark.parametrize("method", ["heyoka", "scipy"])
@@ -242,22 +228,6 @@ def test_the_rounding_of_a_rate_that_is_all_but_zero_does_not_shorten_steps() ->
     assert np.ptp(motion["phi"][1:]) < 1e-10
     rate = np.diff(motion["theta"][1:]) / np.diff(times[1:])
     assert np.ptp(rate) < 1e-10
-
-
-def test_a_value_that_is_rounding_tells_no_time() -> None:
-    """Where all that moves is an angle or a quadrature, but for a velocity that passes zero."""
-    turn, spin, phi, _x = state = se.symbols("turn spin phi x")
-    rates = (se.sin(phi) * spin, -turn * spin, spin + turn, 3 * turn + spin)
-    nothing = Block((), ())
-    program = Program(se.Symbol("t"), state, (), (), Block((), rates), (), nothing)
-    # the last changes another rate by 4e-15 of it
-    for small, fast in ((1.4e-17, 0.57), (0.0, 0.57), (3e-17, 0.0077)):
-        problem = Problem(program, np.array([small, fast, 0.6, 0.1]), [], 1e-13)
-        assert (natural_units(problem) == 1.0).all()
-    # what is as small and moves the others is no rounding
-    spring = Program(se.Symbol("t"), (turn, spin), (), (), Block((), (spin, -turn)), (), nothing)
-    small = natural_units(Problem(spring, np.array([1.4e-17, 0.3e-17]), [], 1e-13))
-    assert (small < 1e-15).all()
 
 
 @pytest.mark.parametrize("method", ["heyoka", "scipy", "lsoda", "c", "python"])

@@ -1,6 +1,6 @@
 """Who may import whom, and what is packaged: pyproject.toml says so, and a breach is noticed.
 
-Tests reach public names alone.
+Tests stand on public names, and on those of a room's front, so that rooms can be rebuilt.
 """
 
 from __future__ import annotations
@@ -12,10 +12,13 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Iterable, Iterator
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 from tool_modules import tool
+
+import voronec
 
 ROOT = Path(__file__).parents[1]
 LINT = "from importlinter.cli import lint_imports_command as run; run()"
@@ -115,3 +118,58 @@ def test_tests_reach_no_private_name_of_the_house() -> None:
 )
 def test_a_reach_for_a_private_name_is_found(text: str, count: int) -> None:
     assert [*reaches(text, {"_heap"})] == ["_heap"] * count
+
+
+INSIDE = (Path(__file__).parent / "inside_of_rooms.txt").read_text("utf-8").split()
+"""Test files that take names from inside of rooms: none is added, and each that is mended goes."""
+
+
+def inside(text: str) -> set[str]:
+    """What a test imports, or names in a string to replace it, that is no public name and not in
+    the ``__all__`` of a room, or of a folder in it."""
+    found = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "voronec":
+            found |= {f"{node.module}.{a.name}" for a in node.names if not _at_front(node, a.name)}
+        elif isinstance(node, ast.Import):
+            found |= {a.name for a in node.names if _is_room(a.name) and a.name.count(".") > 1}
+        elif isinstance(node, ast.Constant) and re.fullmatch(r"voronec(\.\w+)+", str(node.value)):
+            found |= {node.value} if _is_room(node.value) and node.value.count(".") > 1 else set()
+    return found
+
+
+def _is_room(module: str) -> bool:
+    """Whether a module lies in a room: ``voronec.errors`` and ``voronec.systems`` do not."""
+    parts = module.split(".")[1:2]
+    return parts != ["systems"] and (ROOT / "voronec" / "".join(parts) / "__init__.py").is_file()
+
+
+def _at_front(node: ast.ImportFrom, name: str) -> bool:
+    module = node.module or ""
+    if module == "voronec" or name in voronec.__all__ or not _is_room(module):
+        return (ROOT / "voronec" / name).is_dir() <= (name in voronec.__all__)
+    folder = (ROOT / Path(*module.split("."))).is_dir()
+    return folder and name in getattr(import_module(module), "__all__", ())
+
+
+def test_no_more_tests_take_names_from_inside_of_rooms() -> None:
+    files = sorted((ROOT / "tests").rglob("*.py"))
+    assert [p.stem for p in files if inside(p.read_text("utf-8"))] == INSIDE
+
+
+@pytest.mark.parametrize(
+    ("text", "count"),
+    [
+        ("import voronec as vo\nfrom voronec import System, errors, kinematics", 0),
+        ("from voronec.errors import EngineLimit\nfrom voronec.systems.sleigh import SYSTEM", 0),
+        ("from voronec.motion import Event\nfrom voronec.motion.request import Event", 0),
+        ("from voronec.proof.check import Inventory\n'voronec.motion'", 0),
+        ("from voronec import motion", 1),
+        ("from voronec.motion import batches", 1),
+        ("from voronec.motion.request import Guard, Namespace", 2),
+        ("import voronec.motion.request as request", 1),
+        ("monkeypatch.setattr('voronec.motion.batches.LONG', 3)", 1),
+    ],
+)
+def test_a_name_from_inside_of_a_room_is_found(text: str, count: int) -> None:
+    assert len(inside(text)) == count

@@ -1,11 +1,11 @@
 """Relations of motions: decided exactly, their kinds computed, claims carried along them."""
 
+from dataclasses import replace
+
 import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.equations.motions import Motions
-from voronec.proof.relations.decision import check_relation
 
 x, y, h = sp.symbols("x y h")
 m, k, w = sp.symbols("m k w")
@@ -45,12 +45,11 @@ PLANE = vo.System(
     parameters=(m, k),
 )
 SYSTEMS = {s.name: s for s in (SPRING, UNIT, FREE, DRIVEN, PLANE)}
-MOTIONS = {name: Motions.of(system) for name, system in SYSTEMS.items()}
 ROOT = sp.sqrt(k / m)
 
 
 def check(*given, **more):
-    return check_relation(vo.Relation(*given, **more), MOTIONS.__getitem__)
+    return vo.check_relation(vo.Relation(*given, **more), SYSTEMS.values())
 
 
 def test_a_change_of_parameters_is_a_relation_and_carries_claims():
@@ -124,9 +123,8 @@ def test_infinite_values_are_not_swallowed_by_a_zero():
         parameters=(m, k),
         integrals={"not one": k * (x / k + 1), "speed": DX},
     )
-    motions = {**MOTIONS, "odd": Motions.of(odd)}
     relation = vo.Relation("free", "odd", {x: q}, {m: 1, k: 0})
-    found = check_relation(relation, motions.__getitem__)
+    found = vo.check_relation(relation, [*SYSTEMS.values(), odd])
     assert found.verdict.proved
     assert [(c.name, c.verdict.status) for c in found.pulled] == [("speed", "proved")]
 
@@ -152,11 +150,9 @@ def test_an_automorphism_and_a_specialisation():
 
 
 def test_a_false_measure_of_the_target_is_refuted_at_the_source():
-    from dataclasses import replace
-
-    false = {**MOTIONS, "unit-spring": Motions.of(replace(UNIT, measure=1 + q**2))}
+    false = replace(UNIT, measure=1 + q**2)
     relation = vo.Relation("spring", "unit-spring", state={q: x}, parameters={w: ROOT})
-    found = check_relation(relation, false.__getitem__)
+    found = vo.check_relation(relation, [SPRING, false])
     assert [c.verdict.status for c in found.pulled if c.kind == "measure"] == ["refuted"]
 
 
@@ -179,9 +175,9 @@ def test_what_is_missing_or_unknown_is_told_in_one_line(relation, words):
 
 
 def test_a_parameter_that_goes_over_by_its_own_name_to_nothing_is_told():
-    relation = vo.Relation.of(MOTIONS["spring"].system, "unit-spring", {"w": 1}, state={q: x})
+    relation = vo.Relation.of(SPRING, "unit-spring", {"w": 1}, state={q: x})
     with pytest.raises(vo.DefinitionError, match=r"goes over by its own name.* write Relation"):
-        check_relation(relation, MOTIONS.__getitem__)
+        vo.check_relation(relation, SYSTEMS.values())
 
 
 def test_the_limit_scales_parameters_of_the_source():
@@ -198,18 +194,13 @@ def test_polar_coordinates_carry_the_volume():
         parameters=(m, k),
         measure=r**2,
     )
-    cartesian = {**MOTIONS, "polar": Motions.of(polar)}
     relation = vo.Relation(
         "polar",
         "plane-oscillator",
         state={x: r * sp.cos(a), y: r * sp.sin(a)},
         parameters={m: m, k: k},
     )
-    found = check_relation(relation, cartesian.__getitem__)
+    found = vo.check_relation(relation, [PLANE, polar])
     assert found.verdict.proved
-
-    from dataclasses import replace
-
-    with_measure = {**cartesian, "plane-oscillator": Motions.of(replace(PLANE, measure=1))}
-    found = check_relation(relation, with_measure.__getitem__)
+    found = vo.check_relation(relation, [replace(PLANE, measure=1), polar])
     assert [c.verdict.status for c in found.pulled if c.kind == "measure"] == ["proved"]

@@ -7,8 +7,6 @@ import symengine as se
 import sympy as sp
 
 import voronec as vo
-from voronec.equations.motions import Motions
-from voronec.proof.relations.decision import check_relation
 from voronec.proof.relations.orders import vanishes
 
 pytestmark = pytest.mark.slow
@@ -49,11 +47,10 @@ OPEN_PAIR = vo.System("open-pair", vo.Fibration((x, y)), (DX**2 + DY**2) / 2 - f
 SOFT = line("soft", DQ**2 / 2 - sp.sqrt(k) ** 3 * q**2 / 2, k)
 HEAVY = line("heavy", m * (DQ**2 / 2 - q), m)
 SYSTEMS = (SPRING, UNIT, FREE, QUARTIC, OPEN, PAIR, OPEN_PAIR, SOFT, HEAVY)
-MOTIONS = {z.name: Motions.of(z) for z in SYSTEMS}
 
 
 def check(*given, **more):
-    return check_relation(vo.Relation(*given, **more), MOTIONS.__getitem__)
+    return vo.check_relation(vo.Relation(*given, **more), SYSTEMS)
 
 
 POSITIVE = line("positive", DQ**2 / 2 - k * q**2 / 2, vo.Parameter(k, positive=True))
@@ -137,9 +134,8 @@ def test_an_unknown_function_is_one_of_its_arguments(value, status):
     """With q = x, x q^3/4 is q^4/4 in other words, but for its derivative; xdot is no function of
     q."""
     point = vo.System("point", vo.Fibration((x,)), DX**2 / 2 - x**4 / 4)
-    motions = {**MOTIONS, "point": Motions.of(point)}
     relation = vo.Relation("point", "open", state={q: x}, parameters={"f": value})
-    assert check_relation(relation, motions.__getitem__).verdict.status == status
+    assert vo.check_relation(relation, [*SYSTEMS, point]).verdict.status == status
 
 
 def test_state_in_a_function_that_the_arguments_determine():
@@ -155,11 +151,11 @@ def test_state_in_a_function_that_the_arguments_determine():
     )
     pushed = vo.System("pushed", vo.Fibration((u,)), du**2 / 2, forces={u: f(u)})
     other = vo.System("other", vo.Fibration((y,)), DY**2 / 2, forces={y: f(y)})
-    motions = {z.name: Motions.of(z) for z in (turn, pushed, other)}
+    systems = (turn, pushed, other)
     fits = vo.Relation("turn", "pushed", {u: u}, {"f": a})
-    assert check_relation(fits, motions.__getitem__).verdict.proved
+    assert vo.check_relation(fits, systems).verdict.proved
     apart = vo.Relation("turn", "other", {y: 0}, {"f": a})
-    found = check_relation(apart, motions.__getitem__)
+    found = vo.check_relation(apart, systems)
     assert "no function of its arguments" in found.verdict.method
 
 
@@ -212,7 +208,7 @@ def test_relations_that_hold_the_small_parameter():
 
 def test_where_no_point_is_found_nothing_is_refuted():
     far = line("far", sp.sqrt(q - 1000) * DQ**2 / 2)
-    found = check_relation(vo.Relation("far", "far"), {"far": Motions.of(far)}.__getitem__)
+    found = vo.check_relation(vo.Relation("far", "far"), [far])
     assert found.verdict.undecided
     assert not {"reduction", "embedding"} & {*found.kinds}
 
@@ -238,21 +234,19 @@ def test_redundant_relations_count_once_and_volumes_know_their_relations():
     plain = circle("plain", round_one)
     twice = circle("twice", round_one, x * round_one)
     scaled = circle("scaled", round_one * (1 + x**2), density=1 + x**2)
-    motions = {z.name: Motions.of(z) for z in (plain, twice, scaled)}
     for source, target in (("twice", "plain"), ("plain", "scaled")):
-        found = check_relation(vo.Relation(source, target), motions.__getitem__)
+        found = vo.check_relation(vo.Relation(source, target), (plain, twice, scaled))
         assert (found.verdict.status, found.kinds) == ("proved", ("equality",))
         assert [c.verdict.status for c in found.pulled if c.kind == "measure"] == ["proved"]
 
 
 def test_claims_that_hold_the_time_need_a_map_of_time():
     timed = line("timed", DQ**2 / 2, integrals={"start": q - vo.time * DQ, "speed": DQ}, measure=1)
-    motions = {"timed": Motions.of(timed), "free": MOTIONS["free"]}
     slow = vo.Relation("free", "timed", {q: q}, clock=2)
-    found = check_relation(slow, motions.__getitem__)
+    found = vo.check_relation(slow, [timed, FREE])
     assert {c.name for c in found.pulled} == {"speed", "density"}
     known = vo.Relation("free", "timed", {q: q, vo.time: 2 * vo.time}, clock=2)
-    found = check_relation(known, motions.__getitem__)
+    found = vo.check_relation(known, [timed, FREE])
     assert {c.name: c.verdict.status for c in found.pulled} == dict.fromkeys(
         ("start", "speed", "density"), "proved"
     )
@@ -268,8 +262,7 @@ def test_a_clock_of_state_and_time_carries_no_measure():
         frame=vo.Frame.quasi({v: DX / nu}),
         forces={x: -x - DX / nu**2},
     )
-    motions = {**MOTIONS, "hurried": Motions.of(source)}
     relation = vo.Relation("hurried", "unit-spring", {q: x, DQ: v}, {w: 1}, clock=nu)
-    found = check_relation(relation, motions.__getitem__)
+    found = vo.check_relation(relation, [source, UNIT])
     assert found.verdict.proved
     assert {c.kind for c in found.pulled} == {"integral", "equation"}

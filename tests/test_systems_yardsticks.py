@@ -9,13 +9,10 @@ from importlib import import_module
 import numpy as np
 import pytest
 import sympy as sp
+from without_claims import bare
 
 import voronec as vo
 from voronec import Equation, Measure, Relation, prove_equal, velocity
-from voronec.declaration.system import bare
-from voronec.equations.motions import Motions
-from voronec.proof.claims import check_claims
-from voronec.proof.relations.decision import check_relation
 
 pytestmark = pytest.mark.slow
 
@@ -34,11 +31,6 @@ def module(name):
     return import_module(f"voronec.systems.{name.replace('-', '_')}")
 
 
-@cache
-def motions(name):
-    return Motions.of(vo.load(name))
-
-
 RELATIONS = {r.label: r for name in YARDSTICKS for r in getattr(module(name), "RELATIONS", ())}
 SQUARES = {s.label: s for name in YARDSTICKS for s in getattr(module(name), "SQUARES", ())}
 LIGHT = [label for label, r in RELATIONS.items() if r.target != "rattleback"]
@@ -46,7 +38,7 @@ LIGHT = [label for label, r in RELATIONS.items() if r.target != "rattleback"]
 
 def verdict_on(system, **claims):
     """The verdict on one claim about a system, without its own claims."""
-    (claim,) = check_claims(bare(system, system.name, **claims))
+    (claim,) = vo.check_claims(bare(system, system.name, **claims))
     return claim.verdict
 
 
@@ -81,14 +73,14 @@ def test_a_relation_with_another_parameter_or_clock_is_refuted(label, target):
         wrong = replace(right, clock=2 * right.clock)
     else:
         wrong = replace(right, parameters={**right.parameters, **target})
-    assert check_relation(wrong, motions).verdict.refuted
+    assert vo.check_relation(wrong).verdict.refuted
 
 
 def test_an_upright_disc_that_turns_does_not_stay_upright():
     Dtheta = velocity(theta)
     upright = {"gamma2": 1, "gamma3": 0, "p": 0, "q": Dphi, "s": Dtheta}
     right = RELATIONS["vertical-disc -> falling-disc"]
-    found = check_relation(replace(right, state=upright), motions)
+    found = vo.check_relation(replace(right, state=upright))
     assert found.verdict.refuted and "'p'" in found.verdict.method
 
 
@@ -193,9 +185,9 @@ def test_neither_mirror_nor_reversal_alone_keeps_the_sleigh_on_its_turntable():
         parameters={**back.parameters, "Omega": Omega, "beside": -sp.Symbol("beside")},
         clock=-1,
     )
-    assert check_relation(both, motions).verdict.proved
+    assert vo.check_relation(both).verdict.proved
     same = replace(both, parameters={**both.parameters, "beside": sp.Symbol("beside")})
-    assert check_relation(same, motions).verdict.refuted
+    assert vo.check_relation(same).verdict.refuted
     assert mirrored.parameters["beside"] == -sp.Symbol("beside")
 
 
@@ -225,7 +217,7 @@ def test_the_rear_wheels_of_the_snakeboard_turn_by_phi_and_the_front_wheels_agai
 
 
 def test_factors_that_divide_by_trigonometry_alone_cancel():
-    eqs, board = motions("snakeboard").equations, SNAKEBOARD
+    eqs, board = vo.derive(SNAKEBOARD.SYSTEM), SNAKEBOARD
     assert eqs.mass[2, 2] == 2 * board.wheels
     assert eqs.mass[0, 1] == eqs.mass[1, 1] == board.rotor
     assert not any(
@@ -248,12 +240,12 @@ def test_both_routes_agree_where_a_pivot_would_vanish():
     board = SNAKEBOARD.SYSTEM
     point = {theta: sp.pi / 2 - sp.Rational(3, 10), phi: sp.Rational(3, 10), psi: 0, x: 0, y: 0}
     point |= {velocity(theta): 1, velocity(psi): 2, Dphi: sp.Rational(1, 7)}
-    here = motions("snakeboard").equations.acceleration(point, 40)
+    here = vo.derive(SNAKEBOARD.SYSTEM).acceleration(point, 40)
     there = vo.multiplier_acceleration(board, point, 40)
     assert all(abs(here[q] - there[q]) < sp.Float("1e-38", 40) for q in here)
 
 
 def test_steering_is_free_of_the_reaction_of_the_wheels():
-    eqs = motions("snakeboard").equations
+    eqs = vo.derive(SNAKEBOARD.SYSTEM)
     acceleration = eqs.mass.LUsolve(eqs.force)
     assert prove_equal(acceleration[2], 0).proved

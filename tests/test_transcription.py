@@ -11,8 +11,7 @@ from typing import Any
 
 import pytest
 
-from voronec.audit import Display, Paper, Section, Sentence
-from voronec.declaration.catalogue import load_paper
+from voronec.audit import Display, Paper, Section, Sentence, load_paper
 from voronec.errors import DefinitionError
 
 TOOLS = Path(__file__).resolve().parent.parent / "tools"

@@ -7,6 +7,7 @@ leads nowhere ends with status 1.
 
 from __future__ import annotations
 
+import argparse
 import re
 import shutil
 from collections.abc import Iterator
@@ -201,12 +202,16 @@ def dead_links(site: Path) -> Iterator[str]:
 
 def main() -> int:
     """Write the source, build, look at every link."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--still", action="store_true", help="show notebooks without running them")
+    still = parser.parse_args().still
     from sphinx.cmd.build import build_main
 
     source, site = PLACE / "source", PLACE / "html"
     write_source(source)
     add_motions(source / "how-to" / "view.md", site / "motions")
     options = ["-W", "--keep-going", "-q", "-E", "-j", "auto", "-b", "html"]
+    options += ["-D", "nb_execution_mode=off"] if still else []
     conf = ["-c", str(DOCS / "site"), "-d", str(PLACE / "doctrees")]
     status = build_main([*options, *conf, str(source), str(site)])
     dead = list(dead_links(site)) if status == 0 else []

@@ -8,12 +8,13 @@ from voronec.audit.cache import Cache
 from voronec.audit.display import Check, Convention, Display
 from voronec.audit.meaning import direction
 from voronec.audit.paper import Paper, Section
-from voronec.audit.paper_audit import audit_paper
+from voronec.audit.paper_audit import audit_paper, audit_section
 from voronec.audit.record import Audit, FormulaRecord, Record
 from voronec.audit.sentence import Sentence
 from voronec.audit.slots import Interval, Quoted, Reference, one_of, tight
 from voronec.audit.study import Motion, Range, Study
-from voronec.audit.transcript import Transcript
+from voronec.audit.transcript import Transcript, formulas_by_label
+from voronec.declaration.catalogue import load_paper
 
 __all__ = [
     "Audit",
@@ -35,7 +36,10 @@ __all__ = [
     "Transcript",
     "Verdict",
     "audit_paper",
+    "audit_section",
     "direction",
+    "formulas_by_label",
+    "load_paper",
     "one_of",
     "shorten",
     "tight",
