@@ -20,8 +20,9 @@ from signals import hears_ctrl_c
 from voronec.cli.check import shorten_square
 from voronec.declaration import source_digest as sources
 from voronec.declaration.whole_files import Store
+from voronec.declaration.worker_processes import Worker
 from voronec.proof.check import Inventory, check_catalogue
-from voronec.proof.check.catalogue_check import Worker
+from voronec.proof.check.catalogue_check import Examiner
 from voronec.proof.check.report import Finding, Report, Result
 from voronec.proof.check.unit import units_of
 
@@ -270,7 +271,7 @@ def test_ctrl_c_finds_no_process_that_still_starts(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
     (unit,) = units_of(Inventory.of(), ["vertical-disc"])[:1]
-    worker = Worker.start()
+    worker = Worker.start(Examiner())
     try:
         for _ in range(20):
             os.kill(worker.process.pid, signal.SIGINT)

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import importlib.util
+import subprocess
+import sys
 
 import numpy as np
 import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.motion import batches, one_by_one
+from voronec.motion import batches, ensembles, one_by_one
 from voronec.motion.steppers import heyoka_stepper
 from voronec.motion.steppers import run as run_module
 
@@ -157,13 +159,43 @@ def test_where_every_start_is_wrong_the_first_error_is_raised(falling):
         vo.ensemble(falling, {"y": [0.0, 0.0]}, times=GRID)
 
 
-@HEYOKA
-def test_threads_change_no_bit(oscillator):
-    starts = {"x": np.linspace(0.5, 1.5, 150)}
-    one, two = (vo.ensemble(oscillator, starts, times=GRID, jobs=k) for k in (1, 2))
-    assert (one["x"] == two["x"]).all()
-    assert one.finished.all()
-    assert two.finished.all()
+SCRIPT = """
+import voronec as vo
+from voronec.motion import ensembles
+ensembles.WORTH = 0.0
+vo.ensemble(vo.load("sleigh"), {"w": [float(k) for k in range(99)]}, times=[0.0, 1.0], jobs=2)
+"""
+
+
+@pytest.fixture
+def always_shared(monkeypatch):
+    """Processes share all work, as if each motion took long."""
+    monkeypatch.setattr(ensembles, "WORTH", 0.0)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_processes_change_no_bit(oscillator, falling, method, always_shared):
+    """What fails, fails as it would in one process."""
+    starts = {"x": np.linspace(0.5, 1.5, 150 if method == "heyoka" else 4)}
+    for system, each in ((oscillator, starts), (falling, {"y": [4.0, 0.5, 3.0, 0.0, 1.0]})):
+        one, two = (
+            vo.ensemble(system, each, times=GRID, jobs=k, method=method, tol=1e-9) for k in (1, 2)
+        )
+        assert one.errors.keys() == two.errors.keys()
+        assert (one.finished == two.finished).all() and one.finished.any()
+        for name in one.outputs:
+            assert one[name].tobytes() == two[name].tobytes()
+        for i, error in one.errors.items():
+            assert type(error) is type(two.errors[i]) and str(error) == str(two.errors[i])
+
+
+def test_a_script_that_processes_cannot_read_is_told_so_in_one_line(tmp_path):
+    (tmp_path / "script.py").write_text(SCRIPT)
+    run = [sys.executable, "script.py"]
+    done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    (told,) = {*done.stderr.splitlines()[:1]}
+    assert done.returncode == 1 and "if __name__ == '__main__':" in told
+    assert done.stderr.splitlines()[-1].endswith(f"DefinitionError: {told}")
 
 
 @HEYOKA
@@ -190,7 +222,7 @@ def test_what_was_not_run_since_the_set_up_was_stopped_says_so(oscillator, monke
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("jobs", [1, 2])
-def test_a_run_stopped_by_hand_keeps_the_finished_starts(oscillator, method, jobs):
+def test_a_run_stopped_by_hand_keeps_the_finished_starts(oscillator, method, jobs, always_shared):
     def stop(fraction: float) -> None:
         raise KeyboardInterrupt
 

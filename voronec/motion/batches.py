@@ -6,7 +6,6 @@ lane; it is compiled once, and its lanes are loaded again and again.
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -52,6 +51,7 @@ __all__ = [
     "COLLAPSE_RATIO",
     "SINGULAR_PLACE",
     "Lanes",
+    "Look",
     "StepSizes",
     "StopRequest",
     "along",
@@ -207,11 +207,6 @@ class Lanes:
             steps=StepSizes.of(width),
             output=None,
         )
-
-    def again(self) -> Lanes:
-        """Another integrator of the same compiled code, for another thread."""
-        batch = copy.deepcopy(self.integrator.batch)
-        return replace(self, integrator=WideBatch.of(batch, self.width))
 
     def note_steps(self) -> None:
         """Take down the latest steps; those that were cut to end at a given time are not counted by

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import islice
-from queue import SimpleQueue
 from threading import Event
 from time import perf_counter
 from types import MappingProxyType
@@ -17,16 +14,19 @@ import numpy as np
 from voronec.algebra.arguments import CALLABLE, COUNT, SEVERAL, TEXT, TOLERANCE, VALUES, accepts
 from voronec.algebra.typeset import html_table
 from voronec.declaration.system import System, require_system
+from voronec.declaration.worker_processes import Team
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.errors import DefinitionError, IntegrationError, VoronecError
+from voronec.errors import DefinitionError, VoronecError
 from voronec.motion.angle_cuts import CutWatch
-from voronec.motion.batches import Lanes, StopRequest, along, choose_lanes, require_method
+from voronec.motion.batches import choose_lanes, require_method
+from voronec.motion.carrier import Block, CarriedBlock, Carrier
 from voronec.motion.inputs import Drive, drive
-from voronec.motion.methods import METHODS
-from voronec.motion.motion_pool import Drifts, Many, many
-from voronec.motion.one_by_one import LoneMotions, SwitchedMotions, along_one
+from voronec.motion.method_costs import step_cost
+from voronec.motion.motion_pool import Many, many
+from voronec.motion.one_by_one import LoneMotions, LoneStart, SwitchedMotions
 from voronec.motion.request import (  # fmt: skip
     Namespace,
+    Starts,
     Values,
     grid_of,
     held_name,
@@ -35,12 +35,8 @@ from voronec.motion.request import (  # fmt: skip
     scene_of,
     spread_starts,
 )
-from voronec.motion.state_probe import at_each, changes
-from voronec.motion.steppers.samples import OwnedSamples, by_owner
-from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Trajectory
-from voronec.motion.verify import CheckOfMany
 
 __all__ = ["Ensemble", "ensemble"]
 
@@ -51,8 +47,11 @@ BATCHES, REPORTS = 8, 8
 least where the motions suffice for both."""
 STEPS, NUMBERS = 100_000, 2**22
 """So many steps, and numbers of states on the grid, go between two reports, unless that is less."""
-TOGETHER = 64
-"""So many motions of a compiled loop go between two reports: they are looked at together."""
+LONE = 5e3
+"""Microseconds that a motion takes alone, at least."""
+WORTH = 1e6
+"""Microseconds of work for which other processes are worth their start, which takes a second; by
+the steps of the slowest ones, which go first, there is at least so much."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -156,8 +155,9 @@ def ensemble(
         once; ``numba``, ``c`` and ``scipy`` (DOP853) run them one by one; ``auto`` takes heyoka
         where it installs, else numba or c where scipy would take longer than to compile.
     jobs
-        threads, each with an integrator of its own: heyoka's compiled code, and numpy's, run side
-        by side on several cores; scipy gains nothing by them and takes one.
+        processes that share the motions, where these are enough work; the numbers are those of
+        one.  A script calls it under ``if __name__ == "__main__":`` then, since the processes
+        read it.
     progress
         is called with the finished fraction.
     inputs
@@ -185,49 +185,62 @@ def ensemble(
     wanted = dict(quantity(namespace, k) for k in keys or (*own.coordinates, *own.velocities))
     try:
         motions = many(equations, chosen_scene, single, columns, wanted, begin)
-        switched, lanes, carrier, reason = _carriers(driven, motions, method, tol, grid)
-        finest = tol if lanes else max(tol, FINEST)
-        filled = _ResultRows.empty(motions, tuple(wanted), grid, switched, finest, carrier)
+        alone = LoneMotions(motions, single, chosen_scene, method, tol, frozenset(motions.wrong))
+        if driven.changing is not None:
+            given = {**getattr(chosen_scene, "inputs", {}), **(inputs or {})}
+            alone = replace(alone, declared=driven.original, inputs=given)
+        carrier, reason = _carrier(alone, tuple(wanted), keys, grid)
+        filled = _ResultRows.empty(motions, tuple(wanted), grid)
     except KeyboardInterrupt:
         return _empty_ensemble(own, tuple(wanted), grid, len(single), tol, perf_counter() - began)
     ready = perf_counter()
-    alone = LoneMotions(motions, single, chosen_scene, method, tol, frozenset(motions.wrong))
-    if driven.changing is not None:
-        given = {**getattr(chosen_scene, "inputs", {}), **(inputs or {})}
-        alone = replace(alone, declared=driven.original, inputs=given)
-    interrupted = driven.changing is None and _run(filled, lanes, tol, jobs, progress)
-    if CutWatch.of(namespace).cuts:
-        filled.collapsed.extend(motions.sound)
-    interrupted = (
-        filled.leave(motions.wrong) if interrupted else filled.go_on_alone(alone, keys, progress)
-    )
+    team = filled.team(carrier, jobs)
+    try:
+        interrupted = driven.changing is None and _run(filled, carrier, team, progress)
+        if CutWatch.of(namespace).cuts:
+            filled.collapsed.extend(motions.sound)
+        interrupted = (
+            filled.leave(motions.wrong)
+            if interrupted
+            else filled.go_on_alone(alone, team, driven.changing is not None, progress)
+        )
+    finally:
+        team.end()
     if not (motions.sound or filled.alone or interrupted):
         raise motions.wrong[0]
-    steps = filled.steps + sum(cost.steps for cost in filled.alone)
-    none_else = filled.alone and (driven.changing or not motions.sound)
-    used = filled.alone[0].method if none_else else carrier
+    costs = [cost for _, cost in sorted(filled.alone.items())]
+    steps = filled.steps + sum(each.steps for each in costs)
+    none_else = costs and (driven.changing or not motions.sound)
     cost = Cost(
-        method=used, reason=reason,
-        tolerance=tol if lanes else max(tol, FINEST), setup=ready - began,
+        method=costs[0].method if none_else else carrier.method, reason=reason,
+        tolerance=carrier.finest, setup=ready - began,
         run=perf_counter() - ready, steps=steps, evaluations=steps,
-        switches=sum(cost.switches for cost in filled.alone), level=motions.ground.level,
+        switches=sum(each.switches for each in costs), level=motions.ground.level,
     )  # fmt: skip
     return filled.ensemble(cost, interrupted, driven)
 
 
-def _carriers(
-    driven: Drive, motions: Many, method: str, tol: float, grid: np.ndarray
-) -> tuple[SwitchedMotions | None, Lanes | None, str, str]:
-    """What integrates the motions, the method where nothing does that is made already, and why."""
-    if driven.changing is not None:
+def _carrier(
+    alone: LoneMotions, outputs: tuple[str, ...], keys: Sequence[Any], grid: np.ndarray
+) -> tuple[Carrier, str]:
+    """What carries the motions, and why."""
+    motions, method, tol = alone.motions, alone.method, alone.tol
+    lanes, used = None, "scipy"
+    switched = None if alone.declared else SwitchedMotions.of(motions, method, tol, grid)
+    if alone.declared is not None:
         require_method(method)
-        return None, None, "scipy", "an input changes in time, so one by one"
-    switched = SwitchedMotions.of(motions, method, tol, grid)
-    if switched is not None:
-        return switched, None, switched.method, switched.reason
-    if not motions.sound:
-        return None, None, "scipy", "each start alone"
-    return None, *choose_lanes(method, motions.program, tol, *motions.moving_lanes, grid)
+        reason = "an input changes in time, so one by one"
+    elif switched is not None:
+        used, reason = switched.method, switched.reason
+    elif not motions.sound:
+        reason = "each start alone"
+    else:
+        lanes, used, reason = choose_lanes(
+            method, motions.program, tol, *motions.moving_lanes, grid
+        )
+    first = motions.one(next(iter(motions.sound), 0))
+    lone = replace(alone, motions=first, starts=Starts.of(()), unplaced=frozenset())
+    return Carrier(first, lone, grid, outputs, keys, tol, lanes, used, switched), reason
 
 
 def _empty_ensemble(
@@ -246,105 +259,93 @@ def _empty_ensemble(
 
 @dataclass(eq=False)
 class _ResultRows:
-    """What the workers fill in; each writes the rows of its own starts alone."""
+    """What is filled in as blocks and single motions are done."""
 
     motions: Many
     grid: np.ndarray
     series: dict[str, np.ndarray]
     drift: dict[str, np.ndarray]
-    drifts: Drifts
     finished: np.ndarray
-    check: CheckOfMany
-    switched: SwitchedMotions | None = None
-    single: str = "scipy"
     errors: dict[int, VoronecError] = field(default_factory=dict)
     steps: int = 0
     collapsed: list[int] = field(default_factory=list)
-    alone: list[Cost] = field(default_factory=list)
+    alone: dict[int, Cost] = field(default_factory=dict)
     notes: dict[int, tuple[str, ...]] = field(default_factory=dict)
+    halt: Event = field(default_factory=Event)
 
     @classmethod
-    def empty(
-        cls,
-        motions: Many,
-        outputs: tuple[str, ...],
-        grid: np.ndarray,
-        switched: SwitchedMotions | None,
-        tol: float,
-        single: str,
-    ) -> _ResultRows:
-        def nothing(*shape: int) -> np.ndarray:
-            return np.full(shape, np.nan)
-
-        count, integrals = len(motions), motions.ground.integrals
+    def empty(cls, motions: Many, outputs: tuple[str, ...], grid: np.ndarray) -> _ResultRows:
+        count = len(motions)
         return cls(
             motions=motions,
             grid=grid,
-            series={name: nothing(count, len(grid)) for name in outputs},
-            drift={name: nothing(count) for name in integrals},
-            drifts=Drifts(motions, tol),
+            series={name: np.full((count, len(grid)), np.nan) for name in outputs},
+            drift={name: np.full(count, np.nan) for name in motions.ground.integrals},
             finished=np.zeros(count, dtype=bool),
-            switched=switched,
-            single=single,
-            check=CheckOfMany(
-                motions.namespace.equations,
-                motions.program,
-                tol,
-                {name: f"integral {name}" for name in integrals},
-                frozenset() if switched is None else switched.jumps,
-            ),
             errors=dict(motions.wrong),
         )
 
-    def put(self, where: np.ndarray, rows: np.ndarray, failed: Mapping[int, VoronecError]) -> None:
-        """States (m, k, n) of some starts; ``failed`` by position among these."""
-        values = self.motions.values[where][:, None, :]
-        values = np.broadcast_to(values, (*rows.shape[:2], values.shape[-1]))
-        names = self.motions.program.names
-        found = at_each(self.motions.extras, names, self.grid, rows, values)
-        for name, array in self.series.items():
-            array[where] = found[name]
-        for name, array in self.drift.items():
-            series = found[f"integral {name}"]
-            # a motion that failed has numbers up to there, if any
-            change = np.fmax.reduce(changes(series, series[:, :1]), axis=1)
-            array[where] = self.drifts.relative(
-                name, change, series[:, 0], self.grid, rows, self.motions.values[where]
-            )
-        self.errors.update({int(where[i]): error for i, error in failed.items()})
+    def team(self, carrier: Carrier, jobs: int) -> Team:
+        """This process and others that carry motions as it does."""
+
+        def here(task: Block | LoneStart) -> Any:
+            if isinstance(task, Block):  # those that are carried by others are in few blocks
+                return carrier.carry(task, self.halt.is_set)
+            return carrier(task)
+
+        return Team(jobs, here, carrier)
+
+    def put(self, block: Block, found: CarriedBlock) -> int:
+        """What came of the first motions of a block; how many they are."""
+        self.steps += found.steps
+        done = len(next(iter(found.series.values()), ()))
+        where = block.numbers[:done]
+        for arrays, parts in ((self.series, found.series), (self.drift, found.drift)):
+            for name, part in parts.items():
+                arrays[name][where] = part
         self.finished[where] = True
-        self.finished[where[[*failed]]] = False
+        for i, error in found.errors.items():
+            self.finished[where[i]] = False
+            self.errors[int(where[i])] = self.motions.error(
+                where[i], str(error), "end the run before that", error.time, error.state
+            )
+        self.notes.update((int(where[i]), told) for i, told in found.notes.items())
+        self.collapsed.extend(where[found.alone].tolist())
+        return done
 
     def go_on_alone(
-        self, alone: LoneMotions, outputs: Sequence[Any], progress: Callable[[float], Any] | None
-    ) -> bool:
+        self, alone: LoneMotions, team: Team, changing: bool,
+        progress: Callable[[float], Any] | None,
+    ) -> bool:  # fmt: skip
         """Motions that went wrong, did not start, or came near a place where the equations are
         singular, once more, each alone: ``integrate`` goes on in other charts and splits.  Where
-        inputs change in time, that is all of them.
+        inputs are ``changing`` in time, that is all of them.
 
         Whether it was stopped by hand.
         """
-        motions, changing = self.motions, alone.declared is not None
+        motions = self.motions
         which = range(len(motions)) if changing else sorted({*self.errors, *self.collapsed})
-        count = 0
+        left = dict.fromkeys(
+            i for i in which
+            if i not in self.errors or i in motions.wrong or motions.may_go_on
+        )  # fmt: skip
+        tasks = map(alone.start, [*left])
         try:
-            for count, i in enumerate(which):
-                if i in self.errors and i not in motions.wrong and not motions.may_go_on:
-                    continue
-                try:
-                    run = alone.motion(i, self.grid, outputs)
-                except VoronecError as error:
-                    if changing and isinstance(error, DefinitionError) and i not in motions.wrong:
-                        raise  # what is asked for makes no sense, whatever the start
-                    self.fails(i, error)
+            for start, run in team.results(tasks, LONE * len(left) < WORTH):
+                i = start.number
+                if isinstance(run, VoronecError):
+                    if changing and isinstance(run, DefinitionError) and i not in motions.wrong:
+                        raise run  # what is asked for makes no sense, whatever the start
+                    self.fails(i, run)
                 else:
                     self.replaces(i, run)
                     if run.interrupted:
-                        return self.leave(which[count:])
+                        return self.leave(left)
+                del left[i]
                 if changing and progress is not None:
-                    progress((count + 1) / len(which))
+                    progress(1 - len(left) / len(which))
         except KeyboardInterrupt:
-            return self.leave(which[count:])
+            return self.leave(left)
         return False
 
     def leave(self, which: Iterable[int]) -> bool:
@@ -380,7 +381,7 @@ class _ResultRows:
         self.fill(i, run)
         for name in self.drift.keys() & run.drift.keys():
             self.drift[name][i] = run.drift[name]
-        self.alone.append(run.cost)
+        self.alone[i] = run.cost
         if run.notes:
             self.notes[i] = run.notes
         self.finished[i] = True
@@ -408,140 +409,47 @@ class _ResultRows:
         )
 
 
-def _run(filled: _ResultRows, lanes: Lanes | None, tol: float, jobs: int, progress: Any) -> bool:
+def _run(filled: _ResultRows, carrier: Carrier, team: Team, progress: Any) -> bool:
     """All motions, block by block; whether it was stopped by hand."""
-    workers: SimpleQueue[Lanes | None] = SimpleQueue()
-    halt, done = Event(), 0
-
-    def work(block: np.ndarray) -> tuple[int, int]:
-        own = workers.get()
-        try:
-            return len(block), _block(filled, own, block, tol, halt)
-        finally:
-            workers.put(own)
-
+    motions, done = filled.motions, 0
     try:
-        sound = np.array(filled.motions.sound, dtype=int)
-        alone = filled.motions.near_divisors[sound]
+        sound = np.array(motions.sound, dtype=int)
+        alone = motions.near_divisors[sound]
         filled.collapsed.extend(sound[alone].tolist())
         sound = sound[~alone]
-        if lanes:  # those that go side by side wait for the slowest
-            sound = sound[np.argsort(filled.motions.paces[sound], kind="stable")]
-        for k in range(jobs if lanes else 1):
-            workers.put(lanes.again() if lanes and k else lanes)
-        for count, steps in _do_work(work, _blocks(filled, lanes, sound), jobs if lanes else 1):
-            done, filled.steps = done + count, filled.steps + steps
-            if progress is not None:
-                progress(done / len(sound))
+        if carrier.lanes:  # those that go side by side wait for the slowest
+            sound = sound[np.argsort(motions.paces[sound], kind="stable")]
+        # the steps of the first ones, when they are known, tell how many are done soon
+        first, size = carrier.first, carrier.first
+        for part in (sound[:first], sound[first:]):
+            if done:
+                size = _block_size(filled, carrier, len(sound))
+            each = range(0, len(part), size)
+            blocks = (Block.of(motions, part[i : i + size]) for i in each)
+            work = len(part) * filled.steps / first * _step_cost(carrier)
+            for block, found in team.results(blocks, work < WORTH):
+                done += filled.put(block, found)
+                if progress is not None:
+                    progress(done / len(sound))
     except KeyboardInterrupt:
-        halt.set()
+        filled.halt.set()
         return True
     return False
 
 
-def _blocks(filled: _ResultRows, lanes: Lanes | None, sound: np.ndarray) -> Iterator[np.ndarray]:
-    """The starts that go together: first one load of the lanes, whose steps, when they are known,
-    tell how many are done soon."""
+def _step_cost(carrier: Carrier) -> float:
+    """About how many microseconds a step of a motion takes."""
+    lanes, method = carrier.lanes, "scipy" if carrier.switched else carrier.method
+    cost = step_cost(method, carrier.motions.program, carrier.finest)
+    return cost if lanes is None else cost / lanes.integrator.batch.batch_size
+
+
+def _block_size(filled: _ResultRows, carrier: Carrier, count: int) -> int:
+    """How many go together after the first ones."""
+    first, lanes = carrier.first, carrier.lanes
     if lanes is None:
-        compiled = filled.switched is None and METHODS[filled.single].loop
-        first = size = TOGETHER if compiled else 1
-    else:
-        first = lanes.width
-    yield from [sound[:first]] if len(sound) else []
-    if lanes is not None:
-        numbers = len(filled.grid) * filled.motions.states.shape[1]
-        each = max(1, filled.steps // first)
-        size = min(lanes.most, STEPS // each, NUMBERS // numbers, len(sound) // REPORTS)
-        size = max(size // first, BATCHES) * first
-    for i in range(first, len(sound), size):
-        yield sound[i : i + size]
-
-
-def _do_work(
-    work: Callable[[Any], tuple[int, int]], blocks: Iterator[Any], jobs: int
-) -> Iterator[tuple[int, int]]:
-    """Do the work, from the second block on in threads where there are several jobs."""
-    yield from map(work, islice(blocks, None if jobs == 1 else 1))
-    if jobs == 1:
-        return
-    with ThreadPoolExecutor(jobs) as pool:
-        left = {pool.submit(work, block) for block in blocks}
-        try:
-            while left:
-                over, left = wait(left, return_when=FIRST_COMPLETED)
-                for one in over:
-                    yield one.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-
-
-def _block(
-    filled: _ResultRows, lanes: Lanes | None, block: np.ndarray, tol: float, halt: Event
-) -> int:
-    """Some starts, as many at a time as may be; how many steps they took."""
-    motions, width = filled.motions, lanes.most if lanes else 1
-    over: list[_Load] = []
-    taken = 0
-    try:
-        for i in range(0, len(block), width):
-            where = block[i : i + width]
-            states, values = motions.states[where], motions.values[where]
-            if filled.switched is not None:
-                rows, error, run = filled.switched.along(int(where[0]), filled.grid)
-                rows, failed = rows[None], {} if error is None else {0: error}
-                steps, samples = (0, []) if run is None else (run.steps, by_owner(run.samples))
-            elif lanes is None:
-                rows, error, run, short = along_one(
-                    filled.single, motions.program, states[0], values[0], filled.grid, tol,
-                    motions.divisor_watch(values[0]),
-                )  # fmt: skip
-                filled.collapsed.extend(where[:short].tolist())
-                rows, failed = rows[None], {} if error is None else {0: error}
-                steps, samples = run.steps, by_owner(run.samples)
-            else:
-                rows, failed, steps, near, samples = along(
-                    lanes, states, values, filled.grid, halt.is_set
-                )
-                filled.collapsed.extend(where[near].tolist())
-            taken += steps
-            over.append((where, rows, failed, samples))
-    except StopRequest:
-        pass
-    finally:
-        _fill_sound(filled, over, taken)
-    return taken
-
-
-_Load = tuple[np.ndarray, np.ndarray, dict[int, IntegrationError], list[OwnedSamples]]
-"""Motions, their states along the grid, what failed, and samples of steps, by their place here."""
-
-
-def _fill_sound(filled: _ResultRows, over: list[_Load], steps: int) -> None:
-    """Fill in what is done of a block, after a look at whether it went well."""
-    if not over:
-        return
-    where = np.concatenate([w for w, *_ in over])
-    rows = np.concatenate([r for _, r, *_ in over])
-    failed, samples = dict[int, IntegrationError](), list[OwnedSamples]()
-    for at, (_, _, errors, parts) in zip(
-        np.cumsum([0, *(len(w) for w, *_ in over)]), over, strict=False
-    ):
-        failed |= {int(at) + i: error for i, error in errors.items()}
-        samples += [(int(at) + own, part) for own, part in parts]
-    values, grid = filled.motions.values[where], filled.grid
-    breaches, notes = filled.check.breaches(grid, rows, values, steps / len(where), samples)
-    filled.notes.update((int(where[i]), told) for i, told in notes.items())
-    for i, breach in breaches.items():
-        time, state = breach.last or (float(grid[breach.row]), rows[i, breach.row].copy())
-        failed[i] = IntegrationError(f"{breach.what} after t = {time:.12g}", time, state)
-        rows[i, breach.row + 1 :] = np.nan
-    told: dict[int, VoronecError] = {
-        i: filled.motions.error(
-            where[i], str(error), "end the run before that", error.time, error.state
-        )
-        for i, error in failed.items()
-    }
-    filled.put(where, rows, told)
-    # followed once more by ``integrate``, which tells what a pole leaves open
-    filled.collapsed.extend(where[filled.motions.across_poles(rows)].tolist())
+        return first
+    numbers = len(filled.grid) * filled.motions.states.shape[1]
+    each = max(1, filled.steps // first)
+    size = min(lanes.most, STEPS // each, NUMBERS // numbers, count // REPORTS)
+    return max(size // first, BATCHES) * first

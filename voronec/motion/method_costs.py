@@ -20,13 +20,15 @@ import numpy as np
 from voronec.equations.program import Program, compile_program
 from voronec.motion.steppers.run import Problem
 
-__all__ = ["FINER", "dop853_gain", "dop853_is_cheaper", "is_stiff", "order_of"]
+__all__ = ["FINER", "dop853_gain", "dop853_is_cheaper", "is_stiff", "order_of", "step_cost"]
 
 TAYLOR_STEP, TAYLOR = 0.5, 0.0088
 """Microseconds of a step of heyoka, which Python looks at now and then, and of each order of it and
 each product of moving quantities."""
 DOP853_STEP, EVALUATION = 0.15, 0.005
 """Microseconds of a step of DOP853, and of each unit of the ``evaluation_weight`` of a program."""
+PYTHON = 300.0
+"""Microseconds of a step of scipy's."""
 STEPS = 0.087
 """Steps of DOP853 for one of heyoka, times tol^(1/8): within a third for all of the catalogue."""
 FINER = 100.0
@@ -50,6 +52,13 @@ def order_of(tol: float) -> float:
 
 def _taylor_step(program: Program, tol: float) -> float:
     return TAYLOR_STEP + TAYLOR * program.weight * order_of(tol)
+
+
+def step_cost(method: str, program: Program, tol: float) -> float:
+    """About how many microseconds a step takes; of lanes, one of all of them."""
+    if method == "heyoka":
+        return _taylor_step(program, tol)
+    return PYTHON if method == "scipy" else DOP853_STEP + EVALUATION * program.evaluation_weight
 
 
 def dop853_gain(program: Program, tol: float) -> float:

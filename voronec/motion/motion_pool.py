@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -87,14 +87,12 @@ class Many:
 
     ``full`` (s, all coordinates and velocities) are the same starts on the coordinates;
     ``parameters`` holds an array (s,) for each.  ``wrong`` has the error of each start from which
-    no motion can go; its state is not used.  ``extras(t, columns, values)`` computes what
-    ``program.names`` says.
+    no motion can go; its state is not used.
     """
 
     namespace: Namespace
     ground: WorkingEquations
     program: Program
-    extras: Callable[[Any, Any, Any], list[Any]]
     states: np.ndarray
     full: np.ndarray
     values: np.ndarray
@@ -195,6 +193,19 @@ class Many:
             return True
         return bool(self.divisors)
 
+    def one(self, i: int) -> Many:
+        """Motion i as if there were no other."""
+        constants = {name: x[i : i + 1] for name, x in self.parameters.items()}
+        return replace(
+            self, states=self.states[i : i + 1], full=self.full[i : i + 1],
+            values=self.values[i : i + 1], parameters=constants, wrong={},
+        )  # fmt: skip
+
+    @property
+    def extras(self) -> Callable[[Any, Any, Any], list[Any]]:
+        """``extras(t, columns, values)`` computes what ``program.names`` says."""
+        return compile_program(self.program)[1]
+
     @property
     def sound(self) -> list[int]:
         """Positions of the starts from which a motion goes."""
@@ -263,11 +274,10 @@ def many(
     full = _states(namespace, initial, starts, constants, table, time, wrong)
     states, frozen = _place_on_ground(below, compile_program(below)[1], full, constants, time)
     values = _table({**constants, **frozen}, program.parameters, len(starts))
-    rhs, extras = compile_program(program)
     if not program.derivative.is_rough(program.parameters):
         # a case that does not hold may have no value, and yet the motion has
-        _mark_undefined_states(namespace, rhs, states, values, time, wrong)
-    return Many(namespace, basis, program, extras, states, full, values, constants, time, wrong)
+        _mark_undefined_states(namespace, compile_program(program)[0], states, values, time, wrong)
+    return Many(namespace, basis, program, states, full, values, constants, time, wrong)
 
 
 def _states(

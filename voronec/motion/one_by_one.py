@@ -45,6 +45,7 @@ from voronec.motion.trajectory import Cost, Trajectory
 __all__ = [
     "DrivenPassages",
     "LoneMotions",
+    "LoneStart",
     "SwitchedMotions",
     "along_one",
     "crossing_speeds",
@@ -140,20 +141,19 @@ class SwitchedMotions:
         return frozenset(name for name, e in integrals if jumps(e))
 
     def along(
-        self, i: int, grid: np.ndarray
+        self, state: np.ndarray, values: np.ndarray, grid: np.ndarray
     ) -> tuple[np.ndarray, IntegrationError | None, Run | None]:
-        """Motion i along a grid: states (k, n), the error that ended it, its run."""
-        state, values = self.motions.states[i], self.motions.values[i]
-        if self._is_near(i, float(grid[0]), state):
+        """A motion along a grid: states (k, n), the error that ended it, its run."""
+        if self._is_near(float(grid[0]), state, values):
             error = break_error(SINGULAR_PLACE, float(grid[0]), state)
             return np.full((len(grid), len(state)), np.nan), error, None
         self.switched = self.switched.elsewhere(float(grid[0]), state, values.tolist())
         run = self.switched.solver(grid)
         return *_states_along(run, grid), run
 
-    def _is_near(self, i: int, time: float, state: np.ndarray) -> bool:
-        """Whether motion i is so near to a singular place that it does not pass what is watched."""
-        near = self.motions.divisor_watch(self.motions.values[i], CLEAR)
+    def _is_near(self, time: float, state: np.ndarray, values: np.ndarray) -> bool:
+        """Whether a motion is so near to a singular place that it does not pass what is watched."""
+        near = self.motions.divisor_watch(values, CLEAR)
         return near is not None and near(np.array([time]), state[None])
 
     def passages(
@@ -174,7 +174,7 @@ class SwitchedMotions:
         time, state, values = motions.time, motions.states[i], motions.values[i]
         unit = time_scale(motions, time, state, values)
         length = STRETCH * unit
-        if self._is_near(i, time, state):
+        if self._is_near(time, state, values):
             passages.errors[i] = break_error(SINGULAR_PLACE, time, state)
         while not passages.over(i) and i not in passages.errors:
             grid = np.linspace(time, min(time + length, passages.until), LOOKS)
@@ -374,6 +374,16 @@ it failed."""
 
 
 @dataclass(frozen=True)
+class LoneStart:
+    """Where a motion starts, by its number among all."""
+
+    number: int
+    scene: Scene
+    initial: Mapping[Any, Any]
+    parameters: Mapping[str, float]
+
+
+@dataclass(frozen=True)
 class LoneMotions:
     """Motions as ``integrate`` makes them, each whole.
 
@@ -402,21 +412,25 @@ class LoneMotions:
             motions.wrong.setdefault(i, near)
         return cls(motions, starts, scene, method, tol, frozenset(motions.wrong))
 
-    def motion(
-        self, i: int, times: Any, outputs: Sequence[Any], events: Sequence[Event] = ()
-    ) -> Trajectory:
-        """Motion i at the instants, or up to the second of two."""
-        motions, scene, start = self.motions, Scene({}, (0.0, 1.0)), self.starts[i]
+    def start(self, i: int) -> LoneStart:
+        """Where motion i starts."""
+        motions, scene, initial = self.motions, Scene({}, (0.0, 1.0)), self.starts[i]
         if i not in self.unplaced:
-            start = motions.start_values(i)
+            initial = motions.start_values(i)
         elif self.scene is not None:
             scene = replace(self.scene, inputs={})
-        equations = motions.namespace.equations
-        own = (self.declared or equations.system).parameter_names
+        own = (self.declared or motions.namespace.equations.system).parameter_names
         constants = {name: float(x[i]) for name, x in motions.parameters.items() if name in own}
+        return LoneStart(i, scene, initial, constants)
+
+    def run(
+        self, start: LoneStart, times: Any, outputs: Sequence[Any], events: Sequence[Event] = ()
+    ) -> Trajectory:
+        """The motion from a start at the instants, or up to the second of two."""
         return integrate(
-            self.declared or equations, scene, times, outputs, constants, start, self.method,
-            self.tol, inputs=self.inputs, events=events,
+            self.declared or self.motions.namespace.equations, start.scene, times, outputs,
+            start.parameters, start.initial, self.method, self.tol, inputs=self.inputs,
+            events=events,
         )  # fmt: skip
 
     @property
@@ -459,7 +473,7 @@ def end_at_cuts(alone: LoneMotions, passages: SectionPassages) -> None:
     for i in (i for i in alone.motions.sound if passages.parts[i]):
         end = float(passages.parts[i][-1][0][-1])
         try:
-            alone.motion(i, [alone.motions.time, end], alone.outputs)
+            alone.run(alone.start(i), [alone.motions.time, end], alone.outputs)
         except IntegrationError as error:
             t = np.concatenate([part[0] for part in passages.parts[i]])
             passages.cut(i, int((t < float(end if error.time is None else error.time)).sum()))
@@ -486,7 +500,7 @@ def _pass_alone(
     ):
         try:
             end = min(motions.time + span, passages.until)
-            run = alone.motion(i, [motions.time, end], names, (event,))
+            run = alone.run(alone.start(i), [motions.time, end], names, (event,))
         except IntegrationError as error:
             run = error.trajectory
             if run is None or len(run.events[PLANE]) < passages.wanted:

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import os
-import signal
-import sys
-from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
-from contextlib import closing, contextmanager
+from collections.abc import Callable, Generator, Iterable, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from functools import cache
-from multiprocessing import connection, get_context, resource_tracker
+from multiprocessing import connection
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from voronec.algebra.arguments import CALLABLE, COUNT, SEVERAL, Kind, accepts
 from voronec.declaration.whole_files import Store
+from voronec.declaration.worker_processes import ProcessEnded, Worker
 from voronec.errors import DefinitionError, quote
 from voronec.proof.check.inventory import Inventory, Trouble, names_read
 from voronec.proof.check.report import Finding, Report, Result, mark_as_known
@@ -25,10 +24,11 @@ if TYPE_CHECKING:
     from voronec.declaration.relation import Relation
     from voronec.declaration.system import System
     from voronec.equations.motions import Motions
+    from voronec.proof.check.work import Derivations
     from voronec.proof.relations.decision import CheckedRelation
 
 __all__ = [
-    "Worker",
+    "Examiner",
     "check_catalogue",
     "check_relation",
     "known_results",
@@ -78,26 +78,24 @@ def _results_of(
     if not units:  # nothing is imported for it
         return
     if jobs == 1:
-        from voronec.proof.check.work import Derivations, examine
-
-        bench = Derivations()
+        examine = Examiner()
         for unit in units:
             started(unit.name)
-            yield examine(unit, bench)
+            yield examine(unit)
         return
     waiting = list(reversed(units))
-    workers = [Worker.start() for _ in range(jobs)]
+    workers = [Worker.start(Examiner()) for _ in range(jobs)]
     try:
-        while waiting or any(w.unit for w in workers):
+        while waiting or any(w.task for w in workers):
             for worker in workers:
-                if worker.unit is None and waiting:
+                if worker.task is None and waiting:
                     worker.give(waiting.pop())
-            started(", ".join(w.unit.name for w in workers if w.unit))
-            for ready in connection.wait([w.pipe for w in workers if w.unit]):
+            started(", ".join(w.task.name for w in workers if w.task))
+            for ready in connection.wait([w.pipe for w in workers if w.task]):
                 position = next(i for i, w in enumerate(workers) if w.pipe is ready)
-                result = workers[position].take()
+                result = _taken(workers[position])
                 if not workers[position].process.is_alive() and waiting:
-                    workers[position] = Worker.start()
+                    workers[position] = Worker.start(Examiner())
                 yield result
     finally:
         for worker in workers:
@@ -105,79 +103,31 @@ def _results_of(
 
 
 @dataclass
-class Worker:
-    """A process, the pipe to it, and the unit that it is at."""
+class Examiner:
+    """What examines units, and keeps what it derives."""
 
-    process: Any
-    pipe: Any
-    unit: Unit | None = None
+    bench: Derivations | None = None
 
-    @classmethod
-    def start(cls) -> Worker:
-        """A worker without a unit, which no interruption of its start ends."""
-        # Spawned, not forked: the same on every platform, and no thread of a library is lost.
-        context = get_context("spawn")
-        ours, theirs = context.Pipe()
-        process = context.Process(target=_serve, args=(theirs,), daemon=True)
-        with _block_interrupt():
-            process.start()
-        theirs.close()
-        return cls(process, ours)
+    def __call__(self, unit: Unit) -> Result:
+        """The result of a unit."""
+        from voronec.proof.check.work import Derivations, examine
 
-    def give(self, unit: Unit) -> None:
-        """Let it work on a unit."""
-        self.unit = unit
-        self.pipe.send(unit)
-
-    def take(self) -> Result:
-        """The result of the unit at hand; that the process died is one."""
-        unit, self.unit = self.unit, None
-        assert unit is not None
-        try:
-            result: Result = self.pipe.recv()
-        except (EOFError, OSError):
-            self.process.join()
-            how = f"the process that checked it ended with status {self.process.exitcode}"
-            return Result(
-                unit.kind, unit.name, unit.entry.place,
-                (Finding(unit.kind, unit.name, "broken", how),),
-            )  # fmt: skip
-        return result
-
-    def end(self) -> None:
-        """End the process, whatever it is at."""
-        self.process.terminate()
-        self.process.join()
-        self.pipe.close()
+        self.bench = self.bench or Derivations()
+        return examine(unit, self.bench)
 
 
-@contextmanager
-def _block_interrupt() -> Iterator[None]:
-    """Ctrl-C waits; a process that starts inside never hears of it, not even while it imports."""
-    if sys.platform == "win32":
-        yield
-        return
-    resource_tracker.ensure_running()  # else the first start would start it, and unblock
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+def _taken(worker: Worker) -> Result:
+    """The result of the unit that a process is at; that it died is one."""
+    unit = worker.task
     try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def _serve(pipe: Any) -> None:
-    """Examine the units that come through the pipe until it is closed."""
-    # Ctrl-C goes to every process of the terminal; the first one decides what happens.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    from voronec.proof.check.work import Derivations, examine
-
-    bench = Derivations()
-    while True:
-        try:
-            unit = pipe.recv()
-        except EOFError:
-            return
-        pipe.send(examine(unit, bench))
+        result: Result = worker.take()
+    except ProcessEnded as error:
+        how = f"the process that checked it ended with status {error.status}"
+        return Result(
+            unit.kind, unit.name, unit.entry.place,
+            (Finding(unit.kind, unit.name, "broken", how),),
+        )  # fmt: skip
+    return result
 
 
 RESULTS = 3000
