@@ -20,7 +20,7 @@ from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.motion.methods import choose
 from voronec.motion.request import Guard
 from voronec.motion.state_probe import quantities
-from voronec.motion.steppers import Problem, Run, Solver, cut_at_singularity
+from voronec.motion.steppers import Integrator, Problem, Run, cut_at_singularity
 from voronec.motion.steppers.units import natural_units
 
 if TYPE_CHECKING:
@@ -201,7 +201,7 @@ class ChartProblem:
 
     name: str
     problem: Problem
-    solver: Solver
+    solver: Integrator
     chosen: Mapping[str, Any]
     home: Home
     double_cover: tuple[Home, ...] = ()

@@ -23,7 +23,7 @@ from voronec.motion.atlas import (
 )
 from voronec.motion.methods import choose_regular, is_exact
 from voronec.motion.singular_coordinates import passage_notes
-from voronec.motion.steppers import Problem, Run, Solver, Termination
+from voronec.motion.steppers import Integrator, Problem, Run, Termination
 from voronec.motion.steppers.run import DISTANT, crossing_arrays, part_at
 from voronec.motion.steppers.samples import StepSamples
 
@@ -45,7 +45,7 @@ def through_charts(
     equations: VoronecEquations,
     functions: Mapping[str, Any],
     form: FirstOrderForm | None = None,
-) -> tuple[Solver, dict[str, Any]]:
+) -> tuple[Integrator, dict[str, Any]]:
     """The integrator of a problem, and what ``Cost`` says of it, as ``choose`` gives them.
 
     Near a singularity of the system's own chart it goes on in another.  ``functions`` are those of

@@ -68,7 +68,7 @@ from voronec.motion.singular_denominators import (
 )
 from voronec.motion.split_models import divisor_program
 from voronec.motion.state_probe import StateProbe, quantities
-from voronec.motion.steppers import Problem, Run, Solver, Termination
+from voronec.motion.steppers import Integrator, Problem, Run, Termination
 from voronec.motion.steppers.run import Signals, constants_along
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Crossings, Trajectory, make_trajectory
@@ -718,7 +718,7 @@ class _Job:
 
     def _smooth(
         self, method: str, problem: Problem, functions: Mapping[str, Any]
-    ) -> tuple[Solver, dict[str, Any]]:
+    ) -> tuple[Integrator, dict[str, Any]]:
         """The integrator of a problem that is smooth, watched, and what ``Cost`` says of it."""
         equations, form = self.namespace.equations, self.made.form
         if not equations.system.charts:

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from voronec.equations.program import Program
-    from voronec.motion.steppers.run import Problem, Solver
+    from voronec.motion.steppers.run import Integrator, Problem
 
 __all__ = [
     "CLOSED_FORM",
@@ -88,7 +88,7 @@ class Method:
         after more steps a run is said to have added up their errors; none say so by default.
     """
 
-    make: Callable[[Problem], Solver] | None
+    make: Callable[[Problem], Integrator] | None
     finest: float = 0.0
     best: float | None = None
     symbolic: bool = False
@@ -128,13 +128,13 @@ def _find_spec(library: str) -> Any:
     return _look_up(find_spec, library, tuple(sys.path))
 
 
-def _taylor(problem: Problem) -> Solver:
+def _taylor(problem: Problem) -> Integrator:
     from voronec.motion.steppers.heyoka_stepper import taylor
 
     return taylor(problem)
 
 
-def _dop853(problem: Problem) -> Solver:
+def _dop853(problem: Problem) -> Integrator:
     from voronec.motion.steppers.scipy_stepper import dop853
 
     return dop853(problem)
@@ -152,25 +152,25 @@ def _c_loop(program: Program, levels: Program | None = None) -> Callable[..., in
     return c_loop(program, levels)
 
 
-def _compiled_stepper(problem: Problem, loop: Loop) -> Solver:
+def _compiled_stepper(problem: Problem, loop: Loop) -> Integrator:
     from voronec.motion.steppers.numba_stepper import compiled_dop853
 
     return compiled_dop853(problem, loop)
 
 
-def _interpreted_stepper(problem: Problem) -> Solver:
+def _interpreted_stepper(problem: Problem) -> Integrator:
     from voronec.motion.steppers.python_stepper import python_dop853
 
     return python_dop853(problem)
 
 
-def _lsoda(problem: Problem) -> Solver:
+def _lsoda(problem: Problem) -> Integrator:
     from voronec.motion.steppers.scipy_stepper import lsoda
 
     return lsoda(problem)
 
 
-def _digits(problem: Problem) -> Solver:
+def _digits(problem: Problem) -> Integrator:
     from voronec.motion.steppers.integer_taylor import digits
     from voronec.motion.steppers.root_states import digits_through_roots
 
@@ -253,7 +253,7 @@ def is_exact(method: str, tol: float) -> bool:
 
 def choose(
     method: str, problem: Problem, grid: np.ndarray, outset: Problem | None = None
-) -> tuple[Solver, dict[str, Any]]:
+) -> tuple[Integrator, dict[str, Any]]:
     """The integrator, ready to run, and what ``Cost`` says of the choice.
 
     Steps are counted from the ``outset``: the problem itself, unless another is given, in variables
@@ -300,7 +300,7 @@ def choose(
 
 def choose_regular(
     method: str, problem: Problem, grid: np.ndarray
-) -> tuple[Solver, dict[str, Any]]:
+) -> tuple[Integrator, dict[str, Any]]:
     """The integrator, with runs cut before the first point of the grid beyond a singular mass
     matrix."""
     from voronec.motion.steppers.run import cut_at_singularity
@@ -375,7 +375,7 @@ def _is_short(problem: Problem, grid: np.ndarray, most: float) -> bool:
     return operations_of_run(problem, grid, most) <= most
 
 
-def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Solver, dict[str, Any]]:
+def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Integrator, dict[str, Any]]:
     from voronec.motion.steppers.run import in_pieces
 
     made = METHODS[method]

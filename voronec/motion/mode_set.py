@@ -23,7 +23,7 @@ from voronec.motion.methods import choose, choose_regular
 from voronec.motion.modes import LevelSurface, Modes, SmoothBranch, is_length, motion_along_surfaces
 from voronec.motion.request import Guard
 from voronec.motion.state_probe import quantities
-from voronec.motion.steppers import Problem, Run, Solver, cut_at_singularity
+from voronec.motion.steppers import Integrator, Problem, Run, cut_at_singularity
 from voronec.motion.steppers.event_states import narrow, widen
 
 __all__ = ["DOUBLE", "GUARD", "Mode", "ModeSet"]
@@ -57,7 +57,7 @@ class Mode:
     turns: Mapping[str, LevelSurface]
     problem: Problem
     chosen: Mapping[str, Any]
-    solver: Solver | None
+    solver: Integrator | None
     followed: Program | None = None
 
     def run(self, state: np.ndarray, values: Sequence[Any], times: np.ndarray) -> Run:

@@ -24,7 +24,7 @@ from voronec.motion.mode_transitions import NO_VALUE, PAST, TOUCH, Crossroads
 from voronec.motion.modes import LevelSurface, Modes, SmoothBranch
 from voronec.motion.request import Guard
 from voronec.motion.step_defects import program_rates
-from voronec.motion.steppers import Problem, Run, Solver, Termination
+from voronec.motion.steppers import Integrator, Problem, Run, Termination
 from voronec.motion.steppers.run import (
     crossing_arrays,
     in_parts,
@@ -55,7 +55,7 @@ class SwitchedIntegrator:
     where no motion starts.
     """
 
-    solver: Solver
+    solver: Integrator
     chosen: dict[str, Any]
     corner: SmoothBranch | None
     values: Sequence[float]
@@ -107,7 +107,7 @@ def through_switching_surfaces(
     if changing is None or first is None:
         return first
 
-    def make(piece: Problem) -> Solver:
+    def make(piece: Problem) -> Integrator:
         def run(times: np.ndarray) -> Run:
             if first.roads.bits == DOUBLE:
                 again = first.elsewhere(float(times[0]), piece.start, piece.parameters)

@@ -20,7 +20,7 @@ from voronec.equations.program import Block, Program
 from voronec.equations.program.jacobian import flow_derivative
 from voronec.equations.program.straight import prune
 from voronec.errors import EngineLimit
-from voronec.motion.steppers.run import Problem, Run, Solver
+from voronec.motion.steppers.run import Integrator, Problem, Run
 
 __all__ = ["make_with_event_states", "narrow", "widen", "with_parts"]
 
@@ -101,7 +101,7 @@ def _is_smooth(expr: Any, moving: set[Any], uneven: set[Any]) -> bool:
     return True
 
 
-def make_with_event_states(make: Any, problem: Problem) -> Solver:
+def make_with_event_states(make: Any, problem: Problem) -> Integrator:
     """The stepper that a method makes of a problem, with functions of its events beside the state;
     those that are rare do not count, nor do those that are ``apart``."""
     levels = problem.levels

@@ -23,10 +23,10 @@ from voronec.motion.steppers.run import (
     DISTANT,
     INFINITE,
     WINDOW,
+    Integrator,
     Log,
     Problem,
     Run,
-    Solver,
     StallDetector,
     Termination,
     Ticker,
@@ -123,7 +123,7 @@ class _Machine:
             pars[:] = self.winding.units[: len(pars)]
 
 
-def taylor(problem: Problem) -> Solver:
+def taylor(problem: Problem) -> Integrator:
     """The integrator, compiled; ``EngineLimit`` for a function that heyoka does not know."""
     hy = heyoka()
     pool = _Pool.of(problem, bool((natural_units(problem) != 1).any()), hy)

@@ -16,7 +16,7 @@ from voronec.equations.program import Program
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.recurrences import Recurrences, fixed_point, recurrences
 from voronec.motion.crossings import Levels
-from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem, Run, Solver
+from voronec.motion.steppers.run import COLLAPSE, INFINITE, Integrator, Problem, Run
 from voronec.motion.steppers.series_reach import BLIND, FAITHFUL, HALVINGS, SHRINKS
 from voronec.motion.steppers.step_loop import IntegratorFailure, Stride, march
 from voronec.motion.steppers.units import SMALL, natural_units
@@ -43,7 +43,7 @@ DOUBLE = 53
 """Bits of a double."""
 
 
-def digits(problem: Problem) -> Solver:
+def digits(problem: Problem) -> Integrator:
     """The integrator; ``EngineLimit`` for a function that it has no recurrence for.
 
     The order and the step come from the last two coefficients [JorbaZou2005, section 3]: with the

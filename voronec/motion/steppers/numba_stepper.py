@@ -22,7 +22,7 @@ from voronec.motion.steppers.dop853_source import (
     kernel_source,
 )
 from voronec.motion.steppers.kept_code import kept_function
-from voronec.motion.steppers.run import COLLAPSE, Problem, Run, Solver
+from voronec.motion.steppers.run import COLLAPSE, Integrator, Problem, Run
 from voronec.motion.steppers.samples import NODES, burst
 from voronec.motion.steppers.scipy_stepper import up_to
 from voronec.motion.steppers.step_loop import (
@@ -52,7 +52,7 @@ SIGNATURE = (
 
 def compiled_dop853(
     problem: Problem, loop: Callable[..., Callable[..., int]] | None = None
-) -> Solver:
+) -> Integrator:
     """The Runge-Kutta method of order eight of Dormand and Prince, compiled with the program: by
     ``loop``, or by numba, then ``ImportError`` without it.
     """

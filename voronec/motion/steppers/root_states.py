@@ -27,7 +27,7 @@ from voronec.equations.program.recurrences import recurrences
 from voronec.motion.crossings import Levels, roots
 from voronec.motion.steppers.event_states import narrow
 from voronec.motion.steppers.integer_taylor import GUARD, DigitsStepper, digit_levels, units_of
-from voronec.motion.steppers.run import COLLAPSE, Problem, Run, Solver
+from voronec.motion.steppers.run import COLLAPSE, Integrator, Problem, Run
 from voronec.motion.steppers.step_loop import IntegratorFailure, Stride, march
 from voronec.motion.steppers.units import natural_units
 
@@ -116,7 +116,7 @@ def _regular(
     )  # fmt: skip
 
 
-def digits_through_roots(problem: Problem) -> Solver:
+def digits_through_roots(problem: Problem) -> Integrator:
     """Taylor's method in any precision for a problem with roots that may vanish."""
     roots, width = problem.roots, len(problem.start)
     assert roots is not None

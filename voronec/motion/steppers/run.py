@@ -32,12 +32,12 @@ __all__ = [
     "INFINITE",
     "SINGULAR",
     "WINDOW",
+    "Integrator",
     "Log",
     "Problem",
     "Run",
     "Signal",
     "Signals",
-    "Solver",
     "StallDetector",
     "Termination",
     "Ticker",
@@ -259,7 +259,7 @@ class Run:
         return replace(self, crossings=kept)
 
 
-Solver = Callable[[np.ndarray], Run]
+Integrator = Callable[[np.ndarray], Run]
 
 
 @dataclass
@@ -573,7 +573,7 @@ def values_along(
     return [in_kind(along[n], times.dtype) if n in along else np.float64(x) for n, x in pairs]
 
 
-def in_pieces(make: Callable[[Problem], Solver], problem: Problem, anew: bool) -> Solver:
+def in_pieces(make: Callable[[Problem], Integrator], problem: Problem, anew: bool) -> Integrator:
     """The stepper of a problem with ``changing`` parameters: made once, or ``anew`` for each piece,
     where it asks for its numbers ``exact`` when it is made."""
     changing, names = problem.changing, [str(p) for p in problem.program.parameters]
