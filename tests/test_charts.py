@@ -12,7 +12,7 @@ from voronec.declaration.claims import without_claims
 from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
 from voronec.motion.atlas import kept_charts
-from voronec.motion.chart_stepper import through_charts
+from voronec.motion.transitions.charts import through_charts
 from voronec.motion.methods import choose
 from voronec.motion.request import Event
 from voronec.motion.state_probe import quantities

@@ -35,7 +35,6 @@ from voronec.errors import DefinitionError, EngineLimit, IntegrationError, Voron
 from voronec.motion.angle_cuts import CutWatch
 from voronec.motion.atlas import NEAR as CHANGE
 from voronec.motion.atlas import kept_charts
-from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import NEAR, Divisor, NearDivisor, guard_events, without_guards
 from voronec.motion.inputs import Drive, drive
 from voronec.motion.methods import CLOSED_FORM, METHODS, choose_regular, is_exact
@@ -66,10 +65,11 @@ from voronec.motion.steppers import Halt, Problem, Run, Stepper
 from voronec.motion.steppers.run import Signals, constants_along
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Crossings, Trajectory, make_trajectory
+from voronec.motion.transitions.charts import through_charts
 from voronec.motion.verify import Breach, SolutionCheck, Untold, require_branches
 
 if TYPE_CHECKING:
-    from voronec.motion.mode_stepper import SwitchedIntegrator
+    from voronec.motion.transitions.modes import SwitchedIntegrator
 
 __all__ = ["PreparedProblem", "Way", "first_success", "integrate", "other_method", "prepare"]
 
@@ -435,7 +435,9 @@ class _Request:
 
     def through_splits(self) -> Trajectory:
         """On the coordinates, in one split of the velocities after another."""
-        from voronec.motion.split_stepper import SplitRun  # few motions need it, nor what is rough
+        from voronec.motion.transitions.splits import (
+            SplitRun,  # few motions need it, nor what is rough
+        )
 
         own = self.vocabulary.equations
         exact = is_exact(self.method, self.tol)
@@ -649,7 +651,7 @@ class _Job:
         """The integrator of a problem that is not smooth, watched; None where it is smooth."""
         if not problem.is_rough:
             return None
-        from voronec.motion.mode_stepper import through_walls
+        from voronec.motion.transitions.modes import through_walls
 
         return through_walls(method, problem, self.grid, self.made.moving_form, functions)
 

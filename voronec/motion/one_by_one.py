@@ -31,7 +31,6 @@ from voronec.motion.batches import (
 from voronec.motion.divisors import CLEAR, guard_events
 from voronec.motion.integration import integrate
 from voronec.motion.methods import METHODS
-from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
 from voronec.motion.motion_pool import Many
 from voronec.motion.observables import jumps
 from voronec.motion.request import Event, Guard, Starts, begin_of, label
@@ -39,6 +38,7 @@ from voronec.motion.section_passages import PATIENCE, SectionPassages, SectionWa
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run
 from voronec.motion.trajectory import Cost, Trajectory
+from voronec.motion.transitions.modes import SwitchedIntegrator, through_walls
 
 __all__ = [
     "DrivenPassages",
