@@ -135,6 +135,7 @@ class Solver:
     def run(self, phase: Phase | Halt) -> Run:
         """Phase after phase, up to the end of the grid or to what ends the run before."""
         self.order = 1 if self.grid[-1] >= self.grid[0] else -1
+        self.forward = self.order * self.grid
         report = None if self.progress is None else self.progress.report
         self.ticker = Ticker(report, float(self.grid[0]), float(self.grid[-1]))
         home = phase.state if isinstance(phase, Halt) else phase.home
@@ -170,22 +171,17 @@ class Solver:
 
     def stretch(self, phase: Phase) -> tuple[Run, Run]:
         """Go on in a phase until it ends, or the grid does: its run, and that at home."""
-        ahead = self.grid[self.done :]
-        if phase.end is not None:
-            ahead = np.append(ahead[self.order * ahead < self.order * phase.end], phase.end)
-            ahead = ahead[self.order * ahead > self.order * phase.time]
-        begin = np.array([phase.time], dtype=phase.state.dtype)
-        times = np.concatenate([begin, ahead.astype(begin.dtype)])
+        times, forward = self.times(phase), self.forward[self.done :]
         if self.progress is not None:
             whole = (self.grid[-1] - self.grid[0]) or 1.0
             self.progress.done = float((phase.time - self.grid[0]) / whole)
             self.progress.part = float((times[-1] - phase.time) / whole)
         own = phase.integrate(phase.state, times)
         part = phase.to_home(own)
-        ahead, reached = self.order * self.grid[self.done :], self.order * part.t
-        count = int(np.searchsorted(ahead, reached[-1], side="right"))
-        taken = np.searchsorted(reached, ahead[:count])
-        begin, end = part.t[0], part.t[-1]
+        reached = self.order * part.t
+        count = int(np.searchsorted(forward, reached[-1], side="right"))
+        taken = np.searchsorted(reached, forward[:count])
+        begin, end, halt = part.t[0], part.t[-1], part.halt
         left = abs(end - (self.grid[self.done + count - 1] if count else begin))
         share = float(left / abs(end - begin)) if end != begin else 0.0
         self.idle = (0.0 if count else self.idle) + share * part.steps
@@ -193,13 +189,22 @@ class Solver:
             self.rows = [Rows(phase, part.t[:1], part.states[:1])]
         self.keep(phase, part.t[taken], part.states[taken])
         self.parts.append((phase, part))
-        halt = part.halt
-        self.ticker(end)
         self.standing = (halt.time, halt.state) if halt else (end, part.states[-1])
         for event in self.events:
             pairs = zip(*part.crossings[event.name], strict=True)
             self.crossings.setdefault(event.name, []).extend(pairs)
+        self.ticker(end)
         return own, part
+
+    def times(self, phase: Phase) -> np.ndarray:
+        """The instants (k,) for a phase: where it begins, those of the grid, and its own end."""
+        ahead, forward = self.grid[self.done :], self.forward[self.done :]
+        if phase.end is not None:
+            first = np.searchsorted(forward, self.order * phase.time, side="right")
+            last = np.searchsorted(forward, self.order * phase.end)
+            ahead = np.append(ahead[first:last], phase.end)
+        begin = np.array([phase.time], dtype=phase.state.dtype)
+        return np.concatenate([begin, ahead.astype(begin.dtype)])
 
     def keep(self, phase: Phase, t: np.ndarray, states: np.ndarray) -> None:
         """Enter the next points of the grid."""

@@ -88,10 +88,14 @@ def through_walls(
     Python's are asked for their values wherever the motion is looked at.
     """
     changing = problem.changing
-    functional = None if changing is None else changing.functional
-    first = _through_walls(method, replace(problem, changing=functional), grid, form, functions)
-    if changing is None or first is None:
-        return first
+    if changing is None:
+        return _through_walls(method, problem, grid, form, functions)
+    own = replace(
+        problem, changing=changing.functional, progress=None
+    )  # pieces are told of one by one
+    first = _through_walls(method, own, grid, form, functions)
+    if first is None:
+        return None
 
     def make(piece: Problem) -> Stepper:
         def run(times: np.ndarray) -> Run:
@@ -155,7 +159,7 @@ class _Walls:
             home = self.number(roads.start)
             if isinstance(first, str):
                 return solver.run(Halt(first, grid[0], home))
-            return solver.run(self.phase(first, grid[0], roads.start, home, grid[1:2]))
+            return solver.run(self.phase(first, grid[0], roads.start, home, (*grid[1:2],)))
 
     def number(self, state: np.ndarray) -> np.ndarray:
         """A state in the numbers of the run."""

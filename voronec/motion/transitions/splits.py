@@ -101,7 +101,7 @@ class SplitRun:
         if not self.chosen:  # it was stopped by hand before it began
             raise KeyboardInterrupt
         if run.halt is not None:
-            raise self.failure(run, busy)
+            raise self.failure(run, run.halt, busy)
         return self.result(run, busy)
 
     def next(self, phase: Phase, here: Arrival) -> Phase | Halt:
@@ -353,12 +353,12 @@ class SplitRun:
             notes=(*dict.fromkeys(notes),),
         )
 
-    def failure(self, run: Run, busy: float) -> IntegrationError:
+    def failure(self, run: Run, halt: Halt, busy: float) -> IntegrationError:
         """The error for a run that cannot go on in any split."""
         phase, last = self.solver.parts[-1]
         values = self.ground.values(phase.what.program, float(self.grid[0]))
         probe = self.probe(phase.what, float(self.grid[0]), values)
-        return probe.failure(last.states[0], run.halt, self.result(run, busy))
+        return probe.failure(last.states[0], halt, self.result(run, busy))
 
     def _series(
         self, parts: list[tuple[SplitModel, np.ndarray, np.ndarray]]
