@@ -154,7 +154,7 @@ def test_a_smooth_motion_loads_nothing_that_it_does_without() -> None:
             "import sys, voronec as vo",
             "sys.modules['heyoka'] = None",
             "vo.integrate(vo.load('ball-on-sphere'), times=10)",
-            "rare = ('voronec.motion.mode_stepper', 'voronec.motion.split_stepper')",
+            "rare = ('voronec.motion.transitions.modes', 'voronec.motion.transitions.splits')",
             "print([n in sys.modules for n in ('importlib.metadata', 'numpy.random', *rare)])",
         )
     )

@@ -32,7 +32,8 @@ import sympy as sp
 import voronec as vo
 from voronec.algebra.symbols import plain_name
 from voronec.motion import batches, methods
-from voronec.motion.steppers.run import _join_runs
+from voronec.motion.solve import Arrival, Phase, Solver
+from voronec.motion.steppers.run import restarting
 
 __all__ = ["argparse", "main"]
 
@@ -268,28 +269,30 @@ def fault_in(draw: Draw) -> Iterator[list[str]]:
         solver, chosen = make(method, problem, reason)
         first = problem.start.copy()
 
+        class Jump:
+            """A fault that moves the state where the first phase ends."""
+
+            def next(self, phase: Phase, here: Arrival) -> Phase:
+                done.append(draw.fault)
+                state = here.state.astype(float)
+                if draw.fault == "digits":
+                    state = state.astype(np.float32).astype(float)
+                else:
+                    i = int(where * 977) % len(state)
+                    state[i] += WRONG * max(1.0, abs(state[i]))
+                moved = replace(problem, start=state.copy())
+                go = restarting(make(method, moved, reason)[0], moved)
+                return Phase(None, here.time, state, state, go, {}, is_change=False)
+
         def run(grid: np.ndarray) -> Any:
             at = float(grid[0] + (0.1 + 0.8 * where) * (grid[-1] - grid[0]))
             if len(done) or problem.changing is not None or len(grid) < 2:
                 return solver(grid)
-            before, after = grid[grid < at], grid[grid > at]
-            one = solver(np.append(before, at))
-            if one.halt or one.stopped or one.interrupted:
-                return one
-            done.append(draw.fault)
-            state = one.states[-1].astype(float)
-            if draw.fault == "digits":
-                state = state.astype(np.float32).astype(float)
-            else:
-                i = int(where * 977) % len(state)
-                state[i] += WRONG * max(1.0, abs(state[i]))
-            problem.start[:] = state
-            try:
-                moved = replace(problem, start=state)
-                two = make(method, moved, reason)[0](np.insert(after, 0, at))
-            finally:
-                problem.start[:] = first
-            return _join_runs([one, two], grid, problem)
+            phase = Phase(
+                None, grid[0], first, first, lambda _, times: solver(times), {}, end=at,
+                successor=Jump(),
+            )  # fmt: skip
+            return Solver(grid, problem.events, problem.dense).run(phase)
 
         return run, chosen
 

@@ -19,8 +19,10 @@ from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.motion.methods import choose
 from voronec.motion.request import Guard
+from voronec.motion.solve import Progress
 from voronec.motion.state_probe import quantities
-from voronec.motion.steppers import Integrator, Problem, Run, cut_at_singularity
+from voronec.motion.steppers import Integrator, Problem, Run
+from voronec.motion.steppers.run import restarting
 from voronec.motion.steppers.units import natural_units
 
 if TYPE_CHECKING:
@@ -177,18 +179,6 @@ Home = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Times (k,) and states (k, n) to states of the own chart."""
 
 
-@dataclass
-class Progress:
-    """Progress of a stretch, reported as progress of the whole run."""
-
-    report: Callable[[float], Any]
-    done: float = 0.0
-    part: float = 1.0
-
-    def __call__(self, fraction: float) -> None:
-        self.report(self.done + fraction * self.part)
-
-
 @dataclass(frozen=True)
 class ChartProblem:
     """One chart, ready to be integrated in.
@@ -216,8 +206,7 @@ class ChartProblem:
 
     def run(self, state: np.ndarray, times: np.ndarray) -> Run:
         """The motion from a state on."""
-        self.problem.start[:] = state
-        return cut_at_singularity(self.solver(times), self.problem)
+        return restarting(self.solver, self.problem)(state, times)
 
 
 @dataclass

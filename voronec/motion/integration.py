@@ -35,7 +35,6 @@ from voronec.errors import DefinitionError, EngineLimit, IntegrationError, Voron
 from voronec.motion.angle_cuts import CutWatch
 from voronec.motion.atlas import NEAR as CHANGE
 from voronec.motion.atlas import kept_charts
-from voronec.motion.chart_stepper import through_charts
 from voronec.motion.inputs import Drive, drive
 from voronec.motion.methods import CLOSED_FORM, METHODS, choose_regular, is_exact
 from voronec.motion.motion_start import FAST, InitialState, WideStart
@@ -72,10 +71,11 @@ from voronec.motion.steppers import Integrator, Problem, Run, Termination
 from voronec.motion.steppers.run import Signals, constants_along
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Crossings, Trajectory, make_trajectory
+from voronec.motion.transitions.charts import through_charts
 from voronec.motion.verify import Breach, SolutionCheck, Untold, require_branches
 
 if TYPE_CHECKING:
-    from voronec.motion.mode_stepper import SwitchedIntegrator
+    from voronec.motion.transitions.modes import SwitchedIntegrator
 
 __all__ = ["PreparedProblem", "Way", "first_success", "integrate", "other_method", "prepare"]
 
@@ -441,7 +441,9 @@ class _Request:
 
     def through_splits(self) -> Trajectory:
         """On the coordinates, in one split of the velocities after another."""
-        from voronec.motion.split_stepper import SplitRun  # few motions need it, nor what is rough
+        from voronec.motion.transitions.splits import (
+            SplitRun,  # few motions need it, nor what is rough
+        )
 
         own = self.namespace.equations
         exact = is_exact(self.method, self.tol)
@@ -655,7 +657,7 @@ class _Job:
         """The integrator of a problem that is not smooth, watched; None where it is smooth."""
         if not problem.is_rough:
             return None
-        from voronec.motion.mode_stepper import through_switching_surfaces
+        from voronec.motion.transitions.modes import through_switching_surfaces
 
         return through_switching_surfaces(
             method, problem, self.grid, self.made.moving_form, functions

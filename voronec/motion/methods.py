@@ -376,7 +376,7 @@ def _is_short(problem: Problem, grid: np.ndarray, most: float) -> bool:
 
 
 def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Integrator, dict[str, Any]]:
-    from voronec.motion.steppers.run import in_pieces
+    from voronec.motion.transitions.knots import in_pieces
 
     made = METHODS[method]
     make = made.make

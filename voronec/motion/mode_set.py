@@ -18,18 +18,17 @@ from voronec.equations.program.jacobian import flow_derivative
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.switches import Switch
 from voronec.errors import EngineLimit
-from voronec.motion.atlas import Progress
 from voronec.motion.methods import choose, choose_regular
 from voronec.motion.modes import LevelSurface, Modes, SmoothBranch, is_length, motion_along_surfaces
 from voronec.motion.request import Guard
+from voronec.motion.solve import DOUBLE, Progress
 from voronec.motion.state_probe import quantities
-from voronec.motion.steppers import Integrator, Problem, Run, cut_at_singularity
+from voronec.motion.steppers import Integrator, Problem, Run
 from voronec.motion.steppers.event_states import narrow, widen
+from voronec.motion.steppers.run import restarting
 
-__all__ = ["DOUBLE", "GUARD", "Mode", "ModeSet"]
+__all__ = ["GUARD", "Mode", "ModeSet"]
 
-DOUBLE = 53
-"""Bits of a double."""
 GUARD = 64
 """Bits beyond those of the tolerance, in high precision."""
 RIM = 100.0
@@ -64,9 +63,9 @@ class Mode:
         """The motion from a state on."""
         if self.solver is None:
             return self.run_by(self.chosen["method"], state, values, times)
-        self.problem.start[:] = self._widen(state, values, times[0])
         self.problem.parameters[:] = values  # type: ignore[index]
-        return self._narrow(cut_at_singularity(self.solver(times), self.problem), len(state))
+        wide = self._widen(state, values, times[0])
+        return self._narrow(restarting(self.solver, self.problem)(wide, times), len(state))
 
     def run_by(
         self, method: str, state: np.ndarray, values: Sequence[Any], times: np.ndarray

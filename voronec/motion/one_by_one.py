@@ -32,7 +32,6 @@ from voronec.motion.batches import (
 )
 from voronec.motion.integration import integrate
 from voronec.motion.methods import METHODS
-from voronec.motion.mode_stepper import SwitchedIntegrator, through_switching_surfaces
 from voronec.motion.motion_pool import Many
 from voronec.motion.observables import jumps
 from voronec.motion.request import Event, Guard, Starts, begin_of, label
@@ -41,6 +40,7 @@ from voronec.motion.singular_denominators import CLEAR, guard_events
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run
 from voronec.motion.trajectory import Cost, Trajectory
+from voronec.motion.transitions.modes import SwitchedIntegrator, through_switching_surfaces
 
 __all__ = [
     "DrivenPassages",

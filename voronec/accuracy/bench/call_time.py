@@ -49,7 +49,10 @@ STAGES = {
         "/voronec/motion/split_models", "/voronec/motion/divisors",
         "/voronec/motion/singular_coordinates",
     ),
-    "run": ("/voronec/motion/steppers/", "/voronec/motion/chart_stepper", "/scipy/"),
+    "run": (
+        "/voronec/motion/steppers/", "/voronec/motion/solve", "/voronec/motion/transitions/",
+        "/scipy/",
+    ),
     "reading": ("/voronec/declaration/", "/voronec/motion/"),
 }  # fmt: skip
 """Which files belong to which stage; the first that fits counts."""

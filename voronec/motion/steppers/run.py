@@ -1,14 +1,12 @@
 """What every integrator takes and gives: a problem and a grid of times in, a run out.
 
-Parameters may change in time.  Where they change at known instants, each piece of a run begins
-where the last one ended: no step goes over a change, so every method keeps its order, and a jump is
-met exactly.
+Parameters may change in time, at known instants or as Python says.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
@@ -19,7 +17,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from voronec.equations.program import Program, compile_program
+from voronec.equations.program import Program
 from voronec.errors import DefinitionError
 from voronec.motion.request import Guard
 from voronec.motion.steppers.samples import StepSamples
@@ -45,7 +43,7 @@ __all__ = [
     "crossing_arrays",
     "cut_at_singularity",
     "in_kind",
-    "in_pieces",
+    "restarting",
     "values_along",
 ]
 
@@ -371,6 +369,16 @@ def cut_at_singularity(run: Run, problem: Problem) -> Run:
     return replace(run, t=run.t[:last], states=run.states[:last], crossings=kept, halt=halt)
 
 
+def restarting(solver: Integrator, problem: Problem) -> Callable[[np.ndarray, np.ndarray], Run]:
+    """A problem's stepper as it goes on from any state (n,) on times (k,), cut in the same way."""
+
+    def run(state: np.ndarray, times: np.ndarray) -> Run:
+        problem.start[:] = state
+        return cut_at_singularity(solver(times), problem)
+
+    return run
+
+
 def part_at(ends: Sequence[Any], order: float, times: np.ndarray) -> np.ndarray:
     """In which of the parts of a run, by the times at which they end, each of some times lies;
     ``order`` is 1 of a run into the future, else -1."""
@@ -571,185 +579,3 @@ def values_along(
     along = {} if changing is None else changing.along(times)
     pairs = zip(names, values, strict=True)
     return [in_kind(along[n], times.dtype) if n in along else np.float64(x) for n, x in pairs]
-
-
-def in_pieces(make: Callable[[Problem], Integrator], problem: Problem, anew: bool) -> Integrator:
-    """The stepper of a problem with ``changing`` parameters: made once, or ``anew`` for each piece,
-    where it asks for its numbers ``exact`` when it is made."""
-    changing, names = problem.changing, [str(p) for p in problem.program.parameters]
-    assert changing is not None
-    given = list(problem.parameters)
-    left = changing if changing.python_signal is not None else None
-    own = replace(
-        problem, start=problem.start.copy(), parameters=given, progress=None, changing=left
-    )
-    once = None if anew else make(own)
-
-    def on_piece(state: np.ndarray, times: np.ndarray) -> Run:
-        values = changing.on(float(times[0]), float(times[-1]))
-        given[:] = [float(values.get(n, x)) for n, x in zip(names, given, strict=True)]
-        own.start[:] = state.astype(float)
-        if once is not None:
-            return once(times)
-
-        def exact(bits: int) -> tuple[np.ndarray, Sequence[Any]]:
-            first, known = problem.exact(bits) if problem.exact else (state, problem.parameters)
-            with mpmath.workprec(bits):
-                numbers = [exact_mpf(values.get(n, x)) for n, x in zip(names, known, strict=True)]
-            return (first if state is problem.start else state), numbers
-
-        return make(replace(own, exact=exact))(times)
-
-    return lambda grid: _run_in_pieces(problem, grid, on_piece)
-
-
-def _run_in_pieces(
-    problem: Problem, grid: np.ndarray, on_piece: Callable[[np.ndarray, np.ndarray], Run]
-) -> Run:
-    """Piece after piece, up to the end of the grid; ``on_piece`` goes on from a state (n,)."""
-    assert problem.changing is not None
-    parts: list[Run] = []
-    state, time = problem.start, grid[0]
-    order = 1.0 if grid[-1] >= grid[0] else -1.0
-    changes = _ChangesOfSign(problem, float(grid[-1]))
-    for end in [*problem.changing.knots(float(grid[0]), float(grid[-1])), float(grid[-1])]:
-        inside = grid[(order * grid > order * time) & (order * grid < order * end)]
-        times = [time, *inside, *([end] if end != time else [])]
-        jumps = problem.changing.python_signal and np.nextafter(float(time), end) == end
-        part = _stand(problem, state, times) if jumps else on_piece(state, np.array(times))
-        if parts:
-            part = _without_crossings(part, float(time), BESIDE * abs(end - float(time)))
-        parts.append(part)
-        if end != float(grid[-1]) and not jumps:
-            parts[-1] = changes.at_end(parts[-1], float(time), end)
-        last = parts[-1]
-        if last.halt is not None or last.interrupted or last.stopped:
-            break
-        time, state = end, last.states[-1]
-        if problem.progress is not None:
-            problem.progress(float((end - grid[0]) / ((grid[-1] - grid[0]) or 1.0)))
-    return _join_runs(parts, grid, problem)
-
-
-def _stand(problem: Problem, state: np.ndarray, times: Sequence[Any]) -> Run:
-    """The run between two neighbours among the doubles, where a function of Python's jumps: no step
-    is shorter, and those at the jump itself would be."""
-
-    def inside(moments: Sequence[Any] | np.ndarray) -> np.ndarray:
-        return np.repeat(state[None, :], len(moments), axis=0)
-
-    nothing = crossing_arrays({}, problem.events, len(state), state.dtype)
-    return Run(np.array(times), inside(times), 0, 0, nothing, inside=inside)
-
-
-def _without_crossings(part: Run, instant: float, near: float) -> Run:
-    """A part of a run without the crossings next to an instant."""
-    kept = {}
-    for name, (t, states) in part.crossings.items():
-        apart = np.array([abs(float(x) - instant) > near for x in t], dtype=bool)
-        kept[name] = t[apart], states[apart]
-    return replace(part, crossings=kept)
-
-
-BESIDE = 1e-9
-"""An event that is closer than this part of a piece to its end happens there, or not at all."""
-
-
-@dataclass
-class _ChangesOfSign:
-    """Events at the instants at which inputs change: there the integrators of the pieces see the
-    end of a run, or its start.  ``signs`` are those that functions had last."""
-
-    problem: Problem
-    last: float
-    signs: dict[str, float] = field(default_factory=dict)
-
-    def at_end(self, part: Run, first: float, end: float) -> Run:
-        """A piece from ``first`` to an instant of change, with what happens at that alone: events
-        whose functions change sign from one side to the other, by a jump or not."""
-        problem, near = self.problem, BESIDE * abs(end - first) + 4 * abs(np.spacing(end))
-        reached = abs(float(part.t[-1]) - end) <= 16 * abs(np.spacing(end))
-        if part.halt or part.interrupted or not reached or problem.levels is None:
-            return part
-        before, after = self._levels(part.states[-1], first, end, near)
-        crossings, stopped = dict(_without_crossings(part, end, near).crossings), ""
-        for event in problem.events:
-            t, states = crossings[event.name]
-            left = np.sign(before[event.name]) or self.signs.get(event.name, 0.0)
-            right = np.sign(after[event.name])
-            self.signs[event.name] = right or left
-            grows = right > left if self.last >= first else left > right
-            if left * right < 0 and (event.direction == 0 or grows == (event.direction > 0)):
-                moment = np.array([part.t[-1]], dtype=part.t.dtype)
-                t, states = np.append(t, moment), np.vstack([states, part.states[-1]])
-                stopped = stopped or (event.name if event.stop else "")
-            crossings[event.name] = t, states
-        times = part.t.copy()
-        times[-1] = end  # where an event that happens not stopped the piece, rounding before
-        return replace(part, t=times, crossings=crossings, stopped=stopped)
-
-    def _levels(
-        self, state: np.ndarray, first: float, end: float, near: float
-    ) -> Iterator[dict[str, float]]:
-        """The functions of events a moment before and after an instant of change."""
-        problem, changing = self.problem, self.problem.changing
-        assert problem.levels is not None and changing is not None
-        ahead = [t for t in changing.knots(end, self.last) if t != end]
-        right, extras = compile_program(problem.program)[0], compile_program(problem.levels)[1]
-        own = dict(zip(map(str, problem.program.parameters), problem.parameters, strict=True))
-        step = near if end >= first else -near
-        sides = (changing.on(first, end), changing.on(end, ahead[0] if ahead else self.last))
-        for values, moment in zip(sides, (-step, step), strict=True):
-            there = {**own, **values, **changing.values_at(end + moment)}
-            known = {name: float(x) for name, x in there.items()}
-            here = [known[str(name)] for name in problem.program.parameters]
-            at = state.astype(float)
-            with np.errstate(all="ignore"):
-                moved = at + moment * np.array(right(end, at.tolist(), here), dtype=float)
-                numbers = [known[str(name)] for name in problem.levels.parameters]
-                found = extras(end + moment, moved.tolist(), numbers)
-            yield dict(zip(problem.levels.names, map(float, found), strict=True))
-
-
-def _join_runs(parts: Sequence[Run], grid: np.ndarray, problem: Problem) -> Run:
-    """One run of several; the instants between them are left out where nobody asked for them."""
-    last, times, rows = parts[-1], [], []
-    for i, part in enumerate(parts):
-        asked = np.isin(part.t.astype(float), grid)
-        asked[0] = i == 0
-        if part is last and (last.stopped or last.interrupted):
-            asked[-1] = asked[-1] or i == 0 or len(part.t) > 1
-        times.append(part.t[asked])
-        rows.append(part.states[asked])
-    crossings = {
-        name: (
-            np.concatenate([part.crossings[name][0] for part in parts]),
-            np.concatenate([part.crossings[name][1] for part in parts]),
-        )
-        for name in last.crossings
-    }
-    return replace(
-        last,
-        t=np.concatenate(times),
-        states=np.vstack(rows),
-        steps=sum(part.steps for part in parts),
-        evaluations=sum(part.evaluations for part in parts),
-        crossings=crossings,
-        switches=sum(part.switches for part in parts),
-        held=any(part.held for part in parts),
-        samples=StepSamples.of_pieces(sample for part in parts for sample in part.samples),
-        prepared=sum(part.prepared for part in parts),
-        notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
-        inside=_inside(parts) if problem.dense else None,
-        ends=tuple(end for part in parts for end in part.ends),
-    )
-
-
-def _inside(parts: Sequence[Run]) -> Callable[[np.ndarray], np.ndarray] | None:
-    """States at any times reached, from the dense output of each part."""
-    functions = [part.inside for part in parts]
-    if any(f is None for f in functions):
-        return None
-    ends = [part.t[-1] for part in parts]
-    order = 1.0 if ends[-1] >= parts[0].t[0] else -1.0
-    return lambda times: in_parts(ends, order, functions, times, parts[0].states)

@@ -1,7 +1,7 @@
-"""A run that changes its split of the velocities where a divisor comes near zero.
+"""From one split of the velocities to another, where a divisor comes near zero.
 
-Stretch after stretch is integrated, each in one split, on the coordinates and through the charts of
-the system; at a change all velocities are carried over by exact linear formulas.
+Each split is integrated in on the coordinates and through the charts of the system, or through its
+modes; at a change all velocities are carried over by exact linear formulas.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from time import perf_counter, process_time
 from types import MappingProxyType
 from typing import Any
@@ -19,14 +20,13 @@ import numpy as np
 from voronec.algebra.symbols import plain_name
 from voronec.errors import IntegrationError
 from voronec.motion.atlas import kept_charts
-from voronec.motion.chart_stepper import through_charts
 from voronec.motion.methods import is_exact
-from voronec.motion.mode_stepper import through_switching_surfaces
 from voronec.motion.motion_start import WideStart
 from voronec.motion.observables import ObservedQuantities, evaluate_watch
 from voronec.motion.request import Guard, Namespace
 from voronec.motion.singular_coordinates import PoleNotes
 from voronec.motion.singular_denominators import CLEAR, GAIN, NEAR, guard_events
+from voronec.motion.solve import Arrival, Phase, Progress, Solver
 from voronec.motion.split_models import SplitContext, SplitModel, candidates
 from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Problem, Run, Termination
@@ -34,6 +34,8 @@ from voronec.motion.steppers.run import in_kind, part_at
 from voronec.motion.steppers.units import natural_units
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Crossings, Trajectory, assemble_trajectory
+from voronec.motion.transitions.charts import through_charts
+from voronec.motion.transitions.modes import through_switching_surfaces
 from voronec.motion.verify import SolutionCheck
 
 __all__ = ["SplitRun"]
@@ -56,16 +58,6 @@ ready and so many times better: what a split loses grows with powers of its divi
 HEAVY, MANY = 200.0, 8
 """Programs that weigh more take seconds to make ready, and a run has no more splits than so many
 before one is made that is not needed."""
-
-
-@dataclass(frozen=True, eq=False)
-class _SplitSegment:
-    """A part of a run in one split; ``rows`` (k, n) are those on the grid."""
-
-    split: SplitModel
-    times: np.ndarray
-    rows: np.ndarray
-    run: Run
 
 
 @dataclass(eq=False)
@@ -91,7 +83,6 @@ class SplitRun:
     bits: int
     began: float
     splits: list[SplitModel] = field(default_factory=list)
-    segments: list[_SplitSegment] = field(default_factory=list)
     chosen: dict[str, Any] = field(default_factory=dict)
     methods: dict[str, None] = field(default_factory=dict)
     prepared: float = 0.0
@@ -99,32 +90,48 @@ class SplitRun:
     units: dict[SplitModel, np.ndarray] = field(default_factory=dict)
     faintest: float = np.inf
     faintest_time: float = np.nan
+    solver: Solver = field(init=False)
 
     def trajectory(self) -> Trajectory:
         """Integrate, and look at what is wanted; ``IntegrationError`` where it cannot be done."""
-        busy = process_time()
-        time, wide, done = self.grid[0], self.start.wide, 1
-        split = self.best_split(time, wide, None)
-        while True:
-            part = self.segment(split, time, wide, self.grid[done:])
-            done += self.take(split, part, done)
-            ended = part.stopped not in ("", *self._guards(split), *self._marks(split))
-            if part.interrupted or ended or (part.halt is None and done >= len(self.grid)):
-                return self.result(part, busy)
-            time, state = (
-                (part.t[-1], part.states[-1]) if part.halt is None
-                else (part.halt.time, part.halt.state)
-            )  # fmt: skip
-            wide = self.widen(split, time, state)
-            if part.halt is None and part.stopped in self._marks(split):
-                split = self.better_split(time, wide, split)
-                continue
-            best = self.best_split(time, wide, split)
-            if part.halt is not None and best is split:
-                raise self.failure(split, part.halt, busy)
-            if reason := self.obstacle(best, time, wide):
-                raise self.failure(split, Termination(reason, time, state), busy)
-            split = best
+        busy, progress = process_time(), self.progress and Progress(self.progress)
+        self.solver = Solver(self.grid, self.events, self.dense, progress, self.bits)
+        split = self.best_split(self.grid[0], self.start.wide, None)
+        run = self.solver.run(self.phase(split, self.grid[0], self.start.wide))
+        if not self.chosen:  # it was stopped by hand before it began
+            raise KeyboardInterrupt
+        if run.halt is not None:
+            raise self.failure(run, run.halt, busy)
+        return self.result(run, busy)
+
+    def next(self, phase: Phase, here: Arrival) -> Phase | Termination:
+        """The split in which the motion goes on."""
+        split, halt = phase.what, here.halt
+        if halt is None and here.ahead is None:
+            return replace(phase, is_change=False)
+        wide = self.widen(split, here.time, here.state)
+        if halt is None and here.guard in self._early_events(split)[1]:
+            return self.phase(self.better_split(here.time, wide, split), here.time, wide, split)
+        best = self.best_split(here.time, wide, split)
+        if halt is not None and best is split:
+            return halt
+        if reason := self.obstacle(best, here.time, wide):
+            return Termination(reason, here.time, here.state)
+        return self.phase(best, here.time, wide, split)
+
+    def phase(
+        self, split: SplitModel, time: Any, wide: np.ndarray, last: SplitModel | None = None
+    ) -> Phase:
+        """The motion in a split from a wide state on; the variables of a run are those of each."""
+        levels = {
+            **guard_events(split.guards, bounds=split.bounds)[1],
+            **self._early_events(split)[1],
+        }
+        state = split.narrow(float(time), wide.astype(float))
+        return Phase(
+            split, time, wide, state, partial(self.segment, split, state),
+            dict.fromkeys(levels, self), successor=self, is_change=split is not last,
+        )  # fmt: skip
 
     # -- splits -----------------------------------------------------------------------------
 
@@ -204,27 +211,22 @@ class SplitRun:
         pairs = zip(self.ground.home.definition.coordinates, wide, strict=False)
         return ", ".join(f"{name} = {float(x):.6g}" for name, x in pairs)
 
-    def _guards(self, split: SplitModel) -> tuple[str, ...]:
-        return tuple(event.name for event in guard_events(split.guards)[0])
-
-    def _marks(self, split: SplitModel) -> tuple[str, ...]:
-        return tuple(event.name for event in self._early_events(split)[0])
-
     def _early_events(self, split: SplitModel) -> tuple[tuple[Guard, ...], dict[str, Any]]:
         falling = -1 if self.grid[-1] >= self.grid[0] else 1
         return guard_events(split.guards, EARLY, falling)
 
     # -- stretches --------------------------------------------------------------------------
 
-    def segment(self, split: SplitModel, time: Any, wide: np.ndarray, ahead: np.ndarray) -> Run:
+    def segment(
+        self, split: SplitModel, state: np.ndarray, wide: np.ndarray, times: np.ndarray
+    ) -> Run:
         """Go on in a split until a divisor is small, or the grid ends."""
-        began = perf_counter()
+        began, time = perf_counter(), times[0]
         guards, levels = guard_events(split.guards, bounds=split.bounds)
         bounds = split.bounds_from(float(time), wide)
         marks, early = self._early_events(split)
         levels = {**levels, **early}
         functions = {**split.functions, **levels}
-        state = split.narrow(float(time), wide.astype(float))
         values = self.ground.values(split.program, float(time), {**self.ground.constants, **bounds})
         probe = self.probe(split, float(time), values)
         if not split.equations.system.charts:
@@ -233,10 +235,10 @@ class SplitRun:
             split.program, state, values, self._tolerance(split),
             (*self.events, *guards, *marks),
             quantities(split.bounded_form, functions) if functions else None, self.dense,
-            probe.suspect(state), None, self._exact(split, time, wide, bounds),
+            probe.suspect(state), self.solver.progress, self._exact(split, time, wide, bounds),
             self.ground.changing,
             frozenset(levels),
-            brief=self._likely_length(split, ahead, time),
+            brief=self._likely_length(split, times),
         )  # fmt: skip
         poles = self._pole_notes(split)
         problem = poles.watch(problem, split.bounded_form, functions)
@@ -246,9 +248,7 @@ class SplitRun:
         problem = replace(problem, units=units)
         if wide.dtype == object or self.exact:
             with mpmath.workprec(self.bits):
-                times = np.array([mpmath.mpf(time), *map(mpmath.mpf, ahead)], dtype=object)
-        else:
-            times = np.concatenate([[float(time)], ahead])
+                times = in_kind(times, object)
         switched = through_switching_surfaces(
             self.method, problem, times, split.bounded_form, functions
         )
@@ -276,13 +276,12 @@ class SplitRun:
         name, changing = self.ground.home.system.name, self.ground.changing
         return StateProbe(name, split.bounded_form, split.program, values, time, changing)
 
-    def _likely_length(self, split: SplitModel, ahead: np.ndarray, time: Any) -> float:
+    def _likely_length(self, split: SplitModel, times: np.ndarray) -> float:
         """What the next stretch will last at most, as the last ones of its split tell."""
-        own = [s for s in self.segments if s.split is split] or self.segments
-        lengths = [abs(float(s.run.t[-1] - s.run.t[0])) for s in own[-RECENT:]]
-        if lengths:
-            return LONGER * max(lengths)
-        return abs(float(ahead[-1] - time)) if len(ahead) else 0.0
+        runs = [run for _, run in self.solver.parts]
+        own = [run for phase, run in self.solver.parts if phase.what is split] or runs
+        lengths = [abs(float(run.t[-1] - run.t[0])) for run in own[-RECENT:]]
+        return LONGER * max(lengths) if lengths else abs(float(times[-1] - times[0]))
 
     def _tolerance(self, split: SplitModel) -> float:
         """The tolerance in a split, finer by as much as its divisors may magnify errors."""
@@ -333,60 +332,35 @@ class SplitRun:
             return self.ground.constants
         return self.start.exact(self.bits)[1]
 
-    def take(self, split: SplitModel, part: Run, done: int) -> int:
-        """Enter a stretch; how many points of the grid it has passed."""
-        order = 1.0 if self.grid[-1] >= self.grid[0] else -1.0
-        ahead, times = order * self.grid[done:], order * part.t.astype(float)
-        count = int(np.searchsorted(ahead, times[-1], side="right"))
-        rows = part.states[np.searchsorted(times, ahead[:count])]
-        kept = self.grid[done : done + count]
-        if not self.segments:  # the first point of the grid is the start
-            rows, kept = np.vstack([part.states[:1], rows]), np.append(self.grid[0], kept)
-        own = *self._guards(split), *self._marks(split)
-        last = part.stopped and part.stopped not in own
-        if last and (not count or times[-1] != ahead[count - 1]):
-            rows, kept = np.vstack([rows, part.states[-1:]]), np.append(kept, part.t[-1])
-        self.segments.append(_SplitSegment(split, kept, rows, part))
-        if self.progress is not None:
-            self.progress(float(abs(times[-1] - order * self.grid[0]) / np.ptp(self.grid)))
-        return count
-
     # -- what is seen -----------------------------------------------------------------------
 
-    def result(self, last: Run, busy: float) -> Trajectory:
-        """The trajectory of all stretches."""
-        runs = [s.run for s in self.segments]
-        notes = *self.notes, *(n for r in runs for n in r.notes), *self.check_notes, *self._loss()
-        changes = sum(
-            a.split is not b.split for a, b in zip(self.segments, self.segments[1:], strict=False)
-        )
+    def result(self, run: Run, busy: float) -> Trajectory:
+        """The trajectory of a run through splits."""
+        notes = *self.notes, *run.notes, *self.check_notes, *self._loss()
         whole = perf_counter() - self.began
         chosen = {**self.chosen, "method": ", ".join(self.methods)}
         cost = Cost(
             **chosen, setup=self.prepared, run=max(whole - self.prepared, 0.0),
-            cpu=process_time() - busy, steps=sum(r.steps for r in runs),
-            evaluations=sum(r.evaluations for r in runs),
-            switches=changes + sum(r.switches for r in runs),
+            cpu=process_time() - busy, steps=run.steps, evaluations=run.evaluations,
+            switches=run.switches,
         )  # fmt: skip
-        seen = self._assemble([(s.split, s.times, s.rows) for s in self.segments], cost)
-        own = {e.name for e in self.events}
+        rows = [(rows.phase.what, rows.t, rows.states) for rows in self.solver.rows]
         return replace(
-            seen,
-            events=MappingProxyType({name: self._crossings(name) for name in own}),
-            stopped=last.stopped if last.stopped in own else "",
-            halted=last.halt.reason if last.halt is not None else "",
-            interrupted=last.interrupted,
+            self._assemble(rows, cost),
+            events=MappingProxyType({e.name: self._crossings(e.name) for e in self.events}),
+            stopped=run.stopped,
+            halted=run.halt.reason if run.halt is not None else "",
+            interrupted=run.interrupted,
             within=(lambda times: self._inside(times, cost)) if self.dense else None,
             notes=(*dict.fromkeys(notes),),
         )
 
-    def failure(self, split: SplitModel, halt: Termination, busy: float) -> IntegrationError:
+    def failure(self, run: Run, halt: Termination, busy: float) -> IntegrationError:
         """The error for a run that cannot go on in any split."""
-        last = replace(self.segments[-1].run, halt=halt)
-        values = self.ground.values(split.program, float(self.grid[0]))
-        probe = self.probe(split, float(self.grid[0]), values)
-        start = self.segments[-1].run.states[0]
-        return probe.failure(start, halt, self.result(last, busy))
+        phase, last = self.solver.parts[-1]
+        values = self.ground.values(phase.what.program, float(self.grid[0]))
+        probe = self.probe(phase.what, float(self.grid[0]), values)
+        return probe.failure(last.states[0], halt, self.result(run, busy))
 
     def _series(
         self, parts: list[tuple[SplitModel, np.ndarray, np.ndarray]]
@@ -428,22 +402,21 @@ class SplitRun:
         return tuple(map(plain_name, (*system.coordinates, *system.velocities)))
 
     def _crossings(self, name: str) -> Crossings:
-        parts = [(s.split, *s.run.crossings[name]) for s in self.segments]
+        parts = [(phase.what, *run.crossings[name]) for phase, run in self.solver.parts]
         series = self._series(parts)
-        times = np.concatenate([t for _, t, _ in parts])
         none = np.empty(0)
+        times = np.concatenate([none, *(t for _, t, _ in parts)])
         states = np.stack([series.get(f"home {n}", none) for n in self._names], axis=-1)
         shown = {n: series.get(n, none) for n in self.watch.outputs}
         return Crossings.of(times, states, self._names, shown)
 
     def _inside(self, times: np.ndarray, cost: Cost) -> Trajectory:
         """The motion at any times reached."""
-        order = 1.0 if self.grid[-1] >= self.grid[0] else -1.0
-        which = part_at([s.run.t[-1] for s in self.segments], order, times)
+        which = part_at([run.t[-1] for _, run in self.solver.parts], self.solver.order, times)
         parts, positions = [], []
         for i in np.unique(which):
-            here, segment = np.flatnonzero(which == i), self.segments[i]
-            assert segment.run.inside is not None
-            parts.append((segment.split, times[here], segment.run.inside(times[here])))
+            here, (phase, run) = np.flatnonzero(which == i), self.solver.parts[i]
+            assert run.inside is not None
+            parts.append((phase.what, times[here], run.inside(times[here])))
             positions.append(here)
         return self._assemble(parts, cost, np.argsort(np.concatenate(positions)))
