@@ -58,7 +58,8 @@ class Carrier:
     """All that motions of one program have in common.
 
     ``motions`` is one of them; ``lanes`` carry many at once, else they go one by one by a
-    ``method``, ``switched`` where there are walls; ``lone`` carries those that go alone.
+    ``method``, ``switched`` where there are switching surfaces; ``lone`` carries those that go
+    alone.
     """
 
     motions: Many
@@ -92,7 +93,7 @@ class Carrier:
     def check(self) -> CheckOfMany:
         """Whether motions went well."""
         return CheckOfMany(
-            self.motions.vocabulary.equations,
+            self.motions.namespace.equations,
             self.motions.program,
             self.finest,
             {name: f"integral {name}" for name in self.motions.ground.integrals},
