@@ -66,9 +66,9 @@ with more it is no faster, and compiling takes thrice as long."""
 LOADS = 128
 """So many loads of the compiled lanes go side by side: what is looked at in Python is looked at in
 all of them at once."""
-PIECE, PART = 64, 4
+PIECE, PART = 64, 2
 """Points of the grid in the first piece, one where states grow; later ones follow the steps that it
-took, so that they are done in a quarter of those that may be taken."""
+took, so that they are done in half of those that may be taken."""
 SINGULAR_PLACE = "the motion passes a place where its equations are singular, or nearly,"
 COLLAPSE_RATIO = 1e-3
 """Steps are about as long as the way to the next singularity of a motion in complex time, so that
@@ -406,15 +406,16 @@ def _pieces(
     lanes.reset_size()
     ta, at, piece, steps = lanes.integrator, 0, 1 if lanes.winding.is_needed else PIECE, 0
     stall, lanes.samples = _LanesStallDetector(np.zeros(lanes.width, dtype=int), grid), []
-    errors = dict[int, IntegrationError]()
+    errors, limits, unseen = dict[int, IntegrationError](), np.full(lanes.width, np.inf), SHORT
     rows[:, 0] = lanes.states
     while at < len(grid) - 1 and (alive := ta.alive).any():
         if stopped():
             raise StopRequest
         ta.set_time(float(grid[at]))  # a piece may end an ulp beside the grid
         lanes.take()
-        limits = lanes.first_steps(np.full(lanes.width, grid[-1] - grid[at]))
-        lanes.samples.append(lanes.sample_first())
+        if unseen >= SHORT or lanes.has_roots or limits.min() < np.inf:
+            limits, unseen = lanes.first_steps(np.full(lanes.width, grid[-1] - grid[at])), 0
+            lanes.samples.append(lanes.sample_first())
         if limits.min() < np.inf:
             piece = 1  # steps of a piece are short where the first one must be
         end = min(at + piece, len(grid) - 1)
@@ -437,7 +438,7 @@ def _pieces(
             found, taken, steps = found | late, taken + more, steps + more
             rows[ta.alive, end] = lanes.states[ta.alive]
         errors |= found
-        at = end
+        at, unseen = end, unseen + taken
         piece = max(1, min(4 * piece, int(piece * lanes.size / (PART * max(taken, 1)))))
     return errors, steps
 

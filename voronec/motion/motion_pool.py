@@ -229,12 +229,6 @@ class Many:
         own = [*system.coordinates, *system.velocities]
         return dict(zip(own, self.full[i].tolist(), strict=True))
 
-    def on_ground(self, i: int, times: np.ndarray, full: np.ndarray) -> np.ndarray:
-        """States (k, n) of motion i at times (k,), from all its coordinates and velocities."""
-        below = _below(self.namespace.equations, self.ground)
-        constants = {name: np.full(len(full), x[i]) for name, x in self.parameters.items()}
-        return _place_on_ground(below, compile_program(below)[1], full, constants, times)[0]
-
     def error(self, i: int, what: str, mend: str, time: Any, state: Any) -> IntegrationError:
         """The error of motion i: what went wrong, what mends it, and where it was last good."""
         name = self.namespace.equations.system.name

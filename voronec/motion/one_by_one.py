@@ -17,8 +17,6 @@ import numpy as np
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.symbols import plain_name
-from voronec.algebra.text import formula
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
 from voronec.equations.program import Program, compile_program
@@ -34,7 +32,7 @@ from voronec.motion.integration import integrate
 from voronec.motion.methods import METHODS
 from voronec.motion.motion_pool import Many
 from voronec.motion.observables import jumps
-from voronec.motion.request import Event, Guard, Starts, begin_of, label
+from voronec.motion.request import Event, Guard, Starts, label
 from voronec.motion.section_passages import PATIENCE, SectionPassages, SectionWatch
 from voronec.motion.singular_denominators import CLEAR, guard_events
 from voronec.motion.state_probe import quantities
@@ -43,16 +41,12 @@ from voronec.motion.trajectory import Cost, Trajectory
 from voronec.motion.transitions.modes import SwitchedIntegrator, through_switching_surfaces
 
 __all__ = [
-    "DrivenPassages",
     "LoneMotions",
     "LoneStart",
     "SwitchedMotions",
     "along_one",
-    "crossing_speeds",
-    "driven_passages",
     "end_at_cuts",
     "go_on_alone",
-    "time_scale",
 ]
 
 Passes = Callable[[np.ndarray, np.ndarray], bool]
@@ -265,105 +259,6 @@ def _switching_stepper(
     return through_switching_surfaces(method, problem, grid, form, given)
 
 
-STEP = 1e-6
-"""The step of difference quotients, in units of the time that a motion is followed."""
-INSTANTS = 2001
-"""Instants at which the largest rate of the plane's quantity is seen."""
-
-
-@dataclass
-class DrivenPassages:
-    """What was found of several motions: rows (start, t, outputs, speed), in their order, the
-    largest rate of the plane's quantity, how each ended, and what went wrong."""
-
-    rows: list[tuple[int, float, np.ndarray, float]] = field(default_factory=list)
-    fastest: list[float] = field(default_factory=list)
-    ends: list[str] = field(default_factory=list)
-    errors: dict[int, VoronecError] = field(default_factory=dict)
-    notes: dict[int, tuple[str, ...]] = field(default_factory=dict)
-    drift: dict[str, list[float]] = field(default_factory=dict)
-    cost: Cost | None = None
-    steps: int = 0
-    interrupted: bool = False
-
-
-def driven_passages(
-    system: System, plane: Any, value: float, direction: int, outputs: Sequence[str],
-    starts: Starts, parameters: Mapping[Any, Any], crossings: int, until: float | None,
-    progress: Callable[[float], Any] | None, **options: Any,
-) -> DrivenPassages:  # fmt: skip
-    """The passages of motions from several starts, up to the time ``until``."""
-    if until is None:
-        raise DefinitionError(
-            f"system '{system.name}': inputs that change in time by a table or a function are "
-            "followed up to an instant; give until="
-        )
-    known = {plain_name(s): s for s in system.known_symbols()}
-    quantity = formula(plane, "the plane", known) if isinstance(plane, str) else plane
-    level = quantity - sp.Rational(value)
-    event = Event(level, PLANE, direction)
-    own = label(level)
-    found = DrivenPassages()
-    for i, start in enumerate(starts):
-        chosen = {k: x[i] if isinstance(x, np.ndarray) else x for k, x in parameters.items()}
-        try:
-            run = integrate(
-                system,
-                times=[begin_of(options.get("scene")), until],
-                initial=start,
-                parameters=chosen,
-                outputs=[*outputs, level],
-                events=(event,),
-                dense=True,
-                **options,
-            )
-        except KeyboardInterrupt:
-            found.interrupted = True
-            break
-        except IntegrationError as error:
-            found.errors[i] = error
-            _note(found, i, error.trajectory, crossings, "failed", len(outputs), own)
-            continue
-        end = f"no more crossings up to t = {until:.6g}"
-        _note(found, i, run, crossings, end, len(outputs), own)
-        if progress is not None:
-            progress((i + 1) / len(starts))
-    return found
-
-
-def _note(
-    found: DrivenPassages, i: int, run: Trajectory | None, crossings: int, end: str, width: int,
-    own: str,
-) -> None:  # fmt: skip
-    """Take in what one motion shows; the plane's quantity, where it is among the outputs, is
-    called ``own``."""
-    if run is None or PLANE not in run.events:
-        found.ends.append(end)
-        found.fastest.append(np.inf)
-        return
-    names = run.outputs[:width]
-    level = run.outputs[-1] if len(run.outputs) > width else own  # it is an output itself
-    passed = run.events[PLANE]
-    count = min(len(passed), crossings)
-    h = STEP * abs(float(run.t[-1]) - float(run.t[0]))
-    fine = np.linspace(float(run.t[0]), float(run.t[-1]), INSTANTS)
-    rates = np.abs(np.diff(run.at(fine)[level])) / np.diff(fine)
-    points = np.stack([passed[name] for name in names], axis=-1)
-    for k in range(count):
-        t = float(passed.t[k])
-        sides = run.at([max(t - h, fine[0]), min(t + h, fine[-1])])
-        speed = float(np.diff(sides[level])[0] / np.diff(sides.t)[0])
-        found.rows.append((i, t, points[k], speed))
-    found.fastest.append(float(rates.max()))
-    found.ends.append("complete" if count == crossings else end)
-    found.cost = run.cost
-    found.steps += run.cost.steps
-    if run.notes:
-        found.notes[i] = run.notes
-    for name, drift in run.drift.items():
-        found.drift.setdefault(name, []).append(float(drift))
-
-
 LONGER, SPARE = 4.0, 1.25
 """A motion alone is followed so many times longer until it has made all its passages; where it has
 made some, so many times as long as the others need at their pace, if that is less; and never much
@@ -424,44 +319,41 @@ class LoneMotions:
         return LoneStart(i, scene, initial, constants)
 
     def run(
-        self, start: LoneStart, times: Any, outputs: Sequence[Any], events: Sequence[Event] = ()
-    ) -> Trajectory:
+        self, start: LoneStart, times: Any, outputs: Sequence[Any], events: Sequence[Event] = (),
+        dense: bool = False,
+    ) -> Trajectory:  # fmt: skip
         """The motion from a start at the instants, or up to the second of two."""
         return integrate(
             self.declared or self.motions.namespace.equations, start.scene, times, outputs,
             start.parameters, start.initial, self.method, self.tol, inputs=self.inputs,
-            events=events,
+            events=events, dense=dense,
         )  # fmt: skip
-
-    @property
-    def outputs(self) -> list[sp.Expr]:
-        """All coordinates and velocities."""
-        system = self.motions.namespace.equations.system
-        return [*system.coordinates, *system.velocities]
-
-    def place(self, i: int, run: Trajectory) -> None:
-        """Count motion i among the sound ones, with the start that it turned out to have."""
-        motions = self.motions
-        del motions.wrong[i]
-        full = np.array([[float(run[plain_name(x)][0]) for x in self.outputs]])
-        motions.full[i], motions.states[i] = full[0], motions.on_ground(i, run.t[:1], full)[0]
 
 
 def go_on_alone(
-    alone: LoneMotions, watch: SectionWatch, passages: SectionPassages, level: sp.Expr
+    alone: LoneMotions, passages: SectionPassages, level: sp.Expr, outputs: Sequence[Any]
 ) -> None:
     """Motions that did not start, or failed on the way, once more, each alone, up to their passages
-    through ``level`` = 0; what fails alone, too, on the way keeps its first error."""
-    wrong = alone.motions.wrong
+    through ``level`` = 0; what fails alone, too, on the way keeps its first error.  Where inputs
+    change in time that is all of them."""
+    motions, changing = alone.motions, alone.declared is not None
     try:
-        for i in sorted({*wrong, *passages.errors}):
+        for i in range(len(motions)) if changing else sorted({*motions.wrong, *passages.errors}):
             if passages.interrupted:
                 return
             try:
-                _pass_alone(alone, watch, passages, level, i)
+                _pass_alone(alone, passages, level, outputs, i)
+            except IntegrationError as error:
+                if i in motions.wrong:
+                    motions.wrong[i] = error
+                elif changing:
+                    passages.errors[i] = error
             except VoronecError as error:
-                if i in wrong:
-                    wrong[i] = error
+                if i not in motions.wrong:
+                    raise  # what is asked for makes no sense, whatever the start
+                motions.wrong[i] = error
+            if changing:
+                passages.tell(range(len(motions)))
     except KeyboardInterrupt:
         passages.interrupted = True
 
@@ -470,10 +362,10 @@ def end_at_cuts(alone: LoneMotions, passages: SectionPassages) -> None:
     """Of motions that reach the cut of an angle keep the passages before that, and say so."""
     if not CutWatch.of(alone.motions.namespace).cuts:
         return
-    for i in (i for i in alone.motions.sound if passages.parts[i]):
+    for i in (i for i in alone.motions.sound if passages.parts[i] and i not in passages.alone):
         end = float(passages.parts[i][-1][0][-1])
         try:
-            alone.run(alone.start(i), [alone.motions.time, end], alone.outputs)
+            alone.run(alone.start(i), [alone.motions.time, end], ())
         except IntegrationError as error:
             t = np.concatenate([part[0] for part in passages.parts[i]])
             passages.cut(i, int((t < float(end if error.time is None else error.time)).sum()))
@@ -487,42 +379,65 @@ def _steps_since(run: Trajectory) -> int:
     return int(run.cost.steps * (end - last) / (end - begin)) if end > begin else 0
 
 
+STEP = 1e-6
+"""The step of difference quotients, in units of the time that a motion is followed."""
+INSTANTS = 2001
+"""Instants at which the range and the largest rate of the plane's quantity are seen."""
+
+
 def _pass_alone(
-    alone: LoneMotions, watch: SectionWatch, passages: SectionPassages, level: sp.Expr, i: int
+    alone: LoneMotions, passages: SectionPassages, level: sp.Expr, outputs: Sequence[Any], i: int
 ) -> None:
-    motions, names = alone.motions, alone.outputs
+    """Follow motion i to its passages; where it fails on the way and has none yet, to the error."""
+    motions, names = alone.motions, [*outputs, level]
     event = Event(level, PLANE, passages.direction)
     unit = time_scale(motions, motions.time, motions.states[i], motions.values[i])
     way = np.nan_to_num(passages.reached[i] - motions.time, posinf=0.0, neginf=0.0)
-    span, idle, run = max(FIRST * unit, 2 * float(way)), 0, None
+    span, idle, run, failed = max(FIRST * unit, 2 * float(way)), 0, None, None
     while run is None or not (
         len(run.events[PLANE]) >= passages.wanted or run.t[-1] >= passages.until or idle > PATIENCE
     ):
+        end = min(motions.time + span, passages.until)
         try:
-            end = min(motions.time + span, passages.until)
-            run = alone.run(alone.start(i), [motions.time, end], names, (event,))
+            run = alone.run(alone.start(i), [motions.time, end], names, (event,), dense=True)
         except IntegrationError as error:
-            run = error.trajectory
-            if run is None or len(run.events[PLANE]) < passages.wanted:
+            failed, run = error, error.trajectory
+            if run is None or PLANE not in run.events or i in passages.errors:
                 raise
+            break
         if run.interrupted:
             raise KeyboardInterrupt
         idle, pace = _steps_since(run), len(run.events[PLANE]) / passages.wanted
         rest = SPARE * max(1, PATIENCE / max(1, idle))
         span *= min(LONGER, rest, SPARE / pace if pace else LONGER)
     alone.costs.append(run.cost)
-    if i in motions.wrong:
-        alone.place(i, run)
+    _enter(passages, i, run, level, len(outputs), idle)
+    if failed is not None and passages.count[i] < passages.wanted:
+        raise failed
+    motions.wrong.pop(i, None)
+
+
+def _enter(
+    passages: SectionPassages, i: int, run: Trajectory, level: sp.Expr, width: int, idle: int
+) -> None:
+    """Take in what a motion alone shows."""
     passages.errors.pop(i, None)
     if run.notes:
         passages.notes[i] = run.notes
     passed, passages.parts[i] = run.events[PLANE], []
     passages.count[i], passages.idle[i] = 0, 0
-    t = np.asarray(passed.t, dtype=float)
-    full = np.stack([np.asarray(passed[plain_name(x)], dtype=float) for x in names], axis=-1)
-    states = motions.on_ground(i, t, full)
-    speeds = crossing_speeds(motions, watch, t, states, motions.values[i], unit)
-    passages.put(i, t, states, speeds)
-    largest = np.abs(speeds).max(initial=0.0)
-    passages.note_range(i, float(run.t[-1]), idle, (np.nan, np.nan, largest))
     passages.steps += run.cost.steps
+    # the plane's quantity may be an output itself
+    own = run.outputs[-1] if len(run.outputs) > width else label(level)
+    begin, end = float(run.t[0]), float(run.t[-1])
+    fine, t = np.linspace(begin, end, INSTANTS), np.asarray(passed.t, dtype=float)
+    seen = run.at(fine)[own]
+    points = np.stack([passed[name] for name in run.outputs[:width]], axis=-1)[: passages.wanted]
+    passages.alone[i] = points.astype(float), run.drift
+    if len(t):
+        h = STEP * (end - begin)
+        sides = [run.at(np.clip(t + s * h, begin, end)) for s in (-1, 1)]
+        speeds = (sides[1][own] - sides[0][own]) / (sides[1].t - sides[0].t)
+        passages.put(i, t, np.full((len(t), passages.width), np.nan), speeds)
+    fastest = float((np.abs(np.diff(seen)) / np.diff(fine)).max())
+    passages.note_range(i, end, idle, (seen.min(), seen.max(), fastest))

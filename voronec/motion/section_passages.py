@@ -272,7 +272,8 @@ the time, nothing else limits it."""
 
 @dataclass(eq=False)
 class SectionPassages:
-    """Crossings as they are found, start by start; its arrays and lists are filled in."""
+    """Crossings as they are found, start by start; its arrays and lists are filled in.  States are
+    ``width`` wide; of motions ``alone`` there are outputs (k, m) instead, and drifts."""
 
     wanted: int
     direction: int
@@ -285,6 +286,8 @@ class SectionPassages:
     high: np.ndarray
     fastest: np.ndarray
     parts: dict[int, list[tuple[np.ndarray, np.ndarray, np.ndarray]]]
+    width: int
+    alone: dict[int, tuple[np.ndarray, Mapping[str, Any]]] = field(default_factory=dict)
     touches: list[tuple[int, float]] = field(default_factory=list)
     errors: dict[int, VoronecError] = field(default_factory=dict)
     notes: dict[int, tuple[str, ...]] = field(default_factory=dict)
@@ -294,9 +297,10 @@ class SectionPassages:
 
     @classmethod
     def empty(
-        cls, starts: int, wanted: int, direction: int, until: float | None, progress: Any
+        cls, motions: Many, wanted: int, direction: int, until: float | None, progress: Any
     ) -> SectionPassages:
         """Nothing passed yet."""
+        starts = len(motions)
 
         def nothing() -> np.ndarray:
             return np.full(starts, np.nan)
@@ -313,6 +317,7 @@ class SectionPassages:
             high=nothing(),
             fastest=nothing(),
             parts={i: [] for i in range(starts)},
+            width=motions.states.shape[1],
         )
 
     def put(self, i: int, t: np.ndarray, states: np.ndarray, speed: np.ndarray) -> None:
@@ -347,7 +352,7 @@ class SectionPassages:
         full = self.count[i] >= self.wanted or self.idle[i] > PATIENCE
         return bool(full or i in self.errors or self.reached[i] >= self.until)
 
-    def tell(self, sound: list[int]) -> None:
+    def tell(self, sound: Sequence[int]) -> None:
         """Report the fraction that is done."""
         if self.progress is not None:
             shares = [1.0 if self.over(i) else self.count[i] / self.wanted for i in sound]
@@ -363,12 +368,12 @@ class SectionPassages:
             return "stopped by hand"
         return f"no more crossings up to t = {self.reached[i]:.6g}"
 
-    def join(self, size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def join(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Start, t, states, speed of all crossings."""
         start = np.repeat(np.arange(len(self.count)), self.count)
         parts = [part for i in range(len(self.count)) for part in self.parts[i]]
         t = np.concatenate([np.empty(0), *(p[0] for p in parts)])
-        states = np.concatenate([np.empty((0, size)), *(p[1] for p in parts)])
+        states = np.concatenate([np.empty((0, self.width)), *(p[1] for p in parts)])
         speed = np.concatenate([np.empty(0), *(p[2] for p in parts)])
         return start, t, states, speed
 

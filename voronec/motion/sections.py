@@ -19,21 +19,20 @@ import sympy as sp
 
 from voronec.algebra.arguments import CALLABLE, COUNT, SEVERAL, TEXT, TOLERANCE, VALUES, accepts
 from voronec.algebra.symbols import plain_name
+from voronec.algebra.text import formula
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
 from voronec.equations.motions import Motions
 from voronec.equations.program import Block, Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, VoronecError
-from voronec.motion.batches import choose_lanes
+from voronec.motion.batches import choose_lanes, require_method
 from voronec.motion.ensembles import ensemble
 from voronec.motion.inputs import drive
 from voronec.motion.motion_pool import Drifts, Many, many
 from voronec.motion.one_by_one import (
-    DrivenPassages,
     LoneMotions,
     SwitchedMotions,
-    driven_passages,
     end_at_cuts,
     go_on_alone,
 )
@@ -383,52 +382,59 @@ def section(
             f"until = {float(until):g} does not lie after t = {begin:g}, where the motions begin; "
             "sections go forwards in time"
         )
-    if driven.changing is not None:
-        single, columns = _starts(equations, chosen_scene, starts, initial, parameters)
-        found = driven_passages(
-            declared, plane, on_plane, direction, keys, single, columns, crossings, until,
-            progress, scene=chosen_scene, inputs=inputs, method=method, tol=tol,
-        )  # fmt: skip
-        names = tuple(quantity(namespace, key)[0] for key in keys)
-        return _driven_section(declared, found, names, surface, on_plane, direction)
-    parameters = given
     wanted = dict(quantity(namespace, key) for key in keys)
-    single, columns = _starts(equations, chosen_scene, starts, initial, parameters)
-    motions = many(
-        equations, chosen_scene, single, columns, {**wanted, f"plane {surface}": expr}, begin
-    )
+    looked, level = {**wanted, f"plane {surface}": expr}, expr - sp.Rational(on_plane)
+    single, columns = _starts(equations, chosen_scene, starts, initial, given)
+    if driven.changing is not None:
+        if until is None:
+            raise DefinitionError(
+                f"system '{declared.name}': inputs that change in time by a table or a function "
+                "are followed up to an instant; give until="
+            )
+        known = {plain_name(s): s for s in declared.known_symbols()}
+        own = formula(plane, "the plane", known) if isinstance(plane, str) else plane
+        columns |= driven.over(begin, until).parameters(begin, until)
+        level = own - sp.Rational(on_plane)
+    motions = many(equations, chosen_scene, single, columns, looked, begin)
     alone = LoneMotions.of_section(motions, single, chosen_scene, method, tol)
-    passages = SectionPassages.empty(len(motions), crossings, direction, until, progress)
-    level = expr - sp.Rational(on_plane)
-    cost = _follow(alone, passages, surface, on_plane, level, began)
-    return _section(motions, passages, tuple(wanted), surface, on_plane, cost)
+    if driven.changing is not None:
+        given = {**getattr(chosen_scene, "inputs", {}), **(inputs or {})}
+        alone = replace(alone, declared=declared, inputs=given)
+    passages = SectionPassages.empty(motions, crossings, direction, until, progress)
+    cost = _follow(alone, passages, surface, on_plane, level, keys, began)
+    return _section(declared, motions, passages, tuple(wanted), surface, on_plane, cost)
 
 
 def _follow(
     alone: LoneMotions, passages: SectionPassages, surface: str, value: float, level: sp.Expr,
-    began: float,
+    outputs: Sequence[Any], began: float,
 ) -> Cost:  # fmt: skip
     """Follow motions to where the ``level`` is zero, and look at them; ``DefinitionError`` where
     that is nowhere."""
     motions, method, tol = alone.motions, alone.method, alone.tol
-    watch = _watch(motions, f"plane {surface}", value)
-    switched = SwitchedMotions.of(motions, method, tol, np.array([0.0, 1.0]))
-    follow, used, reason, finest = _followers(motions, switched, watch, method, tol)
-    ready = perf_counter()
-    if switched is None:
-        follow(passages)
+    jumping, each_alone = frozenset[str](), alone.declared is not None or not motions.sound
+    if each_alone:
+        require_method(method)
+        follow, used, reason, finest = None, "scipy", "each start alone", tol
     else:
-        switched.passages(watch, passages, f"plane {surface}", value)
-    go_on_alone(alone, watch, passages, level)
+        watch = _watch(motions, f"plane {surface}", value)
+        switched = SwitchedMotions.of(motions, method, tol, np.array([0.0, 1.0]))
+        follow, used, reason, finest = _followers(motions, switched, watch, method, tol)
+        if switched is not None:
+            follow = partial(switched.passages, watch, name=f"plane {surface}", value=value)
+            jumping = switched.jumps
+    ready = perf_counter()
+    if follow is not None:
+        follow(passages)
+    go_on_alone(alone, passages, level, outputs)
     end_at_cuts(alone, passages)
-    if alone.costs and len(alone.unplaced) == len(motions):
+    if alone.costs and each_alone:
         used, finest = alone.costs[0].method, alone.costs[0].tolerance
     cost = Cost(
         method=used, reason=reason, tolerance=finest, setup=ready - began,
         run=perf_counter() - ready, steps=passages.steps, evaluations=passages.steps,
     )  # fmt: skip
     _refuse_nothing(motions, passages, surface, value)
-    jumping = frozenset[str]() if switched is None else switched.jumps
     _cut_unsound(motions, passages, cost, jumping)
     return cost
 
@@ -440,8 +446,6 @@ def _followers(
     and its tolerance."""
     if switched is not None:
         lanes, used, reason = None, switched.method, switched.reason
-    elif not motions.sound:
-        lanes, used, reason = None, "scipy", "each start alone"
     else:
         starts = watch.begin(motions, motions.sound), motions.values[motions.sound]
         lanes, used, reason = choose_lanes(method, watch.program, tol, *starts)
@@ -523,7 +527,7 @@ def _cut_unsound(
     check = CheckOfMany(own, motions.program, cost.tolerance, integrals, jumping)
     steps = cost.steps / max(1, len(motions.sound))
     for i in motions.sound:
-        if not passages.parts[i]:
+        if not passages.parts[i] or i in passages.alone:
             continue
         t = np.concatenate([[motions.time], *(part[0] for part in passages.parts[i])])
         states = np.vstack([motions.states[i], *(part[1] for part in passages.parts[i])])
@@ -540,17 +544,23 @@ def _cut_unsound(
 
 
 def _section(
-    motions: Many, passages: SectionPassages, outputs: tuple[str, ...], surface: str, value: float,
-    cost: Cost,
+    system: System, motions: Many, passages: SectionPassages, outputs: tuple[str, ...],
+    surface: str, value: float, cost: Cost,
 ) -> Section:  # fmt: skip
-    start, t, states, speed = passages.join(motions.states.shape[1])
+    start, t, states, speed = passages.join()
     names, values = motions.program.names, motions.values[start]
     found = at_each(motions.extras, names, t, states, values)
     points = np.stack([found[name] for name in outputs], axis=-1)
+    for i, (own, _) in passages.alone.items():
+        points[start == i] = own
+    drift = _drift(motions, found, start, t, states, cost.tolerance)
+    for i, (_, changed) in passages.alone.items():
+        for name, array in drift.items():
+            array[i] = changed.get(name, np.nan)
     for array in (points, t, start, speed):
         array.flags.writeable = False
     return Section(
-        system=motions.namespace.equations.system,
+        system=system,
         plane=surface,
         value=value,
         direction=passages.direction,
@@ -563,51 +573,14 @@ def _section(
         touches=tuple(passages.touches),
         ends=tuple(passages.ends(i, motions.wrong) for i in range(len(motions))),
         errors=MappingProxyType({**motions.wrong, **passages.errors}),
-        parameters=MappingProxyType(dict(motions.parameters)),
-        drift=MappingProxyType(_drift(motions, found, start, t, states, cost.tolerance)),
+        parameters=MappingProxyType(
+            {n: x for n, x in motions.parameters.items() if n in system.parameter_names}
+        ),
+        drift=MappingProxyType(drift),
         level=motions.ground.level,
         cost=cost,
         interrupted=passages.interrupted,
         notes=MappingProxyType(passages.notes),
-    )
-
-
-def _driven_section(
-    system: System, found: DrivenPassages, outputs: tuple[str, ...], surface: str, value: float,
-    direction: int,
-) -> Section:  # fmt: skip
-    """The section of motions that were followed one by one."""
-    if found.cost is None:
-        for error in found.errors.values():
-            raise error
-        raise KeyboardInterrupt
-    if not found.rows and not found.interrupted:
-        raise DefinitionError(
-            f"system '{system.name}': no motion passes through {surface} = {value:g} in that time; "
-            "choose another value, direction, plane or until"
-        )
-    start = np.array([row[0] for row in found.rows], dtype=int)
-    speed = np.array([row[3] for row in found.rows])
-    return Section(
-        system=system,
-        plane=surface,
-        value=value,
-        direction=direction,
-        outputs=outputs,
-        points=np.array([row[2] for row in found.rows]).reshape(len(start), len(outputs)),
-        t=np.array([row[1] for row in found.rows]),
-        start=start,
-        speed=speed,
-        near_tangent=np.abs(speed) < GRAZE * np.array(found.fastest)[start],
-        touches=(),
-        ends=tuple(found.ends),
-        errors=MappingProxyType(found.errors),
-        parameters=MappingProxyType({}),
-        drift=MappingProxyType({n: np.array(x) for n, x in found.drift.items()}),
-        level=found.cost.level,
-        cost=replace(found.cost, steps=found.steps),
-        interrupted=found.interrupted,
-        notes=MappingProxyType(found.notes),
     )
 
 
