@@ -35,8 +35,6 @@ from voronec.algebra.terms import (
 
 __all__ = ["stable_all"]
 
-NEARBY = se.Rational(1, 8)
-"""Numbers that differ by less than this part lose three bits or more by subtraction."""
 MOST_TERMS = 64
 """Products of sums of exponentials with more terms are not written out."""
 _Exponentials = dict[Any, Any]
@@ -226,32 +224,18 @@ def _soft(w: Any) -> Any:
 
 
 def _with_differences(total: Any) -> Any:
-    """A sum in which c exp(w) - c exp(u), u = 0 or a fraction of w, is c exp(u) expm1(w - u)."""
-    terms = [_exponential(term) for term in total.args]
-    if all(w == 0 for _, w in terms):
-        return total
-    # the longest exponents first: what they are paired with is a part of them
-    terms.sort(key=lambda term: -_length(term[1]))
-    left: dict[Any, list[Any]] = {}
-    for c, w in terms:
-        left.setdefault(c, []).append(w)
-    kept = []
-    for c, w in terms:
-        if w not in left[c]:  # paired before
-            continue
-        left[c].remove(w)
-        other = next((u for u in left.get(-c, ()) if _is_part(u, w)), None)
-        if other is not None:
-            left[-c].remove(other)
-            kept.append(c * se.exp(other) * se.Function(EXPM1)(w - other))
-        else:
-            kept.append(c * se.exp(w))
-    return se.Add(*kept)
+    """A sum in which c exp(w) - c is c expm1(w)."""
+    left, written = dict.fromkeys(total.args), list[Any]()
+    for term in total.args:
+        c, w = _exponential(term)
+        if w.free_symbols and -c in left:
+            del left[term], left[-c]
+            written.append(c * se.Function(EXPM1)(w))
+    return se.Add(*left, *written) if written else total
 
 
 def _less_one(total: Any) -> Any:
-    """A sum in which c cos w - c, c cosh w - c and c sqrt(n + x) - c sqrt(n) do not cancel, nor
-    numbers that are nearly such a c: 1 + 1e-10 - cos w is 1e-10 + 2 sin^2(w/2)."""
+    """A sum in which c cos w - c, c cosh w - c and c sqrt(n + x) - c sqrt(n) do not cancel."""
     left, written = [*total.args], list[Any]()
     for term in total.args:
         for factor in factors_of(term):
@@ -260,19 +244,12 @@ def _less_one(total: Any) -> Any:
                 continue
             rest = term / factor
             other = -rest * found[0]
-            near = next((n for n in left if _is_near(n, other)), None)
-            if term in left and near is not None:
+            if term in left and other in left:
                 left.remove(term)
-                left.remove(near)
-                written += [rest * found[1], near - other]
+                left.remove(other)
+                written.append(rest * found[1])
                 break
     return se.Add(*left, *written) if written else total
-
-
-def _is_near(number: Any, other: Any) -> bool:
-    """Whether a term is another, or a number so near to it that their difference cancels."""
-    numbers = number.is_Number and other.is_Number
-    return bool(number == other or (numbers and abs(number - other) < NEARBY * abs(other)))
 
 
 def _from_zero(factor: Any) -> tuple[Any, Any] | None:
@@ -304,16 +281,3 @@ def _exponential(term: Any) -> tuple[Any, Any]:
         return term, se.Integer(0)
     w = se.Add(*[f.args[1] for f in powers])
     return se.Mul(*[f for f in factors if f not in powers]), w
-
-
-def _length(w: Any) -> float:
-    numbers = [a for a in w.args if a.is_Number] if isinstance(w, se.Mul) else []
-    return 0.0 if w == 0 else abs(float(numbers[0])) if numbers else 1.0
-
-
-def _is_part(u: Any, w: Any) -> bool:
-    """Whether u is zero, or w times a number between 0 and 1, and w moves."""
-    if w == 0 or not w.free_symbols:
-        return False
-    ratio = u / w
-    return u == 0 or bool(ratio.is_Number and 0 < ratio < 1)

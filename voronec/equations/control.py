@@ -20,7 +20,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from itertools import product
 from typing import Any
 
 import symengine as se
@@ -55,8 +54,6 @@ DEGREES = 4, 6, 8, 10, 12
 """Brackets of these degrees are made at a point, one after the other, until they suffice."""
 LONGEST = 400
 """Determinants of more operations are not factored."""
-MOST_JUMPS = 6
-"""Of so many jumps at a point all sides are looked at, up to three of each."""
 
 
 @dataclass(frozen=True)
@@ -381,7 +378,7 @@ class _Brackets:
         expansion = Expansion(at, variables, degree - 1)
         fields = (control.inner_drift, *control.inner_fields)
         simple = (control._after_feedback[0], *control._after_feedback[1])
-        if simple != fields and _regular(control, expansion) and _is_continuous(fields[0], at):
+        if simple != fields and _regular(control, expansion) and _is_smooth(fields[0], at):
             fields = simple
         self._basis = [expansion.field(f) for f in fields]
         self._degree = degree
@@ -463,36 +460,14 @@ def _regular(control: Control, expansion: Expansion) -> bool:
     return sum(span.add(value) for value in values) == len(values)
 
 
-def _is_continuous(drift: Vector, at: Mapping[Any, Any]) -> bool:
-    """Whether no jump of the drift lies at the point: inputs that are small cannot undo one.
-
-    What jumps there, sign(x) at x = 0, is given all values it has nearby; x sign(x) stays.
-    """
+def _is_smooth(drift: Vector, at: Mapping[Any, Any]) -> bool:
+    """Whether no sign and no floor in the drift may jump at the point: inputs that are small cannot
+    undo a jump."""
     jumps = [n for n in nodes(drift) if isinstance(n, (se.sign, se.floor))]
-    near = {n: n.args[0].xreplace(dict(at)) for n in jumps}
-    near = {n: a for n, a in near.items() if not a.is_Number or a == _nearest_switch(n, a)}
-    if len(near) > MOST_JUMPS:
-        return False
-    for rate in drift:
-        sides = [
-            rate.xreplace(dict(zip(near, values, strict=True))).xreplace(dict(at))
-            for values in product(*(_sides(n, a) for n, a in near.items()))
-        ]
-        if any(as_expression(side - sides[0]).equals(0) is not True for side in sides):
-            return False
-    return True
-
-
-def _nearest_switch(jump: Any, argument: Any) -> Any:
-    """Where a jump is, at an argument or elsewhere."""
-    return se.floor(argument) if isinstance(jump, se.floor) else se.Integer(0)
-
-
-def _sides(jump: Any, argument: Any) -> tuple[Any, ...]:
-    """The values of a sign or a floor around an argument at which it jumps."""
-    if isinstance(jump, se.floor):
-        return argument - 1, argument
-    return se.Integer(-1), se.Integer(0), se.Integer(1)
+    near = [n.args[0].xreplace(dict(at)) for n in jumps]
+    return all(
+        a.is_Number and a != 0 and isinstance(n, se.sign) for n, a in zip(jumps, near, strict=True)
+    )
 
 
 def control_form(equations: DerivedEquations) -> Control:
