@@ -1,6 +1,6 @@
 """What every method of integration does, on scenes that differ in kind, whose motions are known.
 
-``numba`` compiles for seconds: that it takes the steps of ``scipy`` is in ``test_compiled_methods``.
+``numba`` compiles for seconds: that its steps are those of scipy is in ``test_compiled_methods``.
 """
 
 from __future__ import annotations
