@@ -258,9 +258,7 @@ def test_our_source_of_dop853_is_dop853(spring: bench.ReferenceProblem) -> None:
     np.testing.assert_allclose(rows[1], [1, 0, 0, 2], atol=1e-11)
 
 
-@pytest.mark.parametrize(
-    "name", ["dop853-numba", "dop853-numba-ours", "dop853-numba-by-hand", "dop853-numba-fastmath"]
-)
+@pytest.mark.parametrize("name", ["dop853-numba-by-hand", "dop853-numba-fastmath"])
 def test_dop853_of_numba_is_as_accurate(ball: bench.ReferenceProblem, name: str) -> None:
     pytest.importorskip("heyoka")
     pytest.importorskip("numba")

@@ -6,11 +6,14 @@ import os
 import shutil
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
 from plugins import install
+from without_claims import bare
 
+import voronec as vo
 from voronec.declaration import catalogue
 from voronec.errors import DefinitionError
 from voronec.proof.check import Inventory
@@ -31,12 +34,50 @@ test_conformance = conformance(*OWN, *RELATED, statements=SINGLE)
 
 
 # Relations and squares one by one, each once, and not for each of its systems.
-UNITS = [u for u in units_of(STOCK) if u.kind != "system"]
+RELATIONS = {r.label: STOCK.relation(r) for r in STOCK.relations}
+SQUARES = [u for u in units_of(STOCK) if u.kind == "square"]
 BENCH = Derivations()
+CARRYING = [
+    "free-particle -> suslov",
+    "symmetric-gyroscopic-ball-on-sphere -> gyroscopic-ball-on-sphere",
+    "demchenko -> zhukovsky-ball",
+    "chaplygin-ball-in-rn@3 -> chaplygin-ball-in-rn",
+    "rubber-ball-in-new-time -> veselova-in-new-time",
+    "veselova -> veselova-in-new-time",
+    "vertical-disc -> two-wheeled-carriage",
+    "sleigh on a turntable reversed",
+]
+"""Specialisations, limits, reductions, embeddings, changes of time, symmetries."""
 
 
-@pytest.mark.parametrize("unit", UNITS, ids=lambda u: f"{u.kind} {u.name}")
-def test_every_relation_holds_and_every_square_commutes(unit):
+@cache
+def unclaimed(name):
+    """A system that claims nothing: a relation to it carries nothing."""
+    system = vo.load(name)
+    return bare(system, invariants=system.invariants)
+
+
+@pytest.mark.parametrize("label", RELATIONS)
+def test_every_relation_holds(label):
+    """What it carries then follows from the claims of its target, which are proved there."""
+    relation = RELATIONS[label]
+    found = vo.check_relation(relation, [*map(unclaimed, {relation.source, relation.target})])
+    known = {**vo.load(relation.source).undecided, **vo.load(relation.target).undecided}
+    assert found.kinds and (found.verdict.proved or label in known), found.verdict
+
+
+@pytest.mark.parametrize("label", CARRYING)
+def test_a_relation_carries_all_that_its_target_claims(label):
+    """The second route to it: each is decided at the source."""
+    target = vo.load(RELATIONS[label].target)
+    found = vo.check_relation(RELATIONS[label])
+    assert found.verdict.proved and found.pulled
+    assert not [(c.name, c.verdict) for c in found.pulled if not c.verdict.proved]
+    assert {c.name for c in found.pulled if c.kind == "integral"} == {*target.integrals}
+
+
+@pytest.mark.parametrize("unit", SQUARES, ids=lambda u: u.name)
+def test_every_square_commutes(unit):
     result = examine(unit, BENCH)
     assert not [failure_line(result, f) for f in result.failures]
 

@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 import sympy as sp
 from scipy.integrate import solve_ivp
-from scipy.special import ellipj, ellipk
 from sympy.physics.mechanics import dynamicsymbols
 
 import voronec as vo
@@ -64,49 +63,6 @@ def pendulum() -> vo.System:
         name="pendulum", fibration=vo.Fibration(base=(phi,)), parameters=(g,),
         lagrangian=Dphi**2 / 2 + g * sp.cos(phi), integrals={"energy": energy},
     )  # fmt: skip
-
-
-@both
-def test_oscillator_is_a_cosine(method: str) -> None:
-    start = {x: 1, Dx: 3}
-    traj = vo.integrate(oscillator(), times=GRID, initial=start, parameters={"k": 8}, method=method)
-    exact = np.cos(2 * GRID) + 1.5 * np.sin(2 * GRID)
-    assert np.abs(traj["x"] - exact).max() < 1e-11
-    assert np.abs(traj[Dx] - (3 * np.cos(2 * GRID) - 2 * np.sin(2 * GRID))).max() < 1e-11
-    assert traj.outputs == ("x", "xdot") and traj.state.shape == (141, 2)
-    assert traj.cost.method == method and traj.cost.steps > 0 and traj.cost.seconds > 0
-
-
-@both
-def test_pendulum_is_an_elliptic_function(method: str) -> None:
-    top, period = 2.5, 4 * float(ellipk(np.sin(1.25) ** 2))
-    traj = vo.integrate(
-        pendulum(), times=GRID, initial={"phi": top}, parameters={g: 1}, method=method
-    )
-    modulus = np.sin(top / 2)
-    exact = 2 * np.arcsin(modulus * ellipj(GRID + period / 4, modulus**2)[0])
-    assert np.abs(traj[phi] - exact).max() < 2e-11
-    assert traj.drift["energy"] < 1e-12
-
-
-@both
-def test_motion_backwards_returns(method: str) -> None:
-    there = vo.integrate(SLEIGH, times=GRID, method=method)
-    last = dict(zip(there.names, there.state[-1], strict=True))
-    back = vo.integrate(
-        SLEIGH, times=GRID[::-1], initial=last, parameters={"a": 0.2}, method=method
-    )
-    assert np.abs(back.state[::-1] - there.state).max() < 1e-10
-
-
-@both
-def test_the_time_may_appear(method: str) -> None:
-    forced = oscillator(forces={x: m * sp.cos(3 * vo.time)})
-    start = np.array([0.4])
-    grid = np.concatenate([start, start + np.array([0.01, 3.0, 10.0])])
-    initial = {x: -sp.cos(sp.Rational(6, 5)) / 5, Dx: 3 * sp.sin(sp.Rational(6, 5)) / 5}
-    traj = vo.integrate(forced, times=grid, initial=initial, parameters={k: 8}, method=method)
-    assert np.abs(traj["x"] + np.cos(3 * grid) / 5).max() < 1e-11
 
 
 def test_two_integrators_agree_and_say_what_they_did() -> None:

@@ -120,12 +120,6 @@ def test_dense_output_of_a_single_instant(method: str) -> None:
     assert close(cosine(method, [2.0], dense=True).at(2.0)["x"], [1.0])
 
 
-@doubles
-def test_dense_output_backwards(method: str) -> None:
-    traj = cosine(method, [0.0, -30.0], dense=True)
-    assert close(traj.at([-29.0, -1.0])["x"], np.cos([29.0, 1.0]))
-
-
 @every
 def test_progress_tells_the_fraction(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run, "EVERY", -1.0)

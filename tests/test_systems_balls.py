@@ -173,8 +173,16 @@ def test_demchenkos_integrals_are_those_of_the_symmetric_ball_under_zhukovskys_c
     assert prove_equal(theirs["level"], -level).proved
 
 
-@pytest.mark.parametrize("label", RELATIONS)
-def test_every_relation_is_proved_and_carries_the_targets_claims(label):
+@pytest.mark.parametrize(
+    "label",
+    [
+        "borisov-fedorov-ball -> ball-on-sphere",
+        "bobylev-ball -> chaplygin-ball",
+        "demchenko -> homogeneous-ball-on-sphere",
+        "ball-on-sphere -> chaplygin-ball",
+    ],
+)
+def test_a_relation_of_balls_is_proved_and_carries_the_targets_claims(label):
     checked = vo.check_relation(RELATIONS[label])
     assert checked.verdict.proved, checked.verdict
     assert not [(c.name, c.verdict) for c in checked.pulled if not c.verdict.proved]

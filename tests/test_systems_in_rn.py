@@ -61,7 +61,7 @@ def test_both_routes_agree_to_forty_digits(name):
     assert any(abs(found[v]) > Q(1, 100) for v in system.velocities)
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", ["chaplygin-ball-in-rn", "rubber-ball-on-sphere-in-rn"])
 def test_three_dimensions_give_the_known_system(family):
     relation = next(r for r in entry_of(family).load_relations()[0] if r.target == FAMILIES[family])
     assert relation.source == f"{family}@3"

@@ -211,7 +211,8 @@ def main() -> int:
     write_source(source)
     add_motions(source / "how-to" / "view.md", site / "motions")
     options = ["-W", "--keep-going", "-q", "-E", "-j", "auto", "-b", "html"]
-    options += ["-D", "nb_execution_mode=off"] if still else []
+    if still:  # then no kernel says in which language the cells are
+        options += ["-D", "nb_execution_mode=off", "-D", "suppress_warnings=myst-nb.lexer"]
     conf = ["-c", str(DOCS / "site"), "-d", str(PLACE / "doctrees")]
     status = build_main([*options, *conf, str(source), str(site)])
     dead = list(dead_links(site)) if status == 0 else []
