@@ -38,7 +38,7 @@ from voronec.motion.atlas import kept_charts
 from voronec.motion.chart_stepper import through_charts
 from voronec.motion.divisors import NEAR, Divisor, NearDivisor, guard_events, without_guards
 from voronec.motion.inputs import Drive, drive
-from voronec.motion.methods import CLOSED_FORM, METHODS, choose_regular, is_exact
+from voronec.motion.methods import CLOSED_FORM, METHODS, choose, is_exact
 from voronec.motion.motion_start import FAST, Outset, WideStart
 from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
 from voronec.motion.observables import Watch, evaluate_watch, shown_program
@@ -714,7 +714,7 @@ class _Job:
         """The integrator of a problem that is smooth, watched, and what ``Cost`` says of it."""
         equations, form = self.vocabulary.equations, self.made.form
         if not equations.system.charts:
-            return choose_regular(method, problem, self.grid)
+            return choose(method, problem, self.grid)
         return through_charts(method, problem, self.grid, equations, functions, form)
 
     def _watch_divisors(self, state: np.ndarray, values: Sequence[Any]) -> tuple[Divisor, ...]:
@@ -919,6 +919,8 @@ def _outputs_without_value(trajectory: Trajectory) -> Iterator[str]:
             sound = np.array(
                 [not isinstance(x, mpmath.mpc) and bool(mpmath.isfinite(x)) for x in values]
             )
+        elif isfinite(values.sum()):  # then all of them are
+            continue
         else:
             sound = np.isfinite(values)
         if not sound.all():

@@ -30,6 +30,7 @@ from voronec.motion.steppers.run import (
     Run,
     Stepper,
     Ticker,
+    cut_at_singularity,
     in_parts,
 )
 from voronec.motion.steppers.samples import StepSamples, burst, series_samples
@@ -556,12 +557,13 @@ class _Drive:
         kept = self.log.stopped or (interrupted and self.idle >= DISTANT)
         if kept and order * time > order * t[-1]:
             t, states = np.append(t, time), np.vstack([states, state])
-        return Run(
+        run = Run(
             t.copy(), states, self.steps, self.steps,
             self.log.arrays(self.problem.events, float), halt, interrupted, self.log.stopped,
             _join_stretches(self.stretches, states) if self.problem.dense else None,
             ends=tuple(self.ends), samples=StepSamples.of(self.samples), notes=self.log.notes,
         )  # fmt: skip
+        return cut_at_singularity(run, self.problem)
 
 
 @dataclass(frozen=True)

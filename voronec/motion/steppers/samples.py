@@ -34,7 +34,9 @@ Rates = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 def spread(size: int, most: int) -> np.ndarray:
     """As many of so many indices as may be, evenly spread, each once."""
-    found = np.linspace(0, size - 1, most if size else 0).astype(int)
+    if size <= most:
+        return np.arange(size)
+    found = np.linspace(0, size - 1, most).astype(int)
     # numpy's unique loads its masked arrays
     return found[np.diff(found, prepend=-1) > 0]
 
@@ -86,13 +88,15 @@ class StepSamples:
         Of the ends of a step the later one is moved into it by a rounding: parameters that change
         there have the value that they had in the step.
         """
-        low, high = np.sort(self.times[:, [0, -1]], axis=1).T
+        one, two = self.times[:, 0], self.times[:, -1]
+        low, high = np.minimum(one, two), np.maximum(one, two)
         near = 4 * np.spacing(max(abs(first), abs(last)))
         kept = (low >= min(first, last) - near) & (high <= max(first, last) + near)
         for a, b in jumps:
             kept &= (a > high) | (b < low)
         inner = np.minimum(self.times, np.nextafter(high, -np.inf)[:, None])
-        return replace(self, times=inner, states=self.states).pick(kept)
+        found = StepSamples(inner, self.states, self.rates, self.apart)
+        return found if kept.all() else found.pick(kept)
 
     def pick(self, which: Any) -> StepSamples:
         """Some of them."""

@@ -39,8 +39,8 @@ __all__ = [
 
 TINY = 1e-6
 """The part of a step over which slopes of functions are taken."""
-SUSPECTS = 64
-"""States whose mass matrices are looked at together."""
+SUSPECTS = 512
+"""States whose mass matrices are looked at together: all of most short runs."""
 EVERY = 8
 """Of the steps of a compiled loop one in so many is looked at: a matrix that was singular between
 two of them has another number of negative eigenvalues at the next."""
