@@ -65,7 +65,8 @@ __all__ = [
 AHEAD = 100_000
 """Points of the grid that are handed over at a time, at most."""
 FEW = 1_000
-"""Points that are handed over where chunks are short."""
+"""Points that are handed over where chunks are short, and steps of which heyoka compiles no
+continuous output."""
 FIRST_LOOK = 4
 """Steps that may be too long are looked at so many at a time, at first."""
 LONG, WEIGHT = 250_000, 20.0
@@ -255,7 +256,8 @@ class _Drive:
     stretches: list[Any] = field(default_factory=list)
     ends: list[float] = field(default_factory=list)
     samples: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
-    series: list[tuple[float, float, np.ndarray]] | None = None
+    is_sampled: bool = False
+    series: list[tuple[float, float, np.ndarray]] = field(default_factory=list)
     done: int = 1
     steps: int = 0
     efforts: int = 0
@@ -334,8 +336,7 @@ class _Drive:
         limit = self.opening
         size = self.size if limit == np.inf else 1
         ends, stretches = len(self.ends), len(self.stretches)
-        ahead, sampled = burst(self.steps)
-        self.series = [] if sampled else None
+        ahead, self.is_sampled = burst(self.steps)
         outcome, taken, new = self.advance(min(size, ahead))
         self.efforts += taken
         self.opening = np.inf
@@ -344,7 +345,6 @@ class _Drive:
         if overlong is not None:
             good, length = overlong
             del self.ends[ends:], self.stretches[stretches:]
-            self.series = [] if sampled else None
             self.opening = np.inf if good else length
             outcome, taken, new = self.advance(good or 1)
             self.opening = length if good else np.inf
@@ -474,15 +474,19 @@ class _Drive:
 
     def advance(self, size: int) -> tuple[Any, int, np.ndarray]:
         """One chunk of steps towards, or along, the rest of the grid; new rows of it."""
-        limits = {"max_steps": size, "max_delta_t": self.opening} | self.callback
-        standing, done = self.integrator.time, self.done
+        standing, done, is_few = self.integrator.time, self.done, size <= FEW
         self.machine.hints.clear()
-        if self.problem.dense or self.has_roots or self.problem.events:
-            outcome, _, self.longest, steps, stretch, _ = self.integrator.propagate_until(
-                self.grid[-1], c_output=True, **limits
+        self.series.clear()
+        limits = {"max_steps": size, "max_delta_t": self.opening} | self.callback(is_few)
+        if self.is_followed:
+            outcome, _, self.longest, steps, inside, _ = self.integrator.propagate_until(
+                self.grid[-1], c_output=not is_few, write_tc=True, **limits
             )
-            self.output = stretch
-            return outcome, steps, self.sample(stretch)
+            if is_few and self.series:
+                ends, _, series = zip(*self.series, strict=True)
+                inside = _TaylorSteps(np.array([standing, *ends]), np.array(series))
+            self.output = inside
+            return outcome, steps, self.sample(inside)
         # the integrator wants its grid to begin where it stands
         if standing == self.grid[done]:
             points, known = self.grid[done : done + self.ahead], 0
@@ -492,38 +496,43 @@ class _Drive:
         outcome, _, self.longest, steps, _, rows = self.integrator.propagate_grid(points, **limits)
         return outcome, steps, rows[known:]
 
+    @property
+    def is_followed(self) -> bool:
+        """Whether the motion within each step is asked for."""
+        return bool(self.problem.dense or self.has_roots or self.problem.events)
+
     @cached_property
     def right_side(self) -> Field:
         """The right side in the integrator's units."""
         return field_of(self.problem.program, self.problem.parameters, self.winding.units)
 
-    @property
-    def callback(self) -> dict[str, Any]:
-        """What heyoka calls after each step: nothing, unless the steps are sampled, their ends are
-        asked for, states may leave their units, or events stop the run, at which the chunk ends."""
+    def callback(self, is_few: bool) -> dict[str, Any]:
+        """What heyoka calls after each step of a chunk: nothing, unless the steps are sampled, or
+        followed and few, their ends are asked for, states may leave their units, or events stop the
+        run, at which the chunk ends."""
         hints, stops = self.machine.hints, any(event.stop for event in self.problem.events)
+        kept = self.is_sampled or (self.is_followed and is_few)
 
         def has_ended(integrator: Any) -> bool:
             if self.problem.marked:
                 self.ends.append(integrator.time)
-            if self.series is not None:
+            if kept:
                 self.series.append((integrator.time, integrator.last_h, integrator.tc.copy()))
             return not hints and (not self.winding.scaled or self.winding.fits(integrator.state))
 
-        needed = self.problem.marked or self.winding.scaled or stops or self.series is not None
+        needed = self.problem.marked or self.winding.scaled or stops or kept
         return {"callback": has_ended} if needed else {}
 
     def take_samples(self, taken: int) -> None:
         """Sample the steps of the chunk, whose states nothing was taken out of since, up to that in
         which it stopped."""
-        if self.series:
+        if self.is_sampled and self.series:
             ends, lengths, series = map(np.array, zip(*self.series[:taken], strict=True))
             if self.log.stopped:  # the last step leads beyond what stops the run
                 lengths[-1] -= ends[-1] - self.log.last[0]
                 ends[-1] = self.log.last[0]
             times, states = series_samples(ends, lengths, series)
             self.samples.append((times, self.winding.whole(states)))
-        self.series = None
 
     def sample(self, stretch: Any) -> np.ndarray:
         """Rows of the grid that a stretch of dense output covers."""
@@ -564,6 +573,27 @@ class _Drive:
             ends=tuple(self.ends), samples=StepSamples.of(self.samples), notes=self.log.notes,
         )  # fmt: skip
         return cut_at_singularity(run, self.problem)
+
+
+@dataclass(frozen=True)
+class _TaylorSteps:
+    """What heyoka's continuous output is, of few steps: the ``times`` (s + 1,) at which they begin
+    and end, and their Taylor coefficients ``tcs`` (s, n, order + 1).  heyoka compiles its own, which
+    takes as long as some hundreds of steps and these."""
+
+    times: np.ndarray
+    tcs: np.ndarray
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """From when to when it goes."""
+        return self.times[0], self.times[-1]
+
+    def __call__(self, times: Any) -> np.ndarray:
+        order = 1.0 if self.times[-1] >= self.times[0] else -1.0
+        step = np.searchsorted(order * self.times[1:-1], order * np.asarray(times), side="right")
+        powers = (times - self.times[step])[..., None] ** np.arange(self.tcs.shape[2])
+        return np.asarray((self.tcs[step] @ powers[..., None])[..., 0])
 
 
 @dataclass(frozen=True)

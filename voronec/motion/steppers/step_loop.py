@@ -112,8 +112,10 @@ def level_function(problem: Problem) -> Levels:
 
     def function(t: np.ndarray, states: np.ndarray) -> np.ndarray:
         given = np.array([at(x) for x in t]).T if asked else problem.parameters
-        results = extras(t, list(states.T), list(given))
-        return np.stack([np.broadcast_to(r, t.shape) for r in results], axis=1)
+        values = np.empty((len(problem.events), len(t)), dtype=states.dtype)
+        for row, value in zip(values, extras(t, list(states.T), list(given)), strict=True):
+            row[:] = value
+        return values.T
 
     return function
 
