@@ -279,10 +279,13 @@ def roots(
     function: Callable[[np.ndarray, np.ndarray], np.ndarray], a: Any, left: Any, b: Any, right: Any
 ) -> np.ndarray:
     """Zeros (k,) between a and b (k,), at which functions have values of different signs, to the
-    last digits of the numbers in use: the first number that is not before them; ``function`` takes times and the positions of what is looked
-    at.  Secants go through the last two points, or through both ends where they would lead out
-    (Dekker), and of three of them one gives way to bisection where they become shorter slowly.  A
-    point that they do not move by a digit is looked at from close by, beyond the zero."""
+    last digits of the numbers in use: the first number that is not before each of them.
+
+    ``function`` takes times and the positions of what is looked at.  Secants go through the last
+    two points, or through both ends where they would lead out (Dekker), and of three of them one
+    gives way to bisection where they become shorter slowly.  A point that they do not move by a
+    digit is looked at from close by, beyond the zero.
+    """
     a, left, b, right = (np.array(x) for x in (a, left, b, right))
     c, before, begin, end, upwards = a.copy(), left.copy(), a.copy(), b.copy(), right > 0
     live = np.flatnonzero((right != 0) & (a != b))
@@ -295,9 +298,9 @@ def roots(
         low, high = np.minimum(p, q), np.maximum(p, q)
         place = np.where((low < ends) & (ends < high), ends, middle)
         place = np.where((low < latest) & (latest < high), latest, place)
-        for part in NEXT:
+        for part in NEXT if (still := latest == q).any() else ():
             near = q + (p - q) * part
-            place = np.where((latest == q) & (near != q), near, place)
+            place = np.where(still & (near != q), near, place)
         if count % 3 == 2:
             place = np.where(np.abs(latest - q) > SLOW * np.abs(q - r), middle, place)
         moves = (place != p) & (place != q)
@@ -311,6 +314,7 @@ def roots(
         live = live[value != 0]
     passed = (right == 0) | ((right > 0) == upwards)
     found, other = np.where(passed, b, a), np.where(passed, a, b)
+    # the end itself, where a pole may lie just beside it, is no better than its neighbour
     return np.where((found == end) & (other != begin) & (right != 0), other, found)
 
 
@@ -334,11 +338,13 @@ def _is_pole(
 class StepCourse:
     """Consecutive steps, as events are looked for on them: the times (s + 1,) at which they end,
     the first their start, and states (k, n) at times (k,).  ``before`` are the values (m,) that the
-    functions had where the steps before ended, where these are known."""
+    functions had where the steps before ended, where these are known; ``looks`` gives the states
+    at all ``times`` at once, where that is faster."""
 
     ends: np.ndarray
     at: Callable[[np.ndarray], np.ndarray]
     before: np.ndarray | None = None
+    looks: Callable[[], np.ndarray] | None = None
 
     @property
     def times(self) -> np.ndarray:
@@ -389,7 +395,8 @@ class _Search:
     def result(self) -> Findings:
         """What ``crossings`` gives."""
         ends, guards = self.course.ends, list(self.events.values())
-        self.states = self.course.at(self.course.times)
+        course = self.course
+        self.states = course.looks() if course.looks else course.at(course.times)
         values = self.levels(self.course.times, self.states)
         if self.course.before is not None:
             values[0] = self.course.before
@@ -408,7 +415,10 @@ class _Search:
         rises = (found.after > found.before) == (ends[-1] > ends[0])
         found = found.where((way == 0) | (rises == (way > 0)))
         times = roots(lambda t, i: self.value(t, found.number[i]), *found.parts[:4])
-        heights, sizes = np.abs(self.value(times, found.number)), np.abs([found.before, found.after])
+        heights, sizes = (
+            np.abs(self.value(times, found.number)),
+            np.abs([found.before, found.after]),
+        )
         tall = ~(heights <= np.minimum(*sizes))
         kept = [
             (time, guards[found.number[i] % count])

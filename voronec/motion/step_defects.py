@@ -83,7 +83,10 @@ def doubtful(samples: StepSamples, ends: np.ndarray, rates: Rates, tol: float) -
         return []
     at = _by_variable(states)
     slopes = rates(times.T.ravel(), at.reshape(len(at), -1).T).T.reshape(at.shape)
-    span, far = times[:, -1] - times[:, 0], FAR_APART * np.spacing(np.abs(times).max(axis=1))
+    span, far = (
+        times[:, -1] - times[:, 0],
+        FAR_APART * np.spacing(np.abs(times[:, [0, -1]]).max(axis=1)),
+    )
     with np.errstate(all="ignore"):
         shares, length = SHARES[[0, -2, -1]] @ slopes, np.abs(span)
         defect = np.abs((ends - states[:, 0]).T - span * shares[:, 0])
@@ -153,7 +156,7 @@ def strayed_rows(t: np.ndarray, states: np.ndarray, part: StepSamples, tol: floa
         allowed = DOUBT * np.abs(SHARES[-2:] @ at).sum(axis=1)
         allowed += RELATIVE * (at.max(axis=1) - at.min(axis=1))
         allowed += (ROUNDING + MARGIN * tol) * _sizes(at)
-        wrong = (np.abs(read - states[0, rows]).T > allowed[:, step]).any(axis=0)
+        wrong = (allowed[:, step] < np.abs(read - states[0, rows]).T).any(axis=0)
     yield from np.maximum(rows[wrong] - 1, 0).tolist()
 
 

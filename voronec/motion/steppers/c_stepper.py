@@ -15,8 +15,6 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from voronec.equations.program import Program, c_source, hoist
 from voronec.motion.steppers import dop853_source
 from voronec.motion.steppers.dop853_source import stepping_source

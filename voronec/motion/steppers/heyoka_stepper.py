@@ -18,7 +18,7 @@ import symengine as se
 
 from voronec.declaration.whole_files import make_private, user_cache
 from voronec.equations.program import Program, hoist, taylor_extras, taylor_system
-from voronec.motion.crossings import SPECK, Levels, StepCourse, crossings
+from voronec.motion.crossings import NODES, SPECK, Levels, StepCourse, crossings
 from voronec.motion.steppers.run import (
     DISTANT,
     INFINITE,
@@ -33,7 +33,7 @@ from voronec.motion.steppers.run import (
     cut_at_singularity,
     in_parts,
 )
-from voronec.motion.steppers.samples import StepSamples, burst, series_samples
+from voronec.motion.steppers.samples import StepSamples, burst, series_samples, series_states
 from voronec.motion.steppers.series_reach import (
     BRIEF,
     BRIEF_STRIDE,
@@ -379,9 +379,8 @@ class _Drive:
         """Enter what happens in the steps of a chunk; how many of them, and which of its new rows
         of the grid, lie before what stops the run, as do the ``ends`` of steps kept since."""
         problem, order = self.problem, 1.0 if self.grid[-1] >= self.grid[0] else -1.0
-        course = StepCourse(
-            np.array(self.output.times), _Chunk(self.output, self.winding.now()), self.before
-        )
+        inside = _Chunk(self.output, self.winding.now())
+        course = StepCourse(np.array(self.output.times), inside, self.before, inside.looks)
         left = problem.walls if self.is_on_wall else frozenset[str]()
         seen = crossings(dict(enumerate(problem.events)), self.levels, course, left)
         pairs = zip(problem.events, seen.end, strict=True)
@@ -578,8 +577,8 @@ class _Drive:
 @dataclass(frozen=True)
 class _TaylorSteps:
     """What heyoka's continuous output is, of few steps: the ``times`` (s + 1,) at which they begin
-    and end, and their Taylor coefficients ``tcs`` (s, n, order + 1).  heyoka compiles its own, which
-    takes as long as some hundreds of steps and these."""
+    and end, and their Taylor coefficients ``tcs`` (s, n, order + 1).  heyoka compiles its own,
+    which takes as long as to keep these of some hundreds of steps."""
 
     times: np.ndarray
     tcs: np.ndarray
@@ -610,6 +609,13 @@ class _Chunk:
 
     def __call__(self, times: np.ndarray) -> np.ndarray:
         return self.winding.whole(self.inside(times))
+
+    def looks(self) -> np.ndarray:
+        """The states at the ``times`` of a ``StepCourse``."""
+        lengths, series = np.diff(self.inside.times), np.asarray(self.inside.tcs)
+        states = series_states(lengths, series, NODES)
+        inner = states[:, :-1].reshape(-1, states.shape[2])
+        return self.winding.whole(np.concatenate([inner, states[-1, -1:]]))
 
 
 def _join_stretches(stretches: list[Any], states: np.ndarray) -> Any:
