@@ -11,7 +11,7 @@ install, short motions are over sooner in Python than any of these is loaded; th
 all others, or numba what would take scipy longer than to compile, and scipy the rest.  The rule
 counts operations; it neither measures times nor looks at what is on disk or loaded: the same call
 always makes the same choice.  (A motion that is declared in closed form is evaluated, where the
-span is long: ``voronec.motion.integration``.)
+span is long: ``voronec.motion.prepared``.)
 """
 
 from __future__ import annotations
@@ -45,7 +45,6 @@ __all__ = [
     "Method",
     "absent",
     "choose",
-    "choose_regular",
     "compiled_method",
     "is_exact",
     "method_names",
@@ -298,40 +297,29 @@ def choose(
     return choose(method, problem, grid, outset)  # among what is left
 
 
-def choose_regular(
-    method: str, problem: Problem, grid: np.ndarray
-) -> tuple[Integrator, dict[str, Any]]:
-    """The integrator, with runs cut before the first point of the grid beyond a singular mass
-    matrix."""
-    from voronec.motion.steppers.run import cut_at_singularity
-
-    solver, chosen = choose(method, problem, grid)
-    return lambda times: cut_at_singularity(solver(times), problem), chosen
-
-
 def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str, float]:
     """The method to take, why, and how many times finer its tolerance has to be."""
     from voronec.motion.method_costs import FINER, dop853_is_cheaper, is_stiff
 
     brief = problem.brief is not None
+    compiled = "" if brief else compiled_method()
     if problem.tol >= FINEST and problem.program.state and not brief:
         if not problem.switching_surfaces and is_stiff(problem, grid):
             return "lsoda", "the motion is stiff", FINER
-        compiled = compiled_method()
         light = problem.program.weight <= HEAVY and not METHODS["heyoka"].absence
         soon = light and compiled and METHODS[compiled].compiles_soon
         if soon and dop853_is_cheaper(problem.program, problem.tol / FINER):
             return compiled, "its steps cost less than those of heyoka at equal error", FINER
-    return *_usual(problem, grid, brief), 1.0
+    return *_usual(problem, grid, compiled), 1.0
 
 
-def _usual(problem: Problem, grid: np.ndarray, brief: bool) -> tuple[str, str]:
-    """The method to take and why, where no other makes up for a finer tolerance."""
+def _usual(problem: Problem, grid: np.ndarray, compiled: str) -> tuple[str, str]:
+    """The method to take and why, where no other makes up for a finer tolerance; ``compiled`` is
+    that by which DOP853 may be compiled."""
     if problem.tol < EXACT:
         return "flint", "the tolerance is finer than doubles"
     if not problem.program.state:
         return "scipy", "nothing moves"
-    compiled = "" if brief else compiled_method()
     soon = bool(compiled) and METHODS[compiled].compiles_soon
     heavy = problem.tol >= FINEST and problem.program.weight > HEAVY
     absence = METHODS["heyoka"].absence
@@ -350,7 +338,7 @@ def _usual(problem: Problem, grid: np.ndarray, brief: bool) -> tuple[str, str]:
 
     cost = STAGES * (problem.program.operations + 1)
     # each part of a run through splits is compiled for, and may end at once
-    enough = TINY if there and not brief else COMPILATION
+    enough = TINY if there and problem.brief is None else COMPILATION
     steps = estimated_steps(problem, grid)
     if steps is None or steps * cost <= enough:
         other = "heyoka" if there else compiled
@@ -385,7 +373,8 @@ def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Integrato
         from voronec.motion.steppers.event_states import make_with_event_states
 
         make = partial(make_with_event_states, make)
-    problem = replace(problem, tol=max(problem.tol, made.finest))
+    if problem.tol < made.finest:
+        problem = replace(problem, tol=made.finest)
     chosen = {"method": method, "reason": reason, "tolerance": problem.tol}
     if problem.changing is not None:
         return in_pieces(make, problem, anew=made.exact), chosen

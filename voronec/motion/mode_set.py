@@ -18,7 +18,7 @@ from voronec.equations.program.jacobian import flow_derivative
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.switches import Switch
 from voronec.errors import EngineLimit
-from voronec.motion.methods import choose, choose_regular
+from voronec.motion.methods import choose
 from voronec.motion.modes import LevelSurface, Modes, SmoothBranch, is_length, motion_along_surfaces
 from voronec.motion.request import Guard
 from voronec.motion.solve import DOUBLE, Progress
@@ -73,7 +73,7 @@ class Mode:
         """The motion from a state on, by a given method."""
         wide = self._widen(state, values, times[0])
         problem = replace(self.problem, start=wide, parameters=list(values))
-        return self._narrow(choose_regular(method, problem, times)[0](times), len(state))
+        return self._narrow(choose(method, problem, times)[0](times), len(state))
 
     def _widen(self, state: np.ndarray, values: Sequence[Any], time: Any) -> np.ndarray:
         """The state, and the functions of events that are followed."""

@@ -28,10 +28,10 @@ from voronec.motion.batches import (
     break_error,
     require_method,
 )
-from voronec.motion.integration import integrate
 from voronec.motion.methods import METHODS
 from voronec.motion.motion_pool import Many
 from voronec.motion.observables import jumps
+from voronec.motion.prepared import integrate
 from voronec.motion.request import Event, Guard, Starts, label
 from voronec.motion.section_passages import PATIENCE, SectionPassages, SectionWatch
 from voronec.motion.singular_denominators import CLEAR, guard_events

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from random import Random
 from typing import Any, NamedTuple
 
@@ -213,7 +214,7 @@ class PoleGuard:
     def check(self, state: np.ndarray, values: Sequence[float], time: float) -> None:
         """Raise an error for a start that is near one: ``NearPole`` where charts are still to be
         tried."""
-        program = quantities(self.form, self.levels)
+        program = self._levels
         own = dict(zip(map(str, self.program.parameters), values, strict=True))
         given = [own[str(p)] for p in program.parameters]
         if all(value > 0 for value in quiet(compile_program(program)[1], given)(time, list(state))):
@@ -223,6 +224,10 @@ class PoleGuard:
         raise IntegrationError(
             f"system '{self.name}': {BEYOND}, at the initial point; start elsewhere", time, state
         )
+
+    @cached_property
+    def _levels(self) -> Program:
+        return quantities(self.form, self.levels)
 
     def watch(self, problem: Problem, functions: Mapping[str, Any], grid: np.ndarray) -> Problem:
         """The problem, with the poles among its events, whose ``functions`` go by name."""

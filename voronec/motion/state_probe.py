@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
 from operator import mul
 from typing import Any
 
 import numpy as np
 
+from voronec.algebra.memo import Memo
 from voronec.equations.program import Program, compile_program, hoist
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.steppers.run import FAR, Signals, Suspect, Termination, values_along
@@ -127,6 +128,7 @@ class StateProbe:
     time: float
     changing: Signals | None = None
     inertia: Program | None = None
+    memo: Memo = field(default_factory=Memo, init=False, repr=False, compare=False)
 
     def rates(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """What a ``rates_program`` gives (l, k) at one q (n,) and several v (m, k)."""
@@ -135,11 +137,7 @@ class StateProbe:
     def check(self, start: np.ndarray) -> tuple[str, ...]:
         """Raise where no motion starts: the equations are singular or undefined; a note where the
         mass matrix is not positive definite, as that of no body is."""
-        slope, mass = self._on_floats(start) or (
-            self._rhs(self.time, list(start)),
-            self.masses(np.array([self.time]), start[None, :])[0],
-        )
-        sizes = _scaled_eigenvalues(mass, mass)
+        slope, mass, sizes = self._beginning(start)
         if np.abs(sizes).min(initial=np.inf) < SINGULAR:
             raise self._nowhere("the mass matrix is singular", start)
         meaningless = self._meaningless()
@@ -154,6 +152,19 @@ class StateProbe:
         massive = np.count_nonzero(np.diag(mass))  # rows of multipliers hold none
         sound = not len(sizes) or (sizes > 0).sum() >= massive
         return () if sound else (INDEFINITE,)
+
+    def _beginning(self, start: np.ndarray) -> tuple[Any, np.ndarray, np.ndarray]:
+        """Rates, the mass matrix and its eigenvalues in units of its diagonal at the start, which
+        both ``check`` and ``suspect`` ask for."""
+
+        def look() -> tuple[Any, np.ndarray, np.ndarray]:
+            slope, mass = self._on_floats(start) or (
+                self._rhs(self.time, list(start)),
+                self.masses(np.array([self.time]), start[None, :])[0],
+            )
+            return slope, mass, _scaled_eigenvalues(mass, mass)
+
+        return self.memo.last("beginning", start.tobytes(), look)
 
     def _on_floats(self, start: np.ndarray) -> tuple[Any, np.ndarray] | None:
         """Rates and mass matrix at the start, in a tenth of the time that arrays take; None where
@@ -197,12 +208,12 @@ class StateProbe:
         moving = {*self.program.state, self.program.time}
         if not self._mass_program.extras.symbols & moving:
             return None
-        base = self.masses(np.array([self.time]), start[None, :])[0]
+        _, base, sizes = self._beginning(start)
         if not np.isfinite(base).all():
             return None
         units = _units(base)
         scale = np.outer(units, units) if units.all() else np.ones_like(base)
-        negative = int((np.linalg.eigvalsh(base / scale) < 0).sum())
+        negative = int(((sizes if units.all() else np.linalg.eigvalsh(base)) < 0).sum())
         least_sound = SINGULAR if np.diag(base).all() else DEPENDENT
 
         def first(t: np.ndarray, states: np.ndarray) -> int | None:

@@ -124,10 +124,10 @@ class SolutionCheck:
     ) -> Breach | None:
         """What went wrong by the equations derived first, of some steps ``at_home``: from times
         (k,) and states (k, n) to coordinates and velocities (k, m)."""
-        parts = self._inner(t, samples)
-        rates = original_rates(self.equations, constants, self.changing) if parts else None
+        rates = original_rates(self.equations, constants, self.changing)
         if rates is None:
             return None
+        parts = self._inner(t, samples)
         some = [part.pick(spread(len(part.times), FEW)).through(at_home) for part in parts[:FEW]]
         found = self._wrong_steps(t, some, rates)
         return replace(min(found, key=lambda b: b.row), last=None) if found else None
@@ -229,6 +229,12 @@ class ConservedQuantities:
         share = np.abs(t - t[0]) / abs(t[-1] - t[0])
         per_unit = LOOSE * max(tol, UNIT) * (FREE + steps * share)
         per_unit = per_unit + LOOSE * np.nan_to_num(max(off, default=0.0))
+        here = np.array([values[key] for key, _ in self.names.values()])
+        sizes = np.array([values[size] if size else share**0 for _, size in self.names.values()])
+        with np.errstate(all="ignore"):
+            least = per_unit * np.maximum(sizes, sizes[:, :1])
+            if np.isfinite(least).all() and (np.abs(here - here[:, :1]) <= least).all():
+                return {}
         found = {}
         for name, (key, size) in self.names.items():
             # at a pole of coordinates, where a run may begin, a quantity may have no value
@@ -319,20 +325,21 @@ def original_rates(
 
     def rates(t: np.ndarray, states: np.ndarray) -> np.ndarray:
         given = still if changing is None else still | changing.along(t)
-        wide = [np.broadcast_to(np.asarray(given[name], float), t.shape) for name in names]
-        rows = np.asarray(evaluate(np.column_stack([t, states, *wide])), dtype=float)
-        rows = rows.reshape(len(t), -1)
-        result = np.full(states.shape, np.nan)
-        result[:, :width] = rows[:, :width]
+        columns = np.empty((1 + states.shape[1] + len(names), len(t)))
+        columns[0], columns[1 : 1 + states.shape[1]] = t, states.T
+        for row, name in zip(columns[1 + states.shape[1] :], names, strict=True):
+            row[:] = given[name]
+        rows = np.asarray(evaluate(columns.T), dtype=float).reshape(len(t), -1)
         sound = np.isfinite(rows).all(axis=1)
         if n:
-            mass = rows[:, width : width + n * n].reshape(-1, n, n)
-            sizes = np.abs(np.linalg.eigvalsh(mass[sound]))
-            sound[sound] = sizes.max(axis=1) / REGULAR < sizes.min(axis=1)
-            force = rows[sound, width + n * n :, None]
-            result[sound, width:] = np.linalg.solve(mass[sound], force)[:, :, 0]
-        result[~sound] = np.nan
-        return result
+            mass, force = rows[:, width : width + n * n].reshape(-1, n, n), rows[:, width + n * n :]
+            mass[~sound] = 0.0
+            sizes = np.abs(np.linalg.eigvalsh(mass))
+            sound &= sizes.max(axis=1) / REGULAR < sizes.min(axis=1)
+            mass[~sound] = np.eye(n)
+            rows[:, width : width + n] = np.linalg.solve(mass, force[:, :, None])[:, :, 0]
+        rows[~sound] = np.nan
+        return rows[:, : width + n]
 
     return rates
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache
 from itertools import count
 from typing import TYPE_CHECKING, Any
@@ -118,6 +118,18 @@ class Program:
     names: tuple[str, ...]
     extras: Block
     inputs: tuple[Any, ...] = ()
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        """Of all expressions, once: every run looks up what is compiled of its programs."""
+        return hash(tuple(getattr(self, f.name) for f in fields(self)))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the hash, which other processes have otherwise."""
+        return {name: x for name, x in self.__dict__.items() if name != "_hash"}
 
     def only(self, places: Sequence[int]) -> Program:
         """The program with some of the extra quantities alone."""

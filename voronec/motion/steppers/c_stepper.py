@@ -15,8 +15,6 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from voronec.equations.program import Program, c_source, hoist
 from voronec.motion.steppers import dop853_source
 from voronec.motion.steppers.dop853_source import stepping_source
@@ -73,19 +71,17 @@ def c_loop(program: Program, levels: Program | None = None) -> Callable[..., int
     texts = [c_source(hoist(program).program)] + ([c_source(levels)] if levels else [])
     key = "\n".join([*texts, *files])
     drive = kept_library(key, lambda: _sources(texts, program, levels)).drive
-    line, table, tables = (
-        np.ctypeslib.ndpointer(dtype=float, ndim=k, flags="C") for k in (1, 2, 3)
-    )
-    whole = np.ctypeslib.ndpointer(dtype=np.int64, ndim=1, flags="C")
+    count = len(ARRAYS)
     drive.restype, integer = ctypes.c_longlong, ctypes.c_longlong
-    drive.argtypes = [
-        line, table, line, whole, table, table, table, tables, tables, table, whole, line, line,
-        *([integer] * (3 + len(LENGTHS))),
-    ]  # fmt: skip
+    drive.argtypes = [*([ctypes.c_void_p] * count), *([integer] * (3 + len(LENGTHS)))]
+    places = [list(ARRAYS).index(name) for name in LENGTHS]
 
     def run(*arguments: Any) -> int:
-        lengths = (len(arguments[list(ARRAYS).index(name)]) for name in LENGTHS)
-        return int(drive(*arguments, *lengths))
+        # arrays of known kinds, in one piece each: to have ctypes look at them takes longer than
+        # most of what is asked for
+        addresses = [array.ctypes.data for array in arguments[:count]]
+        lengths = [len(arguments[place]) for place in places]
+        return int(drive(*addresses, *arguments[count:], *lengths))
 
     return run
 

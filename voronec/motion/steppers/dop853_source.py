@@ -14,6 +14,8 @@ from math import sqrt
 from textwrap import indent
 
 from voronec.equations.program import Program, hoist, scalar_source
+from voronec.motion.crossings import BERNSTEIN, HIGHEST, NOISE
+from voronec.motion.crossings import NODES as PLACES
 
 __all__ = [
     "END", "EVENT", "FIRST_GROWTH", "LIMIT", "NO_STEP", "growth", "kernel_source",
@@ -24,8 +26,6 @@ END, LIMIT, EVENT, NO_STEP = range(4)
 """Why ``drive`` came back: the grid ended, so many trials were made, something may happen within
 the last step, or no step was short enough."""
 STAGES = 12
-LOOKS = 8
-"""Parts of a step at whose ends functions of events are looked at."""
 FIRST_GROWTH = 2.8
 """What is taken for the factor of the step before the first."""
 
@@ -234,7 +234,8 @@ def _first_step(n: int) -> str:
 
 
 def _looks(n: int, m: int) -> str:
-    """Which functions of events may vanish within the step: what ``crossings`` finds lies there."""
+    """Which functions of events may vanish within the step: what ``crossings`` finds lies there.
+    Where they have no zero by the rule of ``Pieces.signs`` no step is handed over."""
 
     def level(row: str, time: str, place: str) -> str:
         return (
@@ -242,7 +243,16 @@ def _looks(n: int, m: int) -> str:
             + _each(f"look[{row}, #] = g@", m)
         )  # fmt: skip
 
+    rows = [
+        f"share = {_weighted_sum(dict(enumerate(row)), 'look[{}, j]')}\n"
+        "low, high = min(low, share), max(high, share)"
+        for row in BERNSTEIN[1:-1].tolist()
+    ]
+    highest = (_weighted_sum(dict(enumerate(r)), "look[{}, j]") for r in HIGHEST.tolist())
     pieces = {
+        "nodes": "\n".join(f"nodes[{i}] = {x!r}" for i, x in enumerate(PLACES.tolist())),
+        "coefficients": "\n".join(rows),
+        "off": f"off = {' + '.join(f'abs({e})' for e in highest)} + {NOISE!r}*most",
         "ends": "\n".join(
             [
                 level("0", "t", "states[3, #]"),
@@ -299,18 +309,18 @@ for j in range({m}):
         active[j] = not good or look[0, j] + look[2, j] <= fall
     searched = searched or active[j]
 if searched:
+    <nodes>
     for i in range(9):
-        x = i/8
+        x = nodes[i]
         between(bend, states, x, z)
         <level>
     for j in range({m}):
-        low, high, least, most = look[0, j], look[0, j], abs(look[0, j]), abs(look[0, j])
-        for i in range(1, 9):
-            low, high = min(low, look[i, j]), max(high, look[i, j])
-            least, most = min(least, abs(look[i, j])), max(most, abs(look[i, j]))
-        whole = low > 0.0 or high < 0.0
-        # a parabola that comes near zero between looks has one of them below half the largest
-        if active[j] and most != 0.0 and not (whole and least > 0.5*most):
+        most, low, high = 0.0, min(look[0, j], look[8, j]), max(look[0, j], look[8, j])
+        for i in range(9):
+            most = max(most, abs(look[i, j]))
+        <coefficients>
+        <off>
+        if active[j] and most != 0.0 and not (low > off or high < -off):
             happening = True
 """
 
@@ -327,6 +337,7 @@ def drive(grid, rows, clock, counts, states, bend, times, ends, bends, scales, c
           given, dense, keep, limit):
     slopes = np.empty(({n}, 16))
     z, look, active = np.empty({n}), np.empty((9, {m})), np.zeros({m}, np.bool_)
+    nodes = np.empty(9)
     <begin>
     t, size, last_factor, last = clock[0], clock[1], clock[3], grid[-1]
     done, steps, evaluations = counts[0], counts[1], counts[2]

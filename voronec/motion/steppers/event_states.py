@@ -106,11 +106,11 @@ def make_with_event_states(make: Any, problem: Problem) -> Integrator:
     those that are rare do not count, nor do those that are ``apart``."""
     levels = problem.levels
     assert levels is not None
-    if not problem.program.state:
-        return make(problem)
     pairs = zip(levels.names, levels.extras.results, strict=True)
     apart = problem.coarse | problem.apart
     results = tuple(e for name, e in pairs if name not in apart)
+    if not (problem.program.state and results):
+        return make(problem)
     wide = with_parts(problem.program, replace(levels.extras, results=results))
     width, more = len(problem.start), len(wide.state) - len(problem.start)
     if not more:

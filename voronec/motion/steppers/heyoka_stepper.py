@@ -18,7 +18,7 @@ import symengine as se
 
 from voronec.declaration.whole_files import make_private, user_cache
 from voronec.equations.program import Program, hoist, taylor_extras, taylor_system
-from voronec.motion.crossings import SPECK, Levels, StepCourse, crossings
+from voronec.motion.crossings import NODES, SPECK, Levels, StepCourse, crossings
 from voronec.motion.steppers.run import (
     DISTANT,
     INFINITE,
@@ -30,9 +30,10 @@ from voronec.motion.steppers.run import (
     StallDetector,
     Termination,
     Ticker,
+    cut_at_singularity,
     in_parts,
 )
-from voronec.motion.steppers.samples import StepSamples, burst, series_samples
+from voronec.motion.steppers.samples import StepSamples, burst, series_samples, series_states
 from voronec.motion.steppers.series_reach import (
     BRIEF,
     BRIEF_STRIDE,
@@ -64,7 +65,8 @@ __all__ = [
 AHEAD = 100_000
 """Points of the grid that are handed over at a time, at most."""
 FEW = 1_000
-"""Points that are handed over where chunks are short."""
+"""Points that are handed over where chunks are short, and steps of which heyoka compiles no
+continuous output."""
 FIRST_LOOK = 4
 """Steps that may be too long are looked at so many at a time, at first."""
 LONG, WEIGHT = 250_000, 20.0
@@ -254,7 +256,8 @@ class _Drive:
     segments: list[Any] = field(default_factory=list)
     ends: list[float] = field(default_factory=list)
     samples: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
-    series: list[tuple[float, float, np.ndarray]] | None = None
+    is_sampled: bool = False
+    series: list[tuple[float, float, np.ndarray]] = field(default_factory=list)
     done: int = 1
     steps: int = 0
     efforts: int = 0
@@ -340,8 +343,7 @@ class _Drive:
         limit = self.opening
         size = self.size if limit == np.inf else 1
         ends, segments = len(self.ends), len(self.segments)
-        ahead, sampled = burst(self.steps)
-        self.series = [] if sampled else None
+        ahead, self.is_sampled = burst(self.steps)
         outcome, taken, new = self.advance(min(size, ahead))
         self.efforts += taken
         self.opening = np.inf
@@ -350,7 +352,6 @@ class _Drive:
         if overlong is not None:
             good, length = overlong
             del self.ends[ends:], self.segments[segments:]
-            self.series = [] if sampled else None
             self.opening = np.inf if good else length
             outcome, taken, new = self.advance(good or 1)
             self.opening = length if good else np.inf
@@ -385,9 +386,8 @@ class _Drive:
         """Enter what happens in the steps of a chunk; how many of them, and which of its new rows
         of the grid, lie before what stops the run, as do the ``ends`` of steps kept since."""
         problem, order = self.problem, 1.0 if self.grid[-1] >= self.grid[0] else -1.0
-        course = StepCourse(
-            np.array(self.output.times), _Chunk(self.output, self.winding.now()), self.before
-        )
+        inside = _Chunk(self.output, self.winding.now())
+        course = StepCourse(np.array(self.output.times), inside, self.before, inside.looks)
         left = problem.switching_surfaces if self.is_on_switching_surface else frozenset[str]()
         seen = crossings(dict(enumerate(problem.events)), self.levels, course, left)
         pairs = zip(problem.events, seen.end, strict=True)
@@ -485,15 +485,19 @@ class _Drive:
 
     def advance(self, size: int) -> tuple[Any, int, np.ndarray]:
         """One chunk of steps towards, or along, the rest of the grid; new rows of it."""
-        limits = {"max_steps": size, "max_delta_t": self.opening} | self.callback
-        standing, done = self.integrator.time, self.done
+        standing, done, is_few = self.integrator.time, self.done, size <= FEW
         self.machine.hints.clear()
-        if self.problem.dense or self.has_roots or self.problem.events:
-            outcome, _, self.longest, steps, segment, _ = self.integrator.propagate_until(
-                self.grid[-1], c_output=True, **limits
+        self.series.clear()
+        limits = {"max_steps": size, "max_delta_t": self.opening} | self.callback(is_few)
+        if self.is_followed:
+            outcome, _, self.longest, steps, inside, _ = self.integrator.propagate_until(
+                self.grid[-1], c_output=not is_few, write_tc=True, **limits
             )
-            self.output = segment
-            return outcome, steps, self.sample(segment)
+            if is_few and self.series:
+                ends, _, series = zip(*self.series, strict=True)
+                inside = _TaylorSteps(np.array([standing, *ends]), np.array(series))
+            self.output = inside
+            return outcome, steps, self.sample(inside)
         # the integrator wants its grid to begin where it stands
         if standing == self.grid[done]:
             points, known = self.grid[done : done + self.ahead], 0
@@ -503,38 +507,43 @@ class _Drive:
         outcome, _, self.longest, steps, _, rows = self.integrator.propagate_grid(points, **limits)
         return outcome, steps, rows[known:]
 
+    @property
+    def is_followed(self) -> bool:
+        """Whether the motion within each step is asked for."""
+        return bool(self.problem.dense or self.has_roots or self.problem.events)
+
     @cached_property
     def right_side(self) -> Field:
         """The right side in the integrator's units."""
         return field_of(self.problem.program, self.problem.parameters, self.winding.units)
 
-    @property
-    def callback(self) -> dict[str, Any]:
-        """What heyoka calls after each step: nothing, unless the steps are sampled, their ends are
-        asked for, states may leave their units, or events stop the run, at which the chunk ends."""
+    def callback(self, is_few: bool) -> dict[str, Any]:
+        """What heyoka calls after each step of a chunk: nothing, unless the steps are sampled, or
+        followed and few, their ends are asked for, states may leave their units, or events stop the
+        run, at which the chunk ends."""
         hints, stops = self.machine.hints, any(event.stop for event in self.problem.events)
+        kept = self.is_sampled or (self.is_followed and is_few)
 
         def has_ended(integrator: Any) -> bool:
             if self.problem.marked:
                 self.ends.append(integrator.time)
-            if self.series is not None:
+            if kept:
                 self.series.append((integrator.time, integrator.last_h, integrator.tc.copy()))
             return not hints and (not self.winding.scaled or self.winding.fits(integrator.state))
 
-        needed = self.problem.marked or self.winding.scaled or stops or self.series is not None
+        needed = self.problem.marked or self.winding.scaled or stops or kept
         return {"callback": has_ended} if needed else {}
 
     def take_samples(self, taken: int) -> None:
         """Sample the steps of the chunk, whose states nothing was taken out of since, up to that in
         which it stopped."""
-        if self.series:
+        if self.is_sampled and self.series:
             ends, lengths, series = map(np.array, zip(*self.series[:taken], strict=True))
             if self.log.stopped:  # the last step leads beyond what stops the run
                 lengths[-1] -= ends[-1] - self.log.last[0]
                 ends[-1] = self.log.last[0]
             times, states = series_samples(ends, lengths, series)
             self.samples.append((times, self.winding.whole(states)))
-        self.series = None
 
     def sample(self, segment: Any) -> np.ndarray:
         """Rows of the grid that a stretch of dense output covers."""
@@ -568,12 +577,34 @@ class _Drive:
         kept = self.log.stopped or (interrupted and self.idle >= DISTANT)
         if kept and order * time > order * t[-1]:
             t, states = np.append(t, time), np.vstack([states, state])
-        return Run(
+        run = Run(
             t.copy(), states, self.steps, self.steps,
             self.log.arrays(self.problem.events, float), halt, interrupted, self.log.stopped,
             _join_stretches(self.segments, states) if self.problem.dense else None,
             ends=tuple(self.ends), samples=StepSamples.of(self.samples), notes=self.log.notes,
         )  # fmt: skip
+        return cut_at_singularity(run, self.problem)
+
+
+@dataclass(frozen=True)
+class _TaylorSteps:
+    """What heyoka's continuous output is, of few steps: the ``times`` (s + 1,) at which they begin
+    and end, and their Taylor coefficients ``tcs`` (s, n, order + 1).  heyoka compiles its own,
+    which takes as long as to keep these of some hundreds of steps."""
+
+    times: np.ndarray
+    tcs: np.ndarray
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """From when to when it goes."""
+        return self.times[0], self.times[-1]
+
+    def __call__(self, times: Any) -> np.ndarray:
+        order = 1.0 if self.times[-1] >= self.times[0] else -1.0
+        step = np.searchsorted(order * self.times[1:-1], order * np.asarray(times), side="right")
+        powers = (times - self.times[step])[..., None] ** np.arange(self.tcs.shape[2])
+        return np.asarray((self.tcs[step] @ powers[..., None])[..., 0])
 
 
 @dataclass(frozen=True)
@@ -590,6 +621,13 @@ class _Chunk:
 
     def __call__(self, times: np.ndarray) -> np.ndarray:
         return self.winding.whole(self.inside(times))
+
+    def looks(self) -> np.ndarray:
+        """The states at the ``times`` of a ``StepCourse``."""
+        lengths, series = np.diff(self.inside.times), np.asarray(self.inside.tcs)
+        states = series_states(lengths, series, NODES)
+        inner = states[:, :-1].reshape(-1, states.shape[2])
+        return self.winding.whole(np.concatenate([inner, states[-1, -1:]]))
 
 
 def _join_stretches(segments: list[Any], states: np.ndarray) -> Any:

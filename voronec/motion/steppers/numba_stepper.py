@@ -85,6 +85,12 @@ def between(begin: np.ndarray, bend: np.ndarray, x: np.ndarray) -> np.ndarray:
     return np.asarray(found + begin)
 
 
+AT_NODES = np.stack(
+    [between(np.zeros(1), row[:, None], NODES[:, None])[:, 0] for row in np.eye(PARTS)], axis=1
+)
+"""From what steps keep to what the dense output adds to their starts at the nodes of samples."""
+
+
 @lru_cache(maxsize=32)  # loaded code stays in memory, and to read it takes longer than most runs
 def compiled_loop(program: Program, levels: Program | None = None) -> Callable[..., int]:
     """The function ``drive`` of a program, and of functions of events."""
@@ -138,7 +144,7 @@ class Loop:
         states = np.zeros((5, n))
         states[0] = problem.start
         coarse = np.array([e.name in problem.coarse for e in problem.events], dtype=np.int64)
-        known = raised.values(given)
+        known, grid = raised.values(given), np.ascontiguousarray(grid, dtype=float)
         return cls(
             drive, problem, grid, np.empty((len(grid), n)),
             np.array([float(grid[0]), 0.0, float(grid[0]), FIRST_GROWTH]),
@@ -155,8 +161,8 @@ class Loop:
         ahead, sampled = burst(int(self.counts[1]))
         limit, dense = min(limit, ahead), problem.dense or sampled
         keep = dense or problem.marked or problem.suspect is not None
-        bent = DENSE_CHUNK if dense else 1
-        room = bent if dense else CHUNK if keep else 1
+        bent = min(limit, DENSE_CHUNK) if dense else 1
+        room = bent if dense else limit if keep else 1
         times, ends, bends = np.empty((room, 2)), np.empty((room, 2, n)), np.empty((bent, PARTS, n))
         order = np.sign(self.grid[-1] - self.grid[0])
         done = int(np.searchsorted(order * self.grid, order * self.clock[0], side="right"))
@@ -200,6 +206,6 @@ def _samples(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Samples of steps, from their ends (k, 2), (k, 2, n) and their dense output (k, 7, n)."""
     start, length = times[:, :1], np.diff(times)
-    states = between(ends[:, :1], np.moveaxis(bends, 1, 0)[:, :, None], NODES[:, None])
+    states = ends[:, :1] + AT_NODES @ bends
     states[:, -1] = ends[:, 1]
     return start + length * NODES, states

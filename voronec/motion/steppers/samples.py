@@ -15,7 +15,7 @@ import numpy as np
 
 __all__ = [
     "NODES", "WIDTH", "OwnedSamples", "Rates", "StepSampler", "StepSamples", "burst", "by_owner",
-    "series_samples", "spread",
+    "series_samples", "series_states", "spread",
 ]  # fmt: skip
 
 _RIGHT = (0.3631174638261782, 0.6771862795107377, 0.8997579954114602, 1.0)
@@ -34,9 +34,7 @@ Rates = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 def spread(size: int, most: int) -> np.ndarray:
     """As many of so many indices as may be, evenly spread, each once."""
-    found = np.linspace(0, size - 1, most if size else 0).astype(int)
-    # numpy's unique loads its masked arrays
-    return found[np.diff(found, prepend=-1) > 0]
+    return np.arange(size) if size <= most else np.arange(most) * (size - 1) // max(most - 1, 1)
 
 
 @dataclass(frozen=True)
@@ -76,7 +74,8 @@ class StepSamples:
     def through(self, change: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> StepSamples:
         """In other variables: ``change`` takes times (k,) and states (k, n) to states (k, m)."""
         flat = change(self.times.ravel(), self.states.reshape(self.times.size, -1))
-        return replace(self, states=flat.reshape(*self.times.shape, -1))
+        states = flat.reshape(*self.times.shape, -1)
+        return StepSamples(self.times, states, self.rates, self.apart)
 
     def within(
         self, first: float, last: float, jumps: Sequence[tuple[float, float]] = ()
@@ -86,17 +85,19 @@ class StepSamples:
         Of the ends of a step the later one is moved into it by a rounding: parameters that change
         there have the value that they had in the step.
         """
-        low, high = np.sort(self.times[:, [0, -1]], axis=1).T
+        one, two = self.times[:, 0], self.times[:, -1]
+        low, high = np.minimum(one, two), np.maximum(one, two)
         near = 4 * np.spacing(max(abs(first), abs(last)))
         kept = (low >= min(first, last) - near) & (high <= max(first, last) + near)
         for a, b in jumps:
             kept &= (a > high) | (b < low)
         inner = np.minimum(self.times, np.nextafter(high, -np.inf)[:, None])
-        return replace(self, times=inner, states=self.states).pick(kept)
+        found = StepSamples(inner, self.states, self.rates, self.apart)
+        return found if kept.all() else found.pick(kept)
 
     def pick(self, which: Any) -> StepSamples:
         """Some of them."""
-        return replace(self, times=self.times[which], states=self.states[which])
+        return StepSamples(self.times[which], self.states[which], self.rates, self.apart)
 
 
 OwnedSamples = tuple[np.ndarray, StepSamples]
@@ -146,9 +147,14 @@ def series_samples(
     ends: np.ndarray, lengths: np.ndarray, series: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Samples of Taylor steps (s,) to the times ``ends``, with coefficients (s, n, order + 1)."""
+    times = ends[:, None] + lengths[:, None] * (NODES - 1)
+    return times, series_states(lengths, series, NODES)
+
+
+def series_states(lengths: np.ndarray, series: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """The states (s, k, n) of Taylor steps of some lengths (s,), with coefficients
+    (s, n, order + 1), after ``parts`` (k,) of them."""
     numbers = np.arange(series.shape[-1])
     with np.errstate(all="ignore"):
         scaled = series * lengths[:, None, None] ** numbers
-        states = scaled @ NODES ** numbers[:, None]
-    times = ends[:, None] + lengths[:, None] * (NODES - 1)
-    return times, states.transpose(0, 2, 1)
+        return np.asarray((scaled @ parts ** numbers[:, None]).transpose(0, 2, 1))

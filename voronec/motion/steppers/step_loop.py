@@ -39,8 +39,8 @@ __all__ = [
 
 TINY = 1e-6
 """The part of a step over which slopes of functions are taken."""
-SUSPECTS = 64
-"""States whose mass matrices are looked at together."""
+SUSPECTS = 512
+"""States whose mass matrices are looked at together: all of most short runs."""
 EVERY = 8
 """Of the steps of a compiled loop one in so many is looked at: a matrix that was singular between
 two of them has another number of negative eigenvalues at the next."""
@@ -112,8 +112,10 @@ def level_function(problem: Problem) -> Levels:
 
     def function(t: np.ndarray, states: np.ndarray) -> np.ndarray:
         given = np.array([at(x) for x in t]).T if asked else problem.parameters
-        results = extras(t, list(states.T), list(given))
-        return np.stack([np.broadcast_to(r, t.shape) for r in results], axis=1)
+        values = np.empty((len(problem.events), len(t)), dtype=states.dtype)
+        for row, value in zip(values, extras(t, list(states.T), list(given)), strict=True):
+            row[:] = value
+        return values.T
 
     return function
 

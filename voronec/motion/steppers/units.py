@@ -431,7 +431,10 @@ class TurnCount:
 
     def now(self) -> TurnCount:
         """What is taken out at present, for states that are looked at later."""
-        return copy.deepcopy(self)
+        found = copy.copy(self)
+        found.high, found.low = self.high.copy(), self.low.copy()
+        found.units = self.units.copy()
+        return found
 
     def growth(self, state: np.ndarray) -> float:
         """The largest state that may be kept small, in units of the largest other (at least 1); of

@@ -21,7 +21,7 @@ from voronec.motion.atlas import (
     kept_charts,
     whole_turns,
 )
-from voronec.motion.methods import choose_regular, is_exact
+from voronec.motion.methods import choose, is_exact
 from voronec.motion.singular_coordinates import passage_notes
 from voronec.motion.solve import Arrival, Phase, Solver
 from voronec.motion.steppers import Integrator, Problem, Run
@@ -56,7 +56,7 @@ def through_charts(
     form = form or equations.form
     charts = () if is_exact(method, problem.tol) else kept_charts(equations, form)
     if not charts:
-        return choose_regular(method, problem, grid)
+        return choose(method, problem, grid)
     atlas = Atlas(method, problem, grid, form, charts, functions)
     own = atlas.place(HOME)
     return lambda times: _Charts(atlas, times).run(), dict(own.chosen)
