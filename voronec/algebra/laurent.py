@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
 from math import gcd, lcm
 from typing import Any, NamedTuple
@@ -143,6 +143,7 @@ class Alphabet:
         self.letters: list[Letter] = []
         self._index: dict[Any, int] = {}
         self.names: dict[int, str] = {}
+        self.angles: dict[Any, Any] = {}
         self.named: set[int] = set()
         self.work = 0
         self.whole = False
@@ -163,6 +164,7 @@ class Alphabet:
         return self._index[key]
 
     def rank_of(self, terms: Terms) -> tuple[int, int]:
+        """The place of a sum among factors."""
         highest = max(self.letters[i].rank for m in terms for i, _ in m)
         return (MOVING + 2 if highest[0] >= MOVING else MOVING - 1, len(self.letters))
 
@@ -179,10 +181,13 @@ class Alphabet:
     def meaning(self, letter: int) -> Any:
         """The expression that a letter stands for, names replaced."""
         found = self.letters[letter]
-        return found.meaning if found.terms is None else self.expression(found.terms)
+        return found.meaning if found.terms is None else self._written_out(found.terms)
 
     def expression(self, terms: Terms) -> Any:
         """A sum as an expression."""
+        return self._written_out(terms).xreplace(self.angles)
+
+    def _written_out(self, terms: Terms) -> Any:
         return se.Add(*[
             se.Rational(c.numerator, c.denominator)
             * se.Mul(*[se.Pow(self.meaning(i), _number(e)) for i, e in m])
@@ -221,9 +226,25 @@ class Alphabet:
             return found
         if isinstance(expr, se.Pow):
             return self._power(expr)
+        if isinstance(expr, se.sin | se.cos) and isinstance(expr.args[0], se.Add):
+            return self._of_sum(expr)
         if isinstance(expr, se.tan):
             return mul(self.read(se.sin(expr.args[0])), self.read(1 / se.cos(expr.args[0])))
         return {((self.index(expr), 1),): 1}
+
+    def _of_sum(self, expr: Any) -> Terms:
+        """The sine or cosine of a sum of angles, the first of which is positive; symengine has
+        signs of its own there, so a letter stands for the sum."""
+        angle = expr.args[0]
+        terms = self.read(angle)
+        sign = -1 if terms[min(terms, key=self._place)] < 0 else 1
+        key = "angle", sign * angle
+        if key not in self._index:
+            self._index[key] = len(self.angles)
+            self.angles[se.Symbol(f"angle {len(self.angles)}")] = sign * angle
+        stand_in = se.Symbol(f"angle {self._index[key]}")
+        turned = sign if isinstance(expr, se.sin) else 1
+        return {((self.index(expr.func(stand_in)), 1),): turned}
 
     def _power(self, expr: Any) -> Terms:
         base, exponent = expr.args
@@ -409,8 +430,10 @@ class Alphabet:
             if 1 < n < len(terms)
         )
         for _, i, up in gains[: 2 if len(terms) <= TRIED else 1]:
-            inside = {m: c for m, c in terms.items() if (dict(m).get(i, 0) > 0) == up and i in dict(m)}
-            outside = {m: c for m, c in terms.items() if m not in inside}
+            inside, outside = Terms(), Terms()
+            for m, c in terms.items():
+                e = dict(m).get(i, 0)
+                (inside if e and (e > 0) == up else outside)[m] = c
             yield (*self.arrange(inside, depth), *self.arrange(outside, depth))
 
     # -- writing ------------------------------------------------------------------------------
@@ -431,7 +454,8 @@ class Alphabet:
 
     def _sum_text(self, parts: Sum, write: Callable[[Product], str]) -> str:
         found = ""
-        for part in self.in_order(parts):
+        first, *others = self.in_order(parts) or [Product(0, ())]
+        for part in (_turned(first), *others) if parts else ():
             sign = "-" if part.number < 0 else "+"
             found += f" {sign} {write(part)}" if found else sign.strip("+") + write(part)
         return found or "0"
@@ -549,6 +573,17 @@ class Alphabet:
         if isinstance(e, Fraction) and e.denominator == 2:
             return rf"\sqrt{{{inner}}}" + (f"^{e.numerator}" if e.numerator != 1 else "")
         return rf"\left({inner}\right){power}" if "frac" in inner else f"({inner}){power}"
+
+
+def _turned(product: Product) -> Product:
+    """A product with a sign before it, where a bracket can take it: (b - a) x for -(a - b) x."""
+    for place, (base, e) in enumerate(product.factors if product.number < 0 else ()):
+        if not isinstance(base, int) and e % 2 and any(p.number < 0 for p in base):
+            other = tuple(p._replace(number=-p.number) for p in base)
+            factors = list(product.factors)
+            factors[place] = Factor(other, e)
+            return Product(-product.number, tuple(factors))
+    return product
 
 
 def _number(e: Rational) -> Any:

@@ -41,6 +41,7 @@ from voronec.algebra.laurent import (
 from voronec.algebra.roots import ring_over
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.typeset import caret_text, latex_of, symbol_latex
+from voronec.equations.vector_field import solved_form
 from voronec.errors import EngineLimit
 
 if TYPE_CHECKING:
@@ -80,8 +81,9 @@ ANGLES = "delta epsilon eta zeta xi".split()
 
 
 class Draft(NamedTuple):
-    """Equations that vanish, rates of coordinates, and names."""
+    """Equations that vanish, those of a form, rates of coordinates, and names."""
 
+    form: FirstOrderForm
     rows: tuple[Terms, ...]
     rates: tuple[tuple[int, Terms], ...]
     names: tuple[tuple[int, Terms], ...] = ()
@@ -134,8 +136,10 @@ class ReadableEquations:
     def heading(self) -> str:
         """What the equations of motion were cleared of: it changes with time, and is not zero where
         they determine the accelerations."""
-        letters = [i for row in self.rows for i, _ in row.factor if self.alphabet.letters[i].moves]
-        cleared = dict.fromkeys(map(self.alphabet.letter_text, letters))
+        letters = self.alphabet.letters
+        moving = [i for row in self.rows for i, _ in row.factor if letters[i].moves]
+        texts = dict.fromkeys(map(self.alphabet.letter_text, moving))
+        cleared = [text if len(text) < LONGEST_LEFT_SIDE else "a denominator" for text in texts]
         return "equations of motion" + (f", cleared of {', '.join(cleared)}" if cleared else "")
 
     def lines(self, width: int) -> list[str]:
@@ -232,7 +236,6 @@ class _Search:
             for place, thing in enumerate(things):
                 self.ranks.setdefault(thing, (kind, place))
         self.alphabet = Alphabet(self._rank, self._text, self._latex, MOST)
-        self.named: dict[Any, Any] = {}
         own = {str(s) for e in (*form.expressions, *self.ranks) for s in se.sympify(e).free_symbols}
         self.taken = own | {plain_name(s) for s in self.equations.system.known_symbols()}
         self.taken |= {f"{name}dot" for name in self.taken} | {"t"}
@@ -240,7 +243,8 @@ class _Search:
     def _rank(self, atom: Any) -> tuple[int, int]:
         if atom in self.ranks:
             return self.ranks[atom]
-        places = [self.ranks.get(s, (MOVING, 0)) for s in atom.free_symbols]
+        inside = atom.xreplace(self.alphabet.angles).free_symbols
+        places = [self.ranks.get(s, (MOVING, 0)) for s in inside]
         highest = max(places, default=(PARAMETER, 0))
         if highest[0] < MOVING:
             return PARAMETER + 1, len(self.alphabet.letters)
@@ -248,17 +252,23 @@ class _Search:
 
     def _text(self, atom: Any) -> str:
         if isinstance(atom, TRIGONOMETRIC):
-            angle = self.alphabet.arrange(self.alphabet.read(atom.args[0]))
+            angle = self.alphabet.arrange(self._angle(atom.args[0]))
             return f"{type(atom).__name__}({self.alphabet.text(angle)})"
-        if atom in self.named:
+        if atom in self.alphabet.angles:
             return str(atom)
         return self.texts.get(atom) or caret_text(self.equations.door.outward(atom))
 
+    def _angle(self, angle: Any) -> Terms:
+        """An angle as it is written: a name stays, what merely stands for a sum does not."""
+        if str(angle).startswith("angle "):
+            angle = self.alphabet.angles[angle]
+        return self.alphabet.read(angle)
+
     def _latex(self, atom: Any) -> str:
         if isinstance(atom, TRIGONOMETRIC):
-            angle = self.alphabet.arrange(self.alphabet.read(atom.args[0]))
+            angle = self.alphabet.arrange(self._angle(atom.args[0]))
             inner = self.alphabet.latex(angle)
-            plain = len(angle) == 1 and atom.args[0].is_Symbol
+            plain = len(angle) == 1 and angle[0].number == 1 and len(angle[0].factors) == 1
             return rf"\{type(atom).__name__}" + (
                 f"({inner})" if not plain else inner if inner[0] == "\\" else f" {inner}"
             )
@@ -300,15 +310,18 @@ class _Search:
             for dot, rate in zip(self.dots, form.rates, strict=True)
             if dot != rate
         ]
-        return Draft(tuple(rows), tuple(rates))
+        return Draft(form, tuple(rows), tuple(rates))
 
     def _shortened(self, plain: Draft) -> Iterator[Draft]:
         """The exact form written out and as it stands, each after all moves."""
         self.alphabet.whole = False
         try:
-            spread = self._draft(self.form)
-            if sum(map(len, spread.rows)) <= WRITTEN_OUT:
-                yield self._flat(self._improve(spread))
+            spread = [self._draft(self.form)]
+            if (solved := solved_form(self.equations)) is not None:
+                spread.append(self._draft(solved))
+            for draft in sorted(spread, key=self.length):
+                if sum(map(len, draft.rows)) <= WRITTEN_OUT:
+                    yield self._flat(self._improve(draft))
         except EngineLimit:
             pass
         self.alphabet.work = min(self.alphabet.work, BUDGET // 2)
@@ -324,7 +337,7 @@ class _Search:
             ]  # fmt: skip
             inner.sort(key=self._length, reverse=True)
             named = (self._with_name(draft, terms) for terms in inner)
-            found = next((d for d in named if d[:2] != draft[:2] or d.names[:-1] != draft.names), None)
+            found = next((d for d in named if d[:3] != draft[:3] or d.names[:-1] != draft.names), None)
             if found is None:
                 break
             draft = found
@@ -382,11 +395,12 @@ class _Search:
         rest = {times(m, below, -1): c for m, c in rest.items()}
         best = self._sides(rest)
         led = [dict(m) for m in rest if self._leads(m)]
-        powers = {i: min(m.get(i, 0) for m in led) for i in (led[0] if led else ())}
-        for i in sorted(powers) if len(rest) <= WRITTEN_OUT else ():
+        
+        for i in sorted({i for m in led for i in m}) if len(rest) <= WRITTEN_OUT else ():
+            moves = alphabet.letters[i].moves
             if alphabet.letters[i].rank[0] >= VELOCITY or self._spent:
                 continue
-            for _ in range(int(powers[i])):
+            for _ in range(int((min if moves else max)(m.get(i, 0) for m in led))):
                 other = {times(m, ((i, 1),), -1): c for m, c in rest.items()}
                 found = self._sides(other)
                 if found[0] >= best[0]:
@@ -510,7 +524,8 @@ class _Search:
             yield Rule(mul(s, s), add({(): ONE}, mul({(): -ONE}, mul(c, c))), True)
             yield Rule(mul(c, c), add({(): ONE}, mul({(): -ONE}, mul(s, s))), True)
             yield Rule(add(mul(s, s), mul(c, c)), {(): ONE}, False)
-        for a, b in combinations(angles, 2):
+        shown = [a.xreplace(self.alphabet.angles) for a in angles]
+        for a, b in combinations(shown, 2):
             s, c, z, d = (read(f(x)) for x in (a, b) for f in (se.sin, se.cos))
             for sign in (1, -1):
                 other = mul({(): sign}, z)
@@ -619,6 +634,7 @@ class _Search:
             return known[i]
 
         return Draft(
+            draft.form,
             tuple(map(whole, draft.rows)),
             tuple((i, whole(rate)) for i, rate in draft.rates),
             tuple((i, whole(of)) for i, of in draft.names),
@@ -671,25 +687,26 @@ class _Search:
         letters = self.alphabet.letters
         every = (*draft.rows, *(t for _, t in draft.rates), *(t for _, t in draft.names))
         used = sorted({i for terms in every for m in terms for i, _ in m})
-        angles = Counter(
+        angles = {
             letters[i].meaning.args[0] for i in used
             if isinstance(letters[i].meaning, TRIGONOMETRIC)
-        )  # fmt: skip
-        for angle in angles:
-            if not isinstance(angle, se.Add):
-                continue
+        }  # fmt: skip
+        known = self.alphabet.angles
+        for stand_in in sorted((a for a in angles if str(a).startswith("angle ")), key=str):
             name = se.Symbol(self._free(draft, ANGLES))
-            self.named[name], self.ranks[name] = angle, (MOVING, len(self.named) + 99)
+            known[name], self.ranks[name] = known[stand_in], (MOVING, len(known) + 99)
             swaps = {}
             for i in used:
                 meaning = letters[i].meaning
                 if isinstance(meaning, TRIGONOMETRIC):
-                    ratio = (meaning.args[0] / angle).expand() if meaning.args[0] != angle else ONE
-                    if ratio in (1, 2):
+                    ratio = (known.get(meaning.args[0], meaning.args[0]) / known[name]).expand()
+                    if meaning.args[0] == stand_in or ratio == 2:
+                        ratio = 1 if meaning.args[0] == stand_in else ratio
                         swaps[i] = self.alphabet.index(meaning.func(ratio * name))
             found = self._rewritten(draft, lambda terms: terms, swaps)
             letter = self.alphabet.index(name)
-            yield found._replace(names=(*found.names, (letter, self.alphabet.read(angle)))), GAIN
+            terms = self.alphabet.read(known[stand_in])
+            yield found._replace(names=(*found.names, (letter, terms))), GAIN
 
     # -- proof --------------------------------------------------------------------------------
 
@@ -702,7 +719,10 @@ class _Search:
             return False
 
     def _differences(self, draft: Draft) -> Iterator[Any]:
-        show, form = self.expression, self.form
+        show, form = self.expression, draft.form
+        if form is not self.form:  # mass^-1 force
+            for row, force in zip(self.form.mass, self.form.force, strict=True):
+                yield se.Add(*(e * a for e, a in zip(row, form.force, strict=True))) - force
         for terms, mass, force in zip(draft.rows, form.mass, form.force, strict=True):
             _, row = self.row(terms)
             factor = show({row.factor: row.number})
@@ -724,7 +744,7 @@ class _Search:
         return self._plain(terms).xreplace(dict(zip(self.dots, self.form.rates, strict=True)))
 
     def _plain(self, terms: Terms) -> Any:
-        return self.alphabet.expression(terms).xreplace(self.named)
+        return self.alphabet.expression(terms)
 
     def _vanishes(self, expr: Any) -> bool:
         if expr == 0:

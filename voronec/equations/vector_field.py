@@ -8,7 +8,7 @@ Claims and relations are statements about such fields.  Everything here is insid
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -19,10 +19,11 @@ from voronec.algebra.branches import bounds_of
 from voronec.algebra.door import Door
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.matrices import determinant, is_product
-from voronec.algebra.normal import canonical
+from voronec.algebra.normal import canonical, shortest
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.rank import generic_rows
 from voronec.algebra.roots import known_sign
+from voronec.algebra.stand_ins import StandIns
 from voronec.algebra.tape import Tape
 from voronec.algebra.terms import atoms
 from voronec.algebra.verdicts import Verdict
@@ -32,7 +33,7 @@ from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.equations.derived_equations import DerivedEquations
 from voronec.errors import EngineLimit, quote
 
-__all__ = ["EquationsOfMotion", "VectorField", "for_numbers", "on_coordinates"]
+__all__ = ["EquationsOfMotion", "VectorField", "for_numbers", "on_coordinates", "solved_form"]
 
 NO_POINT = "no point was found on the relations between the variables"
 
@@ -293,3 +294,36 @@ def _field(equations: DerivedEquations, d: Derivation) -> VectorField:
         turning=d.group_terms,
         conditions=own.conditions,
     )
+
+
+def solved_form(equations: DerivedEquations) -> FirstOrderForm | None:
+    """vdot = mass^-1 force in the shortest form, kept with the equations: what mass and force share
+    is gone.
+
+    None where it is not tried, or beyond the budget.
+    """
+    return equations.memo.once("solved form", lambda: _solve(equations))
+
+
+SHORT = 300
+"""Forms that cost more operations are not solved: what comes out is longer, nearly always."""
+
+
+def _solve(equations: DerivedEquations) -> FirstOrderForm | None:
+    if equations.is_large or not equations.in_normal_form or equations.operations > SHORT:
+        return None
+    form, field = equations.exact.form, on_coordinates(equations)
+    letters = StandIns.of(form.expressions, form, form.velocities)
+    hidden = replace(
+        field,
+        mass=tuple(tuple(map(letters.hide, row)) for row in field.mass),
+        force=tuple(map(letters.hide, field.force)),
+    )
+    try:
+        short = shortest(hidden.accelerations, form.relations, form.velocities)
+    except EngineLimit:
+        return None
+    rates = tuple(map(letters.show, short))
+    size = range(len(rates))
+    unit = tuple(tuple(se.Integer(int(i == j)) for j in size) for i in size)
+    return replace(form, mass=unit, force=rates)

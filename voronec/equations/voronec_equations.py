@@ -11,18 +11,15 @@ import re
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
 from textwrap import shorten, wrap
 from typing import TYPE_CHECKING, Any
 
-import symengine as se
 import sympy as sp
 
 from voronec.algebra.columns import columns
-from voronec.algebra.normal import shortest
-from voronec.algebra.stand_ins import StandIns
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.typeset import caret_text, latex_of, plain_text
 from voronec.declaration.system import System, require_system
@@ -31,7 +28,7 @@ from voronec.equations.derivation import Derivation
 from voronec.equations.derived_equations import DerivedEquations
 from voronec.equations.evaluation import check_added_mass, check_inertia
 from voronec.equations.readable import equation_rows, readable
-from voronec.equations.vector_field import on_coordinates
+from voronec.equations.vector_field import solved_form
 from voronec.errors import DefinitionError, EngineLimit
 
 if TYPE_CHECKING:
@@ -227,7 +224,7 @@ class VoronecEquations(DerivedEquations):
         from voronec.equations.program.straight import with_choices
 
         form = with_choices(self.form, self.raw.form)
-        forms = [form] if form is not self.form else [form, _solved_form(self)]
+        forms = [form] if form is not self.form else [form, solved_form(self)]
         found = [shorten_program(Program.of(f)) for f in forms if f is not None]
         return min(found, key=lambda p: operation_count(p.derivative.expressions))
 
@@ -342,31 +339,3 @@ def _derive(system: System) -> VoronecEquations:
     check_added_mass(raw)
     check_inertia(raw)
     return VoronecEquations(system, definition, raw, exact)
-
-
-SHORT = 300
-"""Forms that cost more operations are not solved: what comes out is longer, nearly always."""
-
-
-def _solved_form(equations: DerivedEquations) -> FirstOrderForm | None:
-    """vdot = mass^-1 force in the shortest form: what mass and force share is gone.
-
-    None where it is not tried, or beyond the budget.
-    """
-    if equations.is_large or not equations.in_normal_form or equations.operations > SHORT:
-        return None
-    form, field = equations.exact.form, on_coordinates(equations)
-    letters = StandIns.of(form.expressions, form, form.velocities)
-    hidden = replace(
-        field,
-        mass=tuple(tuple(map(letters.hide, row)) for row in field.mass),
-        force=tuple(map(letters.hide, field.force)),
-    )
-    try:
-        short = shortest(hidden.accelerations, form.relations, form.velocities)
-    except EngineLimit:
-        return None
-    rates = tuple(map(letters.show, short))
-    size = range(len(rates))
-    unit = tuple(tuple(se.Integer(int(i == j)) for j in size) for i in size)
-    return replace(form, mass=unit, force=rates)
