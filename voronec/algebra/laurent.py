@@ -132,7 +132,7 @@ class Alphabet:
     """The letters of some expressions, how they are written, and how sums of them are arranged.
 
     ``rank`` says what kind of thing an atom is, ``text`` and ``latex`` write atoms.  ``work``
-    counts the terms that were arranged.
+    counts the terms that were arranged; beyond twice the ``limit`` they are only written out.
     """
 
     def __init__(
@@ -145,7 +145,7 @@ class Alphabet:
         self.names: dict[int, str] = {}
         self.angles: dict[Any, Any] = {}
         self.named: set[int] = set()
-        self.work = 0
+        self.work, self.limit = 0, most
         self.whole = False
         self._read: dict[Any, Terms] = {}
         self._arranged: dict[Any, Sum] = {}
@@ -307,7 +307,8 @@ class Alphabet:
         key = frozenset(terms.items()), depth
         if key not in self._arranged:
             self.work += len(terms)
-            self._arranged[key] = min(self._forms(terms, depth), key=self.length)
+            deep = depth if self.work < 2 * self.limit else 0
+            self._arranged[key] = min(self._forms(terms, deep), key=self.length)
         return self._arranged[key]
 
     def length(self, parts: Sum) -> int:

@@ -50,6 +50,8 @@ if TYPE_CHECKING:
 
 __all__ = ["ReadableEquations", "readable"]
 
+WIDTH = 100
+"""Characters of a line of text."""
 COLUMN = 56
 """Characters of a line of LaTeX that fits a column."""
 LONGEST_LEFT_SIDE = 32
@@ -60,12 +62,12 @@ STAYS = "\N{NO-BREAK SPACE}"
 WORDS_STAY: Any = {"break_long_words": False, "break_on_hyphens": False}
 ONE = 1
 TRIGONOMETRIC = (se.sin, se.cos, se.tan, se.cot)
-WRITTEN_OUT = 400
+WRITTEN_OUT = 200
 """Equations of more terms keep the brackets of the exact form."""
 MOST = 4000
 """Terms of one equation, at most."""
-BUDGET = 10_000
-"""How many terms may be arranged on the way to the shortest form."""
+BUDGET = 6_000
+"""How many terms may be arranged on the way from one draft to the shortest form."""
 PROOF = 600_000
 """Work of the proof of one equation."""
 GAIN = 4
@@ -191,6 +193,8 @@ def equation_rows(pairs: Iterable[tuple[str, str]]) -> list[str]:
 def break_lines(row: str, width: int) -> list[str]:
     """An equation in lines that end before a sign, one outside of brackets if that will do, and
     never one inside of a function."""
+    if len(row) <= width:
+        return [row]
     for depth in range(BRACKETS):
         bound, open_ = [], list[bool]()
         for piece in re.split(r"(\w*\(|\)| [+-] | = )", row):
@@ -289,10 +293,16 @@ class _Search:
     def run(self) -> ReadableEquations:
         """The shortest draft that is proved."""
         plain = self._first()
-        best = min(self._shortened(plain), key=self.length)
+        best = min(self._shortened(plain), key=self._place)
         if not self.proved(best):
             best = plain
         return self.finished(best)
+
+    def _place(self, draft: Draft) -> tuple[int, int]:
+        """Drafts that fit the lines come first, then short ones."""
+        form = self.finished(draft)
+        deep = sum(_depth(self.alphabet.text(side)) > DEEP for pair in form.pairs for side in pair)
+        return deep + sum(len(line) > WIDTH for line in form.lines(WIDTH)), self.length(draft)
 
     def _first(self) -> Draft:
         """The exact form as it is."""
@@ -319,12 +329,11 @@ class _Search:
             spread = [self._draft(self.form)]
             if (solved := solved_form(self.equations)) is not None:
                 spread.append(self._draft(solved))
-            for draft in sorted(spread, key=self.length):
-                if sum(map(len, draft.rows)) <= WRITTEN_OUT:
+            for draft in sorted(spread, key=_size):
+                if _size(draft) <= WRITTEN_OUT:
                     yield self._flat(self._improve(draft))
         except EngineLimit:
             pass
-        self.alphabet.work = min(self.alphabet.work, BUDGET // 2)
         yield self._flat(self._improve(plain))
 
     def _flat(self, draft: Draft) -> Draft:
@@ -345,10 +354,11 @@ class _Search:
 
     @property
     def _spent(self) -> bool:
-        return self.alphabet.work > BUDGET
+        return self.alphabet.work > self.alphabet.limit
 
     def _improve(self, draft: Draft) -> Draft:
         """A draft after all moves that make it shorter."""
+        self.alphabet.work, self.alphabet.limit = 0, BUDGET
         length, moved = self.length(draft), True
         while moved and not self._spent:
             moved = False
@@ -395,7 +405,6 @@ class _Search:
         rest = {times(m, below, -1): c for m, c in rest.items()}
         best = self._sides(rest)
         led = [dict(m) for m in rest if self._leads(m)]
-        
         for i in sorted({i for m in led for i in m}) if len(rest) <= WRITTEN_OUT else ():
             moves = alphabet.letters[i].moves
             if alphabet.letters[i].rank[0] >= VELOCITY or self._spent:
@@ -403,7 +412,8 @@ class _Search:
             for _ in range(int((min if moves else max)(m.get(i, 0) for m in led))):
                 other = {times(m, ((i, 1),), -1): c for m, c in rest.items()}
                 found = self._sides(other)
-                if found[0] >= best[0]:
+                whole = all(m.get(i, 0) > 0 for m in led)
+                if found[0] > best[0] - (1 if whole else GAIN):
                     break
                 rest, best, factor = other, found, times(factor, ((i, 1),))
         length, left, right, sign = best
@@ -425,6 +435,16 @@ class _Search:
     def _written_out(self, draft: Draft) -> Iterator[tuple[Draft, int]]:
         """Drafts without one of the names, where that hardly takes more characters."""
         for letter, terms in draft.names:
+            number, common, rest = self.alphabet.primitive(terms)
+            if (number != 1 or common) and self.alphabet.letters[letter].terms and len(rest) > 1:
+                name = self.alphabet.name(self._free(draft, [self.alphabet.names[letter]]), rest)
+                swap = {letter: name}
+                changed = draft._replace(
+                    names=tuple((name, rest) if i == letter else (i, t) for i, t in draft.names)
+                )
+                yield self._rewritten(
+                    changed, lambda sum_: _scaled(sum_, letter, number, common), swap  # noqa: B023
+                ), 1
             if len(terms) == 1 or self.alphabet.letters[letter].terms is not None:
                 yield self._without(draft, letter, terms), 1 - GAIN
 
@@ -767,6 +787,11 @@ def _dotted(name: str) -> str:
     return f"{name[:-3]}ddot" if name.endswith("dot") else f"{name}dot"
 
 
+def _size(draft: Draft) -> int:
+    """How many terms equations have."""
+    return sum(map(len, draft.rows))
+
+
 def _depth(text: str) -> int:
     """How deep brackets are nested."""
     depth = most = 0
@@ -774,6 +799,16 @@ def _depth(text: str) -> int:
         depth += (letter == "(") - (letter == ")")
         most = max(most, depth)
     return most
+
+
+def _scaled(sum_: Terms, letter: int, number: Rational, common: Monomial) -> Terms:
+    """A sum where a letter is a number and a monomial times what it was."""
+    found: Terms = {}
+    for m, c in sum_.items():
+        e = dict(m).get(letter, 0)
+        scale = number**e if e >= 0 else over(1, number ** abs(e))
+        found[times(m, common, e)] = c * scale
+    return found
 
 
 def _inverse(terms: Terms) -> Terms:

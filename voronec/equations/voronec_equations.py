@@ -27,7 +27,7 @@ from voronec.equations.definition import read
 from voronec.equations.derivation import Derivation
 from voronec.equations.derived_equations import DerivedEquations
 from voronec.equations.evaluation import check_added_mass, check_inertia
-from voronec.equations.readable import equation_rows, readable
+from voronec.equations.readable import break_lines, equation_rows, readable
 from voronec.equations.vector_field import solved_form
 from voronec.errors import DefinitionError, EngineLimit
 
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
     from voronec.equations.mechanics_form import MechanicsForm
     from voronec.equations.program import Program
+    from voronec.equations.readable import ReadableEquations
 
 __all__ = ["VoronecEquations", "derive", "distribution_lines", "equation_rows", "equations_lines"]
 
@@ -46,28 +47,38 @@ def _latex(eqs: VoronecEquations, expr: sp.Expr) -> str:
 
 WIDTH = 100
 """Characters in a line, unless told."""
+LONGEST, SCREEN = 20_000, 60
+"""Equations of more characters are not printed, nor programs of more lines in their place."""
 def equations_lines(eqs: VoronecEquations, width: int = WIDTH) -> list[str]:
     """What kind of system it is, the motion of the coordinates, the equations of motion and the
     curvature, line by line.
 
-    Rows of mass * vdot = force that are wider than ``width`` go on in further lines, and are
-    written entry by entry where they would fill a screen.  A system too large for the exact normal
-    form has no more than its kind.
+    Motion and equations are in the form for people, lines that are wider than ``width`` go on in
+    further ones.  Of a system too large for the exact normal form, or to be printed, the program is
+    shown, where that is short.
     """
     system = eqs.system
     lines = [f"{system.name}: {system.title}" if system.title else system.name, ""]
     lines += columns(_facts(eqs))
-    if not eqs.in_normal_form:
-        return [
-            *lines,
-            "",
-            f"too large for the exact normal form: a program of {eqs.operations} operations, "
-            "printed by --python or --c",
-        ]
-    lines += ["", *readable(eqs).lines(width)]
+    form = readable(eqs) if eqs.in_normal_form else None
+    if form is None or form.length > LONGEST:
+        return [*lines, "", *_too_large(eqs, form)]
+    lines += ["", *form.lines(width)]
     if eqs.has_coordinate_frame:
         lines += ["", "curvature", *_curvature_rows(eqs)]
-    return lines
+    return [part for line in lines for part in break_lines(line, width)]
+
+
+def _too_large(eqs: VoronecEquations, form: ReadableEquations | None) -> list[str]:
+    """What is told of equations that are not printed, and their program where it is short."""
+    if form is None:
+        told = f"too large for the exact normal form: a program of {eqs.operations} operations"
+    else:
+        told = f"too large to print, {form.length} characters: a program of {eqs.operations} operations"
+    program = (_program(eqs) or "").splitlines()
+    if not 0 < len(program) <= SCREEN:
+        return [f"{told}, printed by --python or --c"]
+    return [f"{told}, in Python", "", *program]
 
 
 def distribution_lines(eqs: VoronecEquations) -> list[str]:
