@@ -1,8 +1,8 @@
 """Thirty systems outside of the catalogue, with the equations that a book prints for them.
 
-Letters are those of the declaration: ``xdot`` and ``xddot`` are rates, what a book names stands below
-its equations, as here, and is counted with them.  Books differ in letters and signs; the equations
-are theirs, the notation is one for all.
+Letters are those of the declaration: ``xdot`` and ``xddot`` are rates, what a book names stands
+below its equations, and is counted with them.  Books differ in letters and signs; the equations are
+theirs, the notation is one for all.
 """
 
 from __future__ import annotations
@@ -98,8 +98,9 @@ TEXTBOOK = (
     Textbook(
         "sleigh on an inclined plane", "Borisov and Mamaev 2009, on the Chaplygin sleigh",
         "x phi",
-        "m*(xdot^2 + ydot^2)/2 + (J + m*a^2)*phidot^2/2 + m*a*phidot*(ydot*cos(phi) - xdot*sin(phi))"
-        " + m*g*sin(alpha)*(x + a*cos(phi))", "m J a g alpha",
+        "m*(xdot^2 + ydot^2)/2 + (J + m*a^2)*phidot^2/2"
+        " + m*a*phidot*(ydot*cos(phi) - xdot*sin(phi)) + m*g*sin(alpha)*(x + a*cos(phi))",
+        "m J a g alpha",
         """xdot = v*cos(phi); ydot = v*sin(phi); phidot = w;
         vdot = a*w^2 + g*sin(alpha)*cos(phi);
         (J + m*a^2)*wdot = -m*a*v*w - m*a*g*sin(alpha)*sin(phi)""",
@@ -110,13 +111,16 @@ TEXTBOOK = (
         "x phi",
         "(m1 + m2)*(xdot^2 + ydot^2)/2 + m2*l^2*phidot^2/2 "
         "+ m2*l*phidot*(ydot*cos(phi) - xdot*sin(phi))", "m1 m2 l",
-        "xdot = v*cos(phi); ydot = v*sin(phi); phidot = w; (m1 + m2)*vdot = m2*l*w^2; l*wdot = -v*w",
+        "xdot = v*cos(phi); ydot = v*sin(phi); phidot = w; "
+        "(m1 + m2)*vdot = m2*l*w^2; l*wdot = -v*w",
         fibre="y", constraints=BLADE, frame=ALONG,
     ),
     Textbook(
-        "robot with two driven wheels", "Fierro and Lewis 1995; Siciliano et al. 2009, section 11.4",
+        "robot with two driven wheels",
+        "Fierro and Lewis 1995; Siciliano et al. 2009, section 11.4",
         "x phi",
-        "m*(xdot^2 + ydot^2)/2 + (J + m*d^2)*phidot^2/2 + m*d*phidot*(ydot*cos(phi) - xdot*sin(phi))",
+        "m*(xdot^2 + ydot^2)/2 + (J + m*d^2)*phidot^2/2"
+        " + m*d*phidot*(ydot*cos(phi) - xdot*sin(phi))",
         "m J d r b",
         """xdot = v*cos(phi); ydot = v*sin(phi); phidot = w;
         m*vdot - m*d*w^2 = (tau1 + tau2)/r; (J + m*d^2)*wdot + m*d*v*w = b*(tau1 - tau2)/r""",

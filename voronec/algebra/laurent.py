@@ -278,6 +278,8 @@ class Alphabet:
     def primitive(self, terms: Terms) -> tuple[Rational, Monomial, Terms]:
         """A number, a monomial and a sum whose product is a sum: the sum has whole coefficients
         without a common divisor, no letter in all of its terms, and most of its terms positive."""
+        if not terms:
+            return 1, (), {}
         number = _content(terms.values())
         order = sorted(terms, key=self._place)
         signs = sum(1 if terms[m] > 0 else -1 for m in order)
@@ -540,7 +542,6 @@ class Alphabet:
             return f"sqrt({inner})"
         return f"sqrt({inner})^{e.numerator}" if e.denominator == 2 else f"{text}^({e})"
 
-
     # -- LaTeX --------------------------------------------------------------------------------
 
     def latex(self, parts: Sum) -> str:
@@ -549,13 +550,25 @@ class Alphabet:
 
     def _product_latex(self, product: Product) -> str:
         p, q, above, below = self.parts(product)
-        top, bottom = (" ".join(self._power_latex(f) for f in fs) for fs in (above, below))
+        alone = [len(above) == p and bool(below), len(below) == q]
+        top, bottom = map(self._factors_latex, (above, below), alone)
         if not bottom:
             small = f"{p}{q}" if p < 10 > q else f"{{{p}}}{{{q}}}"
             number = rf"\tfrac{small}" if q != 1 else str(p) if p != 1 or not top else ""
             return f"{number} {top}".strip()
         top = f"{p} {top}".strip() if p != 1 or not top else top
         return rf"\frac{{{top}}}{{{bottom if q == 1 else f'{q} {bottom}'}}}"
+
+    def _factors_latex(self, factors: list[Factor], alone: bool) -> str:
+        """Factors one after the other; a bracket that a fraction holds alone needs no brackets."""
+        if alone and len(factors) == 1 and factors[0].exponent == 1:
+            base = factors[0].base
+            inner = self.letters[base].terms if isinstance(base, int) else None
+            if not isinstance(base, int):
+                return self.latex(base)
+            if inner is not None and base not in self.named:
+                return self.latex(self.arrange(inner))
+        return " ".join(map(self._power_latex, factors))
 
     def _power_latex(self, factor: Factor) -> str:
         base, e = factor
@@ -568,10 +581,14 @@ class Alphabet:
                 return function[0] + power + text[function.end() :]
             simple = re.fullmatch(r"\\?\w+|\\?\w+_(\w|\{\w+\})", text) or not power
             return text + power if simple else f"({text}){power}"
-        if found is not None and base in self.named:
+        root = isinstance(e, Fraction) and e.denominator == 2
+        if found is not None and base in self.named and not root:
             return symbol_latex(self.names[base]) + power
-        inner = self.latex(base if found is None else self.arrange(found.terms))
-        if isinstance(e, Fraction) and e.denominator == 2:
+        if found is not None and base in self.named:
+            inner = symbol_latex(self.names[base])
+        else:
+            inner = self.latex(base if found is None else self.arrange(found.terms or {}))
+        if root:
             return rf"\sqrt{{{inner}}}" + (f"^{e.numerator}" if e.numerator != 1 else "")
         return rf"\left({inner}\right){power}" if "frac" in inner else f"({inner}){power}"
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import combinations
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -29,17 +29,17 @@ from voronec.algebra.laurent import (
     Factor,
     Monomial,
     Product,
+    Rational,
     Sum,
     Terms,
     add,
-    Rational,
     divide,
     mul,
     over,
     times,
 )
 from voronec.algebra.roots import ring_over
-from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.symbols import plain_name
 from voronec.algebra.typeset import caret_text, latex_of, symbol_latex
 from voronec.equations.vector_field import solved_form
 from voronec.errors import EngineLimit
@@ -64,9 +64,11 @@ ONE = 1
 TRIGONOMETRIC = (se.sin, se.cos, se.tan, se.cot)
 WRITTEN_OUT = 200
 """Equations of more terms keep the brackets of the exact form."""
+FEW = 60
+"""Where written out they have no more terms, nothing shorter is found in the brackets."""
 MOST = 4000
 """Terms of one equation, at most."""
-BUDGET = 6_000
+BUDGET = 8_000
 """How many terms may be arranged on the way from one draft to the shortest form."""
 PROOF = 600_000
 """Work of the proof of one equation."""
@@ -178,9 +180,9 @@ class ReadableEquations:
                 lines.append("")
                 room = COLUMN
             room -= width
-            plus = "" if len(lines) == 1 and not lines[-1] or text.startswith("-") else "+ "
+            plus = "" if (len(lines) == 1 and not lines[-1]) or text.startswith("-") else "+ "
             lines[-1] = f"{lines[-1]} {plus}{text}".strip()
-        return lines
+        return [*map(str.strip, lines)]
 
 
 def equation_rows(pairs: Iterable[tuple[str, str]]) -> list[str]:
@@ -229,7 +231,9 @@ class _Search:
         form = self.form = self.equations.best.form
         self.dots = form.velocity_symbols or tuple(se.Symbol(f"{q}dot") for q in form.coordinates)
         self.accelerations = [se.Symbol(f"d{v}/dt") for v in form.velocities]
-        self.texts = {a: _dotted(str(v)) for a, v in zip(self.accelerations, form.velocities)}
+        self.texts = {
+            a: _dotted(str(v)) for a, v in zip(self.accelerations, form.velocities, strict=True)
+        }
         self.ranks: dict[Any, tuple[int, int]] = {}
         for kind, things in (
             (ACCELERATION, self.accelerations),
@@ -329,9 +333,10 @@ class _Search:
             spread = [self._draft(self.form)]
             if (solved := solved_form(self.equations)) is not None:
                 spread.append(self._draft(solved))
-            for draft in sorted(spread, key=_size):
-                if _size(draft) <= WRITTEN_OUT:
-                    yield self._flat(self._improve(draft))
+            spread = [d for d in sorted(spread, key=_size) if _size(d) <= WRITTEN_OUT]
+            yield from (self._flat(self._improve(draft)) for draft in spread)
+            if spread and _size(spread[0]) <= FEW:
+                return
         except EngineLimit:
             pass
         yield self._flat(self._improve(plain))
@@ -346,7 +351,9 @@ class _Search:
             ]  # fmt: skip
             inner.sort(key=self._length, reverse=True)
             named = (self._with_name(draft, terms) for terms in inner)
-            found = next((d for d in named if d[:3] != draft[:3] or d.names[:-1] != draft.names), None)
+            found = next(
+                (d for d in named if d[:3] != draft[:3] or d.names[:-1] != draft.names), None
+            )
             if found is None:
                 break
             draft = found
@@ -360,9 +367,18 @@ class _Search:
         """A draft after all moves that make it shorter."""
         self.alphabet.work, self.alphabet.limit = 0, BUDGET
         length, moved = self.length(draft), True
+        first = self._rates, self._angles, self._names, self._identities
+        moves = (*first, self._written_out, self._monomials)
         while moved and not self._spent:
             moved = False
-            for move in (self._rates, self._angles, self._names, self._identities, self._written_out, self._monomials):
+            for move in (
+                self._rates,
+                self._angles,
+                self._names,
+                self._identities,
+                self._written_out,
+                self._monomials,
+            ):
                 for other, least in move(draft):
                     if self._spent:
                         break
@@ -405,11 +421,9 @@ class _Search:
         rest = {times(m, below, -1): c for m, c in rest.items()}
         best = self._sides(rest)
         led = [dict(m) for m in rest if self._leads(m)]
-        for i in sorted({i for m in led for i in m}) if len(rest) <= WRITTEN_OUT else ():
-            moves = alphabet.letters[i].moves
-            if alphabet.letters[i].rank[0] >= VELOCITY or self._spent:
-                continue
-            for _ in range(int((min if moves else max)(m.get(i, 0) for m in led))):
+        for i, _ in below if len(rest) <= WRITTEN_OUT else ():
+            most = min if alphabet.letters[i].moves else max
+            for _ in range(int(most((m.get(i, 0) for m in led), default=0))):
                 other = {times(m, ((i, 1),), -1): c for m, c in rest.items()}
                 found = self._sides(other)
                 whole = all(m.get(i, 0) > 0 for m in led)
@@ -424,7 +438,9 @@ class _Search:
         left = {m: c for m, c in rest.items() if self._leads(m)}
         right = {m: -c for m, c in rest.items() if m not in left}
         letters = self.alphabet.letters
-        still = [m for m in left if not any(MOVING <= letters[i].rank[0] < ACCELERATION for i, _ in m)]
+        still = [
+            m for m in left if not any(MOVING <= letters[i].rank[0] < ACCELERATION for i, _ in m)
+        ]
         sign = -1 if sum(1 if left[m] > 0 else -1 for m in still or left) < 0 else 1
         sides = [self.alphabet.arrange({m: sign * c for m, c in p.items()}) for p in (left, right)]
         return sum(map(self.alphabet.length, sides)) + 1, sides[0], sides[1], sign
@@ -435,18 +451,22 @@ class _Search:
     def _written_out(self, draft: Draft) -> Iterator[tuple[Draft, int]]:
         """Drafts without one of the names, where that hardly takes more characters."""
         for letter, terms in draft.names:
-            number, common, rest = self.alphabet.primitive(terms)
-            if (number != 1 or common) and self.alphabet.letters[letter].terms and len(rest) > 1:
-                name = self.alphabet.name(self._free(draft, [self.alphabet.names[letter]]), rest)
-                swap = {letter: name}
-                changed = draft._replace(
-                    names=tuple((name, rest) if i == letter else (i, t) for i, t in draft.names)
-                )
-                yield self._rewritten(
-                    changed, lambda sum_: _scaled(sum_, letter, number, common), swap  # noqa: B023
-                ), 1
-            if len(terms) == 1 or self.alphabet.letters[letter].terms is not None:
+            if self.alphabet.letters[letter].terms is not None:
+                number, common, rest = self.alphabet.primitive(terms)
+                if (number != 1 or common) and len(rest) > 1:
+                    yield self._scaled(draft, letter), 1
                 yield self._without(draft, letter, terms), 1 - GAIN
+
+    def _scaled(self, draft: Draft, letter: int) -> Draft:
+        """A draft where a name stands for what it stood for without numbers and factors."""
+        number, common, rest = self.alphabet.primitive(dict(draft.names)[letter])
+        name = self.alphabet.name(self.alphabet.letter_text(letter), rest)
+        names = tuple((name, rest) if i == letter else (i, t) for i, t in draft.names)
+
+        def change(sum_: Terms) -> Terms:
+            return _scaled(sum_, letter, number, common)
+
+        return self._rewritten(draft._replace(names=names), change, {letter: name})
 
     def _without(self, draft: Draft, letter: int, terms: Terms) -> Draft:
         plain = not all(e == 1 for m in self._all(draft) for i, e in m if i == letter)
@@ -474,7 +494,9 @@ class _Search:
         while waiting:
             for m in waiting.pop():
                 yield m
-                inner = (self.alphabet.letters[i].terms for i, _ in m if i not in self.alphabet.named)
+                inner = (
+                    self.alphabet.letters[i].terms for i, _ in m if i not in self.alphabet.named
+                )
                 waiting += filter(None, inner)
 
     def _rates(self, draft: Draft) -> Iterator[tuple[Draft, int]]:
@@ -484,7 +506,9 @@ class _Search:
             name = next((i for i in named if rate == {((i, 1),): ONE}), None)
             if name is not None:  # the rate has a letter already
                 whole = tuple((i, named[name] if i == letter else r) for i, r in draft.rates)
-                rest = draft._replace(rates=whole, names=tuple(n for n in draft.names if n[0] != name))
+                rest = draft._replace(
+                    rates=whole, names=tuple(n for n in draft.names if n[0] != name)
+                )
                 yield self._rewritten(rest, lambda terms: terms, {name: letter}), 1
         for letter, rate in draft.rates:
             number, common, rest = self.alphabet.primitive(rate)
@@ -493,9 +517,12 @@ class _Search:
             value = {times(((letter, 1),), common, -1): over(1, number)}
             change = lambda terms: self._apply(Rule(rest, value, False), terms)  # noqa: B023,E731
             found = self._rewritten(draft, change, {})
-            yield found._replace(
-                rates=tuple((i, rate if i == letter else t) for i, t in found.rates)
-            ), 1
+            yield (
+                found._replace(
+                    rates=tuple((i, rate if i == letter else t) for i, t in found.rates)
+                ),
+                1,
+            )
 
     # -- identities ---------------------------------------------------------------------------
 
@@ -504,7 +531,8 @@ class _Search:
         rules = [*self._rules(draft)]
         for rule in rules:
             rows = [self._apply(rule, terms) for terms in draft.rows]
-            shorter = [len(a) <= len(b) and a != b for a, b in zip(rows, draft.rows, strict=True)]
+            shorter = [self._flat_length(a) < self._flat_length(b)
+                       for a, b in zip(rows, draft.rows, strict=True)]  # fmt: skip
             for i, row in enumerate(rows):
                 if shorter[i]:
                     yield draft._replace(rows=(*draft.rows[:i], row, *draft.rows[i + 1 :])), 1
@@ -517,7 +545,12 @@ class _Search:
 
     def _shorter(self, rule: Rule, terms: Terms) -> Terms:
         found = self._apply(rule, terms)
-        return found if len(found) <= len(terms) else terms
+        return found if self._flat_length(found) < self._flat_length(terms) else terms
+
+    def _flat_length(self, terms: Terms) -> int:
+        """About how many characters a sum has where it is written out."""
+        text = self.alphabet.letter_text
+        return sum(2 + sum(len(text(i)) + 2 * (e != 1) for i, e in m) for m in terms)
 
     def _apply(self, rule: Rule, terms: Terms) -> Terms:
         if not rule.head:
@@ -535,10 +568,8 @@ class _Search:
     def _rules(self, draft: Draft) -> Iterator[Rule]:
         letters, read = self.alphabet.letters, self.alphabet.read
         used = {i for terms in draft.rows for m in terms for i, _ in m}
-        angles = [
-            a for a in dict.fromkeys(letters[i].meaning.args[0] for i in sorted(used)
-                                     if isinstance(letters[i].meaning, se.sin | se.cos))
-        ]  # fmt: skip
+        meanings = (letters[i].meaning for i in sorted(used))
+        angles = [*dict.fromkeys(m.args[0] for m in meanings if isinstance(m, se.sin | se.cos))]
         for angle in angles:
             s, c = (read(f(angle)) for f in (se.sin, se.cos))
             yield Rule(mul(s, s), add({(): ONE}, mul({(): -ONE}, mul(c, c))), True)
@@ -547,11 +578,13 @@ class _Search:
         shown = [a.xreplace(self.alphabet.angles) for a in angles]
         for a, b in combinations(shown, 2):
             s, c, z, d = (read(f(x)) for x in (a, b) for f in (se.sin, se.cos))
-            for sign in (1, -1):
+            for sign in (1, -1) if (a - b).expand() != 0 else ():
                 other = mul({(): sign}, z)
                 yield Rule(add(mul(s, d), mul(c, other)), read(se.sin(a + sign * b)), False)
                 yield Rule(
-                    add(mul(c, d), mul({(): -ONE}, mul(s, other))), read(se.cos(a + sign * b)), False
+                    add(mul(c, d), mul({(): -ONE}, mul(s, other))),
+                    read(se.cos(a + sign * b)),
+                    False,
                 )
         for relation in self.form.relations:
             yield from self._heads(read(relation), lambda r: r >= MOVING)
@@ -583,9 +616,10 @@ class _Search:
                 key = frozenset(rest.items())
                 found[key] = rest
                 counts[key] += 1
-        for key, _ in sorted(
-            counts.items(), key=lambda x: (-x[1] * self._length(found[x[0]]), self._length(found[x[0]]))
-        )[:TRIED]:
+        length = {key: self._length(found[key]) for key, count in counts.items() if count > 1}
+        for key in sorted(length, key=lambda key: (-counts[key] * length[key], length[key]))[
+            :TRIED
+        ]:
             yield self._with_name(draft, found[key]), GAIN
 
     def _brackets(self, draft: Draft, among: Iterable[Product] | None = None) -> Iterator[Terms]:
@@ -594,7 +628,9 @@ class _Search:
             for base, _ in product.factors:
                 if not isinstance(base, int):
                     yield self._spread(base)
-                elif (inner := self.alphabet.letters[base].terms) and base not in self.alphabet.named:
+                elif (
+                    inner := self.alphabet.letters[base].terms
+                ) and base not in self.alphabet.named:
                     yield inner
 
     def _spread(self, parts: Sum) -> Terms:
@@ -644,10 +680,10 @@ class _Search:
                 known[i] = i
                 if inner is not None and i not in alphabet.named:
                     changed = whole(inner)
+                    if changed == inner or not changed:
+                        return i
                     ((m, c), *others) = changed.items()
-                    if changed == inner:
-                        pass
-                    elif not others and c == 1 and len(m) == 1 and m[0][1] == 1:
+                    if not others and c == 1 and len(m) == 1 and m[0][1] == 1:
                         known[i] = m[0][0]
                     else:
                         known[i] = alphabet.index(None, changed)

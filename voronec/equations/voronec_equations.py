@@ -7,14 +7,12 @@ How they are printed and exported; what they are made of stands in ``derived_equ
 
 from __future__ import annotations
 
-import re
 import sys
-from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
-from textwrap import shorten, wrap
+from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
@@ -33,7 +31,6 @@ from voronec.errors import DefinitionError, EngineLimit
 
 if TYPE_CHECKING:
     from voronec.equations.control import Control
-    from voronec.equations.derivation import FirstOrderForm
     from voronec.equations.mechanics_form import MechanicsForm
     from voronec.equations.program import Program
     from voronec.equations.readable import ReadableEquations
@@ -49,6 +46,8 @@ WIDTH = 100
 """Characters in a line, unless told."""
 LONGEST, SCREEN = 20_000, 60
 """Equations of more characters are not printed, nor programs of more lines in their place."""
+
+
 def equations_lines(eqs: VoronecEquations, width: int = WIDTH) -> list[str]:
     """What kind of system it is, the motion of the coordinates, the equations of motion and the
     curvature, line by line.
@@ -59,22 +58,21 @@ def equations_lines(eqs: VoronecEquations, width: int = WIDTH) -> list[str]:
     """
     system = eqs.system
     lines = [f"{system.name}: {system.title}" if system.title else system.name, ""]
-    lines += columns(_facts(eqs))
+    lines += [part for line in columns(_facts(eqs)) for part in break_lines(line, width)]
     form = readable(eqs) if eqs.in_normal_form else None
     if form is None or form.length > LONGEST:
         return [*lines, "", *_too_large(eqs, form)]
     lines += ["", *form.lines(width)]
     if eqs.has_coordinate_frame:
-        lines += ["", "curvature", *_curvature_rows(eqs)]
-    return [part for line in lines for part in break_lines(line, width)]
+        rows = (part for row in _curvature_rows(eqs) for part in break_lines(row, width))
+        lines += ["", "curvature", *rows]
+    return lines
 
 
 def _too_large(eqs: VoronecEquations, form: ReadableEquations | None) -> list[str]:
     """What is told of equations that are not printed, and their program where it is short."""
-    if form is None:
-        told = f"too large for the exact normal form: a program of {eqs.operations} operations"
-    else:
-        told = f"too large to print, {form.length} characters: a program of {eqs.operations} operations"
+    why = f"to print, {form.length} characters" if form else "for the exact normal form"
+    told = f"too large {why}: a program of {eqs.operations} operations"
     program = (_program(eqs) or "").splitlines()
     if not 0 < len(program) <= SCREEN:
         return [f"{told}, printed by --python or --c"]
@@ -217,7 +215,9 @@ class VoronecEquations(DerivedEquations):
 
     def _repr_latex_(self) -> str | None:
         """For notebooks; None, and then the short form is shown, where formulas are too long."""
-        return f"$\\displaystyle {readable(self).latex('aligned')}$" if self.in_normal_form else None
+        return (
+            f"$\\displaystyle {readable(self).latex('aligned')}$" if self.in_normal_form else None
+        )
 
     def __str__(self) -> str:
         """The equations in the form for people, as ``show`` prints them."""
