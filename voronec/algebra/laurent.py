@@ -23,7 +23,7 @@ from voronec.errors import EngineLimit
 
 __all__ = ["Alphabet", "Factor", "Letter", "Terms", "add", "divide", "mul", "over", "times"]
 
-Rational = int | Fraction
+Rational = Any  # an int, else a Fraction
 Monomial = tuple[tuple[int, Rational], ...]
 """((letter, exponent), ...), sorted by letter."""
 Terms = dict[Monomial, Rational]
@@ -324,7 +324,8 @@ class Alphabet:
             return
         number, common, rest = self.primitive(terms)
         below = self._below(rest)
-        if common or number != 1:
+        few = len(terms) <= TRIED
+        if (common or number != 1) and (few or not below):
             yield self._times(number, common, self.arrange(rest, depth - 1))
         if below:
             inner = {times(m, below, -1): c for m, c in rest.items()}
@@ -332,8 +333,8 @@ class Alphabet:
             rest = inner
             common = times(common, below)
         yield from self._factored(number, common, rest, depth)
-        for choose in (lambda r: r[0] >= VELOCITY, lambda r: r[0] >= MOVING):
-            yield from self._collected(terms, choose, depth)
+        for kind in (VELOCITY, MOVING) if few else (VELOCITY,):
+            yield from self._collected(terms, kind, depth)
         yield from self._before_brackets(terms, depth)
 
     def _below(self, terms: Terms) -> Monomial:
@@ -395,13 +396,11 @@ class Alphabet:
             sums += [self.arrange(inner, depth - 1)] * count
         yield self._times(total, common, *sums)
 
-    def _collected(
-        self, terms: Terms, choose: Callable[[tuple[int, int]], bool], depth: int
-    ) -> Iterator[Sum]:
+    def _collected(self, terms: Terms, kind: int, depth: int) -> Iterator[Sum]:
         """By the letters of some kind; equal coefficients before brackets."""
         groups: dict[Monomial, Terms] = {}
         for m, c in terms.items():
-            key = tuple((i, e) for i, e in m if choose(self.letters[i].rank))
+            key = tuple((i, e) for i, e in m if self.letters[i].rank[0] >= kind)
             groups.setdefault(key, {})[times(m, key, -1)] = c
         if not 1 < len(groups) < len(terms):
             return

@@ -14,6 +14,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import combinations
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -64,7 +65,7 @@ ONE = 1
 TRIGONOMETRIC = (se.sin, se.cos, se.tan, se.cot)
 WRITTEN_OUT = 200
 """Equations of more terms keep the brackets of the exact form."""
-FEW = 60
+FEW = 25
 """Where written out they have no more terms, nothing shorter is found in the brackets."""
 MOST = 4000
 """Terms of one equation, at most."""
@@ -211,7 +212,10 @@ def break_lines(row: str, width: int) -> list[str]:
         lines = wrap("".join(bound), width, subsequent_indent=" " * 6, **WORDS_STAY)
         if all(len(line) <= width for line in lines):
             break
-    return [line.replace(STAYS, " ") for line in lines]
+        if depth == BRACKETS - 1:  # a product that fills a line by itself
+            whole = "".join(bound).replace(")*", ")* ")
+            lines = wrap(whole, width, subsequent_indent=" " * 6, **WORDS_STAY)
+    return [line.replace(STAYS, " ").replace("* ", "*") for line in lines]
 
 
 def readable(equations: DerivedEquations) -> ReadableEquations:
@@ -371,14 +375,7 @@ class _Search:
         moves = (*first, self._written_out, self._monomials)
         while moved and not self._spent:
             moved = False
-            for move in (
-                self._rates,
-                self._angles,
-                self._names,
-                self._identities,
-                self._written_out,
-                self._monomials,
-            ):
+            for move in moves:
                 for other, least in move(draft):
                     if self._spent:
                         break
@@ -425,6 +422,8 @@ class _Search:
             most = min if alphabet.letters[i].moves else max
             for _ in range(int(most((m.get(i, 0) for m in led), default=0))):
                 other = {times(m, ((i, 1),), -1): c for m, c in rest.items()}
+                if len(rest) > FEW and self._flat_length(other) > self._flat_length(rest):
+                    break
                 found = self._sides(other)
                 whole = all(m.get(i, 0) > 0 for m in led)
                 if found[0] > best[0] - (1 if whole else GAIN):
@@ -511,12 +510,12 @@ class _Search:
                 )
                 yield self._rewritten(rest, lambda terms: terms, {name: letter}), 1
         for letter, rate in draft.rates:
-            number, common, rest = self.alphabet.primitive(rate)
-            if len(rest) < 2 or any(i in dots for m in rate for i, _ in m):
+            number, common, inner = self.alphabet.primitive(rate)
+            if len(inner) < 2 or any(i in dots for m in rate for i, _ in m):
                 continue
             value = {times(((letter, 1),), common, -1): over(1, number)}
-            change = lambda terms: self._apply(Rule(rest, value, False), terms)  # noqa: B023,E731
-            found = self._rewritten(draft, change, {})
+            rule = Rule(inner, value, False)
+            found = self._rewritten(draft, partial(self._apply, rule), {})
             yield (
                 found._replace(
                     rates=tuple((i, rate if i == letter else t) for i, t in found.rates)
