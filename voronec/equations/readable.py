@@ -194,8 +194,8 @@ def equation_rows(pairs: Iterable[tuple[str, str]]) -> list[str]:
 
 
 def break_lines(row: str, width: int) -> list[str]:
-    """An equation in lines that end before a sign, one outside of brackets if that will do, and
-    never one inside of a function."""
+    """An equation in lines that end before a sign: one outside of brackets, and of functions, if that
+    will do."""
     if len(row) <= width:
         return [row]
     for depth in range(BRACKETS):
@@ -206,16 +206,13 @@ def break_lines(row: str, width: int) -> list[str]:
             elif piece == ")":
                 open_.pop()
             sign = piece in (" + ", " - ", " = ")
-            kept = len(open_) > depth or any(open_)
+            kept = depth < BRACKETS - 1 and (len(open_) > depth or any(open_))
             text = f"{STAYS if kept else ' '}{piece[1]}{STAYS}" if sign else piece
             bound.append(text)
         lines = wrap("".join(bound), width, subsequent_indent=" " * 6, **WORDS_STAY)
         if all(len(line) <= width for line in lines):
             break
-        if depth == BRACKETS - 1:  # a product that fills a line by itself
-            whole = "".join(bound).replace(")*", ")* ")
-            lines = wrap(whole, width, subsequent_indent=" " * 6, **WORDS_STAY)
-    return [line.replace(STAYS, " ").replace("* ", "*") for line in lines]
+    return [line.replace(STAYS, " ") for line in lines]
 
 
 def readable(equations: DerivedEquations) -> ReadableEquations:
@@ -363,7 +360,6 @@ class _Search:
             draft = found
         return draft
 
-    @property
     def _spent(self) -> bool:
         return self.alphabet.work > self.alphabet.limit
 
@@ -373,11 +369,11 @@ class _Search:
         length, moved = self.length(draft), True
         first = self._rates, self._angles, self._names, self._identities
         moves = (*first, self._written_out, self._monomials)
-        while moved and not self._spent:
+        while moved and not self._spent():
             moved = False
             for move in moves:
                 for other, least in move(draft):
-                    if self._spent:
+                    if self._spent():
                         break
                     found = self.length(other)
                     if found <= length - least:
