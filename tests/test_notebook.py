@@ -65,7 +65,7 @@ def test_formulas_of_a_notebook_are_those_of_the_system(results: dict[str, Any])
     table = results["system"]._repr_html_()
     assert r"\dot{\phi}" in table and "centre of mass" in table and "<script" not in table
     shown = results["equations"]._repr_latex_()
-    assert shown.startswith("$") and results["equations"].latex() in shown
+    assert shown.startswith("$") and r"\dot v &= a w^2" in shown
 
 
 @pytest.mark.slow
@@ -121,7 +121,7 @@ def test_equations_are_shown_on_a_terminal(
 ) -> None:
     results["equations"].show()
     lines = capsys.readouterr().out.splitlines()
-    assert lines[0].startswith("sleigh") and any(line.startswith("  dx/dt") for line in lines)
+    assert lines[0].startswith("sleigh") and any(line.startswith("  xdot") for line in lines)
 
 
 def test_a_trajectory_draws_itself(results: dict[str, Any], tmp_path: Path) -> None:

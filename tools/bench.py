@@ -10,6 +10,7 @@ references   the references of the closed form
 mechanics    models of SymPy's mechanics against SymPy
 prepared     runs of prepared problems beside equations by hand
 costs        what steps of heyoka and DOP853 cost: the constants by which `auto` chooses
+readable     the equations that are printed against those of books, and what the catalogue prints
 doubts       how often the check of runs doubts what is right, and notices what is wrong
 """
 
@@ -26,6 +27,7 @@ KINDS = {
     "mechanics": "figures.mechanics",
     "prepared": "figures.many_calls",
     "costs": "figures.method_costs",
+    "readable": "figures.readable",
     "doubts": "figures.doubts",
 }
 """Kind -> the module that does it."""

@@ -8,7 +8,7 @@ Claims and relations are statements about such fields.  Everything here is in th
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -18,7 +18,7 @@ import sympy as sp
 from voronec.algebra.branches import bounds_of
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.matrices import determinant, is_product
-from voronec.algebra.normal import canonical
+from voronec.algebra.normal import canonical, shortest
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.rank import generic_rows
 from voronec.algebra.roots import known_sign
@@ -32,7 +32,7 @@ from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.equations.derived_equations import DerivedEquations
 from voronec.errors import EngineLimit, quote
 
-__all__ = ["EquationsOfMotion", "VectorField", "for_numbers", "on_coordinates"]
+__all__ = ["EquationsOfMotion", "VectorField", "for_numbers", "on_coordinates", "solved_form"]
 
 NO_POINT = "no point was found on the relations between the variables"
 
@@ -294,3 +294,29 @@ def _field(equations: DerivedEquations, d: Derivation) -> VectorField:
         turning=d.group_terms,
         conditions=own.conditions,
     )
+
+
+def solved_form(equations: DerivedEquations) -> FirstOrderForm | None:
+    """vdot = mass^-1 force in the shortest form, kept with the equations: what mass and force share
+    is gone.
+
+    None where it is not tried, or beyond the budget.
+    """
+    return equations.memo.once("solved form", lambda: _solve(equations))
+
+
+SHORT = 300
+"""Forms that cost more operations are not solved: what comes out is longer, nearly always."""
+
+
+def _solve(equations: DerivedEquations) -> FirstOrderForm | None:
+    if equations.is_large or not equations.in_normal_form or equations.operations > SHORT:
+        return None
+    form, field = equations.exact.form, on_coordinates(equations)
+    try:
+        rates = tuple(shortest(field.accelerations, form.relations, form.velocities))
+    except EngineLimit:
+        return None
+    size = range(len(rates))
+    unit = tuple(tuple(se.Integer(int(i == j)) for j in size) for i in size)
+    return replace(form, mass=unit, force=rates)

@@ -7,21 +7,17 @@ How they are printed and exported; what they are made of stands in ``derived_equ
 
 from __future__ import annotations
 
-import re
 import sys
-from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
-from textwrap import shorten, wrap
+from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
-import symengine as se
 import sympy as sp
 
 from voronec.algebra.columns import columns
-from voronec.algebra.normal import shortest
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.typeset import caret_text, latex_of, plain_text
 from voronec.declaration.system import System, require_system
@@ -29,14 +25,15 @@ from voronec.equations.definition import read
 from voronec.equations.derivation import Derivation
 from voronec.equations.derived_equations import DerivedEquations
 from voronec.equations.evaluation import check_added_mass, check_inertia
-from voronec.equations.vector_field import on_coordinates
+from voronec.equations.readable import break_lines, equation_rows, readable
+from voronec.equations.vector_field import solved_form
 from voronec.errors import DefinitionError, EngineLimit
 
 if TYPE_CHECKING:
     from voronec.equations.control import Control
-    from voronec.equations.derivation import FirstOrderForm
     from voronec.equations.mechanics_form import MechanicsForm
     from voronec.equations.program import Program
+    from voronec.equations.readable import ReadableEquations
 
 __all__ = ["VoronecEquations", "derive", "distribution_lines", "equation_rows", "equations_lines"]
 
@@ -47,41 +44,39 @@ def _latex(eqs: VoronecEquations, expr: sp.Expr) -> str:
 
 WIDTH = 100
 """Characters in a line, unless told."""
-SCREEN = 2000
-"""How many letters of equations are written out row by row, however wide the rows are."""
-LONGEST_LEFT_SIDE = 32
-"""How long a left side may be for others to be aligned with it."""
-BRACKETS = 4
-"""How deep in brackets an equation may be broken."""
-STAYS = "\N{NO-BREAK SPACE}"
-WORDS_STAY: Any = {"break_long_words": False, "break_on_hyphens": False}
+LONGEST, SCREEN = 20_000, 60
+"""Equations of more characters are not printed, nor programs of more lines in their place."""
 
 
 def equations_lines(eqs: VoronecEquations, width: int = WIDTH) -> list[str]:
     """What kind of system it is, the motion of the coordinates, the equations of motion and the
     curvature, line by line.
 
-    Rows of mass * vdot = force that are wider than ``width`` go on in further lines, and are
-    written entry by entry where they would fill a screen.  A system too large for the exact normal
-    form has no more than its kind.
+    Motion and equations are in the form for people, lines that are wider than ``width`` go on in
+    further ones.  Of a system too large for the exact normal form, or to be printed, the program is
+    shown, where that is short.
     """
     system = eqs.system
     lines = [f"{system.name}: {system.title}" if system.title else system.name, ""]
-    lines += columns(_facts(eqs))
-    if not eqs.in_normal_form:
-        return [
-            *lines,
-            "",
-            f"too large for the exact normal form: a program of {eqs.operations} operations, "
-            "printed by --python or --c",
-        ]
-    lines += ["", "motion of the coordinates"]
-    rates = zip(eqs.coordinates, eqs.rates, strict=True)
-    lines += equation_rows((f"d{caret_text(q)}/dt", caret_text(rate)) for q, rate in rates)
-    lines += ["", f"equations of motion, mass * d({_names(eqs)})/dt = force", *_motion(eqs, width)]
+    lines += [part for line in columns(_facts(eqs)) for part in break_lines(line, width)]
+    form = readable(eqs) if eqs.in_normal_form else None
+    if form is None or form.length > LONGEST:
+        return [*lines, "", *_too_large(eqs, form)]
+    lines += ["", *form.lines(width)]
     if eqs.has_coordinate_frame:
-        lines += ["", "curvature", *_curvature_rows(eqs)]
+        rows = (part for row in _curvature_rows(eqs) for part in break_lines(row, width))
+        lines += ["", "curvature", *rows]
     return lines
+
+
+def _too_large(eqs: VoronecEquations, form: ReadableEquations | None) -> list[str]:
+    """What is told of equations that are not printed, and their program where it is short."""
+    why = f"to print, {form.length} characters" if form else "for the exact normal form"
+    told = f"too large {why}: a program of {eqs.operations} operations"
+    program = (_program(eqs) or "").splitlines()
+    if not 0 < len(program) <= SCREEN:
+        return [f"{told}, printed by --python or --c"]
+    return [f"{told}, in Python", "", *program]
 
 
 def distribution_lines(eqs: VoronecEquations) -> list[str]:
@@ -128,54 +123,8 @@ def _texts_of_integrals(eqs: VoronecEquations) -> dict[str, Any]:
     return dict(zip(("integrable_combinations", "held_constant"), found, strict=True))
 
 
-def _motion(eqs: VoronecEquations, width: int) -> list[str]:
-    """The rows of mass * vdot = force; those that are too wide go on in further lines, and what
-    would fill a screen is written entry by entry."""
-    size = range(len(eqs.velocities))
-    rates = [f"d{caret_text(v)}/dt" for v in eqs.velocities]
-    left = [" + ".join(_terms(eqs.mass.row(i), rates)) or "0" for i in size]
-    left = [text.replace(" + -", " - ") for text in left]
-    rows = equation_rows(zip(left, map(caret_text, eqs.force), strict=True))
-    if all(len(row) < width for row in rows):
-        return rows
-    if sum(map(len, rows)) <= SCREEN:
-        return [line for row in rows for line in _break_lines(row, width)]
-    mass = [(i, j, eqs.mass[i, j]) for i in size for j in size if i <= j and eqs.mass[i, j] != 0]
-    pairs = [(f"mass[{i + 1}, {j + 1}]", caret_text(e)) for i, j, e in mass]
-    return equation_rows(pairs + [(f"force[{i + 1}]", caret_text(eqs.force[i])) for i in size])
-
-
-def _break_lines(row: str, width: int) -> list[str]:
-    """An equation in lines that end before a sign, one outside of brackets if that will do."""
-    for depth in range(BRACKETS):
-        bound, level = [], 0
-        for piece in re.split(r"([()]| [+-] )", row):
-            level += (piece == "(") - (piece == ")")
-            sign = len(piece) == 3 and piece[0] == " "
-            bound.append(f"{' ' if level <= depth else STAYS}{piece[1]}{STAYS}" if sign else piece)
-        lines = wrap("".join(bound), width, subsequent_indent=" " * 6, **WORDS_STAY)
-        if all(len(line) <= width for line in lines):
-            break
-    return [line.replace(STAYS, " ") for line in lines]
-
-
-def _terms(row: Any, rates: list[str]) -> Iterator[str]:
-    for entry, rate in zip(row, rates, strict=True):
-        if entry == 1:
-            yield rate
-        elif entry != 0:
-            yield f"({caret_text(entry)})*{rate}" if entry.is_Add else f"{caret_text(entry)}*{rate}"
-
-
 def _names(eqs: VoronecEquations) -> str:
     return ", ".join(caret_text(v) for v in eqs.velocities)
-
-
-def equation_rows(pairs: Iterable[tuple[str, str]]) -> list[str]:
-    """Left and right sides as lines, aligned but for left sides that are long."""
-    found = [*pairs]
-    wide = max((len(left) for left, _ in found if len(left) <= LONGEST_LEFT_SIDE), default=0)
-    return [f"  {left.ljust(wide)}  = {right}" for left, right in found]
 
 
 def _curvature_rows(eqs: VoronecEquations) -> list[str]:
@@ -233,9 +182,15 @@ class VoronecEquations(DerivedEquations):
     They print and export themselves; everything derived stands in ``DerivedEquations``.
     """
 
-    def latex(self) -> str:
+    def latex(self, names: bool = False) -> str:
         """The equations as a LaTeX ``aligned`` block: kinematic equations, then mass * vdot = force
-        row by row."""
+        row by row.
+
+        With ``names`` an ``align`` block of the form for people, the shortest of several that are
+        proved equal, with what is named below ``where``; as ``show`` prints it.
+        """
+        if names:
+            return readable(self).latex("align")
         lines = []
         for q, rate in zip(self.coordinates, self.rates, strict=True):
             if velocity(q) != rate:
@@ -260,7 +215,13 @@ class VoronecEquations(DerivedEquations):
 
     def _repr_latex_(self) -> str | None:
         """For notebooks; None, and then the short form is shown, where formulas are too long."""
-        return f"$\\displaystyle {self.latex()}$" if self.in_normal_form else None
+        return (
+            f"$\\displaystyle {readable(self).latex('aligned')}$" if self.in_normal_form else None
+        )
+
+    def __str__(self) -> str:
+        """The equations in the form for people, as ``show`` prints them."""
+        return "\n".join(equations_lines(self))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Sent elsewhere, the system goes alone: there its equations are derived again."""
@@ -274,7 +235,7 @@ class VoronecEquations(DerivedEquations):
         from voronec.equations.program.straight import with_choices
 
         form = with_choices(self.form, self.raw.form)
-        forms = [form] if form is not self.form else [form, _solved_form(self)]
+        forms = [form] if form is not self.form else [form, solved_form(self)]
         found = [shorten_program(Program.of(f)) for f in forms if f is not None]
         return min(found, key=lambda p: operation_count(p.derivative.expressions))
 
@@ -389,24 +350,3 @@ def _derive(system: System) -> VoronecEquations:
     check_added_mass(raw)
     check_inertia(raw)
     return VoronecEquations(system, definition, raw, exact)
-
-
-SHORT = 300
-"""Forms that cost more operations are not solved: what comes out is longer, nearly always."""
-
-
-def _solved_form(equations: DerivedEquations) -> FirstOrderForm | None:
-    """vdot = mass^-1 force in the shortest form: what mass and force share is gone.
-
-    None where it is not tried, or beyond the budget.
-    """
-    if equations.is_large or not equations.in_normal_form or equations.operations > SHORT:
-        return None
-    form, field = equations.exact.form, on_coordinates(equations)
-    try:
-        rates = tuple(shortest(field.accelerations, form.relations, form.velocities))
-    except EngineLimit:
-        return None
-    size = range(len(rates))
-    unit = tuple(tuple(se.Integer(int(i == j)) for j in size) for i in size)
-    return replace(form, mass=unit, force=rates)

@@ -22,6 +22,8 @@ from voronec.declaration.claims import (
     right_of,
 )
 from voronec.declaration.system import System
+from voronec.equations.readable import readable
+from voronec.equations.voronec_equations import derive
 from voronec.proof.check import Finding, Result
 
 __all__ = ["index_page", "system_page"]
@@ -65,6 +67,7 @@ def system_page(
         f"# {system.title or system.name}",
         f"`{system.name}`. {system.description}",
         *_definition(system),
+        *_equations(system),
         *_claims(system, found),
         *_relations(system, relations),
         *_scenes(system),
@@ -176,6 +179,17 @@ def _frame(system: System, show: _Formulas) -> Iterator[str]:
     yield "Quasi-velocities"
     for v, e in zip(frame.velocities, frame.expressions, strict=True):
         yield _display(f"{show(v)} = {show(e)}", system)
+
+
+def _equations(system: System) -> Iterator[str]:
+    """The equations in the form for people."""
+    yield "## Equations of motion"
+    eqs = derive(system)
+    latex = readable(eqs).latex("aligned") if eqs.in_normal_form else ""
+    if latex and len(latex) <= LONG:
+        yield _display(latex, system)
+    else:
+        yield f"(long: `voronec derive {system.name}`)"
 
 
 def _display(latex: str, system: System) -> str:

@@ -1,0 +1,164 @@
+"""The form for people: equal to the equations, as short as a book's, and fit to be printed."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import Any
+
+import pytest
+import sympy as sp
+from textbook_equations import TEXTBOOK, Textbook, pairs, read
+
+import voronec as vo
+from voronec.algebra.symbols import plain_name
+from voronec.equations.readable import readable
+
+BY_NAME = [pytest.param(book, id=book.name) for book in TEXTBOOK]
+
+
+def depth(text: str) -> int:
+    """How deep brackets are nested."""
+    depth = most = 0
+    for letter in text:
+        depth += (letter == "(") - (letter == ")")
+        most = max(most, depth)
+    return most
+
+
+def equations_of(text: str) -> list[Any]:
+    """What vanishes by the equations of a text, names that stand on a left side replaced where they
+    are no rate."""
+    sides = [(read(a), read(b)) for a, b in pairs(text, "=")]
+    names = {a: b for a, b in sides if a.is_Symbol and not a.name.endswith("dot")}
+    found = [a - b for a, b in sides if a not in names]
+    for _ in names:
+        found = [e.xreplace(names) for e in found]
+    return found
+
+
+def printed(eqs: Any) -> str:
+    """The equations that ``print`` shows, in one line each, without headings."""
+    lines = str(eqs).splitlines()
+    rows: list[str] = []
+    start = next(i for i, line in enumerate(lines) if re.match("motion of|equations of", line))
+    for line in lines[start:]:
+        if line == "curvature":
+            break
+        if line.startswith("      "):
+            rows[-1] += " " + line.strip()
+        elif line.startswith("  "):
+            rows.append(line.strip())
+    return "; ".join(rows)
+
+
+def residuals(system: Any, text: str) -> list[Any]:
+    """The equations of a text on the motion that the engine derives."""
+    eqs = vo.derive(system)
+    mass, force = sp.Matrix(eqs.mass), sp.Matrix(eqs.force)
+    rates = dict(zip(eqs.coordinates, eqs.rates, strict=True))
+    solved = mass.adjugate() * force / mass.det()
+    values = dict(zip(map(vo.velocity, eqs.velocities), solved, strict=True))
+    for q, rate in rates.items():  # accelerations of coordinates
+        moved = {**rates, **{v: values[vo.velocity(v)] for v in eqs.velocities}}
+        total = sum((rate.diff(x) * dx for x, dx in moved.items()), rate.diff(vo.time))
+        values.setdefault(vo.velocity(vo.velocity(q)), total)
+        values.setdefault(vo.velocity(q), rate)
+    for name, e in [(str(a), e) for a, e in values.items()]:
+        if name.endswith("dotdot"):
+            values[sp.Symbol(f"{name[:-6]}ddot")] = e
+    accelerated = [e.xreplace(values) for e in equations_of(text)]
+    return [e.xreplace(values) for e in accelerated]
+
+
+@pytest.mark.parametrize("book", BY_NAME)
+def test_equations_of_a_book_hold_on_the_motion(book: Textbook) -> None:
+    for residual in residuals(book.system, book.equations):
+        assert vo.prove_equal(residual, 0).proved
+
+
+@pytest.mark.parametrize("book", BY_NAME)
+def test_what_is_printed_holds_on_the_motion_and_determines_it(book: Textbook) -> None:
+    eqs = vo.derive(book.system)
+    text = printed(eqs)
+    for residual in residuals(book.system, text):
+        assert vo.prove_equal(residual, 0).proved
+    dots = [sp.Symbol(re.sub("dotdot$", "ddot", str(vo.velocity(v)))) for v in eqs.velocities]
+    slopes = sp.Matrix([[e.diff(a) for a in dots] for e in equations_of(text)])
+    point = {s: sp.Rational(i + 3, 7) for i, s in enumerate(sorted(slopes.free_symbols, key=str))}
+    assert slopes.xreplace(point).evalf(30).rank() == len(dots)
+
+
+@pytest.mark.parametrize("book", BY_NAME)
+def test_lines_are_short_and_brackets_are_not_nested_deeply(book: Textbook) -> None:
+    text = str(vo.derive(book.system))
+    assert all(len(line) <= 100 for line in text.splitlines())
+    assert depth(text) <= 3
+
+
+def test_the_printed_form_is_as_short_as_the_book() -> None:
+    ratios = [len(printed(vo.derive(b.system)).replace(" ", "").replace(";", "")) / b.length
+              for b in TEXTBOOK]  # fmt: skip
+    assert len(ratios) >= 30 and sorted(ratios)[len(ratios) // 2] <= 1
+    assert max(ratios) < 1.5
+
+
+def sled(mass: str = "m", reach: str = "K") -> vo.System:
+    """A sleigh whose letters the test chooses."""
+    return Textbook(
+        "sled", "", "x phi",
+        f"{mass}*(xdot^2 + ydot^2)/2 + (J + {mass}*{reach}^2)*phidot^2/2"
+        f" + {mass}*{reach}*phidot*(ydot*cos(phi) - xdot*sin(phi)) - D*(x^2 + y^2)/2",
+        f"{mass} J {reach} D", "", fibre="y", constraints="xdot*sin(phi) - ydot*cos(phi)",
+        frame="v: xdot*cos(phi) + ydot*sin(phi); w: phidot",
+    ).system  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["demchenko", "chaplygin-ball", "robot-with-two-trailers"])
+def test_names_are_nobody_elses_and_stand_for_what_is_said(name: str) -> None:
+    system = vo.load(name)
+    form = readable(vo.derive(system))
+    names = [form.alphabet.text(left) for left, _ in form.names]
+    own = {plain_name(s) for s in system.known_symbols()}
+    assert names and len({*names}) == len(names) and not own & {*names}
+    rows = [form.alphabet.text(side) for pair in form.pairs for side in pair]
+    assert all(any(n in re.findall(r"\w+", row) for row in rows) for n in names)
+
+
+def test_a_name_that_the_user_has_is_not_taken() -> None:
+    assert "where" in str(vo.derive(vo.load("demchenko")))
+    taken = [line.split()[0] for line in str(vo.derive(sled("K", "L"))).splitlines() if "=" in line]
+    assert not {"K", "L", "D", "J"} & {*taken}
+
+
+def test_a_false_identity_is_not_printed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A move that changes what is said is found by the proof, and the exact form stays."""
+    system, fresh = vo.load("falling-disc"), {}
+    fresh["true"] = str(vo.derive(replace(system)))
+
+    def wrong(self: Any, rule: Any, terms: Any) -> Any:
+        return {m: 2 * c if len(m) == 3 else c for m, c in list(terms.items())[1:]}
+
+    monkeypatch.setattr("voronec.equations.readable._Search._apply", wrong)
+    fresh["attacked"] = str(vo.derive(replace(system)))
+    assert fresh["attacked"] != fresh["true"]
+    text = printed(vo.derive(replace(system)))
+    for residual in residuals(system, text):
+        assert vo.prove_equal(residual, 0).proved
+
+
+def test_latex_is_set_as_a_book_sets_it() -> None:
+    text = vo.derive(vo.load("sleigh")).latex(names=True)
+    assert r"(J + m a^2) \dot w &= -m a v w" in text and r"\dot x &= v \cos\phi" in text
+    text = vo.derive(vo.load("ball-on-paraboloid")).latex(names=True)
+    assert text.startswith(r"\begin{align}") and r"\text{where}\quad" in text
+    for word in (r"\frac{d}{d t}", r"{\left(\phi", r"\operatorname", "sqrt("):
+        assert word not in text
+
+
+@pytest.mark.parametrize("name", ["suslov", "snakeboard", "veselova", "ball-on-sphere"])
+def test_lines_of_the_catalogue_fit(name: str) -> None:
+    text = str(vo.derive(vo.load(name)))
+    assert all(len(line) <= 100 for line in text.splitlines())
+    equations = text.partition("curvature\n")[0]
+    assert depth(equations) <= 3

@@ -1,0 +1,852 @@
+"""Equations in the form for people: the shortest of several that are proved equal.
+
+A draft is equations that vanish, rates of coordinates, and names with what they stand for.  Moves
+lead from a draft to another that says the same: an identity of sines, a relation, the rate of a
+coordinate written by its own letter, a name for what occurs often.  A move is made where fewer
+characters are printed, until none is left or the budget, in terms that are arranged, is spent.
+What comes out is put back into the equations and proved by the exact algebra; what is not proved is
+not used.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from itertools import combinations
+from textwrap import wrap
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import symengine as se
+
+from voronec.algebra.laurent import (
+    ACCELERATION,
+    MOVING,
+    PARAMETER,
+    VELOCITY,
+    Alphabet,
+    Factor,
+    Monomial,
+    Product,
+    Rational,
+    Sum,
+    Terms,
+    add,
+    divide,
+    mul,
+    over,
+    times,
+)
+from voronec.algebra.roots import ring_over
+from voronec.algebra.symbols import plain_name
+from voronec.algebra.typeset import caret_text, latex_of, symbol_latex
+from voronec.equations.vector_field import solved_form
+from voronec.errors import EngineLimit
+
+if TYPE_CHECKING:
+    from voronec.equations.derivation import FirstOrderForm
+    from voronec.equations.derived_equations import DerivedEquations
+
+__all__ = ["ReadableEquations", "readable"]
+
+WIDTH = 100
+"""Characters of a line of text."""
+COLUMN = 56
+"""Characters of a line of LaTeX that fits a column."""
+LONGEST_LEFT_SIDE = 32
+"""How long a left side may be for others to be aligned with it."""
+BRACKETS = 4
+"""How deep in brackets an equation may be broken."""
+STAYS = "\N{NO-BREAK SPACE}"
+WORDS_STAY: Any = {"break_long_words": False, "break_on_hyphens": False}
+ONE = 1
+TRIGONOMETRIC = (se.sin, se.cos, se.tan, se.cot)
+WRITTEN_OUT = 200
+"""Equations of more terms keep the brackets of the exact form."""
+FEW = 25
+"""Where written out they have no more terms, nothing shorter is found in the brackets."""
+MOST = 4000
+"""Terms of one equation, at most."""
+BUDGET = 8_000
+"""How many terms may be arranged on the way from one draft to the shortest form."""
+PROOF = 600_000
+"""Work of the proof of one equation."""
+GAIN = 4
+"""Characters that a name must save: who reads has to look it up."""
+DEEP = 3
+"""Brackets are not nested deeper."""
+MOST_NAMES = 40
+"""Names for brackets that are too deep, at most."""
+TRIED = 6
+"""Names that are tried at once, those first that seem to save most."""
+CONSTANTS, MOTIONS = "K L N P Q S U W Z A B C F H".split(), "D E F G H T Y X V U".split()
+ANGLES = "delta epsilon eta zeta xi".split()
+
+
+class Draft(NamedTuple):
+    """Equations that vanish, those of a form, rates of coordinates, and names."""
+
+    form: FirstOrderForm
+    rows: tuple[Terms, ...]
+    rates: tuple[tuple[int, Terms], ...]
+    names: tuple[tuple[int, Terms], ...] = ()
+
+
+class Row(NamedTuple):
+    """An equation as it is printed, and what it was multiplied by."""
+
+    left: Sum
+    right: Sum
+    number: Rational
+    factor: Monomial
+
+
+class Rule(NamedTuple):
+    """A sum that equals another; or, for ``head``, a monomial."""
+
+    terms: Terms
+    value: Terms
+    head: bool
+    kinematic: bool = False
+
+
+@dataclass(frozen=True)
+class ReadableEquations:
+    """The form for people of some equations.
+
+    ``rates`` are the motion of the coordinates, ``rows`` the equations of motion, ``names`` what
+    stands below ``where``: left and right sides in the letters of ``alphabet``.
+    """
+
+    alphabet: Alphabet
+    rates: tuple[tuple[Sum, Sum], ...]
+    rows: tuple[Row, ...]
+    names: tuple[tuple[Sum, Sum], ...]
+
+    @property
+    def pairs(self) -> Iterator[tuple[Sum, Sum]]:
+        """Everything that is printed: rates, equations of motion, what is named."""
+        yield from self.rates
+        yield from ((row.left, row.right) for row in self.rows)
+        yield from self.names
+
+    @property
+    def length(self) -> int:
+        """Characters of all equations and of what is named, blanks aside."""
+        return sum(self.alphabet.length(a) + self.alphabet.length(b) + 1 for a, b in self.pairs)
+
+    @property
+    def heading(self) -> str:
+        """What the equations of motion were cleared of: it changes with time, and is not zero where
+        they determine the accelerations."""
+        letters = self.alphabet.letters
+        moving = [i for row in self.rows for i, _ in row.factor if letters[i].moves]
+        texts = dict.fromkeys(map(self.alphabet.letter_text, moving))
+        cleared = [text if len(text) < LONGEST_LEFT_SIDE else "a denominator" for text in texts]
+        return "equations of motion" + (f", cleared of {', '.join(cleared)}" if cleared else "")
+
+    def lines(self, width: int) -> list[str]:
+        """Text in lines of some width."""
+        parts = [("motion of the coordinates", self.rates)] if self.rates else []
+        parts.append((self.heading, tuple((row.left, row.right) for row in self.rows)))
+        parts += [("where", self.names)] if self.names else []
+        found: list[str] = []
+        for head, pairs in parts:
+            rows = equation_rows((self.alphabet.text(a), self.alphabet.text(b)) for a, b in pairs)
+            found += ["", head, *(line for row in rows for line in break_lines(row, width))]
+        return found[1:]
+
+    def latex(self, environment: str) -> str:
+        """A LaTeX block: ``align``, or ``aligned`` inside of a formula."""
+        rows: list[str] = []
+        more = r" \nonumber" if environment == "align" else ""
+        for place, (left, right) in enumerate(self.pairs):
+            first = place == len(self.rates) + len(self.rows)
+            begin = (r"\text{where}\quad " if first else "") + self.alphabet.latex(left)
+            sides = self._in_columns(right, len(begin))
+            rows += [f"{begin} &= {sides[0]}", *(rf"&\quad {side}" for side in sides[1:])]
+            for k in range(len(rows) - len(sides), len(rows) - 1):
+                rows[k] += more
+        body = " \\\\\n  ".join(rows)
+        return f"\\begin{{{environment}}}\n  {body}\n\\end{{{environment}}}"
+
+    def _in_columns(self, parts: Sum, begun: int) -> list[str]:
+        """The terms of a sum in lines that fit a column."""
+        lines, room = [""], COLUMN - begun
+        for product in self.alphabet.in_order(parts) or [Product(0, ())]:
+            text, width = self.alphabet.latex((product,)), self.alphabet.length((product,))
+            if lines[-1] and room < width:
+                lines.append("")
+                room = COLUMN
+            room -= width
+            plus = "" if (len(lines) == 1 and not lines[-1]) or text.startswith("-") else "+ "
+            lines[-1] = f"{lines[-1]} {plus}{text}".strip()
+        return [*map(str.strip, lines)]
+
+
+def equation_rows(pairs: Iterable[tuple[str, str]]) -> list[str]:
+    """Left and right sides as lines, aligned but for left sides that are long."""
+    found = [*pairs]
+    wide = max((len(left) for left, _ in found if len(left) <= LONGEST_LEFT_SIDE), default=0)
+    return [f"  {left.ljust(wide)} = {right}" for left, right in found]
+
+
+def break_lines(row: str, width: int) -> list[str]:
+    """An equation in lines that end before a sign: one outside of brackets, and of functions, if
+    that will do."""
+    if len(row) <= width:
+        return [row]
+    for depth in range(BRACKETS):
+        bound, open_ = [], list[bool]()
+        for piece in re.split(r"(\w*\(|\)| [+-] | = )", row):
+            if piece.endswith("("):
+                open_.append(len(piece) > 1)
+            elif piece == ")":
+                open_.pop()
+            sign = piece in (" + ", " - ", " = ")
+            kept = depth < BRACKETS - 1 and (len(open_) > depth or any(open_))
+            text = f"{STAYS if kept else ' '}{piece[1]}{STAYS}" if sign else piece
+            bound.append(text)
+        lines = wrap("".join(bound), width, subsequent_indent=" " * 6, **WORDS_STAY)
+        if all(len(line) <= width for line in lines):
+            break
+    return [line.replace(STAYS, " ") for line in lines]
+
+
+def readable(equations: DerivedEquations) -> ReadableEquations:
+    """The form for people, kept with the equations."""
+    return equations.memo.once("readable", lambda: _Search(equations).run())
+
+
+@dataclass
+class _Search:
+    """The way from the exact form to the form for people."""
+
+    equations: DerivedEquations
+    alphabet: Alphabet = field(init=False)
+    printed: dict[Any, tuple[int, Row]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        form = self.form = self.equations.best.form
+        self.dots = form.velocity_symbols or tuple(se.Symbol(f"{q}dot") for q in form.coordinates)
+        self.accelerations = [se.Symbol(f"d{v}/dt") for v in form.velocities]
+        self.texts = {
+            a: _dotted(str(v)) for a, v in zip(self.accelerations, form.velocities, strict=True)
+        }
+        self.ranks: dict[Any, tuple[int, int]] = {}
+        for kind, things in (
+            (ACCELERATION, self.accelerations),
+            (VELOCITY, (*form.velocities, *self.dots)),
+            (MOVING, (form.time, *form.inputs, *form.coordinates)),
+            (PARAMETER, form.parameters),
+        ):
+            for place, thing in enumerate(things):
+                self.ranks.setdefault(thing, (kind, place))
+        self.alphabet = Alphabet(self._rank, self._text, self._latex, MOST)
+        own = {str(s) for e in (*form.expressions, *self.ranks) for s in se.sympify(e).free_symbols}
+        self.taken = own | {plain_name(s) for s in self.equations.system.known_symbols()}
+        self.taken |= {f"{name}dot" for name in self.taken} | {"t"}
+
+    def _rank(self, atom: Any) -> tuple[int, int]:
+        if atom in self.ranks:
+            return self.ranks[atom]
+        inside = atom.xreplace(self.alphabet.angles).free_symbols
+        places = [self.ranks.get(s, (MOVING, 0)) for s in inside]
+        highest = max(places, default=(PARAMETER, 0))
+        if highest[0] < MOVING:
+            return PARAMETER + 1, len(self.alphabet.letters)
+        return (MOVING + 1 if highest[0] < VELOCITY else highest[0], len(self.alphabet.letters))
+
+    def _text(self, atom: Any) -> str:
+        if isinstance(atom, TRIGONOMETRIC):
+            angle = self.alphabet.arrange(self._angle(atom.args[0]))
+            return f"{type(atom).__name__}({self.alphabet.text(angle)})"
+        if atom in self.alphabet.angles:
+            return str(atom)
+        return self.texts.get(atom) or caret_text(self.equations.bridge.outward(atom))
+
+    def _angle(self, angle: Any) -> Terms:
+        """An angle as it is written: a name stays, what merely stands for a sum does not."""
+        if str(angle).startswith("angle "):
+            angle = self.alphabet.angles[angle]
+        return self.alphabet.read(angle)
+
+    def _latex(self, atom: Any) -> str:
+        if isinstance(atom, TRIGONOMETRIC):
+            angle = self.alphabet.arrange(self._angle(atom.args[0]))
+            inner = self.alphabet.latex(angle)
+            plain = len(angle) == 1 and angle[0].number == 1 and len(angle[0].factors) == 1
+            return rf"\{type(atom).__name__}" + (
+                f"({inner})" if not plain else inner if inner[0] == "\\" else f" {inner}"
+            )
+        if not atom.is_Symbol:
+            system = self.equations.system
+            outside = self.equations.bridge.outward(atom)
+            return latex_of(outside, system.coordinates, system.velocities)
+        name, dots = self.texts.get(atom, str(atom)), 0
+        if atom in self.texts and name.endswith("ddot"):
+            name, dots = name[:-4], 2
+        elif atom in self.texts or atom in self.dots:
+            name, dots = name[:-3], 1
+        text = symbol_latex(name)
+        return text if not dots else rf"\{'d' * dots}ot" + ("" if text[0] == "\\" else " ") + text
+
+    # -- drafts -------------------------------------------------------------------------------
+
+    def run(self) -> ReadableEquations:
+        """The shortest draft that is proved."""
+        plain = self._first()
+        best = min(self._shortened(plain), key=self._place)
+        if not self.proved(best):
+            best = plain
+        return self.finished(best)
+
+    def _place(self, draft: Draft) -> tuple[int, int]:
+        """Drafts that fit the lines come first, then short ones."""
+        form = self.finished(draft)
+        deep = sum(_depth(self.alphabet.text(side)) > DEEP for pair in form.pairs for side in pair)
+        return deep + sum(len(line) > WIDTH for line in form.lines(WIDTH)), self.length(draft)
+
+    def _first(self) -> Draft:
+        """The exact form as it is."""
+        self.alphabet.whole = True
+        return self._draft(self.form)
+
+    def _draft(self, form: FirstOrderForm) -> Draft:
+        read = self.alphabet.read
+        rows = []
+        for row, force in zip(form.mass, form.force, strict=True):
+            terms = [mul(read(e), read(a)) for e, a in zip(row, self.accelerations, strict=True)]
+            rows.append(add(*terms, mul({(): -ONE}, read(force))))
+        rates = [
+            (self.alphabet.index(dot), read(rate))
+            for dot, rate in zip(self.dots, form.rates, strict=True)
+            if dot != rate
+        ]
+        return Draft(form, tuple(rows), tuple(rates))
+
+    def _shortened(self, plain: Draft) -> Iterator[Draft]:
+        """The exact form written out and as it stands, each after all moves."""
+        self.alphabet.whole = False
+        try:
+            spread = [self._draft(self.form)]
+            if (solved := solved_form(self.equations)) is not None:
+                spread.append(self._draft(solved))
+            spread = [d for d in sorted(spread, key=_size) if _size(d) <= WRITTEN_OUT]
+            yield from (self._flat(self._improve(draft)) for draft in spread)
+            if spread and _size(spread[0]) <= FEW:
+                return
+        except EngineLimit:
+            pass
+        yield self._flat(self._improve(plain))
+
+    def _flat(self, draft: Draft) -> Draft:
+        """A draft with names for brackets that are nested too deeply."""
+        for _ in range(MOST_NAMES):
+            deep = [p for p in self._products(draft) if _depth(self.alphabet.text((p,))) > DEEP]
+            inner = [
+                terms for terms in self._brackets(draft, deep)
+                if 0 < _depth(self.alphabet.text(self.alphabet.arrange(terms))) <= DEEP
+            ]  # fmt: skip
+            inner.sort(key=self._length, reverse=True)
+            named = (self._with_name(draft, terms) for terms in inner)
+            found = next(
+                (d for d in named if d[:3] != draft[:3] or d.names[:-1] != draft.names), None
+            )
+            if found is None:
+                break
+            draft = found
+        return draft
+
+    def _spent(self) -> bool:
+        return self.alphabet.work > self.alphabet.limit
+
+    def _improve(self, draft: Draft) -> Draft:
+        """A draft after all moves that make it shorter."""
+        self.alphabet.work, self.alphabet.limit = 0, BUDGET
+        length, moved = self.length(draft), True
+        first = self._rates, self._angles, self._names, self._identities
+        moves = (*first, self._written_out, self._monomials)
+        while moved and not self._spent():
+            moved = False
+            for move in moves:
+                for other, least in move(draft):
+                    if self._spent():
+                        break
+                    found = self.length(other)
+                    if found <= length - least:
+                        draft, length, moved = other, found, True
+                        break
+        return draft
+
+    # -- length -------------------------------------------------------------------------------
+
+    def length(self, draft: Draft) -> int:
+        """The characters of what is printed."""
+        total = sum(self.row(terms)[0] for terms in draft.rows)
+        for letter, terms in (*draft.rates, *draft.names):
+            total += len(self.alphabet.letter_text(letter)) + 1 + self._length(terms)
+        return total
+
+    def _length(self, terms: Terms) -> int:
+        return self.alphabet.length(self.alphabet.arrange(terms))
+
+    def row(self, terms: Terms) -> tuple[int, Row]:
+        """An equation as it is printed, multiplied by what makes it short."""
+        key = frozenset(terms.items())
+        if key not in self.printed:
+            self.printed[key] = self._row(terms)
+        return self.printed[key]
+
+    def _row(self, terms: Terms) -> tuple[int, Row]:
+        alphabet = self.alphabet
+        number, common, _ = alphabet.primitive(terms)
+        common = tuple(p for p in common if alphabet.letters[p[0]].rank[0] < ACCELERATION)
+        rest = {times(m, common, -1): over(c, number) for m, c in terms.items()}
+        low: dict[int, Any] = {}
+        for m in rest:
+            for i, e in m:
+                low[i] = min(low.get(i, 0), e)
+        below = tuple(sorted((i, e) for i, e in low.items() if e))
+        factor = times(common, below)
+        rest = {times(m, below, -1): c for m, c in rest.items()}
+        best = self._sides(rest)
+        led = [dict(m) for m in rest if self._leads(m)]
+        for i, _ in below if len(rest) <= WRITTEN_OUT else ():
+            most = min if alphabet.letters[i].moves else max
+            for _ in range(int(most((m.get(i, 0) for m in led), default=0))):
+                other = {times(m, ((i, 1),), -1): c for m, c in rest.items()}
+                if len(rest) > FEW and self._flat_length(other) > self._flat_length(rest):
+                    break
+                found = self._sides(other)
+                whole = all(m.get(i, 0) > 0 for m in led)
+                if found[0] > best[0] - (1 if whole else GAIN):
+                    break
+                rest, best, factor = other, found, times(factor, ((i, 1),))
+        length, left, right, sign = best
+        return length, Row(left, right, over(sign, number), times((), factor, -1))
+
+    def _sides(self, rest: Terms) -> tuple[int, Sum, Sum, int]:
+        """Accelerations on the left, most of them positive, everything else on the right."""
+        left = {m: c for m, c in rest.items() if self._leads(m)}
+        right = {m: -c for m, c in rest.items() if m not in left}
+        letters = self.alphabet.letters
+        still = [
+            m for m in left if not any(MOVING <= letters[i].rank[0] < ACCELERATION for i, _ in m)
+        ]
+        sign = -1 if sum(1 if left[m] > 0 else -1 for m in still or left) < 0 else 1
+        sides = [self.alphabet.arrange({m: sign * c for m, c in p.items()}) for p in (left, right)]
+        return sum(map(self.alphabet.length, sides)) + 1, sides[0], sides[1], sign
+
+    def _leads(self, m: Monomial) -> bool:
+        return any(self.alphabet.letters[i].rank[0] == ACCELERATION for i, _ in m)
+
+    def _written_out(self, draft: Draft) -> Iterator[tuple[Draft, int]]:
+        """Drafts without one of the names, where that hardly takes more characters."""
+        for letter, terms in draft.names:
+            if self.alphabet.letters[letter].terms is not None:
+                number, common, rest = self.alphabet.primitive(terms)
+                if (number != 1 or common) and len(rest) > 1:
+                    yield self._scaled(draft, letter), 1
+                yield self._without(draft, letter, terms), 1 - GAIN
+
+    def _scaled(self, draft: Draft, letter: int) -> Draft:
+        """A draft where a name stands for what it stood for without numbers and factors."""
+        number, common, rest = self.alphabet.primitive(dict(draft.names)[letter])
+        name = self.alphabet.name(self.alphabet.letter_text(letter), rest)
+        names = tuple((name, rest) if i == letter else (i, t) for i, t in draft.names)
+
+        def change(sum_: Terms) -> Terms:
+            return _scaled(sum_, letter, number, common)
+
+        return self._rewritten(draft._replace(names=names), change, {letter: name})
+
+    def _without(self, draft: Draft, letter: int, terms: Terms) -> Draft:
+        plain = not all(e == 1 for m in self._all(draft) for i, e in m if i == letter)
+        swaps = {letter: self.alphabet.index(None, terms)} if plain and len(terms) > 1 else {}
+        rest = draft._replace(names=tuple(n for n in draft.names if n[0] != letter))
+
+        def change(sum_: Terms) -> Terms:
+            if swaps:
+                return sum_
+            found = sum_
+            for m, c in sum_.items():
+                power = dict(m).get(letter, 0)
+                if power:
+                    alone = {times(m, ((letter, power),), -1): c}
+                    for _ in range(abs(int(power))):
+                        alone = mul(alone, terms if power > 0 else _inverse(terms))
+                    found = add({n: d for n, d in found.items() if n != m}, alone)
+            return found
+
+        return self._rewritten(rest, change, swaps)
+
+    def _all(self, draft: Draft) -> Iterator[Monomial]:
+        """The monomials of a draft, those in letters too."""
+        waiting = [*draft.rows, *(t for _, t in (*draft.rates, *draft.names))]
+        while waiting:
+            for m in waiting.pop():
+                yield m
+                inner = (
+                    self.alphabet.letters[i].terms for i, _ in m if i not in self.alphabet.named
+                )
+                waiting += filter(None, inner)
+
+    def _rates(self, draft: Draft) -> Iterator[tuple[Draft, int]]:
+        """Drafts with the letter of a rate in other rates, and names."""
+        dots, named = {i for i, _ in draft.rates}, dict(draft.names)
+        for letter, rate in draft.rates:
+            name = next((i for i in named if rate == {((i, 1),): ONE}), None)
+            if name is not None:  # the rate has a letter already
+                whole = tuple((i, named[name] if i == letter else r) for i, r in draft.rates)
+                rest = draft._replace(
+                    rates=whole, names=tuple(n for n in draft.names if n[0] != name)
+                )
+                yield self._rewritten(rest, lambda terms: terms, {name: letter}), 1
+        for letter, rate in draft.rates:
+            number, common, inner = self.alphabet.primitive(rate)
+            if len(inner) < 2 or any(i in dots for m in rate for i, _ in m):
+                continue
+            value = {times(((letter, 1),), common, -1): over(1, number)}
+            rule = Rule(inner, value, False)
+            found = self._rewritten(draft, partial(self._apply, rule), {})
+            yield (
+                found._replace(
+                    rates=tuple((i, rate if i == letter else t) for i, t in found.rates)
+                ),
+                1,
+            )
+
+    # -- identities ---------------------------------------------------------------------------
+
+    def _identities(self, draft: Draft) -> Iterator[tuple[Draft, int]]:
+        """Drafts with an identity used, in one equation or in all."""
+        rules = [*self._rules(draft)]
+        for rule in rules:
+            rows = [self._apply(rule, terms) for terms in draft.rows]
+            shorter = [self._flat_length(a) < self._flat_length(b)
+                       for a, b in zip(rows, draft.rows, strict=True)]  # fmt: skip
+            for i, row in enumerate(rows):
+                if shorter[i]:
+                    yield draft._replace(rows=(*draft.rows[:i], row, *draft.rows[i + 1 :])), 1
+            if sum(shorter) > 1 or not any(shorter):
+                found = self._rewritten(draft, lambda terms: self._shorter(rule, terms), {})  # noqa: B023
+                if rule.kinematic:
+                    found = found._replace(rates=draft.rates)
+                if found != draft:
+                    yield found, 1
+
+    def _shorter(self, rule: Rule, terms: Terms) -> Terms:
+        found = self._apply(rule, terms)
+        return found if self._flat_length(found) < self._flat_length(terms) else terms
+
+    def _flat_length(self, terms: Terms) -> int:
+        """About how many characters a sum has where it is written out."""
+        text = self.alphabet.letter_text
+        return sum(2 + sum(len(text(i)) + 2 * (e != 1) for i, e in m) for m in terms)
+
+    def _apply(self, rule: Rule, terms: Terms) -> Terms:
+        if not rule.head:
+            quotient, rest = divide(terms, rule.terms)
+            return add(mul(quotient, rule.value), rest) if quotient else terms
+        (head,) = rule.terms
+        for _ in range(3):
+            found = [m for m in terms if _divides(head, m)]
+            if not found:
+                break
+            rest = {m: c for m, c in terms.items() if m not in found}
+            terms = add(rest, *(mul({times(m, head, -1): terms[m]}, rule.value) for m in found))
+        return terms
+
+    def _rules(self, draft: Draft) -> Iterator[Rule]:
+        letters, read = self.alphabet.letters, self.alphabet.read
+        used = {i for terms in draft.rows for m in terms for i, _ in m}
+        meanings = (letters[i].meaning for i in sorted(used))
+        angles = [*dict.fromkeys(m.args[0] for m in meanings if isinstance(m, se.sin | se.cos))]
+        for angle in angles:
+            s, c = (read(f(angle)) for f in (se.sin, se.cos))
+            yield Rule(mul(s, s), add({(): ONE}, mul({(): -ONE}, mul(c, c))), True)
+            yield Rule(mul(c, c), add({(): ONE}, mul({(): -ONE}, mul(s, s))), True)
+            yield Rule(add(mul(s, s), mul(c, c)), {(): ONE}, False)
+        shown = [a.xreplace(self.alphabet.angles) for a in angles]
+        for a, b in combinations(shown, 2):
+            s, c, z, d = (read(f(x)) for x in (a, b) for f in (se.sin, se.cos))
+            for sign in (1, -1) if (a - b).expand() != 0 else ():
+                other = mul({(): sign}, z)
+                yield Rule(add(mul(s, d), mul(c, other)), read(se.sin(a + sign * b)), False)
+                yield Rule(
+                    add(mul(c, d), mul({(): -ONE}, mul(s, other))),
+                    read(se.cos(a + sign * b)),
+                    False,
+                )
+        for relation in self.form.relations:
+            yield from self._heads(read(relation), lambda r: r >= MOVING)
+        for letter, rate in draft.rates:
+            yield from self._heads(
+                add(rate, {((letter, 1),): -ONE}), lambda r: r >= VELOCITY, letter
+            )
+
+    def _heads(self, relation: Terms, moves: Any, kept: int | None = None) -> Iterator[Rule]:
+        """A relation solved for what moves in each of its terms."""
+        letters = self.alphabet.letters
+        for m, c in relation.items():
+            head = tuple((i, e) for i, e in m if letters[i].rank[0] >= MOVING)
+            if any(i == kept for i, _ in m) or not any(moves(letters[i].rank[0]) for i, _ in head):
+                continue
+            rest = {n: d for n, d in relation.items() if n != m}
+            value = mul({times(head, m, -1): over(-1, c)}, rest)
+            yield Rule({head: ONE}, value, True, kept is not None)
+
+    # -- names --------------------------------------------------------------------------------
+
+    def _names(self, draft: Draft) -> Iterator[tuple[Draft, int]]:
+        """Drafts with a name for a sum that stands in brackets, or is divided by."""
+        counts: Counter[Any] = Counter()
+        found: dict[Any, Terms] = {}
+        for terms in self._brackets(draft):
+            _, _, rest = self.alphabet.primitive(terms)
+            if not any(map(self._leads, rest)):
+                key = frozenset(rest.items())
+                found[key] = rest
+                counts[key] += 1
+        length = {key: self._length(found[key]) for key, count in counts.items() if count > 1}
+        for key in sorted(length, key=lambda key: (-counts[key] * length[key], length[key]))[
+            :TRIED
+        ]:
+            yield self._with_name(draft, found[key]), GAIN
+
+    def _brackets(self, draft: Draft, among: Iterable[Product] | None = None) -> Iterator[Terms]:
+        """The sums in brackets, as often as they stand."""
+        for product in self._products(draft) if among is None else among:
+            for base, _ in product.factors:
+                if not isinstance(base, int):
+                    yield self._spread(base)
+                elif (
+                    inner := self.alphabet.letters[base].terms
+                ) and base not in self.alphabet.named:
+                    yield inner
+
+    def _spread(self, parts: Sum) -> Terms:
+        total: Terms = {}
+        for product in parts:
+            terms: Terms = {(): product.number}
+            for base, e in product.factors:
+                if isinstance(base, int):
+                    terms = mul(terms, {((base, e),): ONE})
+                else:
+                    for _ in range(int(e)):
+                        terms = mul(terms, self._spread(base))
+            total = add(total, terms)
+        return total
+
+    def _with_name(self, draft: Draft, terms: Terms) -> Draft:
+        alphabet = self.alphabet
+        moving = any(alphabet.letters[i].moves for m in terms for i, _ in m)
+        letter = alphabet.name(self._free(draft, MOTIONS if moving else CONSTANTS), terms)
+
+        def change(sum_: Terms) -> Terms:
+            if len(terms) > 1:
+                quotient, rest = divide(sum_, terms)
+                return add(mul(quotient, {((letter, 1),): ONE}), rest) if quotient else sum_
+            ((head, _),) = terms.items()
+            return {
+                times(times(m, head, -1), ((letter, 1),)) if _divides(head, m) else m: c
+                for m, c in sum_.items()
+            }
+
+        found = self._rewritten(draft, change, {})
+        return found._replace(names=(*found.names, (letter, terms)))
+
+    def _rewritten(self, draft: Draft, change: Any, swaps: dict[int, int]) -> Draft:
+        """A draft with all of its sums changed and letters swapped, inside of letters too."""
+        alphabet, known = self.alphabet, dict(swaps)
+
+        def whole(terms: Terms) -> Terms:
+            found = change(terms)
+            if all(swap(i) == i for m in found for i, _ in m):
+                return found
+            return {times((), tuple((swap(i), e) for i, e in m)): c for m, c in found.items()}
+
+        def swap(i: int) -> int:
+            if i not in known:
+                inner = alphabet.letters[i].terms
+                known[i] = i
+                if inner is not None and i not in alphabet.named:
+                    changed = whole(inner)
+                    if changed == inner or not changed:
+                        return i
+                    ((m, c), *others) = changed.items()
+                    if not others and c == 1 and len(m) == 1 and m[0][1] == 1:
+                        known[i] = m[0][0]
+                    else:
+                        known[i] = alphabet.index(None, changed)
+            return known[i]
+
+        return Draft(
+            draft.form,
+            tuple(map(whole, draft.rows)),
+            tuple((i, whole(rate)) for i, rate in draft.rates),
+            tuple((i, whole(of)) for i, of in draft.names),
+        )
+
+    def _free(self, draft: Draft, pool: Sequence[str]) -> str:
+        used = self.taken | {self.alphabet.letter_text(i) for i, _ in draft.names}
+        longer = (f"{name}{i}" for i in range(1, 99) for name in pool)
+        return next(name for name in (*pool, *longer) if name not in used)
+
+    def _monomials(self, draft: Draft) -> Iterator[tuple[Draft, int]]:
+        """Drafts with a name for factors that often stand together."""
+        letters = self.alphabet.letters
+        found = [
+            {
+                (f.base, f.exponent)
+                for f in product.factors
+                if isinstance(f.base, int) and letters[f.base].rank[0] < VELOCITY
+            }
+            for product in self._products(draft)
+        ]
+        counts: Counter[Monomial] = Counter()
+        for a, b in combinations(found, 2):
+            if len(both := a & b) > 1:
+                counts[tuple(sorted(both))] += 1
+        gains = {}
+        for m, _ in counts.most_common(2 * TRIED):
+            width = self._length({m: ONE})
+            gains[m] = (sum(set(m) <= one for one in found) - 1) * (width - 1) - 4
+        for m in sorted((m for m in gains if gains[m] > GAIN), key=lambda m: -gains[m])[:TRIED]:
+            yield self._with_name(draft, {m: ONE}), 5 * GAIN
+
+    def _products(self, draft: Draft) -> Iterator[Product]:
+        """The products that are printed."""
+        sides = [side for terms in draft.rows for side in self.row(terms)[1][:2]]
+        sides += [self.alphabet.arrange(terms) for _, terms in (*draft.rates, *draft.names)]
+        while sides:
+            for product in sides.pop():
+                yield product
+                for base, _ in product.factors:
+                    if not isinstance(base, int):
+                        sides.append(base)
+                    elif (inner := self.alphabet.letters[base].terms) and (
+                        base not in self.alphabet.named
+                    ):
+                        sides.append(self.alphabet.arrange(inner))
+
+    def _angles(self, draft: Draft) -> Iterator[tuple[Draft, int]]:
+        """Drafts with a name for a sum of angles."""
+        letters = self.alphabet.letters
+        every = (*draft.rows, *(t for _, t in draft.rates), *(t for _, t in draft.names))
+        used = sorted({i for terms in every for m in terms for i, _ in m})
+        angles = {
+            letters[i].meaning.args[0] for i in used
+            if isinstance(letters[i].meaning, TRIGONOMETRIC)
+        }  # fmt: skip
+        known = self.alphabet.angles
+        for stand_in in sorted((a for a in angles if str(a).startswith("angle ")), key=str):
+            name = se.Symbol(self._free(draft, ANGLES))
+            known[name], self.ranks[name] = known[stand_in], (MOVING, len(known) + 99)
+            swaps = {}
+            for i in used:
+                meaning = letters[i].meaning
+                if isinstance(meaning, TRIGONOMETRIC):
+                    ratio = (known.get(meaning.args[0], meaning.args[0]) / known[name]).expand()
+                    if meaning.args[0] == stand_in or ratio == 2:
+                        ratio = 1 if meaning.args[0] == stand_in else ratio
+                        swaps[i] = self.alphabet.index(meaning.func(ratio * name))
+            found = self._rewritten(draft, lambda terms: terms, swaps)
+            letter = self.alphabet.index(name)
+            terms = self.alphabet.read(known[stand_in])
+            yield found._replace(names=(*found.names, (letter, terms))), GAIN
+
+    # -- proof --------------------------------------------------------------------------------
+
+    def proved(self, draft: Draft) -> bool:
+        """Whether every equation, names put in, is the exact one times its factor, and every rate
+        the exact rate."""
+        try:
+            return all(self._vanishes(e) for e in self._differences(draft))
+        except EngineLimit:
+            return False
+
+    def _differences(self, draft: Draft) -> Iterator[Any]:
+        show, form = self.expression, draft.form
+        if form is not self.form:  # mass^-1 force
+            for row, force in zip(self.form.mass, self.form.force, strict=True):
+                yield se.Add(*(e * a for e, a in zip(row, form.force, strict=True))) - force
+        for terms, mass, force in zip(draft.rows, form.mass, form.force, strict=True):
+            _, row = self.row(terms)
+            factor = show({row.factor: row.number})
+            exact = se.Add(*(e * a for e, a in zip(mass, self.accelerations, strict=True))) - force
+            printed = show(self._spread(row.left)) - show(self._spread(row.right))
+            yield printed / factor - exact
+        given = dict(zip(self.dots, form.rates, strict=True))
+        own = {self.alphabet.letters[i].meaning: self._plain(t) for i, t in draft.rates}
+        for dot in own:
+            found = own[dot]
+            for _ in own:  # rates may be written by others, not by themselves
+                found = found.xreplace(own)
+            if dot not in form.velocities and found.free_symbols & own.keys():
+                raise EngineLimit("rates are written by one another")
+            yield found - given[dot]
+
+    def expression(self, terms: Terms) -> Any:
+        """A sum as an expression, rates and names replaced by what they stand for."""
+        return self._plain(terms).xreplace(dict(zip(self.dots, self.form.rates, strict=True)))
+
+    def _plain(self, terms: Terms) -> Any:
+        return self.alphabet.expression(terms)
+
+    def _vanishes(self, expr: Any) -> bool:
+        if expr == 0:
+            return True
+        ring = ring_over([expr], self.form.relations, PROOF)
+        return bool(ring.fraction(expr).num == 0)
+
+    def finished(self, draft: Draft) -> ReadableEquations:
+        """The draft as it is printed."""
+        letter = lambda i: (Product(ONE, (Factor(i, 1),)),)  # noqa: E731
+        return ReadableEquations(
+            self.alphabet,
+            tuple((letter(i), self.alphabet.arrange(terms)) for i, terms in draft.rates),
+            tuple(self.row(terms)[1] for terms in draft.rows),
+            tuple((letter(i), self.alphabet.arrange(terms)) for i, terms in draft.names),
+        )
+
+
+def _dotted(name: str) -> str:
+    return f"{name[:-3]}ddot" if name.endswith("dot") else f"{name}dot"
+
+
+def _size(draft: Draft) -> int:
+    """How many terms equations have."""
+    return sum(map(len, draft.rows))
+
+
+def _depth(text: str) -> int:
+    """How deep brackets are nested."""
+    depth = most = 0
+    for letter in text:
+        depth += (letter == "(") - (letter == ")")
+        most = max(most, depth)
+    return most
+
+
+def _scaled(sum_: Terms, letter: int, number: Rational, common: Monomial) -> Terms:
+    """A sum where a letter is a number and a monomial times what it was."""
+    found: Terms = {}
+    for m, c in sum_.items():
+        e = dict(m).get(letter, 0)
+        scale = number**e if e >= 0 else over(1, number ** abs(e))
+        found[times(m, common, e)] = c * scale
+    return found
+
+
+def _inverse(terms: Terms) -> Terms:
+    ((m, c),) = terms.items()
+    return {times((), m, -1): over(1, c)}
+
+
+def _divides(head: Monomial, m: Monomial) -> bool:
+    powers = dict(m)
+    return all(e > 0 and powers.get(i, 0) >= e for i, e in head)
