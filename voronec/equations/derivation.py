@@ -8,7 +8,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
 from typing import Any
@@ -27,6 +27,7 @@ from voronec.equations.connection import (
     framed_lift,
 )
 from voronec.equations.definition import Definition
+from voronec.equations.relative_angles import RelativeAngles
 from voronec.errors import DefinitionError
 
 __all__ = ["Derivation", "FirstOrderForm"]
@@ -78,15 +79,33 @@ class Derivation:
     definition: Definition
     exact: bool
     given_lift: tuple[tuple[Any, ...], ...] | None = None
+    raw: Derivation | None = None
 
     def tidy(self, exprs: Sequence[Any]) -> list[Any]:
         """Bring intermediate results into normal form, or leave them, as this derivation does."""
-        return canonical(exprs, self.definition.relations) if self.exact else list(exprs)
+        d = self.definition
+        return self._in_differences(exprs, partial(canonical, relations=d.relations))
 
     def polish(self, exprs: Sequence[Any]) -> list[Any]:
         """Bring final results into their shortest form, or leave them, as this derivation does."""
         d = self.definition
-        return shortest(exprs, d.relations, d.velocities) if self.exact else list(exprs)
+        return self._in_differences(
+            exprs, partial(shortest, relations=d.relations, group=d.velocities)
+        )
+
+    def _in_differences(self, exprs: Sequence[Any], tidy: Callable[..., list[Any]]) -> list[Any]:
+        """Expressions tidied in differences of angles, where there are such."""
+        if not self.exact:
+            return list(exprs)
+        angles = self.relative_angles
+        if angles is None:
+            return tidy(exprs)
+        return [angles.show(e) for e in tidy([angles.hide(se.sympify(e)) for e in exprs])]
+
+    @cached_property
+    def relative_angles(self) -> RelativeAngles | None:
+        """The differences of angles in which the equations stand."""
+        return RelativeAngles.of(self.raw.form) if self.raw is not None else None
 
     @cached_property
     def _in_letters(self) -> tuple[Derivation, StandIns] | None:

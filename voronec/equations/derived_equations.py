@@ -50,8 +50,9 @@ SHORT = 1500
 """Normal forms that cost no more operations are taken without looking for a shorter form."""
 LARGE = 2000
 """Where there are no invariants to descend to and the raw form costs more operations than this,
-normal forms are not tried for numbers: they would take seconds and come out longer; unless it
-seems to hold coordinates in vain, which only a normal form proves."""
+normal forms are not tried for numbers: they would take seconds and come out longer; unless angles
+stand in their differences, or it seems to hold coordinates in vain, which only a normal form
+proves."""
 LONG = 10
 """A normal form with so many times the nodes of the raw form is too long for numbers, where it is
 not short in itself: SHORT nodes."""
@@ -121,7 +122,8 @@ class DerivedEquations:
         if self.system.invariants:
             return self._divides_sines
         if self._raw_cost > LARGE:
-            short = _holds_in_vain(form) and self.in_normal_form
+            able = self.exact.relative_angles is not None or _holds_in_vain(form)
+            short = able and self.in_normal_form
             # not short is large at once: to look for quotients takes long in what costs so much
             return not (short and self._exact_cost <= SHORT) or self._divides_sines
         return self._divides_sines or (

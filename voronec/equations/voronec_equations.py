@@ -385,7 +385,8 @@ def derive(system: System) -> VoronecEquations:
 
 def _derive(system: System) -> VoronecEquations:
     definition = read(system)
-    raw, exact = Derivation(definition, False), Derivation(definition, True)
+    raw = Derivation(definition, False)
+    exact = Derivation(definition, True, raw=raw)
     _ = raw.connection
     check_added_mass(raw)
     check_inertia(raw)
