@@ -277,8 +277,9 @@ def _vibrating_disc_by_kane() -> Any:
 
 def _bicycle_with_rider() -> vo.System:
     """The bicycle of the catalogue with a rider who leans: a mass on a spring over the saddle."""
-    from voronec.kinematics import cross, dot
     from voronec.systems import bicycle as own
+
+    from voronec.kinematics import cross, dot
 
     mass, length, stiff, alpha, rate = sp.symbols("m_P l_P k_P alpha lean_rate")
     turn, reach = vo.velocity(alpha), length * sp.sin(alpha)

@@ -252,7 +252,8 @@ def _with_differences(total: Any) -> Any:
 def _less_one(total: Any) -> Any:
     """A sum in which c cos w - c, c cosh w - c and c sqrt(n + x) - c sqrt(n) do not cancel, nor
     numbers that are nearly such a c: 1 + 1e-10 - cos w is 1e-10 + 2 sin^2(w/2)."""
-    left, written = [*total.args], list[Any]()
+    left, written = dict.fromkeys(total.args), list[Any]()  # the terms of a sum are distinct
+    numbers = [term for term in left if term.is_Number]
     for term in total.args:
         for factor in factors_of(term):
             found = _from_zero(factor)
@@ -260,10 +261,9 @@ def _less_one(total: Any) -> Any:
                 continue
             rest = term / factor
             other = -rest * found[0]
-            near = next((n for n in left if _is_near(n, other)), None)
+            near = next((n for n in (other, *numbers) if n in left and _is_near(n, other)), None)
             if term in left and near is not None:
-                left.remove(term)
-                left.remove(near)
+                del left[term], left[near]
                 written += [rest * found[1], near - other]
                 break
     return se.Add(*left, *written) if written else total

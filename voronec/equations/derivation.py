@@ -15,7 +15,8 @@ from typing import Any
 
 import symengine as se
 
-from voronec.algebra.normal import canonical, shortest
+from voronec.algebra.normal import Budget, canonical, shortest
+from voronec.algebra.shape import operations
 from voronec.algebra.stand_ins import StandIns
 from voronec.declaration.reading import quote
 from voronec.equations.connection import (
@@ -31,6 +32,10 @@ from voronec.equations.relative_angles import RelativeAngles
 from voronec.errors import DefinitionError
 
 __all__ = ["Derivation", "FirstOrderForm"]
+
+
+FEW = 100
+"""So many terms are written of any system."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +70,11 @@ class FirstOrderForm:
         """Rates, force, and mass row by row; stages are left out."""
         return (*self.rates, *self.force, *(e for row in self.mass for e in row))
 
+    @cached_property
+    def operations(self) -> int:
+        """How many operations it costs, shared subexpressions counted once."""
+        return operations([*(e for _, e in self.stages), *self.expressions])
+
     @property
     def rates_by_velocity(self) -> dict[Any, Any]:
         """What qdot, where it has symbols, and dependent velocities are, by their symbols."""
@@ -84,14 +94,14 @@ class Derivation:
     def tidy(self, exprs: Sequence[Any]) -> list[Any]:
         """Bring intermediate results into normal form, or leave them, as this derivation does."""
         d = self.definition
-        return self._in_differences(exprs, partial(canonical, relations=d.relations))
+        own = partial(canonical, relations=d.relations, budget=self.budget)
+        return self._in_differences(exprs, own)
 
     def polish(self, exprs: Sequence[Any]) -> list[Any]:
         """Bring final results into their shortest form, or leave them, as this derivation does."""
         d = self.definition
-        return self._in_differences(
-            exprs, partial(shortest, relations=d.relations, group=d.velocities)
-        )
+        own = partial(shortest, relations=d.relations, group=d.velocities, budget=self.budget)
+        return self._in_differences(exprs, own)
 
     def _in_differences(self, exprs: Sequence[Any], tidy: Callable[..., list[Any]]) -> list[Any]:
         """Expressions tidied in differences of angles, where there are such."""
@@ -101,6 +111,14 @@ class Derivation:
         if angles is None:
             return tidy(exprs)
         return [angles.show(e) for e in tidy([angles.hide(se.sympify(e)) for e in exprs])]
+
+    @cached_property
+    def budget(self) -> Budget:
+        """What a stage of it may cost: no more terms than the raw derivation has operations, than
+        which it would hardly come out shorter."""
+        if self.raw is None:
+            return Budget()
+        return Budget(terms=max(FEW, self.raw.form.operations))
 
     @cached_property
     def relative_angles(self) -> RelativeAngles | None:

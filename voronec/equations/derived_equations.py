@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from operator import attrgetter
 from typing import Any
 
 import flint
@@ -21,7 +22,6 @@ from voronec.algebra.generators import holds_far_multiples, splits_curved_angles
 from voronec.algebra.memo import Memo
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
-from voronec.algebra.shape import operations
 from voronec.algebra.symbols import velocity
 from voronec.algebra.tape import Tape
 from voronec.algebra.terms import atoms
@@ -37,7 +37,7 @@ from voronec.equations.curvature import (
     vertical_parts,
 )
 from voronec.equations.definition import Definition
-from voronec.equations.derivation import Derivation, FirstOrderForm
+from voronec.equations.derivation import FEW, Derivation, FirstOrderForm
 from voronec.equations.distribution import Distribution, grow
 from voronec.equations.evaluation import acceleration, acceleration_tape
 from voronec.equations.integrable import integrate
@@ -112,6 +112,13 @@ class DerivedEquations:
         return self.best is self.exact
 
     @cached_property
+    def is_short(self) -> bool:
+        """Whether the normal forms cost no more operations than the raw derivation: what is printed
+        else is its program."""
+        raw = max(FEW, self.raw.form.operations)
+        return self.in_normal_form and self.exact.form.operations <= raw
+
+    @cached_property
     def is_large(self) -> bool:
         """Whether numbers are better computed from the straight-line form."""
         form = self.raw.form
@@ -121,22 +128,14 @@ class DerivedEquations:
             return True
         if self.system.invariants:
             return self._divides_sines
-        if self._raw_cost > LARGE:
+        if self.raw.form.operations > LARGE:
             able = self.exact.relative_angles is not None or _holds_in_vain(form)
             short = able and self.in_normal_form
             # not short is large at once: to look for quotients takes long in what costs so much
-            return not (short and self._exact_cost <= SHORT) or self._divides_sines
+            return not (short and self.exact.form.operations <= SHORT) or self._divides_sines
         return self._divides_sines or (
             self.in_normal_form and _nodes(self.exact.form) > max(SHORT, LONG * _nodes(form))
         )
-
-    @cached_property
-    def _raw_cost(self) -> int:
-        return _cost(self.raw.form)
-
-    @cached_property
-    def _exact_cost(self) -> int:
-        return _cost(self.exact.form)
 
     @cached_property
     def _divides_sines(self) -> bool:
@@ -151,9 +150,9 @@ class DerivedEquations:
 
         Where normal forms are beyond the budget, or long, it is a straight-line program.
         """
-        if not self.is_large and self.in_normal_form and self._exact_cost <= SHORT:
+        if not self.is_large and self.is_short and self.exact.form.operations <= SHORT:
             return self.exact.form
-        if self._raw_cost <= SHORT and self._divides_sines:
+        if self.raw.form.operations <= SHORT and self._divides_sines:
             return self.raw.form  # stages would hide the quotients
         try:
             lean = lean_form(self.raw)
@@ -161,12 +160,13 @@ class DerivedEquations:
             return self.best.form
         if self.is_large:
             return lean
-        return min(lean, self.exact.form, key=_cost) if self.in_normal_form else lean
+        forms = (lean, self.exact.form) if self.in_normal_form else (lean,)
+        return min(forms, key=attrgetter("operations"))
 
     @property
     def operations(self) -> int:
         """How many operations ``form`` costs, what is shared counted once."""
-        return _cost(self.form)
+        return self.form.operations
 
     @cached_property
     def mass(self) -> sp.ImmutableMatrix:
@@ -335,11 +335,6 @@ class DerivedEquations:
             return make(self.exact)
         except EngineLimit:
             return make(self.raw)
-
-
-def _cost(form: FirstOrderForm) -> int:
-    """The operations of a first-order form, shared subexpressions counted once."""
-    return operations([*(e for _, e in form.stages), *form.expressions])
 
 
 def _nodes(form: FirstOrderForm) -> int:

@@ -69,9 +69,16 @@ class RelativeAngles:
 
     @classmethod
     def along(cls, before: Mapping[Any, Any]) -> RelativeAngles | None:
-        """The differences of angles to those ``before`` them, each of which comes earlier."""
-        meaning, values = dict[Any, Any](), dict[Any, Any]()
+        """The differences of angles to those ``before`` them.  The angle that stays is in the middle
+        of them: the sine of another has two terms to the power of the differences between."""
+        near = dict[Any, list[Any]]()
         for angle, other in before.items():
+            near.setdefault(other, []).append(angle)
+            near.setdefault(angle, []).append(other)
+        ways = [_outward(near, angle) for angle in near]
+        meaning, values = dict[Any, Any](), dict[Any, Any]()
+        shortest: Mapping[Any, Any] = min(ways, key=_depth, default={})
+        for angle, (other, _) in shortest.items():
             sign = 1 if str(other) < str(angle) else -1
             difference = sign * other - sign * angle
             letter = se.Symbol(str(difference))
@@ -132,3 +139,18 @@ def _turning_together(slopes: np.ndarray) -> list[int]:
 def _before(angle: int, earlier: Sequence[int], holds: np.ndarray) -> int:
     """Of the angles that are placed, the last that the rate of an angle holds, else the first."""
     return next((k for k in reversed(earlier) if holds[k]), earlier[0])
+
+
+def _outward(near: Mapping[Any, Sequence[Any]], first: Any) -> dict[Any, tuple[Any, int]]:
+    """Each angle of a tree but the first, with the one on the way from it and the length of the
+    way, in an order in which that one comes earlier."""
+    found, waiting = dict[Any, tuple[Any, int]](), [(first, None, 0)]
+    for angle, other, depth in waiting:
+        if depth:
+            found[angle] = other, depth
+        waiting += [(q, angle, depth + 1) for q in near[angle] if q != other]
+    return found
+
+
+def _depth(way: Mapping[Any, tuple[Any, int]]) -> int:
+    return max(depth for _, depth in way.values())

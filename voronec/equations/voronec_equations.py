@@ -69,7 +69,7 @@ def equations_lines(eqs: VoronecEquations, width: int = WIDTH) -> list[str]:
     system = eqs.system
     lines = [f"{system.name}: {system.title}" if system.title else system.name, ""]
     lines += columns(_facts(eqs))
-    if not eqs.in_normal_form:
+    if not eqs.is_short:
         return [
             *lines,
             "",
