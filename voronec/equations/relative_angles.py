@@ -69,8 +69,8 @@ class RelativeAngles:
 
     @classmethod
     def along(cls, before: Mapping[Any, Any]) -> RelativeAngles | None:
-        """The differences of angles to those ``before`` them.  The angle that stays is in the middle
-        of them: the sine of another has two terms to the power of the differences between."""
+        """The differences of angles to those ``before`` them.  The angle that stays is in their
+        middle: the sine of another has two terms to the power of the differences between."""
         near = dict[Any, list[Any]]()
         for angle, other in before.items():
             near.setdefault(other, []).append(angle)

@@ -309,6 +309,13 @@ class VoronecEquations(DerivedEquations):
 
         return casadi_source(self.program, jacobian)
 
+    def jax(self, jacobian: bool = False) -> str:
+        """Python source of the same, on JAX in doubles, with the same errors; ``jit``, ``vmap`` and
+        ``grad`` take its functions."""
+        from voronec.equations.program import jax_source
+
+        return jax_source(self.program, jacobian)
+
     def to_casadi(self) -> Any:
         """The right-hand side as a ``casadi.Function`` of ``t``, ``state`` (coordinates, then
         velocities), ``parameters`` and ``inputs``, columns all; its result is ``derivative``.
