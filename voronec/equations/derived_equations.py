@@ -50,9 +50,9 @@ SHORT = 1500
 """Normal forms that cost no more operations are taken without looking for a shorter form."""
 LARGE = 2000
 """Where there are no invariants to descend to and the raw form costs more operations than this,
-normal forms are not tried for numbers: they would take seconds and come out longer; unless angles
-stand in their differences, or it seems to hold coordinates in vain, which only a normal form
-proves."""
+normal forms are not tried for numbers: they would take seconds and come out longer; unless there
+are relations to reduce by, or angles stand in their differences, or it seems to hold coordinates in
+vain, which only a normal form proves."""
 LONG = 10
 """A normal form with so many times the nodes of the raw form is too long for numbers, where it is
 not short in itself: SHORT nodes."""
@@ -129,8 +129,8 @@ class DerivedEquations:
         if self.system.invariants:
             return self._divides_sines
         if self.raw.form.operations > LARGE:
-            able = self.exact.relative_angles is not None or _holds_in_vain(form)
-            short = able and self.in_normal_form
+            reducible = form.relations or self.exact.relative_angles is not None
+            short = (reducible or _holds_in_vain(form)) and self.in_normal_form
             # not short is large at once: to look for quotients takes long in what costs so much
             return not (short and self.exact.form.operations <= SHORT) or self._divides_sines
         return self._divides_sines or (
@@ -346,8 +346,6 @@ def _nodes(form: FirstOrderForm) -> int:
 def _holds_in_vain(form: FirstOrderForm) -> bool:
     """Whether mass and force seem not to depend on a coordinate that is written in them: they are
     the same, to many digits, where it is moved."""
-    if form.relations:
-        return False
     tape = Tape([*form.force, *(e for row in form.mass for e in row)])
     for point, values in sample_evaluable(tape, bits=GENERIC, count=1):
         for q in form.coordinates:
