@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from voronec import EngineLimit, VoronecError, prove_equal
 from voronec.algebra.door import Door
-from voronec.algebra.normal import canonical, shorten, shortest
+from voronec.algebra.normal import Budget, canonical, shorten, shortest
 from voronec.algebra.tape import Tape
 
 x, y, z, v, w, k = sp.symbols("x y z v w k")
@@ -303,7 +303,9 @@ def test_a_budget_is_kept():
     with pytest.raises(EngineLimit):
         canonical([door.inward(huge)])
     with pytest.raises(EngineLimit):
-        shortest([door.inward((x + y) ** 9 * (x - y) ** 9)], work_limit=10)
+        shortest([door.inward((x + y) ** 9 * (x - y) ** 9)], budget=Budget(work=10))
+    with pytest.raises(EngineLimit, match="4 terms, more than its budget of 3"):
+        shortest([door.inward((x + y) ** 3)], budget=Budget(terms=3))
 
 
 @pytest.mark.parametrize("hidden", [ONE - 1, (x + y) ** 2 - x**2 - 2 * x * y - y**2])

@@ -32,7 +32,7 @@ from voronec.algebra.field import WORK_LIMIT
 from voronec.algebra.generators import TRIGONOMETRIC, linear_terms, prime_factors
 from voronec.algebra.graphs import is_atom, is_flat, nodes
 from voronec.algebra.memo import remember
-from voronec.algebra.normal import canonical
+from voronec.algebra.normal import Budget, canonical
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import SHARP
 from voronec.algebra.ring import Ring
@@ -244,7 +244,7 @@ class Composition:
     def _normal(self, expr: Any) -> Any:
         """An argument in normal form; as it stands where that costs too much."""
         try:
-            return canonical([expr], self._hypotheses, INNER_WORK, split=True)[0]
+            return canonical([expr], self._hypotheses, Budget(INNER_WORK), split=True)[0]
         except (EngineLimit, DefinitionError):
             return expr
 

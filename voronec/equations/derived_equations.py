@@ -53,9 +53,6 @@ LARGE = 2000
 normal forms are not tried for numbers: they would take seconds and come out longer; unless there
 are relations to reduce by, or angles stand in their differences, or it seems to hold coordinates in
 vain, which only a normal form proves."""
-LONG = 10
-"""A normal form with so many times the nodes of the raw form is too long for numbers, where it is
-not short in itself: SHORT nodes."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -100,11 +97,16 @@ class DerivedEquations:
     @cached_property
     def best(self) -> Derivation:
         """The exact derivation; the unsimplified one where normal forms are beyond the budget."""
+        return self.exact if self.limit is None else self.raw
+
+    @cached_property
+    def limit(self) -> str | None:
+        """Which budget the normal forms are beyond; None where they are there."""
         try:
             _ = self.exact.form
-        except EngineLimit:
-            return self.raw
-        return self.exact
+        except EngineLimit as limit:
+            return str(limit)
+        return None
 
     @property
     def in_normal_form(self) -> bool:
@@ -133,9 +135,7 @@ class DerivedEquations:
             short = (reducible or _holds_in_vain(form)) and self.in_normal_form
             # not short is large at once: to look for quotients takes long in what costs so much
             return not (short and self.exact.form.operations <= SHORT) or self._divides_sines
-        return self._divides_sines or (
-            self.in_normal_form and _nodes(self.exact.form) > max(SHORT, LONG * _nodes(form))
-        )
+        return self._divides_sines or (self.in_normal_form and not self.is_short)
 
     @cached_property
     def _divides_sines(self) -> bool:
@@ -335,12 +335,6 @@ class DerivedEquations:
             return make(self.exact)
         except EngineLimit:
             return make(self.raw)
-
-
-def _nodes(form: FirstOrderForm) -> int:
-    """The nodes of the graph of a first-order form, shared ones counted once: quicker than
-    operations, where forms are long."""
-    return Tape(form.expressions).size
 
 
 def _holds_in_vain(form: FirstOrderForm) -> bool:
