@@ -296,8 +296,8 @@ def test_dynamicsymbols_and_unknown_functions_pass_the_door_both_ways():
 
 
 def row(count, ahead):
-    """A car and what it draws, each on wheels that do not slip; hinges stand one length ahead of the
-    wheels of what is behind, and ``ahead`` lengths behind those of what is before."""
+    """A car and what it draws, each on wheels that do not slip; hinges stand one length ahead of
+    the wheels of what is behind, and ``ahead`` lengths behind those of what is before."""
     angles, lengths = sp.symbols(f"theta0:{count + 1}"), sp.symbols(f"l1:{count + 1}")
     masses, moments = sp.symbols(f"m0:{count + 1}"), sp.symbols(f"J0:{count + 1}")
     turns, pace, kinetic, constraints = [*map(velocity, angles)], (Dx, Dy), 0, []

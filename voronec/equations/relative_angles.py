@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import flint
 import numpy as np
@@ -27,9 +27,6 @@ from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.tape import Tape
 from voronec.algebra.terms import atoms
-
-if TYPE_CHECKING:
-    from voronec.equations.derivation import FirstOrderForm
 
 __all__ = ["RelativeAngles", "turn"]
 
@@ -48,8 +45,9 @@ class RelativeAngles:
     values: Mapping[Any, Any]
 
     @classmethod
-    def of(cls, form: FirstOrderForm) -> RelativeAngles | None:
-        """The differences in which the equations of a form stand; None where there are none."""
+    def of(cls, form: Any) -> RelativeAngles | None:
+        """The differences in which the equations of a ``FirstOrderForm`` stand; None where there
+        are none."""
         held = {*form.coordinates}
         exprs = [*form.force, *(e for row in form.mass for e in row), *form.rates]
         turned = [node.args[0].free_symbols & held for node in atoms(exprs, se.sin, se.cos)]
