@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from importlib import import_module
 from typing import Any
 
 import sympy as sp
@@ -278,8 +277,8 @@ def _vibrating_disc_by_kane() -> Any:
 
 def _bicycle_with_rider() -> vo.System:
     """The bicycle of the catalogue with a rider who leans: a mass on a spring over the saddle."""
+    from voronec.systems import bicycle as own
 
-    own = import_module("voronec.systems.bicycle")
     from voronec.kinematics import cross, dot
 
     mass, length, stiff, alpha, rate = sp.symbols("m_P l_P k_P alpha lean_rate")
