@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from voronec import EngineLimit, VoronecError, prove_equal
-from voronec.algebra.normal import canonical, shorten, shortest
+from voronec.algebra.normal import Budget, canonical, shorten, shortest
 from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.tape import Tape
 
@@ -303,7 +303,9 @@ def test_a_budget_is_kept():
     with pytest.raises(EngineLimit):
         canonical([bridge.inward(huge)])
     with pytest.raises(EngineLimit):
-        shortest([bridge.inward((x + y) ** 9 * (x - y) ** 9)], work_limit=10)
+        shortest([bridge.inward((x + y) ** 9 * (x - y) ** 9)], budget=Budget(work=10))
+    with pytest.raises(EngineLimit, match="4 terms, more than its budget of 3"):
+        shortest([bridge.inward((x + y) ** 3)], budget=Budget(terms=3))
 
 
 @pytest.mark.parametrize("hidden", [ONE - 1, (x + y) ** 2 - x**2 - 2 * x * y - y**2])

@@ -13,6 +13,7 @@ from sympy.physics.mechanics import dynamicsymbols
 
 import voronec as vo
 from voronec import DefinitionError, Fibration, Frame, System, prove_equal, time, velocity
+from voronec.motion.explanation import model_text
 
 Q = sp.Rational
 x, y, z, s, phi, theta = sp.symbols("x y z s phi theta")
@@ -292,3 +293,68 @@ def test_dynamicsymbols_and_unknown_functions_pass_the_door_both_ways():
     expected = own - sp.sin(a) / sp.cos(a) ** 3 * a.diff(time) * p.diff(time)
     assert prove_equal(eqs.force[0] + slope, expected + slope).proved
     assert eqs.velocities == (p.diff(time), a.diff(time))
+
+
+def row(count, ahead):
+    """A car and what it draws, each on wheels that do not slip; hinges stand one length ahead of
+    the wheels of what is behind, and ``ahead`` lengths behind those of what is before."""
+    angles, lengths = sp.symbols(f"theta0:{count + 1}"), sp.symbols(f"l1:{count + 1}")
+    masses, moments = sp.symbols(f"m0:{count + 1}"), sp.symbols(f"J0:{count + 1}")
+    turns, pace, kinetic, constraints = [*map(velocity, angles)], (Dx, Dy), 0, []
+    for i, (angle, turn) in enumerate(zip(angles, turns, strict=True)):
+        if i:
+            arms = ((angles[i - 1], turns[i - 1], ahead), (angle, turn, 1))
+            pace = (
+                pace[0] + lengths[i - 1] * sum(n * sp.sin(a) * t for a, t, n in arms),
+                pace[1] - lengths[i - 1] * sum(n * sp.cos(a) * t for a, t, n in arms),
+            )
+        kinetic += (masses[i] * (pace[0] ** 2 + pace[1] ** 2) + moments[i] * turn**2) / 2
+        constraints.append(pace[0] * sp.sin(angle) - pace[1] * sp.cos(angle))
+    return System(
+        name="row", fibration=Fibration((x, angles[0]), (y, *angles[1:])), lagrangian=kinetic,
+        frame=Frame.quasi({v: Dx * sp.cos(angles[0]) + Dy * sp.sin(angles[0]), w: turns[0]}),
+        constraints=tuple(constraints), parameters=(*masses, *moments, *lengths),
+    )  # fmt: skip
+
+
+def test_equations_of_vehicles_in_a_row_grow_evenly_with_their_number():
+    sizes = []
+    for count in (3, 4, 5, 6):
+        eqs = vo.derive(row(count, ahead=0))
+        assert eqs.in_normal_form and eqs.operations < eqs.raw.form.operations / 4
+        sizes.append(eqs.operations)
+    steps = np.diff(sizes)
+    assert all(steps > 0) and max(steps) < 2 * min(steps)
+    eqs = vo.derive(row(4, ahead=0))
+    point = {s: Q(i + 2, 7 + i) for i, s in enumerate([*eqs.coordinates, *eqs.velocities])}
+    point |= {p.symbol: Q(i + 4, 5) for i, p in enumerate(eqs.system.parameters)}
+    moving = eqs.mass.LUsolve(eqs.force).xreplace(point)
+    rate = {q: e.xreplace(point) for q, e in zip(eqs.coordinates, eqs.rates, strict=True)}
+    theirs = vo.multiplier_acceleration(eqs.system, point, 30)
+    for q in eqs.coordinates:
+        own = eqs.rates[eqs.coordinates.index(q)]
+        slopes = [own.diff(u).xreplace(point) * e for u, e in rate.items()]
+        slopes += [own.diff(u).xreplace(point) * e for u, e in zip((v, w), moving, strict=True)]
+        assert abs(sum(slopes).evalf(30) - theirs[q]) < 1e-25
+
+
+def test_what_normal_forms_make_longer_is_left_as_it_is():
+    for count in (2, 3, 4):
+        eqs = vo.derive(row(count, ahead=1))
+        assert eqs.operations <= eqs.raw.form.operations
+    assert "terms, more than its budget" in eqs.limit
+    assert eqs.limit in " ".join(model_text(vo.explain(eqs.system, outputs=(v,))).split())
+
+
+def test_the_program_of_suslov_in_quaternions_is_as_short_as_its_equations():
+    turn, (p, r) = body_turn(), sp.symbols("p r")
+    system = System(
+        name="suslov", fibration=Fibration(q[:3], q[3:], relations=(SPHERE,)),
+        lagrangian=sum(i * e**2 for i, e in zip(inertia, turn, strict=True)) / 2
+        + turn[0] * turn[2] + turn[1] * turn[2],
+        constraints=(turn[2],), frame=Frame.quasi({p: turn[0], r: turn[1]}),
+    )  # fmt: skip
+    eqs = vo.derive(system)
+    assert eqs.mass == sp.diag(2, 3) and eqs.raw.form.operations > 1000
+    assert prove_equal(eqs.force[0], -r * (p + r)).proved
+    assert eqs.operations < 40 and len(eqs.python().splitlines()) < 40

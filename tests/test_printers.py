@@ -26,6 +26,7 @@ from voronec.equations.program import (
     casadi_source,
     compile_program,
     javascript_source,
+    jax_source,
     mpmath_source,
     python_source,
     shorten_program,
@@ -196,8 +197,28 @@ def casadi_call(program: Program, folder: Path) -> Call:
     return call
 
 
+def jax_call(program: Program, folder: Path) -> Call:
+    """Compiled by JAX, and the Jacobian taken by JAX itself in forward mode as well."""
+    jax = pytest.importorskip("jax", reason="JAX is not installed")
+    space: dict[str, Any] = {}
+    exec(jax_source(program, slopes=True), space)
+
+    def call(name: str, given: list[list[float]]) -> np.ndarray:
+        arrays = [jax.numpy.array(group) for group in given]
+        found = np.array(jax.jit(space[name])(TIME, *arrays))
+        if name == "jacobian":
+            groups = tuple(k for k in range(1, len(arrays) + 1) if k != 2)
+            theirs = jax.jacfwd(space["rhs"], argnums=groups)(TIME, *arrays)
+            told = np.isfinite(found)
+            assert_close(np.hstack([np.array(each) for each in theirs])[told], found[told])
+        return found
+
+    return call
+
+
 CALLS: Mapping[str, Callable[[Program, Path], Call]] = {
     "numpy": numpy_call, "c": c_call, "javascript": javascript_call, "casadi": casadi_call,
+    "jax": jax_call,
 }  # fmt: skip
 
 
@@ -478,6 +499,22 @@ def test_a_function_for_casadi_is_differentiated_by_casadi_as_by_us() -> None:
     assert still.size_in("inputs") == (0, 1) or still.size_in("inputs") == (0, 0)
 
 
+def test_jax_maps_compiles_and_differentiates_in_doubles() -> None:
+    jax = pytest.importorskip("jax", reason="JAX is not installed")
+    eqs = vo.derive(driven())
+    space: dict[str, Any] = {}
+    exec(eqs.jax(), space)
+    program = Program.of(eqs.form)
+    state, *rest = map(np.array, sized(program))
+    many = np.outer(np.linspace(0.5, 1, 5), state)
+    mapped = jax.jit(jax.vmap(space["rhs"], in_axes=(None, 0, None, None)))(TIME, many, *rest)
+    assert mapped.dtype == np.float64 and mapped.shape == many.shape
+    for row, each in zip(mapped, many, strict=True):
+        assert_close(np.array(row), truth(program, [each, *rest])[0])
+    slope = jax.grad(lambda x: space["rhs"](TIME, x, *rest)[-1])(state)
+    assert_close(np.array(slope), truth(program, [state, *rest])[1][-1, : len(state)])
+
+
 def test_without_casadi_a_line_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "casadi", None)
     with pytest.raises(vo.DefinitionError, match=r"pip install 'voronec\[control\]'"):
@@ -495,7 +532,7 @@ def test_a_jacobian_that_nobody_differentiates_is_refused() -> None:
 def test_the_command_prints_every_language(capsys: pytest.CaptureFixture[str]) -> None:
     from voronec.cli import main
 
-    for language in ("--python", "--c", "--javascript", "--casadi"):
+    for language in ("--python", "--c", "--javascript", "--casadi", "--jax"):
         assert main(["derive", "sleigh", language]) == 0
         plain = capsys.readouterr().out
         assert main(["derive", "sleigh", language, "--jacobian"]) == 0

@@ -7,6 +7,7 @@ speed        speed against error: docs/speed.md
 methods      any system: our methods and the peers against a reference
 closed-form  the closed form: docs/closed-form.md
 references   the references of the closed form
+setup        large systems, to the first equations and to the first step, against SymPy
 mechanics    models of SymPy's mechanics against SymPy
 prepared     runs of prepared problems beside equations by hand
 costs        what steps of heyoka and DOP853 cost: the constants by which `auto` chooses
@@ -24,6 +25,7 @@ KINDS = {
     "methods": "figures.methods",
     "closed-form": "figures.closed_form",
     "references": "figures.closed_references",
+    "setup": "figures.setup",
     "mechanics": "figures.mechanics",
     "prepared": "figures.many_calls",
     "costs": "figures.method_costs",

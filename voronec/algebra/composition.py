@@ -22,7 +22,7 @@ from voronec.algebra.factors import fraction_factors
 from voronec.algebra.generators import TRIGONOMETRIC, linear_terms, prime_factors
 from voronec.algebra.graphs import is_atom, is_flat, nodes
 from voronec.algebra.memo import remember
-from voronec.algebra.normal import canonical
+from voronec.algebra.normal import Budget, canonical
 from voronec.algebra.ring import Ring
 from voronec.algebra.roots import domain_conditions, known_sign, ring_over
 from voronec.algebra.tape import Tape
@@ -210,7 +210,7 @@ class Composition:
     def _normal(self, expr: Any) -> Any:
         """An argument in normal form; as it stands where that costs too much."""
         try:
-            return canonical([expr], self._hypotheses, INNER_WORK, split=True)[0]
+            return canonical([expr], self._hypotheses, Budget(INNER_WORK), split=True)[0]
         except (EngineLimit, DefinitionError):
             return expr
 

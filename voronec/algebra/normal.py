@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf
 from typing import Any
 
 import symengine as se
@@ -18,24 +20,46 @@ from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.terms import atoms, is_exponential
 from voronec.errors import EngineLimit
 
-__all__ = ["canonical", "canonical_for_numbers", "quotient", "shorten", "shortest"]
+__all__ = ["Budget", "canonical", "canonical_for_numbers", "quotient", "shorten", "shortest"]
 
 JUMPS = (se.sign, se.Abs, se.floor)
+
+
+@dataclass(frozen=True)
+class Budget:
+    """What a normal form may cost: term products that are made on the way (``work``), and ``terms``
+    that are left in the end.  Both are counted, so that what is given up depends on the input
+    alone; ``EngineLimit`` says what it was."""
+
+    work: int = WORK_LIMIT
+    terms: float = inf
+
+    def check(self, elements: Sequence[Fraction]) -> None:
+        """Refuse elements with more terms in all."""
+        count = sum(len(e.num) for e in elements)
+        if count > self.terms:
+            raise EngineLimit(
+                f"the normal form has {count} terms, more than its budget of {self.terms}"
+            )
+
+
+PLENTY = Budget()
+"""As many terms as come."""
 
 
 def shortest(
     exprs: Sequence[Any],
     relations: Sequence[Any] = (),
     group: Sequence[Any] = (),
-    work_limit: int = WORK_LIMIT,
+    budget: Budget = PLENTY,
 ) -> list[Any]:
     """Each symengine expression in its shortest proved form, all over one ring.
 
     ``relations`` vanish; ``group`` are symbols by which numerators may be collected.  Raises
-    ``EngineLimit`` where the normal form is beyond the work limit.
+    ``EngineLimit`` where the normal form is beyond the budget.
     """
-    exprs = _with_short_arguments(exprs, relations, work_limit)
-    ring, elements = _fractions(exprs, relations, work_limit, group=group)
+    exprs = _with_short_arguments(exprs, relations, budget)
+    ring, elements = _fractions(exprs, relations, budget, group=group)
     found = [expression(ring, e, group) for e in elements]
     return [_shorter(e, f) for e, f in zip(exprs, found, strict=True)]
 
@@ -50,26 +74,28 @@ def _shorter(before: Any, after: Any) -> Any:
 
 
 def canonical(
-    exprs: Sequence[Any], relations: Sequence[Any] = (), work_limit: int = WORK_LIMIT,
+    exprs: Sequence[Any], relations: Sequence[Any] = (), budget: Budget = PLENTY,
     split: bool = False,
 ) -> list[Any]:  # fmt: skip
     """Each symengine expression as an expanded fraction: what ``shortest`` starts from."""
-    exprs = _with_short_arguments(exprs, relations, work_limit)
-    ring, elements = _fractions(exprs, relations, work_limit, split=split)
+    exprs = _with_short_arguments(exprs, relations, budget)
+    ring, elements = _fractions(exprs, relations, budget, split=split)
     return [expand_element(ring, e) for e in elements]
 
 
 def _fractions(
-    exprs: Sequence[Any], relations: Sequence[Any], work_limit: int,
+    exprs: Sequence[Any], relations: Sequence[Any], budget: Budget,
     split: bool = False, group: Sequence[Any] = (),
 ) -> tuple[Ring, list[Fraction]]:  # fmt: skip
     """The ring where relations vanish, and the expressions as fractions in it."""
-    ring = ring_over([*exprs, *group], relations, work_limit, split)
-    return ring, [ring.field.absorb(ring.fraction(e)) for e in exprs]
+    ring = ring_over([*exprs, *group], relations, budget.work, split)
+    elements = [ring.field.absorb(ring.fraction(e)) for e in exprs]
+    budget.check(elements)
+    return ring, elements
 
 
 def _with_short_arguments(
-    exprs: Sequence[Any], relations: Sequence[Any], work_limit: int
+    exprs: Sequence[Any], relations: Sequence[Any], budget: Budget
 ) -> Sequence[Any]:
     """Expressions with what jumps, or has a corner, of arguments in their shortest form: the ring
     takes sign(v sin(x)^2 + v cos(x)^2) for a letter of its own, which is sign(v). So are roots of
@@ -80,7 +106,7 @@ def _with_short_arguments(
         return exprs
     before = [found[node] for node in jumps]
     try:
-        after = shortest(before, relations, work_limit=work_limit)
+        after = shortest(before, relations, budget=budget)
     except EngineLimit:  # they are right as they stand
         return exprs
     short = {n: _of(n, a) for n, b, a in zip(jumps, before, after, strict=True) if a != b}
@@ -105,7 +131,7 @@ def _of(node: Any, argument: Any) -> Any:
     return (argument**2) ** node.args[1] if fewer else node
 
 
-def canonical_for_numbers(exprs: Sequence[Any], ground: Any) -> list[Any]:
+def canonical_for_numbers(exprs: Sequence[Any], ground: Any, budget: Budget = PLENTY) -> list[Any]:
     """Canonical forms where the relations of a ``ground`` vanish, with what loses digits as it
     stands: powers of distances, and sines and cosines of many-fold angles, which are expanded in
     those of the angle."""
@@ -113,7 +139,7 @@ def canonical_for_numbers(exprs: Sequence[Any], ground: Any) -> list[Any]:
     angles = sorted(atoms(exprs, *TRIGONOMETRIC), key=str) if far else []
     powers = distance_powers(exprs, (*ground.coordinates, *ground.velocities, ground.time))
     folds = {node: se.Symbol(f"fold {i}") for i, node in enumerate([*angles, *powers])}
-    found = canonical([e.xreplace(folds) for e in exprs], ground.relations)
+    found = canonical([e.xreplace(folds) for e in exprs], ground.relations, budget)
     back = {name: node for node, name in folds.items()}
     return [e.xreplace(back) for e in found]
 

@@ -236,7 +236,7 @@ def _with_differences(total: Any) -> Any:
 
 def _less_one(total: Any) -> Any:
     """A sum in which c cos w - c, c cosh w - c and c sqrt(n + x) - c sqrt(n) do not cancel."""
-    left, written = [*total.args], list[Any]()
+    left, written = dict.fromkeys(total.args), list[Any]()  # the terms of a sum are distinct
     for term in total.args:
         for factor in factors_of(term):
             found = _from_zero(factor)
@@ -245,8 +245,7 @@ def _less_one(total: Any) -> Any:
             rest = term / factor
             other = -rest * found[0]
             if term in left and other in left:
-                left.remove(term)
-                left.remove(other)
+                del left[term], left[other]
                 written.append(rest * found[1])
                 break
     return se.Add(*left, *written) if written else total

@@ -8,14 +8,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from typing import Any
 
 import symengine as se
 
-from voronec.algebra.normal import canonical, shortest
+from voronec.algebra.normal import Budget, canonical, shortest
+from voronec.algebra.shape import operations
 from voronec.declaration.reading import quote
 from voronec.equations.connection import (
     EhresmannConnection,
@@ -26,9 +27,14 @@ from voronec.equations.connection import (
     framed_lift,
 )
 from voronec.equations.definition import Definition
+from voronec.equations.relative_angles import RelativeAngles
 from voronec.errors import DefinitionError
 
 __all__ = ["Derivation", "FirstOrderForm"]
+
+
+FEW = 100
+"""So many terms are written of any system."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +69,11 @@ class FirstOrderForm:
         """Rates, force, and mass row by row; stages are left out."""
         return (*self.rates, *self.force, *(e for row in self.mass for e in row))
 
+    @cached_property
+    def operations(self) -> int:
+        """How many operations it costs, shared subexpressions counted once."""
+        return operations([*(e for _, e in self.stages), *self.expressions])
+
     @property
     def rates_by_velocity(self) -> dict[Any, Any]:
         """What qdot, where it has symbols, and dependent velocities are, by their symbols."""
@@ -76,15 +87,41 @@ class Derivation:
 
     definition: Definition
     exact: bool
+    raw: Derivation | None = None
 
     def tidy(self, exprs: Sequence[Any]) -> list[Any]:
         """Bring intermediate results into normal form, or leave them, as this derivation does."""
-        return canonical(exprs, self.definition.relations) if self.exact else list(exprs)
+        d = self.definition
+        own = partial(canonical, relations=d.relations, budget=self.budget)
+        return self._in_differences(exprs, own)
 
     def polish(self, exprs: Sequence[Any]) -> list[Any]:
         """Bring final results into their shortest form, or leave them, as this derivation does."""
         d = self.definition
-        return shortest(exprs, d.relations, d.velocities) if self.exact else list(exprs)
+        own = partial(shortest, relations=d.relations, group=d.velocities, budget=self.budget)
+        return self._in_differences(exprs, own)
+
+    def _in_differences(self, exprs: Sequence[Any], tidy: Callable[..., list[Any]]) -> list[Any]:
+        """Expressions tidied in differences of angles, where there are such."""
+        if not self.exact:
+            return list(exprs)
+        angles = self.relative_angles
+        if angles is None:
+            return tidy(exprs)
+        return [angles.show(e) for e in tidy([angles.hide(se.sympify(e)) for e in exprs])]
+
+    @cached_property
+    def budget(self) -> Budget:
+        """What a stage of it may cost: no more terms than the raw derivation has operations, than
+        which it would hardly come out shorter."""
+        if self.raw is None:
+            return Budget()
+        return Budget(terms=max(FEW, self.raw.form.operations))
+
+    @cached_property
+    def relative_angles(self) -> RelativeAngles | None:
+        """The differences of angles in which the equations stand."""
+        return RelativeAngles.of(self.raw.form) if self.raw is not None else None
 
     @cached_property
     def fibre(self) -> FibreSolution:

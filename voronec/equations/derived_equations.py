@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from operator import attrgetter
 from typing import Any
 
 import flint
@@ -24,7 +25,6 @@ from voronec.algebra.generators import (
 from voronec.algebra.memo import Memo
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
-from voronec.algebra.shape import operations
 from voronec.algebra.symbols import velocity
 from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.tape import Tape
@@ -41,7 +41,7 @@ from voronec.equations.curvature import (
     vertical_parts,
 )
 from voronec.equations.definition import Definition
-from voronec.equations.derivation import Derivation, FirstOrderForm
+from voronec.equations.derivation import FEW, Derivation, FirstOrderForm
 from voronec.equations.distribution import Distribution, grow
 from voronec.equations.evaluation import acceleration, acceleration_tape
 from voronec.equations.integrable import integrate
@@ -54,11 +54,9 @@ SHORT = 1500
 """Normal forms that cost no more operations are taken without looking for a shorter form."""
 LARGE = 2000
 """Where there are no invariants to descend to and the raw form costs more operations than this,
-normal forms are not tried for numbers: they would take seconds and come out longer; unless it
-seems to hold coordinates in vain, which only a normal form proves."""
-LONG = 10
-"""A normal form with so many times the nodes of the raw form is too long for numbers, where it is
-not short in itself: SHORT nodes."""
+normal forms are not tried for numbers: they would take seconds and come out longer; unless there
+are relations to reduce by, or angles stand in their differences, or it seems to hold coordinates in
+vain, which only a normal form proves."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -103,16 +101,28 @@ class DerivedEquations:
     @cached_property
     def best(self) -> Derivation:
         """The exact derivation; the unsimplified one where normal forms are beyond the budget."""
+        return self.exact if self.limit is None else self.raw
+
+    @cached_property
+    def limit(self) -> str | None:
+        """Which budget the normal forms are beyond; None where they are there."""
         try:
             _ = self.exact.form
-        except EngineLimit:
-            return self.raw
-        return self.exact
+        except EngineLimit as limit:
+            return str(limit)
+        return None
 
     @property
     def in_normal_form(self) -> bool:
         """Whether mass, force and rates are exact normal forms."""
         return self.best is self.exact
+
+    @cached_property
+    def is_short(self) -> bool:
+        """Whether the normal forms cost no more operations than the raw derivation: what is printed
+        else is its program."""
+        raw = max(FEW, self.raw.form.operations)
+        return self.in_normal_form and self.exact.form.operations <= raw
 
     @cached_property
     def is_large(self) -> bool:
@@ -122,13 +132,12 @@ class DerivedEquations:
             return True
         if self.system.invariants:
             return self._divides_sines
-        if self._raw_cost > LARGE:
-            short = _holds_in_vain(form) and self.in_normal_form
+        if self.raw.form.operations > LARGE:
+            reducible = form.relations or self.exact.relative_angles is not None
+            short = (reducible or _holds_in_vain(form)) and self.in_normal_form
             # not short is large at once: to look for quotients takes long in what costs so much
-            return not (short and self._exact_cost <= SHORT) or self._divides_sines
-        return self._divides_sines or (
-            self.in_normal_form and _nodes(self.exact.form) > max(SHORT, LONG * _nodes(form))
-        )
+            return not (short and self.exact.form.operations <= SHORT) or self._divides_sines
+        return self._divides_sines or (self.in_normal_form and not self.is_short)
 
     @cached_property
     def _loses_digits(self) -> bool:
@@ -140,14 +149,6 @@ class DerivedEquations:
             or splits_curved_angles(exprs, moving)
             or bool(distance_powers(exprs, moving))
         )
-
-    @cached_property
-    def _raw_cost(self) -> int:
-        return _cost(self.raw.form)
-
-    @cached_property
-    def _exact_cost(self) -> int:
-        return _cost(self.exact.form)
 
     @cached_property
     def _divides_sines(self) -> bool:
@@ -162,9 +163,9 @@ class DerivedEquations:
 
         Where normal forms are beyond the budget, or long, it is a straight-line program.
         """
-        if not self.is_large and self.in_normal_form and self._exact_cost <= SHORT:
+        if not self.is_large and self.is_short and self.exact.form.operations <= SHORT:
             return self.exact.form
-        if self._raw_cost <= SHORT and self._divides_sines:
+        if self.raw.form.operations <= SHORT and self._divides_sines:
             return self.raw.form  # stages would hide the quotients
         try:
             lean = staged_form(self.raw)
@@ -172,12 +173,13 @@ class DerivedEquations:
             return self.raw.form if self._loses_digits else self.best.form
         if self.is_large:
             return lean
-        return min(lean, self.exact.form, key=_cost) if self.in_normal_form else lean
+        forms = (lean, self.exact.form) if self.in_normal_form else (lean,)
+        return min(forms, key=attrgetter("operations"))
 
     @property
     def operations(self) -> int:
         """How many operations ``form`` costs, what is shared counted once."""
-        return _cost(self.form)
+        return self.form.operations
 
     @cached_property
     def mass(self) -> sp.ImmutableMatrix:
@@ -348,22 +350,9 @@ class DerivedEquations:
             return make(self.raw)
 
 
-def _cost(form: FirstOrderForm) -> int:
-    """The operations of a first-order form, shared subexpressions counted once."""
-    return operations([*(e for _, e in form.stages), *form.expressions])
-
-
-def _nodes(form: FirstOrderForm) -> int:
-    """The nodes of the graph of a first-order form, shared ones counted once: quicker than
-    operations, where forms are long."""
-    return Tape(form.expressions).size
-
-
 def _holds_in_vain(form: FirstOrderForm) -> bool:
     """Whether mass and force seem not to depend on a coordinate that is written in them: they are
     the same, to many digits, where it is moved."""
-    if form.relations:
-        return False
     tape = Tape([*form.force, *(e for row in form.mass for e in row)])
     for point, values in sample_evaluable(tape, bits=GENERIC, count=1):
         for q in form.coordinates:

@@ -35,5 +35,6 @@ PRINTERS: dict[str, Printer] = {
     "c": _program("C", "c"),
     "javascript": _program("JavaScript", "javascript"),
     "casadi": _program("Python on CasADi's expressions", "casadi"),
+    "jax": _program("Python on JAX", "jax"),
 }
 """By the option of ``voronec derive`` that asks for it."""

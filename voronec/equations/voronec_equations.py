@@ -59,7 +59,7 @@ def equations_lines(eqs: VoronecEquations, width: int = WIDTH) -> list[str]:
     system = eqs.system
     lines = [f"{system.name}: {system.title}" if system.title else system.name, ""]
     lines += [part for line in columns(_facts(eqs)) for part in break_lines(line, width)]
-    form = readable(eqs) if eqs.in_normal_form else None
+    form = readable(eqs) if eqs.is_short else None
     if form is None or form.length > LONGEST:
         return [*lines, "", *_too_large(eqs, form)]
     lines += ["", *form.lines(width)]
@@ -269,6 +269,13 @@ class VoronecEquations(DerivedEquations):
 
         return casadi_source(self.program, jacobian)
 
+    def jax(self, jacobian: bool = False) -> str:
+        """Python source of the same, on JAX in doubles, with the same errors; ``jit``, ``vmap`` and
+        ``grad`` take its functions."""
+        from voronec.equations.program import jax_source
+
+        return jax_source(self.program, jacobian)
+
     def to_casadi(self) -> Any:
         """The right-hand side as a ``casadi.Function`` of ``t``, ``state`` (coordinates, then
         velocities), ``parameters`` and ``inputs``, columns all; its result is ``derivative``.
@@ -345,7 +352,8 @@ def derive(system: System) -> VoronecEquations:
 
 def _derive(system: System) -> VoronecEquations:
     definition = read(system)
-    raw, exact = Derivation(definition, False), Derivation(definition, True)
+    raw = Derivation(definition, False)
+    exact = Derivation(definition, True, raw=raw)
     _ = raw.connection
     check_added_mass(raw)
     check_inertia(raw)

@@ -19,7 +19,7 @@ from voronec.declaration.claims import right_of
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
 from voronec.equations.motions import Motions
-from voronec.equations.voronec_equations import VoronecEquations
+from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, VoronecError
 from voronec.motion.initial_conditions import parameter_values, start_of
 from voronec.motion.inputs import drive
@@ -149,6 +149,10 @@ def model_text(model: Model, width: int = WIDTH) -> str:
     size = f"{_count(len(model.states), 'state')}, in {_level_words(model.level)}"
     parts = [*_wrap([head], width, ""), size, "", *_roles(model, width), ""]
     parts += ["what was weighed", *_levels(model), ""]
+    limit = derive(model.system).limit
+    parts += (
+        [] if limit is None else [*_wrap([f"normal forms were left: {limit}"], width, "  "), ""]
+    )
     return "\n".join([*parts, *_followed_integrals(model, width)])
 
 

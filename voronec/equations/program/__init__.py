@@ -1,8 +1,8 @@
 """The straight-line program of a system, and its emitters.
 
 ``Program.of(form)`` shares common subexpressions and eliminates the mass matrix; the emitters write
-it as Python, C, JavaScript, CasADi or mpmath source, as a compiled Python function, or as heyoka
-expressions.  ``jacobian`` are its derivatives by state and inputs.
+it as Python, C, JavaScript, CasADi, JAX or mpmath source, as a compiled Python function, or as
+heyoka expressions.  ``jacobian`` are its derivatives by state and inputs.
 """
 
 from voronec.equations.program.c import c_source
@@ -14,6 +14,7 @@ from voronec.equations.program.python import (
     casadi_function,
     casadi_source,
     compile_program,
+    jax_source,
     mpmath_source,
     python_source,
     scalar_source,
@@ -33,6 +34,7 @@ __all__ = [
     "hoist",
     "jacobian",
     "javascript_source",
+    "jax_source",
     "mpmath_source",
     "names_into",
     "operation_count",

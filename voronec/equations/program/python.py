@@ -38,6 +38,7 @@ __all__ = [
     "casadi_source",
     "compile_program",
     "compiled_digits",
+    "jax_source",
     "mpmath_source",
     "precision",
     "python_source",
@@ -54,9 +55,10 @@ _NUMERIC |= {numeric.EXPM1: "expm1", numeric.LOG1P: "log1p"}
 _NUMERIC |= {numeric.HYPOT: "hypot", numeric.SIZE: "fabs"}
 _NUMERIC |= {numeric.CHOICE: "choice", numeric.CASE: "case"}
 _QUOTIENTS = dict(CARDINAL.values())
-_CHOICES, _SIZES = {"numpy": "where", "casadi": "if_else"}, {"numpy": "abs", "casadi": "fabs"}
+_CHOICES = {"numpy": "where", "jax.numpy": "where", "casadi": "if_else"}
+_SIZES = {"numpy": "abs", "jax.numpy": "abs", "casadi": "fabs"}
 """Libraries where both ways of a choice are computed, and how they write it, and |x|."""
-_COLUMNS = ("vertsplit", "vertcat", "horzcat")
+_COLUMNS = ("vertsplit", "vertcat", "horzcat", "array")
 _HELPERS = (
     "expm1 where multiply if_else fabs exp sin cos sinh cosh hyp0f1 hyp1f1 errstate"
 ).split()
@@ -110,6 +112,11 @@ _DIGITS = _Flavour(
 )
 
 
+_TRACED = _Flavour(
+    "jax.numpy",
+    _double(_NUMPY),
+    "JAX's numbers, in one-dimensional arrays; functions are traced, differentiated and mapped",
+)
 _MATRICES = _Flavour("casadi", _double(_PLAIN), "CasADi's numbers, SX, MX or DM, in columns")
 
 
@@ -149,6 +156,13 @@ def casadi_function(program: Program) -> Any:
     return casadi.Function(
         "rhs", [time, *given.values()], [derivative], ["t", *given], ["derivative"]
     )
+
+
+def jax_source(program: Program, slopes: bool = False) -> str:
+    """Python source of the same functions on JAX: one-dimensional arrays go in, an array, and of
+    the Jacobian a matrix, comes back.  ``jit``, ``vmap``, ``grad`` and ``jacfwd`` take them; the
+    module switches JAX to doubles."""
+    return _module(program, _TRACED, slopes=slopes)
 
 
 def mpmath_source(program: Program) -> str:
@@ -214,7 +228,10 @@ def _with_imports(parts: Sequence[str], flavour: _Flavour) -> str:
     used += ["pi"] if re.search(r"\bpi\b", body) else []
     used = [w for w in used if (flavour.library, w) != ("math", "sign")]
     imports = f"from {flavour.library} import {', '.join(used)}\n\n\n" if used else "\n"
-    return imports + body
+    return (_DOUBLES if flavour is _TRACED else "") + imports + body
+
+
+_DOUBLES = 'from jax import config\n\nconfig.update("jax_enable_x64", True)\n'
 
 
 def _called_names(body: str) -> set[str]:
@@ -234,16 +251,19 @@ def _helpers(body: str, library: str) -> list[str]:
             value += "[()]" if library == "numpy" else ""  # a float is to stay one
             meaning = f"p for w > 0, n for w < 0, {between} for w = 0"
             rows.append(_helper(word, meaning, f"return {value}", given=given))
+    # where JAX differentiates, a value at zero alone would have no slope
+    traced = library == "jax.numpy"
     for word, above in _QUOTIENTS.items():
-        if word in called:
+        if word in called and not traced:
             value = f"{above}(x)/x if x else x + 1"
             if choice := _CHOICES.get(library):
                 value = f"{choice}(x == 0, 1.0, {above}(x)/{choice}(x == 0, 1.0, x))"
             rows.append(_helper(word, f"{above}(x)/x", f"return {value}"))
-    for name, (word, above) in SLOPES.items():
+    cancelling = SLOPES | ({n: (w, f"{f}(x)") for n, (w, f) in CARDINAL.items()} if traced else {})
+    for name, (word, above) in cancelling.items():
         if word in called:
             power, reach = numeric.QUOTIENTS[name].power, numeric.QUOTIENTS[name].reach
-            steps = [f"return {_IN_DIGITS[name]}"]
+            steps = [f"return {_IN_DIGITS.get(name)}"]
             if library == "math":
                 steps = [f"return {series(name)} if abs(x) < {reach} else ({above})/x**{power}"]
             elif choice := _CHOICES.get(library):
@@ -307,15 +327,17 @@ def _function(
         moving, first = block.movers(program.state), names[program.state[0]]
         still = [not result.free_symbols & moving for result in block.results]
         values = [f"{v} + 0*{first}" if s else v for v, s in zip(values, still, strict=True)]
-    rows.append("    return vertcat(" if columnar else "    return [")
+    opening, closing = _BRACKETS.get(flavour.library, ("[", "]"))
+    rows.append(f"    return {opening}")
     ends = ("horzcat(", ")") if columnar else ("[", "]")
     for value, meaning in part.write(values, *ends):
         rows.append(f"        {value},  # {_remark(meaning)}")
-    body = "\n".join([*rows, "    )" if columnar else "    ]"]) + "\n"
+    body = "\n".join([*rows, f"    {closing}"]) + "\n"
     silent = flavour is _ARRAYS and not _called_names(body).isdisjoint(("choice", "case"))
     return _SILENCE + body if silent else body
 
 
+_BRACKETS = {"casadi": ("vertcat(", ")"), "jax.numpy": ("array([", "])")}
 _SILENCE = '@errstate(all="ignore")  # cases that are not in force need have no value\n'
 SPARE = 16
 """Bits beyond those of the numbers that come in."""

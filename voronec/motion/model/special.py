@@ -10,10 +10,11 @@ import flint
 import symengine as se
 
 from voronec.algebra.graphs import nodes
-from voronec.algebra.normal import canonical, canonical_for_numbers
+from voronec.algebra.normal import Budget, canonical, canonical_for_numbers
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.roots import known_sign
+from voronec.algebra.shape import operations
 from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import all_vanish
 from voronec.errors import EngineLimit
@@ -215,12 +216,13 @@ def _finite(level: Level) -> bool:
 
 
 def _tidy(level: Level) -> Level:
-    """Normal forms again, after something was put in; rates without denominators that cancel."""
+    """Normal forms again, after something was put in, where they have no more terms than it has
+    operations; rates without denominators that cancel."""
     if not level.exact or level.stages:
         return level
     flat = [*level.rates, *level.force, *(e for row in level.mass for e in row)]
     try:
-        flat = canonical_for_numbers(flat, level.form)
+        flat = canonical_for_numbers(flat, level.form, Budget(terms=operations(flat)))
     except EngineLimit:
         return level
     n, k = len(level.velocities), len(level.rates)

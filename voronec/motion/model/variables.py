@@ -34,12 +34,13 @@ import symengine as se
 
 from voronec.algebra.generators import linear_terms
 from voronec.algebra.matrices import dot
-from voronec.algebra.normal import canonical, canonical_for_numbers, shortest
+from voronec.algebra.normal import canonical, canonical_for_numbers
 from voronec.algebra.ring import sparse_terms
 from voronec.algebra.roots import ring_over
 from voronec.algebra.terms import atoms, rational
 from voronec.equations.program import names_into, solve_mass
 from voronec.equations.program.straight import fresh_names
+from voronec.equations.relative_angles import turn
 from voronec.errors import EngineLimit
 from voronec.motion.model.level import Level, closure, dependence
 
@@ -189,7 +190,7 @@ def _relative_angles(level: Level) -> tuple[dict[Any, Any], dict[Any, Any]] | No
     rates = [r for q, r in zip(level.positions, level.rates, strict=True) if q in core]
     masses = [e for row in level.mass for e in row]
     angles, forms = _linear_forms(
-        shortest([*rates, *level.force, *masses], level.relations),
+        [*rates, *level.force, *masses],
         [q for q in level.positions if q in core],
     )
     basis = _independent([form for form, _ in forms.most_common()])
@@ -266,17 +267,14 @@ def _rewrite_level(level: Level, fresh: Mapping[Any, Any], turned: Mapping[Any, 
     forms = [fresh[x] for x in new]
     moving = [se.Add(*[e.diff(q) * rate[q] for q in e.free_symbols]) for e in forms]
     moving += [rate[q] for q in kept]
-    width = len(level.velocities)
-    flat = [*moving, *level.force, *(e for row in level.mass for e in row)]
-    flat = canonical_for_numbers([e.xreplace(dict(turned)) for e in flat], level.form)
-    rows = flat[len(moving) + width :]
+    # mass and force are short already, and stand in the forms
     return replace(
         level,
         name="coordinates with relative angles",
         positions=(*new, *kept),
-        rates=tuple(flat[: len(moving)]),
-        force=tuple(flat[len(moving) : len(moving) + width]),
-        mass=tuple(tuple(rows[i * width : (i + 1) * width]) for i in range(width)),
+        rates=tuple(canonical_for_numbers([turn(e, turned) for e in moving], level.form)),
+        force=tuple(turn(e, turned) for e in level.force),
+        mass=tuple(tuple(turn(e, turned) for e in row) for row in level.mass),
         start={**level.start, **{x: fresh[x] for x in new}},
         outputs={name: _plain(e, turned, level) for name, e in level.outputs.items()},
         integrals={name: _plain(e, turned, level) for name, e in level.integrals.items()},
@@ -287,8 +285,9 @@ def _plain(expr: Any, turned: Mapping[Any, Any], level: Level) -> Any:
     """A function in the new variables, without those that it holds in vain."""
     if not turned.keys() & expr.free_symbols:
         return expr
-    moved = expr.xreplace(dict(turned))
+    moved = turn(expr, turned)
     try:
-        return canonical_for_numbers([moved], level.form)[0]
+        normal = canonical_for_numbers([moved], level.form)[0]
     except EngineLimit:
         return moved
+    return normal if normal.free_symbols < moved.free_symbols else moved
