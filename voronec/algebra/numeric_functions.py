@@ -4,7 +4,7 @@
     (sin w - w cos w)/w^3,  (w cosh w - sinh w)/w^3,  (w exp(w) - exp(w) + 1)/w^2  (of their slopes)
     expm1 w = exp(w) - 1,    log1p x = log(1 + x)            (all digits where they are small)
     hypot(a, b, ...) = sqrt(a^2 + b^2 + ...)                 (squares overflow before it does)
-    size w = |w|      in expressions that are equal for both signs of w, so that it is no wall
+    size w = |w|      in expressions that are equal for both signs of w, so that it is no cut
     choice(w, p, n) = p (1 + sign w)/2 + n (1 - sign w)/2      (of which one alone is looked at)
     case(w, p, z, n) = p, z or n, for w > 0, w = 0 and w < 0
 
