@@ -400,7 +400,9 @@ def _pass_alone(
             run = alone.run(alone.start(i), [motions.time, end], names, (event,), dense=True)
         except IntegrationError as error:
             failed, run = error, error.trajectory
-            if run is None or PLANE not in run.events or i in passages.errors:
+            if run is None or PLANE not in run.events:
+                raise
+            if i in passages.errors and len(run.events[PLANE]) < passages.wanted:
                 raise
             break
         if run.interrupted:
@@ -427,15 +429,19 @@ def _enter(
     passages.steps += run.cost.steps
     # the plane's quantity may be an output itself
     own = run.outputs[-1] if len(run.outputs) > width else label(level)
-    begin, end = float(run.t[0]), float(run.t[-1])
-    fine, t = np.linspace(begin, end, INSTANTS), np.asarray(passed.t, dtype=float)
-    seen = run.at(fine)[own]
+    t, begin = np.asarray(passed.t, dtype=float), float(run.t[0])
+    # one that fails reaches no instant of its grid after the first, and yet its passages
+    end = max(float(run.t[-1]), t.max(initial=begin))
+    assert run.within is not None
+    fine = np.linspace(begin, end, INSTANTS)
+    seen = run.within(fine)[own]
     points = np.stack([passed[name] for name in run.outputs[:width]], axis=-1)[: passages.wanted]
     passages.alone[i] = points.astype(float), run.drift
     if len(t):
         h = STEP * (end - begin)
-        sides = [run.at(np.clip(t + s * h, begin, end)) for s in (-1, 1)]
+        sides = [run.within(np.clip(t + s * h, begin, end)) for s in (-1, 1)]
         speeds = (sides[1][own] - sides[0][own]) / (sides[1].t - sides[0].t)
         passages.put(i, t, np.full((len(t), passages.width), np.nan), speeds)
-    fastest = float((np.abs(np.diff(seen)) / np.diff(fine)).max())
-    passages.note_range(i, end, idle, (seen.min(), seen.max(), fastest))
+    if end > begin:
+        fastest = float((np.abs(np.diff(seen)) / np.diff(fine)).max())
+        passages.note_range(i, end, idle, (seen.min(), seen.max(), fastest))
