@@ -12,13 +12,12 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-import symengine as se
 import sympy as sp
 
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
 from voronec.equations.program import Program, compile_program
-from voronec.errors import DefinitionError, IntegrationError, VoronecError
+from voronec.errors import IntegrationError, VoronecError
 from voronec.motion.angle_cuts import CutWatch
 from voronec.motion.batches import (
     COLLAPSE_RATIO,
@@ -32,8 +31,8 @@ from voronec.motion.methods import METHODS
 from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
 from voronec.motion.motion_pool import Many
 from voronec.motion.observables import jumps
-from voronec.motion.request import Event, Guard, Starts, label
-from voronec.motion.section_passages import PATIENCE, SectionPassages, SectionWatch
+from voronec.motion.request import Event, Starts, label
+from voronec.motion.section_passages import PATIENCE, SectionPassages
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run
 from voronec.motion.trajectory import Cost, Trajectory
@@ -51,13 +50,6 @@ Passes = Callable[[np.ndarray, np.ndarray], bool]
 """Whether a motion with states (s, n) at times (s,) passes a place that makes it doubtful."""
 PLANE = "the plane of the section"
 """The name of a section's event."""
-STRETCH, GROWTH, LONGEST = 16.0, 2.0, 1e6
-"""A section is sought over so many units of time scale at first, then over so many times more; over
-more than the last only while the motion rests, held by friction, and costs next to no steps."""
-LOOKS = 64
-"""Points of a stretch at which the range of the plane's quantity is seen."""
-SLOPE = 1e-6
-"""The step of difference quotients, in units of the time scale."""
 
 
 def along_one(
@@ -107,7 +99,6 @@ class SwitchedMotions:
     tol: float
     reason: str
     switched: SwitchedIntegrator
-    plane: SwitchedIntegrator | None = field(default=None)
 
     @classmethod
     def of(cls, motions: Many, method: str, tol: float, grid: np.ndarray) -> SwitchedMotions | None:
@@ -148,70 +139,6 @@ class SwitchedMotions:
         near = self.motions.divisor_watch(values, CLEAR)
         return near is not None and near(np.array([time]), state[None])
 
-    def passages(
-        self, watch: SectionWatch, passages: SectionPassages, name: str, value: float
-    ) -> None:
-        """The crossings of a plane by all motions."""
-        try:
-            for i in self.motions.sound:
-                self._pass(i, watch, passages, name, value)
-                passages.tell(self.motions.sound)
-        except KeyboardInterrupt:
-            passages.interrupted = True
-
-    def _pass(
-        self, i: int, watch: SectionWatch, passages: SectionPassages, name: str, value: float
-    ) -> None:
-        motions = self.motions
-        time, state, values = motions.time, motions.states[i], motions.values[i]
-        unit = time_scale(motions, time, state, values)
-        length = STRETCH * unit
-        if self._is_near(time, state, values):
-            passages.errors[i] = break_error(SINGULAR_PLACE, time, state)
-        while not passages.over(i) and i not in passages.errors:
-            grid = np.linspace(time, min(time + length, passages.until), LOOKS)
-            way = self._to_plane(i, grid, state, name, value, passages.direction)
-            run = way.stepper(grid)
-            if run.interrupted:
-                raise KeyboardInterrupt
-            t, states = run.crossings[PLANE]
-            speeds = crossing_speeds(motions, watch, t, states, values, unit)
-            passages.put(i, t, states, speeds)
-            passages.enter_samples(i, run.samples, len(motions.states[i]))
-            seen = watch.function(
-                run.t, run.states, np.broadcast_to(values, (len(run.t), len(values)))
-            )
-            rates = np.abs(np.diff(seen)) / np.diff(run.t) if len(run.t) > 1 else np.zeros(1)
-            passages.steps += run.steps
-            passages.note_range(
-                i, float(run.t[-1]), run.steps, (seen.min(), seen.max(), rates.max())
-            )
-            error = _error_of(run)
-            if error is not None:
-                passages.errors[i] = error
-                return
-            time, state = float(run.t[-1]), run.states[-1]
-            longest = LONGEST * unit if run.steps > LOOKS else np.inf
-            length = min(GROWTH * length, longest)
-
-    def _to_plane(
-        self, i: int, grid: np.ndarray, state: np.ndarray, name: str, value: float, direction: int
-    ) -> SwitchedIntegrator:
-        """The way of motion i from a state on, with the plane as an event."""
-        values = self.motions.values[i].tolist()
-        if self.plane is None:
-            exact = se.Rational(*float(value).as_integer_ratio())
-            functions = {PLANE: self.motions.ground.quantities[name] - exact}
-            event = Guard(PLANE, direction)
-            made = _switching_stepper(
-                self.motions, i, self.method, self.tol, grid, (event,), functions, state
-            )
-            if made is None:
-                raise DefinitionError("the right side is smooth after all")
-            self.plane = made
-        self.plane = self.plane.elsewhere(float(grid[0]), state, values)
-        return self.plane
-
 
 def time_scale(motions: Many, time: float, state: np.ndarray, values: np.ndarray) -> float:
     """A time in which no variable of a motion changes by more than its size, or by one unit."""
@@ -221,40 +148,22 @@ def time_scale(motions: Many, time: float, state: np.ndarray, values: np.ndarray
     return float(1.0 / pace) if 0 < pace < np.inf else 1.0
 
 
-def crossing_speeds(
-    motions: Many, watch: SectionWatch, t: np.ndarray, states: np.ndarray, values: np.ndarray,
-    unit: float,
-) -> np.ndarray:  # fmt: skip
-    """How fast the plane's quantity changes at crossings t (k,), by differences over a small part
-    of the time scale ``unit``."""
-    if not len(t):
-        return np.empty(0)
-    rates = compile_program(motions.program)[0](t, list(states.T), values.tolist())
-    along = np.stack([np.broadcast_to(r, t.shape) for r in rates], axis=-1)
-    given, h = np.broadcast_to(values, (len(t), len(values))), SLOPE * unit
-    ends = [watch.function(t + s * h, states + s * h * along, given) for s in (1, -1)]
-    return np.asarray((ends[0] - ends[1]) / (2 * h))
-
-
 def _switching_stepper(
-    motions: Many, i: int, method: str, tol: float, grid: np.ndarray,
-    events: tuple[Guard, ...] = (), functions: dict[str, Any] | None = None,
-    state: np.ndarray | None = None,
-) -> SwitchedIntegrator | None:  # fmt: skip
+    motions: Many, i: int, method: str, tol: float, grid: np.ndarray
+) -> SwitchedIntegrator | None:
     guards, watched = guard_events(motions.divisors)
-    form, given = motions.ground.form, {**(functions or {}), **watched}
-    levels = quantities(form, given) if given else None
-    start = motions.states[i] if state is None else state
+    form = motions.ground.form
+    levels = quantities(form, watched) if watched else None
     bare = replace(
         motions.program,
         names=(),
         extras=replace(motions.program.extras, assignments=(), results=()),
     )
     problem = Problem(
-        bare, start.copy(), motions.values[i].tolist(), tol, (*events, *guards),
-        levels, coarse=frozenset(watched),
+        bare, motions.states[i].copy(), motions.values[i].tolist(), tol, (*guards,), levels,
+        coarse=frozenset(watched),
     )  # fmt: skip
-    return through_walls(method, problem, grid, form, given)
+    return through_walls(method, problem, grid, form, watched)
 
 
 LONGER, SPARE = 4.0, 1.25
@@ -329,14 +238,15 @@ class LoneMotions:
 
 
 def go_on_alone(
-    alone: LoneMotions, passages: SectionPassages, level: sp.Expr, outputs: Sequence[Any]
-) -> None:
+    alone: LoneMotions, passages: SectionPassages, level: sp.Expr, outputs: Sequence[Any],
+    every: bool,
+) -> None:  # fmt: skip
     """Motions that did not start, or failed on the way, once more, each alone, up to their passages
-    through ``level`` = 0; what fails alone, too, on the way keeps its first error.  Where inputs
-    change in time that is all of them."""
-    motions, changing = alone.motions, alone.declared is not None
+    through ``level`` = 0; what fails alone, too, on the way keeps its first error.  Where ``every``
+    one goes alone that is all of them."""
+    motions = alone.motions
     try:
-        for i in range(len(motions)) if changing else sorted({*motions.wrong, *passages.errors}):
+        for i in range(len(motions)) if every else sorted({*motions.wrong, *passages.errors}):
             if passages.interrupted:
                 return
             try:
@@ -344,13 +254,13 @@ def go_on_alone(
             except IntegrationError as error:
                 if i in motions.wrong:
                     motions.wrong[i] = error
-                elif changing:
+                elif every:
                     passages.errors[i] = error
             except VoronecError as error:
                 if i not in motions.wrong:
                     raise  # what is asked for makes no sense, whatever the start
                 motions.wrong[i] = error
-            if changing:
+            if every:
                 passages.tell(range(len(motions)))
     except KeyboardInterrupt:
         passages.interrupted = True

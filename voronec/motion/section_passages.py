@@ -637,9 +637,9 @@ def _as_polynomials(steps: Sequence[Stride]) -> Paths:
     nodes = np.linspace(0.0, 1.0, 8)
     times = np.array([steps[0].start, *(step.end for step in steps)], dtype=float)
     lengths = np.diff(times)
-    inverse = np.linalg.inv(np.vander(nodes, increasing=True))
+    powers = np.vander(nodes, increasing=True)
     with np.errstate(all="ignore"):  # what is beyond doubles is told elsewhere
         values = [step.at(step.start + h * nodes) for step, h in zip(steps, lengths, strict=True)]
-        scaled = np.swapaxes(inverse @ np.array(values), 1, 2)
+        scaled = np.swapaxes(np.linalg.solve(powers, np.array(values)), 1, 2)
         series = scaled / lengths[:, None, None] ** np.arange(8)
     return Paths(times[:, None], series[..., None])
