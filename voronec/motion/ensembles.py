@@ -189,20 +189,19 @@ def ensemble(
         if driven.changing is not None:
             given = {**getattr(chosen_scene, "inputs", {}), **(inputs or {})}
             alone = replace(alone, declared=driven.original, inputs=given)
-        carrier, reason = _carrier(alone, tuple(wanted), keys, grid)
+        every = driven.changing is not None or bool(CutWatch.of(vocabulary).cuts)
+        carrier, reason = _carrier(alone, tuple(wanted), keys, grid, every)
         filled = _ResultRows.empty(motions, tuple(wanted), grid)
     except KeyboardInterrupt:
         return _empty_ensemble(own, tuple(wanted), grid, len(single), tol, perf_counter() - began)
     ready = perf_counter()
     team = filled.team(carrier, jobs)
     try:
-        interrupted = driven.changing is None and _run(filled, carrier, team, progress)
-        if CutWatch.of(vocabulary).cuts:
-            filled.collapsed.extend(motions.sound)
+        interrupted = not every and _run(filled, carrier, team, progress)
         interrupted = (
             filled.leave(motions.wrong)
             if interrupted
-            else filled.go_on_alone(alone, team, driven.changing is not None, progress)
+            else filled.go_on_alone(alone, team, every, progress)
         )
     finally:
         team.end()
@@ -210,7 +209,7 @@ def ensemble(
         raise motions.wrong[0]
     costs = [cost for _, cost in sorted(filled.alone.items())]
     steps = filled.steps + sum(each.steps for each in costs)
-    none_else = costs and (driven.changing or not motions.sound)
+    none_else = costs and (every or not motions.sound)
     cost = Cost(
         method=costs[0].method if none_else else carrier.method, reason=reason,
         tolerance=carrier.finest, setup=ready - began,
@@ -221,15 +220,17 @@ def ensemble(
 
 
 def _carrier(
-    alone: LoneMotions, outputs: tuple[str, ...], keys: Sequence[Any], grid: np.ndarray
-) -> tuple[Carrier, str]:
+    alone: LoneMotions, outputs: tuple[str, ...], keys: Sequence[Any], grid: np.ndarray,
+    every: bool,
+) -> tuple[Carrier, str]:  # fmt: skip
     """What carries the motions, and why."""
     motions, method, tol = alone.motions, alone.method, alone.tol
     lanes, used = None, "scipy"
-    switched = None if alone.declared else SwitchedMotions.of(motions, method, tol, grid)
-    if alone.declared is not None:
+    switched = None if every else SwitchedMotions.of(motions, method, tol, grid)
+    if every:
         require_method(method)
-        reason = "an input changes in time, so one by one"
+        cause = "an input changes in time" if alone.declared else "an angle has a cut"
+        reason = f"{cause}, so one by one"
     elif switched is not None:
         used, reason = switched.method, switched.reason
     elif not motions.sound:
@@ -314,17 +315,17 @@ class _ResultRows:
         return done
 
     def go_on_alone(
-        self, alone: LoneMotions, team: Team, changing: bool,
+        self, alone: LoneMotions, team: Team, every: bool,
         progress: Callable[[float], Any] | None,
     ) -> bool:  # fmt: skip
         """Motions that went wrong, did not start, or came near a place where the equations are
-        singular, once more, each alone: ``integrate`` goes on in other charts and splits.  Where
-        inputs are ``changing`` in time, that is all of them.
+        singular, once more, each alone: ``integrate`` goes on in other charts and splits; where
+        no lanes carry them, ``every`` one.
 
         Whether it was stopped by hand.
         """
         motions = self.motions
-        which = range(len(motions)) if changing else sorted({*self.errors, *self.collapsed})
+        which = range(len(motions)) if every else sorted({*self.errors, *self.collapsed})
         left = dict.fromkeys(
             i for i in which
             if i not in self.errors or i in motions.wrong or motions.may_go_on
@@ -334,7 +335,7 @@ class _ResultRows:
             for start, run in team.results(tasks, LONE * len(left) < WORTH):
                 i = start.number
                 if isinstance(run, VoronecError):
-                    if changing and isinstance(run, DefinitionError) and i not in motions.wrong:
+                    if every and isinstance(run, DefinitionError) and i not in motions.wrong:
                         raise run  # what is asked for makes no sense, whatever the start
                     self.fails(i, run)
                 else:
@@ -342,7 +343,7 @@ class _ResultRows:
                     if run.interrupted:
                         return self.leave(left)
                 del left[i]
-                if changing and progress is not None:
+                if every and progress is not None:
                     progress(1 - len(left) / len(which))
         except KeyboardInterrupt:
             return self.leave(left)

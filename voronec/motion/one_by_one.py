@@ -1,8 +1,9 @@
 """Many motions carried one by one: smooth ones by DOP853, others through their walls, or whole.
 
 Lanes of a batch carry one right side; where walls are reached at different times, there are many.
-Motions of a section are integrated whole, as by ``integrate``, where inputs change in time, and
-where equations come near a place at which they are singular: it goes on in other charts and splits.
+Motions are integrated whole, as by ``integrate``, where inputs change in time, and where equations
+come near a place at which they are singular: it goes on in other charts and splits.  Those of a
+section are so through walls, too.
 """
 
 from __future__ import annotations
@@ -18,7 +19,6 @@ from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
 from voronec.equations.program import Program, compile_program
 from voronec.errors import IntegrationError, VoronecError
-from voronec.motion.angle_cuts import CutWatch
 from voronec.motion.batches import (
     COLLAPSE_RATIO,
     SINGULAR_PLACE,
@@ -42,7 +42,6 @@ __all__ = [
     "LoneStart",
     "SwitchedMotions",
     "along_one",
-    "end_at_cuts",
     "go_on_alone",
 ]
 
@@ -264,20 +263,6 @@ def go_on_alone(
                 passages.tell(range(len(motions)))
     except KeyboardInterrupt:
         passages.interrupted = True
-
-
-def end_at_cuts(alone: LoneMotions, passages: SectionPassages) -> None:
-    """Of motions that reach the cut of an angle keep the passages before that, and say so."""
-    if not CutWatch.of(alone.motions.vocabulary).cuts:
-        return
-    for i in (i for i in alone.motions.sound if passages.parts[i] and i not in passages.alone):
-        end = float(passages.parts[i][-1][0][-1])
-        try:
-            alone.run(alone.start(i), [alone.motions.time, end], ())
-        except IntegrationError as error:
-            t = np.concatenate([part[0] for part in passages.parts[i]])
-            passages.cut(i, int((t < float(end if error.time is None else error.time)).sum()))
-            passages.errors[i] = error
 
 
 def _steps_since(run: Trajectory) -> int:

@@ -1,8 +1,8 @@
 """Poincare sections: the points at which motions of one system pass through a surface.
 
-Motions whose inputs change in time by tables or functions are each made by ``integrate``: lanes of
-a batch know no such inputs; where they change, a run starts anew, and passages through the surface
-are events on the way.
+Lanes of a batch carry one smooth right side.  Motions whose inputs change in time by tables or
+functions, those through walls and those that fail in lanes are each made by ``integrate``, where
+passages through the surface are events on the way.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from voronec.equations.motions import Motions
 from voronec.equations.program import Block, Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, VoronecError
+from voronec.motion.angle_cuts import CutWatch
 from voronec.motion.batches import choose_lanes, require_method
 from voronec.motion.ensembles import ensemble
 from voronec.motion.inputs import drive
@@ -33,7 +34,6 @@ from voronec.motion.motion_pool import Drifts, Many, many
 from voronec.motion.one_by_one import (
     LoneMotions,
     SwitchedMotions,
-    end_at_cuts,
     go_on_alone,
 )
 from voronec.motion.request import (
@@ -416,7 +416,8 @@ def _follow(
     if alone.declared is None:
         switched = SwitchedMotions.of(motions, method, tol, np.array([0.0, 1.0]))
     follow, used, reason, finest = None, "scipy", "each start alone", tol
-    if every := alone.declared is not None or switched is not None or not motions.sound:
+    cuts = CutWatch.of(motions.vocabulary).cuts
+    if every := bool(alone.declared or switched or cuts or not motions.sound):
         require_method(method)
     else:
         watch = _watch(motions, f"plane {surface}", value)
@@ -427,7 +428,6 @@ def _follow(
     if follow is not None:
         follow(passages)
     go_on_alone(alone, passages, level, outputs, every)
-    end_at_cuts(alone, passages)
     if alone.costs and every:
         used, finest = alone.costs[0].method, alone.costs[0].tolerance
     cost = Cost(
