@@ -16,14 +16,13 @@ from voronec.algebra.typeset import html_table
 from voronec.declaration.system import System, require_system
 from voronec.declaration.worker_processes import Team
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.errors import DefinitionError, VoronecError
-from voronec.motion.angle_cuts import CutWatch
+from voronec.errors import IntegrationError, VoronecError
 from voronec.motion.batches import choose_lanes, require_method
 from voronec.motion.carrier import Block, CarriedBlock, Carrier
 from voronec.motion.inputs import Drive, drive
 from voronec.motion.method_costs import step_cost
 from voronec.motion.motion_pool import Many, many
-from voronec.motion.one_by_one import LoneMotions, LoneStart, SwitchedMotions
+from voronec.motion.one_by_one import LoneMotions, LoneStart
 from voronec.motion.request import (  # fmt: skip
     Starts,
     Values,
@@ -189,8 +188,8 @@ def ensemble(
         if driven.changing is not None:
             given = {**getattr(chosen_scene, "inputs", {}), **(inputs or {})}
             alone = replace(alone, declared=driven.original, inputs=given)
-        every = driven.changing is not None or bool(CutWatch.of(vocabulary).cuts)
-        carrier, reason = _carrier(alone, tuple(wanted), keys, grid, every)
+        every = alone.cause
+        carrier, reason = _carrier(alone, tuple(wanted), keys, grid)
         filled = _ResultRows.empty(motions, tuple(wanted), grid)
     except KeyboardInterrupt:
         return _empty_ensemble(own, tuple(wanted), grid, len(single), tol, perf_counter() - began)
@@ -201,7 +200,7 @@ def ensemble(
         interrupted = (
             filled.leave(motions.wrong)
             if interrupted
-            else filled.go_on_alone(alone, team, every, progress)
+            else filled.go_on_alone(alone, team, bool(every), progress)
         )
     finally:
         team.end()
@@ -220,19 +219,14 @@ def ensemble(
 
 
 def _carrier(
-    alone: LoneMotions, outputs: tuple[str, ...], keys: Sequence[Any], grid: np.ndarray,
-    every: bool,
-) -> tuple[Carrier, str]:  # fmt: skip
+    alone: LoneMotions, outputs: tuple[str, ...], keys: Sequence[Any], grid: np.ndarray
+) -> tuple[Carrier, str]:
     """What carries the motions, and why."""
     motions, method, tol = alone.motions, alone.method, alone.tol
     lanes, used = None, "scipy"
-    switched = None if every else SwitchedMotions.of(motions, method, tol, grid)
-    if every:
+    if alone.cause:
         require_method(method)
-        cause = "an input changes in time" if alone.declared else "an angle has a cut"
-        reason = f"{cause}, so one by one"
-    elif switched is not None:
-        used, reason = switched.method, switched.reason
+        reason = f"{alone.cause}, so one by one"
     elif not motions.sound:
         reason = "each start alone"
     else:
@@ -241,7 +235,7 @@ def _carrier(
         )
     first = motions.one(next(iter(motions.sound), 0))
     lone = replace(alone, motions=first, starts=Starts.of(()), unplaced=frozenset())
-    return Carrier(first, lone, grid, outputs, keys, tol, lanes, used, switched), reason
+    return Carrier(first, lone, grid, outputs, keys, tol, lanes, used), reason
 
 
 def _empty_ensemble(
@@ -335,7 +329,7 @@ class _ResultRows:
             for start, run in team.results(tasks, LONE * len(left) < WORTH):
                 i = start.number
                 if isinstance(run, VoronecError):
-                    if every and isinstance(run, DefinitionError) and i not in motions.wrong:
+                    if every and not isinstance(run, IntegrationError) and i not in motions.wrong:
                         raise run  # what is asked for makes no sense, whatever the start
                     self.fails(i, run)
                 else:
@@ -440,8 +434,8 @@ def _run(filled: _ResultRows, carrier: Carrier, team: Team, progress: Any) -> bo
 
 def _step_cost(carrier: Carrier) -> float:
     """About how many microseconds a step of a motion takes."""
-    lanes, method = carrier.lanes, "scipy" if carrier.switched else carrier.method
-    cost = step_cost(method, carrier.motions.program, carrier.finest)
+    lanes = carrier.lanes
+    cost = step_cost(carrier.method, carrier.motions.program, carrier.finest)
     return cost if lanes is None else cost / lanes.integrator.batch.batch_size
 
 

@@ -15,6 +15,7 @@ import mpmath
 import numpy as np
 import symengine as se
 
+from voronec.equations.program import Program
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.walls import FLAT, SATURATION
 from voronec.errors import EngineLimit
@@ -33,7 +34,7 @@ from voronec.motion.steppers.run import (
 )
 from voronec.motion.steppers.samples import Rates, StepSamples
 
-__all__ = ["SwitchedIntegrator", "through_walls"]
+__all__ = ["SwitchedIntegrator", "has_walls", "through_walls"]
 
 WINDOW, CRAWL = 200, 1e-8
 """So many switches that cover less than this part of the span lead nowhere."""
@@ -117,6 +118,12 @@ def through_walls(
         return run
 
     return replace(first, stepper=in_pieces(make, problem, anew=True))
+
+
+def has_walls(method: str, program: Program, form: Any, tol: float) -> bool:
+    """Whether the equations ``form`` of a program are smooth piece by piece alone."""
+    flat = _saturation(tol, is_exact(method, tol))
+    return program.is_rough and Modes.of(form, {}, flat) is not None
 
 
 def _through_walls(

@@ -1,15 +1,15 @@
-"""Many motions carried one by one: smooth ones by DOP853, others through their walls, or whole.
+"""Many motions carried one by one: smooth ones by DOP853, others as ``integrate`` makes them.
 
-Lanes of a batch carry one right side; where walls are reached at different times, there are many.
-Motions are integrated whole, as by ``integrate``, where inputs change in time, and where equations
-come near a place at which they are singular: it goes on in other charts and splits.  Those of a
-section are so through walls, too.
+Lanes of a batch carry one right side.  Where walls are reached, inputs change in time, or equations
+come near a place at which they are singular, a motion is integrated alone: it goes on in other
+modes, charts and splits.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -19,28 +19,24 @@ from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
 from voronec.equations.program import Program, compile_program
 from voronec.errors import IntegrationError, VoronecError
+from voronec.motion.angle_cuts import CutWatch
 from voronec.motion.batches import (
     COLLAPSE_RATIO,
     SINGULAR_PLACE,
     break_error,
-    require_method,
 )
-from voronec.motion.divisors import CLEAR, guard_events
 from voronec.motion.integration import integrate
 from voronec.motion.methods import METHODS
-from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
+from voronec.motion.mode_stepper import has_walls
 from voronec.motion.motion_pool import Many
-from voronec.motion.observables import jumps
 from voronec.motion.request import Event, Starts, label
 from voronec.motion.section_passages import PATIENCE, SectionPassages
-from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run
 from voronec.motion.trajectory import Cost, Trajectory
 
 __all__ = [
     "LoneMotions",
     "LoneStart",
-    "SwitchedMotions",
     "along_one",
     "go_on_alone",
 ]
@@ -89,80 +85,12 @@ def _error_of(run: Run) -> IntegrationError | None:
     return None if halt is None else break_error(halt.reason, halt.time, halt.state)
 
 
-@dataclass
-class SwitchedMotions:
-    """Many motions, one by one; ``switched`` is the way of the latest, with what was made ready."""
-
-    motions: Many
-    method: str
-    tol: float
-    reason: str
-    switched: SwitchedIntegrator
-
-    @classmethod
-    def of(cls, motions: Many, method: str, tol: float, grid: np.ndarray) -> SwitchedMotions | None:
-        """None where the right side is smooth, or no motion goes."""
-        if not motions.sound:
-            return None
-        switched = _switching_stepper(motions, motions.sound[0], method, tol, grid)
-        if switched is None:
-            return None
-        require_method(method)
-        for i in motions.sound[1:]:
-            if switched.corner is not None:  # else nothing moves, and no method was chosen
-                break
-            values = motions.values[i].tolist()
-            switched = switched.elsewhere(motions.time, motions.states[i], values)
-        reason = f"{switched.chosen['reason']}; not smooth, so one by one"
-        return cls(motions, str(switched.chosen["method"]), tol, reason, switched)
-
-    @property
-    def jumps(self) -> frozenset[str]:
-        """The integrals that jump with the forces."""
-        integrals = self.motions.ground.integrals.items()
-        return frozenset(name for name, e in integrals if jumps(e))
-
-    def along(
-        self, state: np.ndarray, values: np.ndarray, grid: np.ndarray
-    ) -> tuple[np.ndarray, IntegrationError | None, Run | None]:
-        """A motion along a grid: states (k, n), the error that ended it, its run."""
-        if self._is_near(float(grid[0]), state, values):
-            error = break_error(SINGULAR_PLACE, float(grid[0]), state)
-            return np.full((len(grid), len(state)), np.nan), error, None
-        self.switched = self.switched.elsewhere(float(grid[0]), state, values.tolist())
-        run = self.switched.stepper(grid)
-        return *_states_along(run, grid), run
-
-    def _is_near(self, time: float, state: np.ndarray, values: np.ndarray) -> bool:
-        """Whether a motion is so near to a singular place that it does not pass what is watched."""
-        near = self.motions.divisor_watch(values, CLEAR)
-        return near is not None and near(np.array([time]), state[None])
-
-
 def time_scale(motions: Many, time: float, state: np.ndarray, values: np.ndarray) -> float:
     """A time in which no variable of a motion changes by more than its size, or by one unit."""
     with np.errstate(all="ignore"):  # at a pole there is none
         rates = compile_program(motions.program)[0](time, list(state), values.tolist())
     pace = np.max(np.abs(np.array(rates, float)) / np.maximum(1.0, np.abs(state)), initial=0.0)
     return float(1.0 / pace) if 0 < pace < np.inf else 1.0
-
-
-def _switching_stepper(
-    motions: Many, i: int, method: str, tol: float, grid: np.ndarray
-) -> SwitchedIntegrator | None:
-    guards, watched = guard_events(motions.divisors)
-    form = motions.ground.form
-    levels = quantities(form, watched) if watched else None
-    bare = replace(
-        motions.program,
-        names=(),
-        extras=replace(motions.program.extras, assignments=(), results=()),
-    )
-    problem = Problem(
-        bare, motions.states[i].copy(), motions.values[i].tolist(), tol, (*guards,), levels,
-        coarse=frozenset(watched),
-    )  # fmt: skip
-    return through_walls(method, problem, grid, form, watched)
 
 
 LONGER, SPARE = 4.0, 1.25
@@ -212,6 +140,16 @@ class LoneMotions:
             near = break_error(SINGULAR_PLACE, motions.time, motions.states[i])
             motions.wrong.setdefault(i, near)
         return cls(motions, starts, scene, method, tol, frozenset(motions.wrong))
+
+    @cached_property
+    def cause(self) -> str:
+        """Why each motion goes alone; nothing where many go together."""
+        motions = self.motions
+        if self.declared is not None:
+            return "an input changes in time"
+        if has_walls(self.method, motions.program, motions.ground.form, self.tol):
+            return "not smooth"
+        return "an angle has a cut" if CutWatch.of(motions.vocabulary).cuts else ""
 
     def start(self, i: int) -> LoneStart:
         """Where motion i starts."""

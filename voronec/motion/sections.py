@@ -26,14 +26,12 @@ from voronec.equations.motions import Motions
 from voronec.equations.program import Block, Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, VoronecError
-from voronec.motion.angle_cuts import CutWatch
 from voronec.motion.batches import choose_lanes, require_method
 from voronec.motion.ensembles import ensemble
 from voronec.motion.inputs import drive
 from voronec.motion.motion_pool import Drifts, Many, many
 from voronec.motion.one_by_one import (
     LoneMotions,
-    SwitchedMotions,
     go_on_alone,
 )
 from voronec.motion.request import (
@@ -412,18 +410,12 @@ def _follow(
     """Follow motions to where the ``level`` is zero, and look at them; ``DefinitionError`` where
     that is nowhere."""
     motions, method, tol = alone.motions, alone.method, alone.tol
-    switched = None
-    if alone.declared is None:
-        switched = SwitchedMotions.of(motions, method, tol, np.array([0.0, 1.0]))
     follow, used, reason, finest = None, "scipy", "each start alone", tol
-    cuts = CutWatch.of(motions.vocabulary).cuts
-    if every := bool(alone.declared or switched or cuts or not motions.sound):
+    if every := bool(alone.cause or not motions.sound):
         require_method(method)
     else:
         watch = _watch(motions, f"plane {surface}", value)
         follow, used, reason, finest = _followers(motions, watch, method, tol)
-    if switched is not None:
-        used, reason = switched.method, switched.reason
     ready = perf_counter()
     if follow is not None:
         follow(passages)
