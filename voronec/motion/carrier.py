@@ -13,7 +13,7 @@ from voronec.errors import IntegrationError, VoronecError
 from voronec.motion.batches import Lanes, Look, StopRequest, along
 from voronec.motion.methods import METHODS
 from voronec.motion.motion_pool import Drifts, Many
-from voronec.motion.one_by_one import LoneMotions, LoneStart, SwitchedMotions, along_one
+from voronec.motion.one_by_one import LoneMotions, LoneStart, along_one
 from voronec.motion.state_probe import at_each, changes
 from voronec.motion.steppers.samples import OwnedSamples, by_owner
 from voronec.motion.steppers.scipy_stepper import FINEST
@@ -58,8 +58,7 @@ class Carrier:
     """All that motions of one program have in common.
 
     ``motions`` is one of them; ``lanes`` carry many at once, else they go one by one by a
-    ``method``, ``switched`` where there are switching surfaces; ``lone`` carries those that go
-    alone.
+    ``method``; ``lone`` carries those that go alone.
     """
 
     motions: Many
@@ -70,7 +69,6 @@ class Carrier:
     tol: float
     lanes: Lanes | None
     method: str
-    switched: SwitchedMotions | None
 
     @property
     def finest(self) -> float:
@@ -82,7 +80,7 @@ class Carrier:
         """How many motions go together at first."""
         if self.lanes is not None:
             return self.lanes.width
-        return TOGETHER if not self.switched and METHODS[self.method].loop else 1
+        return TOGETHER if METHODS[self.method].loop else 1
 
     @cached_property
     def drifts(self) -> Drifts:
@@ -97,7 +95,6 @@ class Carrier:
             self.motions.program,
             self.finest,
             {name: f"integral {name}" for name in self.motions.ground.integrals},
-            frozenset() if self.switched is None else self.switched.jumps,
         )
 
     def __getstate__(self) -> dict[str, Any]:
@@ -106,14 +103,7 @@ class Carrier:
         if lanes is not None:
             lanes = replace(lanes, raised=replace(lanes.raised), output=None, samples=[])
         own = {"motions": motions, "lanes": lanes, "lone": replace(self.lone, motions=motions)}
-        fresh = {f.name: getattr(self, f.name) for f in fields(self)} | own
-        return {**fresh, "switched": self.switched is not None}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        made = {**state, "switched": None}
-        self.__dict__.update(made)
-        if state["switched"]:
-            self.switched = SwitchedMotions.of(self.motions, self.lone.method, self.tol, self.grid)
+        return {f.name: getattr(self, f.name) for f in fields(self)} | own
 
     def __call__(self, task: Block | LoneStart) -> CarriedBlock | Trajectory | VoronecError:
         """What came of a block, or of a motion alone."""
@@ -151,17 +141,12 @@ class Carrier:
                 self.lanes, states, values, self.grid, stopped
             )
             return (rows, failed, samples), steps, near
-        if self.switched is not None:
-            row, error, run = self.switched.along(states[0], values[0], self.grid)
-            near = []
-        else:
-            row, error, run, short = along_one(
-                self.method, self.motions.program, states[0], values[0], self.grid, self.tol,
-                self.motions.divisor_watch(values[0]),
-            )  # fmt: skip
-            near = [0] if short else []
-        steps, samples = (0, []) if run is None else (run.steps, by_owner(run.samples))
-        return (row[None], {} if error is None else {0: error}, samples), steps, near
+        row, error, run, short = along_one(
+            self.method, self.motions.program, states[0], values[0], self.grid, self.tol,
+            self.motions.divisor_watch(values[0]),
+        )  # fmt: skip
+        failed = {} if error is None else {0: error}
+        return (row[None], failed, by_owner(run.samples)), run.steps, [0] if short else []
 
     def _look_at(
         self, loads: list[_Load], values: np.ndarray, alone: list[int], steps: int

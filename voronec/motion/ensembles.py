@@ -16,14 +16,13 @@ from voronec.algebra.typeset import html_table
 from voronec.declaration.system import System, require_system
 from voronec.declaration.worker_processes import Team
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.errors import DefinitionError, VoronecError
-from voronec.motion.angle_cuts import CutWatch
+from voronec.errors import IntegrationError, VoronecError
 from voronec.motion.batches import choose_lanes, require_method
 from voronec.motion.carrier import Block, CarriedBlock, Carrier
 from voronec.motion.inputs import Drive, drive
 from voronec.motion.method_costs import step_cost
 from voronec.motion.motion_pool import Many, many
-from voronec.motion.one_by_one import LoneMotions, LoneStart, SwitchedMotions
+from voronec.motion.one_by_one import LoneMotions, LoneStart
 from voronec.motion.request import (  # fmt: skip
     Namespace,
     Starts,
@@ -189,6 +188,7 @@ def ensemble(
         if driven.changing is not None:
             given = {**getattr(chosen_scene, "inputs", {}), **(inputs or {})}
             alone = replace(alone, declared=driven.original, inputs=given)
+        every = alone.cause
         carrier, reason = _carrier(alone, tuple(wanted), keys, grid)
         filled = _ResultRows.empty(motions, tuple(wanted), grid)
     except KeyboardInterrupt:
@@ -196,13 +196,11 @@ def ensemble(
     ready = perf_counter()
     team = filled.team(carrier, jobs)
     try:
-        interrupted = driven.changing is None and _run(filled, carrier, team, progress)
-        if CutWatch.of(namespace).cuts:
-            filled.collapsed.extend(motions.sound)
+        interrupted = not every and _run(filled, carrier, team, progress)
         interrupted = (
             filled.leave(motions.wrong)
             if interrupted
-            else filled.go_on_alone(alone, team, driven.changing is not None, progress)
+            else filled.go_on_alone(alone, team, bool(every), progress)
         )
     finally:
         team.end()
@@ -210,7 +208,7 @@ def ensemble(
         raise motions.wrong[0]
     costs = [cost for _, cost in sorted(filled.alone.items())]
     steps = filled.steps + sum(each.steps for each in costs)
-    none_else = costs and (driven.changing or not motions.sound)
+    none_else = costs and (every or not motions.sound)
     cost = Cost(
         method=costs[0].method if none_else else carrier.method, reason=reason,
         tolerance=carrier.finest, setup=ready - began,
@@ -226,12 +224,9 @@ def _carrier(
     """What carries the motions, and why."""
     motions, method, tol = alone.motions, alone.method, alone.tol
     lanes, used = None, "scipy"
-    switched = None if alone.declared else SwitchedMotions.of(motions, method, tol, grid)
-    if alone.declared is not None:
+    if alone.cause:
         require_method(method)
-        reason = "an input changes in time, so one by one"
-    elif switched is not None:
-        used, reason = switched.method, switched.reason
+        reason = f"{alone.cause}, so one by one"
     elif not motions.sound:
         reason = "each start alone"
     else:
@@ -240,7 +235,7 @@ def _carrier(
         )
     first = motions.one(next(iter(motions.sound), 0))
     lone = replace(alone, motions=first, starts=Starts.of(()), unplaced=frozenset())
-    return Carrier(first, lone, grid, outputs, keys, tol, lanes, used, switched), reason
+    return Carrier(first, lone, grid, outputs, keys, tol, lanes, used), reason
 
 
 def _empty_ensemble(
@@ -314,17 +309,17 @@ class _ResultRows:
         return done
 
     def go_on_alone(
-        self, alone: LoneMotions, team: Team, changing: bool,
+        self, alone: LoneMotions, team: Team, every: bool,
         progress: Callable[[float], Any] | None,
     ) -> bool:  # fmt: skip
         """Motions that went wrong, did not start, or came near a place where the equations are
-        singular, once more, each alone: ``integrate`` goes on in other charts and splits.  Where
-        inputs are ``changing`` in time, that is all of them.
+        singular, once more, each alone: ``integrate`` goes on in other charts and splits; where
+        no lanes carry them, ``every`` one.
 
         Whether it was stopped by hand.
         """
         motions = self.motions
-        which = range(len(motions)) if changing else sorted({*self.errors, *self.collapsed})
+        which = range(len(motions)) if every else sorted({*self.errors, *self.collapsed})
         left = dict.fromkeys(
             i for i in which
             if i not in self.errors or i in motions.wrong or motions.may_go_on
@@ -334,7 +329,7 @@ class _ResultRows:
             for start, run in team.results(tasks, LONE * len(left) < WORTH):
                 i = start.number
                 if isinstance(run, VoronecError):
-                    if changing and isinstance(run, DefinitionError) and i not in motions.wrong:
+                    if every and not isinstance(run, IntegrationError) and i not in motions.wrong:
                         raise run  # what is asked for makes no sense, whatever the start
                     self.fails(i, run)
                 else:
@@ -342,7 +337,7 @@ class _ResultRows:
                     if run.interrupted:
                         return self.leave(left)
                 del left[i]
-                if changing and progress is not None:
+                if every and progress is not None:
                     progress(1 - len(left) / len(which))
         except KeyboardInterrupt:
             return self.leave(left)
@@ -439,8 +434,8 @@ def _run(filled: _ResultRows, carrier: Carrier, team: Team, progress: Any) -> bo
 
 def _step_cost(carrier: Carrier) -> float:
     """About how many microseconds a step of a motion takes."""
-    lanes, method = carrier.lanes, "scipy" if carrier.switched else carrier.method
-    cost = step_cost(method, carrier.motions.program, carrier.finest)
+    lanes = carrier.lanes
+    cost = step_cost(carrier.method, carrier.motions.program, carrier.finest)
     return cost if lanes is None else cost / lanes.integrator.batch.batch_size
 
 

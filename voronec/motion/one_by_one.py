@@ -1,51 +1,43 @@
-"""Many motions carried one by one: smooth ones by DOP853, others through their switching surfaces,
-or whole.
+"""Many motions carried one by one: smooth ones by DOP853, others as ``integrate`` makes them.
 
-Lanes of a batch carry one right side; where switching surfaces are reached at different times,
-there are many. Motions of a section are integrated whole, as by ``integrate``, where inputs change
-in time, and where equations come near a place at which they are singular: it goes on in other
-charts and splits.
+Lanes of a batch carry one right side.  Where switching surfaces are reached, inputs change in time,
+or equations come near a place at which they are singular, a motion is integrated alone: it goes on
+in other modes, charts and splits.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
-import symengine as se
 import sympy as sp
 
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
 from voronec.equations.program import Program, compile_program
-from voronec.errors import DefinitionError, IntegrationError, VoronecError
+from voronec.errors import IntegrationError, VoronecError
 from voronec.motion.angle_cuts import CutWatch
 from voronec.motion.batches import (
     COLLAPSE_RATIO,
     SINGULAR_PLACE,
     break_error,
-    require_method,
 )
 from voronec.motion.methods import METHODS
 from voronec.motion.motion_pool import Many
-from voronec.motion.observables import jumps
 from voronec.motion.prepared import integrate
-from voronec.motion.request import Event, Guard, Starts, label
-from voronec.motion.section_passages import PATIENCE, SectionPassages, SectionWatch
-from voronec.motion.singular_denominators import CLEAR, guard_events
-from voronec.motion.state_probe import quantities
+from voronec.motion.request import Event, Starts, label
+from voronec.motion.section_passages import PATIENCE, SectionPassages
 from voronec.motion.steppers import Problem, Run
 from voronec.motion.trajectory import Cost, Trajectory
-from voronec.motion.transitions.modes import SwitchedIntegrator, through_switching_surfaces
+from voronec.motion.transitions.modes import is_switched
 
 __all__ = [
     "LoneMotions",
     "LoneStart",
-    "SwitchedMotions",
     "along_one",
-    "end_at_cuts",
     "go_on_alone",
 ]
 
@@ -53,13 +45,6 @@ Passes = Callable[[np.ndarray, np.ndarray], bool]
 """Whether a motion with states (s, n) at times (s,) passes a place that makes it doubtful."""
 PLANE = "the plane of the section"
 """The name of a section's event."""
-STRETCH, GROWTH, LONGEST = 16.0, 2.0, 1e6
-"""A section is sought over so many units of time scale at first, then over so many times more; over
-more than the last only while the motion rests, held by friction, and costs next to no steps."""
-LOOKS = 64
-"""Points of a stretch at which the range of the plane's quantity is seen."""
-SLOPE = 1e-6
-"""The step of difference quotients, in units of the time scale."""
 
 
 def along_one(
@@ -100,163 +85,12 @@ def _error_of(run: Run) -> IntegrationError | None:
     return None if halt is None else break_error(halt.reason, halt.time, halt.state)
 
 
-@dataclass
-class SwitchedMotions:
-    """Many motions, one by one; ``switched`` is the way of the latest, with what was made ready."""
-
-    motions: Many
-    method: str
-    tol: float
-    reason: str
-    switched: SwitchedIntegrator
-    plane: SwitchedIntegrator | None = field(default=None)
-
-    @classmethod
-    def of(cls, motions: Many, method: str, tol: float, grid: np.ndarray) -> SwitchedMotions | None:
-        """None where the right side is smooth, or no motion goes."""
-        if not motions.sound:
-            return None
-        switched = _switching_stepper(motions, motions.sound[0], method, tol, grid)
-        if switched is None:
-            return None
-        require_method(method)
-        for i in motions.sound[1:]:
-            if switched.corner is not None:  # else nothing moves, and no method was chosen
-                break
-            values = motions.values[i].tolist()
-            switched = switched.elsewhere(motions.time, motions.states[i], values)
-        reason = f"{switched.chosen['reason']}; not smooth, so one by one"
-        return cls(motions, str(switched.chosen["method"]), tol, reason, switched)
-
-    @property
-    def jumps(self) -> frozenset[str]:
-        """The integrals that jump with the forces."""
-        integrals = self.motions.ground.integrals.items()
-        return frozenset(name for name, e in integrals if jumps(e))
-
-    def along(
-        self, state: np.ndarray, values: np.ndarray, grid: np.ndarray
-    ) -> tuple[np.ndarray, IntegrationError | None, Run | None]:
-        """A motion along a grid: states (k, n), the error that ended it, its run."""
-        if self._is_near(float(grid[0]), state, values):
-            error = break_error(SINGULAR_PLACE, float(grid[0]), state)
-            return np.full((len(grid), len(state)), np.nan), error, None
-        self.switched = self.switched.elsewhere(float(grid[0]), state, values.tolist())
-        run = self.switched.solver(grid)
-        return *_states_along(run, grid), run
-
-    def _is_near(self, time: float, state: np.ndarray, values: np.ndarray) -> bool:
-        """Whether a motion is so near to a singular place that it does not pass what is watched."""
-        near = self.motions.divisor_watch(values, CLEAR)
-        return near is not None and near(np.array([time]), state[None])
-
-    def passages(
-        self, watch: SectionWatch, passages: SectionPassages, name: str, value: float
-    ) -> None:
-        """The crossings of a plane by all motions."""
-        try:
-            for i in self.motions.sound:
-                self._pass(i, watch, passages, name, value)
-                passages.tell(self.motions.sound)
-        except KeyboardInterrupt:
-            passages.interrupted = True
-
-    def _pass(
-        self, i: int, watch: SectionWatch, passages: SectionPassages, name: str, value: float
-    ) -> None:
-        motions = self.motions
-        time, state, values = motions.time, motions.states[i], motions.values[i]
-        unit = time_scale(motions, time, state, values)
-        length = STRETCH * unit
-        if self._is_near(time, state, values):
-            passages.errors[i] = break_error(SINGULAR_PLACE, time, state)
-        while not passages.over(i) and i not in passages.errors:
-            grid = np.linspace(time, min(time + length, passages.until), LOOKS)
-            way = self._to_plane(i, grid, state, name, value, passages.direction)
-            run = way.solver(grid)
-            if run.interrupted:
-                raise KeyboardInterrupt
-            t, states = run.crossings[PLANE]
-            speeds = crossing_speeds(motions, watch, t, states, values, unit)
-            passages.put(i, t, states, speeds)
-            passages.enter_samples(i, run.samples, len(motions.states[i]))
-            seen = watch.function(
-                run.t, run.states, np.broadcast_to(values, (len(run.t), len(values)))
-            )
-            rates = np.abs(np.diff(seen)) / np.diff(run.t) if len(run.t) > 1 else np.zeros(1)
-            passages.steps += run.steps
-            passages.note_range(
-                i, float(run.t[-1]), run.steps, (seen.min(), seen.max(), rates.max())
-            )
-            error = _error_of(run)
-            if error is not None:
-                passages.errors[i] = error
-                return
-            time, state = float(run.t[-1]), run.states[-1]
-            longest = LONGEST * unit if run.steps > LOOKS else np.inf
-            length = min(GROWTH * length, longest)
-
-    def _to_plane(
-        self, i: int, grid: np.ndarray, state: np.ndarray, name: str, value: float, direction: int
-    ) -> SwitchedIntegrator:
-        """The way of motion i from a state on, with the plane as an event."""
-        values = self.motions.values[i].tolist()
-        if self.plane is None:
-            exact = se.Rational(*float(value).as_integer_ratio())
-            functions = {PLANE: self.motions.ground.quantities[name] - exact}
-            event = Guard(PLANE, direction)
-            made = _switching_stepper(
-                self.motions, i, self.method, self.tol, grid, (event,), functions, state
-            )
-            if made is None:
-                raise DefinitionError("the right side is smooth after all")
-            self.plane = made
-        self.plane = self.plane.elsewhere(float(grid[0]), state, values)
-        return self.plane
-
-
 def time_scale(motions: Many, time: float, state: np.ndarray, values: np.ndarray) -> float:
     """A time in which no variable of a motion changes by more than its size, or by one unit."""
     with np.errstate(all="ignore"):  # at a pole there is none
         rates = compile_program(motions.program)[0](time, list(state), values.tolist())
     pace = np.max(np.abs(np.array(rates, float)) / np.maximum(1.0, np.abs(state)), initial=0.0)
     return float(1.0 / pace) if 0 < pace < np.inf else 1.0
-
-
-def crossing_speeds(
-    motions: Many, watch: SectionWatch, t: np.ndarray, states: np.ndarray, values: np.ndarray,
-    unit: float,
-) -> np.ndarray:  # fmt: skip
-    """How fast the plane's quantity changes at crossings t (k,), by differences over a small part
-    of the time scale ``unit``."""
-    if not len(t):
-        return np.empty(0)
-    rates = compile_program(motions.program)[0](t, list(states.T), values.tolist())
-    along = np.stack([np.broadcast_to(r, t.shape) for r in rates], axis=-1)
-    given, h = np.broadcast_to(values, (len(t), len(values))), SLOPE * unit
-    ends = [watch.function(t + s * h, states + s * h * along, given) for s in (1, -1)]
-    return np.asarray((ends[0] - ends[1]) / (2 * h))
-
-
-def _switching_stepper(
-    motions: Many, i: int, method: str, tol: float, grid: np.ndarray,
-    events: tuple[Guard, ...] = (), functions: dict[str, Any] | None = None,
-    state: np.ndarray | None = None,
-) -> SwitchedIntegrator | None:  # fmt: skip
-    guards, watched = guard_events(motions.divisors)
-    form, given = motions.ground.form, {**(functions or {}), **watched}
-    levels = quantities(form, given) if given else None
-    start = motions.states[i] if state is None else state
-    bare = replace(
-        motions.program,
-        names=(),
-        extras=replace(motions.program.extras, assignments=(), results=()),
-    )
-    problem = Problem(
-        bare, start.copy(), motions.values[i].tolist(), tol, (*events, *guards),
-        levels, coarse=frozenset(watched),
-    )  # fmt: skip
-    return through_switching_surfaces(method, problem, grid, form, given)
 
 
 LONGER, SPARE = 4.0, 1.25
@@ -307,6 +141,16 @@ class LoneMotions:
             motions.wrong.setdefault(i, near)
         return cls(motions, starts, scene, method, tol, frozenset(motions.wrong))
 
+    @cached_property
+    def cause(self) -> str:
+        """Why each motion goes alone; nothing where many go together."""
+        motions = self.motions
+        if self.declared is not None:
+            return "an input changes in time"
+        if is_switched(self.method, motions.program, motions.ground.form, self.tol):
+            return "not smooth"
+        return "an angle has a cut" if CutWatch.of(motions.namespace).cuts else ""
+
     def start(self, i: int) -> LoneStart:
         """Where motion i starts."""
         motions, scene, initial = self.motions, Scene({}, (0.0, 1.0)), self.starts[i]
@@ -331,14 +175,15 @@ class LoneMotions:
 
 
 def go_on_alone(
-    alone: LoneMotions, passages: SectionPassages, level: sp.Expr, outputs: Sequence[Any]
-) -> None:
+    alone: LoneMotions, passages: SectionPassages, level: sp.Expr, outputs: Sequence[Any],
+    every: bool,
+) -> None:  # fmt: skip
     """Motions that did not start, or failed on the way, once more, each alone, up to their passages
-    through ``level`` = 0; what fails alone, too, on the way keeps its first error.  Where inputs
-    change in time that is all of them."""
-    motions, changing = alone.motions, alone.declared is not None
+    through ``level`` = 0; what fails alone, too, on the way keeps its first error.  Where ``every``
+    one goes alone that is all of them."""
+    motions = alone.motions
     try:
-        for i in range(len(motions)) if changing else sorted({*motions.wrong, *passages.errors}):
+        for i in range(len(motions)) if every else sorted({*motions.wrong, *passages.errors}):
             if passages.interrupted:
                 return
             try:
@@ -346,30 +191,16 @@ def go_on_alone(
             except IntegrationError as error:
                 if i in motions.wrong:
                     motions.wrong[i] = error
-                elif changing:
+                elif every:
                     passages.errors[i] = error
             except VoronecError as error:
                 if i not in motions.wrong:
                     raise  # what is asked for makes no sense, whatever the start
                 motions.wrong[i] = error
-            if changing:
+            if every:
                 passages.tell(range(len(motions)))
     except KeyboardInterrupt:
         passages.interrupted = True
-
-
-def end_at_cuts(alone: LoneMotions, passages: SectionPassages) -> None:
-    """Of motions that reach the cut of an angle keep the passages before that, and say so."""
-    if not CutWatch.of(alone.motions.namespace).cuts:
-        return
-    for i in (i for i in alone.motions.sound if passages.parts[i] and i not in passages.alone):
-        end = float(passages.parts[i][-1][0][-1])
-        try:
-            alone.run(alone.start(i), [alone.motions.time, end], ())
-        except IntegrationError as error:
-            t = np.concatenate([part[0] for part in passages.parts[i]])
-            passages.cut(i, int((t < float(end if error.time is None else error.time)).sum()))
-            passages.errors[i] = error
 
 
 def _steps_since(run: Trajectory) -> int:
@@ -402,7 +233,9 @@ def _pass_alone(
             run = alone.run(alone.start(i), [motions.time, end], names, (event,), dense=True)
         except IntegrationError as error:
             failed, run = error, error.trajectory
-            if run is None or PLANE not in run.events or i in passages.errors:
+            if run is None or PLANE not in run.events:
+                raise
+            if i in passages.errors and len(run.events[PLANE]) < passages.wanted:
                 raise
             break
         if run.interrupted:
@@ -429,15 +262,19 @@ def _enter(
     passages.steps += run.cost.steps
     # the plane's quantity may be an output itself
     own = run.outputs[-1] if len(run.outputs) > width else label(level)
-    begin, end = float(run.t[0]), float(run.t[-1])
-    fine, t = np.linspace(begin, end, INSTANTS), np.asarray(passed.t, dtype=float)
-    seen = run.at(fine)[own]
+    t, begin = np.asarray(passed.t, dtype=float), float(run.t[0])
+    # one that fails reaches no instant of its grid after the first, and yet its passages
+    end = max(float(run.t[-1]), t.max(initial=begin))
+    assert run.within is not None
+    fine = np.linspace(begin, end, INSTANTS)
+    seen = run.within(fine)[own]
     points = np.stack([passed[name] for name in run.outputs[:width]], axis=-1)[: passages.wanted]
     passages.alone[i] = points.astype(float), run.drift
     if len(t):
         h = STEP * (end - begin)
-        sides = [run.at(np.clip(t + s * h, begin, end)) for s in (-1, 1)]
+        sides = [run.within(np.clip(t + s * h, begin, end)) for s in (-1, 1)]
         speeds = (sides[1][own] - sides[0][own]) / (sides[1].t - sides[0].t)
         passages.put(i, t, np.full((len(t), passages.width), np.nan), speeds)
-    fastest = float((np.abs(np.diff(seen)) / np.diff(fine)).max())
-    passages.note_range(i, end, idle, (seen.min(), seen.max(), fastest))
+    if end > begin:
+        fastest = float((np.abs(np.diff(seen)) / np.diff(fine)).max())
+        passages.note_range(i, end, idle, (seen.min(), seen.max(), fastest))

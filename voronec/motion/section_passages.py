@@ -556,47 +556,39 @@ def pass_one_by_one(
 def _follow(
     motions: Many, watch: SectionWatch, passages: SectionPassages, method: str, tol: float, i: int
 ) -> None:
-    values = motions.values[i]
+    values, end = motions.values[i], passages.until
 
     def plane(t: np.ndarray, states: np.ndarray, _lane: np.ndarray) -> np.ndarray:
         return watch.function(t, states, np.broadcast_to(values, (len(states), len(values))))
 
-    end = passages.until
-    begin, after, rate = watch.begin(motions, [i])[0], None, np.inf
-    size = len(begin)
-    everything, lane = np.arange(size), np.zeros(1, dtype=int)
-    last = float(plane(np.array([motions.time]), motions.states[i : i + 1], lane)[0])
-    before, sizes, crosses = 0.0, StepSizes.of(1), motions.divisor_watch(values, 0.0)
-    sampler = StepSampler()
+    begin, after = watch.begin(motions, [i])[0], np.inf
+    everything, sampler = np.arange(len(begin)), StepSampler()
+    sizes, crosses = StepSizes.of(1), motions.divisor_watch(values, 0.0)
     try:
-        span = (motions.time, end)
-        for step in _strides(method, watch.program, begin, values, span, tol):
-            passages.steps += 1
-            length = step.end - step.start
-            if step.end != end:  # the last one is cut
-                sizes.note(0, length, length)
-            sampler.take(step.start, step.end, step.at)
-            states = np.stack([begin, step.state])[:, : watch.width]
-            ends = np.array([step.start, step.end]), states
-            if sizes.has_collapsed[0] or (crosses is not None and crosses(*ends)):
-                raise break_error(SINGULAR_PLACE, step.start, begin)
-            begin = step.state
-            now = float(plane(np.array([step.end]), begin[None], lane)[0])
-            if after is None:
-                after = motions.time + START_SHARE * (step.end - motions.time)
-            # no look where the quantity could not come to zero at twice its latest rate, unless
-            # steps grow as those of polynomials do
-            rise = abs(now - last)
-            near = min(abs(last), abs(now)) <= 2 * max(rise, rate * length)
-            near, before = near or length > 2 * before, length
-            rate = rise / length
-            if near or last * now <= 0:
-                found = zeros(_as_polynomial(step), plane, everything, passages.direction)
+        for steps in _stretches(method, watch.program, begin, values, (motions.time, end), tol):
+            good = list[Stride]()
+            for step in steps:
+                if step.end != end:  # the last one is cut
+                    sizes.note(0, step.end - step.start, step.end - step.start)
+                sampler.take(step.start, step.end, step.at)
+                states = np.stack([begin, step.state])[:, : watch.width]
+                ends = np.array([step.start, step.end]), states
+                if sizes.has_collapsed[0] or (crosses is not None and crosses(*ends)):
+                    break
+                good.append(step)
+                begin = step.state
+            if good:
+                paths = _as_polynomials(good)
+                after = min(after, motions.time + START_SHARE * float(paths.lengths[0, 0]))
+                found = zeros(paths, plane, everything, passages.direction)
                 _keep(passages, watch.width, found, 0, i, after)
-            passages.note_range(i, step.end, 1, (min(last, now), max(last, now), rate))
-            last = now
+                passages.steps += len(good)
+                seen = found.low[0], found.high[0], found.fastest[0]
+                passages.note_range(i, good[-1].end, len(good), seen)
             if passages.over(i):
                 return
+            if len(good) < len(steps):
+                raise break_error(SINGULAR_PLACE, steps[len(good)].start, begin)
     except IntegrationError as error:
         reason, time = str(error).partition(" after")[0], float(error.time or 0.0)
         state = np.array(np.asarray(error.state)[: watch.width])
@@ -606,36 +598,48 @@ def _follow(
         passages.enter_samples(i, StepSamples.of(sampler.rows), watch.width)
 
 
-def _strides(
+TOGETHER = 32
+"""So many steps of scipy are looked at together."""
+
+
+def _stretches(
     method: str, program: Program, state: np.ndarray, values: np.ndarray, span: tuple[float, float],
     tol: float,
-) -> Iterator[Stride]:  # fmt: skip
-    """The steps of DOP853; ``IntegrationError`` where it cannot go on."""
+) -> Iterator[Sequence[Stride]]:  # fmt: skip
+    """The steps of DOP853, some together; ``IntegrationError`` where it cannot go on."""
     from voronec.motion.steppers.numba_stepper import Loop, scales_of
 
     loop, grid = METHODS[method].loop, np.array(span)
-    problem = Problem(program, state, values.tolist(), tol, dense=loop is not None)
+    problem = Problem(program, state, values.tolist(), tol, dense=True)
     if loop is None:
         stepper = dop853_steps(problem, grid)
     else:
         stepper = Loop.of(loop(program), problem, grid, scales_of(problem), hoist(program))
-    time, good = span[0], state
-    while time != span[1]:
+    time, good, held, failure = span[0], state, list[Stride](), ""
+    while time != span[1] and not failure:
         try:
             with np.errstate(all="ignore"):
                 found = stepper.advance()
         except IntegratorFailure as halted:
-            raise break_error(str(halted), time, good) from None
-        yield from found.strides if isinstance(found, Segment) else (found,)
-        time, good = found.end, found.state
+            failure = str(halted)
+        else:
+            held += found.strides if isinstance(found, Segment) else [found]
+            time, good = found.end, found.state
+        if len(held) >= TOGETHER or failure or time == span[1]:
+            yield held
+            held = []
+    if failure:
+        raise break_error(failure, time, good)
 
 
-def _as_polynomial(stride: Stride) -> Paths:
-    """The step's own interpolant, a polynomial of degree seven, by its values at eight points."""
-    h = stride.end - stride.start
+def _as_polynomials(steps: Sequence[Stride]) -> Paths:
+    """The interpolants of steps, polynomials of degree seven, by their values at eight points."""
     nodes = np.linspace(0.0, 1.0, 8)
-    values = stride.at(stride.start + h * nodes)
-    coefficients = np.linalg.solve(np.vander(nodes, increasing=True), values).T
-    scaled = coefficients / h ** np.arange(8)
-    times = np.array([[stride.start], [stride.end]])
-    return Paths(times, scaled[None, :, :, None])
+    times = np.array([steps[0].start, *(step.end for step in steps)], dtype=float)
+    lengths = np.diff(times)
+    powers = np.vander(nodes, increasing=True)
+    with np.errstate(all="ignore"):  # what is beyond doubles is told elsewhere
+        values = [step.at(step.start + h * nodes) for step, h in zip(steps, lengths, strict=True)]
+        scaled = np.swapaxes(np.linalg.solve(powers, np.array(values)), 1, 2)
+        series = scaled / lengths[:, None, None] ** np.arange(8)
+    return Paths(times[:, None], series[..., None])

@@ -1,8 +1,8 @@
 """Poincare sections: the points at which motions of one system pass through a surface.
 
-Motions whose inputs change in time by tables or functions are each made by ``integrate``: lanes of
-a batch know no such inputs; where they change, a run starts anew, and passages through the surface
-are events on the way.
+Lanes of a batch carry one smooth right side.  Motions whose inputs change in time by tables or
+functions, those through switching surfaces and those that fail in lanes are each made by
+``integrate``, where passages through the surface are events on the way.
 """
 
 from __future__ import annotations
@@ -32,8 +32,6 @@ from voronec.motion.inputs import drive
 from voronec.motion.motion_pool import Drifts, Many, many
 from voronec.motion.one_by_one import (
     LoneMotions,
-    SwitchedMotions,
-    end_at_cuts,
     go_on_alone,
 )
 from voronec.motion.request import (
@@ -412,43 +410,34 @@ def _follow(
     """Follow motions to where the ``level`` is zero, and look at them; ``DefinitionError`` where
     that is nowhere."""
     motions, method, tol = alone.motions, alone.method, alone.tol
-    jumping, each_alone = frozenset[str](), alone.declared is not None or not motions.sound
-    if each_alone:
+    follow, used, reason, finest = None, "scipy", "each start alone", tol
+    if every := bool(alone.cause or not motions.sound):
         require_method(method)
-        follow, used, reason, finest = None, "scipy", "each start alone", tol
     else:
         watch = _watch(motions, f"plane {surface}", value)
-        switched = SwitchedMotions.of(motions, method, tol, np.array([0.0, 1.0]))
-        follow, used, reason, finest = _followers(motions, switched, watch, method, tol)
-        if switched is not None:
-            follow = partial(switched.passages, watch, name=f"plane {surface}", value=value)
-            jumping = switched.jumps
+        follow, used, reason, finest = _followers(motions, watch, method, tol)
     ready = perf_counter()
     if follow is not None:
         follow(passages)
-    go_on_alone(alone, passages, level, outputs)
-    end_at_cuts(alone, passages)
-    if alone.costs and each_alone:
+    go_on_alone(alone, passages, level, outputs, every)
+    if alone.costs and every:
         used, finest = alone.costs[0].method, alone.costs[0].tolerance
     cost = Cost(
         method=used, reason=reason, tolerance=finest, setup=ready - began,
         run=perf_counter() - ready, steps=passages.steps, evaluations=passages.steps,
     )  # fmt: skip
     _refuse_nothing(motions, passages, surface, value)
-    _cut_unsound(motions, passages, cost, jumping)
+    _cut_unsound(motions, passages, cost)
     return cost
 
 
 def _followers(
-    motions: Many, switched: SwitchedMotions | None, watch: SectionWatch, method: str, tol: float
+    motions: Many, watch: SectionWatch, method: str, tol: float
 ) -> tuple[Callable[[SectionPassages], None], str, str, float]:
     """What follows motions with one right side to their crossings; the method that it takes, why,
     and its tolerance."""
-    if switched is not None:
-        lanes, used, reason = None, switched.method, switched.reason
-    else:
-        starts = watch.begin(motions, motions.sound), motions.values[motions.sound]
-        lanes, used, reason = choose_lanes(method, watch.program, tol, *starts)
+    starts = watch.begin(motions, motions.sound), motions.values[motions.sound]
+    lanes, used, reason = choose_lanes(method, watch.program, tol, *starts)
     if lanes is not None:
         return partial(pass_lanes, motions, watch, lanes=lanes), used, reason, tol
     one_by_one = partial(pass_one_by_one, motions, watch, method=used, tol=tol)
@@ -517,14 +506,12 @@ def _refuse_nothing(motions: Many, passages: SectionPassages, surface: str, valu
     )
 
 
-def _cut_unsound(
-    motions: Many, passages: SectionPassages, cost: Cost, jumping: frozenset[str]
-) -> None:
+def _cut_unsound(motions: Many, passages: SectionPassages, cost: Cost) -> None:
     """Of motions that lose a proved integral, or do not obey the equations, keep the points before
-    that, and say so; integrals ``jumping`` with the forces need not be kept."""
+    that, and say so; those that went alone were looked at there."""
     own = motions.namespace.equations
     integrals = {name: f"integral {name}" for name in motions.ground.integrals}
-    check = CheckOfMany(own, motions.program, cost.tolerance, integrals, jumping)
+    check = CheckOfMany(own, motions.program, cost.tolerance, integrals)
     steps = cost.steps / max(1, len(motions.sound))
     for i in motions.sound:
         if not passages.parts[i] or i in passages.alone:

@@ -362,15 +362,13 @@ def _evaluator(form: Any) -> Any:
 class CheckOfMany:
     """What went wrong first with motions of one program, each with values of its own.
 
-    ``integrals`` maps names of integrals to those of extra quantities of the program; those
-    ``jumping`` do so with the forces.
+    ``integrals`` maps names of integrals to those of extra quantities of the program.
     """
 
     equations: VoronecEquations
     program: Program
     tol: float
     integrals: Mapping[str, str]
-    jumping: frozenset[str] = frozenset()
 
     def breaches(
         self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float,
@@ -382,11 +380,9 @@ class CheckOfMany:
         breaches = [*self._disobedient(t, states, values, samples)]
         for i, name in self._drifts_at(t, states, values):
             whole, own = np.isfinite(states[i]).all(axis=1), {name: (self.integrals[name],) * 2}
-            jumps = name in self.jumping
             one = SolutionCheck(
-                self.equations, self.program, values[i].tolist(), self.tol, int(steps),
-                {} if jumps else own, {}, jumping=own if jumps else {},
-            )  # fmt: skip
+                self.equations, self.program, values[i].tolist(), self.tol, int(steps), own, {}
+            )
             lost, told = one.losses(t[whole], states[i][whole], len(t))
             breaches += [(i, breach) for breach in lost]
             if told:

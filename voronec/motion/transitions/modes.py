@@ -15,6 +15,7 @@ import mpmath
 import numpy as np
 import symengine as se
 
+from voronec.equations.program import Program
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.switches import FLAT, SATURATION
 from voronec.errors import EngineLimit
@@ -30,7 +31,7 @@ from voronec.motion.steppers.run import in_kind, until
 from voronec.motion.steppers.samples import Rates
 from voronec.motion.transitions.knots import in_pieces
 
-__all__ = ["SwitchedIntegrator", "through_switching_surfaces"]
+__all__ = ["SwitchedIntegrator", "is_switched", "through_switching_surfaces"]
 
 LOOKS = 16
 """At so many instants of a stretch it is looked at whether a switching surface was missed."""
@@ -109,6 +110,12 @@ def through_switching_surfaces(
         return run
 
     return replace(first, solver=in_pieces(make, problem, anew=True))
+
+
+def is_switched(method: str, program: Program, form: Any, tol: float) -> bool:
+    """Whether the equations ``form`` of a program are smooth piece by piece alone."""
+    flat = _saturation(tol, is_exact(method, tol))
+    return program.is_rough and Modes.of(form, {}, flat) is not None
 
 
 def _through_switching_surfaces(
