@@ -65,8 +65,7 @@ __all__ = [
 AHEAD = 100_000
 """Points of the grid that are handed over at a time, at most."""
 FEW = 1_000
-"""Points that are handed over where chunks are short, and steps of which heyoka compiles no
-continuous output."""
+"""Points that are handed over where chunks are short."""
 FIRST_LOOK = 4
 """Steps that may be too long are looked at so many at a time, at first."""
 LONG, WEIGHT = 250_000, 20.0
@@ -275,7 +274,7 @@ class _Drive:
     winding: TurnCount = field(init=False)
     standing: tuple[float, np.ndarray] = field(init=False)
     span: float = field(init=False)
-    output: Any = None
+    output: _TaylorSteps | None = None
     stall: StallDetector = field(init=False)
 
     def __post_init__(self) -> None:
@@ -386,8 +385,7 @@ class _Drive:
         """Enter what happens in the steps of a chunk; how many of them, and which of its new rows
         of the grid, lie before what stops the run, as do the ``ends`` of steps kept since."""
         problem, order = self.problem, 1.0 if self.grid[-1] >= self.grid[0] else -1.0
-        inside = _Chunk(self.output, self.winding.now())
-        course = StepCourse(np.array(self.output.times), inside, self.before, inside.looks)
+        course = StepCourse(self.output.times, self.output, self.before, self.output.looks)
         left = problem.switching_surfaces if self.is_on_switching_surface else frozenset[str]()
         seen = crossings(dict(enumerate(problem.events)), self.levels, course, left)
         pairs = zip(problem.events, seen.end, strict=True)
@@ -485,19 +483,21 @@ class _Drive:
 
     def advance(self, size: int) -> tuple[Any, int, np.ndarray]:
         """One chunk of steps towards, or along, the rest of the grid; new rows of it."""
-        standing, done, is_few = self.integrator.time, self.done, size <= FEW
+        standing, done = self.integrator.time, self.done
         self.machine.hints.clear()
         self.series.clear()
-        limits = {"max_steps": size, "max_delta_t": self.opening} | self.callback(is_few)
+        limits = {"max_steps": size, "max_delta_t": self.opening} | self.callback
         if self.is_followed:
-            outcome, _, self.longest, steps, inside, _ = self.integrator.propagate_until(
-                self.grid[-1], c_output=not is_few, write_tc=True, **limits
+            outcome, _, self.longest, steps, _, _ = self.integrator.propagate_until(
+                self.grid[-1], write_tc=True, **limits
             )
-            if is_few and self.series:
-                ends, _, series = zip(*self.series, strict=True)
-                inside = _TaylorSteps(np.array([standing, *ends]), np.array(series))
-            self.output = inside
-            return outcome, steps, self.sample(inside)
+            if not self.series:
+                self.output = None
+                return outcome, steps, np.empty((0, len(self.problem.start)))
+            ends, _, series = zip(*self.series, strict=True)
+            times = np.array([standing, *ends])
+            self.output = _TaylorSteps(times, np.array(series), self.winding.now())
+            return outcome, steps, self.sample(self.output)
         # the integrator wants its grid to begin where it stands
         if standing == self.grid[done]:
             points, known = self.grid[done : done + self.ahead], 0
@@ -517,12 +517,12 @@ class _Drive:
         """The right side in the integrator's units."""
         return field_of(self.problem.program, self.problem.parameters, self.winding.units)
 
-    def callback(self, is_few: bool) -> dict[str, Any]:
-        """What heyoka calls after each step of a chunk: nothing, unless the steps are sampled, or
-        followed and few, their ends are asked for, states may leave their units, or events stop the
-        run, at which the chunk ends."""
-        hints, stops = self.machine.hints, any(event.stop for event in self.problem.events)
-        kept = self.is_sampled or (self.is_followed and is_few)
+    @property
+    def callback(self) -> dict[str, Any]:
+        """What heyoka calls after each step: nothing, unless the steps are sampled or followed,
+        their ends are asked for, or states may leave their units; where events may stop the run,
+        the chunk ends."""
+        hints, kept = self.machine.hints, self.is_sampled or self.is_followed
 
         def has_ended(integrator: Any) -> bool:
             if self.problem.marked:
@@ -531,7 +531,7 @@ class _Drive:
                 self.series.append((integrator.time, integrator.last_h, integrator.tc.copy()))
             return not hints and (not self.winding.scaled or self.winding.fits(integrator.state))
 
-        needed = self.problem.marked or self.winding.scaled or stops or kept
+        needed = self.problem.marked or self.winding.scaled or kept
         return {"callback": has_ended} if needed else {}
 
     def take_samples(self, taken: int) -> None:
@@ -545,15 +545,13 @@ class _Drive:
             times, states = series_samples(ends, lengths, series)
             self.samples.append((times, self.winding.whole(states)))
 
-    def sample(self, segment: Any) -> np.ndarray:
-        """Rows of the grid that a stretch of dense output covers."""
-        if segment is None:
-            return np.empty((0, len(self.problem.start)))
+    def sample(self, output: _TaylorSteps) -> np.ndarray:
+        """Rows of the grid that dense output covers, in the units of the integrator."""
         if self.problem.dense:
-            self.segments.append(_Chunk(segment, self.winding.now()))
+            self.segments.append(output)
         order = np.sign(self.grid[-1] - self.grid[0])
-        end = np.searchsorted(order * self.grid, order * segment.bounds[1], side="right")
-        rows = np.array(segment(self.grid[self.done : end])).reshape(-1, len(self.problem.start))
+        end = np.searchsorted(order * self.grid, order * output.times[-1], side="right")
+        rows = output.states(self.grid[self.done : end])
         whole = np.isfinite(rows).all(axis=1)
         return rows if whole.all() else rows[: int(np.argmin(whole))]
 
@@ -588,52 +586,35 @@ class _Drive:
 
 @dataclass(frozen=True)
 class _TaylorSteps:
-    """What heyoka's continuous output is, of few steps: the ``times`` (s + 1,) at which they begin
-    and end, and their Taylor coefficients ``tcs`` (s, n, order + 1).  heyoka compiles its own,
-    which takes as long as to keep these of some hundreds of steps."""
+    """Dense output of steps: the ``times`` (s + 1,) at which they begin and end, their Taylor
+    coefficients ``tcs`` (s, n, order + 1), and what was taken out of the states.  That of heyoka is
+    compiled anew for each chunk of steps, which takes as long as to keep these of a thousand."""
 
     times: np.ndarray
     tcs: np.ndarray
-
-    @property
-    def bounds(self) -> tuple[float, float]:
-        """From when to when it goes."""
-        return self.times[0], self.times[-1]
-
-    def __call__(self, times: Any) -> np.ndarray:
-        order = 1.0 if self.times[-1] >= self.times[0] else -1.0
-        step = np.searchsorted(order * self.times[1:-1], order * np.asarray(times), side="right")
-        powers = (times - self.times[step])[..., None] ** np.arange(self.tcs.shape[2])
-        return np.asarray((self.tcs[step] @ powers[..., None])[..., 0])
-
-
-@dataclass(frozen=True)
-class _Chunk:
-    """Dense output of a chunk, and what was taken out of its states."""
-
-    inside: Any
     winding: TurnCount
 
-    @property
-    def bounds(self) -> Any:
-        """From when to when it goes."""
-        return self.inside.bounds
-
     def __call__(self, times: np.ndarray) -> np.ndarray:
-        return self.winding.whole(self.inside(times))
+        return self.winding.whole(self.states(times))
+
+    def states(self, times: np.ndarray) -> np.ndarray:
+        """States (k, n) as the integrator has them, at times (k,)."""
+        order = 1.0 if self.times[-1] >= self.times[0] else -1.0
+        step = np.searchsorted(order * self.times[1:-1], order * np.asarray(times), side="right")
+        powers = (times - self.times[step])[:, None] ** np.arange(self.tcs.shape[2])
+        return np.asarray((self.tcs[step] @ powers[:, :, None])[:, :, 0])
 
     def looks(self) -> np.ndarray:
         """The states at the ``times`` of a ``StepCourse``."""
-        lengths, series = np.diff(self.inside.times), np.asarray(self.inside.tcs)
-        states = series_states(lengths, series, NODES)
+        states = series_states(np.diff(self.times), self.tcs, NODES)
         inner = states[:, :-1].reshape(-1, states.shape[2])
         return self.winding.whole(np.concatenate([inner, states[-1, -1:]]))
 
 
 def _join_stretches(segments: list[Any], states: np.ndarray) -> Any:
     """States at any times, from the stretches of dense output in turn."""
-    ends = [s.bounds[1] for s in segments]
-    order = 1.0 if not ends or ends[-1] >= segments[0].bounds[0] else -1.0
+    ends = [s.times[-1] for s in segments]
+    order = 1.0 if not ends or ends[-1] >= segments[0].times[0] else -1.0
     return lambda times: in_parts(ends, order, segments, times, states)
 
 
