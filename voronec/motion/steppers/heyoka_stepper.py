@@ -385,6 +385,7 @@ class _Drive:
         """Enter what happens in the steps of a chunk; how many of them, and which of its new rows
         of the grid, lie before what stops the run, as do the ``ends`` of steps kept since."""
         problem, order = self.problem, 1.0 if self.grid[-1] >= self.grid[0] else -1.0
+        assert self.output is not None  # chunks without steps are passed over before
         course = StepCourse(self.output.times, self.output, self.before, self.output.looks)
         left = problem.switching_surfaces if self.is_on_switching_surface else frozenset[str]()
         seen = crossings(dict(enumerate(problem.events)), self.levels, course, left)
