@@ -65,8 +65,6 @@ ONE = 1
 TRIGONOMETRIC = (se.sin, se.cos, se.tan, se.cot)
 WRITTEN_OUT = 200
 """Equations of more terms keep the brackets of the exact form."""
-FEW = 25
-"""Where written out they have no more terms, nothing shorter is found in the brackets."""
 MOST = 4000
 """Terms of one equation, at most."""
 BUDGET = 8_000
@@ -329,14 +327,17 @@ class _Search:
 
     def _shortened(self, plain: Draft) -> Iterator[Draft]:
         """The exact form written out and as it stands, each after all moves."""
-        self.alphabet.whole = False
+        self.alphabet.whole = spent = False
         try:
             spread = [self._draft(self.form)]
             if (solved := solved_form(self.equations)) is not None:
                 spread.append(self._draft(solved))
-            spread = [d for d in sorted(spread, key=_size) if _size(d) <= WRITTEN_OUT]
-            yield from (self._flat(self._improve(draft)) for draft in spread)
-            if spread and _size(spread[0]) <= FEW:
+            for draft in sorted(spread, key=_size):
+                long = _size(draft) > WRITTEN_OUT
+                if not long:
+                    yield self._flat(self._improve(draft))
+                spent |= long or self._spent()
+            if not spent:  # nothing shorter is found in the brackets
                 return
         except EngineLimit:
             pass
@@ -418,7 +419,7 @@ class _Search:
             most = min if alphabet.letters[i].moves else max
             for _ in range(int(most((m.get(i, 0) for m in led), default=0))):
                 other = {times(m, ((i, 1),), -1): c for m, c in rest.items()}
-                if len(rest) > FEW and self._flat_length(other) > self._flat_length(rest):
+                if len(rest) > 2 * TRIED and self._flat_length(other) > self._flat_length(rest):
                     break
                 found = self._sides(other)
                 whole = all(m.get(i, 0) > 0 for m in led)
