@@ -65,8 +65,6 @@ ONE = 1
 TRIGONOMETRIC = (se.sin, se.cos, se.tan, se.cot)
 WRITTEN_OUT = 200
 """Equations of more terms keep the brackets of the exact form."""
-FEW = 25
-"""Where written out they have no more terms, nothing shorter is found in the brackets."""
 MOST = 4000
 """Terms of one equation, at most."""
 BUDGET = 8_000
@@ -297,22 +295,16 @@ class _Search:
 
     def run(self) -> ReadableEquations:
         """The shortest draft that is proved."""
-        plain = self._first()
-        best = min(self._shortened(plain), key=self._place)
-        if not self.proved(best):
-            best = plain
-        return self.finished(best)
+        self.alphabet.whole = True
+        plain = self._draft(self.form)
+        drafts = sorted(self._shortened(plain), key=self._place)
+        return self.finished(next(filter(self.proved, drafts), plain))
 
     def _place(self, draft: Draft) -> tuple[int, int]:
         """Drafts that fit the lines come first, then short ones."""
         form = self.finished(draft)
         deep = sum(_depth(self.alphabet.text(side)) > DEEP for pair in form.pairs for side in pair)
         return deep + sum(len(line) > WIDTH for line in form.lines(WIDTH)), self.length(draft)
-
-    def _first(self) -> Draft:
-        """The exact form as it is."""
-        self.alphabet.whole = True
-        return self._draft(self.form)
 
     def _draft(self, form: FirstOrderForm) -> Draft:
         read = self.alphabet.read
@@ -329,14 +321,17 @@ class _Search:
 
     def _shortened(self, plain: Draft) -> Iterator[Draft]:
         """The exact form written out and as it stands, each after all moves."""
-        self.alphabet.whole = False
+        self.alphabet.whole = spent = False
         try:
             spread = [self._draft(self.form)]
             if (solved := solved_form(self.equations)) is not None:
                 spread.append(self._draft(solved))
-            spread = [d for d in sorted(spread, key=_size) if _size(d) <= WRITTEN_OUT]
-            yield from (self._flat(self._improve(draft)) for draft in spread)
-            if spread and _size(spread[0]) <= FEW:
+            for draft in sorted(spread, key=_size):
+                long = _size(draft) > WRITTEN_OUT
+                if not long:
+                    yield self._flat(self._improve(draft))
+                spent |= long or self._spent()
+            if not spent:  # nothing shorter is found in the brackets
                 return
         except EngineLimit:
             pass
@@ -418,7 +413,7 @@ class _Search:
             most = min if alphabet.letters[i].moves else max
             for _ in range(int(most((m.get(i, 0) for m in led), default=0))):
                 other = {times(m, ((i, 1),), -1): c for m, c in rest.items()}
-                if len(rest) > FEW and self._flat_length(other) > self._flat_length(rest):
+                if len(rest) > 2 * TRIED and self._flat_length(other) > self._flat_length(rest):
                     break
                 found = self._sides(other)
                 whole = all(m.get(i, 0) > 0 for m in led)
@@ -446,78 +441,30 @@ class _Search:
     def _written_out(self, draft: Draft) -> Iterator[tuple[Draft, int]]:
         """Drafts without one of the names, where that hardly takes more characters."""
         for letter, terms in draft.names:
-            if self.alphabet.letters[letter].terms is not None:
-                number, common, rest = self.alphabet.primitive(terms)
-                if (number != 1 or common) and len(rest) > 1:
-                    yield self._scaled(draft, letter), 1
-                yield self._without(draft, letter, terms), 1 - GAIN
-
-    def _scaled(self, draft: Draft, letter: int) -> Draft:
-        """A draft where a name stands for what it stood for without numbers and factors."""
-        number, common, rest = self.alphabet.primitive(dict(draft.names)[letter])
-        name = self.alphabet.name(self.alphabet.letter_text(letter), rest)
-        names = tuple((name, rest) if i == letter else (i, t) for i, t in draft.names)
-
-        def change(sum_: Terms) -> Terms:
-            return _scaled(sum_, letter, number, common)
-
-        return self._rewritten(draft._replace(names=names), change, {letter: name})
-
-    def _without(self, draft: Draft, letter: int, terms: Terms) -> Draft:
-        plain = not all(e == 1 for m in self._all(draft) for i, e in m if i == letter)
-        swaps = {letter: self.alphabet.index(None, terms)} if plain and len(terms) > 1 else {}
-        rest = draft._replace(names=tuple(n for n in draft.names if n[0] != letter))
-
-        def change(sum_: Terms) -> Terms:
-            if swaps:
-                return sum_
-            found = sum_
-            for m, c in sum_.items():
-                power = dict(m).get(letter, 0)
-                if power:
-                    alone = {times(m, ((letter, power),), -1): c}
-                    for _ in range(abs(int(power))):
-                        alone = mul(alone, terms if power > 0 else _inverse(terms))
-                    found = add({n: d for n, d in found.items() if n != m}, alone)
-            return found
-
-        return self._rewritten(rest, change, swaps)
-
-    def _all(self, draft: Draft) -> Iterator[Monomial]:
-        """The monomials of a draft, those in letters too."""
-        waiting = [*draft.rows, *(t for _, t in (*draft.rates, *draft.names))]
-        while waiting:
-            for m in waiting.pop():
-                yield m
-                inner = (
-                    self.alphabet.letters[i].terms for i, _ in m if i not in self.alphabet.named
+            if self.alphabet.letters[letter].terms is not None and len(terms) > 1:
+                rest = draft._replace(names=tuple(n for n in draft.names if n[0] != letter))
+                yield (
+                    self._rewritten(rest, _same, {letter: self.alphabet.index(None, terms)}),
+                    1 - GAIN,
                 )
-                waiting += filter(None, inner)
 
     def _rates(self, draft: Draft) -> Iterator[tuple[Draft, int]]:
         """Drafts with the letter of a rate in other rates, and names."""
         dots, named = {i for i, _ in draft.rates}, dict(draft.names)
         for letter, rate in draft.rates:
+            number, common, inner = self.alphabet.primitive(rate)
             name = next((i for i in named if rate == {((i, 1),): ONE}), None)
             if name is not None:  # the rate has a letter already
-                whole = tuple((i, named[name] if i == letter else r) for i, r in draft.rates)
-                rest = draft._replace(
-                    rates=whole, names=tuple(n for n in draft.names if n[0] != name)
-                )
-                yield self._rewritten(rest, lambda terms: terms, {name: letter}), 1
-        for letter, rate in draft.rates:
-            number, common, inner = self.alphabet.primitive(rate)
-            if len(inner) < 2 or any(i in dots for m in rate for i, _ in m):
+                kept, names = named[name], tuple(n for n in draft.names if n[0] != name)
+                found = self._rewritten(draft._replace(names=names), _same, {name: letter})
+            elif len(inner) > 1 and not any(i in dots for m in rate for i, _ in m):
+                value = {times(((letter, 1),), common, -1): over(1, number)}
+                kept, rule = rate, Rule(inner, value, False)
+                found = self._rewritten(draft, partial(self._apply, rule), {})
+            else:
                 continue
-            value = {times(((letter, 1),), common, -1): over(1, number)}
-            rule = Rule(inner, value, False)
-            found = self._rewritten(draft, partial(self._apply, rule), {})
-            yield (
-                found._replace(
-                    rates=tuple((i, rate if i == letter else t) for i, t in found.rates)
-                ),
-                1,
-            )
+            rates = tuple((i, kept if i == letter else t) for i, t in found.rates)
+            yield found._replace(rates=rates), 1
 
     # -- identities ---------------------------------------------------------------------------
 
@@ -738,23 +685,17 @@ class _Search:
         letters = self.alphabet.letters
         every = (*draft.rows, *(t for _, t in draft.rates), *(t for _, t in draft.names))
         used = sorted({i for terms in every for m in terms for i, _ in m})
-        angles = {
-            letters[i].meaning.args[0] for i in used
-            if isinstance(letters[i].meaning, TRIGONOMETRIC)
-        }  # fmt: skip
-        known = self.alphabet.angles
-        for stand_in in sorted((a for a in angles if str(a).startswith("angle ")), key=str):
+        meanings, known = [letters[i].meaning for i in used], self.alphabet.angles
+        angles = {str(m.args[0]): m.args[0] for m in meanings if isinstance(m, TRIGONOMETRIC)}
+        for stand_in in (angles[a] for a in sorted(angles) if a.startswith("angle ")):
             name = se.Symbol(self._free(draft, ANGLES))
             known[name], self.ranks[name] = known[stand_in], (MOVING, len(known) + 99)
-            swaps = {}
-            for i in used:
-                meaning = letters[i].meaning
-                if isinstance(meaning, TRIGONOMETRIC):
-                    ratio = (known.get(meaning.args[0], meaning.args[0]) / known[name]).expand()
-                    if meaning.args[0] == stand_in or ratio == 2:
-                        ratio = 1 if meaning.args[0] == stand_in else ratio
-                        swaps[i] = self.alphabet.index(meaning.func(ratio * name))
-            found = self._rewritten(draft, lambda terms: terms, swaps)
+            swaps = {
+                i: self.alphabet.index(meaning.func(name))
+                for i, meaning in zip(used, meanings, strict=True)
+                if isinstance(meaning, TRIGONOMETRIC) and meaning.args[0] == stand_in
+            }
+            found = self._rewritten(draft, _same, swaps)
             letter = self.alphabet.index(name)
             terms = self.alphabet.read(known[stand_in])
             yield found._replace(names=(*found.names, (letter, terms))), GAIN
@@ -832,19 +773,8 @@ def _depth(text: str) -> int:
     return most
 
 
-def _scaled(sum_: Terms, letter: int, number: Rational, common: Monomial) -> Terms:
-    """A sum where a letter is a number and a monomial times what it was."""
-    found: Terms = {}
-    for m, c in sum_.items():
-        e = dict(m).get(letter, 0)
-        scale = number**e if e >= 0 else over(1, number ** abs(e))
-        found[times(m, common, e)] = c * scale
-    return found
-
-
-def _inverse(terms: Terms) -> Terms:
-    ((m, c),) = terms.items()
-    return {times((), m, -1): over(1, c)}
+def _same(terms: Terms) -> Terms:
+    return terms
 
 
 def _divides(head: Monomial, m: Monomial) -> bool:
