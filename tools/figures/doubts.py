@@ -32,7 +32,8 @@ import sympy as sp
 import voronec as vo
 from voronec.algebra.symbols import plain_name
 from voronec.motion import batches, methods
-from voronec.motion.steppers.run import _join_runs
+from voronec.motion.solve import Arrival, Phase, Solver
+from voronec.motion.steppers import Halt
 
 __all__ = ["argparse", "main"]
 
@@ -233,6 +234,29 @@ def _is_many(draw: Draw) -> bool:
     return any(isinstance(x, np.ndarray) for x in draw.initial.values())
 
 
+@dataclass(frozen=True)
+class _Fault:
+    """A state that is another one from an instant on, as a transition."""
+
+    go_on: Callable[[np.ndarray, np.ndarray], Any]
+    kind: str
+    where: float
+    done: list[str]
+
+    def next(self, _: Phase, here: Arrival) -> Phase | Halt:
+        """The same motion, from a state that is wrong."""
+        if here.halt is not None:
+            return here.halt
+        self.done.append(self.kind)
+        state = here.state.astype(float)
+        if self.kind == "digits":
+            state = state.astype(np.float32).astype(float)
+        else:
+            i = int(self.where * 977) % len(state)
+            state[i] += WRONG * max(1.0, abs(state[i]))
+        return Phase(None, here.time, state, state, self.go_on, {}, is_change=False)
+
+
 @contextmanager
 def fault_in(draw: Draw) -> Iterator[list[str]]:
     """A fault in the integrators of all methods; the list says what was planted."""
@@ -272,24 +296,19 @@ def fault_in(draw: Draw) -> Iterator[list[str]]:
             at = float(grid[0] + (0.1 + 0.8 * where) * (grid[-1] - grid[0]))
             if len(done) or problem.changing is not None or len(grid) < 2:
                 return stepper(grid)
-            before, after = grid[grid < at], grid[grid > at]
-            one = stepper(np.append(before, at))
-            if one.halt or one.stopped or one.interrupted:
-                return one
-            done.append(draw.fault)
-            state = one.states[-1].astype(float)
-            if draw.fault == "digits":
-                state = state.astype(np.float32).astype(float)
-            else:
-                i = int(where * 977) % len(state)
-                state[i] += WRONG * max(1.0, abs(state[i]))
+            start, solver = problem.start, Solver(grid, problem.events, problem.dense)
+            whole = Phase(
+                None, grid[0], start, start, lambda _, times: stepper(times), {}, end=at,
+                successor=_Fault(go_on, draw.fault, where, done),
+            )  # fmt: skip
+            return solver.run(whole)
+
+        def go_on(state: np.ndarray, times: np.ndarray) -> Any:
             problem.start[:] = state
             try:
-                moved = replace(problem, start=state)
-                two = make(method, moved, reason)[0](np.insert(after, 0, at))
+                return make(method, replace(problem, start=state), reason)[0](times)
             finally:
                 problem.start[:] = first
-            return _join_runs([one, two], grid, problem)
 
         return run, chosen
 
