@@ -18,7 +18,7 @@ from voronec.equations.program.jacobian import flow_derivative
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.walls import Wall
 from voronec.errors import EngineLimit
-from voronec.motion.methods import choose, choose_regular
+from voronec.motion.methods import choose
 from voronec.motion.modes import Corner, LevelSurface, Modes, is_length, motion_along_surfaces
 from voronec.motion.request import Guard
 from voronec.motion.solve import DOUBLE, Progress
@@ -60,19 +60,12 @@ class Mode:
 
     def run(self, state: np.ndarray, values: Sequence[Any], times: np.ndarray) -> Run:
         """The motion from a state on."""
-        if self.stepper is None:
-            return self.run_by(self.chosen["method"], state, values, times)
-        self.problem.parameters[:] = values  # type: ignore[index]
-        wide = self._widen(state, values, times[0])
-        return self._narrow(restarting(self.stepper, self.problem)(wide, times), len(state))
-
-    def run_by(
-        self, method: str, state: np.ndarray, values: Sequence[Any], times: np.ndarray
-    ) -> Run:
-        """The same by a method of its own."""
-        wide = self._widen(state, values, times[0])
-        problem = replace(self.problem, start=wide, parameters=list(values))
-        return self._narrow(choose_regular(method, problem, times)[0](times), len(state))
+        wide, problem, stepper = self._widen(state, values, times[0]), self.problem, self.stepper
+        if stepper is None:
+            problem = replace(problem, start=wide, parameters=list(values))
+            stepper = choose(self.chosen["method"], problem, times)[0]
+        problem.parameters[:] = values  # type: ignore[index]
+        return self._narrow(restarting(stepper, problem)(wide, times), len(state))
 
     def _widen(self, state: np.ndarray, values: Sequence[Any], time: Any) -> np.ndarray:
         """The state, and the functions of events that are followed."""
@@ -92,11 +85,6 @@ class Mode:
     def _narrow(self, run: Run, width: int) -> Run:
         """A run without what is followed beside the state."""
         return run if self.followed is None else narrow(run, width)
-
-    @property
-    def walls(self) -> frozenset[Wall]:
-        """The walls at which the mode ends."""
-        return frozenset(s.wall for hit in self.watch.values() for s in hit)
 
 
 @dataclass

@@ -39,7 +39,7 @@ NO_WAY_ON = "all fields lead back to {}, and switches would follow one another e
 GRAZE = 1e-9
 """A wall is touched where its function is smaller than this part of its terms, and turns."""
 CLEAR = 1e-4
-"""Beyond a wall is where its function has passed zero by more than this part of its reach."""
+"""Off a surface is where a wall's function misses its level by more than this part of its reach."""
 UNSURE = 0.7
 """A run to the tolerance tol may miss a wall by tol to this power."""
 CANCELLATION = 1e-12
@@ -481,16 +481,6 @@ class Crossroads(ModeSet):
         beyond = {**sides, surface.wall: surface.value(-side)}
         other, bend = self._rate_and_bend(time, state, surface, beyond)
         return not (other * self.order * side > 2 * abs(own) or bend * side > 0)
-
-    def is_beyond(
-        self, wall: Wall, time: Any, state: np.ndarray, sides: Mapping[Wall, int]
-    ) -> bool:
-        """Whether a state lies clearly on another side of a wall than it should."""
-        g, size = self._value_and_reach(wall, time, state, sides)
-        own, error = sides[wall], CLEAR * size
-        if wall.whole:
-            return bool(not own - error <= g <= own + 1 + error)
-        return bool(g * own < -error)
 
     def _rate_and_bend(
         self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Wall, int]
