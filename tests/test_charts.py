@@ -12,12 +12,12 @@ from voronec.declaration.claims import without_claims
 from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
 from voronec.motion.atlas import kept_charts
-from voronec.motion.transitions.charts import through_charts
 from voronec.motion.methods import choose
 from voronec.motion.request import Event
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, cut_at_singularity
 from voronec.motion.steppers.run import part_at
+from voronec.motion.transitions.charts import through_charts
 from voronec.proof.relations.charts import check_charts
 
 pytestmark = pytest.mark.slow
