@@ -61,19 +61,12 @@ class Mode:
 
     def run(self, state: np.ndarray, values: Sequence[Any], times: np.ndarray) -> Run:
         """The motion from a state on."""
-        if self.solver is None:
-            return self.run_by(self.chosen["method"], state, values, times)
-        self.problem.parameters[:] = values  # type: ignore[index]
-        wide = self._widen(state, values, times[0])
-        return self._narrow(restarting(self.solver, self.problem)(wide, times), len(state))
-
-    def run_by(
-        self, method: str, state: np.ndarray, values: Sequence[Any], times: np.ndarray
-    ) -> Run:
-        """The motion from a state on, by a given method."""
-        wide = self._widen(state, values, times[0])
-        problem = replace(self.problem, start=wide, parameters=list(values))
-        return self._narrow(choose(method, problem, times)[0](times), len(state))
+        wide, problem, solver = self._widen(state, values, times[0]), self.problem, self.solver
+        if solver is None:
+            problem = replace(problem, start=wide, parameters=list(values))
+            solver = choose(self.chosen["method"], problem, times)[0]
+        problem.parameters[:] = values  # type: ignore[index]
+        return self._narrow(restarting(solver, problem)(wide, times), len(state))
 
     def _widen(self, state: np.ndarray, values: Sequence[Any], time: Any) -> np.ndarray:
         """The state, and the functions of events that are followed."""
@@ -93,11 +86,6 @@ class Mode:
     def _narrow(self, run: Run, width: int) -> Run:
         """A run without what is followed beside the state."""
         return run if self.followed is None else narrow(run, width)
-
-    @property
-    def switches(self) -> frozenset[Switch]:
-        """The switching surfaces at which the mode ends."""
-        return frozenset(s.switch for hit in self.watch.values() for s in hit)
 
 
 @dataclass

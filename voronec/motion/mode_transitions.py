@@ -41,8 +41,8 @@ GRAZE = 1e-9
 """A switching surface is touched where its function is smaller than this part of its terms, and
 turns."""
 CLEAR = 1e-4
-"""Beyond a switching surface is where its function has passed zero by more than this part of its
-reach."""
+"""Off a surface is where a switching surface's function misses its level by more than this part of
+its reach."""
 UNSURE = 0.7
 """A run to the tolerance tol may miss a switching surface by tol to this power."""
 CANCELLATION = 1e-12
@@ -497,16 +497,6 @@ class Crossroads(ModeSet):
         beyond = {**sides, surface.switch: surface.value(-side)}
         other, bend = self._rate_and_bend(time, state, surface, beyond)
         return not (other * self.order * side > 2 * abs(own) or bend * side > 0)
-
-    def is_beyond(
-        self, switch: Switch, time: Any, state: np.ndarray, sides: Mapping[Switch, int]
-    ) -> bool:
-        """Whether a state lies clearly on another side of a switching surface than it should."""
-        g, size = self._value_and_reach(switch, time, state, sides)
-        own, error = sides[switch], CLEAR * size
-        if switch.whole:
-            return bool(not own - error <= g <= own + 1 + error)
-        return bool(g * own < -error)
 
     def _rate_and_bend(
         self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Switch, int]

@@ -33,8 +33,6 @@ from voronec.motion.transitions.knots import in_pieces
 
 __all__ = ["SwitchedIntegrator", "is_switched", "through_switching_surfaces"]
 
-LOOKS = 16
-"""At so many instants of a stretch it is looked at whether a switching surface was missed."""
 RIM = "the motion comes to rest where a root of velocities in its equations has no slope"
 
 
@@ -191,10 +189,7 @@ class _Walls:
             values = roads.values(mode.program, mode.sides, time)
             if roads.bits == DOUBLE:
                 values = list(map(float, values))
-            run = mode.run(start, values, times)
-            if mode.solver is not None and self.strays(mode, time, state, run):
-                run = mode.run_by("scipy", start, values, times)
-            return self.cut(mode, run)
+            return self.cut(mode, mode.run(start, values, times))
 
         def to_home(run: Run) -> Run:
             rates = self.rates_of_mode(mode)
@@ -217,20 +212,6 @@ class _Walls:
             return list(np.array(rows).reshape(len(moments), -1).T)
 
         return program_rates(mode.program, at)
-
-    def strays(self, mode: Mode, time: Any, state: np.ndarray, part: Run) -> bool:
-        """Whether a stretch by heyoka is beyond a switching surface where it was looked at: heyoka
-        gives up where zeros of a polynomial are too close together, and goes on as if there were
-        none."""
-        looks = sorted({(len(part.t) - 1) * k // LOOKS for k in range(1, LOOKS + 1)} - {0})
-        beyond, sides = self.roads.is_beyond, mode.sides
-        return any(
-            beyond(switch, part.t[i], part.states[i], sides)
-            for switch in mode.switches - {s.switch for s in mode.along}
-            if not beyond(switch, time, state, sides)
-            for i in looks
-            if np.isfinite(part.states[i]).all()
-        )
 
     def cut(self, mode: Mode, part: Run) -> Run:
         """A stretch up to where it touches a switching surface along which it may have come, or,
