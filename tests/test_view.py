@@ -8,19 +8,15 @@ import shutil
 import subprocess
 from functools import cache
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.algebra.symbols import plain_name
 from voronec.cli import main
 from voronec.equations.program import compile_program
-from voronec.motion.motion_start import Outset
-from voronec.motion.request import StartData, Vocabulary, scene_of
 from voronec.motion.viewer.page import LARGEST, Page
 
 NODE = shutil.which("node")
@@ -50,30 +46,10 @@ def everything(name: str) -> tuple[Any, ...]:
     return (*system.coordinates, *system.velocities)
 
 
-class Start(NamedTuple):
-    """The first instant of a system's scene as the record of a motion, from which pages are made;
-    that scenes run is proved with all else that every system conforms to."""
-
-    system: vo.System
-    t: np.ndarray
-    values: dict[str, float]
-    parameters: dict[str, float]
-    outputs: tuple[str, ...] = ()
-    cost: Any = SimpleNamespace(switches=0)
-
-    def __getitem__(self, key: Any) -> np.ndarray:
-        return np.array([self.values[str(key)]])
-
-
 @cache
 def page_at_start(name: str) -> Page:
-    system = vo.load(name)
-    vocabulary = Vocabulary.of(vo.derive(system))
-    given = StartData.of(vocabulary, scene_of(system, None, True), None, None)
-    start = Outset.of(vocabulary, given, 0.0, False)
-    names = map(plain_name, (*system.coordinates, *system.velocities))
-    values = dict(zip(names, start.state.tolist(), strict=True))
-    return Page(Start(system, np.zeros(1), values, dict(start.constants)))
+    """The first instant of a scene alone: that scenes run is in ``test_conformance``."""
+    return page_of(name, times=(0.0,))
 
 
 def in_node(page: Page, last: str) -> Any:
