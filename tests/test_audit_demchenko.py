@@ -145,14 +145,9 @@ def _defines(display: Display) -> bool:
     [
         (r"-\mu'\dot{u}\sin\vartheta", r"+\mu'\dot{u}\sin\vartheta"),
         (r"\dot{u}_1=-\mu'", r"\dot{u}_1=-\mu"),
-        (r"s=\mu\sin u\dot{v}", r"s=\mu\cos u\dot{v}"),
-        (r"\mathbf w^2=R_2^2(s^2+\tau^2)", r"\mathbf w^2=R_1^2(s^2+\tau^2)"),
         (r"\alpha_1''=\sin u_1\sin\vartheta", r"\alpha_1''=\sin u\sin\vartheta"),
-        (r"=P s-k\sin u", r"=P s+k\sin u"),
         (r"=P s-k\sin u", r"=A s-k\sin u"),
-        (r"A\dot n=k\mu\sin u\dot{u}", r"A\dot n=k\mu'\sin u\dot{u}"),
         (r"=k\mu\dot u\cos u", r"=k\mu\dot v\cos u"),
-        (r"P(s^2+\tau^2)+A n^2", r"P(s^2+\tau^2)+P n^2"),
     ],
 )
 def test_an_error_put_into_a_proved_formula_is_found_and_mended(prepared, old, new):
@@ -199,12 +194,8 @@ def test_without_zhukovskys_condition_the_energy_and_the_equations_are_false(pre
     ("old", "new"),
     [
         (r"$P=I+A$", r"$P=I-A$"),
-        (r"I=\mathbf{M}R_2^2", r"I=\mathbf{M}R_1^2"),
         (r"$\mu'=\frac{R_2}{R_1}$", r"$\mu'=\frac{R_1}{R_2}$"),
         (r"=1+\mu'", r"=1-\mu'"),
-        (r"A=A_1+A_2", r"A=A_1-A_2"),
-        (r"C=C_1", r"C=C_2"),
-        ("C_1=A_1+A_2", "C_1=A_1-A_2"),
         (r"C_2r_2=k", r"C_1r_2=k"),
     ],
 )

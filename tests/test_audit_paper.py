@@ -4,9 +4,10 @@ nothing stays open."""
 from __future__ import annotations
 
 import pytest
-from demchenko_audit import audit_of, labels, paper, records_of
+import sympy as sp
+from demchenko_audit import audit_of, paper
 
-from voronec.audit import audit_paper, paper_audit
+from voronec.audit import Display, Paper, Section, Study, audit_paper, audit_section
 
 pytestmark = pytest.mark.slow
 
@@ -57,13 +58,15 @@ def audit():
     return audit_of(*paper().sections)
 
 
-def test_the_audit_of_the_paper_is_that_of_its_sections(audit, monkeypatch):
-    def kept(section, progress, shelf, known):
-        assert known.keys() == labels().keys()
-        return records_of(section.title)
-
-    monkeypatch.setattr(paper_audit, "audit_section", kept)
-    assert audit_paper(paper()) == audit
+def test_the_audit_of_a_paper_is_that_of_its_sections():
+    names = {n: sp.Symbol(n) for n in "xy"}
+    first, second = (
+        Section(title, (Display(f"$x+y={sum}$"),), lambda _: {"one": Study(names)})
+        for title, sum in (("first", "y+x"), ("second", "y-x"))
+    )
+    found = audit_paper(Paper("two", "Two sections", (first, second)))
+    assert found.records == (*audit_section(first), *audit_section(second))
+    assert [r.verdict for r in found.records] == ["proved", "misprint"]
 
 
 def place(record):

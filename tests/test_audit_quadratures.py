@@ -89,21 +89,13 @@ def test_claims_hold_in_the_ranges_in_which_they_are_true(
 
 BROKEN = [
     (0, "=X(x)", "=-X(x)"),
-    (1, "-k\\mu x +C_5", "k\\mu x +C_5"),
-    (2, "-2k(Ps", "+2k(Ps"),
     (3, "=2h", "=h"),
-    (4, "2b_1x_0x", "b_1x_0x"),
     (5, "I\\mu +A,", "I\\mu -A,"),
-    (6, "-2hPA", "-hPA"),
     (9, "\\sin^2 u", "\\cos^2 u"),
-    (10, "(1-x^2)", "(1+x^2)"),
     (11, "\\sqrt{2hA}", "\\sqrt{hA}"),
     (11, "{\\mu k}", "{\\mu' k}"),
-    (12, "(1-x^2)", "(1+x^2)"),
     (12, "\\theta(x)", "\\phi(x)"),
-    (13, "-\\phi(x)^2", "+\\phi(x)^2"),
     (13, "a_0(x-x^I)", "a_0(x+x^I)"),
-    (13, "(1-x^2)", "(1+x^2)"),
 ]
 
 

@@ -138,8 +138,7 @@ def test_an_argument_that_is_no_sum_is_refused():
         here.names()[r"\wp"](2 * here.arguments[0])
 
 
-@pytest.mark.parametrize("part", ["wp", "zeta", "sigma"])
-@pytest.mark.parametrize("factor", [-1, 2])
+@pytest.mark.parametrize(("part", "factor"), [("wp", -1), ("zeta", 2), ("sigma", -1)])
 def test_a_wrong_addition_law_is_not_proved(part, factor):
     law = weierstrass.addition_law("u", "v")
     wrong = replace(law, **{part: factor * getattr(law, part)})

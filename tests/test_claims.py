@@ -77,7 +77,7 @@ def test_a_claim_that_is_off_is_refuted_at_a_point(name):
 
 
 MEASURED = (
-    "ball-on-turntable-in-time", "chaplygin-ball", "demchenko", "nonholonomic-particle",
+    "ball-on-turntable-in-time", "demchenko", "nonholonomic-particle",
     "rubber-ball-in-new-time", "sleigh", "veselova", "veselova-in-rn",
 )  # fmt: skip
 """Measures in coordinates, invariants, parts of the state, on a group, and with the time."""

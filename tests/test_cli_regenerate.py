@@ -133,15 +133,6 @@ def test_an_interrupted_audit_leaves_what_is_finished(tmp_path: Path, own_cache:
     assert not (tmp_path / "report").exists(), "nothing half-written"
 
 
-def test_paths_of_a_picture_are_rounded_and_nothing_else_is():
-    from voronec.cli.regeneration import round_paths
-
-    svg = '<path d="M 1.23456 20 \nL 0.5 7.999999" id="a1.23456"/><use scale(0.015625)/>'
-    assert (
-        round_paths(svg) == '<path d="M 1.23 20 \nL 0.5 8.00" id="a1.23456"/><use scale(0.015625)/>'
-    )
-
-
 def test_the_end_is_a_screenful(call: Call, sheet: str) -> None:
     answer = call("regenerate", sheet, "--out", "report")
     lines = answer.out.splitlines()

@@ -54,7 +54,6 @@ def referee(trajectory: vo.Trajectory, at: int) -> list[float]:
     [
         "demchenko",
         "rattleback",
-        "bicycle",
         "suslov",  # a group
         "veselova-in-rn",  # a group whose coordinates are redundant
         "torus-on-ellipsoid",  # redundant coordinates

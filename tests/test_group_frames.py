@@ -8,10 +8,10 @@ from itertools import combinations
 
 import pytest
 import sympy as sp
+from without_claims import bare
 
 import voronec as vo
 from voronec import DefinitionError, Equation, Fibration, Frame, Measure, Scene, System, velocity
-from voronec.declaration.system import bare
 from voronec.kinematics import BodyVelocity, Rotation, skew, skew_entries, wedge_square
 
 pytestmark = pytest.mark.slow

@@ -44,7 +44,7 @@ class Known:
 
 
 def pendulum() -> Known:
-    """phi'' = -sin phi from rest at 2.5: an elliptic function [NIST, 22.19.2]."""
+    """phi'' = -sin phi from rest at 2.5: an elliptic function of the time."""
     energy = Dphi**2 / 2 - sp.cos(phi)
     system = vo.System(
         name="pendulum", fibration=vo.Fibration(base=(phi,)),

@@ -467,18 +467,6 @@ def test_a_constraint_that_only_looks_quadratic_is_accepted():
     assert close(found[x], -Q(4, 5)) and close(found[y], Q(2, 5))
 
 
-def test_a_system_is_differentiated_once(monkeypatch):
-    from voronec.equations.referee import route
-
-    system, made = sleigh(), []
-    monkeypatch.setattr(
-        route, "make_plan", lambda s, make=route.make_plan: made.append(s) or make(s)
-    )
-    for _ in range(3):
-        multiplier_acceleration(system, SLEIGH_POINT)
-    assert len(made) == 1
-
-
 def plane(lagrangian=(Dx**2 + Dy**2) / 2, **options):
     return System(
         name="plane", fibration=Fibration(base=(x,), fibre=(y,)), lagrangian=lagrangian, **options

@@ -22,7 +22,6 @@ from tool_modules import tool
 
 import voronec as vo
 from voronec.cli import main
-from voronec.declaration.bibliography import read_entries
 
 pytestmark = pytest.mark.slow
 
@@ -255,7 +254,8 @@ def test_the_version_is_one() -> None:
 
 
 def test_every_key_that_code_and_documents_cite_is_in_the_bibliography() -> None:
-    known = read_entries((ROOT / "docs" / "references.bib").read_text("utf-8"))
+    bibliography = (ROOT / "docs" / "references.bib").read_text("utf-8")
+    known = {*re.findall(r"^@\w+\{(\w+),", bibliography, re.MULTILINE)}
     cited = {}
     for folder in ("voronec", "systems", "docs", "tests", "tools"):
         for path in (ROOT / folder).rglob("*"):

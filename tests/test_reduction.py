@@ -107,12 +107,22 @@ def test_lagranges_top_keeps_its_spin():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", vo.names())
-def test_every_declared_descent_is_one(name):
-    system = vo.load(name)
-    if not system.invariants:
-        pytest.skip("it declares no invariants")
-    check_descent(system)
+@pytest.mark.parametrize(
+    "name",
+    [
+        "chaplygin-ball",
+        "falling-disc",
+        "gyroscopic-ball-on-sphere",
+        "displaced-ball-on-sphere",
+        "gyroscopic-rubber-ball-on-sphere",
+        "gyroscopic-spheroid-on-plane",
+        "suslov",
+        "veselova",
+    ],
+)
+def test_a_declared_descent_is_one(name):
+    """One of each family: that the claims of all hold after it is in ``test_conformance``."""
+    check_descent(vo.load(name))
 
 
 @pytest.mark.parametrize("chart", ["euler zyx", "quaternion"])

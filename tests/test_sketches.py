@@ -9,7 +9,6 @@ import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.algebra.symbols import plain_name
 from voronec.cli import main
 
 
@@ -17,7 +16,7 @@ from voronec.cli import main
 def test_every_coordinate_is_named(name: str) -> None:
     system = vo.load(name)
     assert system.sketch is not None
-    assert {plain_name(q) for q in system.coordinates} <= system.sketch.names
+    assert {q.name for q in system.coordinates} <= system.sketch.names
 
 
 def test_what_is_drawn_is_what_is_declared() -> None:

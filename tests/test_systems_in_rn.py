@@ -88,7 +88,7 @@ def test_in_four_dimensions_the_moments_are_those_of_three(family, moment):
     assert check_relation(wrong, motions).verdict.refuted
 
 
-@pytest.mark.parametrize("name", LARGEST)
+@pytest.mark.parametrize("name", ["ball-on-sphere-in-rn@5", "veselova-in-rn@5"])
 def test_the_scene_runs_and_keeps_the_integrals(name):
     traj = vo.integrate(motions(name).equations)
     assert max(traj.drift.values()) < 1e-10 and max(traj.residuals.values()) < 1e-10

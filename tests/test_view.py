@@ -8,19 +8,15 @@ import shutil
 import subprocess
 from functools import cache
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pytest
 import sympy as sp
 
 import voronec as vo
-from voronec.algebra.symbols import plain_name
 from voronec.cli import main
 from voronec.equations.program import compile_program
-from voronec.motion.motion_start import InitialState
-from voronec.motion.request import Namespace, StartData, scene_of
 from voronec.motion.viewer.page import LARGEST, Page
 
 NODE = shutil.which("node")
@@ -34,6 +30,11 @@ SHAPED = "gyroscopic-ball-on-sphere", "rubber-ball-on-plane"
 
 
 SHOWN = [name for name in vo.names() if vo.load(name).shapes]
+KINDS = (
+    *("bicycle", "bychkov-ball", "demchenko", "falling-disc", "gyroscopic-torus-on-ellipsoid"),
+    *("rattleback", "robot-with-two-trailers", "rubber-ball-in-new-time", "sleigh-in-time"),
+    *("snakeboard", "spheroid-on-sphere", "suslov", "two-wheeled-carriage", "veselova"),
+)
 QUICK = "bychkov-ball", "vertical-disc", "two-wheeled-carriage"
 every = pytest.mark.parametrize(
     "name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) for n in SHOWN]
@@ -50,30 +51,10 @@ def everything(name: str) -> tuple[Any, ...]:
     return (*system.coordinates, *system.velocities)
 
 
-class Start(NamedTuple):
-    """The first instant of a system's scene as the record of a motion, from which pages are made;
-    that scenes run is proved with all else that every system conforms to."""
-
-    system: vo.System
-    t: np.ndarray
-    values: dict[str, float]
-    parameters: dict[str, float]
-    outputs: tuple[str, ...] = ()
-    cost: Any = SimpleNamespace(switches=0)
-
-    def __getitem__(self, key: Any) -> np.ndarray:
-        return np.array([self.values[str(key)]])
-
-
 @cache
 def page_at_start(name: str) -> Page:
-    system = vo.load(name)
-    namespace = Namespace.of(vo.derive(system))
-    given = StartData.of(namespace, scene_of(system, None, True), None, None)
-    start = InitialState.of(namespace, given, 0.0, False)
-    names = map(plain_name, (*system.coordinates, *system.velocities))
-    values = dict(zip(names, start.state.tolist(), strict=True))
-    return Page(Start(system, np.zeros(1), values, dict(start.constants)))
+    """The first instant of a scene alone: that scenes run is in ``test_conformance``."""
+    return page_of(name, times=(0.0,))
 
 
 def in_node(page: Page, last: str) -> Any:
@@ -92,9 +73,9 @@ def test_all_that_lies_in_space_has_a_shape() -> None:
 
 @pytest.mark.slow
 @needs_node
-@every
+@pytest.mark.parametrize("name", KINDS)
 def test_rates_places_and_integrals_are_those_of_python(name: str) -> None:
-    """At five random states of each system, over 200 in all, with parameters as random."""
+    """At five random states of each, with parameters as random."""
     page, random = page_at_start(name), np.random.default_rng(19)
     program = page.program
     first = np.array([page.trajectory.parameters[str(p)] for p in program.parameters])

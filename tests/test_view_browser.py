@@ -19,10 +19,15 @@ import voronec as vo
 from voronec.motion.viewer.page import LARGEST, Page, PageView
 
 pytestmark = pytest.mark.skipif(browser.PROGRAM is None, reason="chromium is not installed")
-SHOWN = [name for name in vo.names() if vo.load(name).shapes]
 QUICK = "rubber-ball-on-plane", "vertical-disc", "sleigh"
-every = pytest.mark.parametrize(
-    "name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) for n in SHOWN]
+OTHERS = (
+    *("bicycle", "bychkov-ball", "demchenko", "displaced-ball-on-sphere", "ellipsoid-on-sphere"),
+    *("gyroscopic-torus-on-ellipsoid", "rattleback", "robot-with-two-trailers", "snakeboard"),
+    *("ball-on-paraboloid", "spheroid-on-plane", "suslov", "veselova-in-new-time"),
+)
+"""Of each kind of body and ground one: what touches in all systems is in ``test_view``."""
+kinds = pytest.mark.parametrize(
+    "name", [*QUICK, *(pytest.param(n, marks=pytest.mark.slow) for n in OTHERS)]
 )
 BALL = "rubber-ball-on-plane"
 
@@ -89,7 +94,7 @@ def changed(one: np.ndarray, other: np.ndarray) -> float:
     return float((np.abs(one - other) > 20).any(axis=-1).mean())
 
 
-@every
+@kinds
 def test_a_page_is_drawn_and_moves_without_network(
     name: str, tab: browser.Tab, tmp_path: Path
 ) -> None:

@@ -26,6 +26,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -253,6 +254,8 @@ def main() -> int:
     planting.add_argument("--within", nargs="*", default=[], help="parts of voronec/")
     chosen = parser.parse_args()
     if chosen.job == "map":
+        if find_spec("coverage") is None:
+            parser.error("coverage is not installed; 'pip install coverage' gets it")
         make_map(chosen.map, chosen.files, chosen.fast)
         return 0
     told = plant(chosen.map, chosen.seed, chosen.count, chosen.within, chosen.seconds)

@@ -58,7 +58,7 @@ class SwitchedIntegrator:
             first = roads.next_mode(grid[0], roads.start, {}, ())
 
         def run(times: np.ndarray) -> Run:
-            return _Walls(roads).run(times, first)
+            return _Switches(roads).run(times, first)
 
         if isinstance(first, str):
             words = {"method": roads.method, "reason": "nothing moves", "tolerance": problem.tol}
@@ -149,7 +149,7 @@ def _saturation(tol: float, exact: bool) -> Any:
 
 
 @dataclass
-class _Walls:
+class _Switches:
     """The change from one mode to another where a switching surface is met; ``what`` of a phase is
     its mode."""
 
