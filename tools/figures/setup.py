@@ -71,7 +71,7 @@ def sizes(name: str) -> dict[str, Any]:
 
     eqs = vo.derive(_system(name))
     raw = operations(eqs.raw.form.expressions)
-    entries = [*eqs.rates, *eqs.mass, *eqs.force] if eqs.in_normal_form else []
+    entries = [*eqs.rates, *eqs.mass, *eqs.force] if eqs.is_short else []
     return {
         "raw": raw,
         "printed": sum(len(caret_text(e)) for e in entries),
