@@ -73,20 +73,26 @@ def symbols(text: str) -> tuple[Any, ...]:
     return tuple(map(read, text.split()))
 
 
-EULER = "omega1: phidot*sin(theta)*sin(psi) + thetadot*cos(psi); "\
+EULER = (
+    "omega1: phidot*sin(theta)*sin(psi) + thetadot*cos(psi); "
     "omega2: phidot*sin(theta)*cos(psi) - thetadot*sin(psi); omega3: phidot*cos(theta) + psidot"
+)
 SPIN = """
     phidot*sin(theta) = omega1*sin(psi) + omega2*cos(psi);
     thetadot = omega1*cos(psi) - omega2*sin(psi);
     psidot = omega3 - phidot*cos(theta);
 """
-BODY = "(I1*(phidot*sin(theta)*sin(psi) + thetadot*cos(psi))^2 + "\
+BODY = (
+    "(I1*(phidot*sin(theta)*sin(psi) + thetadot*cos(psi))^2 + "
     "I2*(phidot*sin(theta)*cos(psi) - thetadot*sin(psi))^2 + I3*(phidot*cos(theta) + psidot)^2)/2"
+)
 ALONG = "v: xdot*cos(phi) + ydot*sin(phi); w: phidot"
 BLADE = "xdot*sin(phi) - ydot*cos(phi)"
-TWO_LINKS = "(I1 + m1*r1^2)*theta1dot^2/2 + I2*(theta1dot + theta2dot)^2/2 + "\
-    "m2*(l1^2*theta1dot^2 + r2^2*(theta1dot + theta2dot)^2 + "\
+TWO_LINKS = (
+    "(I1 + m1*r1^2)*theta1dot^2/2 + I2*(theta1dot + theta2dot)^2/2 + "
+    "m2*(l1^2*theta1dot^2 + r2^2*(theta1dot + theta2dot)^2 + "
     "2*l1*r2*theta1dot*(theta1dot + theta2dot)*cos(theta2))/2"
+)
 
 TEXTBOOK = (
     Textbook(

@@ -165,7 +165,7 @@ class Alphabet:
 
     def rank_of(self, terms: Terms) -> tuple[int, int]:
         """The place of a sum among factors."""
-        highest = max(self.letters[i].rank for m in terms for i, _ in m)
+        highest = max((self.letters[i].rank for m in terms for i, _ in m), default=(PARAMETER, 0))
         return (MOVING + 2 if highest[0] >= MOVING else MOVING - 1, len(self.letters))
 
     def name(self, name: str, terms: Terms) -> int:

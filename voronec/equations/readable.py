@@ -543,7 +543,7 @@ class _Search:
         found: dict[Any, Terms] = {}
         for terms in self._brackets(draft):
             _, _, rest = self.alphabet.primitive(terms)
-            if not any(map(self._leads, rest)):
+            if len(rest) > 1 and not any(map(self._leads, rest)):
                 key = frozenset(rest.items())
                 found[key] = rest
                 counts[key] += 1
