@@ -179,8 +179,9 @@ class ReadableEquations:
                 lines.append("")
                 room = COLUMN
             room -= width
-            plus = "" if (len(lines) == 1 and not lines[-1]) or text.startswith("-") else "+ "
-            lines[-1] = f"{lines[-1]} {plus}{text}".strip()
+            if len(lines) > 1 or lines[-1]:  # a sign between blanks
+                text = f" - {text[1:]}" if text.startswith("-") else f" + {text}"
+            lines[-1] += text
         return [*map(str.strip, lines)]
 
 
