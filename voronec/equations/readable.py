@@ -264,7 +264,7 @@ class _Search:
             return f"{type(atom).__name__}({self.alphabet.text(angle)})"
         if atom in self.alphabet.angles:
             return str(atom)
-        return self.texts.get(atom) or caret_text(self.equations.door.outward(atom))
+        return self.texts.get(atom) or caret_text(self.equations.bridge.outward(atom))
 
     def _angle(self, angle: Any) -> Terms:
         """An angle as it is written: a name stays, what merely stands for a sum does not."""
@@ -282,7 +282,7 @@ class _Search:
             )
         if not atom.is_Symbol:
             system = self.equations.system
-            outside = self.equations.door.outward(atom)
+            outside = self.equations.bridge.outward(atom)
             return latex_of(outside, system.coordinates, system.velocities)
         name, dots = self.texts.get(atom, str(atom)), 0
         if atom in self.texts and name.endswith("ddot"):
