@@ -165,7 +165,7 @@ class Alphabet:
 
     def rank_of(self, terms: Terms) -> tuple[int, int]:
         """The place of a sum among factors."""
-        highest = max(self.letters[i].rank for m in terms for i, _ in m)
+        highest = max((self.letters[i].rank for m in terms for i, _ in m), default=(PARAMETER, 0))
         return (MOVING + 2 if highest[0] >= MOVING else MOVING - 1, len(self.letters))
 
     def name(self, name: str, terms: Terms) -> int:
@@ -571,25 +571,24 @@ class Alphabet:
 
     def _power_latex(self, factor: Factor) -> str:
         base, e = factor
-        power = "" if e == 1 else f"^{e}" if isinstance(e, int) and 0 <= e < 10 else f"^{{{e}}}"
-        found = self.letters[base] if isinstance(base, int) else None
-        if found is not None and base not in self.named and found.terms is None:
-            text = self._latex(found.meaning)
-            function = re.match(r"\\(sin|cos|tan|cot)", text)
-            if function:  # \sin^2\phi
-                return function[0] + power + text[function.end() :]
-            simple = re.fullmatch(r"\\?\w+|\\?\w+_(\w|\{\w+\})", text) or not power
-            return text + power if simple else f"({text}){power}"
         root = isinstance(e, Fraction) and e.denominator == 2
-        if found is not None and base in self.named and not root:
-            return symbol_latex(self.names[base]) + power
-        if found is not None and base in self.named:
-            inner = symbol_latex(self.names[base])
-        else:
+        count = e.numerator if root else e
+        power = "" if count == 1 else f"^{count}" if 0 <= count < 10 else f"^{{{count}}}"
+        found = self.letters[base] if isinstance(base, int) else None
+        if found is None or (found.terms is not None and base not in self.named):
             inner = self.latex(base if found is None else self.arrange(found.terms or {}))
+            text = rf"\left({inner}\right)" if "frac" in inner else f"({inner})"
+        else:
+            inner = text = (
+                symbol_latex(self.names[base]) if found.terms else self._latex(found.meaning)
+            )
+        function = re.match(r"\\(sin|cos|tan|cot)", text)
         if root:
-            return rf"\sqrt{{{inner}}}" + (f"^{e.numerator}" if e.numerator != 1 else "")
-        return rf"\left({inner}\right){power}" if "frac" in inner else f"({inner}){power}"
+            return rf"\sqrt{{{inner}}}{power}"
+        if function:  # \sin^2\phi
+            return function[0] + power + text[function.end() :]
+        simple = not power or re.fullmatch(r"\(.*\)|(\\d+ot ?)?\\?\w+(_(\w|\{\w+\}))?", text)
+        return text + power if simple or "left" in text else f"({text}){power}"
 
 
 def _turned(product: Product) -> Product:

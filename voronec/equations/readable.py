@@ -179,8 +179,9 @@ class ReadableEquations:
                 lines.append("")
                 room = COLUMN
             room -= width
-            plus = "" if (len(lines) == 1 and not lines[-1]) or text.startswith("-") else "+ "
-            lines[-1] = f"{lines[-1]} {plus}{text}".strip()
+            if len(lines) > 1 or lines[-1]:  # a sign between blanks
+                text = f" - {text[1:]}" if text.startswith("-") else f" + {text}"
+            lines[-1] += text
         return [*map(str.strip, lines)]
 
 
@@ -192,8 +193,8 @@ def equation_rows(pairs: Iterable[tuple[str, str]]) -> list[str]:
 
 
 def break_lines(row: str, width: int) -> list[str]:
-    """An equation in lines that end before a sign: one outside of brackets, and of functions, if
-    that will do."""
+    """An equation in lines that end before a sign: one outside of brackets and functions, if that
+    will do."""
     if len(row) <= width:
         return [row]
     for depth in range(BRACKETS):
@@ -362,8 +363,7 @@ class _Search:
         """A draft after all moves that make it shorter."""
         self.alphabet.work, self.alphabet.limit = 0, BUDGET
         length, moved = self.length(draft), True
-        first = self._rates, self._angles, self._names, self._identities
-        moves = (*first, self._written_out, self._monomials)
+        moves = self._rates, self._angles, self._names, self._identities, self._monomials
         while moved and not self._spent():
             moved = False
             for move in moves:
@@ -437,16 +437,6 @@ class _Search:
 
     def _leads(self, m: Monomial) -> bool:
         return any(self.alphabet.letters[i].rank[0] == ACCELERATION for i, _ in m)
-
-    def _written_out(self, draft: Draft) -> Iterator[tuple[Draft, int]]:
-        """Drafts without one of the names, where that hardly takes more characters."""
-        for letter, terms in draft.names:
-            if self.alphabet.letters[letter].terms is not None and len(terms) > 1:
-                rest = draft._replace(names=tuple(n for n in draft.names if n[0] != letter))
-                yield (
-                    self._rewritten(rest, _same, {letter: self.alphabet.index(None, terms)}),
-                    1 - GAIN,
-                )
 
     def _rates(self, draft: Draft) -> Iterator[tuple[Draft, int]]:
         """Drafts with the letter of a rate in other rates, and names."""
@@ -554,7 +544,7 @@ class _Search:
         found: dict[Any, Terms] = {}
         for terms in self._brackets(draft):
             _, _, rest = self.alphabet.primitive(terms)
-            if not any(map(self._leads, rest)):
+            if len(rest) > 1 and not any(map(self._leads, rest)):
                 key = frozenset(rest.items())
                 found[key] = rest
                 counts[key] += 1
