@@ -37,14 +37,14 @@ def bounce(system, start, values, gap, law, grid, method="scipy") -> Run:
     equations = vo.derive(system)
     form, start = equations.form, np.array(start, dtype=float)
     guard = Guard("gap", -1, stop=True)
-    levels = quantities(form, {guard.name: equations.door.inward(gap)})
+    levels = quantities(form, {guard.name: equations.bridge.inward(gap)})
     numbers = [float(values[str(p)]) for p in form.parameters]
     problem = Problem(
         Program.of(form), start, numbers, 1e-13, (guard,), levels, True, walls=frozenset({"gap"})
     )
-    stepper, _ = choose(method, problem, grid)
+    solver, _ = choose(method, problem, grid)
     guards = {guard.name: Impact(law)}
-    phase = Phase(None, grid[0], start, start, restarting(stepper, problem), guards)
+    phase = Phase(None, grid[0], start, start, restarting(solver, problem), guards)
     return Solver(grid, problem.events, dense=True).run(phase)
 
 

@@ -33,7 +33,7 @@ import voronec as vo
 from voronec.algebra.symbols import plain_name
 from voronec.motion import batches, methods
 from voronec.motion.solve import Arrival, Phase, Solver
-from voronec.motion.steppers import Halt
+from voronec.motion.steppers import Termination
 
 __all__ = ["argparse", "main"]
 
@@ -115,7 +115,7 @@ def _draw(equations: Any, dice: Random, _: Random) -> Draw:
 
 
 @dataclass
-class Watch:
+class ObservedQuantities:
     """What happens in a run: how often parts of it are integrated again, and for how long."""
 
     again: int = 0
@@ -198,7 +198,7 @@ def doubts(seed: int, count: int, only: str | None) -> None:
     """Draw runs, and print how many were doubted, done again, refused, and wrong."""
     seen, spent, again, runs = Counter[str](), 0.0, 0.0, 0
     for draw in draws(seed, count, only):
-        watch, began, told = Watch(), perf_counter(), ""
+        watch, began, told = ObservedQuantities(), perf_counter(), ""
         try:
             with watch.count_doubts():
                 found = draw.run()
@@ -243,7 +243,7 @@ class _Fault:
     where: float
     done: list[str]
 
-    def next(self, _: Phase, here: Arrival) -> Phase | Halt:
+    def next(self, _: Phase, here: Arrival) -> Phase | Termination:
         """The same motion, from a state that is wrong."""
         if here.halt is not None:
             return here.halt
@@ -289,16 +289,16 @@ def fault_in(draw: Draw) -> Iterator[list[str]]:
     def wrong(method: str, problem: Any, reason: str) -> Any:
         if draw.fault in ("rate", "term"):
             return make(method, replace(problem, program=faulty(problem.program)), reason)
-        stepper, chosen = make(method, problem, reason)
+        solver, chosen = make(method, problem, reason)
         first = problem.start.copy()
 
         def run(grid: np.ndarray) -> Any:
             at = float(grid[0] + (0.1 + 0.8 * where) * (grid[-1] - grid[0]))
             if len(done) or problem.changing is not None or len(grid) < 2:
-                return stepper(grid)
+                return solver(grid)
             start, solver = problem.start, Solver(grid, problem.events, problem.dense)
             whole = Phase(
-                None, grid[0], start, start, lambda _, times: stepper(times), {}, end=at,
+                None, grid[0], start, start, lambda _, times: solver(times), {}, end=at,
                 successor=_Fault(go_on, draw.fault, where, done),
             )  # fmt: skip
             return solver.run(whole)

@@ -18,8 +18,8 @@ import numpy as np
 from voronec.motion.request import Guard
 from voronec.motion.steppers.run import (
     DISTANT,
-    Halt,
     Run,
+    Termination,
     Ticker,
     crossing_arrays,
     in_kind,
@@ -53,14 +53,14 @@ class Arrival(NamedTuple):
     home: np.ndarray
     guard: str
     ahead: Any
-    halt: Halt | None
+    halt: Termination | None
 
 
 class Transition(Protocol):
     """What ends phases and begins the next ones; whoever makes a phase puts the functions of its
     guards among the events of the phase's problem, and itself beside them in ``Phase.guards``."""
 
-    def next(self, phase: Phase, here: Arrival) -> Phase | Halt:
+    def next(self, phase: Phase, here: Arrival) -> Phase | Termination:
         """How the motion goes on where a guard of its own ended a phase."""
 
 
@@ -132,21 +132,21 @@ class Solver:
     idle: float = 0.0
     recent: list[Any] = field(default_factory=list)
 
-    def run(self, phase: Phase | Halt) -> Run:
+    def run(self, phase: Phase | Termination) -> Run:
         """Phase after phase, up to the end of the grid or to what ends the run before."""
         self.order = 1 if self.grid[-1] >= self.grid[0] else -1
         self.forward = self.order * self.grid
         report = None if self.progress is None else self.progress.report
         self.ticker = Ticker(report, float(self.grid[0]), float(self.grid[-1]))
-        home = phase.state if isinstance(phase, Halt) else phase.home
+        home = phase.state if isinstance(phase, Termination) else phase.home
         first = in_kind(self.grid[:1], home.dtype)
         self.standing = first[0], home
         self.rows.append(Rows(phase, first, home[None].copy()))
-        if isinstance(phase, Halt):
+        if isinstance(phase, Termination):
             return self.result(phase)
         try:
             while True:
-                own, part = self.stretch(phase)
+                own, part = self.segment(phase)
                 owner = phase.guards.get(part.stopped)
                 if part.halt or (not part.stopped and phase.end is not None):
                     owner = phase.successor
@@ -154,13 +154,13 @@ class Solver:
                     return self.result(part.halt, part.interrupted, part.stopped)
                 here, done = self.arrive(own)
                 found = owner.next(phase, here)
-                if isinstance(found, Halt):
+                if isinstance(found, Termination):
                     return self.result(found)
                 self.switches += found.is_change
                 if stopped := self.enter(found, here):
                     return self.result(stopped=stopped)
                 if here.guard and self.stalls(here.time):
-                    return self.result(Halt(ZENO, *self.standing))
+                    return self.result(Termination(ZENO, *self.standing))
                 near = in_kind(self.grid[self.done : done], here.home.dtype)
                 self.keep(phase, near, np.repeat(here.home[None], len(near), axis=0))
                 if self.done == len(self.grid):
@@ -169,7 +169,7 @@ class Solver:
         except KeyboardInterrupt:
             return self.result(interrupted=True)
 
-    def stretch(self, phase: Phase) -> tuple[Run, Run]:
+    def segment(self, phase: Phase) -> tuple[Run, Run]:
         """Go on in a phase until it ends, or the grid does: its run, and that at home."""
         times, forward = self.times(phase), self.forward[self.done :]
         if self.progress is not None:
@@ -242,7 +242,9 @@ class Solver:
             return False
         return bool(abs(time - self.recent.pop(0)) <= CRAWL * float(np.ptp(self.grid)))
 
-    def result(self, halt: Halt | None = None, interrupted: bool = False, stopped: str = "") -> Run:
+    def result(
+        self, halt: Termination | None = None, interrupted: bool = False, stopped: str = ""
+    ) -> Run:
         """The run of all phases."""
         runs, (time, state) = [part for _, part in self.parts], self.standing
         kept = bool(stopped) or (interrupted and self.idle >= DISTANT)

@@ -24,7 +24,7 @@ from voronec.motion.atlas import (
 from voronec.motion.methods import choose_regular, is_exact
 from voronec.motion.singular_coordinates import passage_notes
 from voronec.motion.solve import Arrival, Phase, Solver
-from voronec.motion.steppers import Problem, Run, Stepper
+from voronec.motion.steppers import Integrator, Problem, Run
 
 if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
@@ -44,13 +44,13 @@ def through_charts(
     equations: VoronecEquations,
     functions: Mapping[str, Any],
     form: FirstOrderForm | None = None,
-) -> tuple[Stepper, dict[str, Any]]:
+) -> tuple[Integrator, dict[str, Any]]:
     """The integrator of a problem, and what ``Cost`` says of it, as ``choose`` gives them.
 
     Near a singularity of the system's own chart it goes on in another.  ``functions`` are those of
-    the problem's events, by name, inside the door; ``form`` are the equations that the problem's
-    program is made of, by default those of the system.  Where no chart of the system maps the
-    variables of the form among themselves, this is what ``choose`` gives.  So it is in high
+    the problem's events, by name, in the engine's symbols; ``form`` are the equations that the
+    problem's program is made of, by default those of the system.  Where no chart of the system maps
+    the variables of the form among themselves, this is what ``choose`` gives.  So it is in high
     precision: the maps are made for doubles, and there steps may be as short as they like.
     """
     form = form or equations.form

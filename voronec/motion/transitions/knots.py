@@ -17,7 +17,7 @@ import numpy as np
 from voronec.equations.program import compile_program
 from voronec.motion.request import Guard
 from voronec.motion.solve import DOUBLE, Arrival, Phase, Progress, Solver
-from voronec.motion.steppers.run import Halt, Problem, Run, Stepper, exact_mpf
+from voronec.motion.steppers.run import Integrator, Problem, Run, Termination, exact_mpf
 
 __all__ = ["in_pieces"]
 
@@ -25,7 +25,7 @@ BESIDE = 1e-9
 """An event that is closer than this part of a piece to its end happens there, or not at all."""
 
 
-def in_pieces(make: Callable[[Problem], Stepper], problem: Problem, anew: bool) -> Stepper:
+def in_pieces(make: Callable[[Problem], Integrator], problem: Problem, anew: bool) -> Integrator:
     """The stepper of a problem with ``changing`` parameters: made once, or ``anew`` for each piece,
     where it asks for its numbers ``exact`` when it is made."""
     changing, names = problem.changing, [str(p) for p in problem.program.parameters]
@@ -102,7 +102,7 @@ class _Knots:
             None, begin, state, state, self.on_piece, {}, to_home, end, self, happened, False
         )
 
-    def next(self, phase: Phase, here: Arrival) -> Phase | Halt:
+    def next(self, phase: Phase, here: Arrival) -> Phase | Termination:
         """The next piece, with what happens just where it begins."""
         if here.halt is not None:
             return here.halt

@@ -1,7 +1,7 @@
 """From one smooth mode of a right-hand side that is not smooth to another.
 
-A mode ends where a wall is reached, as an event does, and ``Crossroads`` tells how the motion goes
-on: through, back, or along.
+A mode ends where a switching surface is reached, as an event does, and ``Crossroads`` tells how the
+motion goes on: through, back, or along.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ import numpy as np
 import symengine as se
 
 from voronec.equations.program.python import compiled_digits
-from voronec.equations.program.walls import FLAT, SATURATION
+from voronec.equations.program.switches import FLAT, SATURATION
 from voronec.errors import EngineLimit
 from voronec.motion.methods import is_exact
 from voronec.motion.mode_set import GUARD, Mode
 from voronec.motion.mode_transitions import NO_VALUE, PAST, TOUCH, Crossroads
-from voronec.motion.modes import Corner, Modes
+from voronec.motion.modes import Modes, SmoothBranch
 from voronec.motion.request import Guard
 from voronec.motion.solve import COINCIDENT, DOUBLE, Arrival, Phase, Solver
 from voronec.motion.step_defects import program_rates
-from voronec.motion.steppers import Halt, Problem, Run, Stepper
+from voronec.motion.steppers import Integrator, Problem, Run, Termination
 from voronec.motion.steppers.run import in_kind, until
 from voronec.motion.steppers.samples import Rates
 from voronec.motion.transitions.knots import in_pieces
 
-__all__ = ["SwitchedIntegrator", "through_walls"]
+__all__ = ["SwitchedIntegrator", "through_switching_surfaces"]
 
 RIM = "the motion comes to rest where a root of velocities in its equations has no slope"
 
@@ -43,9 +43,9 @@ class SwitchedIntegrator:
     where no motion starts.
     """
 
-    stepper: Stepper
+    solver: Integrator
     chosen: dict[str, Any]
-    corner: Corner | None
+    corner: SmoothBranch | None
     values: Sequence[float]
     roads: Crossroads
 
@@ -72,7 +72,7 @@ class SwitchedIntegrator:
         return SwitchedIntegrator.of(self.roads.elsewhere(time, start, parameters))
 
 
-def through_walls(
+def through_switching_surfaces(
     method: str,
     problem: Problem,
     grid: np.ndarray,
@@ -82,34 +82,34 @@ def through_walls(
     """The integrator of a problem that is not smooth; None where it is smooth.
 
     ``form`` are the equations of the problem's program, ``functions`` those of its events by name,
-    inside the door.  Where parameters change at knots, each piece goes its own way; functions of
-    Python's are asked for their values wherever the motion is looked at.
+    in the engine's symbols.  Where parameters change at knots, each piece goes its own way;
+    functions of Python's are asked for their values wherever the motion is looked at.
     """
     changing = problem.changing
     if changing is None:
-        return _through_walls(method, problem, grid, form, functions)
+        return _through_switching_surfaces(method, problem, grid, form, functions)
     own = replace(
         problem, changing=changing.functional, progress=None
     )  # pieces are told of one by one
-    first = _through_walls(method, own, grid, form, functions)
+    first = _through_switching_surfaces(method, own, grid, form, functions)
     if first is None:
         return None
 
-    def make(piece: Problem) -> Stepper:
+    def make(piece: Problem) -> Integrator:
         def run(times: np.ndarray) -> Run:
             if first.roads.bits == DOUBLE:
                 again = first.elsewhere(float(times[0]), piece.start, piece.parameters)
-                return again.stepper(times)
-            switched = _through_walls(method, piece, times, form, functions)
+                return again.solver(times)
+            switched = _through_switching_surfaces(method, piece, times, form, functions)
             assert switched is not None
-            return switched.stepper(times)
+            return switched.solver(times)
 
         return run
 
-    return replace(first, stepper=in_pieces(make, problem, anew=True))
+    return replace(first, solver=in_pieces(make, problem, anew=True))
 
 
-def _through_walls(
+def _through_switching_surfaces(
     method: str, problem: Problem, grid: np.ndarray, form: Any, functions: Mapping[str, Any]
 ) -> SwitchedIntegrator | None:
     if not problem.is_rough:
@@ -143,7 +143,8 @@ def _saturation(tol: float, exact: bool) -> Any:
 
 @dataclass
 class _Walls:
-    """The change from one mode to another where a wall is met; ``what`` of a phase is its mode."""
+    """The change from one mode to another where a switching surface is met; ``what`` of a phase is
+    its mode."""
 
     roads: Crossroads
     switched: Any = None
@@ -156,7 +157,7 @@ class _Walls:
         with mpmath.workprec(roads.working):
             home = self.number(roads.start)
             if isinstance(first, str):
-                return solver.run(Halt(first, grid[0], home))
+                return solver.run(Termination(first, grid[0], home))
             return solver.run(self.phase(first, grid[0], roads.start, home, (*grid[1:2],)))
 
     def number(self, state: np.ndarray) -> np.ndarray:
@@ -206,8 +207,8 @@ class _Walls:
         return program_rates(mode.program, at)
 
     def cut(self, mode: Mode, part: Run) -> Run:
-        """A stretch up to where it touches a wall along which it may have come, or, into the
-        future, beyond which it may go on."""
+        """A stretch up to where it touches a switching surface along which it may have come, or,
+        into the future, beyond which it may go on."""
         reason = TOUCH if self.roads.order > 0 else PAST
         for name, surface in mode.turns.items():
             for time, state in zip(*part.crossings[name], strict=True):
@@ -216,28 +217,28 @@ class _Walls:
                     return replace(
                         part, t=part.t[kept], states=part.states[kept], stopped="",
                         crossings=until(part.crossings, part.t[0], time),
-                        halt=Halt(reason.format(surface), time, state),
+                        halt=Termination(reason.format(surface), time, state),
                     )  # fmt: skip
         return part
 
-    def next(self, phase: Phase, here: Arrival) -> Phase | Halt:
+    def next(self, phase: Phase, here: Arrival) -> Phase | Termination:
         """The mode in which the motion goes on, and what happens just at the change."""
         roads, before, time = self.roads, phase.what, here.time
         state = np.array(list(map(mpmath.mpf, here.state)), dtype=object)
         hit = before.watch[here.guard]
         if not hit:
-            return Halt(RIM, time, here.home)
+            return Termination(RIM, time, here.home)
         single = len(hit) == 1 and not before.along
         if (single or roads.order < 0) and roads.is_open(time, state, hit[0], before.sides):
             reason = TOUCH if roads.order > 0 else PAST
-            return Halt(reason.format(hit[0]), time, here.home)
+            return Termination(reason.format(hit[0]), time, here.home)
         # what held the motion is met still, though the state may be some rounding beside it
         hit = tuple(dict.fromkeys((*hit, *before.along)))
         state = roads.on_surfaces(time, state, hit, before.sides)
-        sides = {w: s for w, s in before.sides.items() if w not in {x.wall for x in hit}}
+        sides = {w: s for w, s in before.sides.items() if w not in {x.switch for x in hit}}
         found = roads.next_mode(time, state, sides, hit)
         if isinstance(found, str):
-            return Halt(found, time, self.number(state))
+            return Termination(found, time, self.number(state))
         if found.along:
             state = roads.on_surfaces(time, state, found.along, found.sides)
         events, home = roads.problem.events, self.number(state)

@@ -20,22 +20,22 @@ import numpy as np
 from voronec.algebra.symbols import plain_name
 from voronec.errors import IntegrationError
 from voronec.motion.atlas import kept_charts
-from voronec.motion.divisors import CLEAR, GAIN, NEAR, guard_events
 from voronec.motion.methods import is_exact
 from voronec.motion.motion_start import WideStart
-from voronec.motion.observables import Watch, evaluate_watch
-from voronec.motion.request import Guard, Vocabulary
+from voronec.motion.observables import ObservedQuantities, evaluate_watch
+from voronec.motion.request import Guard, Namespace
 from voronec.motion.singular_coordinates import PoleNotes
+from voronec.motion.singular_denominators import CLEAR, GAIN, NEAR, guard_events
 from voronec.motion.solve import Arrival, Phase, Progress, Solver
-from voronec.motion.split_models import SplitGround, SplitModel, candidates
+from voronec.motion.split_models import SplitContext, SplitModel, candidates
 from voronec.motion.state_probe import StateProbe, quantities
-from voronec.motion.steppers import Halt, Problem, Run
+from voronec.motion.steppers import Problem, Run, Termination
 from voronec.motion.steppers.run import in_kind, part_at
 from voronec.motion.steppers.units import natural_units
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Crossings, Trajectory, assemble_trajectory
 from voronec.motion.transitions.charts import through_charts
-from voronec.motion.transitions.modes import through_walls
+from voronec.motion.transitions.modes import through_switching_surfaces
 from voronec.motion.verify import SolutionCheck
 
 __all__ = ["SplitRun"]
@@ -68,9 +68,9 @@ class SplitRun:
     the whole began, in seconds of the clock.
     """
 
-    vocabulary: Vocabulary
-    ground: SplitGround
-    watch: Watch
+    namespace: Namespace
+    ground: SplitContext
+    watch: ObservedQuantities
     functions: Mapping[str, Any]
     start: WideStart
     grid: np.ndarray
@@ -104,7 +104,7 @@ class SplitRun:
             raise self.failure(run, run.halt, busy)
         return self.result(run, busy)
 
-    def next(self, phase: Phase, here: Arrival) -> Phase | Halt:
+    def next(self, phase: Phase, here: Arrival) -> Phase | Termination:
         """The split in which the motion goes on."""
         split, halt = phase.what, here.halt
         if halt is None and here.ahead is None:
@@ -116,7 +116,7 @@ class SplitRun:
         if halt is not None and best is split:
             return halt
         if reason := self.obstacle(best, here.time, wide):
-            return Halt(reason, here.time, here.state)
+            return Termination(reason, here.time, here.state)
         return self.phase(best, here.time, wide, split)
 
     def phase(
@@ -129,7 +129,7 @@ class SplitRun:
         }
         state = split.narrow(float(time), wide.astype(float))
         return Phase(
-            split, time, wide, state, partial(self.stretch, split, state),
+            split, time, wide, state, partial(self.segment, split, state),
             dict.fromkeys(levels, self), successor=self, is_change=split is not last,
         )  # fmt: skip
 
@@ -217,7 +217,7 @@ class SplitRun:
 
     # -- stretches --------------------------------------------------------------------------
 
-    def stretch(
+    def segment(
         self, split: SplitModel, state: np.ndarray, wide: np.ndarray, times: np.ndarray
     ) -> Run:
         """Go on in a split until a divisor is small, or the grid ends."""
@@ -249,18 +249,20 @@ class SplitRun:
         if wide.dtype == object or self.exact:
             with mpmath.workprec(self.bits):
                 times = in_kind(times, object)
-        switched = through_walls(self.method, problem, times, split.bounded_form, functions)
+        switched = through_switching_surfaces(
+            self.method, problem, times, split.bounded_form, functions
+        )
         if switched is not None:
-            stepper, chosen = switched.stepper, switched.chosen
+            solver, chosen = switched.solver, switched.chosen
         else:
-            stepper, chosen = through_charts(
+            solver, chosen = through_charts(
                 self.method, problem, times, split.equations, functions, split.bounded_form
             )
         self.chosen = self.chosen or {**chosen, "tolerance": max(chosen["tolerance"], self.tol)}
         self.methods.setdefault(chosen["method"])
         self.prepared += perf_counter() - began
         smooth = switched is None
-        return self.check(split, poles.with_notes(stepper(times)), smooth)
+        return self.check(split, poles.with_notes(solver(times)), smooth)
 
     def _pole_notes(self, split: SplitModel) -> PoleNotes:
         """What looks for poles at which a split is regular, unless a chart's stepper does."""
@@ -353,7 +355,7 @@ class SplitRun:
             notes=(*dict.fromkeys(notes),),
         )
 
-    def failure(self, run: Run, halt: Halt, busy: float) -> IntegrationError:
+    def failure(self, run: Run, halt: Termination, busy: float) -> IntegrationError:
         """The error for a run that cannot go on in any split."""
         phase, last = self.solver.parts[-1]
         values = self.ground.values(phase.what.program, float(self.grid[0]))
@@ -391,7 +393,7 @@ class SplitRun:
         states = np.stack([series[f"home {n}"] for n in names], axis=-1)
         with mpmath.workprec(self.bits):
             return assemble_trajectory(
-                self.vocabulary, self.watch, times, names, states, series, constants, cost
+                self.namespace, self.watch, times, names, states, series, constants, cost
             )
 
     @property
