@@ -144,6 +144,27 @@ def test_ctrl_c_keeps_what_is_done(method: str, monkeypatch: pytest.MonkeyPatch)
     assert close(traj.events["x"].t[:1], [np.pi / 2])
 
 
+@doubles
+def test_a_run_with_friction_keeps_where_it_stood_too(
+    method: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(run, "EVERY", -1.0)
+
+    def stop(fraction: float) -> None:
+        if fraction > 1e-3:
+            raise KeyboardInterrupt
+
+    push = sp.sin(vo.time) / 10 - sp.sign(Dx) / 10**5
+    traj = vo.integrate(
+        falling(x**2 / 2, forces={x: push}), times=[0, 3e4], initial={x: 1}, method=method,
+        progress=stop,
+    )  # fmt: skip
+    assert traj.interrupted and len(traj.t) == 2 and traj.cost.switches > 5 and traj.t[1] > 20
+    end = traj.t[1]  # without friction, which is small
+    resonant = np.cos(end) + (np.sin(end) - end * np.cos(end)) / 20
+    assert close(traj["x"][1:], [resonant], 1e-2)
+
+
 def falling(potential: Any, inertia: Any = 1, **more: Any) -> vo.System:
     """One coordinate in a potential."""
     lagrangian = inertia * Dx**2 / 2 - potential
