@@ -305,7 +305,6 @@ CASES = (  # force, place, its value there, its slope
     (lambda q: sp.sqrt(sp.Max(0, q)), -2.0, 0.0, 0.0),
     (lambda q: sp.asin(sp.Min(1, sp.sqrt(sp.Abs(q)))), 2.0, np.pi / 2, 0.0),
     (lambda q: 10**36 * sp.Max(-1, sp.Min(1, 1 / ((q**2 - 1) ** 2 + 1))), 1e9, 1.0, -4e-9),
-    (lambda q: sp.log(1 + q**2) / q**2, 0.0, 1.0, 0.0),
     (lambda q: sp.sqrt(sp.Abs(q**2)) * sp.sign(q), -3.0, -3.0, 1.0),
     (lambda q: sp.sin(q) * sp.Heaviside(q**2), 0.0, 0.0, 1.0),
     (lambda q: sp.log(1 + q) / q, 0.125, 8 * np.log(1.125), 64 / 9 - 64 * np.log(1.125)),
