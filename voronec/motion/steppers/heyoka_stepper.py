@@ -358,7 +358,7 @@ class _Drive:
             self.winding.outgrown(self.integrator.state) or self.winding.outgrown(new)
         )
         if self.problem.events and self.output is not None and not self.has_outgrown:
-            taken, new = self.look(taken, new, ends)
+            taken, new = self.look(self.output, taken, new, ends)
         self.steps += taken
         self.take_samples(taken)
         self.idle = 0 if len(new) else self.idle + taken
@@ -381,12 +381,13 @@ class _Drive:
         self.standing = self.integrator.time, self.winding.whole(self.integrator.state)
         return None
 
-    def look(self, taken: int, new: np.ndarray, ends: int) -> tuple[int, np.ndarray]:
+    def look(
+        self, output: _TaylorSteps, taken: int, new: np.ndarray, ends: int
+    ) -> tuple[int, np.ndarray]:
         """Enter what happens in the steps of a chunk; how many of them, and which of its new rows
         of the grid, lie before what stops the run, as do the ``ends`` of steps kept since."""
         problem, order = self.problem, 1.0 if self.grid[-1] >= self.grid[0] else -1.0
-        assert self.output is not None  # chunks without steps are passed over before
-        course = StepCourse(self.output.times, self.output, self.before, self.output.looks)
+        course = StepCourse(output.times, output, self.before, output.looks)
         left = problem.switching_surfaces if self.is_on_switching_surface else frozenset[str]()
         seen = crossings(dict(enumerate(problem.events)), self.levels, course, left)
         pairs = zip(problem.events, seen.end, strict=True)
