@@ -91,7 +91,7 @@ class Carrier:
     def check(self) -> CheckOfMany:
         """Whether motions went well."""
         return CheckOfMany(
-            self.motions.vocabulary.equations,
+            self.motions.namespace.equations,
             self.motions.program,
             self.finest,
             {name: f"integral {name}" for name in self.motions.ground.integrals},

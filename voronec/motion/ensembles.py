@@ -24,9 +24,9 @@ from voronec.motion.method_costs import step_cost
 from voronec.motion.motion_pool import Many, many
 from voronec.motion.one_by_one import LoneMotions, LoneStart
 from voronec.motion.request import (  # fmt: skip
+    Namespace,
     Starts,
     Values,
-    Vocabulary,
     grid_of,
     held_name,
     outputs_of,
@@ -179,9 +179,9 @@ def ensemble(
     begin, end = float(grid[0]), float(grid[-1])
     driven = drive(system, inputs, chosen_scene).over(begin, end)
     equations, columns = driven.equations, {**columns, **driven.parameters(begin, end)}
-    vocabulary = Vocabulary.of(equations, driven.meaning)
+    namespace = Namespace.of(equations, driven.meaning)
     keys, own = outputs_of(chosen_scene, outputs), equations.system
-    wanted = dict(quantity(vocabulary, k) for k in keys or (*own.coordinates, *own.velocities))
+    wanted = dict(quantity(namespace, k) for k in keys or (*own.coordinates, *own.velocities))
     try:
         motions = many(equations, chosen_scene, single, columns, wanted, begin)
         alone = LoneMotions(motions, single, chosen_scene, method, tol, frozenset(motions.wrong))

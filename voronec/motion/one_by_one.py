@@ -1,8 +1,8 @@
 """Many motions carried one by one: smooth ones by DOP853, others as ``integrate`` makes them.
 
-Lanes of a batch carry one right side.  Where walls are reached, inputs change in time, or equations
-come near a place at which they are singular, a motion is integrated alone: it goes on in other
-modes, charts and splits.
+Lanes of a batch carry one right side.  Where switching surfaces are reached, inputs change in time,
+or equations come near a place at which they are singular, a motion is integrated alone: it goes on
+in other modes, charts and splits.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from voronec.motion.batches import (
 )
 from voronec.motion.integration import integrate
 from voronec.motion.methods import METHODS
-from voronec.motion.mode_stepper import has_walls
+from voronec.motion.mode_stepper import has_switches
 from voronec.motion.motion_pool import Many
 from voronec.motion.request import Event, Starts, label
 from voronec.motion.section_passages import PATIENCE, SectionPassages
@@ -147,9 +147,9 @@ class LoneMotions:
         motions = self.motions
         if self.declared is not None:
             return "an input changes in time"
-        if has_walls(self.method, motions.program, motions.ground.form, self.tol):
+        if has_switches(self.method, motions.program, motions.ground.form, self.tol):
             return "not smooth"
-        return "an angle has a cut" if CutWatch.of(motions.vocabulary).cuts else ""
+        return "an angle has a cut" if CutWatch.of(motions.namespace).cuts else ""
 
     def start(self, i: int) -> LoneStart:
         """Where motion i starts."""
@@ -158,7 +158,7 @@ class LoneMotions:
             initial = motions.start_values(i)
         elif self.scene is not None:
             scene = replace(self.scene, inputs={})
-        own = (self.declared or motions.vocabulary.equations.system).parameter_names
+        own = (self.declared or motions.namespace.equations.system).parameter_names
         constants = {name: float(x[i]) for name, x in motions.parameters.items() if name in own}
         return LoneStart(i, scene, initial, constants)
 
@@ -168,7 +168,7 @@ class LoneMotions:
     ) -> Trajectory:  # fmt: skip
         """The motion from a start at the instants, or up to the second of two."""
         return integrate(
-            self.declared or self.motions.vocabulary.equations, start.scene, times, outputs,
+            self.declared or self.motions.namespace.equations, start.scene, times, outputs,
             start.parameters, start.initial, self.method, self.tol, inputs=self.inputs,
             events=events, dense=dense,
         )  # fmt: skip

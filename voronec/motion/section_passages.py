@@ -28,7 +28,7 @@ from voronec.motion.request import number
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
 from voronec.motion.steppers.samples import StepSampler, StepSamples, series_samples
 from voronec.motion.steppers.scipy_stepper import dop853_steps
-from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride
+from voronec.motion.steppers.step_loop import IntegratorFailure, Segment, Stride
 
 if TYPE_CHECKING:
     from voronec.motion.motion_pool import Many
@@ -405,7 +405,7 @@ class _LanePassages:
     def run(self) -> None:
         """Stretch after stretch, until no motion is left."""
         while any(i is not None for i in self.holds):
-            self.stretch()
+            self.segment()
             for k, i in enumerate(self.holds):
                 if i is not None and self.passages.over(i):
                     self.holds[k] = self.load_next(k)
@@ -424,7 +424,7 @@ class _LanePassages:
         self.load(lane, self.motions.sound[0] if i is None else i)
         return i
 
-    def stretch(self, careful: bool = False) -> None:
+    def segment(self, careful: bool = False) -> None:
         """Some hundreds or thousands of steps of all lanes, and the crossings in them; or, where
         steps are made too long by coefficients that vanish, ``careful`` ones, each looked at
         before."""
@@ -448,7 +448,7 @@ class _LanePassages:
             ta.return_to(begin)
             for _ in range(taken.max()):
                 if not any(i is not None and passages.over(i) for i in holds):
-                    self.stretch(careful=True)
+                    self.segment(careful=True)
             return
         lanes.note_steps()
         passages.steps += int(taken[~idle].sum())
@@ -612,18 +612,18 @@ def _stretches(
     loop, grid = METHODS[method].loop, np.array(span)
     problem = Problem(program, state, values.tolist(), tol, dense=True)
     if loop is None:
-        walker = dop853_steps(problem, grid)
+        stepper = dop853_steps(problem, grid)
     else:
-        walker = Loop.of(loop(program), problem, grid, scales_of(problem), hoist(program))
+        stepper = Loop.of(loop(program), problem, grid, scales_of(problem), hoist(program))
     time, good, held, failure = span[0], state, list[Stride](), ""
     while time != span[1] and not failure:
         try:
             with np.errstate(all="ignore"):
-                found = walker.advance()
+                found = stepper.advance()
         except IntegratorFailure as halted:
             failure = str(halted)
         else:
-            held += found.strides if isinstance(found, Stretch) else [found]
+            held += found.strides if isinstance(found, Segment) else [found]
             time, good = found.end, found.state
         if len(held) >= TOGETHER or failure or time == span[1]:
             yield held

@@ -1,8 +1,8 @@
 """Poincare sections: the points at which motions of one system pass through a surface.
 
 Lanes of a batch carry one smooth right side.  Motions whose inputs change in time by tables or
-functions, those through walls and those that fail in lanes are each made by ``integrate``, where
-passages through the surface are events on the way.
+functions, those through switching surfaces and those that fail in lanes are each made by
+``integrate``, where passages through the surface are events on the way.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ from voronec.motion.one_by_one import (
     go_on_alone,
 )
 from voronec.motion.request import (
+    Namespace,
     Starts,
     Values,
-    Vocabulary,
     begin_of,
     held_name,
     number,
@@ -122,7 +122,7 @@ def starts_alike(
 def _integrals(motions: Many) -> Integrals:
     """All integrals, and the relations between redundant coordinates, at states (s, n)."""
     quantities = dict(motions.ground.integrals)
-    relations = motions.vocabulary.equations.form.relations
+    relations = motions.namespace.equations.form.relations
     quantities |= {f"relation {k}": e for k, e in enumerate(relations)}
     program = Program.of(motions.ground.form, quantities)
     extras = compile_program(program)[1]
@@ -370,8 +370,8 @@ def section(
     chosen_scene = scene_of(declared, scene, needed and (starts is None or isinstance(starts, int)))
     driven = drive(system, inputs, chosen_scene)
     equations, given = driven.equations, {**(parameters or {}), **driven.constants}
-    vocabulary = Vocabulary.of(equations, driven.meaning)
-    surface, expr = quantity(vocabulary, plane, "plane")
+    namespace = Namespace.of(equations, driven.meaning)
+    surface, expr = quantity(namespace, plane, "plane")
     on_plane = number(value, "the value of the plane")
     keys = outputs_of(None, outputs) or _whole(equations, expr)
     begin = begin_of(chosen_scene)
@@ -380,7 +380,7 @@ def section(
             f"until = {float(until):g} does not lie after t = {begin:g}, where the motions begin; "
             "sections go forwards in time"
         )
-    wanted = dict(quantity(vocabulary, key) for key in keys)
+    wanted = dict(quantity(namespace, key) for key in keys)
     looked, level = {**wanted, f"plane {surface}": expr}, expr - sp.Rational(on_plane)
     single, columns = _starts(equations, chosen_scene, starts, initial, given)
     if driven.changing is not None:
@@ -489,7 +489,7 @@ def _refuse_nothing(motions: Many, passages: SectionPassages, surface: str, valu
         return
     for error in (*motions.wrong.values(), *passages.errors.values()):
         raise error
-    system = motions.vocabulary.equations.system.name
+    system = motions.namespace.equations.system.name
     if np.isnan(passages.low).all():
         raise DefinitionError(
             f"system '{system}': {surface} has no real value along the motion; choose another plane"
@@ -509,7 +509,7 @@ def _refuse_nothing(motions: Many, passages: SectionPassages, surface: str, valu
 def _cut_unsound(motions: Many, passages: SectionPassages, cost: Cost) -> None:
     """Of motions that lose a proved integral, or do not obey the equations, keep the points before
     that, and say so; those that went alone were looked at there."""
-    own = motions.vocabulary.equations
+    own = motions.namespace.equations
     integrals = {name: f"integral {name}" for name in motions.ground.integrals}
     check = CheckOfMany(own, motions.program, cost.tolerance, integrals)
     steps = cost.steps / max(1, len(motions.sound))
