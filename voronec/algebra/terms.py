@@ -11,7 +11,7 @@ from symengine.lib.symengine_wrapper import Boolean
 
 __all__ = [
     "Rewriter", "atoms", "expand_short", "factors_of", "is_exponential", "is_fraction",
-    "rational", "rewrite_kinds", "subexpressions", "summands", "with_arguments",
+    "ordered_terms", "rational", "rewrite_kinds", "subexpressions", "summands", "with_arguments",
 ]  # fmt: skip
 
 
@@ -43,6 +43,12 @@ def atoms(exprs: Iterable[Any], *kinds: type) -> set[Any]:
 def summands(expr: Any) -> tuple[Any, ...]:
     """The terms of a sum; anything else is its only term."""
     return expr.args if isinstance(expr, se.Add) else (expr,)
+
+
+def ordered_terms(expr: Any) -> tuple[Any, ...]:
+    """The arguments of an expression, terms of a sum in an order that outlives a process, as that
+    of SymEngine does not."""
+    return tuple(sorted(expr.args, key=hash)) if isinstance(expr, se.Add) else expr.args
 
 
 def factors_of(expr: Any) -> tuple[Any, ...]:
