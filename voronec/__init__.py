@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from voronec.motion.closed_form import closed_form
     from voronec.motion.explanation import explain
     from voronec.motion.model import Model
+    from voronec.motion.storage import open
     from voronec.proof.check import check_catalogue, check_relation, graph
     from voronec.proof.claims import Claim, check_claims
     from voronec.proof.comparison import compare
@@ -94,6 +95,7 @@ _HOME = {
         "motion.closed_form": "closed_form",
         "motion.explanation": "explain",
         "motion.model": "Model",
+        "motion.storage": "open",
         "proof.check": "check_catalogue check_relation graph",
         "proof.claims": "check_claims Claim",
         "proof.comparison": "compare",
@@ -172,6 +174,7 @@ __all__ = [
     "load",
     "multiplier_acceleration",
     "names",
+    "open",
     "precessions",
     "prepare",
     "prove_equal",

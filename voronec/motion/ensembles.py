@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from itertools import islice
+from pathlib import Path
 from queue import SimpleQueue
 from threading import Event
 from time import perf_counter
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -41,6 +43,9 @@ from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Trajectory
 from voronec.motion.verify import CheckOfMany
+
+if TYPE_CHECKING:
+    from voronec.motion.storage import NamedArrays
 
 __all__ = ["Ensemble", "ensemble"]
 
@@ -90,6 +95,49 @@ class Ensemble:
 
     def __len__(self) -> int:
         return len(self.finished)
+
+    def plot(self, names: Sequence[str] | None = None) -> Any:
+        """Quantities against the time, by default the outputs, as a matplotlib ``Figure``: some of
+        the motions, the median of all, and between which values nine of ten lie.
+
+        Raises ``DefinitionError`` for a name that the ensemble does not hold.
+        """
+        from voronec.motion.pictures.ensemble_picture import plot_ensemble
+
+        return plot_ensemble(self, self.finished, names)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the motions to ``path``, as ``Trajectory.save`` does."""
+        return self._arrays().save(path)
+
+    def to_xarray(self) -> Any:
+        """The motions as an ``xarray.Dataset``, the header as attributes."""
+        return self._arrays().to_xarray()
+
+    def to_pandas(self) -> Any:
+        """The motions as a ``pandas.DataFrame``, a row for each motion at an instant."""
+        return self._arrays().to_pandas()
+
+    def _arrays(self) -> NamedArrays:
+        """The motions along ``motion`` and ``t``."""
+        from voronec.motion.storage import (
+            NamedArrays,
+            header_of,
+            meanings_of,
+            of_motions,
+            variables_of,
+        )
+
+        own: dict[str, Any] = {"t": (("t",), self.t), "finished": (("motion",), self.finished)}
+        own |= {name: (("motion", "t"), self[name]) for name in self.outputs if name != "t"}
+        each = of_motions(len(self), self.errors, self.parameters, drift=self.drift)
+        header = header_of(
+            self.system, "Ensemble", level=self.level, interrupted=self.interrupted,
+            cost=asdict(self.cost), notes={str(i): list(told) for i, told in self.notes.items()},
+        )  # fmt: skip
+        shown = tuple(dict.fromkeys(["motion", "t", *self.outputs]))
+        meanings = meanings_of(self.system)
+        return NamedArrays(variables_of(own, each), ("motion", "t"), shown, header, meanings)
 
     def __repr__(self) -> str:
         span = f"t={float(self.t[0]):.6g}..{float(self.t[-1]):.6g}, {len(self.t)} instants"

@@ -7,12 +7,14 @@ are events on the way.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
+from pathlib import Path
 from time import perf_counter
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import sympy as sp
@@ -62,6 +64,9 @@ from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost
 from voronec.motion.verify import CheckOfMany
+
+if TYPE_CHECKING:
+    from voronec.motion.storage import NamedArrays
 
 __all__ = [
     "Section",
@@ -300,6 +305,50 @@ class Section:
 
     def __len__(self) -> int:
         return len(self.t)
+
+    def plot(self) -> Any:
+        """The first two outputs against each other, a colour each motion, as a matplotlib
+        ``Figure``; of one output alone the map of returns."""
+        from voronec.motion.pictures.section_picture import plot_section
+
+        return plot_section(self)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the points to ``path``, as ``Trajectory.save`` does."""
+        return self._arrays().save(path)
+
+    def to_xarray(self) -> Any:
+        """The points as an ``xarray.Dataset``, the header as attributes."""
+        return self._arrays().to_xarray()
+
+    def to_pandas(self) -> Any:
+        """The points as a ``pandas.DataFrame``, a row for each point."""
+        return self._arrays().to_pandas()
+
+    def _arrays(self) -> NamedArrays:
+        """The passages along ``point``, each with the number of its motion, ``start``; what is said
+        of a motion along ``motion``."""
+        from voronec.motion.storage import (
+            NamedArrays,
+            header_of,
+            meanings_of,
+            of_motions,
+            variables_of,
+        )
+
+        own = {"start": self.start, "t": self.t, **{name: self[name] for name in self.outputs}}
+        along = {"speed": self.speed, "near_tangent": self.near_tangent}
+        ends = {"end": np.array(self.ends)}
+        each = of_motions(len(self.ends), self.errors, ends, self.parameters, drift=self.drift)
+        header = header_of(
+            self.system, "Section", plane=self.plane, value=self.value, direction=self.direction,
+            touches=[list(x) for x in self.touches], level=self.level,
+            interrupted=self.interrupted, cost=asdict(self.cost),
+            notes={str(i): list(told) for i, told in self.notes.items()},
+        )  # fmt: skip
+        points = [{n: (("point",), x) for n, x in part.items()} for part in (own, along)]
+        variables = variables_of(points[0], points[1], each)
+        return NamedArrays(variables, ("point",), tuple(own), header, meanings_of(self.system))
 
     def __repr__(self) -> str:
         plane = f"{self.plane} = {self.value:.6g}"
