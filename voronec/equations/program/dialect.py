@@ -203,7 +203,8 @@ def _number(expr: Any, dialect: Dialect) -> tuple[str, int]:
 
 def _sum(expr: Any, dialect: Dialect, names: Mapping[Any, str]) -> str:
     written = [_write(a, dialect, names)[0] for a in expr.args]
-    written.sort(key=lambda term: term.startswith("-"))  # begin with a positive term
+    # begin with a positive term; sums of SymEngine have no order that outlives a process
+    written.sort(key=lambda term: (term.startswith("-"), term))
     while len(written) > TERMS:
         groups = [written[i : i + TERMS] for i in range(0, len(written), TERMS)]
         written = [f"({_join_terms(group)})" for group in groups]

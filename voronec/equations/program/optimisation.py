@@ -154,7 +154,7 @@ class _SharedParts:
                 c, name = self._read(total)
                 return number * c, name
             terms: dict[Any, Any] = {}
-            for term in total.args:
+            for term in _terms(total):
                 c, name = self._read(term)
                 terms[name] = terms.get(name, 0) + c
             # names may stand for multiples of others, of which nothing is left
@@ -223,6 +223,11 @@ class _SharedParts:
             return se.Add(*[c * s for s, c in self.sums[name].items()])
         function, args = self.others[name]
         return function(*args)
+
+
+def _terms(total: Any) -> list[Any]:
+    """The terms of a sum, in an order that outlives a process, as SymEngine's does not."""
+    return sorted(total.args, key=hash)
 
 
 def _power(factor: Any) -> tuple[Any, int]:
@@ -415,7 +420,7 @@ class _Lifting:
         """An expression with its constants by name."""
         if not expr.args or expr.is_Number:
             return expr
-        args = [self.of(a) for a in expr.args]
+        args = [self.of(a) for a in (_terms(expr) if isinstance(expr, se.Add) else expr.args)]
         if isinstance(expr, se.Mul):
             return self._product(args)
         if isinstance(expr, se.Add):
@@ -427,7 +432,7 @@ class _Lifting:
         """Constant factors together, as one; into a sum whose terms all have constants anyway."""
         still, moving = self._split_constant(se.Mul(*args))
         if still.free_symbols and isinstance(moving, se.Add):
-            parts = [self._split_constant(term) for term in moving.args]
+            parts = [self._split_constant(term) for term in _terms(moving)]
             if all(c.free_symbols for c, _ in parts):
                 return se.Add(*[self._times(still * c, m) for c, m in parts])
         return self._times(still, moving)
@@ -437,7 +442,7 @@ class _Lifting:
         total = se.Add(*args)
         if not isinstance(total, se.Add):
             return self.of(total) if total.args else total
-        parts = [self._split_constant(term) for term in total.args]
+        parts = [self._split_constant(term) for term in _terms(total)]
         still = self._name_constant(se.Add(*[c for c, m in parts if m == 1]))
         moving = [(c, m) for c, m in parts if m != 1]
         if not moving:
