@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from voronec.proof.comparison import compare
     from voronec.proof.measures import divergence
     from voronec.proof.search import FoundIntegral, IntegralSearch, search_integrals
+    from voronec.sweeps import Draws, Sweep, sweep
 
 __version__ = "0.9.0"
 
@@ -101,6 +102,7 @@ _HOME = {
         "proof.comparison": "compare",
         "proof.measures": "divergence",
         "proof.search": "FoundIntegral IntegralSearch search_integrals",
+        "sweeps": "Draws Sweep sweep",
     }.items()
     for name in names.split()
 }
@@ -116,6 +118,7 @@ __all__ = [
     "Corrected",
     "Crossings",
     "DefinitionError",
+    "Draws",
     "EngineLimit",
     "Ensemble",
     "Equation",
@@ -145,6 +148,7 @@ __all__ = [
     "Sketch",
     "Space",
     "Square",
+    "Sweep",
     "System",
     "Table",
     "Trace",
@@ -182,6 +186,7 @@ __all__ = [
     "reaction_forces",
     "search_integrals",
     "section",
+    "sweep",
     "time",
     "velocity",
 ]

@@ -16,7 +16,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from voronec.algebra.arguments import CALLABLE, COUNT, SEVERAL, TEXT, TOLERANCE, VALUES, accepts
+from voronec.algebra.arguments import (
+    CALLABLE,
+    COUNT,
+    FLAG,
+    SEVERAL,
+    TEXT,
+    TOLERANCE,
+    VALUES,
+    accepts,
+)
 from voronec.algebra.typeset import html_table
 from voronec.declaration.system import System, require_system
 from voronec.equations.voronec_equations import VoronecEquations
@@ -174,6 +183,7 @@ def _range_of(values: np.ndarray, words: str) -> str:
     tol=TOLERANCE,
     jobs=COUNT,
     progress=CALLABLE,
+    strict=FLAG,
 )
 def ensemble(
     system: System | VoronecEquations,
@@ -187,6 +197,7 @@ def ensemble(
     jobs: int = 1,
     progress: Callable[[float], Any] | None = None,
     inputs: Mapping[Any, Any] | None = None,
+    strict: bool = True,
 ) -> Ensemble:
     """The motions of one system from many starts, or with many values of its parameters.
 
@@ -211,13 +222,14 @@ def ensemble(
     inputs
         values of the system's inputs, as for ``integrate``; with a table or a function of Python's
         the motions are integrated one by one.
+    strict
+        whether the first error is raised where every start is wrong; else all are in ``errors``.
 
     Motions that start at poles of coordinates, or pass near one or near a singular split of the
     velocities, and those that might reach the cut of an angle in a Lagrangian, are integrated again
     alone, as by ``integrate``.
     A start or a parameter from which no motion goes, and a motion that breaks down, loses a proved
-    integral or does not obey the equations, is noted in ``errors``, and the others go on; where
-    every start is wrong, the first error is raised.
+    integral or does not obey the equations, is noted in ``errors``, and the others go on.
     Ctrl-C ends the run and keeps the motions that are done; none is while it is being set up.
     """
     began, tol = perf_counter(), max(tol, EXACT)  # many motions go in doubles
@@ -249,7 +261,7 @@ def ensemble(
     interrupted = (
         filled.leave(motions.wrong) if interrupted else filled.go_on_alone(alone, keys, progress)
     )
-    if not (motions.sound or filled.alone or interrupted):
+    if strict and not (motions.sound or filled.alone or interrupted):
         raise motions.wrong[0]
     steps = filled.steps + sum(cost.steps for cost in filled.alone)
     none_else = filled.alone and (driven.changing or not motions.sound)

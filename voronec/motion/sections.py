@@ -19,7 +19,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
-from voronec.algebra.arguments import CALLABLE, COUNT, SEVERAL, TEXT, TOLERANCE, VALUES, accepts
+from voronec.algebra.arguments import (
+    CALLABLE,
+    COUNT,
+    FLAG,
+    SEVERAL,
+    TEXT,
+    TOLERANCE,
+    VALUES,
+    accepts,
+)
 from voronec.algebra.symbols import plain_name
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_system
@@ -92,11 +101,12 @@ def starts_alike(
     initial: Mapping[Any, Any],
     parameters: Mapping[Any, Any],
     count: int,
+    seed: int = 1,
 ) -> list[dict[str, float]]:
     """The start of the scene, and others in all directions about it with the same integrals.
 
-    Velocities are turned and stretched at random (the same way every time), coordinates moved a
-    little; Newton steps of least length then lead back to these values.  ``DefinitionError`` where
+    Velocities are turned and stretched at random (by ``seed``), coordinates moved a little;
+    Newton steps of least length then lead back to these values.  ``DefinitionError`` where
     the system declares no integral, or no other start is found.
     """
     system = equations.system
@@ -110,7 +120,7 @@ def starts_alike(
         raise motions.wrong[0]
     names = [plain_name(x) for x in (*system.coordinates, *system.velocities)]
     base, integrals = motions.full[0], _integrals(motions)
-    random = np.random.default_rng(1)
+    random = np.random.default_rng(seed)
     states, width = [base], len(system.velocities)
     target = integrals(base[None])[0]
     for _ in range(TRIES * count):
@@ -368,6 +378,7 @@ class Section:
     crossings=COUNT,
     direction=COUNT,
     progress=CALLABLE,
+    strict=FLAG,
 )
 def section(
     system: System | VoronecEquations,
@@ -385,6 +396,7 @@ def section(
     tol: float = 1e-13,
     progress: Callable[[float], Any] | None = None,
     inputs: Mapping[Any, Any] | None = None,
+    strict: bool = True,
 ) -> Section:
     """The Poincare section of one or several motions.
 
@@ -406,6 +418,9 @@ def section(
     scene, parameters, method, tol, progress, inputs
         as for ``ensemble``; motions begin where the scene does, else at t = 0.  With tables and
         functions for inputs they are followed one by one, up to ``until``, which must be given.
+
+    strict
+        whether it is an error where no motion passes through the surface; else there are no points.
 
     Each crossing is found on the Taylor polynomial of its step (with scipy, on the interpolant) and
     polished to rounding; motions that start at a pole or a singular split, or pass one, are
@@ -448,6 +463,7 @@ def section(
     )
     alone = LoneMotions.of_section(motions, single, chosen_scene, method, tol)
     passages = SectionPassages.empty(len(motions), crossings, direction, until, progress)
+    passages.strict = strict
     level = expr - sp.Rational(on_plane)
     cost = _follow(alone, passages, surface, on_plane, level, began)
     return _section(motions, passages, tuple(wanted), surface, on_plane, cost)
@@ -541,7 +557,7 @@ def _watch(motions: Many, name: str, value: float) -> SectionWatch:
 
 
 def _refuse_nothing(motions: Many, passages: SectionPassages, surface: str, value: float) -> None:
-    if passages.count.any() or passages.interrupted:
+    if passages.count.any() or passages.interrupted or not passages.strict:
         return
     for error in (*motions.wrong.values(), *passages.errors.values()):
         raise error

@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 __all__ = [
     "FORMAT",
     "NamedArrays",
+    "array_key",
+    "attributes_of",
     "header_of",
     "meanings_of",
     "of_motions",
@@ -220,7 +222,7 @@ def _draft_of_folder(target: Path) -> Iterator[Path]:
     """A folder to write, which takes the place of ``target``, a saved result or nothing, when it is
     done."""
     try:
-        if target.exists() and "kind" not in _attributes(target):
+        if target.exists() and "kind" not in attributes_of(target):
             raise DefinitionError(
                 f"'{target}' is no saved result that could be replaced; choose another name"
             )
@@ -234,7 +236,7 @@ def _draft_of_folder(target: Path) -> Iterator[Path]:
         raise unwritable(target, error) from None
 
 
-def _attributes(folder: Path) -> dict[str, Any]:
+def attributes_of(folder: Path) -> dict[str, Any]:
     """The header of a Zarr group, empty where a folder or file is none."""
     try:
         said = json.loads((folder / "zarr.json").read_bytes())
@@ -250,7 +252,7 @@ def _header(arrays: NamedArrays) -> dict[str, Any]:
 
 
 def _write_npz(arrays: NamedArrays, path: Path) -> None:
-    held = {_as_key(name): x for name, (_, x) in arrays.variables.items()}
+    held = {array_key(name): x for name, (_, x) in arrays.variables.items()}
     np.savez(path, **{HEADER: np.array(json.dumps(_header(arrays))), **arrays.beside, **held})
 
 
@@ -270,7 +272,7 @@ def _write_parquet(arrays: NamedArrays, path: Path) -> None:
 def _write_zarr(arrays: NamedArrays, path: Path) -> None:
     require_library("zarr")
     found = arrays.to_xarray()
-    found = found.rename({name: _as_key(str(name)) for name in found.variables})
+    found = found.rename({name: array_key(str(name)) for name in found.variables})
     found.to_zarr(path, mode="w", consolidated=False)
 
 
@@ -291,7 +293,7 @@ WRITERS: Mapping[str, Callable[[NamedArrays, Path], None]] = {
 """What files of results end in, and what writes them."""
 
 
-def _as_key(name: str) -> str:
+def array_key(name: str) -> str:
     """The name of a variable where a slash would mean a folder."""
     return name.replace("%", "%25").replace("/", "%2F")
 
@@ -373,7 +375,7 @@ def _read_parquet(source: Path) -> Any:
 
 def _read_zarr(source: Path) -> Any:
     require_library("zarr")
-    _require_format(_attributes(source), source)
+    _require_format(attributes_of(source), source)
     found = require_library("xarray").open_zarr(source, consolidated=False, chunks=None)
     return found.rename({key: _as_name(str(key)) for key in found.variables})
 
