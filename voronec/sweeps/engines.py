@@ -67,6 +67,7 @@ def spread(
     waiting: dict[Future[ChunkResult], tuple[Portion, int]] = {}
     again: list[Portion] = []
     deaths = generation = 0
+    fruitful = False
     try:
         while True:
             for portion in (*again, *islice(left, max(0, WAITING - len(waiting) - len(again)))):
@@ -87,10 +88,10 @@ def spread(
                         deaths + (born == generation),
                         generation + (born == generation),
                     )
-                    if deaths > DEATHS:
+                    if deaths > (DEATHS if fruitful else 1):
                         raise _lost(error) from None
                     continue
-                deaths = 0
+                deaths, fruitful = 0, True
                 yield portion.chunk, found
     except (BrokenProcessPool, RuntimeError, OSError) as error:  # it takes no more work
         raise _lost(error) from None

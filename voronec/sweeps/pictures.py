@@ -20,6 +20,8 @@ __all__ = ["plot_sweep"]
 PANELS = 6
 """Columns that are drawn where nobody names any."""
 BINS = 80
+SIZES = 100
+"""A largest value so many times the median is beside all others on an even axis."""
 MOST_DOTS = 100_000
 """Points of a cloud that are drawn, evenly taken from all."""
 
@@ -33,9 +35,9 @@ def plot_sweep(sweep: Sweep, names: Sequence[str] | None = None) -> Any:
     that the sweep does not have, and where nothing is finished.
     """
     data = sweep.to_xarray()
-    columns = [n for n in data.data_vars if data[n].dims == data["finished"].dims]
-    columns = [n for n in columns if n not in ("finished", "reason") and data[n].dtype.kind == "f"]
-    lists = [str(n) for n in data.attrs["record"] if n not in data]
+    recorded = [str(n) for n in data.attrs["record"]]
+    columns = [n for n in recorded if n in data and data[n].dtype.kind == "f"]
+    lists = [n for n in recorded if n not in data]
     shown = several([*columns, *lists][:PANELS] if names is None else names, "names", '"max(x)"')
     for name in shown:
         if name not in (*columns, *lists):
@@ -105,9 +107,16 @@ def _quantiles(values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _histogram(panel: Any, values: np.ndarray, name: str) -> None:
+    """How often values occur; those of many sizes, as drifts are, by their logarithms."""
     there = values[np.isfinite(values)]
-    panel.hist(there, bins=min(BINS, max(5, len(there) // 10)), color=SOFT, edgecolor="none")
-    panel.set(xlabel=name, ylabel="motions")
+    bins: Any = min(BINS, max(5, len(there) // 10))
+    if len(there) and there.min() >= 0 and there.max() > SIZES * np.median(there) > 0:
+        there = there[there > 0]
+        bins = np.geomspace(there.min(), there.max(), bins + 1)
+        panel.set_xscale("log")
+    panel.hist(there, bins=bins, color=SOFT, edgecolor="none")
+    panel.set(ylabel="motions")
+    panel.set_title(name, fontsize=9)
     panel.spines[["top", "right"]].set_visible(False)
 
 

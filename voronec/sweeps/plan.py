@@ -91,7 +91,7 @@ class Plan:
         """How long each axis is."""
         count = len(next(iter(self.starts.values()), ()))
         own = tuple(map(len, self.axes.values()))
-        return (*own, count) if count or not own else own
+        return (*own, max(count, 1)) if count or not own else own
 
     @property
     def dimensions(self) -> tuple[str, ...]:

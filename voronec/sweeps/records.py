@@ -71,7 +71,8 @@ def read_records(namespace: Namespace, record: Any) -> tuple[Record, ...]:
     ``DefinitionError`` for what the system does not have.
     """
     named = record if isinstance(record, Mapping) else None
-    asked = [*named.values()] if named else several(record, "record", "'final'")
+    alone = (record,) if callable(record) else record
+    asked = [*named.values()] if named else several(alone, "record", "'final'")
     if not asked:
         raise DefinitionError("record: name what is to be recorded, such as 'final' or 'max(x)'")
     found: dict[str, Record] = {}

@@ -98,7 +98,9 @@ class Sweep:
 
     def _arrays(self) -> NamedArrays:
         data = self.to_xarray().load()
-        variables = {str(n): (tuple(x.dims), x.values) for n, x in data.variables.items()}
+        held = {n: x.values for n, x in data.variables.items()}
+        held |= {n: np.array(x.tolist()) for n, x in held.items() if x.dtype.kind in "OT"}
+        variables = {str(n): (tuple(data[n].dims), x) for n, x in held.items()}
         meanings = {n: x.attrs["long_name"] for n, x in data.variables.items() if x.attrs}
         axes = tuple(map(str, data["finished"].dims))
         return NamedArrays(
