@@ -10,6 +10,7 @@ references   the references of the closed form
 mechanics    models of SymPy's mechanics against SymPy
 prepared     runs of prepared problems beside equations by hand
 costs        what steps of heyoka and DOP853 cost: the constants by which `auto` chooses
+sweep        sweeps beside heyoka's lanes by hand, their memory, kills on a cluster of Dask
 doubts       how often the check of runs doubts what is right, and notices what is wrong
 """
 
@@ -27,6 +28,7 @@ KINDS = {
     "prepared": "figures.many_calls",
     "costs": "figures.method_costs",
     "doubts": "figures.doubts",
+    "sweep": "figures.sweeps",
 }
 """Kind -> the module that does it."""
 

@@ -240,7 +240,7 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
         _number("seed", 1, "of random draws"),
         Option("--jobs N", "number of processes (one for each processor)", {"type": int}),
         Option("--scheduler ADDRESS|FILE", "compute on a cluster: a scheduler of Dask"),
-        Option("--chunk N", "motions that are kept together (up to 4096)", {"type": int}),
+        Option("--chunk N", "motions that are kept together (up to 16384)", {"type": int}),
         Option("--resume", "go on with a sweep that is there"),
         Option("--plot FILE", "draw what is recorded: a .svg, .png or .pdf"),
         Option("--out DIR", "the folder, in .zarr (./NAME-sweep.zarr)"),

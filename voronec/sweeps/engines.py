@@ -31,7 +31,7 @@ from voronec.sweeps.records import ChunkResult, Task
 __all__ = ["OwnProcesses", "Portion", "compute_here", "dask_executor", "spread", "stop_reimport"]
 
 GUARD = "call vo.sweep under if __name__ == '__main__':, since its processes read the script"
-WAITING = 256
+WAITING = 128
 """So many chunks at most are with an executor at a time: they and their results take memory."""
 DEATHS = 5
 """So many times one after another workers may die before a sweep gives up."""

@@ -57,7 +57,7 @@ from voronec.sweeps.records import EXTREMES, ChunkResult, Record, Task, read_rec
 
 __all__ = ["Sweep", "sweep"]
 
-ROWS, LEAST, PARTS = 4096, 64, 8
+ROWS, LEAST, PARTS = 2**14, 64, 8
 """Motions of a chunk: as many as fill heyoka's lanes well; of a small sweep a part."""
 NUMBERS = 2**23
 """So many numbers of outputs at all instants a chunk may hold while it is computed."""
@@ -202,7 +202,7 @@ def sweep(
     seed
         of random draws.
     chunk
-        how many motions are computed and kept together (at most 4096).
+        how many motions are computed and kept together (at most 16384).
     progress
         is called with the share that is done.
 
