@@ -129,24 +129,16 @@ class Ensemble:
 
     def _arrays(self) -> NamedArrays:
         """The motions along ``motion`` and ``t``."""
-        from voronec.motion.storage import (
-            NamedArrays,
-            header_of,
-            meanings_of,
-            of_motions,
-            variables_of,
-        )
+        from voronec.motion.storage import NamedArrays, of_motions, variables_of
 
         own: dict[str, Any] = {"t": (("t",), self.t), "finished": (("motion",), self.finished)}
         own |= {name: (("motion", "t"), self[name]) for name in self.outputs if name != "t"}
         each = of_motions(len(self), self.errors, self.parameters, drift=self.drift)
-        header = header_of(
-            self.system, "Ensemble", level=self.level, interrupted=self.interrupted,
+        return NamedArrays.of(
+            self.system, "Ensemble", variables_of(own, each), ("motion", "t"),
+            ("motion", "t", *self.outputs), level=self.level, interrupted=self.interrupted,
             cost=asdict(self.cost), notes={str(i): list(told) for i, told in self.notes.items()},
         )  # fmt: skip
-        shown = tuple(dict.fromkeys(["motion", "t", *self.outputs]))
-        meanings = meanings_of(self.system)
-        return NamedArrays(variables_of(own, each), ("motion", "t"), shown, header, meanings)
 
     def __repr__(self) -> str:
         span = f"t={float(self.t[0]):.6g}..{float(self.t[-1]):.6g}, {len(self.t)} instants"

@@ -338,27 +338,19 @@ class Section:
     def _arrays(self) -> NamedArrays:
         """The passages along ``point``, each with the number of its motion, ``start``; what is said
         of a motion along ``motion``."""
-        from voronec.motion.storage import (
-            NamedArrays,
-            header_of,
-            meanings_of,
-            of_motions,
-            variables_of,
-        )
+        from voronec.motion.storage import NamedArrays, of_motions, variables_of
 
         own = {"start": self.start, "t": self.t, **{name: self[name] for name in self.outputs}}
         along = {"speed": self.speed, "near_tangent": self.near_tangent}
         ends = {"end": np.array(self.ends)}
         each = of_motions(len(self.ends), self.errors, ends, self.parameters, drift=self.drift)
-        header = header_of(
-            self.system, "Section", plane=self.plane, value=self.value, direction=self.direction,
-            touches=[list(x) for x in self.touches], level=self.level,
-            interrupted=self.interrupted, cost=asdict(self.cost),
+        points = [{n: (("point",), x) for n, x in part.items()} for part in (own, along)]
+        return NamedArrays.of(
+            self.system, "Section", variables_of(*points, each), ("point",), own, plane=self.plane,
+            value=self.value, direction=self.direction, touches=[list(x) for x in self.touches],
+            level=self.level, interrupted=self.interrupted, cost=asdict(self.cost),
             notes={str(i): list(told) for i, told in self.notes.items()},
         )  # fmt: skip
-        points = [{n: (("point",), x) for n, x in part.items()} for part in (own, along)]
-        variables = variables_of(points[0], points[1], each)
-        return NamedArrays(variables, ("point",), tuple(own), header, meanings_of(self.system))
 
     def __repr__(self) -> str:
         plane = f"{self.plane} = {self.value:.6g}"

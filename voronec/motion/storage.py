@@ -15,7 +15,7 @@ import os
 import shlex
 import shutil
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib import import_module
@@ -37,19 +37,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 __all__ = [
-    "FORMAT",
-    "NamedArrays",
-    "array_key",
-    "attributes_of",
-    "header_of",
-    "meanings_of",
-    "of_motions",
-    "open",
-    "plain_numbers",
-    "require_library",
-    "variables_of",
-    "versions",
-]
+    "FORMAT", "NamedArrays", "array_key", "attributes_of", "header_of", "meanings_of", "of_motions",
+    "open", "plain_numbers", "require_library", "variables_of", "versions",
+]  # fmt: skip
 
 FORMAT = 1
 """The version of what a header says, and of how arrays are laid out."""
@@ -75,12 +65,14 @@ class NamedArrays:
     meanings: Mapping[str, str] = field(default_factory=dict)
     beside: Mapping[str, Any] = field(default_factory=dict)
 
-    def __post_init__(self) -> None:
-        for name, (axes, _) in self.variables.items():
-            if name in self.sizes and axes != (name,):
-                raise DefinitionError(
-                    f"'{name}' is a quantity and an axis of the result; record it as '1*{name}'"
-                )
+    @classmethod
+    def of(
+        cls, system: System, kind: str, variables: Mapping[str, Any], axes: tuple[str, ...],
+        shown: Iterable[str], beside: Mapping[str, Any] | None = None, **more: Any,
+    ) -> NamedArrays:  # fmt: skip
+        """Arrays of a result of this ``kind``; ``more`` is what its header says of it."""
+        header, meanings = header_of(system, kind, **more), meanings_of(system)
+        return cls(variables, axes, tuple(dict.fromkeys(shown)), header, meanings, beside or {})
 
     @property
     def sizes(self) -> dict[str, int]:
@@ -285,11 +277,8 @@ def _write_csv(arrays: NamedArrays, path: Path) -> None:
 
 
 WRITERS: Mapping[str, Callable[[NamedArrays, Path], None]] = {
-    ".npz": _write_npz,
-    ".parquet": _write_parquet,
-    ".zarr": _write_zarr,
-    ".csv": _write_csv,
-}
+    ".npz": _write_npz, ".parquet": _write_parquet, ".zarr": _write_zarr, ".csv": _write_csv,
+}  # fmt: skip
 """What files of results end in, and what writes them."""
 
 
@@ -350,14 +339,11 @@ def _read_npz(source: Path) -> Any:
         return _require_format(None, source)
     # a trajectory of version 0.9 or before: columns of the state, and a number each parameter
     state, names = arrays.pop("state"), arrays.pop("names")
-    given = {n: x.item() for n, x in arrays.items() if n.startswith("parameter ")}
-    held = {n: x for n, x in arrays.items() if n not in given} | dict(
-        zip(names, state.T, strict=True)
-    )
-    header = {"kind": "Trajectory", "format": 0,
-              "parameters": {n.removeprefix("parameter "): x for n, x in given.items()},
-              "axes": {n: ["t"] for n in held}, "meanings": {}}  # fmt: skip
-    return _dataset(header, held)
+    given = {n: arrays.pop(n).item() for n in [*arrays] if n.startswith("parameter ")}
+    held = arrays | dict(zip(names.tolist(), state.T, strict=True))
+    given = {name.removeprefix("parameter "): x for name, x in given.items()}
+    header = {"kind": "Trajectory", "format": 0, "parameters": given, "meanings": {}}
+    return _dataset({**header, "axes": {key: ["t"] for key in held}}, held)
 
 
 def _read_parquet(source: Path) -> Any:
@@ -381,8 +367,6 @@ def _read_zarr(source: Path) -> Any:
 
 
 READERS: Mapping[str, Callable[[Path], Any]] = {
-    ".npz": _read_npz,
-    ".parquet": _read_parquet,
-    ".zarr": _read_zarr,
-}
+    ".npz": _read_npz, ".parquet": _read_parquet, ".zarr": _read_zarr,
+}  # fmt: skip
 """What opens files of results."""

@@ -341,7 +341,7 @@ class Trajectory:
 
     def _arrays(self) -> NamedArrays:
         """The motion along ``t``, the passages of each event along an axis of its own."""
-        from voronec.motion.storage import NamedArrays, header_of, meanings_of, plain_numbers
+        from voronec.motion.storage import NamedArrays, plain_numbers
 
         names = dict.fromkeys([*self.outputs, *self.names, *self.integrals])
         held = {"t": self.t, **{name: self[name] for name in names if name != "t"}}
@@ -352,14 +352,13 @@ class Trajectory:
             variables |= {f"{event}: {n}": (axes, plain_numbers(x)) for n, x in passages.items()}
         numbers = {name: {n: plain_numbers(x) for n, x in getattr(self, name).items()}
                    for name in ("parameters", "drift", "residuals")}  # fmt: skip
-        header = header_of(
-            self.system, "Trajectory", notes=list(self.notes), stopped=self.stopped,
-            halted=self.halted, interrupted=self.interrupted, cost=asdict(self.cost), **numbers,
-        )  # fmt: skip
         also = {"state": plain_numbers(self.state), "names": np.array(self.names)}
         also |= {f"parameter {n}": np.array(x) for n, x in numbers["parameters"].items()}
-        shown = tuple(dict.fromkeys(["t", *self.outputs]))
-        return NamedArrays(variables, ("t",), shown, header, meanings_of(self.system), also)
+        return NamedArrays.of(
+            self.system, "Trajectory", variables, ("t",), ("t", *self.outputs), also,
+            notes=list(self.notes), stopped=self.stopped, halted=self.halted,
+            interrupted=self.interrupted, cost=asdict(self.cost), **numbers,
+        )  # fmt: skip
 
 
 def _late(name: str) -> Any:

@@ -84,10 +84,8 @@ def spread(
                 except Exception as error:
                     again.append(portion)
                     # a death takes all chunks of a pool with it, and is counted once
-                    deaths, generation = (
-                        deaths + (born == generation),
-                        generation + (born == generation),
-                    )
+                    deaths += born == generation
+                    generation += born == generation
                     if deaths > (DEATHS if fruitful else 1):
                         raise _lost(error) from None
                     continue

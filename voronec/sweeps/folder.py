@@ -75,8 +75,9 @@ class SweepFolder:
         return [*(r.column for r in self.records if not r.is_list), FINISHED, REASON]
 
     def finished(self) -> set[int]:
-        """The numbers of the chunks that are whole."""
-        return {int(f.stem) for f in (self.path / LOG).glob("*.json") if f.stem.isdecimal()}
+        """The numbers of the chunks that are whole, as their entries in the log tell."""
+        entries = (json.loads(f.read_bytes()) for f in (self.path / LOG).glob("[0-9]*.json"))
+        return {e["chunk"] for e in entries if e["digest"] == self.chunk_digest(e["chunk"])}
 
     def chunk_digest(self, chunk: int) -> str:
         """Under which name a chunk is known: the digest of the sweep, and its number."""

@@ -20,6 +20,8 @@ __all__ = ["plot_sweep"]
 PANELS = 6
 """Columns that are drawn where nobody names any."""
 BINS = 80
+DENSE = 200
+"""So many motions at each place show how they are spread."""
 SIZES = 100
 """A largest value so many times the median is beside all others on an even axis."""
 MOST_DOTS = 100_000
@@ -30,9 +32,10 @@ def plot_sweep(sweep: Sweep, names: Sequence[str] | None = None) -> Any:
     """A matplotlib ``Figure`` with a panel for each of ``names``, by default the first columns.
 
     A column over two axes of the grid is a chart of colours, over one a curve, both of the median
-    over the starts, the curve with a band that holds nine tenths of them; without a grid it is a
-    histogram.  A section is a cloud of its first two quantities.  ``DefinitionError`` for a name
-    that the sweep does not have, and where nothing is finished.
+    over the starts, the curve with a band that holds nine tenths of them, or, where they are many,
+    with how they are spread; without a grid it is a histogram.  A section is a cloud of its first
+    two quantities.  ``DefinitionError`` for a name that the sweep does not have, and where nothing
+    is finished.
     """
     data = sweep.to_xarray()
     recorded = [str(n) for n in data.attrs["record"]]
@@ -48,22 +51,19 @@ def plot_sweep(sweep: Sweep, names: Sequence[str] | None = None) -> Any:
         raise DefinitionError("nothing of the sweep is finished, so there is no picture")
     wide = 2 if len(shown) > 1 else 1
     rows = -(-len(shown) // wide)
-    with figure_in_style(
-        WIDTH if wide > 1 else 0.7 * WIDTH, 0.4 + 2.3 * rows * (2 / wide) ** 0.5
-    ) as figure:
-        panels = figure.subplots(rows, wide, squeeze=False).flat
+    height = 0.4 + rows * (2.3 if wide == 2 else 3.3)
+    with figure_in_style(WIDTH * (1.0 if wide == 2 else 0.7), height) as figure:
+        panels = [*figure.subplots(rows, wide, squeeze=False).flat]
         for name, panel in zip(shown, panels, strict=False):
             if name in lists:
                 _cloud(panel, sweep.points(name), name)
             else:
                 _column(figure, panel, data[name].load(), name)
             panel.tick_params(labelsize=8)
-        for panel in [*panels]:
+        for panel in panels[len(shown) :]:
             panel.set_visible(False)
-        count = int(data["finished"].values.sum())
-        figure.suptitle(
-            f"{data.attrs['title'] or data.attrs['system']}: {count} motions", fontsize=10
-        )
+        title, count = data.attrs["title"] or data.attrs["system"], data["finished"].values.sum()
+        figure.suptitle(f"{title}: {count} motions", fontsize=10)
     return figure
 
 
@@ -90,12 +90,22 @@ def _column(figure: Any, panel: Any, column: Any, name: str) -> None:
         panel.set_title(label, fontsize=9)
         return
     order = np.argsort(places[0])
-    if spread:
+    if values.shape[-1] >= DENSE:
+        _density(panel, places[0][order], values[order])
+    elif spread:
         panel.fill_between(places[0][order], low[order], high[order], color=FAINT, linewidth=0)
     panel.plot(places[0][order], middle[order], color=MARK if spread else INK, linewidth=1.0)
     panel.set(xlabel=str(axes[0]), ylabel=label)
     panel.margins(x=0)
     panel.spines[["top", "right"]].set_visible(False)
+
+
+def _density(panel: Any, place: np.ndarray, values: np.ndarray) -> None:
+    """How the values are spread at each place, the darker the more of them."""
+    edges = np.linspace(float(np.nanmin(values)), float(np.nanmax(values)), BINS + 1)
+    counts = np.stack([np.histogram(row[np.isfinite(row)], edges)[0] for row in values], axis=1)
+    middles = (edges[1:] + edges[:-1]) / 2
+    panel.pcolormesh(place, middles, counts, cmap="Blues", shading="nearest", rasterized=True)
 
 
 def _quantiles(values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -163,12 +163,9 @@ class Task:
             if record.kind in ("time", "section"):
                 self._passages(record, given, rows, found, reasons, points)
         if alone := [r for r in self.records if r.kind in ("class", "function")]:
-            found |= {
-                r.column: np.full(len(rows), "", object)
-                if r.is_text
-                else np.full(len(rows), np.nan)
-                for r in alone
-            }
+            for r in alone:
+                empty = ("", object) if r.is_text else (np.nan, float)
+                found[r.column] = np.full(len(rows), *empty)
             for i in range(len(rows)):
                 row = {n: x[i].item() for n, x in columns.items()}
                 self._alone(alone, i, row, found, reasons)
@@ -248,9 +245,8 @@ class Task:
         for record in records:
             try:
                 if record.is_text:
-                    found[record.column][i] = str(
-                        closed_form(self.system, **given).classes[record.of]
-                    )
+                    classes = closed_form(self.system, **given).classes
+                    found[record.column][i] = str(classes[record.of])
                     continue
                 run = run or integrate(
                     self.system, times=self.times, method=self.method, tol=self.tol,

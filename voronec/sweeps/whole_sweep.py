@@ -67,6 +67,9 @@ WORTH = 10.0
 """Seconds of work that are worth starting processes."""
 
 
+SOME = replace(COUNT, optional=True)
+
+
 @dataclass(frozen=True)
 class Sweep:
     """The folder of a sweep, finished or not: ``Sweep("run.zarr")`` is one that is there.
@@ -138,39 +141,18 @@ class Sweep:
 
 
 @accepts(
-    grid=VALUES,
-    out=PATH,
-    seed=COUNT,
-    jobs=replace(COUNT, optional=True),
-    parameters=VALUES,
-    initial=VALUES,
-    inputs=VALUES,
-    method=TEXT,
-    tol=TOLERANCE,
-    chunk=replace(COUNT, optional=True),
-    resume=FLAG,
-    progress=CALLABLE,
-)
+    grid=VALUES, out=PATH, seed=COUNT, jobs=SOME, parameters=VALUES, initial=VALUES, inputs=VALUES,
+    method=TEXT, tol=TOLERANCE, chunk=SOME, resume=FLAG, progress=CALLABLE,
+)  # fmt: skip
 def sweep(
-    system: System,
-    grid: Mapping[Any, Any] | None = None,
-    starts: Any = None,
-    record: Any = ("final", "drift"),
-    out: str | os.PathLike[str] = "sweep.zarr",
-    seed: int = 1,
-    executor: Executor | None = None,
-    jobs: int | None = None,
-    times: Any = None,
-    scene: str | None = None,
-    parameters: Mapping[Any, Any] | None = None,
-    initial: Mapping[Any, Any] | None = None,
-    inputs: Mapping[Any, Any] | None = None,
-    method: str = "auto",
-    tol: float = 1e-13,
-    chunk: int | None = None,
-    resume: bool = False,
+    system: System, grid: Mapping[Any, Any] | None = None, starts: Any = None,
+    record: Any = ("final", "drift"), out: str | os.PathLike[str] = "sweep.zarr", seed: int = 1,
+    executor: Executor | None = None, jobs: int | None = None, times: Any = None,
+    scene: str | None = None, parameters: Mapping[Any, Any] | None = None,
+    initial: Mapping[Any, Any] | None = None, inputs: Mapping[Any, Any] | None = None,
+    method: str = "auto", tol: float = 1e-13, chunk: int | None = None, resume: bool = False,
     progress: Callable[[float], Any] | None = None,
-) -> Sweep:
+) -> Sweep:  # fmt: skip
     """Many motions of one system, and what is recorded of each, in a folder.
 
     grid
@@ -226,7 +208,7 @@ def sweep(
     header = header_of(
         declared, "Sweep", digest=folder.digest, digests=_digests(plan, task, seed), seed=seed,
         record=[r.column for r in task.records], scene=task.scene, method=method, tolerance=tol,
-        times=task.times.tolist(), parameters=_plain(task.parameters), initial=_plain(task.initial),
+        times=task.times.tolist(), parameters=str(task.parameters), initial=str(task.initial),
         machine=platform.machine(), lanes=_lanes(), chunk=list(plan.box),
     )  # fmt: skip
     if not target.exists():
@@ -264,10 +246,6 @@ def _by_name(given: Mapping[Any, Any] | None) -> dict[str, Any]:
     return {str(k): x for k, x in (given or {}).items()}
 
 
-def _plain(given: Mapping[str, Any]) -> dict[str, str]:
-    return {name: str(x) for name, x in given.items()}
-
-
 def _plan(task: Task, grid: Any, starts: Any, seed: int, chunk: int | None) -> Plan:
     system = task.system
 
@@ -281,13 +259,8 @@ def _plan(task: Task, grid: Any, starts: Any, seed: int, chunk: int | None) -> P
     most = max(1, NUMBERS // (len(task.times) * max(held, 1)))
     if chunk is None:
         chunk = min(ROWS, max(LEAST, -(-len(plan) // PARTS)))
-    taken = {r.column for r in task.records} & {
-        "finished",
-        "reason",
-        "log",
-        *plan.axes,
-        *plan.starts,
-    }
+    own = {"finished", "reason", "log", *plan.axes, *plan.starts}
+    taken = own & {r.column for r in task.records}
     if taken or chunk < 1:
         what = f"'{min(taken)}' is taken" if taken else f"chunk = {chunk}"
         raise DefinitionError(f"{what}; give the record another name, or chunk a number from 1 on")
