@@ -17,7 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import voronec as vo
-from voronec.sweeps.plan import Plan
+from voronec.sweeps.plan import SweepPlan
 
 pytest.importorskip("zarr")
 pytestmark = pytest.mark.slow
@@ -90,7 +90,7 @@ def test_classes_of_traces_are_recorded_as_words(tmp_path):
 )  # fmt: skip
 def test_chunks_are_all_motions_once_and_in_order(lengths, starts, size):
     axes = {f"p{i}": np.arange(float(n)) for i, n in enumerate(lengths)}
-    plan = Plan(axes, {"q": np.arange(float(starts))} if starts else {}, size)
+    plan = SweepPlan(axes, {"q": np.arange(float(starts))} if starts else {}, size)
     rows = [plan.rows(n) for n in range(plan.chunks)]
     assert np.array_equal(np.concatenate(rows), np.arange(len(plan)))
     assert all(len(r) <= size for r in rows) and len(plan.dimensions) == len(plan.shape)

@@ -99,7 +99,7 @@ def read(out: str) -> None:
     print(f"open {opened:.2f} plot {time.perf_counter() - began - opened:.2f}")
 
 
-def killed(out: str, address: str) -> None:
+def sweep_on_cluster(out: str, address: str) -> None:
     """A small sweep on a cluster."""
     from distributed import Client
 
@@ -165,14 +165,14 @@ def kills(folder: Path, count: int) -> list[list[str]]:
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None,
                       silence_logs=50) as cluster:  # fmt: skip
         whole, out = folder / "whole.zarr", folder / "killed.zarr"
-        killed(str(whole), cluster.scheduler_address)
+        sweep_on_cluster(str(whole), cluster.scheduler_address)
         rounds = 0
         while sum(hit.values()) < count:
             rounds += 1
             shutil.rmtree(out, ignore_errors=True)
             while not _is_done(out) and sum(hit.values()) < count:
                 _one_kill(out, cluster, chance, hit)
-            killed(str(out), cluster.scheduler_address)
+            sweep_on_cluster(str(out), cluster.scheduler_address)
             if _bytes(out) != _bytes(whole):
                 return [["kills", f"{hit}: bytes differ", "", "", "", ""]]
     return [["kills", f"{sum(hit.values())}", f"{hit}, in {rounds} sweeps: the same bytes", "", "",
@@ -180,7 +180,8 @@ def kills(folder: Path, count: int) -> list[list[str]]:
 
 
 def _one_kill(out: Path, cluster: Any, chance: random.Random, hit: dict[str, int]) -> None:
-    code = f"from figures.sweeps import killed; killed{(str(out), cluster.scheduler_address)!r}"
+    given = str(out), cluster.scheduler_address
+    code = f"from figures.sweeps import sweep_on_cluster as go; go{given!r}"
     process = subprocess.Popen([sys.executable, "-c", code], cwd=Path(__file__).parents[1],
                                stderr=subprocess.DEVNULL)  # fmt: skip
     time.sleep(2 + 6 * chance.random())

@@ -31,7 +31,7 @@ from voronec.sweeps.records import ChunkResult, Task
 __all__ = ["OwnProcesses", "Portion", "compute_here", "dask_executor", "spread", "stop_reimport"]
 
 GUARD = "call vo.sweep under if __name__ == '__main__':, since its processes read the script"
-WAITING = 128
+WINDOW = 128
 """So many chunks at most are with an executor at a time: they and their results take memory."""
 DEATHS = 5
 """So many times one after another workers may die before a sweep gives up."""
@@ -70,7 +70,7 @@ def spread(
     fruitful = False
     try:
         while True:
-            for portion in (*again, *islice(left, max(0, WAITING - len(waiting) - len(again)))):
+            for portion in (*again, *islice(left, max(0, WINDOW - len(waiting) - len(again)))):
                 waiting[executor.submit(_work, packed, portion)] = portion, generation
             again.clear()
             if not waiting:
@@ -87,21 +87,20 @@ def spread(
                     deaths += born == generation
                     generation += born == generation
                     if deaths > (DEATHS if fruitful else 1):
-                        raise _lost(error) from None
+                        raise _loss(error, fruitful) from None
                     continue
                 deaths, fruitful = 0, True
                 yield portion.chunk, found
     except (BrokenProcessPool, RuntimeError, OSError) as error:  # it takes no more work
-        raise _lost(error) from None
+        raise _loss(error, fruitful) from None
     finally:
         for future in waiting:
             future.cancel()
 
 
-def _lost(error: Exception) -> VoronecError:
-    if isinstance(error, BrokenProcessPool):
-        what = f"the processes end before they have done anything; {GUARD}"
-        return DefinitionError(what)
+def _loss(error: Exception, fruitful: bool) -> VoronecError:
+    if isinstance(error, BrokenProcessPool) and not fruitful:
+        return DefinitionError(f"the processes end before they have done anything; {GUARD}")
     return EngineLimit(
         f"the executor computes no more: {quote(f'{type(error).__name__}: {error}')}; what is "
         "finished is kept, and the same call goes on"
@@ -148,11 +147,11 @@ class OwnProcesses:
     def submit(self, work: Callable[..., Any], *given: Any) -> Future[Any]:
         """As ``Executor.submit``."""
         with suppress(BrokenProcessPool):
-            return self._started().submit(work, *given)
+            return self._executor().submit(work, *given)
         self._pool = None
-        return self._started().submit(work, *given)
+        return self._executor().submit(work, *given)
 
-    def _started(self) -> ProcessPoolExecutor:
+    def _executor(self) -> ProcessPoolExecutor:
         if self._pool is None:
             # spawned, not forked: the same on every platform, and no thread of a library is lost
             context = multiprocessing.get_context("spawn")

@@ -23,13 +23,13 @@ import numpy as np
 from voronec.declaration.whole_files import lock_file, unwritable, workshop
 from voronec.errors import DefinitionError, did_you_mean, quote
 from voronec.motion.storage import array_key, attributes_of, require_library
-from voronec.sweeps.plan import Plan
-from voronec.sweeps.records import ChunkResult, Record
+from voronec.sweeps.plan import SweepPlan
+from voronec.sweeps.records import ChunkResult, RecordColumn
 
 __all__ = ["SweepFolder", "read_points", "require_room"]
 
 LOG = "log"
-FINISHED, REASON = "finished", "reason"
+STATUS, REASON = "finished", "reason"
 """The arrays that say of each motion whether it went well, and why not."""
 POINT_BYTES = 200
 """About what the passage of a motion takes on the disk."""
@@ -40,12 +40,12 @@ class SweepFolder:
     """The folder of one sweep, which is known by its ``digest``."""
 
     path: Path
-    plan: Plan
-    records: tuple[Record, ...]
+    plan: SweepPlan
+    records: tuple[RecordColumn, ...]
     digest: str
 
     @contextmanager
-    def open_for_writing(self, header: Mapping[str, Any], meanings: Any) -> Iterator[Drafts]:
+    def drafts(self, header: Mapping[str, Any], meanings: Any) -> Iterator[Drafts]:
         """The folder, made if need be, while no other process writes in it.
 
         ``DefinitionError`` where it holds another sweep or something else, where another process
@@ -72,9 +72,9 @@ class SweepFolder:
     @property
     def names(self) -> list[str]:
         """The names of the arrays along all axes."""
-        return [*(r.column for r in self.records if not r.is_list), FINISHED, REASON]
+        return [*(r.column for r in self.records if not r.is_list), STATUS, REASON]
 
-    def finished(self) -> set[int]:
+    def kept_chunks(self) -> set[int]:
         """The numbers of the chunks that are whole, as their entries in the log tell."""
         entries = (json.loads(f.read_bytes()) for f in (self.path / LOG).glob("[0-9]*.json"))
         return {e["chunk"] for e in entries if e["digest"] == self.chunk_digest(e["chunk"])}
@@ -105,7 +105,7 @@ class SweepFolder:
                 array[:] = values
             for name in self.names:
                 kind, empty = ("string", "") if name in texts else ("f8", np.nan)
-                if name == FINISHED:
+                if name == STATUS:
                     kind, empty = "bool", False
                 root.create_array(
                     array_key(name), shape=plan.shape, shards=plan.box, chunks=plan.box,
@@ -158,7 +158,7 @@ class Drafts:
         place = plan.place(chunk)
         shape = tuple(part.stop - part.start for part in place)
         at = [str(part.start // k) for part, k in zip(place, plan.box, strict=True)]
-        columns = {**found.columns, FINISHED: reasons == "", REASON: reasons}
+        columns = {**found.columns, STATUS: reasons == "", REASON: reasons}
         files = {}
         for name, array in self.arrays.items():
             array[place] = columns[name].reshape(shape)
@@ -198,7 +198,7 @@ def _write_points(path: Path, points: Mapping[str, np.ndarray]) -> None:
     parquet.write_table(arrow.table(dict(points)), path)
 
 
-def require_room(path: Path, plan: Plan, records: Sequence[Record]) -> None:
+def require_room(path: Path, plan: SweepPlan, records: Sequence[RecordColumn]) -> None:
     """``DefinitionError`` where the disk has no room for what a sweep is likely to write."""
     each = 16 + sum(POINT_BYTES if r.is_list else 8 for r in records)
     wanted, parent = each * len(plan), path.absolute().parent

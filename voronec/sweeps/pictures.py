@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -11,9 +11,6 @@ from voronec.declaration.figure_style import FAINT, INK, MARK, PALE, SOFT, WIDTH
 from voronec.declaration.reading import several
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.sweeps.plan import START
-
-if TYPE_CHECKING:
-    from voronec.sweeps.whole_sweep import Sweep
 
 __all__ = ["plot_sweep"]
 
@@ -28,8 +25,9 @@ MOST_DOTS = 100_000
 """Points of a cloud that are drawn, evenly taken from all."""
 
 
-def plot_sweep(sweep: Sweep, names: Sequence[str] | None = None) -> Any:
-    """A matplotlib ``Figure`` with a panel for each of ``names``, by default the first columns.
+def plot_sweep(data: Any, points: Callable[[str], Any], names: Sequence[str] | None = None) -> Any:
+    """A matplotlib ``Figure`` with a panel for each of ``names``, by default the first columns, of
+    a dataset; ``points`` gives the passages of a section by its name.
 
     A column over two axes of the grid is a chart of colours, over one a curve, both of the median
     over the starts, the curve with a band that holds nine tenths of them, or, where they are many,
@@ -37,7 +35,6 @@ def plot_sweep(sweep: Sweep, names: Sequence[str] | None = None) -> Any:
     two quantities.  ``DefinitionError`` for a name that the sweep does not have, and where nothing
     is finished.
     """
-    data = sweep.to_xarray()
     recorded = [str(n) for n in data.attrs["record"]]
     columns = [n for n in recorded if n in data and data[n].dtype.kind == "f"]
     lists = [n for n in recorded if n not in data]
@@ -56,7 +53,7 @@ def plot_sweep(sweep: Sweep, names: Sequence[str] | None = None) -> Any:
         panels = [*figure.subplots(rows, wide, squeeze=False).flat]
         for name, panel in zip(shown, panels, strict=False):
             if name in lists:
-                _cloud(panel, sweep.points(name), name)
+                _cloud(panel, points(name), name)
             else:
                 _column(figure, panel, data[name].load(), name)
             panel.tick_params(labelsize=8)
@@ -79,7 +76,8 @@ def _column(figure: Any, panel: Any, column: Any, name: str) -> None:
     places = [column[d].values for d in axes]
     low, middle, high = _quantiles(values)
     spread = values.shape[-1] > 1
-    label = f"{name}, median over {', '.join(map(str, rest))}" if spread else name
+    told = f"\nmedian over {', '.join(map(str, rest))}" if spread else ""
+    panel.set_title(f"{name}{told}", fontsize=9)
     if len(axes) == 2:
         image = panel.pcolormesh(
             *places, middle.T, cmap="viridis", shading="nearest", rasterized=True
@@ -87,7 +85,6 @@ def _column(figure: Any, panel: Any, column: Any, name: str) -> None:
         panel.set_facecolor(PALE)
         figure.colorbar(image, ax=panel, pad=0.02)
         panel.set(xlabel=str(axes[0]), ylabel=str(axes[1]))
-        panel.set_title(label, fontsize=9)
         return
     order = np.argsort(places[0])
     if values.shape[-1] >= DENSE:
@@ -95,14 +92,15 @@ def _column(figure: Any, panel: Any, column: Any, name: str) -> None:
     elif spread:
         panel.fill_between(places[0][order], low[order], high[order], color=FAINT, linewidth=0)
     panel.plot(places[0][order], middle[order], color=MARK if spread else INK, linewidth=1.0)
-    panel.set(xlabel=str(axes[0]), ylabel=label)
+    panel.set_xlabel(str(axes[0]))
     panel.margins(x=0)
     panel.spines[["top", "right"]].set_visible(False)
 
 
 def _density(panel: Any, place: np.ndarray, values: np.ndarray) -> None:
     """How the values are spread at each place, the darker the more of them."""
-    edges = np.linspace(float(np.nanmin(values)), float(np.nanmax(values)), BINS + 1)
+    bins = min(BINS, round(2 * values.shape[-1] ** 0.5))
+    edges = np.linspace(float(np.nanmin(values)), float(np.nanmax(values)), bins + 1)
     counts = np.stack([np.histogram(row[np.isfinite(row)], edges)[0] for row in values], axis=1)
     middles = (edges[1:] + edges[:-1]) / 2
     panel.pcolormesh(place, middles, counts, cmap="Blues", shading="nearest", rasterized=True)

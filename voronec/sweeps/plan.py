@@ -22,7 +22,7 @@ from voronec.declaration.reading import doubles
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, quote
 
-__all__ = ["START", "Draws", "Plan", "make_plan"]
+__all__ = ["START", "Draws", "SweepPlan", "make_plan"]
 
 START = "start"
 """The axis of starts."""
@@ -78,7 +78,7 @@ class Draws:
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class SweepPlan:
     """The values on the ``axes`` of the grid, and those of each start, both by name; ``size`` says
     how many motions make a chunk at most."""
 
@@ -142,7 +142,7 @@ class Plan:
 def make_plan(
     system: System, grid: Any, starts: Any, seed: int, size: int,
     alike: Callable[[int], Sequence[Mapping[str, float]]],
-) -> Plan:  # fmt: skip
+) -> SweepPlan:  # fmt: skip
     """The motions that are asked for; ``alike`` gives so many starts on one level of the integrals.
 
     ``DefinitionError`` for a name that the system does not know, or that stands twice.
@@ -173,7 +173,7 @@ def make_plan(
             raise DefinitionError(f"system '{system.name}': {unknown(kind, name, known)}")
         if name == START or (name in axes and name in listed):
             raise DefinitionError(f"'{name}' cannot stand in the grid and in the starts; rename it")
-    return Plan(axes, listed, size)
+    return SweepPlan(axes, listed, size)
 
 
 def _name(key: Any) -> str:

@@ -26,7 +26,7 @@ from voronec.motion.integration import integrate
 from voronec.motion.request import Namespace, quantity
 from voronec.motion.sections import section
 
-__all__ = ["ChunkResult", "Record", "Task", "read_records"]
+__all__ = ["ChunkResult", "RecordColumn", "Task", "read_records"]
 
 FORM = re.compile(r"(final|max|min|drift|time|section|class)(?:\((.*)\))?", re.DOTALL)
 EXTREMES: Mapping[str, Any] = {"max": np.fmax.reduce, "min": np.fmin.reduce}
@@ -35,7 +35,7 @@ MOST_POINTS = 1000
 
 
 @dataclass(frozen=True)
-class Record:
+class RecordColumn:
     """A column: its ``kind``, and what it is of: the name of an output or integral, a title of a
     trace, a function, or ``key`` = ``value`` of a surface."""
 
@@ -65,7 +65,7 @@ class ChunkResult(NamedTuple):
     points: dict[str, dict[str, np.ndarray]]
 
 
-def read_records(namespace: Namespace, record: Any) -> tuple[Record, ...]:
+def read_records(namespace: Namespace, record: Any) -> tuple[RecordColumn, ...]:
     """The columns that ``record`` asks for: texts and functions, or a mapping of names to them.
 
     ``DefinitionError`` for what the system does not have.
@@ -75,7 +75,7 @@ def read_records(namespace: Namespace, record: Any) -> tuple[Record, ...]:
     asked = [*named.values()] if named else several(alone, "record", "'final'")
     if not asked:
         raise DefinitionError("record: name what is to be recorded, such as 'final' or 'max(x)'")
-    found: dict[str, Record] = {}
+    found: dict[str, RecordColumn] = {}
     for i, one in enumerate(asked):
         parts = _read(namespace, one)
         for part in parts:
@@ -84,34 +84,34 @@ def read_records(namespace: Namespace, record: Any) -> tuple[Record, ...]:
                 name = [*named][i] if len(parts) == 1 else f"{[*named][i]}: {name}"
             if name in found and named is not None:
                 raise DefinitionError(f"record: '{name}' stands twice; give it another name")
-            found[name] = Record(name, part.kind, part.of, part.key, part.value)
+            found[name] = RecordColumn(name, part.kind, part.of, part.key, part.value)
     return tuple(found.values())
 
 
-def _read(namespace: Namespace, one: Any) -> list[Record]:
+def _read(namespace: Namespace, one: Any) -> list[RecordColumn]:
     system = namespace.equations.system
     if callable(one) and not hasattr(one, "free_symbols"):
         name = getattr(one, "__name__", type(one).__name__)
-        return [Record(name, "function", one)]
+        return [RecordColumn(name, "function", one)]
     form = FORM.fullmatch(one.strip()) if isinstance(one, str) else None
     kind, inside = (form[1], form[2]) if form else ("final", one)
     if kind in ("time", "section"):
         return [_surface(namespace, kind, inside or "", one)]
     if kind == "drift":
         known = _among(inside, [*system.integrals], f"system '{system.name}': integral")
-        return [Record(f"drift({n})", kind, n) for n in known]
+        return [RecordColumn(f"drift({n})", kind, n) for n in known]
     if kind == "class":
         if system.motion is None or not system.motion.traces:
             raise DefinitionError(f"record 'class': system '{system.name}' declares no traces")
         titles = [trace.title for trace in system.motion.traces]
-        return [Record(f"class({n})", kind, n) for n in _among(inside, titles, "trace")]
+        return [RecordColumn(f"class({n})", kind, n) for n in _among(inside, titles, "trace")]
     if inside is None and kind == "final":
         state = (*system.coordinates, *system.velocities)
-        return [Record(f"final({plain_name(q)})", kind, plain_name(q)) for q in state]
+        return [RecordColumn(f"final({plain_name(q)})", kind, plain_name(q)) for q in state]
     if inside is None:
         raise DefinitionError(f"record '{kind}': say of what, as in '{kind}(x)'")
     name, _ = quantity(namespace, inside, "record")
-    return [Record(f"{kind}({name})", kind, name, inside)]
+    return [RecordColumn(f"{kind}({name})", kind, name, inside)]
 
 
 def _among(inside: str | None, known: Sequence[str], kind: str) -> Sequence[str]:
@@ -122,13 +122,13 @@ def _among(inside: str | None, known: Sequence[str], kind: str) -> Sequence[str]
     return [inside]
 
 
-def _surface(namespace: Namespace, kind: str, inside: str, one: str) -> Record:
+def _surface(namespace: Namespace, kind: str, inside: str, one: str) -> RecordColumn:
     left, _, right = inside.partition("=")
     if not left.strip():
         raise DefinitionError(f"record '{kind}': say where, as in '{kind}(x=1)'")
     name, _ = quantity(namespace, left.strip(), "record")
     value = float(exact_number(right, f"record '{one}'")) if right else 0.0
-    return Record(f"{kind}({name}={value:g})", kind, name, left.strip(), value)
+    return RecordColumn(f"{kind}({name}={value:g})", kind, name, left.strip(), value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +141,7 @@ class Task:
     initial: Mapping[str, Any]
     inputs: Mapping[str, Any]
     times: np.ndarray
-    records: tuple[Record, ...]
+    records: tuple[RecordColumn, ...]
     method: str
     tol: float
 
@@ -207,8 +207,8 @@ class Task:
                 reasons.setdefault(int(i), f"{record.column} has no value in real numbers")
 
     def _passages(
-        self, record: Record, given: Any, rows: np.ndarray, found: Any, reasons: dict[int, str],
-        points: Any,
+        self, record: RecordColumn, given: Any, rows: np.ndarray, found: Any,
+        reasons: dict[int, str], points: Any,
     ) -> None:  # fmt: skip
         """The first time at a surface, in either direction; or all passages upwards."""
         first = record.kind == "time"
@@ -231,7 +231,7 @@ class Task:
             points[record.column] = {"row": rows[run.start], "t": run.t, **held}
 
     def _alone(
-        self, records: Sequence[Record], i: int, row: Mapping[str, float], found: Any,
+        self, records: Sequence[RecordColumn], i: int, row: Mapping[str, float], found: Any,
         reasons: dict[int, str],
     ) -> None:  # fmt: skip
         """What each motion tells by itself: the class of a trace, functions of its trajectory."""
@@ -260,7 +260,7 @@ class Task:
             found[record.column][i] = _number_of(record, run)
 
 
-def _number_of(record: Record, run: Any) -> float:
+def _number_of(record: RecordColumn, run: Any) -> float:
     """What a function says of a trajectory; ``DefinitionError`` where that is no number."""
     try:
         return float(record.of(run))

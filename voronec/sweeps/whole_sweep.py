@@ -52,8 +52,8 @@ from voronec.sweeps.engines import (
     stop_reimport,
 )
 from voronec.sweeps.folder import SweepFolder, require_room
-from voronec.sweeps.plan import Plan, make_plan
-from voronec.sweeps.records import EXTREMES, ChunkResult, Record, Task, read_records
+from voronec.sweeps.plan import SweepPlan, make_plan
+from voronec.sweeps.records import EXTREMES, ChunkResult, RecordColumn, Task, read_records
 
 __all__ = ["Sweep", "sweep"]
 
@@ -122,7 +122,7 @@ class Sweep:
         two parameters, curves over one, histograms of draws, clouds of points of sections."""
         from voronec.sweeps.pictures import plot_sweep
 
-        return plot_sweep(self, names)
+        return plot_sweep(self.to_xarray(), self.points, names)
 
     def counts(self) -> dict[str, int]:
         """How many ``motions`` there are, and how many of them are ``finished`` or ``failed``."""
@@ -213,8 +213,8 @@ def sweep(
     )  # fmt: skip
     if not target.exists():
         require_room(target, plan, task.records)
-    with folder.open_for_writing(header, meanings_of(declared)) as drafts:
-        work = _Work(task, plan, folder.finished(), progress)
+    with folder.drafts(header, meanings_of(declared)) as drafts:
+        work = _Work(task, plan, folder.kept_chunks(), progress)
         try:
             with _engine(work, executor, jobs) as results:
                 for number, found in results:
@@ -246,7 +246,7 @@ def _by_name(given: Mapping[Any, Any] | None) -> dict[str, Any]:
     return {str(k): x for k, x in (given or {}).items()}
 
 
-def _plan(task: Task, grid: Any, starts: Any, seed: int, chunk: int | None) -> Plan:
+def _plan(task: Task, grid: Any, starts: Any, seed: int, chunk: int | None) -> SweepPlan:
     system = task.system
 
     def alike(count: int) -> list[dict[str, float]]:
@@ -264,7 +264,7 @@ def _plan(task: Task, grid: Any, starts: Any, seed: int, chunk: int | None) -> P
     if taken or chunk < 1:
         what = f"'{min(taken)}' is taken" if taken else f"chunk = {chunk}"
         raise DefinitionError(f"{what}; give the record another name, or chunk a number from 1 on")
-    return Plan(plan.axes, plan.starts, min(chunk, most))
+    return SweepPlan(plan.axes, plan.starts, min(chunk, most))
 
 
 def _lanes() -> int:
@@ -276,7 +276,7 @@ def _lanes() -> int:
     return int(heyoka.recommended_simd_size())
 
 
-def _digests(plan: Plan, task: Task, seed: int) -> dict[str, str]:
+def _digests(plan: SweepPlan, task: Task, seed: int) -> dict[str, str]:
     """A digest of each thing that the numbers rest on, by name."""
     system = task.system
     scene = scene_of(system, task.scene, False)
@@ -294,7 +294,7 @@ def _digests(plan: Plan, task: Task, seed: int) -> dict[str, str]:
     return {name: sha256(repr(x).encode()).hexdigest()[:16] for name, x in parts.items()}
 
 
-def _source(record: Record) -> str:
+def _source(record: RecordColumn) -> str:
     """What a record is of, as text: of a function its source, where that is known."""
     if record.kind != "function":
         return str(record.of)
@@ -304,7 +304,7 @@ def _source(record: Record) -> str:
         return getattr(record.of, "__qualname__", type(record.of).__qualname__)
 
 
-def _folder(target: Path, plan: Plan, task: Task, seed: int) -> SweepFolder:
+def _folder(target: Path, plan: SweepPlan, task: Task, seed: int) -> SweepFolder:
     said = repr(sorted(_digests(plan, task, seed).items()))
     return SweepFolder(target, plan, task.records, sha256(said.encode()).hexdigest())
 
@@ -312,7 +312,7 @@ def _folder(target: Path, plan: Plan, task: Task, seed: int) -> SweepFolder:
 class _Work:
     """What is left to do, and how much is done."""
 
-    def __init__(self, task: Task, plan: Plan, finished: set[int], progress: Any) -> None:
+    def __init__(self, task: Task, plan: SweepPlan, finished: set[int], progress: Any) -> None:
         self.task, self.plan, self._progress = task, plan, progress
         self.left = [n for n in range(plan.chunks) if n not in finished]
         self._done = sum(len(plan.rows(n)) for n in finished)
