@@ -1,5 +1,6 @@
 """Files appear whole or not at all; nothing is left behind, and nothing stale stays."""
 
+import json
 import os
 import signal
 import subprocess
@@ -8,8 +9,10 @@ import threading
 import warnings
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import voronec as vo
 from voronec.cli import main
 from voronec.cli.files import create, deliver, wanted_folder
 from voronec.declaration.whole_files import (
@@ -336,3 +339,92 @@ def test_what_threads_and_processes_write_at_once_is_whole(tmp_path):
             assert content and len({*content}) == 1
     assert not any(p.returncode for p in processes)
     assert [*file.parent.iterdir()] == [file], "no draft is left"
+
+
+# -- results in files --------------------------------------------------------------------------
+
+BALL = vo.load("chaplygin-ball")
+
+
+@pytest.fixture(scope="module")
+def results():
+    sleigh = vo.load("sleigh")
+    turn = vo.Event("w - 1/10", name="turn")
+    return (
+        vo.integrate(sleigh, times=[0, 1, 2], outputs=("x", "x/(1 + y**2)"), events=(turn,)),
+        vo.ensemble(sleigh, {"v": [1, 2, 3], "w": [0.1, 2, np.nan]}, times=[0, 1, 2]),
+        vo.section(BALL, "omega3", crossings=5, starts=3),
+        vo.integrate(sleigh, times=[0, 1], outputs=("x",), tol=1e-30),
+    )
+
+
+@pytest.mark.parametrize("suffix", ["npz", "parquet", "zarr"])
+def test_what_is_saved_opens_as_it_was(results, suffix, tmp_path):
+    xarray = pytest.importorskip("xarray")
+    for result in results:
+        for _ in range(2):  # one that is there is replaced
+            opened = vo.open(result.save(tmp_path / f"a.{suffix}"))
+        xarray.testing.assert_identical(opened.load(), result.to_xarray())
+        assert [p.name for p in tmp_path.iterdir()] == [f"a.{suffix}"]
+        assert opened.attrs["kind"] == type(result).__name__.removeprefix("Late")
+        assert opened.attrs["versions"]["voronec"] == vo.__version__
+        assert opened["v" if result.system.name == "sleigh" else "omega1"].size
+
+
+def test_datasets_and_tables_have_all_numbers_meanings_and_errors(results):
+    pytest.importorskip("xarray")
+    run, many, section, _ = results
+    assert np.array_equal(run.to_xarray()["turn: x"], run.events["turn"]["x"])
+    assert np.array_equal(many.to_pandas()["w"].to_numpy().reshape(3, 3), many["w"], equal_nan=True)
+    assert str(many.to_xarray()["error"].values[2]) == str(many.errors[2])
+    assert section.to_pandas()["omega1"].tolist() == section["omega1"].tolist()
+    meant = {p.name: p.meaning for p in BALL.parameters}
+    assert meant["I1"] and section.to_xarray()["I1"].attrs["long_name"] == meant["I1"]
+    for result in results[:3]:
+        assert result.plot().axes
+
+
+def test_what_cannot_be_opened_or_written_over_is_refused_in_one_line(results, tmp_path):
+    pytest.importorskip("xarray")
+    run, place = results[0], tmp_path / "a.npz"
+    with pytest.raises(DefinitionError, match=r"holds a result.*voronec\.open"):
+        vo.load(str(run.save(place)))
+    held = dict(np.load(place))
+    header = json.loads(str(held["voronec"]))
+    for change, message in (
+        ({"format": 99, "versions": {"voronec": "7.1"}}, r"saved by voronec 7\.1.*update"),
+        ({"format": None}, "holds no result"),
+        ({"axes": {"x": ["t", "u"]}}, "is damaged"),
+    ):
+        np.savez(place, **{**held, "voronec": np.array(json.dumps({**header, **change}))})
+        with pytest.raises(DefinitionError, match=message):
+            vo.open(place)
+    for name, content in (("b.npz", b"PK nothing"), ("c.parquet", b"PAR1"), ("d.npz", b"")):
+        (tmp_path / name).write_bytes(content)
+        with pytest.raises(DefinitionError, match="is damaged"):
+            vo.open(tmp_path / name)
+    np.savez(tmp_path / "pickled.npz", voronec=np.array([Path("x")], dtype=object))
+    with pytest.raises(DefinitionError, match="is damaged"):
+        vo.open(tmp_path / "pickled.npz")
+    (tmp_path / "mine.zarr").mkdir()
+    for suffix, message in (("mine.zarr", "no saved result"), ("a.txt", "must end in")):
+        with pytest.raises(DefinitionError, match=message):
+            run.save(tmp_path / suffix)
+    for suffix, message in (("e.npz", "no file"), ("e.zarr", "no file"), ("a.txt", "must end")):
+        with pytest.raises(DefinitionError, match=message):
+            vo.open(tmp_path / suffix)
+
+
+def test_a_trajectory_of_version_0_9_opens(tmp_path):
+    pytest.importorskip("xarray")
+    names = np.array(["x", "v"])
+    held = {"x": np.arange(2.0), "t": np.arange(2.0), "state": np.eye(2), "names": names}
+    np.savez(tmp_path / "old.npz", **held, **{"parameter a": np.array(0.3)})
+    opened = vo.open(tmp_path / "old.npz")
+    assert opened["v"].values.tolist() == [0, 1] and opened.attrs["parameters"] == {"a": 0.3}
+
+
+def test_without_its_library_a_result_says_what_to_install(results, monkeypatch):
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(DefinitionError, match=r"pip install 'voronec\[sweeps\]'"):
+        results[1].to_xarray()

@@ -74,6 +74,7 @@ if TYPE_CHECKING:
     from voronec.motion.closed_form import closed_form as closed_form
     from voronec.motion.explanation import explain as explain
     from voronec.motion.model import Model as Model
+    from voronec.motion.storage import open as open
     from voronec.proof.check import check_catalogue as check_catalogue
     from voronec.proof.check import check_relation as check_relation
     from voronec.proof.check import graph as graph
@@ -84,6 +85,9 @@ if TYPE_CHECKING:
     from voronec.proof.search import FoundIntegral as FoundIntegral
     from voronec.proof.search import IntegralSearch as IntegralSearch
     from voronec.proof.search import search_integrals as search_integrals
+    from voronec.sweeps import Draws as Draws
+    from voronec.sweeps import Sweep as Sweep
+    from voronec.sweeps import sweep as sweep
 
 __version__ = "0.9.0"
 
@@ -122,11 +126,13 @@ _HOME = {
         "motion.closed_form": "closed_form",
         "motion.explanation": "explain",
         "motion.model": "Model",
+        "motion.storage": "open",
         "proof.check": "check_catalogue check_relation graph",
         "proof.claims": "check_claims Claim",
         "proof.comparison": "compare",
         "proof.measures": "divergence",
         "proof.search": "FoundIntegral IntegralSearch search_integrals",
+        "sweeps": "Draws Sweep sweep",
     }.items()
     for name in names.split()
 }

@@ -33,6 +33,7 @@ ROOMS = {
     "motion": "Motions",
     "closed": "Motions in closed form",
     "proof": "Claims, relations and searches",
+    "sweeps": "Sweeps over many motions",
     "audit": "Teaching",
     "algebra": "Symbols and verdicts",
     "accuracy": "Hard cases",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -99,14 +98,9 @@ def _complete_request(
 
 def _write(found: Section, workshop: Path) -> None:
     from voronec.motion.pictures.run_pictures import save
-    from voronec.motion.pictures.section_picture import plot_section
 
-    with (workshop / "points.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["start", "t", *found.outputs])
-        rows = (found.start.tolist(), found.t.tolist(), found.points.tolist())
-        writer.writerows([i, t, *point] for i, t, point in zip(*rows, strict=True))
-    save(plot_section(found), workshop / "section.svg")
+    found.save(workshop / "points.csv")
+    save(found.plot(), workshop / "section.svg")
 
 
 def _report(found: Section, scene: str | None, files: list[Path], as_json: bool) -> None:

@@ -210,12 +210,14 @@ def names() -> list[str]:
 
 SUFFIXES = (".py", ".toml")
 """What the files end in that define systems: Python, and text."""
+RESULTS = (".npz", ".parquet", ".zarr")
+"""What the files end in that hold results."""
 
 
 def is_file(subject: str) -> bool:
-    """Whether NAME|FILE means a file: it ends in ``.py`` or ``.toml``, or has a separator of
-    paths."""
-    return subject.endswith(SUFFIXES) or os.sep in subject
+    """Whether NAME|FILE means a file: it ends as files of systems or of results do, or has a
+    separator of paths."""
+    return subject.endswith((*SUFFIXES, *RESULTS)) or os.sep in subject
 
 
 @accepts(name=PATH)
@@ -294,6 +296,8 @@ def _definitions_in(path: Path) -> Mapping[str, Any]:
 
 def require_suffix(path: Path) -> None:
     """Refuse a folder, and a file that is neither Python nor a text of a system by its name."""
+    if path.suffix in RESULTS:
+        raise DefinitionError(f"'{path}' holds a result, not a system: open it by voronec.open")
     if os.path.isdir(path):
         raise DefinitionError(f"'{path}' is a folder; give the file in it that defines the system")
     # not Path.is_file, for which a name that is too long is an error of the system

@@ -34,6 +34,7 @@ __all__ = [
     "has_foreign",
     "keep_file",
     "keep_with_digest",
+    "lock_file",
     "make_private",
     "make_room",
     "read_with_digest",
@@ -213,7 +214,7 @@ def workshop(folder: Path) -> Iterator[Path]:
     made = Path(tempfile.mkdtemp(prefix=PREFIX, dir=folder))
     lock = None
     try:
-        lock = _lock(made / LOCK, os.O_CREAT)
+        lock = lock_file(made / LOCK, os.O_CREAT)
         drafts = made / "drafts"
         drafts.mkdir()
         yield drafts
@@ -258,7 +259,7 @@ def _sweep(folder: Path) -> None:
 
 def _is_left(old: Path) -> bool:
     try:
-        lock = _lock(old / LOCK)
+        lock = lock_file(old / LOCK)
     except BlockingIOError:
         return False
     except FileNotFoundError:
@@ -269,8 +270,9 @@ def _is_left(old: Path) -> bool:
     return True
 
 
-def _lock(path: Path, flags: int = 0) -> int | None:
-    """An open file that is locked until its process ends; None where there are no locks."""
+def lock_file(path: Path, flags: int = 0) -> int | None:
+    """An open file that is locked until it is closed, or its process ends; None where there are no
+    locks.  ``BlockingIOError`` where another process has locked it."""
     try:
         import fcntl
     except ImportError:  # not on Windows

@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
 from threading import Event
 from time import perf_counter
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from voronec.algebra.arguments import CALLABLE, COUNT, SEVERAL, TEXT, TOLERANCE, VALUES, accepts
+from voronec.algebra.arguments import (
+    CALLABLE,
+    COUNT,
+    FLAG,
+    SEVERAL,
+    TEXT,
+    TOLERANCE,
+    VALUES,
+    accepts,
+)
 from voronec.algebra.typeset import html_table
 from voronec.declaration.system import System, require_system
 from voronec.declaration.worker_processes import Team
@@ -36,6 +47,9 @@ from voronec.motion.request import (  # fmt: skip
 )
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Trajectory
+
+if TYPE_CHECKING:
+    from voronec.motion.storage import NamedArrays
 
 __all__ = ["Ensemble", "ensemble"]
 
@@ -89,6 +103,41 @@ class Ensemble:
     def __len__(self) -> int:
         return len(self.finished)
 
+    def plot(self, names: Sequence[str] | None = None) -> Any:
+        """Quantities against the time, by default the outputs, as a matplotlib ``Figure``: some of
+        the motions, the median of all, and between which values nine of ten lie.
+
+        Raises ``DefinitionError`` for a name that the ensemble does not hold.
+        """
+        from voronec.motion.pictures.ensemble_picture import plot_ensemble
+
+        return plot_ensemble(self, self.finished, names)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the motions to ``path``, as ``Trajectory.save`` does."""
+        return self._arrays().save(path)
+
+    def to_xarray(self) -> Any:
+        """The motions as an ``xarray.Dataset``, the header as attributes."""
+        return self._arrays().to_xarray()
+
+    def to_pandas(self) -> Any:
+        """The motions as a ``pandas.DataFrame``, a row for each motion at an instant."""
+        return self._arrays().to_pandas()
+
+    def _arrays(self) -> NamedArrays:
+        """The motions along ``motion`` and ``t``."""
+        from voronec.motion.storage import NamedArrays, of_motions, variables_of
+
+        own: dict[str, Any] = {"t": (("t",), self.t), "finished": (("motion",), self.finished)}
+        own |= {name: (("motion", "t"), self[name]) for name in self.outputs if name != "t"}
+        each = of_motions(len(self), self.errors, self.parameters, drift=self.drift)
+        return NamedArrays.of(
+            self.system, "Ensemble", variables_of(own, each), ("motion", "t"),
+            ("motion", "t", *self.outputs), level=self.level, interrupted=self.interrupted,
+            cost=asdict(self.cost), notes={str(i): list(told) for i, told in self.notes.items()},
+        )  # fmt: skip
+
     def __repr__(self) -> str:
         span = f"t={float(self.t[0]):.6g}..{float(self.t[-1]):.6g}, {len(self.t)} instants"
         failed = f", {len(self.errors)} failed" if self.errors else ""
@@ -124,6 +173,7 @@ def _range_of(values: np.ndarray, words: str) -> str:
     tol=TOLERANCE,
     jobs=COUNT,
     progress=CALLABLE,
+    strict=FLAG,
 )
 def ensemble(
     system: System | VoronecEquations,
@@ -137,6 +187,7 @@ def ensemble(
     jobs: int = 1,
     progress: Callable[[float], Any] | None = None,
     inputs: Mapping[Any, Any] | None = None,
+    strict: bool = True,
 ) -> Ensemble:
     """The motions of one system from many starts, or with many values of its parameters.
 
@@ -162,13 +213,14 @@ def ensemble(
     inputs
         values of the system's inputs, as for ``integrate``; with a table or a function of Python's
         the motions are integrated one by one.
+    strict
+        whether the first error is raised where every start is wrong; else all are in ``errors``.
 
     Motions that start at poles of coordinates, or pass near one or near a singular split of the
     velocities, and those that might reach the cut of an angle in a Lagrangian, are integrated again
     alone, as by ``integrate``.
     A start or a parameter from which no motion goes, and a motion that breaks down, loses a proved
-    integral or does not obey the equations, is noted in ``errors``, and the others go on; where
-    every start is wrong, the first error is raised.
+    integral or does not obey the equations, is noted in ``errors``, and the others go on.
     Ctrl-C ends the run and keeps the motions that are done; none is while it is being set up.
     """
     began, tol = perf_counter(), max(tol, EXACT)  # many motions go in doubles
@@ -204,7 +256,7 @@ def ensemble(
         )
     finally:
         team.end()
-    if not (motions.sound or filled.alone or interrupted):
+    if strict and not (motions.sound or filled.alone or interrupted):
         raise motions.wrong[0]
     costs = [cost for _, cost in sorted(filled.alone.items())]
     steps = filled.steps + sum(each.steps for each in costs)

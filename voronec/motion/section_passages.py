@@ -294,6 +294,7 @@ class SectionPassages:
     samples: dict[int, list[StepSamples]] = field(default_factory=dict)
     steps: int = 0
     interrupted: bool = False
+    strict: bool = True
 
     @classmethod
     def empty(

@@ -7,17 +7,28 @@ functions, those through switching surfaces and those that fail in lanes are eac
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
+from pathlib import Path
 from time import perf_counter
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import sympy as sp
 
-from voronec.algebra.arguments import CALLABLE, COUNT, SEVERAL, TEXT, TOLERANCE, VALUES, accepts
+from voronec.algebra.arguments import (
+    CALLABLE,
+    COUNT,
+    FLAG,
+    SEVERAL,
+    TEXT,
+    TOLERANCE,
+    VALUES,
+    accepts,
+)
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import formula
 from voronec.declaration.scene import Scene
@@ -60,6 +71,9 @@ from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost
 from voronec.motion.verify import CheckOfMany
 
+if TYPE_CHECKING:
+    from voronec.motion.storage import NamedArrays
+
 __all__ = [
     "Section",
     "SectionSurface",
@@ -84,11 +98,12 @@ def starts_alike(
     initial: Mapping[Any, Any],
     parameters: Mapping[Any, Any],
     count: int,
+    seed: int = 1,
 ) -> list[dict[str, float]]:
     """The start of the scene, and others in all directions about it with the same integrals.
 
-    Velocities are turned and stretched at random (the same way every time), coordinates moved a
-    little; Newton steps of least length then lead back to these values.  ``DefinitionError`` where
+    Velocities are turned and stretched at random (by ``seed``), coordinates moved a little;
+    Newton steps of least length then lead back to these values.  ``DefinitionError`` where
     the system declares no integral, or no other start is found.
     """
     system = equations.system
@@ -102,7 +117,7 @@ def starts_alike(
         raise motions.wrong[0]
     names = [plain_name(x) for x in (*system.coordinates, *system.velocities)]
     base, integrals = motions.full[0], _integrals(motions)
-    random = np.random.default_rng(1)
+    random = np.random.default_rng(seed)
     states, width = [base], len(system.velocities)
     target = integrals(base[None])[0]
     for _ in range(TRIES * count):
@@ -298,6 +313,42 @@ class Section:
     def __len__(self) -> int:
         return len(self.t)
 
+    def plot(self) -> Any:
+        """The first two outputs against each other, a colour each motion, as a matplotlib
+        ``Figure``; of one output alone the map of returns."""
+        from voronec.motion.pictures.section_picture import plot_section
+
+        return plot_section(self)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the points to ``path``, as ``Trajectory.save`` does."""
+        return self._arrays().save(path)
+
+    def to_xarray(self) -> Any:
+        """The points as an ``xarray.Dataset``, the header as attributes."""
+        return self._arrays().to_xarray()
+
+    def to_pandas(self) -> Any:
+        """The points as a ``pandas.DataFrame``, a row for each point."""
+        return self._arrays().to_pandas()
+
+    def _arrays(self) -> NamedArrays:
+        """The passages along ``point``, each with the number of its motion, ``start``; what is said
+        of a motion along ``motion``."""
+        from voronec.motion.storage import NamedArrays, of_motions, variables_of
+
+        own = {"start": self.start, "t": self.t, **{name: self[name] for name in self.outputs}}
+        along = {"speed": self.speed, "near_tangent": self.near_tangent}
+        ends = {"end": np.array(self.ends)}
+        each = of_motions(len(self.ends), self.errors, ends, self.parameters, drift=self.drift)
+        points = [{n: (("point",), x) for n, x in part.items()} for part in (own, along)]
+        return NamedArrays.of(
+            self.system, "Section", variables_of(*points, each), ("point",), own, plane=self.plane,
+            value=self.value, direction=self.direction, touches=[list(x) for x in self.touches],
+            level=self.level, interrupted=self.interrupted, cost=asdict(self.cost),
+            notes={str(i): list(told) for i, told in self.notes.items()},
+        )  # fmt: skip
+
     def __repr__(self) -> str:
         plane = f"{self.plane} = {self.value:.6g}"
         points = f"{len(self)} points of {len(self.ends)} motions"
@@ -316,6 +367,7 @@ class Section:
     crossings=COUNT,
     direction=COUNT,
     progress=CALLABLE,
+    strict=FLAG,
 )
 def section(
     system: System | VoronecEquations,
@@ -333,6 +385,7 @@ def section(
     tol: float = 1e-13,
     progress: Callable[[float], Any] | None = None,
     inputs: Mapping[Any, Any] | None = None,
+    strict: bool = True,
 ) -> Section:
     """The Poincare section of one or several motions.
 
@@ -354,6 +407,9 @@ def section(
     scene, parameters, method, tol, progress, inputs
         as for ``ensemble``; motions begin where the scene does, else at t = 0.  With tables and
         functions for inputs they are followed one by one, up to ``until``, which must be given.
+
+    strict
+        whether it is an error where no motion passes through the surface; else there are no points.
 
     Each crossing is found on the Taylor polynomial of its step (with scipy, on the interpolant) and
     polished to rounding; motions that start at a pole or a singular split, or pass one, are
@@ -399,6 +455,7 @@ def section(
         given = {**getattr(chosen_scene, "inputs", {}), **(inputs or {})}
         alone = replace(alone, declared=declared, inputs=given)
     passages = SectionPassages.empty(motions, crossings, direction, until, progress)
+    passages.strict = strict
     cost = _follow(alone, passages, surface, on_plane, level, keys, began)
     return _section(declared, motions, passages, tuple(wanted), surface, on_plane, cost)
 
@@ -485,7 +542,7 @@ def _watch(motions: Many, name: str, value: float) -> SectionWatch:
 
 
 def _refuse_nothing(motions: Many, passages: SectionPassages, surface: str, value: float) -> None:
-    if passages.count.any() or passages.interrupted:
+    if passages.count.any() or passages.interrupted or not passages.strict:
         return
     for error in (*motions.wrong.values(), *passages.errors.values()):
         raise error

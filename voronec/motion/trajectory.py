@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import csv
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -19,7 +18,6 @@ from voronec.algebra.symbols import plain_name
 from voronec.algebra.typeset import html_table
 from voronec.declaration.reading import instants
 from voronec.declaration.system import System
-from voronec.declaration.whole_files import draft
 from voronec.equations.program import Program
 from voronec.errors import DefinitionError
 from voronec.motion.observables import (
@@ -33,6 +31,7 @@ from voronec.motion.term_sizes import CANCELLATION, SMALL, term_slopes
 from voronec.motion.tolerances import LOOSE, UNIT
 
 if TYPE_CHECKING:
+    from voronec.motion.storage import NamedArrays
     from voronec.motion.viewer.page import PageView
 
 __all__ = [
@@ -324,35 +323,42 @@ class Trajectory:
         return view_of(self, path)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the times and outputs to ``path``: ``.csv``, or ``.npz`` with all that is known.
+        """Write the motion to ``path``: ``.npz``, ``.parquet`` or ``.zarr`` with all that is known,
+        for ``voronec.open``, or ``.csv`` with the times and outputs.
 
-        The CSV has a header line and full precision; the NPZ also holds ``state``, ``names`` and
-        the parameters.  The file appears whole or not at all.  Raises ``DefinitionError`` for
-        another ending, and where there is no such folder.
+        Numbers have full precision.  The file appears whole or not at all.  Raises
+        ``DefinitionError`` for another ending, and where there is no such folder.
         """
-        require("save", "path", path, PATH)
-        target = Path(path)
-        writers = {".csv": self._write_csv, ".npz": self._write_npz}
-        if target.suffix not in writers:
-            raise DefinitionError(f"'{target.name}' must end in .csv or .npz")
-        if not target.parent.is_dir():
-            raise DefinitionError(f"there is no folder '{target.parent}' to write into")
-        with draft(target) as new:
-            writers[target.suffix](new)
-        return target
+        return self._arrays().save(path)
 
-    def _write_csv(self, path: Path) -> None:
-        columns = [self.t, *(self[name] for name in self.outputs)]
-        with path.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(["t", *self.outputs])
-            writer.writerows(zip(*map(_write_column, columns), strict=True))
+    def to_xarray(self) -> Any:
+        """The motion as an ``xarray.Dataset`` along ``t``, its header as attributes."""
+        return self._arrays().to_xarray()
 
-    def _write_npz(self, path: Path) -> None:
-        arrays: dict[str, Any] = {"t": self.t, "state": self.state, "names": np.array(self.names)}
-        arrays |= {f"parameter {name}": value for name, value in self.parameters.items()}
-        arrays = {name: self[name] for name in self.outputs} | arrays
-        np.savez(path, **{name: _plain(array) for name, array in arrays.items()})
+    def to_pandas(self) -> Any:
+        """The motion as a ``pandas.DataFrame``, a row for each instant."""
+        return self._arrays().to_pandas()
+
+    def _arrays(self) -> NamedArrays:
+        """The motion along ``t``, the passages of each event along an axis of its own."""
+        from voronec.motion.storage import NamedArrays, plain_numbers
+
+        names = dict.fromkeys([*self.outputs, *self.names, *self.integrals])
+        held = {"t": self.t, **{name: self[name] for name in names if name != "t"}}
+        variables = {name: (("t",), plain_numbers(x)) for name, x in held.items()}
+        for event, found in self.events.items():
+            passages = {"t": found.t, **{n: found[n] for n in (*found.names, *found.series)}}
+            axes = (f"{event}: number",)
+            variables |= {f"{event}: {n}": (axes, plain_numbers(x)) for n, x in passages.items()}
+        numbers = {name: {n: plain_numbers(x) for n, x in getattr(self, name).items()}
+                   for name in ("parameters", "drift", "residuals")}  # fmt: skip
+        also = {"state": plain_numbers(self.state), "names": np.array(self.names)}
+        also |= {f"parameter {n}": np.array(x) for n, x in numbers["parameters"].items()}
+        return NamedArrays.of(
+            self.system, "Trajectory", variables, ("t",), ("t", *self.outputs), also,
+            notes=list(self.notes), stopped=self.stopped, halted=self.halted,
+            interrupted=self.interrupted, cost=asdict(self.cost), **numbers,
+        )  # fmt: skip
 
 
 def _late(name: str) -> Any:
@@ -384,23 +390,6 @@ class LateTrajectory(Trajectory):
     state = _late("state")
     conserved = _late("conserved")
     notes = _late("notes")
-
-
-def _write_column(column: np.ndarray) -> list[Any]:
-    """Numbers with all their digits: doubles as they are, mpmath's as text."""
-    if column.dtype != object:
-        return list(column.tolist())
-    digits = max((int(x._mpf_[3] * 0.302) + 2 for x in column), default=17)
-    return [mpmath.nstr(x, max(digits, 17)) for x in column]
-
-
-def _plain(array: Any) -> Any:
-    """An array that is stored without pickling: mpmath's numbers as text."""
-    if isinstance(array, mpmath.mpf):
-        return np.array(_write_column(np.array([array], dtype=object))[0])
-    if isinstance(array, np.ndarray) and array.dtype == object:
-        return np.array(_write_column(array.ravel())).reshape(array.shape)
-    return array
 
 
 def make_trajectory(

@@ -31,7 +31,7 @@ from voronec.declaration.whole_files import (
     user_cache,
 )
 
-__all__ = ["ModelCache"]
+__all__ = ["DYNAMIC_FIELDS", "ModelCache", "spell"]
 
 T = TypeVar("T")
 FILES = 300
@@ -61,7 +61,7 @@ class ModelCache:
             *(x.__version__ for x in LIBRARIES),
         ]
         declared = [getattr(system, n) for n in DYNAMIC_FIELDS]
-        said = _Spelling().of([below, declared, wanted])
+        said = spell([below, declared, wanted])
         self._file = user_cache("models") / sha256(said.encode()).hexdigest()[:32]
         self._packed = _read(self._file)
         self._on_disk = {*self._packed}
@@ -139,6 +139,11 @@ class _Unpickler(pickle.Unpickler):
     def persistent_load(self, name: str) -> System:
         """The system."""
         return self._system
+
+
+def spell(value: Any) -> str:
+    """Text that tells values apart: systems, scenes, expressions, records and mappings of these."""
+    return _Spelling().of(value)
 
 
 class _Spelling:

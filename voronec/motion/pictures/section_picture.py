@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -13,9 +13,6 @@ from voronec.algebra.typeset import symbol_latex
 from voronec.declaration.figure_style import INK, MARK, figure_in_style
 from voronec.errors import DefinitionError
 
-if TYPE_CHECKING:
-    from voronec.motion import Section
-
 __all__ = ["plot_section"]
 
 COLOURS = (
@@ -25,8 +22,8 @@ COLOURS = (
 """Dark enough for dots on white, and told apart in print."""
 
 
-def plot_section(section: Section) -> Any:
-    """A matplotlib ``Figure`` of the first two outputs against each other.
+def plot_section(section: Any) -> Any:
+    """A matplotlib ``Figure`` of a ``Section``: the first two outputs against each other.
 
     Where there is only one output, it is drawn against the same output at the crossing before, the
     map of returns.
@@ -49,7 +46,7 @@ def plot_section(section: Section) -> Any:
     return figure
 
 
-def _axes(section: Section) -> tuple[np.ndarray, np.ndarray, tuple[str, str]]:
+def _axes(section: Any) -> tuple[np.ndarray, np.ndarray, tuple[str, str]]:
     if not section.outputs:
         raise DefinitionError("a section without outputs has no picture; name one or two")
     names = [_label(section, name) for name in section.outputs[:2]]
@@ -61,7 +58,7 @@ def _axes(section: Section) -> tuple[np.ndarray, np.ndarray, tuple[str, str]]:
     return before, after, (f"{names[0]}", f"{names[0]} at the next crossing")
 
 
-def _label(section: Section, name: str) -> str:
+def _label(section: Any, name: str) -> str:
     """The mathtext of a quantity's name; words, such as an integral's, stay words."""
     system = section.system
     things = {plain_name(x): x for x in system.known_symbols()}
@@ -79,7 +76,7 @@ def _label(section: Section, name: str) -> str:
         return name
 
 
-def _title(section: Section) -> str:
+def _title(section: Any) -> str:
     way = {1: ", growing", -1: ", falling", 0: ""}[section.direction]
     name = section.system.title or section.system.name
     return f"{name}: {_label(section, section.plane)} = {section.value:g}{way}"

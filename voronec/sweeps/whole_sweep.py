@@ -1,0 +1,360 @@
+"""A sweep over many motions, computed chunk by chunk into a folder, and what there is of it."""
+
+from __future__ import annotations
+
+import inspect
+import os
+import platform
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from voronec.algebra.arguments import (
+    CALLABLE,
+    COUNT,
+    FLAG,
+    PATH,
+    TEXT,
+    TOLERANCE,
+    VALUES,
+    accepts,
+    require,
+)
+from voronec.declaration.system import System, require_system
+from voronec.errors import DefinitionError
+from voronec.motion.batches import require_method
+from voronec.motion.inputs import drive
+from voronec.motion.model.model_cache import DYNAMIC_FIELDS, spell
+from voronec.motion.request import Namespace, grid_of, scene_of
+from voronec.motion.sections import starts_alike
+from voronec.motion.storage import (
+    NamedArrays,
+    attributes_of,
+    header_of,
+    meanings_of,
+    require_library,
+    versions,
+)
+from voronec.motion.storage import open as open_saved
+from voronec.motion.tolerances import EXACT
+from voronec.sweeps.engines import (
+    OwnProcesses,
+    Portion,
+    compute_here,
+    spread,
+    stop_reimport,
+)
+from voronec.sweeps.folder import SweepFolder, require_room
+from voronec.sweeps.plan import SweepPlan, make_plan
+from voronec.sweeps.records import EXTREMES, ChunkResult, RecordColumn, Task, read_records
+
+__all__ = ["Sweep", "sweep"]
+
+ROWS, LEAST, PARTS = 2**14, 64, 8
+"""Motions of a chunk: as many as fill heyoka's lanes well; of a small sweep a part."""
+NUMBERS = 2**23
+"""So many numbers of outputs at all instants a chunk may hold while it is computed."""
+INSTANTS = 101
+"""Of a span whose times are not given, where largest and least values are asked for."""
+WORTH = 10.0
+"""Seconds of work that are worth starting processes."""
+
+
+SOME = replace(COUNT, optional=True)
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """The folder of a sweep, finished or not: ``Sweep("run.zarr")`` is one that is there.
+
+    ``interrupted`` says that the call which returned it was stopped by hand.
+    """
+
+    path: Path
+    interrupted: bool = False
+
+    def __post_init__(self) -> None:
+        require("Sweep", "path", self.path, PATH)
+        object.__setattr__(self, "path", Path(self.path))
+        if attributes_of(self.path).get("kind") != "Sweep":
+            raise DefinitionError(f"'{self.path}' is no folder of a sweep")
+
+    def to_xarray(self) -> Any:
+        """The numbers as an ``xarray.Dataset``, read when they are asked for; its axes are those of
+        the grid, and ``start``."""
+        return open_saved(self.path)
+
+    def to_pandas(self) -> Any:
+        """The numbers as a ``pandas.DataFrame``, a row for each motion."""
+        return self._arrays().to_pandas()
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the numbers once more, to one file or folder, as ``Trajectory.save`` does."""
+        return self._arrays().save(path)
+
+    def _arrays(self) -> NamedArrays:
+        data = self.to_xarray().load()
+        held = {n: x.values for n, x in data.variables.items()}
+        held |= {n: np.array(x.tolist()) for n, x in held.items() if x.dtype.kind in "OT"}
+        variables = {str(n): (tuple(data[n].dims), x) for n, x in held.items()}
+        meanings = {n: x.attrs["long_name"] for n, x in data.variables.items() if x.attrs}
+        axes = tuple(map(str, data["finished"].dims))
+        return NamedArrays(
+            variables, axes, (*axes, *map(str, data.data_vars)), data.attrs, meanings
+        )
+
+    def points(self, name: str) -> Any:
+        """The passages of a section, ``section(x=0)``, as a ``pandas.DataFrame``: ``row`` is the
+        number of the motion in C order of the axes, ``t`` the time of the passage."""
+        from voronec.sweeps.folder import read_points
+
+        return read_points(self.path, name)
+
+    def plot(self, names: Sequence[str] | None = None) -> Any:
+        """What is recorded, by default the first columns, as a matplotlib ``Figure``: charts over
+        two parameters, curves over one, histograms of draws, clouds of points of sections."""
+        from voronec.sweeps.pictures import plot_sweep
+
+        return plot_sweep(self.to_xarray(), self.points, names)
+
+    def counts(self) -> dict[str, int]:
+        """How many ``motions`` there are, and how many of them are ``finished`` or ``failed``."""
+        data = self.to_xarray()
+        finished, failed = data["finished"].values, data["reason"].values != ""
+        return {
+            "motions": finished.size,
+            "finished": int(finished.sum()),
+            "failed": int(failed.sum()),
+        }
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{count} {what}" for what, count in self.counts().items())
+        by_hand = ", stopped by hand" if self.interrupted else ""
+        return f"Sweep({str(self.path)!r}, {told}{by_hand})"
+
+
+@accepts(
+    grid=VALUES, out=PATH, seed=COUNT, jobs=SOME, parameters=VALUES, initial=VALUES, inputs=VALUES,
+    method=TEXT, tol=TOLERANCE, chunk=SOME, resume=FLAG, progress=CALLABLE,
+)  # fmt: skip
+def sweep(
+    system: System, grid: Mapping[Any, Any] | None = None, starts: Any = None,
+    record: Any = ("final", "drift"), out: str | os.PathLike[str] = "sweep.zarr", seed: int = 1,
+    executor: Executor | None = None, jobs: int | None = None, times: Any = None,
+    scene: str | None = None, parameters: Mapping[Any, Any] | None = None,
+    initial: Mapping[Any, Any] | None = None, inputs: Mapping[Any, Any] | None = None,
+    method: str = "auto", tol: float = 1e-13, chunk: int | None = None, resume: bool = False,
+    progress: Callable[[float], Any] | None = None,
+) -> Sweep:  # fmt: skip
+    """Many motions of one system, and what is recorded of each, in a folder.
+
+    grid
+        parameters and initial values, by name or symbol, with the values that each takes: every
+        combination is a motion, and each name an axis of what is recorded.
+    starts
+        arrays by name or a list of mappings, as for ``ensemble``, or ``vo.Draws``: each start with
+        each place of the grid, along the axis ``start``.  They may hold parameters, too.
+    record
+        texts and functions, or a mapping of names to them.  ``final`` is the state at the end,
+        ``final(x)`` or just ``x`` one quantity there, ``max(x)`` and ``min(x)`` its extremes at the
+        instants, ``drift`` or ``drift(energy)`` the largest relative change of integrals at these,
+        ``time(x=1)`` when that first happens (nan where it does not), ``section(x=0)`` all passages
+        upwards, at most 1000 a motion, ``class`` that of each trace.  A function takes the
+        ``Trajectory`` and returns a number; others processes find it in its module.
+    out
+        the folder, a name in ``.zarr``.  It is the log, too: the same call goes on where an earlier
+        one was stopped or killed, and what another sweep wrote is never touched.  ``resume`` says
+        that it must be there already.
+    times
+        instants, as for ``integrate``; one number is the end.  Without a list of them the start and
+        the end are looked at, and 101 instants where a record asks for what lies between.
+    scene, parameters, initial, inputs, method, tol
+        as for ``integrate``: what the grid and the starts leave open.
+    executor, jobs
+        by default the cores of the machine, each a process, where the work takes longer than to
+        start them; ``jobs=1`` stays in this process.  Or any ``concurrent.futures.Executor``, such
+        as ``client.get_executor()`` of a ``dask.distributed.Client``.
+    seed
+        of random draws.
+    chunk
+        how many motions are computed and kept together (at most 16384).
+    progress
+        is called with the share that is done.
+
+    Equal sweeps write equal bytes on one kind of machine, whoever computes; processors of another
+    kind may differ in the last digits.  A motion that fails is a row with its ``reason``.  Ctrl-C
+    keeps the chunks that are finished.  ``DefinitionError`` for what the system does not have, for
+    a folder of another sweep, and for more rows than the disk holds.
+    """
+    stop_reimport()
+    require_library("zarr")
+    declared, tol = require_system(system), max(tol, EXACT)
+    target = Path(out)
+    if target.suffix != ".zarr":
+        raise DefinitionError(f"out = '{target}': the folder of a sweep must end in .zarr")
+    if resume and not target.exists():
+        raise DefinitionError(f"there is no sweep '{target}' to go on with")
+    require_method(method)
+    task = _task(declared, record, times, scene, parameters, initial, inputs, method, tol)
+    plan = _plan(task, grid, starts, seed, chunk)
+    folder = _folder(target, plan, task, seed)
+    header = header_of(
+        declared, "Sweep", digest=folder.digest, digests=_digests(plan, task, seed), seed=seed,
+        record=[r.column for r in task.records], scene=task.scene, method=method, tolerance=tol,
+        times=task.times.tolist(), parameters=str(task.parameters), initial=str(task.initial),
+        machine=platform.machine(), lanes=_lanes(), chunk=list(plan.box),
+    )  # fmt: skip
+    if not target.exists():
+        require_room(target, plan, task.records)
+    with folder.drafts(header, meanings_of(declared)) as drafts:
+        work = _Work(task, plan, folder.kept_chunks(), progress)
+        try:
+            with _engine(work, executor, jobs) as results:
+                for number, found in results:
+                    drafts.keep(number, found)
+                    work.tell(number)
+        except KeyboardInterrupt:
+            return Sweep(target, interrupted=True)
+    return Sweep(target)
+
+
+def _task(
+    system: System, record: Any, times: Any, scene: Any, parameters: Any, initial: Any, inputs: Any,
+    method: str, tol: float,
+) -> Task:  # fmt: skip
+    """What is computed of every motion."""
+    scene = scene or system.first_scene
+    known = scene_of(system, scene, False)
+    driven = drive(system, inputs, known)
+    records = read_records(Namespace.of(driven.equations, driven.meaning), record)
+    ends = grid_of(system, known, times)
+    if times is None or np.ndim(times) == 0:
+        between = any(r.kind in ("function", *EXTREMES) for r in records)
+        ends = np.linspace(ends[0], ends[-1], INSTANTS if between else 2)
+    return Task(system, scene, _by_name(parameters), _by_name(initial), _by_name(inputs), ends,
+                records, method, tol)  # fmt: skip
+
+
+def _by_name(given: Mapping[Any, Any] | None) -> dict[str, Any]:
+    return {str(k): x for k, x in (given or {}).items()}
+
+
+def _plan(task: Task, grid: Any, starts: Any, seed: int, chunk: int | None) -> SweepPlan:
+    system = task.system
+
+    def alike(count: int) -> list[dict[str, float]]:
+        equations = drive(system, task.inputs, scene_of(system, task.scene, False)).equations
+        known = scene_of(system, task.scene, False)
+        return starts_alike(equations, known, task.initial, task.parameters, count, seed)
+
+    plan = make_plan(system, grid, starts, seed, 1, alike)
+    held = sum(r.kind in ("final", *EXTREMES) for r in task.records) + len(system.integrals)
+    most = max(1, NUMBERS // (len(task.times) * max(held, 1)))
+    if chunk is None:
+        chunk = min(ROWS, max(LEAST, -(-len(plan) // PARTS)))
+    own = {"finished", "reason", "log", *plan.axes, *plan.starts}
+    taken = own & {r.column for r in task.records}
+    if taken or chunk < 1:
+        what = f"'{min(taken)}' is taken" if taken else f"chunk = {chunk}"
+        raise DefinitionError(f"{what}; give the record another name, or chunk a number from 1 on")
+    return SweepPlan(plan.axes, plan.starts, min(chunk, most))
+
+
+def _lanes() -> int:
+    """How many motions go side by side in heyoka's lanes on this processor; 1 without it."""
+    try:
+        import heyoka
+    except ImportError:
+        return 1
+    return int(heyoka.recommended_simd_size())
+
+
+def _digests(plan: SweepPlan, task: Task, seed: int) -> dict[str, str]:
+    """A digest of each thing that the numbers rest on, by name."""
+    system = task.system
+    scene = scene_of(system, task.scene, False)
+    parts: dict[str, Any] = {
+        "system": [system.name, spell([getattr(system, n) for n in DYNAMIC_FIELDS])],
+        "scene": [task.scene, spell(scene)],
+        "grid": [(n, x.tobytes()) for n, x in plan.axes.items()],
+        "starts": [(n, x.tobytes()) for n, x in plan.starts.items()],
+        "record": [(r.column, r.kind, r.value, _source(r)) for r in task.records],
+        "times": task.times.tobytes(),
+        "parameters": spell(task.parameters), "initial": spell(task.initial),
+        "inputs": spell(task.inputs), "method": task.method, "tolerance": task.tol, "seed": seed,
+        "chunk": plan.box, "versions": versions(), "machine": [platform.machine(), _lanes()],
+    }  # fmt: skip
+    return {name: sha256(repr(x).encode()).hexdigest()[:16] for name, x in parts.items()}
+
+
+def _source(record: RecordColumn) -> str:
+    """What a record is of, as text: of a function its source, where that is known."""
+    if record.kind != "function":
+        return str(record.of)
+    try:
+        return inspect.getsource(record.of)
+    except (OSError, TypeError):
+        return getattr(record.of, "__qualname__", type(record.of).__qualname__)
+
+
+def _folder(target: Path, plan: SweepPlan, task: Task, seed: int) -> SweepFolder:
+    said = repr(sorted(_digests(plan, task, seed).items()))
+    return SweepFolder(target, plan, task.records, sha256(said.encode()).hexdigest())
+
+
+class _Work:
+    """What is left to do, and how much is done."""
+
+    def __init__(self, task: Task, plan: SweepPlan, finished: set[int], progress: Any) -> None:
+        self.task, self.plan, self._progress = task, plan, progress
+        self.left = [n for n in range(plan.chunks) if n not in finished]
+        self._done = sum(len(plan.rows(n)) for n in finished)
+        self.tell()
+
+    def portions(self) -> Iterator[Portion]:
+        """The chunks that are left, one by one."""
+        for n in self.left:
+            yield Portion(n, self.plan.rows(n), self.plan.columns(n))
+
+    def tell(self, chunk: int | None = None, share: float = 0.0) -> None:
+        """Tell of a chunk that is kept, or of a share of motions beside those."""
+        self._done += 0 if chunk is None else len(self.plan.rows(chunk))
+        if self._progress is not None:
+            self._progress(min(1.0, self._done / len(self.plan) + share))
+
+
+@contextmanager
+def _engine(
+    work: _Work, executor: Any, jobs: int | None
+) -> Iterator[Iterator[tuple[int, ChunkResult]]]:
+    """The results of the chunks that are left, from whoever computes them."""
+    portions = work.portions()
+    if executor is not None:
+        yield spread(work.task, portions, executor)
+        return
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    own = OwnProcesses(min(jobs or cores or 1, max(1, len(work.left) - 1)))
+
+    def results() -> Iterator[tuple[int, ChunkResult]]:
+        each = work.plan.size / len(work.plan)
+        here = compute_here(work.task, portions, lambda share: work.tell(share=share * each))
+        began = perf_counter()
+        for done, found in enumerate(here, start=1):
+            yield found
+            spent = (perf_counter() - began) / done
+            # those of this process are in no hurry to be followed by others that have to start
+            if own.jobs > 1 and (jobs or spent * (len(work.left) - done) > WORTH):
+                yield from spread(work.task, portions, own)
+                return
+
+    try:
+        yield results()
+    finally:
+        own.end()
