@@ -33,7 +33,7 @@ from voronec.motion.methods import METHODS
 from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
 from voronec.motion.motion_pool import Many
 from voronec.motion.observables import jumps
-from voronec.motion.prepared import integrate
+from voronec.motion.prepared_problem import integrate
 from voronec.motion.request import Event, Guard, Starts, begin_of, label
 from voronec.motion.section_passages import PATIENCE, SectionPassages, SectionWatch
 from voronec.motion.state_probe import quantities
