@@ -14,7 +14,7 @@ import voronec as vo
 from voronec.equations.program import Program
 from voronec.motion.observables import evaluate_watch, watch_of
 from voronec.motion.reactions import Multipliers
-from voronec.motion.request import Vocabulary
+from voronec.motion.request import Namespace
 
 pytestmark = pytest.mark.slow
 
@@ -104,8 +104,8 @@ def test_twice_the_constraint_has_half_the_multiplier_and_forces_count() -> None
 
 def test_reactions_keep_the_precision_of_the_states() -> None:
     equations = vo.derive(sleigh())
-    vocabulary = Vocabulary.of(equations)
-    watch = watch_of(vocabulary, ("reaction 1", x * phi))
+    namespace = Namespace.of(equations)
+    watch = watch_of(namespace, ("reaction 1", x * phi))
     program = Program.of(equations.form, watch.expressions)
     with mp.workdps(60):
         third = mp.mpf(1) / 3
@@ -171,19 +171,19 @@ def test_a_quantity_of_the_system_comes_before_a_group_of_its_name() -> None:
     system = dataclasses.replace(
         sleigh(), invariants={"configuration": sp.sin(phi)}, drawing={"energy": ("x", "y")}
     )
-    wanted = Vocabulary.of(vo.derive(system)).read_outputs(("configuration", "energy", v))
+    wanted = Namespace.of(vo.derive(system)).read_outputs(("configuration", "energy", v))
     assert wanted.names == ("configuration", "energy", "v") and not wanted.reactions
     assert wanted.terms["configuration"] == sp.Symbol("configuration")
     assert str(wanted.expressions["configuration"]) == "sin(phi)"
 
 
 def test_wanted_keeps_order_and_says_what_each_is() -> None:
-    wanted = Vocabulary.of(vo.derive(sleigh())).read_outputs((phi, "reaction 1", x * v, "phi"))
+    wanted = Namespace.of(vo.derive(sleigh())).read_outputs((phi, "reaction 1", x * v, "phi"))
     assert wanted.names == ("phi", "reaction 1", "v*x")
     assert dict(wanted.reactions) == {"reaction 1": 0}
     assert set(wanted.expressions) == {"phi", "v*x"} == set(wanted.terms)
     assert wanted.terms["v*x"] == x * v
-    everything = Vocabulary.of(vo.derive(sleigh())).read_outputs(())
+    everything = Namespace.of(vo.derive(sleigh())).read_outputs(())
     assert everything.names == ("x", "phi", "y", "v", "w")
 
 
@@ -217,14 +217,14 @@ def test_formulas_may_be_text() -> None:
 
 
 def test_only_the_integrals_asked_for_are_followed() -> None:
-    vocabulary = Vocabulary.of(vo.derive(sleigh()))
-    assert set(watch_of(vocabulary, ()).integrals) == {"energy", "spin"}
-    watch = watch_of(vocabulary, (x,), {"spin"})
+    namespace = Namespace.of(vo.derive(sleigh()))
+    assert set(watch_of(namespace, ()).integrals) == {"energy", "spin"}
+    watch = watch_of(namespace, (x,), {"spin"})
     assert set(watch.integrals) == set(watch.sizes) == {"spin"}
     assert len(watch.expressions) == 3
-    assert not watch_of(vocabulary, (x,), ()).integrals
+    assert not watch_of(namespace, (x,), ()).integrals
     with pytest.raises(vo.DefinitionError, match="no integral 'energi'; did you mean 'energy'"):
-        watch_of(vocabulary, (), {"energi"})
+        watch_of(namespace, (), {"energi"})
 
 
 @pytest.mark.parametrize("method", ["heyoka", "scipy"])

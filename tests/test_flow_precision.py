@@ -207,7 +207,7 @@ def test_a_step_from_a_special_state_on_the_way_is_not_too_long(dense: bool) -> 
     heyoka's third step: its next one would go three times as far as it may."""
     hy = pytest.importorskip("heyoka")
     here, speed = hy.make_vars("x", "v")
-    walker = hy.taylor_adaptive([(here, speed), (speed, 1 - here * here)], [0.0, 0.0], tol=1e-13)
+    stepper = hy.taylor_adaptive([(here, speed), (speed, 1 - here * here)], [0.0, 0.0], tol=1e-13)
     q = sp.Symbol("x")
     system = vo.System(
         name="special",
@@ -222,10 +222,10 @@ def test_a_step_from_a_special_state_on_the_way_is_not_too_long(dense: bool) -> 
         return [back["x"][-1], back["xdot"][-1]]
 
     def third(time: float) -> float:
-        walker.time, walker.state[:] = -time, before(time)
+        stepper.time, stepper.state[:] = -time, before(time)
         for _ in range(3):
-            walker.step()
-        return float(walker.time)
+            stepper.step()
+        return float(stepper.time)
 
     first = brentq(third, 0.8, 1.0, xtol=1e-15)
     start = dict(zip(("x", "xdot"), before(first), strict=True))

@@ -19,8 +19,8 @@ import voronec as vo
 from voronec.algebra.symbols import plain_name
 from voronec.cli import main
 from voronec.equations.program import compile_program
-from voronec.motion.motion_start import Outset
-from voronec.motion.request import StartData, Vocabulary, scene_of
+from voronec.motion.motion_start import InitialState
+from voronec.motion.request import Namespace, StartData, scene_of
 from voronec.motion.viewer.page import LARGEST, Page
 
 NODE = shutil.which("node")
@@ -68,9 +68,9 @@ class Start(NamedTuple):
 @cache
 def page_at_start(name: str) -> Page:
     system = vo.load(name)
-    vocabulary = Vocabulary.of(vo.derive(system))
-    given = StartData.of(vocabulary, scene_of(system, None, True), None, None)
-    start = Outset.of(vocabulary, given, 0.0, False)
+    namespace = Namespace.of(vo.derive(system))
+    given = StartData.of(namespace, scene_of(system, None, True), None, None)
+    start = InitialState.of(namespace, given, 0.0, False)
     names = map(plain_name, (*system.coordinates, *system.velocities))
     values = dict(zip(names, start.state.tolist(), strict=True))
     return Page(Start(system, np.zeros(1), values, dict(start.constants)))

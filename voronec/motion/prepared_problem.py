@@ -25,12 +25,12 @@ from voronec.motion.angle_cuts import CutWatch
 from voronec.motion.inputs import Drive, drive
 from voronec.motion.integration import MotionRequest, first_success
 from voronec.motion.methods import CLOSED_FORM, METHODS
-from voronec.motion.motion_start import Outset
+from voronec.motion.motion_start import InitialState
 from voronec.motion.request import (
     Event,
     Guard,
+    Namespace,
     StartData,
-    Vocabulary,
     events_of,
     grid_of,
     name_events,
@@ -114,17 +114,17 @@ class PreparedProblem:
         read, tol, method = self._read(initial is not None), self.tol, self.method
         grid = grid_of(self.system, read.scene, times)
         start, end = float(grid[0]), float(grid[-1])
-        driven, vocabulary, guards = read.drive.over(start, end), read.vocabulary, read.guards
-        given = read.start_data.with_values(vocabulary, parameters, initial)
+        driven, namespace, guards = read.drive.over(start, end), read.namespace, read.guards
+        given = read.start_data.with_values(namespace, parameters, initial)
         given = replace(given, parameters={**given.parameters, **driven.parameters(start, end)})
-        outset = Outset.of(vocabulary, given, start, self.project, driven.changing)
+        outset = InitialState.of(namespace, given, start, self.project, driven.changing)
         far = driven.equations.system.motion is not None and abs(end - start) >= FAR
         if method == CLOSED_FORM or (method == "auto" and far and not guards):
             from voronec.motion.closed_form_run import evaluated_motion
 
             with suppress(*(() if method == CLOSED_FORM else (DefinitionError, EngineLimit))):
                 return evaluated_motion(
-                    vocabulary, read.outputs, given, outset, grid, tol, self.dense, progress,
+                    namespace, read.outputs, given, outset, grid, tol, self.dense, progress,
                     began, method,
                 )  # fmt: skip
         followed = self.dense or bool(guards) or not read.outputs or len(grid) < FEW
@@ -134,7 +134,7 @@ class PreparedProblem:
             grid: np.ndarray,
         ) -> Trajectory:  # fmt: skip
             request = MotionRequest(
-                vocabulary, outputs, functions, guards, outset, grid, tol, self.dense, progress,
+                namespace, outputs, functions, guards, outset, grid, tol, self.dense, progress,
                 followed, method, began, given, self.project,
             )  # fmt: skip
             ways = (request.in_smallest, request.otherwise, request.on_coordinates)
@@ -161,7 +161,7 @@ class _ProblemReading:
 
     scene: Scene | None
     drive: Drive
-    vocabulary: Vocabulary
+    namespace: Namespace
     outputs: tuple[Any, ...]
     guards: tuple[Guard, ...]
     functions: Mapping[str, Any]
@@ -173,17 +173,17 @@ class _ProblemReading:
         """Read what is asked; ``DefinitionError`` for what the system does not know."""
         driven, outputs = drive(asked.source, asked.inputs, scene), outputs_of(scene, asked.outputs)
         _refuse_unknown_functions(driven.equations.system)
-        vocabulary = Vocabulary.of(driven.equations, driven.meaning)
-        vocabulary.read_outputs(outputs)
-        guards, functions = name_events(vocabulary, asked.events)
+        namespace = Namespace.of(driven.equations, driven.meaning)
+        namespace.read_outputs(outputs)
+        guards, functions = name_events(namespace, asked.events)
         if asked.method == CLOSED_FORM and guards:
             raise DefinitionError(
                 "the closed form looks for no events; use another method, or evaluate the motion "
                 "on a fine grid"
             )
-        data = StartData.of(vocabulary, scene)
-        cuts = CutWatch.of(vocabulary)
-        return cls(scene, driven, vocabulary, outputs, guards, functions, data, cuts)
+        data = StartData.of(namespace, scene)
+        cuts = CutWatch.of(namespace)
+        return cls(scene, driven, namespace, outputs, guards, functions, data, cuts)
 
 
 @accepts(**PROBLEM_KINDS)
