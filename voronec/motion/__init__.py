@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from voronec.motion.ensembles import Ensemble, ensemble
     from voronec.motion.inputs import Table
-    from voronec.motion.prepared import PreparedProblem, integrate, prepare
+    from voronec.motion.prepared_problem import PreparedProblem, integrate, prepare
     from voronec.motion.request import Event
     from voronec.motion.sections import Section, section
     from voronec.motion.trajectory import Cost, Crossings, Trajectory
@@ -32,7 +32,7 @@ __all__ = [
 _HOME = {
     "ensembles": ("Ensemble", "ensemble"),
     "request": ("Event",),
-    "prepared": ("PreparedProblem", "integrate", "prepare"),
+    "prepared_problem": ("PreparedProblem", "integrate", "prepare"),
     "sections": ("Section", "section"),
     "inputs": ("Table",),
     "trajectory": ("Cost", "Crossings", "Trajectory"),

@@ -11,7 +11,7 @@ install, short motions are over sooner in Python than any of these is loaded; th
 all others, or numba what would take scipy longer than to compile, and scipy the rest.  The rule
 counts operations; it neither measures times nor looks at what is on disk or loaded: the same call
 always makes the same choice.  (A motion that is declared in closed form is evaluated, where the
-span is long: ``voronec.motion.prepared``.)
+span is long: ``voronec.motion.prepared_problem``.)
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ from voronec.motion.batches import (
 )
 from voronec.motion.methods import METHODS
 from voronec.motion.motion_pool import Many
-from voronec.motion.prepared import integrate
+from voronec.motion.prepared_problem import integrate
 from voronec.motion.request import Event, Starts, label
 from voronec.motion.section_passages import PATIENCE, SectionPassages
 from voronec.motion.steppers import Problem, Run

@@ -22,7 +22,7 @@ from voronec.declaration.system import System
 from voronec.errors import DefinitionError, VoronecError, did_you_mean, quote
 from voronec.motion.closed_form import closed_form
 from voronec.motion.ensembles import ensemble
-from voronec.motion.prepared import integrate
+from voronec.motion.prepared_problem import integrate
 from voronec.motion.request import Namespace, quantity
 from voronec.motion.sections import section
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from voronec.declaration.catalogue import load
-from voronec.motion.prepared import integrate
+from voronec.motion.prepared_problem import integrate
 from voronec.motion.viewer.page import Page
 
 __all__ = ["MOTIONS", "write_gallery"]
