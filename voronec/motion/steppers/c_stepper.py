@@ -16,8 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from voronec.equations.program import Program, c_source, hoist
-from voronec.motion.steppers import dop853_source
-from voronec.motion.steppers.dop853_source import stepping_source
+from voronec.motion.steppers.dop853_source import stepping_key, stepping_source
 from voronec.motion.steppers.kept_code import kept_library
 
 __all__ = ["c_loop"]
@@ -65,11 +64,8 @@ def c_loop(program: Program, levels: Program | None = None) -> Callable[..., int
 
     Raises ``DefinitionError`` where there is no compiler, and ``EngineLimit`` where it fails.
     """
-    files = [
-        Path(module).read_text(encoding="utf-8") for module in (dop853_source.__file__, __file__)
-    ]
     texts = [c_source(hoist(program).program)] + ([c_source(levels)] if levels else [])
-    key = "\n".join([*texts, *files])
+    key = "\n".join([*texts, stepping_key(), Path(__file__).read_text(encoding="utf-8")])
     drive = kept_library(key, lambda: _sources(texts, program, levels)).drive
     count = len(ARRAYS)
     drive.restype, integer = ctypes.c_longlong, ctypes.c_longlong

@@ -11,15 +11,17 @@ from __future__ import annotations
 import inspect
 import re
 from math import sqrt
+from pathlib import Path
 from textwrap import indent
 
 from voronec.equations.program import Program, hoist, scalar_source
+from voronec.motion import crossings
 from voronec.motion.crossings import BERNSTEIN, HIGHEST, NOISE
 from voronec.motion.crossings import NODES as PLACES
 
 __all__ = [
     "END", "EVENT", "FIRST_GROWTH", "LIMIT", "NO_STEP", "growth", "kernel_source",
-    "stepping_source",
+    "stepping_key", "stepping_source",
 ]  # fmt: skip
 
 END, LIMIT, EVENT, NO_STEP = range(4)
@@ -136,6 +138,12 @@ def kernel_source(program: Program, levels: Program | None, whole: bool = True) 
     count = 0 if levels is None else len(levels.names)
     parts.append(stepping_source(len(program.state), count, whole))
     return re.sub(r"^def ", "@jit\ndef ", "\n\n".join([_SIGN, *parts]), flags=re.MULTILINE)
+
+
+def stepping_key() -> str:
+    """All that the stepping source comes from: this file, and that of the finder of crossings."""
+    files = (__file__, crossings.__file__)
+    return "\n".join(Path(file).read_text(encoding="utf-8") for file in files)
 
 
 def stepping_source(n: int, m: int, whole: bool = True) -> str:

@@ -9,17 +9,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
-from pathlib import Path
 
 import numpy as np
 
 from voronec.equations.program import HoistedProgram, Program, hoist, scalar_source
-from voronec.motion.steppers import dop853_source
 from voronec.motion.steppers.dop853_source import (
     EVENT,
     FIRST_GROWTH,
     NO_STEP,
     kernel_source,
+    stepping_key,
 )
 from voronec.motion.steppers.kept_code import kept_function
 from voronec.motion.steppers.run import COLLAPSE, Integrator, Problem, Run
@@ -94,7 +93,7 @@ AT_NODES = np.stack(
 @lru_cache(maxsize=32)  # loaded code stays in memory, and to read it takes longer than most runs
 def compiled_loop(program: Program, levels: Program | None = None) -> Callable[..., int]:
     """The function ``drive`` of a program, and of functions of events."""
-    parts = [scalar_source(hoist(program).program), Path(dop853_source.__file__).read_text()]
+    parts = [scalar_source(hoist(program).program), stepping_key()]
     parts += [scalar_source(levels, extras=True)] if levels is not None else []
     parts.append(str(len(program.state)))
     key = "\n".join(parts)
