@@ -16,7 +16,7 @@ from command_line import Answer, Call
 
 from voronec.cli import OBJECTS, main
 from voronec.errors import DefinitionError
-from voronec.motion.model import packs
+from voronec.motion.model import model_cache
 
 gc.set_threshold(OBJECTS)  # as commands do
 
@@ -42,7 +42,7 @@ def pytest_runtest_call() -> Generator[None]:
 @pytest.fixture(autouse=True)
 def no_kept_models(monkeypatch: pytest.MonkeyPatch) -> None:
     """What a test changes in the engine must not reach models that are kept on disk."""
-    monkeypatch.setattr(packs, "user_cache", lambda part: Path(os.devnull) / part)
+    monkeypatch.setattr(model_cache, "user_cache", lambda part: Path(os.devnull) / part)
 
 
 @pytest.fixture

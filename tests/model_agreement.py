@@ -14,7 +14,7 @@ import voronec as vo
 from voronec.algebra.symbols import plain_name
 from voronec.equations.program import Program, compile_program
 from voronec.motion.observables import AngleBranch
-from voronec.motion.request import Vocabulary
+from voronec.motion.request import Namespace
 
 ERROR = 2e-9
 
@@ -92,7 +92,7 @@ def read(
     equations: vo.VoronecEquations, outputs: Sequence[Any], full: vo.Trajectory
 ) -> dict[str, np.ndarray]:
     """Outputs from the states of a full motion."""
-    wanted = Vocabulary.of(equations).read_outputs(outputs).expressions
+    wanted = Namespace.of(equations).read_outputs(outputs).expressions
     program = Program.of(equations.form, wanted)
     values = {**full.parameters}
     series = compile_program(program)[1](

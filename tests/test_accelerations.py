@@ -9,7 +9,7 @@ from sympy.physics.mechanics import LagrangesMethod, Point, ReferenceFrame, dyna
 
 import voronec as vo
 from voronec import DefinitionError, Equation, Fibration, Frame, System, time, velocity
-from voronec.algebra.door import Door
+from voronec.algebra.sympy_bridge import SymPyBridge
 
 pytestmark = pytest.mark.slow
 
@@ -151,7 +151,7 @@ LOST = {
         "of kind Integral",
     ),
     "torn": (
-        lambda: Door([q, DQ]).inward(sp.Subs(q * DQ, q, x)), "replaces a function under its deriv",
+        lambda: SymPyBridge([q, DQ]).inward(sp.Subs(q * DQ, q, x)), "replaces a function under its deriv",
     ),
     "an output": (
         lambda: vo.integrate(spring(), times=[0, 1], initial={q: 1}, outputs=(q.diff(time, 2),)),
@@ -177,18 +177,18 @@ def test_partial_derivatives_that_sympy_can_take_are_taken():
 
 @pytest.mark.parametrize("number", [sp.Float("1e-400"), sp.Float("1e400"), sp.Float("2.5")])
 def test_decimals_beyond_doubles_are_what_they_are(number):
-    assert Door().outward(Door().inward(number)) == sp.Rational(str(number))
+    assert SymPyBridge().outward(SymPyBridge().inward(number)) == sp.Rational(str(number))
 
 
 def test_an_error_of_the_door_is_seen_by_the_referee(monkeypatch):
     """The two routes read expressions each in its own way."""
     system = spring(lagrangian=DQ**2 / 2 - sp.sin(q))
-    inward = Door.inward
+    inward = SymPyBridge.inward
 
     def wrong(self, expr):
         return inward(self, sp.sympify(expr).replace(sp.sin, lambda a: sp.sin(a) / 2))
 
-    monkeypatch.setattr(Door, "inward", wrong)
+    monkeypatch.setattr(SymPyBridge, "inward", wrong)
     point = {q: "0.3", DQ: 0}
     here, there = vo.derive(system).acceleration(point), vo.multiplier_acceleration(system, point)
     assert abs(there[q] + sp.cos(sp.Rational(3, 10)).evalf(30)) < 1e-25

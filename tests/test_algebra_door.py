@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from sympy.physics.mechanics import dynamicsymbols
 
 from voronec import DefinitionError, EngineLimit, prove_equal, time, velocity
-from voronec.algebra.door import Door
 from voronec.algebra.symbols import is_symbolic_name, plain_name
+from voronec.algebra.sympy_bridge import SymPyBridge
 
 pytestmark = pytest.mark.slow
 
@@ -35,17 +35,17 @@ SAME = [
 
 @pytest.mark.parametrize("expr", SAME, ids=str)
 def test_there_and_back_is_the_same_expression(expr):
-    door = Door()
-    assert door.outward(door.inward(expr)) == expr
-    assert door.inward(door.outward(door.inward(expr))) == door.inward(expr)
+    bridge = SymPyBridge()
+    assert bridge.outward(bridge.inward(expr)) == expr
+    assert bridge.inward(bridge.outward(bridge.inward(expr))) == bridge.inward(expr)
 
 
 def test_inside_are_plain_symbols_of_the_users_names():
     fancy = sp.Symbol("x", positive=True)
-    door = Door([fancy, p, p.diff(time), time])
-    assert door.inward(fancy) == se.Symbol("x")
-    assert door.inward(p) == se.Symbol("p") and door.inward(p.diff(time)) == se.Symbol("pdot")
-    assert door.inward(sp.sin(p) ** 2 * p.diff(time)) == se.sin(se.Symbol("p")) ** 2 * se.Symbol(
+    bridge = SymPyBridge([fancy, p, p.diff(time), time])
+    assert bridge.inward(fancy) == se.Symbol("x")
+    assert bridge.inward(p) == se.Symbol("p") and bridge.inward(p.diff(time)) == se.Symbol("pdot")
+    assert bridge.inward(sp.sin(p) ** 2 * p.diff(time)) == se.sin(se.Symbol("p")) ** 2 * se.Symbol(
         "pdot"
     )
 
@@ -69,9 +69,9 @@ BUILT = [
 @pytest.mark.parametrize("symbol", USER, ids=str)
 @pytest.mark.parametrize("build", BUILT)
 def test_assumptions_and_functions_of_time_come_back(symbol, build):
-    door = Door([symbol])
+    bridge = SymPyBridge([symbol])
     expr = build(symbol)
-    back = door.outward(door.inward(expr))
+    back = bridge.outward(bridge.inward(expr))
     assert concrete(back - expr) == 0
     assert symbol in back.atoms(type(symbol)) | back.free_symbols
     assert back.free_symbols == expr.free_symbols
@@ -79,9 +79,9 @@ def test_assumptions_and_functions_of_time_come_back(symbol, build):
 
 def test_the_root_of_a_square_stays_whatever_is_assumed():
     """positive=True makes SymPy shorten sqrt(a^2) before the door; inside nothing does."""
-    door = Door()
-    inside = door.inward(sp.sqrt(x**2))
-    assert inside != se.Symbol("x") and door.outward(inside) == sp.sqrt(x**2)
+    bridge = SymPyBridge()
+    inside = bridge.inward(sp.sqrt(x**2))
+    assert inside != se.Symbol("x") and bridge.outward(inside) == sp.sqrt(x**2)
 
 
 @pytest.mark.parametrize("pair", [
@@ -90,12 +90,12 @@ def test_the_root_of_a_square_stays_whatever_is_assumed():
 ])  # fmt: skip
 def test_two_symbols_of_one_name_are_refused(pair):
     with pytest.raises(DefinitionError, match="two different symbols are named") as caught:
-        Door(pair)
+        SymPyBridge(pair)
     assert "\n" not in str(caught.value)
-    door = Door(pair[:1])
+    bridge = SymPyBridge(pair[:1])
     with pytest.raises(DefinitionError, match="two different symbols"):
-        door.admit(pair[1])
-    assert Door([pair[0], pair[0]]).inward(pair[0]) == door.inward(pair[0])
+        bridge.admit(pair[1])
+    assert SymPyBridge([pair[0], pair[0]]).inward(pair[0]) == bridge.inward(pair[0])
 
 
 DECIMALS = {
@@ -107,14 +107,14 @@ DECIMALS = {
 @pytest.mark.parametrize(("text", "exact"), DECIMALS.items())
 def test_decimals_are_the_decimals_they_were_written_as(text, exact):
     for number in (float(text), sp.Float(text), sp.Float(text, 30), sp.Float(text, 7)):
-        assert Door().outward(Door().inward(number)) == exact
-        assert Door().outward(Door().inward(number * x + y)) == exact * x + y
+        assert SymPyBridge().outward(SymPyBridge().inward(number)) == exact
+        assert SymPyBridge().outward(SymPyBridge().inward(number * x + y)) == exact * x + y
 
 
 @given(st.integers(-(10**12), 10**12), st.integers(-20, 20))
 def test_any_short_decimal_is_exact(digits, shift):
     given = float(f"{digits}e{shift}")
-    assert Door().outward(Door().inward(given)) == digits * Q(10) ** shift
+    assert SymPyBridge().outward(SymPyBridge().inward(given)) == digits * Q(10) ** shift
 
 
 def known(expr):
@@ -163,10 +163,10 @@ DERIVATIVES = {
 }
 
 
-def kept(door, expr):
+def kept(bridge, expr):
     """What comes in, or nothing where the door says that it does not take it."""
     try:
-        return door.inward(expr)
+        return bridge.inward(expr)
     except (EngineLimit, DefinitionError):
         return None
 
@@ -182,23 +182,23 @@ HARD = {
 
 @pytest.mark.parametrize("expr", HARD.values(), ids=HARD)
 def test_a_hard_derivative_is_kept_or_refused_and_never_changed(expr):
-    door = Door()
-    inside = kept(door, expr)
-    assert inside is None or concrete(door.outward(inside)) == concrete(expr)
+    bridge = SymPyBridge()
+    inside = kept(bridge, expr)
+    assert inside is None or concrete(bridge.outward(inside)) == concrete(expr)
 
 
 @pytest.mark.parametrize("expr", DERIVATIVES.values(), ids=DERIVATIVES)
 def test_derivatives_of_unknown_functions_keep_their_meaning(expr):
-    door = Door([p])
-    assert concrete(door.outward(door.inward(expr))) == concrete(expr)
+    bridge = SymPyBridge([p])
+    assert concrete(bridge.outward(bridge.inward(expr))) == concrete(expr)
 
 
 @pytest.mark.parametrize("expr", DERIVATIVES.values(), ids=DERIVATIVES)
 def test_differentiation_commutes_with_the_door(expr):
-    door = Door([p])
+    bridge = SymPyBridge([p])
     for name in (x, y, p):
-        inside = door.inward(expr).diff(door.inward(name))
-        assert concrete(door.outward(inside)) == concrete(concrete(expr).diff(name))
+        inside = bridge.inward(expr).diff(bridge.inward(name))
+        assert concrete(bridge.outward(inside)) == concrete(concrete(expr).diff(name))
 
 
 polynomials = st.recursive(
@@ -218,35 +218,37 @@ polynomials = st.recursive(
 @settings(max_examples=60, deadline=None)
 @given(polynomials)
 def test_random_expressions_keep_their_values(expr):
-    door, at = Door(), {x: Q(1, 2), y: Q(-1, 3)}
-    inside = kept(door, expr)
+    bridge, at = SymPyBridge(), {x: Q(1, 2), y: Q(-1, 3)}
+    inside = kept(bridge, expr)
     assume(inside is not None)
-    slope = inside.diff(door.inward(x))
-    assert known(door.outward(inside)).xreplace(at) == known(expr).xreplace(at)
-    assert known(door.outward(slope)).xreplace(at) == known(expr).diff(x).xreplace(at)
+    slope = inside.diff(bridge.inward(x))
+    assert known(bridge.outward(inside)).xreplace(at) == known(expr).xreplace(at)
+    assert known(bridge.outward(slope)).xreplace(at) == known(expr).diff(x).xreplace(at)
 
 
 def test_absolute_values_and_signs_are_roots():
-    door = Door()
-    size, sign = door.inward(sp.Abs(x - 1)), door.inward(sp.sign(x - 1))
+    bridge = SymPyBridge()
+    size, sign = bridge.inward(sp.Abs(x - 1)), bridge.inward(sp.sign(x - 1))
     for value in (Q(-5, 3), Q(7, 2)):
         at = {x: value}
-        assert door.outward(size).xreplace(at) == abs(value - 1)
-        assert door.outward(sign).xreplace(at) == sp.sign(value - 1)
-        assert door.outward(size.diff(door.inward(x))).xreplace(at) == sp.sign(value - 1)
+        assert bridge.outward(size).xreplace(at) == abs(value - 1)
+        assert bridge.outward(sign).xreplace(at) == sp.sign(value - 1)
+        assert bridge.outward(size.diff(bridge.inward(x))).xreplace(at) == sp.sign(value - 1)
 
 
 def test_numbers_of_python_are_numbers():
-    assert Door().inward_all([1, 2.5, "x", "1/3"]) == [
+    assert SymPyBridge().inward_all([1, 2.5, "x", "1/3"]) == [
         1, se.Rational(5, 2), se.Symbol("x"), se.Rational(1, 3)
     ]  # fmt: skip
 
 
 def test_matrices_keep_their_shape():
-    door = Door([p])
-    found = door.outward_matrix([[se.Symbol("p"), se.Integer(2)], [se.Symbol("y"), se.Symbol("x")]])
+    bridge = SymPyBridge([p])
+    found = bridge.outward_matrix(
+        [[se.Symbol("p"), se.Integer(2)], [se.Symbol("y"), se.Symbol("x")]]
+    )
     assert found == sp.ImmutableMatrix([[p, 2], [y, x]])
-    assert door.outward_matrix([]).shape == (0, 0)
+    assert bridge.outward_matrix([]).shape == (0, 0)
 
 
 UNKNOWN = [
@@ -258,7 +260,7 @@ UNKNOWN = [
 @pytest.mark.parametrize("expr", UNKNOWN, ids=str)
 def test_what_the_engine_cannot_differentiate_is_named(expr):
     with pytest.raises(DefinitionError, match=type(expr).__name__) as caught:
-        Door().inward(expr)
+        SymPyBridge().inward(expr)
     assert "\n" not in str(caught.value)
 
 
@@ -280,8 +282,8 @@ def test_signs_of_powers_are_taken_of_their_bases():
         (sp.sign((-x) ** n), sp.sign(-x) ** n),
         (sp.sign((-x) ** sp.Rational(-1, 3)), 1 / sp.sign(-x)),
     ):
-        door = Door()
-        assert door.inward(expr) == door.inward(same)
+        bridge = SymPyBridge()
+        assert bridge.inward(expr) == bridge.inward(same)
 
 
 def test_what_sympy_differentiates_as_complex_is_real_inside():
@@ -290,4 +292,4 @@ def test_what_sympy_differentiates_as_complex_is_real_inside():
         own = inner.diff(x)
         assert prove_equal(sp.diff(size, x), sp.sign(inner) * own).proved
         assert prove_equal(sp.Derivative(size, x), inner * own / size).proved
-    assert Door().inward(sp.diff(sp.arg(x), x)) == 0
+    assert SymPyBridge().inward(sp.diff(sp.arg(x), x)) == 0

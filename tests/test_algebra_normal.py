@@ -10,8 +10,8 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from voronec import EngineLimit, VoronecError, prove_equal
-from voronec.algebra.door import Door
 from voronec.algebra.normal import canonical, shorten, shortest
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.tape import Tape
 
 x, y, z, v, w, k = sp.symbols("x y z v w k")
@@ -33,8 +33,8 @@ def made_known(expr):
 
 
 def balls(exprs, point, names=(x, y, z), bits=400):
-    door = Door()
-    inside = door.inward_all([made_known(e) for e in exprs])
+    bridge = SymPyBridge()
+    inside = bridge.inward_all([made_known(e) for e in exprs])
     return Tape(inside).arb({str(n): p for n, p in zip(names, point, strict=True)}, bits)
 
 
@@ -63,12 +63,12 @@ def sane(expr):
 
 def same_forms(exprs):
     """Every function of the module, applied to expressions."""
-    door = Door()
-    inside = door.inward_all(exprs)
-    collected = [door.inward(n) for n in (x, y)]
+    bridge = SymPyBridge()
+    inside = bridge.inward_all(exprs)
+    collected = [bridge.inward(n) for n in (x, y)]
     yield shorten(exprs)
-    yield [door.outward(e) for e in canonical(inside)]
-    yield [door.outward(e) for e in shortest(inside, group=collected)]
+    yield [bridge.outward(e) for e in canonical(inside)]
+    yield [bridge.outward(e) for e in shortest(inside, group=collected)]
 
 
 leaves = st.sampled_from([x, y, z, x, y, sp.Integer(2), Q(-1, 3), sp.pi, f(x).diff(x, 2)])
@@ -141,7 +141,7 @@ wavy = fractions(x, sp.sin(x), sp.cos(x), sp.sqrt(y), sp.sin(2 * x), sp.tan(x / 
 @given(plain, plain, plain)
 def test_equal_fractions_get_one_canonical_form(p, q, r):
     for pair in written_twice(p, q, r):
-        assert len(set(canonical(Door().inward_all(pair)))) == 1
+        assert len(set(canonical(SymPyBridge().inward_all(pair)))) == 1
 
 
 @pytest.mark.slow
@@ -151,7 +151,7 @@ def test_the_difference_of_equal_things_is_zero(p, q, r):
     assume(q != 0)
     try:
         for one, other in written_twice(p, q, r):
-            assert canonical(Door().inward_all([one - other, other - one])) == [0, 0]
+            assert canonical(SymPyBridge().inward_all([one - other, other - one])) == [0, 0]
     except EngineLimit:
         assume(False)
 
@@ -222,11 +222,11 @@ def test_radicals_of_quotients_keep_their_sign(p, q):
 
 
 def test_collecting_by_velocities_keeps_the_coefficients_apart():
-    door = Door()
+    bridge = SymPyBridge()
     energy = (x + y) ** 2 * v**2 + (x - 2 * x * sp.sin(y) ** 2 - x * sp.cos(2 * y)) * v * w
     energy += w**2 * sp.sin(x) * sp.cos(y) / (1 + y) - w**2 * sp.sin(x) + z
-    inside = shortest([door.inward(energy)], group=[door.inward(v), door.inward(w)])
-    found = door.outward(inside[0])
+    inside = shortest([bridge.inward(energy)], group=[bridge.inward(v), bridge.inward(w)])
+    found = bridge.outward(inside[0])
     collected = sp.collect(sp.expand(found), (v, w), evaluate=False)
     assert set(collected) == {v**2, w**2, 1} and agree(collected[v**2], (x + y) ** 2) == 4
     assert {term.as_independent(v, w)[1] for term in sp.Add.make_args(found)} == {v**2, w**2, 1}
@@ -289,21 +289,21 @@ def test_forms_modulo_a_relation_agree_on_it(many, below, place):
 
 def test_angles_whose_cosine_is_a_letter_are_turned_as_others_are():
     """cos(acos(x)) is x, which says nothing of an angle."""
-    door = Door()
+    bridge = SymPyBridge()
     a, b = 3 * sp.acos(x), 3 * sp.acos(y)
     turned = sp.cos(a) * sp.cos(b) + sp.sin(a) * sp.sin(b)
-    (found,) = map(door.outward, shortest([door.inward(turned)]))
+    (found,) = map(bridge.outward, shortest([bridge.inward(turned)]))
     at = {x: 0.3, y: 0.4}
     assert abs(sp.N((found - turned).subs(at))) < 1e-12
 
 
 def test_a_budget_is_kept():
-    door = Door()
+    bridge = SymPyBridge()
     huge = (sum(sp.symbols("a b c d e f g h")) + 1) ** 30 / (x + ONE)
     with pytest.raises(EngineLimit):
-        canonical([door.inward(huge)])
+        canonical([bridge.inward(huge)])
     with pytest.raises(EngineLimit):
-        shortest([door.inward((x + y) ** 9 * (x - y) ** 9)], work_limit=10)
+        shortest([bridge.inward((x + y) ** 9 * (x - y) ** 9)], work_limit=10)
 
 
 @pytest.mark.parametrize("hidden", [ONE - 1, (x + y) ** 2 - x**2 - 2 * x * y - y**2])

@@ -136,9 +136,9 @@ def test_no_door_of_the_package_runs_text(tmp_path, monkeypatch):
         lambda: vo.prove_equal(1, x, [HOSTILE]),
         lambda: vo.derive(sleigh).acceleration({"x": HOSTILE}),
     ]
-    for door in doors:
+    for bridge in doors:
         with pytest.raises(DefinitionError) as caught:
-            door()
+            bridge()
         assert "\n" not in str(caught.value)
     assert not any(tmp_path.iterdir())
 

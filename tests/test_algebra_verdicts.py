@@ -136,9 +136,9 @@ BESIDE_WALLS = {
     "a small arcsine": (sp.asin(sp.sin(x / 100)), x / 100),
     "the cosine of a small angle": (sp.sqrt(1 - sp.sin(x / 20) ** 2), sp.cos(x / 20)),
     "a sum of arctangents": (sp.atan(x) + sp.atan(y), sp.atan((x + y) / (1 - x * y))),
-    "between two walls": (sp.sqrt((1 - x) ** 2 * (1 - 2 * x) ** 2), (1 - x) * (1 - 2 * x)),
-    "on a wall": (sp.sign(x) ** 2, 1),
-    "on a wall of two roots": (
+    "between two cuts": (sp.sqrt((1 - x) ** 2 * (1 - 2 * x) ** 2), (1 - x) * (1 - 2 * x)),
+    "on a cut": (sp.sign(x) ** 2, 1),
+    "on a cut of two roots": (
         sp.sqrt(x * y) + sp.sqrt(x * z) + sp.Abs(y * z), sp.sqrt(x * y) + sp.sqrt(x * z) + y * z,
     ),
     "a limit that is far": (sp.Max(x, -1000), x),
@@ -148,7 +148,7 @@ BESIDE_WALLS = {
 
 
 @pytest.mark.parametrize("sides", BESIDE_WALLS.values(), ids=BESIDE_WALLS)
-def test_what_fails_beyond_a_wall_is_refuted_there(sides):
+def test_what_fails_beyond_a_cut_is_refuted_there(sides):
     verdict = prove_equal(*sides)
     assert verdict.refuted and separated(verdict, *sides)
 
@@ -515,7 +515,7 @@ BELOW = sp.Symbol("l", negative=True)
     ],
     ids=str,
 )
-def test_powers_of_negative_numbers_and_walls_far_away(left, right, at):
+def test_powers_of_negative_numbers_and_cuts_far_away(left, right, at):
     """Whole powers have signs; the truth is what SymPy's numbers say at one point."""
     left, right = sp.sympify(left), sp.sympify(right)
     assert left.subs(at) != right.subs(at)

@@ -71,7 +71,7 @@ def test_a_claim_that_is_false_and_proved_is_noticed(attack, monkeypatch):
     monkeypatch.setattr(claims, "check_claims", lambda _: [proved])
     assert "wrong false proved" in [
         attack.outcome_of(made)[1].partition(":")[0]
-        for made in (claims.walls(Random(n), True, n % 2 == 0) for n in range(6))
+        for made in (claims.cuts(Random(n), True, n % 2 == 0) for n in range(6))
         if made is not None
     ]
 

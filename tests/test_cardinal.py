@@ -13,8 +13,8 @@ from test_program import c_function
 import voronec as vo
 from voronec import Fibration, System, velocity
 from voronec.algebra.cardinal import cardinal_all
-from voronec.algebra.door import Door
 from voronec.algebra.numeric_functions import elementary, numeric_name
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.equations.program import Program, compile_program
 
 x, y = sp.symbols("x y")
@@ -123,10 +123,10 @@ EQUAL = {
 def test_quotients_are_recognised_and_equal(expr):
     import symengine as se
 
-    door = Door()
-    found = cardinal_all([door.inward(expr)])[0]
+    bridge = SymPyBridge()
+    found = cardinal_all([bridge.inward(expr)])[0]
     assert any(map(numeric_name, found.atoms(se.FunctionSymbol))) == bool(EQUAL[expr])
-    assert vo.prove_equal(door.outward(elementary(found)), expr).proved
+    assert vo.prove_equal(bridge.outward(elementary(found)), expr).proved
 
 
 @pytest.mark.parametrize(

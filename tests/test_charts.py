@@ -175,8 +175,8 @@ def test_a_run_backwards_retraces_the_way(demchenko):
 
 def test_events_happen_in_every_chart(demchenko):
     start = run(demchenko, [1e-3, *NEAR_POLE[1:]], [0, -1]).states[-1]
-    u = demchenko.door.inward(sp.Symbol("u"))
-    dot = demchenko.door.inward(vo.velocity(sp.Symbol("u")))
+    u = demchenko.bridge.inward(sp.Symbol("u"))
+    dot = demchenko.bridge.inward(vo.velocity(sp.Symbol("u")))
     functions = {"lowest": dot, "close": u - sp.Rational(1, 200)}
     events = (Event("lowest", "lowest", 1), Event("close", "close", -1))
     more = {"events": events, "levels": quantities(demchenko.form, functions)}
@@ -192,7 +192,7 @@ def test_events_happen_in_every_chart(demchenko):
 
 def test_an_event_in_another_chart_stops_the_run(demchenko):
     start = run(demchenko, [1e-3, *NEAR_POLE[1:]], [0, -1]).states[-1]
-    functions = {"close": demchenko.door.inward(sp.Symbol("u")) - sp.Rational(1, 200)}
+    functions = {"close": demchenko.bridge.inward(sp.Symbol("u")) - sp.Rational(1, 200)}
     more = {
         "events": (Event("close", "close", -1, True),),
         "levels": quantities(demchenko.form, functions),
@@ -246,12 +246,12 @@ def test_what_leaves_out_the_sphere_keeps_the_chart_of_the_ball(demchenko):
 def test_a_run_comes_home_on_the_side_on_which_it_was(demchenko, chosen):
     """Colatitudes below zero are as good as others: (u, v, theta) is (-u, v + pi, theta + pi)."""
     system = demchenko.system
-    twins = system.charts["both poles turned"].twin_values(system)
+    double_cover = system.charts["both poles turned"].sheet_values(system)
     names = [*system.coordinates, *system.velocities]
     plain = dict(zip(names, [0.02, 0.4, 0.03, *NEAR_POLE[3:]], strict=True))
     other = plain
     for i in chosen:
-        other = {x: float(e.subs(other)) for x, e in twins[i].items()}
+        other = {x: float(e.subs(other)) for x, e in double_cover[i].items()}
     runs = [run(demchenko, [*map(s.get, names)], [0, 0.7, 1.5]) for s in (plain, other)]
     assert runs[1].switches
     for i, u in enumerate(("u", "u1")):
@@ -262,16 +262,16 @@ def test_a_run_comes_home_on_the_side_on_which_it_was(demchenko, chosen):
 def test_a_twin_that_is_another_state_is_refuted():
     system = vo.load("zhukovsky-ball")
     name = "pole of the ball turned"
-    (twin,) = system.charts[name].twins
-    wrong = changed(system, name, twins=({**twin, "theta": sp.Symbol("theta")},))
+    (sheet,) = system.charts[name].double_cover
+    wrong = changed(system, name, double_cover=({**sheet, "theta": sp.Symbol("theta")},))
     assert verdicts(wrong)[name].refuted
 
 
-@pytest.mark.parametrize("twins", [0.5, 10**400, lambda: 1, "x", [3], None])
-def test_twins_that_are_no_maps_are_refused_in_one_line(twins):
+@pytest.mark.parametrize("double_cover", [0.5, 10**400, lambda: 1, "x", [3], None])
+def test_sheets_that_are_no_maps_are_refused_in_one_line(double_cover):
     x = sp.Symbol("x")
-    with pytest.raises(vo.DefinitionError, match="twin") as got:
-        vo.Chart(state={x: -x}, singular=x, twins=twins)
+    with pytest.raises(vo.DefinitionError, match="double_cover|sheet") as got:
+        vo.Chart(state={x: -x}, singular=x, double_cover=double_cover)
     assert str(got.value).isprintable()
 
 

@@ -72,7 +72,7 @@ def test_a_claim_that_is_off_is_refuted_at_a_point(name):
     rate = eqs.rates[system.coordinates.index(moving)]
     names = rate.free_symbols | rate.atoms(AppliedUndef, sp.Derivative)
     place = verdict.witness.point
-    at = {s: sp.Rational(place.get(str(eqs.door.inward(s)), 0)) for s in names}
+    at = {s: sp.Rational(place.get(str(eqs.bridge.inward(s)), 0)) for s in names}
     assert abs(sp.N(rate.xreplace(at), 30) - sp.Float(verdict.witness.left, 30)) < 1e-20
 
 
@@ -101,8 +101,8 @@ def test_a_density_times_an_integral_is_a_density_and_times_another_function_is_
         if integral.free_symbols <= chosen | constant:
             assert with_measure(system, integral).proved
     rates = zip(field.variables, field.components, strict=True)
-    own = {field.door.inward(x) for x in chosen}
-    moving = next(field.door.outward(x) for x, rate in rates if rate != 0 and x in own)
+    own = {field.bridge.inward(x) for x in chosen}
+    moving = next(field.bridge.outward(x) for x, rate in rates if rate != 0 and x in own)
     wrong = with_measure(system, 2 + sp.sin(moving))
     assert wrong.refuted and wrong.witness.left != wrong.witness.right
 
@@ -186,11 +186,11 @@ def test_the_divergence_is_the_divergence(bent):
     field = Motions.of(system).on_coordinates
     vdot = -(k * v + x * v**2) / (1 + x**2 + bent * v**2)
     for density in (sp.Integer(1), x**2 * v, sp.exp(x)):
-        found = field.door.outward(defect(field, field.read(density)))
+        found = field.bridge.outward(defect(field, field.read(density)))
         expected = vo.divergence(density, {x: v, v: vdot})
         assert expected == (density * v).diff(x) + (density * vdot).diff(v)
         assert prove_equal(found, expected).proved
-    rate = field.door.outward(field.derivative(field.read(v**2 * x)))
+    rate = field.bridge.outward(field.derivative(field.read(v**2 * x)))
     assert prove_equal(rate, 2 * x * v * vdot + v**3).proved
 
 

@@ -1,4 +1,4 @@
-"""Claims written by hand, false and true ones: bounces, walls, wrong levels and orders, dependent
+"""Claims written by hand, false and true ones: bounces, cuts, wrong levels and orders, dependent
 parameters, orientation, sheets.  No false one is proved, and no true one refuted."""
 
 from __future__ import annotations

@@ -203,8 +203,8 @@ def test_signs_count_in_relations():
     assert verdict.refuted and all(sp.Rational(verdict.witness.point[n]) > 0 for n in ("k", "m"))
 
 
-def test_walls_know_what_is_declared():
-    """x^2 + a - b and x^2 + c are positive where parameters may lie: no state is on such a wall."""
+def test_cuts_know_what_is_declared():
+    """x^2 + a - b and x^2 + c are positive where parameters may lie: no state is on such a cut."""
     size, other, least = sp.symbols("a b c")
     below_zero = sp.Symbol("n", negative=True)
     parameters = (
@@ -225,7 +225,7 @@ def test_walls_know_what_is_declared():
     assert found == dict.fromkeys(claims, "proved")
 
 
-def test_what_has_no_value_on_a_wall_ends_without_a_proof():
+def test_what_has_no_value_on_a_cut_ends_without_a_proof():
     """With K, M of any sign a quotient of the rate has none where the sign's argument vanishes."""
     claim = {"e": sp.sign(x**2 + C) * ENERGY}
     assert statuses(oscillator(*PLAIN, vo.Parameter(C), integrals=claim))["e"] != "proved"

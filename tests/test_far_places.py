@@ -254,20 +254,22 @@ def test_a_power_is_as_large_as_its_sum_makes_it() -> None:
 def test_letters_stand_for_sums_of_places_alone() -> None:
     a, b, w, s = se.symbols("a b w t")
 
-    class Ground:
+    class WorkingEquations:
         coordinates, parameters, relations, time = (a, b), (se.Symbol("k"),), (), s
 
     expr = (a - 7) ** 3 + (a * w - b) ** 2 + se.sin(a) ** 2 + (a - 7) * (b - s) + 5 * (b - 2)
-    letters = StandIns.of([expr], Ground)
+    letters = StandIns.of([expr], WorkingEquations)
     turned = (w - se.Symbol("k") * (7 - a)) ** 2 * (3 - 2 * a + w * b)
-    distances = StandIns.of_distances([turned], Ground)
+    distances = StandIns.of_distances([turned], WorkingEquations)
     assert {*distances.meaning.values()} == {a - 7, a - se.Rational(3, 2)}
-    assert {*StandIns.of_distances([(b - a) * w, a + b], Ground).meaning.values()} == {a - b}
+    assert {*StandIns.of_distances([(b - a) * w, a + b], WorkingEquations).meaning.values()} == {
+        a - b
+    }
     assert se.expand(distances.show(distances.hide(turned)) - turned) == 0
     hidden = distances.hide(turned).xreplace(dict.fromkeys(distances.meaning, se.Integer(0)))
     assert hidden == w**2 * w * b
     assert {*letters.meaning.values()} == {a - 7, b - s}
-    belt = StandIns.of([(w - 3) ** 2 + (w - a * w) ** 2 + (w + b) ** 3], Ground, [w])
+    belt = StandIns.of([(w - 3) ** 2 + (w - a * w) ** 2 + (w + b) ** 3], WorkingEquations, [w])
     assert {*belt.meaning.values()} == {w - 3, w + b, w - a * w}
     bent = belt.hide((w - 3) ** 2).xreplace({w: a * w})
     assert belt.show(bent) == (a * w - 3) ** 2

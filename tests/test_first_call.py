@@ -13,7 +13,7 @@ from scipy.integrate import DOP853
 import voronec as vo
 from voronec.errors import IntegrationError
 from voronec.motion import methods
-from voronec.motion.request import Vocabulary
+from voronec.motion.request import Namespace
 from voronec.motion.steppers.dop853_source import BENDS, FIFTH, NODES, STEP, THIRD, WEIGHTS
 
 SLOW = pytest.mark.slow
@@ -70,7 +70,7 @@ def test_a_short_run_of_a_heavy_program_is_not_compiled(monkeypatch: pytest.Monk
 
 
 def test_outputs_are_read_once() -> None:
-    read = Vocabulary.of(vo.derive(vo.load("ball-on-sphere"))).read_condition
+    read = Namespace.of(vo.derive(vo.load("ball-on-sphere"))).read_condition
     for key in ("u1", "energy", sp.Symbol("u1") + 1):
         assert read(key) is read(key)
 

@@ -330,7 +330,7 @@ def test_a_pole_beyond_which_no_chart_leads(rough: bool, method: str) -> None:
         return chaplygin(attitude, omega) + np.linalg.solve(inertia, torque)
 
     start = {"phi": 0.2, "psi": 0.3, **{f"omega{i}": x for i, x in enumerate(SPIN, 1)}}
-    end = 0.4 if rough else 1.0  # before omega3 comes to its wall
+    end = 0.4 if rough else 1.0  # before omega3 comes to its switching surface
     times = np.linspace(0, end, 5)
     motion = vo.integrate(
         equations, times=times, outputs=(), initial={**start, "theta": 1e-5}, method=method
@@ -350,7 +350,7 @@ def test_a_pole_beyond_which_no_chart_leads(rough: bool, method: str) -> None:
     assert found.value.trajectory is not None and found.value.trajectory.t[-1] >= 5e-4
 
 
-def switched_pendulum(wall: Callable[[sp.Expr], sp.Expr]) -> vo.System:
+def switched_pendulum(switch: Callable[[sp.Expr], sp.Expr]) -> vo.System:
     """A spherical pendulum with a force that jumps where theta' is that function of theta."""
     theta, phi = sp.symbols("theta phi")
     td, pd = vo.velocity(theta), vo.velocity(phi)
@@ -358,7 +358,7 @@ def switched_pendulum(wall: Callable[[sp.Expr], sp.Expr]) -> vo.System:
         name="spherical-pendulum",
         fibration=vo.Fibration(base=(theta, phi)),
         lagrangian=(td**2 + sp.sin(theta) ** 2 * pd**2) / 2 + sp.cos(theta),
-        forces={theta: -sp.sign(td - wall(theta))},
+        forces={theta: -sp.sign(td - switch(theta))},
     )
 
 

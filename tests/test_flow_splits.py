@@ -20,7 +20,7 @@ from multiplier_motion import all_velocities, multiplier_motion, worst
 import voronec as vo
 from voronec import velocity
 from voronec.motion import methods, split_models
-from voronec.motion.divisors import around, crossing_divisors, divisors
+from voronec.motion.singular_denominators import around, crossing_divisors, divisors
 
 pytestmark = pytest.mark.slow
 
@@ -536,7 +536,7 @@ def test_the_patience_of_a_section_counts_from_the_last_crossing(
 
 def test_a_run_ends_where_no_split_leads_on(monkeypatch: pytest.MonkeyPatch) -> None:
     # both wheels of a bicycle that tumbles come to touch the ground where their conditions are one
-    monkeypatch.setattr("voronec.motion.divisors.Random", lambda _: Random(1))
+    monkeypatch.setattr("voronec.motion.singular_denominators.Random", lambda _: Random(1))
     start = {
         "phi": -2.035686614234207, "delta": -33.52509248996672, "beta_R": 7.471950048917096,
         "x": 4.777030990248209, "y": 0.32111862746184155, "z": 0.442, "psi": 2.0567957646061044,
@@ -597,7 +597,7 @@ def test_the_metric_is_looked_at_in_many_places_at_once(monkeypatch: pytest.Monk
         split_models, "quantities", lambda *form: made.append(form) or quantities(*form)
     )
     places = np.array([[0.5, 2.0, 3.0, -1.0], [0.0, 1.0, 2.0, 3.0], [7.0, 7.0, 7.0, 7.0]])
-    grounds = [split_models.SplitGround(equations, {}, 0.0) for _ in range(2)]
+    grounds = [split_models.SplitContext(equations, {}, 0.0) for _ in range(2)]
     found, again = (ground.soundness(places) for ground in grounds)
     assert len(made) == 1 and np.array_equal(found, again)
     for place, size in zip(places.T, found, strict=True):

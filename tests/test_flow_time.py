@@ -1,5 +1,5 @@
 """Runs through singular splits of the velocities while something else moves: inputs, the time in a
-constraint, walls of other coordinates, numbers of many digits.
+constraint, switching surfaces of other coordinates, numbers of many digits.
 
 All truths are closed formulas for a blade that turns evenly: its heading is known, its speed a
 polynomial of the time, and its place the integral of their product.
@@ -160,7 +160,7 @@ def with_slider() -> vo.System:
 
 
 @pytest.mark.parametrize("method", ["heyoka", "scipy", "c"])
-def test_many_motions_with_walls_go_on_in_other_splits(method: str) -> None:
+def test_many_motions_with_switches_go_on_in_other_splits(method: str) -> None:
     headings = np.array([FIRST, 0.75, 1.5, 1.5703125])
     many = vo.ensemble(
         with_slider(), starts={"phi": headings, "xdot": np.cos(headings), "phidot": SPIN},
@@ -179,7 +179,7 @@ def test_many_motions_with_walls_go_on_in_other_splits(method: str) -> None:
     assert np.abs(section["x"] + 1j * section["y"] - places).max() < TOLERANCE
 
 
-def test_a_section_with_friction_goes_on_where_its_wall_and_its_split_meet() -> None:
+def test_a_section_with_friction_goes_on_where_its_switch_and_its_split_meet() -> None:
     speed = Dx * sp.cos(phi) + Dy * sp.sin(phi)
     section = vo.section(
         skate(-sp.sign(speed) / 8), sp.sin(phi - FIRST - 1), starts=[START], crossings=2, until=7,

@@ -13,7 +13,7 @@ import pytest
 
 import voronec as vo
 from voronec.declaration import source_digest
-from voronec.motion.model import packs, smallest
+from voronec.motion.model import model_cache, smallest
 from voronec.motion.steppers import heyoka_stepper
 
 BALL = {"u": 1.1, "v": 0.3, "u1": 1, "omega1": 0.7, "omega2": -0.4, "omega3": 0.5}
@@ -30,7 +30,7 @@ MOTIONS = [
 @pytest.fixture
 def shelf(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """An empty folder for models."""
-    monkeypatch.setattr(packs, "user_cache", lambda part: tmp_path / part)
+    monkeypatch.setattr(model_cache, "user_cache", lambda part: tmp_path / part)
     monkeypatch.setattr(heyoka_stepper, "IDLE", 0)  # no run takes the integrator of another
     return tmp_path / "models"
 
@@ -175,7 +175,7 @@ def test_a_damaged_model_is_named_once_and_replaced(shelf, no_levels) -> None:
 
 def test_what_another_version_kept_is_ignored(shelf, no_levels, monkeypatch) -> None:
     motion("sleigh", ("phi",), {})
-    monkeypatch.setattr(packs, "engine_digest", lambda modules: "another engine")
+    monkeypatch.setattr(model_cache, "engine_digest", lambda modules: "another engine")
     no_levels()
     with pytest.raises(AssertionError, match="derived"):
         motion("sleigh", ("phi",), {})
@@ -183,10 +183,10 @@ def test_what_another_version_kept_is_ignored(shelf, no_levels, monkeypatch) -> 
 
 def test_models_rest_on_their_room_and_on_what_it_imports(tmp_path, monkeypatch) -> None:
     texts = {
-        "motion/model/packs.py": "from voronec.below.one import a",
+        "motion/model/model_cache.py": "from voronec.below.one import a",
         "below/one.py": "def a():\n    from voronec.lowest import b",
         "lowest.py": "b = 1",
-        "aside/two.py": "from voronec.motion.model import packs",
+        "aside/two.py": "from voronec.motion.model import model_cache",
     }
 
     def digest(changed: str) -> str:
@@ -219,7 +219,7 @@ def test_another_default_scene_has_a_model_of_its_own(shelf, no_levels) -> None:
 
 
 def test_those_that_nobody_used_for_longest_give_way(shelf, monkeypatch) -> None:
-    monkeypatch.setattr(packs, "FILES", 2)
+    monkeypatch.setattr(model_cache, "FILES", 2)
     for outputs in (("x",), ("y",), ("phi",)):
         motion("sleigh", outputs, {})
     assert len([*shelf.iterdir()]) == 2

@@ -166,7 +166,7 @@ def test_no_more_tests_take_names_from_inside_of_rooms() -> None:
         ("from voronec.proof.check import Inventory\n'voronec.motion'", 0),
         ("from voronec import motion", 1),
         ("from voronec.motion import batches", 1),
-        ("from voronec.motion.request import Guard, Vocabulary", 2),
+        ("from voronec.motion.request import Guard, Namespace", 2),
         ("import voronec.motion.request as request", 1),
         ("monkeypatch.setattr('voronec.motion.batches.LONG', 3)", 1),
     ],

@@ -13,7 +13,7 @@ from voronec.equations.definition import read
 from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.equations.program import Program
 from voronec.equations.referee import multiplier_acceleration
-from voronec.equations.staged_equations import lean_form
+from voronec.equations.staged_equations import staged_form
 
 BITS = 400
 x, y, z, a, b, k = sp.symbols("x y z a b k")
@@ -66,7 +66,7 @@ def results(form: FirstOrderForm) -> list[object]:
 def test_equals_the_raw_form(kind: str) -> None:
     definition = read(systems()[kind])
     raw = Derivation(definition, False)
-    lean = lean_form(raw)
+    lean = staged_form(raw)
     wanted = results(raw.form)
     given = Tape([*wanted, *definition.velocities, *definition.parameters, definition.time])
     samples = sample_evaluable(given, definition.relations, BITS)
@@ -83,7 +83,7 @@ def test_equals_the_raw_form(kind: str) -> None:
 
 def test_equals_the_multipliers() -> None:
     system = systems()["affine in time"]
-    form = lean_form(Derivation(read(system), False))
+    form = staged_form(Derivation(read(system), False))
     point = {"a": "0.3", "b": "0.7", "x": "0.2", "y": "-0.4", "adot": "1.1", "bdot": "-0.6"}
     point |= {"k": "2", "t": "0.9"}
     known = {name: sp.Rational(value) for name, value in point.items()}
@@ -103,7 +103,7 @@ def test_a_coordinate_that_cancels_is_gone() -> None:
             sp.sin(a), 0), constraints=(X - sp.cos(a) * B, Y - sp.sin(a) * B),
         parameters=(vo.Parameter(k, 2),),
     )  # fmt: skip
-    form = lean_form(Derivation(read(plane), False))
+    form = staged_form(Derivation(read(plane), False))
     inner = dict(form.stages)
     stack, seen = [*form.force, *(e for row in form.mass for e in row)], set()
     while stack:

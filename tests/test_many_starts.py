@@ -12,7 +12,7 @@ import voronec as vo
 from voronec.equations.program import compile_program
 from voronec.motion import initial_conditions, motion_pool
 from voronec.motion.initial_conditions import parameter_values, start_of
-from voronec.motion.request import Starts, Vocabulary, name_values, quantity
+from voronec.motion.request import Namespace, Starts, name_values, quantity
 from voronec.motion.state_probe import quiet, rates_along
 
 COUNT = 7
@@ -28,13 +28,13 @@ CASES = {
 }
 
 
-def one_by_one(vocabulary, scene, starts):
-    own = parameter_values(vocabulary, {}, set())
-    program = motion_pool.Program.of(vocabulary.equations.form)
+def one_by_one(namespace, scene, starts):
+    own = parameter_values(namespace, {}, set())
+    program = motion_pool.Program.of(namespace.equations.form)
     values = [own.get(str(p), np.nan) for p in program.parameters]
     rates = partial(rates_along, quiet(compile_program(program)[0], values), 0.0)
     return [
-        start_of(vocabulary, scene, name_values(vocabulary, s, "initial value"), own, rates).state
+        start_of(namespace, scene, name_values(namespace, s, "initial value"), own, rates).state
         for s in starts
     ]
 
@@ -42,12 +42,12 @@ def one_by_one(vocabulary, scene, starts):
 @pytest.mark.parametrize(("name", "starts"), CASES.values(), ids=CASES)
 def test_arrays_and_one_by_one_agree(name, starts, monkeypatch):
     equations = vo.derive(vo.load(name))
-    vocabulary = Vocabulary.of(equations)
-    scene = name_values(vocabulary, equations.system.scenes["default"].initial, "initial value")
+    namespace = Namespace.of(equations)
+    scene = name_values(namespace, equations.system.scenes["default"].initial, "initial value")
     rows = [{k: float(x[i]) for k, x in starts.items()} for i in range(COUNT)]
-    expected, asked = one_by_one(vocabulary, scene, rows), []
+    expected, asked = one_by_one(namespace, scene, rows), []
     monkeypatch.setattr(motion_pool, "start_of", lambda *a: asked.append(a) or start_of(*a))
-    wanted = dict(quantity(vocabulary, q) for q in equations.system.coordinates)
+    wanted = dict(quantity(namespace, q) for q in equations.system.coordinates)
     default = equations.system.scenes["default"]
     found = motion_pool.many(equations, default, Starts.of(rows), {}, wanted, 0.0)
     assert not asked and not found.wrong, "all are read at once"
@@ -56,14 +56,14 @@ def test_arrays_and_one_by_one_agree(name, starts, monkeypatch):
 
 def test_what_does_not_fit_is_left_over():
     equations = vo.derive(vo.load("sleigh"))
-    vocabulary = Vocabulary.of(equations)
+    namespace = Namespace.of(equations)
     program = motion_pool.Program.of(equations.form)
-    own = {k: np.full(3, x) for k, x in parameter_values(vocabulary, {}, set()).items()}
+    own = {k: np.full(3, x) for k, x in parameter_values(namespace, {}, set()).items()}
     values = np.stack([own[str(p)] for p in program.parameters], axis=-1)
     rates = partial(motion_pool.rates_in_arrays, compile_program(program)[0], values, 0.0)
 
     def read(starts):
-        return initial_conditions.starts_in_arrays(vocabulary, {}, Starts.of(starts), own, rates)
+        return initial_conditions.starts_in_arrays(namespace, {}, Starts.of(starts), own, rates)
 
     fits = {"xdot": 1.0, "ydot": 0.0, "phi": 0.0}
     found = read([fits, {**fits, "ydot": 1.0}, fits])

@@ -115,7 +115,7 @@ def test_each_method_agrees_with_the_multipliers(name: str) -> None:
         rates = _accelerations(found, method, point)
         values = {**point, **rates}
         for symbol, q in zip(found.problem.qdd, system.coordinates, strict=True):
-            outside = found.problem.door.outward(found.problem.accelerations[symbol])
+            outside = found.problem.bridge.outward(found.problem.accelerations[symbol])
             assert abs(sp.N(outside.xreplace(values), 30) - expected[q]) < 1e-20, (method.name, q)
 
 
@@ -124,8 +124,8 @@ def _accelerations(
 ) -> dict[Any, Any]:
     """The rates of the velocities that a method's equations give."""
     outward, symbols = (
-        found.problem.door.outward,
-        list(map(found.problem.door.outward, found.problem.vd)),
+        found.problem.bridge.outward,
+        list(map(found.problem.bridge.outward, found.problem.vd)),
     )
     if method.solved:
         values = [sp.N(outward(e).xreplace(point), 40) for e in method.solved]

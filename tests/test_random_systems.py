@@ -262,7 +262,7 @@ def test_exact_and_raw_forms_agree(seed, framed):
     eqs = vo.derive(system)
     assert eqs.in_normal_form
     names = (*system.coordinates, *system.velocities, time, k)
-    at = {eqs.door.inward(c): flint.fmpq(7 * i + 4, 29) for i, c in enumerate(names)}
+    at = {eqs.bridge.inward(c): flint.fmpq(7 * i + 4, 29) for i, c in enumerate(names)}
     for one, other in (
         ([*chain.from_iterable(eqs.exact.mass)], [*chain.from_iterable(eqs.raw.mass)]),
         (eqs.exact.force, eqs.raw.force),

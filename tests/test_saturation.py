@@ -14,10 +14,10 @@ from scipy.integrate import solve_ivp
 
 import voronec as vo
 from voronec import Fibration, System, velocity
-from voronec.algebra.door import Door
 from voronec.algebra.numeric_functions import elementary
 from voronec.algebra.stable import stable_all
-from voronec.equations.program.walls import has_walls
+from voronec.algebra.sympy_bridge import SymPyBridge
+from voronec.equations.program.switches import has_switches
 
 pytestmark = pytest.mark.slow
 
@@ -176,7 +176,7 @@ def test_a_series_that_knows_nothing_of_what_comes_is_not_trusted(end, method):
 
 def test_constants_that_are_not_small_round_no_corner():
     form = vo.derive(system(-sp.sqrt(1 + v**2) - 1 / sp.sqrt(4 + 3 * x**2))).form
-    assert not has_walls(form.force)
+    assert not has_switches(form.force)
 
 
 EQUAL = [
@@ -190,9 +190,9 @@ EQUAL = [
 
 @pytest.mark.parametrize("expr", EQUAL, ids=str)
 def test_what_is_bounded_is_equal(expr):
-    door = Door()
-    (found,) = stable_all([door.inward(expr)])
-    outward = sp.lambdify((x, v), door.outward(elementary(found)), "mpmath")
+    bridge = SymPyBridge()
+    (found,) = stable_all([bridge.inward(expr)])
+    outward = sp.lambdify((x, v), bridge.outward(elementary(found)), "mpmath")
     given = sp.lambdify((x, v), expr, "mpmath")
     with mp.workdps(60):
         for place in (mp.mpf("-1.7"), mp.mpf("0.4")):
@@ -326,7 +326,8 @@ def end_of_push(push: str) -> float:
 
 @pytest.mark.parametrize(
     ("push", "method"),
-    # the rise takes the compiler a minute: each side of its forty walls is a program of its own
+    # the rise takes the compiler a minute: each side of its forty switching surfaces is a program
+    # of its own
     [
         (p, m)
         for p in PUSHES
@@ -387,7 +388,7 @@ def test_jumps_at_the_edge_of_a_bell_are_found():
 
 
 @pytest.mark.parametrize("method", ["heyoka", "scipy", "c", "lsoda"])
-def test_what_lies_beyond_a_wall_does_not_move_what_comes_before(method):
+def test_what_lies_beyond_a_switch_does_not_move_what_comes_before(method):
     """A step that goes over a short pulse is cut where the pulse begins; its dense output was made
     of stages within the pulse."""
     run = vo.integrate(

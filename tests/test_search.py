@@ -13,7 +13,7 @@ import sympy as sp
 import voronec as vo
 from voronec.equations.motions import Motions
 from voronec.proof.search import gradings, search, searches
-from voronec.proof.search.search import Question
+from voronec.proof.search.search import SearchProblem
 
 pytestmark = pytest.mark.slow
 
@@ -259,7 +259,7 @@ def by_brute_force(system, degree, positions, values):
     """The dimension of the space of integrals, over Q: every coefficient of the rate, multiplied
     by the determinant of the mass, on the unit sphere of gamma."""
     field = Motions.of(system).on_invariants
-    out = field.door.outward
+    out = field.bridge.outward
     mass = sp.Matrix([[out(e) for e in row] for row in field.mass]).subs(values)
     force = sp.Matrix([out(f) for f in field.force]).subs(values)
     rates = [out(r).subs(values) for r in field.rates]
@@ -350,7 +350,7 @@ def test_a_function_and_the_root_in_its_slope_change_sign_together() -> None:
     }
     found = vo.search_integrals(system, degree=1, positions=1, functions=letters)
     assert sp.Symbol("speed") in {f.short for f in found.integrals}
-    question = Question.about(system, 1, 1, (), 1, letters, False, {}, False)
+    question = SearchProblem.about(system, 1, 1, (), 1, letters, False, {}, False)
     grading = gradings.Gradings(question.field, [a.value for a in question.ansatz.letters])
     names = [str(a.name) for a in question.ansatz.letters]
     rows = np.eye(len(names), dtype=np.int64)

@@ -7,7 +7,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec import velocity
-from voronec.algebra.door import Door
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.proof.search.independence import Independence
 
 pytestmark = pytest.mark.slow
@@ -108,13 +108,13 @@ def test_unknown_functions_are_named_among_what_is_generic(potential: sp.Expr, n
 
 
 def test_unknown_functions_at_places_that_may_be_equal_are_not_certain() -> None:
-    door = Door()
-    here, there, apart = map(door.inward, (f(2 * x), f(x + sp.asinh(sp.sinh(x))), f(y)))
+    bridge = SymPyBridge()
+    here, there, apart = map(bridge.inward, (f(2 * x), f(x + sp.asinh(sp.sinh(x))), f(y)))
     assert Independence.of([here], (), ()).assumed == ()
     assert {*Independence.of([here, there], (), ()).assumed} >= {here, there}
-    assert Independence.of([apart, door.inward(f(x))], (), ()).assumed == ()
-    bound = [door.inward(x - y)]
-    assert len(Independence.of([apart, door.inward(f(x))], bound, ()).assumed) == 2
+    assert Independence.of([apart, bridge.inward(f(x))], (), ()).assumed == ()
+    bound = [bridge.inward(x - y)]
+    assert len(Independence.of([apart, bridge.inward(f(x))], bound, ()).assumed) == 2
 
 
 # -- roots of numbers ---------------------------------------------------------------------

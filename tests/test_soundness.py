@@ -16,7 +16,7 @@ from voronec.equations.program import Block, Program, compile_program, hoist
 from voronec.motion import methods, step_defects
 from voronec.motion import motion_pool as many_motions
 from voronec.motion.integration import first_success
-from voronec.motion.steppers import Halt
+from voronec.motion.steppers import Termination
 from voronec.motion.steppers import heyoka_stepper as taylor
 from voronec.motion.steppers.samples import NODES, StepSamples, by_owner
 
@@ -128,7 +128,7 @@ def test_auto_goes_on_with_another_method_where_its_choice_fails(
     def broken(problem: Any) -> Any:
         def run(grid: np.ndarray) -> Any:
             whole = make(problem)(grid)
-            halt = Halt("the step size collapsed", whole.t[1], whole.states[1])
+            halt = Termination("the step size collapsed", whole.t[1], whole.states[1])
             return dataclasses.replace(whole, t=whole.t[:2], states=whole.states[:2], halt=halt)
 
         return run

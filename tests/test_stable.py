@@ -14,9 +14,9 @@ from test_program import c_function
 
 import voronec as vo
 from voronec import Fibration, System, velocity
-from voronec.algebra.door import Door
 from voronec.algebra.numeric_functions import elementary
 from voronec.algebra.stable import stable_all
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.equations.program import Program, compile_program
 from voronec.equations.program.taylor import taylor_system
 
@@ -99,9 +99,9 @@ def test_every_emitter_has_the_digits_of_many_digits(force, tmp_path):
 
 @pytest.mark.parametrize("force", CASES, ids=str)
 def test_what_is_computed_equals_what_was_given(force):
-    door = Door()
-    (found,) = stable_all([door.inward(force)])
-    outward = sp.lambdify((x, y), door.outward(elementary(found)), "mpmath")
+    bridge = SymPyBridge()
+    (found,) = stable_all([bridge.inward(force)])
+    outward = sp.lambdify((x, y), bridge.outward(elementary(found)), "mpmath")
     given = sp.lambdify((x, y), force, "mpmath")
     with mp.workdps(60):
         for place in (mp.mpf("-1.7"), mp.mpf("0.4"), mp.mpf(2)):
@@ -128,12 +128,14 @@ def test_friction_against_the_slip_has_its_direction_in_any_unit(unit, method):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("method", ["scipy", "heyoka", "flint"])
-def test_a_soft_wall_throws_back(method):
+def test_a_soft_switch_throws_back(method):
     """A force from the potential log(1 + exp(k x))/k, steep and flat to the last digit outside."""
     k = 50
     potential = 4 * sp.log(1 + sp.exp(k * x)) / k
-    wall = System(name="wall", fibration=Fibration(x), lagrangian=v**2 / 2 - potential)
-    run = vo.integrate(wall, times=[0, 4], initial={x: -1, v: 1}, method=method)
+    switch = System(
+        name="switching surface", fibration=Fibration(x), lagrangian=v**2 / 2 - potential
+    )
+    run = vo.integrate(switch, times=[0, 4], initial={x: -1, v: 1}, method=method)
     with mp.workdps(50):
 
         def height(s):
@@ -249,12 +251,12 @@ def test_the_slope_of_a_versed_sine_over_a_square_does_not_cancel(potential):
 def test_a_sum_keeps_a_term_that_another_becomes():
     """1 - cos x becomes 2 sin^2(x/2), and one of these was lost where both stood."""
     whole, near = sp.sin(x / 2) ** 2 * 2, sp.Rational(1, 10**10)
-    door = Door()
+    bridge = SymPyBridge()
     both, apart = stable_all(
-        [door.inward(1 - sp.cos(x) + whole), door.inward(1 + near - sp.cos(x))]
+        [bridge.inward(1 - sp.cos(x) + whole), bridge.inward(1 + near - sp.cos(x))]
     )
-    assert float(both.subs({door.inward(x): 1}).n(53)) == pytest.approx(2 * (1 - np.cos(1)))
-    assert float(apart.subs({door.inward(x): 1e-5}).n(53)) == pytest.approx(1.5e-10, rel=1e-9)
+    assert float(both.subs({bridge.inward(x): 1}).n(53)) == pytest.approx(2 * (1 - np.cos(1)))
+    assert float(apart.subs({bridge.inward(x): 1e-5}).n(53)) == pytest.approx(1.5e-10, rel=1e-9)
 
 
 def random_sum(dice, depth=1):

@@ -1,4 +1,5 @@
-"""Right sides that are not smooth: friction, steps, switches, motions held on walls."""
+"""Right sides that are not smooth: friction, steps, switches, motions held on switching
+surfaces."""
 
 from importlib.util import find_spec
 from shutil import which
@@ -11,7 +12,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
 import voronec as vo
-from voronec.algebra.door import Door
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.declaration.system import bare
 from voronec.equations.program import Program
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
@@ -126,7 +127,7 @@ def test_a_kink_of_the_potential_is_passed(method):
     assert motion(mass_point(0, sp.Abs(x)), (0, 0), 4, method)["x"][-1] == 0
 
 
-def test_a_start_on_a_wall_goes_the_way_that_the_fields_lead():
+def test_a_start_on_a_switch_goes_the_way_that_the_fields_lead():
     assert abs(motion(mass_point(2 - sp.sign(Dx)), (0, 0), 3)["x"][-1] - 4.5) < 1e-12
     assert motion(mass_point(sp.Rational(1, 2) - sp.sign(Dx)), (0, 0), 3)["x"][-1] == 0
     falls = motion(mass_point(-1 - sp.sign(x) / 3), (0, 0), 2)
@@ -145,7 +146,7 @@ def test_what_is_not_determined_is_said(method):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_wall_that_is_only_touched_decides_nothing_in_silence(method):
+def test_a_switch_that_is_only_touched_decides_nothing_in_silence(method):
     """x = -sin t touches 1, beyond which a force jumps outwards: that is not determined, whether
     rounding takes it across or not; with a little more or less speed it is."""
     push = mass_point(-x + 5 * sp.Heaviside(x - 1))
@@ -164,8 +165,8 @@ def test_a_wall_that_is_only_touched_decides_nothing_in_silence(method):
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("place", [0, 0.25])
-def test_a_wall_is_touched_where_its_function_has_no_size(place, method):
-    """x = place + (1 - t)^2 turns at the wall, below which the force points away."""
+def test_a_switch_is_touched_where_its_function_has_no_size(place, method):
+    """x = place + (1 - t)^2 turns at the switching surface, below which the force points away."""
     thrown = mass_point(sp.Piecewise((2, x > sp.Rational(str(place))), (-3, True)))
     start = {x: place + 1, Dx: -2}
     with pytest.raises(IntegrationError, match="may turn there or go on beyond"):
@@ -342,9 +343,9 @@ def test_a_body_at_rest_where_two_springs_meet_stays_there(method):
 
 
 @pytest.mark.parametrize("method", ["auto", "flint"])
-def test_what_rests_goes_on_where_only_the_time_meets_a_wall(method):
-    """At an instant of a wall only the side that comes matters: friction that fades at t = 1, a
-    push that sets in at t = 2, and one that begins with the motion."""
+def test_what_rests_goes_on_where_only_the_time_meets_a_switch(method):
+    """At an instant of a switching surface only the side that comes matters: friction that fades at
+    t = 1, a push that sets in at t = 2, and one that begins with the motion."""
     freed = -sp.sign(Dx) * sp.Max(0, 1 - t) + sp.Max(0, t - 2)
     run = motion(mass_point(freed), (0, 0), 3, method)
     assert abs(run["x"][-1] - mp.mpf(1) / 6) < 1e-14 and abs(run["xdot"][-1] - 0.5) < 1e-14
@@ -507,7 +508,8 @@ def test_events_at_a_switch_and_between_are_seen():
 
 @pytest.mark.parametrize("name", ["wall 0", "turn at wall 0", "weight 0", "event 1", "event 0"])
 def test_what_users_call_their_events_is_theirs(name):
-    """Runs that watch walls, charts and cuts for themselves know what they watch by no name."""
+    """Runs that watch switching surfaces, charts and cuts for themselves know what they watch by no
+    name."""
     events = (vo.Event(x - sp.Rational(3, 10), name), vo.Event(x - sp.Rational(4, 10)))
     found = motion(mass_point(-sp.sign(Dx)), (0, 1), 3, events=events)
     assert [*found.events] == [name, "x - 2/5"] and abs(found["x"][-1] - 0.5) < 1e-12
@@ -526,9 +528,9 @@ CASES = [
 
 
 @pytest.mark.parametrize("expr", CASES, ids=str)
-def test_functions_in_pieces_keep_their_values_on_the_walls_too(expr):
-    door = Door()
-    back = door.outward(door.inward(expr))
+def test_functions_in_pieces_keep_their_values_on_the_switches_too(expr):
+    bridge = SymPyBridge()
+    back = bridge.outward(bridge.inward(expr))
     places = [sp.Rational(n, 2) for n in range(-4, 5)]
     for a in places:
         for b in (0, 1, sp.Rational(5, 2)):
@@ -546,7 +548,7 @@ REFEREED = [
 
 
 @pytest.mark.parametrize(("force", "term"), REFEREED, ids=str)
-def test_the_referee_agrees_off_the_walls(force, term):
+def test_the_referee_agrees_off_the_switches(force, term):
     system = vo.System(
         name="pieces",
         fibration=vo.Fibration(base=(x, y)),
@@ -560,7 +562,7 @@ def test_the_referee_agrees_off_the_walls(force, term):
         assert max(abs(own[q] - other[q]) for q in (x, y)) < 1e-25
 
 
-def test_generated_python_is_defined_on_the_walls():
+def test_generated_python_is_defined_on_the_switches():
     source = mass_point(-sp.sign(Dx) - sp.floor(x), sp.Abs(x) + x**2).python()
     space = {}
     exec(source, space)
@@ -569,7 +571,7 @@ def test_generated_python_is_defined_on_the_walls():
 
 
 @pytest.mark.parametrize("name", ["sleigh", "chaplygin-ball", "falling-disc", "rattleback"])
-def test_what_is_smooth_has_no_walls(name):
+def test_what_is_smooth_has_no_switches(name):
     form = vo.derive(vo.load(name)).form
     assert not Program.of(form).derivative.is_rough(form.parameters, form.velocities)
 
@@ -613,7 +615,7 @@ def test_an_ensemble_whose_first_start_goes_nowhere_says_why(method):
             assert found.cost.method == ("heyoka" if method == "auto" else method)
 
 
-def test_roots_that_vanish_on_a_wall():
+def test_roots_that_vanish_on_a_switch():
     with mp.workdps(30):
         quarter = mp.quad(lambda s: 1 / mp.sqrt(mp.mpf(4) / 3 * (1 - s**1.5)), [0, 0.5, 1])
     springs = mass_point(-sp.sign(x) * sp.sqrt(sp.Abs(x)))
@@ -668,7 +670,7 @@ def test_reactions_are_refused_while_friction_holds():
 
 
 @pytest.mark.parametrize("method", ["heyoka", "scipy"])
-def test_many_fold_angles_beside_a_wall_are_not_expanded(method):
+def test_many_fold_angles_beside_a_switch_are_not_expanded(method):
     drive = sp.Rational(39, 20)  # in terms of t/20 a polynomial of degree 39
     found = motion(mass_point(sp.sin(drive * t) + sp.Max(0, x - 100)), (0, 0), 3, method)
     truth = 3 / float(drive) - np.sin(3 * float(drive)) / float(drive) ** 2
@@ -815,7 +817,7 @@ def test_the_edge_of_an_inverse_function_is_said(method):
         motion(mass_point(-sp.acos(1 - sp.Abs(x))), (1, 2), 5, method)
 
 
-def test_an_arctangent_without_a_jump_is_no_wall():
+def test_an_arctangent_without_a_jump_is_no_switch():
     bounded = (
         sp.atan(sp.sin(x) / (2 + sp.cos(x))) + sp.atan(x / (1 + x**2)) + sp.asin(sp.sin(x) / 2)
     )
@@ -897,7 +899,7 @@ def test_many_motions_are_no_finer_than_doubles(recwarn):
     assert not [w for w in recwarn if issubclass(w.category, RuntimeWarning)]
 
 
-def test_a_wall_on_which_the_equations_are_0_over_0_ends_a_motion_of_many_digits():
+def test_a_switch_on_which_the_equations_are_0_over_0_ends_a_motion_of_many_digits():
     """An angle acos(x/r) is |y|/r beside y = 0; there its slope is none."""
     point = vo.System(
         "point", vo.Fibration(base=(x, y)),

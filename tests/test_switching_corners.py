@@ -67,9 +67,9 @@ def test_a_corner_of_a_constraint_is_no_zero_of_a_divisor(slope, offset, method)
 
 def test_slopes_of_corners_are_told_beside_what_has_no_normal_form():
     """Angles of many periods made the search for them give up: the motion was refused."""
-    wall = sp.Rational(1, 4) - 5 * x / 6 + y / 5
+    switch = sp.Rational(1, 4) - 5 * x / 6 + y / 5
     ends = []
-    for corner in (sp.Abs(wall), wall * sp.sign(wall)):
+    for corner in (sp.Abs(switch), switch * sp.sign(switch)):
         system = vo.System(
             name="corners",
             fibration=vo.Fibration(base=(x,), fibre=(y,)),
@@ -97,8 +97,8 @@ def test_a_choice_between_conditions_is_a_condition():
 
 @pytest.mark.parametrize("method", ["auto", "heyoka", "scipy"])
 def test_the_sign_of_a_sawtooth_is_that_of_its_sine(method):
-    """|asin(sin a)| has corners where its wall, asin(sin a), has corners of its own: heyoka's steps
-    collapsed there."""
+    """|asin(sin a)| has corners where its switching surface, asin(sin a), has corners of its own:
+    heyoka's steps collapsed there."""
     saw, bend = sp.asin(sp.sin(3 * x + 1)), sp.sin(3 * x + 1) * sp.sign(sp.cos(3 * x + 1))
     both = sp.atan2(bend, sp.Abs(sp.cos(3 * x + 1)))
     for given, equal in ((sp.Abs(saw), sp.sign(sp.sin(3 * x + 1)) * saw), (sp.sign(both), None)):

@@ -73,7 +73,8 @@ def test_signs_and_floors_of_floors_are_those_of_the_place(force, plain, method)
     ],
 )
 def test_a_condition_may_stand_at_its_bound_for_a_while(condition, plain, method):
-    """min(x, 1) - 1 is zero wherever x is greater than 1: no wall, but a value of the condition."""
+    """min(x, 1) - 1 is zero wherever x is greater than 1: no switching surface, but a value of the
+    condition."""
     found, expected = (
         motion(sp.Piecewise((-5, c), (1 - x / 3, True)), method, (3, 0)) for c in (condition, plain)
     )

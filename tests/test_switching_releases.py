@@ -157,7 +157,7 @@ def test_friction_lets_go_just_before_its_load_is_gone(method: str) -> None:
     assert abs(run["x"][1] - 1.4924e-11) < 1e-13 and run["xdot"][1] == 0
 
 
-def test_two_walls_beside_which_nothing_changes_are_not_both_left_out() -> None:
+def test_two_switches_beside_which_nothing_changes_are_not_both_left_out() -> None:
     """A force where x and y are negative: from where both are positive neither alone matters."""
     force = -sp.Piecewise((1, x < 0), (0, True)) * sp.Piecewise((1, y < 0), (0, True))
     pair = vo.System(

@@ -74,8 +74,8 @@ def test_one_friction_sets_in_in_ensembles() -> None:
 
 @pytest.mark.parametrize("method", ["scipy", "flint"])
 def test_two_wheels_that_are_held_hold_a_third(method: str) -> None:
-    """Three frictions on two velocities: the last wall says nothing of its own, and was switched at
-    again and again."""
+    """Three frictions on two velocities: the last switching surface says nothing of its own, and
+    was switched at again and again."""
     forces = {
         LEFT: friction(R(1, 4), LEFT),
         RIGHT: friction(R(1, 20), RIGHT),

@@ -14,7 +14,7 @@ import voronec as vo
 from voronec import Equation, Measure, prove_equal, velocity
 from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
-from voronec.equations.staged_equations import lean_form
+from voronec.equations.staged_equations import staged_form
 from voronec.kinematics import ConvexBody, RollingContact, Surface, SurfaceForms, kinetic_energy
 from voronec.proof.claims import check_claims
 from voronec.proof.relations.decision import check_relation
@@ -172,7 +172,7 @@ def test_a_contact_carried_along_moves_as_in_the_coordinates_of_neumann():
 def test_quasi_velocities_in_constraints_are_read_in_the_lean_form_too(name):
     raw = motions(name).equations.raw
     results = []
-    for form in (raw.form, lean_form(raw)):
+    for form in (raw.form, staged_form(raw)):
         derivative, _ = compile_program(Program.of(form))
         system = raw.definition.system
         state = np.linspace(0.4, 0.9, len(system.coordinates) + len(system.velocities))

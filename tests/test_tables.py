@@ -14,7 +14,7 @@ from command_line import Call, refused
 import voronec as vo
 from voronec.equations.printers import PRINTERS, Printer
 from voronec.motion.methods import METHODS, Method
-from voronec.motion.steppers import Problem, Stepper
+from voronec.motion.steppers import Integrator, Problem
 from voronec.motion.steppers.scipy_stepper import dop853
 
 pytestmark = pytest.mark.slow
@@ -118,7 +118,7 @@ def test_what_decides_returns_a_verdict() -> None:
 def test_a_method_is_one_line(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     asked = []
 
-    def make(problem: Problem) -> Stepper:
+    def make(problem: Problem) -> Integrator:
         asked.append(problem.tol)
         return dop853(problem)
 

@@ -114,7 +114,7 @@ def _draw(equations: Any, dice: Random, _: Random) -> Draw:
 
 
 @dataclass
-class Watch:
+class ObservedQuantities:
     """What happens in a run: how often parts of it are integrated again, and for how long."""
 
     again: int = 0
@@ -197,7 +197,7 @@ def doubts(seed: int, count: int, only: str | None) -> None:
     """Draw runs, and print how many were doubted, done again, refused, and wrong."""
     seen, spent, again, runs = Counter[str](), 0.0, 0.0, 0
     for draw in draws(seed, count, only):
-        watch, began, told = Watch(), perf_counter(), ""
+        watch, began, told = ObservedQuantities(), perf_counter(), ""
         try:
             with watch.count_doubts():
                 found = draw.run()
@@ -265,15 +265,15 @@ def fault_in(draw: Draw) -> Iterator[list[str]]:
     def wrong(method: str, problem: Any, reason: str) -> Any:
         if draw.fault in ("rate", "term"):
             return make(method, replace(problem, program=faulty(problem.program)), reason)
-        stepper, chosen = make(method, problem, reason)
+        solver, chosen = make(method, problem, reason)
         first = problem.start.copy()
 
         def run(grid: np.ndarray) -> Any:
             at = float(grid[0] + (0.1 + 0.8 * where) * (grid[-1] - grid[0]))
             if len(done) or problem.changing is not None or len(grid) < 2:
-                return stepper(grid)
+                return solver(grid)
             before, after = grid[grid < at], grid[grid > at]
-            one = stepper(np.append(before, at))
+            one = solver(np.append(before, at))
             if one.halt or one.stopped or one.interrupted:
                 return one
             done.append(draw.fault)

@@ -23,9 +23,9 @@ from voronec.accuracy.bench import at_error
 from voronec.equations.program import Program
 from voronec.errors import VoronecError
 from voronec.motion import method_costs
-from voronec.motion.motion_start import Outset
+from voronec.motion.motion_start import InitialState
 from voronec.motion.numeric_model import make_model
-from voronec.motion.request import StartData, Vocabulary
+from voronec.motion.request import Namespace, StartData
 
 METHODS = ("heyoka", "c")
 STEPS, LONGEST = 3000, 1000.0
@@ -61,8 +61,8 @@ def measure(name: str, tolerance: float) -> SystemCosts | None:
     scene = system.scenes[str(system.first_scene)]
     equations = vo.derive(system)
     begin = float(scene.times[0])
-    names = Vocabulary.of(equations)
-    start = Outset.of(names, StartData.of(names, scene), begin, False)
+    names = Namespace.of(equations)
+    start = InitialState.of(names, StartData.of(names, scene), begin, False)
     made = make_model(names, (), {}, start.state, start.steady, begin, True)
 
     def run(method: str, tol: float, end: float) -> vo.Trajectory:

@@ -208,7 +208,7 @@ def _verify(
     return Statement(f"{kind}s", text, true, _question(made.system, kind, value))
 
 
-def walls(dice: Random, declared: bool, true: bool) -> Statement | None:
+def cuts(dice: Random, declared: bool, true: bool) -> Statement | None:
     """Jumps at states that motions pass: false; at states that stay apart: true."""
     spring, free, isotropic, quartic, _ = made_systems()
     n = sp.Rational(dice.randint(1, 40), 4)
@@ -226,7 +226,7 @@ def walls(dice: Random, declared: bool, true: bool) -> Statement | None:
     )  # fmt: skip
     function = dice.choice(right if true else wrong)
     text = _tell(made.system, "integral", function)
-    return Statement("walls", text, true, _question(made.system, "integral", function))
+    return Statement("cuts", text, true, _question(made.system, "integral", function))
 
 
 def measures(dice: Random, declared: bool, true: bool) -> Statement | None:
@@ -339,7 +339,7 @@ def _is_relation(state: Any, parameter: Any, clock: Any, dice: Random) -> bool |
 CLAIMS: dict[str, Callable[[Random, bool, bool], Statement | None]] = {
     "integrals": integral,
     "equations": equation,
-    "walls": walls,
+    "cuts": cuts,
     "measures": measures,
     "catalogue": catalogue,
 }

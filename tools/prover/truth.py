@@ -26,7 +26,7 @@ __all__ = [
 
 DIGITS = 50
 NEAR = mp.mpf(10) ** -30
-"""What is nearer to a wall than this is on it for rounding, unless it is exactly zero there."""
+"""What is nearer to a cut than this is on it for rounding, unless it is exactly zero there."""
 APART = mp.mpf(10) ** -12
 """Two values are different where they are further apart than this, relatively, at both precisions:
 statements are made with numbers of few digits."""
@@ -177,15 +177,15 @@ def difference_at(left: Any, right: Any, at: Mapping[Any, Any]) -> bool | None:
 def first_difference(
     left: Any, right: Any, possible: Callable[[Mapping[Any, Any]], bool], dice: Random
 ) -> dict[Any, Any] | None:
-    """A point at which two sides differ, of many in all orthants, near walls too; else None."""
+    """A point at which two sides differ, of many in all orthants, near cuts too; else None."""
     symbols = sorted(sp.Tuple(left, right).free_symbols, key=str)
-    for at in _points(symbols, _walls(left, right), dice):
+    for at in _points(symbols, _cuts(left, right), dice):
         if possible(at) and difference_at(left, right, at):
             return at
     return None
 
 
-def _walls(*sides: Any) -> list[Any]:
+def _cuts(*sides: Any) -> list[Any]:
     """Arguments of what has jumps, kinks, branches or ends where they vanish."""
     found: dict[Any, None] = {}
     for side in sides:
@@ -198,7 +198,7 @@ def _walls(*sides: Any) -> list[Any]:
 
 
 def _points(
-    symbols: Sequence[Any], walls: Sequence[Any], dice: Random
+    symbols: Sequence[Any], cuts: Sequence[Any], dice: Random
 ) -> Iterator[dict[Any, sp.Rational]]:
     few = [sp.Integer(0), sp.Integer(1), sp.Integer(-1), sp.Rational(1, 2), sp.Integer(2)]
     if not symbols:
@@ -215,11 +215,11 @@ def _points(
         }
     for _ in range(15):
         yield {q: dice.choice(few) for q in symbols}
-    for wall in walls:
-        yield from _beside(wall, symbols, dice)
+    for cut in cuts:
+        yield from _beside(cut, symbols, dice)
 
 
-def _beside(wall: Any, symbols: Sequence[Any], dice: Random) -> Iterator[dict[Any, sp.Rational]]:
+def _beside(cut: Any, symbols: Sequence[Any], dice: Random) -> Iterator[dict[Any, sp.Rational]]:
     """Points on both sides of a zero of a function, by bisection between two points."""
     for _ in range(6):
         low, high = (
@@ -227,13 +227,13 @@ def _beside(wall: Any, symbols: Sequence[Any], dice: Random) -> Iterator[dict[An
         )
         try:
             ends = [
-                number(wall, {s: mp.mpf(v.p) / v.q for s, v in at.items()}) for at in (low, high)
+                number(cut, {s: mp.mpf(v.p) / v.q for s, v in at.items()}) for at in (low, high)
             ]
             if ends[0] * ends[1] >= 0:
                 continue
             for _ in range(24):
                 middle = {q: (low[q] + high[q]) / 2 for q in symbols}
-                here = number(wall, {s: mp.mpf(v.p) / v.q for s, v in middle.items()})
+                here = number(cut, {s: mp.mpf(v.p) / v.q for s, v in middle.items()})
                 low, high = (middle, high) if here * ends[0] > 0 else (low, middle)
         except (Outside, ZeroDivisionError, OverflowError, ValueError):
             continue

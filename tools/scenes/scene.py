@@ -50,7 +50,7 @@ def catalogue_names() -> list[str]:
 class Scene:
     """What is asked of the engine."""
 
-    door: str
+    bridge: str
     parameters: Mapping[str, float]
     initial: Mapping[str, float]
     times: list[float]
@@ -169,16 +169,16 @@ def _draw(dice: Random, bench: _Bench, kind: str) -> Scene | None:
     if dice.random() < 0.4:
         names = [*mechanics.coordinates, *mechanics.velocities, *system.invariants]
         outputs = tuple(dice.sample(names, dice.randint(1, min(3, len(names)))))
-    door = dice.choice(("integrate",) * 8 + ("dense", "ensemble"))
+    bridge = dice.choice(("integrate",) * 8 + ("dense", "ensemble"))
     if method not in ("auto", "heyoka", "scipy") or len(times) < 2:
-        door = "integrate"
-    if door != "integrate" and kind == "turns":
-        door = "integrate"
+        bridge = "integrate"
+    if bridge != "integrate" and kind == "turns":
+        bridge = "integrate"
     inputs = bench.made.inputs if bench.made else {}
     if inputs:
-        door = "integrate"
+        bridge = "integrate"
     kinds = tuple((u, dice.choice(("expression", "expression", "function"))) for u in inputs)
-    return Scene(door, parameters, start, times, outputs, method, tol, kinds)
+    return Scene(bridge, parameters, start, times, outputs, method, tol, kinds)
 
 
 def _parameters(dice: Random, bench: _Bench) -> dict[str, float] | None:
@@ -325,7 +325,7 @@ def _compare(scene: Scene, truth: Truth, answer: Mapping[str, Any]) -> tuple[str
                 said = (
                     f"{name} at t = {scene.times[place]} is {answer[name][place]}, truth {value!r},"
                     f" off by {off:.1e}, allowed {bounds[name]:.1e}; method {scene.method}, "
-                    f"tol {scene.tol}, door {scene.door}{truth.note}"
+                    f"tol {scene.tol}, door {scene.bridge}{truth.note}"
                 )
     if worst < 0:
         return "no truth", "the errors of one unit in the last place outgrow the motion"
@@ -336,7 +336,7 @@ def answer_of(bench: _Bench, scene: Scene) -> tuple[dict[str, Any], tuple[str, .
     """What the engine answers: output -> values on the grid, and its notes."""
     common: dict[str, Any] = {"outputs": scene.outputs, "tol": scene.tol, "method": scene.method}
     names = scene.outputs or _everything(bench)
-    if scene.door == "ensemble":
+    if scene.bridge == "ensemble":
         nearby = {k: v + (0.1 if k in bench.referee.mechanics.velocities else 0.0)
                   for k, v in scene.initial.items()}  # fmt: skip
         found = vo.ensemble(bench.equations, [dict(scene.initial), nearby], times=scene.times,
@@ -344,7 +344,7 @@ def answer_of(bench: _Bench, scene: Scene) -> tuple[dict[str, Any], tuple[str, .
         if 0 in found.errors:
             raise found.errors[0]
         return {n: found[n][0] for n in names}, ()
-    dense = scene.door == "dense"
+    dense = scene.bridge == "dense"
     grid = [scene.times[0], scene.times[-1]] if dense else scene.times
     if scene.inputs and bench.made:
         common["inputs"] = {
@@ -516,10 +516,10 @@ def _snippet(bench: _Bench, scene: Scene) -> str:
     grid = repr(times)
     if len(times) > 12:
         grid = f"__import__('numpy').linspace({times[0]!r}, {times[-1]!r}, {len(times)})"
-    call = "ensemble" if scene.door == "ensemble" else "integrate"
+    call = "ensemble" if scene.bridge == "ensemble" else "integrate"
     first = "[start]" if call == "ensemble" else "start"
     key = "starts" if call == "ensemble" else "initial"
-    dense = ", dense=True" if scene.door == "dense" else ""
+    dense = ", dense=True" if scene.bridge == "dense" else ""
     if scene.inputs and bench.made:
         given = (
             f"{u!r}: lambdify(t, {e})" if dict(scene.inputs)[u] == "function" else f"{u!r}: {e}"

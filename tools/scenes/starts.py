@@ -40,7 +40,7 @@ from scenes.pole_values import Value, find_values
 from scenes.reference import NoReferee, Referee, mechanics_of
 from scenes.scene import catalogue_names
 from voronec.equations.attitudes import with_attitude_charts
-from voronec.motion.divisors import divisors
+from voronec.motion.singular_denominators import divisors
 
 __all__ = ["main"]
 
@@ -178,8 +178,8 @@ class Bench:
         if not hasattr(self, "_functions"):
             d = self.equations.definition
             found = [*divisors(self.equations.form), *divisors(self.equations.raw.form)]
-            found += [d.door.inward(c.singular) for c in self.system.charts.values()]
-            known = {*d.coordinates, *(d.door.inward(p.symbol) for p in self.system.parameters)}
+            found += [d.bridge.inward(c.singular) for c in self.system.charts.values()]
+            known = {*d.coordinates, *(d.bridge.inward(p.symbol) for p in self.system.parameters)}
             own = [f for f in found if f.free_symbols <= known]
             self._functions = {str(f): self._compile(f) for f in own}
         return self._functions
@@ -187,7 +187,7 @@ class Bench:
     def _compile(self, function: Any) -> Any:
         """A function of coordinates and parameters for numbers; not one where it has no value."""
         d = self.equations.definition
-        symbols = [*d.coordinates, *(d.door.inward(p.symbol) for p in self.system.parameters)]
+        symbols = [*d.coordinates, *(d.bridge.inward(p.symbol) for p in self.system.parameters)]
         return se.Lambdify(symbols, [function], cse=True)
 
     def _value(self, function: Any, q: list[float]) -> float:

@@ -25,7 +25,7 @@ from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
 from voronec.motion import integrate
 from voronec.motion.inputs import drive
-from voronec.motion.request import Vocabulary, number, scene_of
+from voronec.motion.request import Namespace, number, scene_of
 
 __all__ = [
     "DIGITS",
@@ -190,7 +190,7 @@ def level(problem: ReferenceProblem, name: str, form: FirstOrderForm | None = No
 
     On coordinates ``form`` may replace the cheapest form of the equations.
     """
-    system, read = problem.system, Vocabulary.of(problem.equations).inward
+    system, read = problem.system, Namespace.of(problem.equations).inward
     if name == "invariants" and not system.invariants:
         raise EngineLimit(f"system '{system.name}' declares no invariants")
     if name == "invariants":
@@ -274,7 +274,7 @@ def scene_problem(
         initial=initial, method="scipy",
     )  # fmt: skip
     symbols = (*equations.system.coordinates, *equations.system.velocities)
-    read = Vocabulary.of(equations).read_outputs(wanted or symbols)
+    read = Namespace.of(equations).read_outputs(wanted or symbols)
     for name in read.reactions:
         raise DefinitionError(f"'{name}' takes no part in a comparison of methods; leave it out")
     integrals = {n: right_of(claim) for n, claim in equations.system.integrals.items()}

@@ -1,1 +1,1 @@
-"""Exact algebra: the door between SymPy and symengine, normal forms in flint, verdicts."""
+"""Exact algebra: the bridge between SymPy and symengine, normal forms in flint, verdicts."""

@@ -1,6 +1,6 @@
-"""Walls of a function of many branches, and what the function is on either side of one.
+"""Cuts of a function of many branches, and what the function is on either side of one.
 
-Signs, floors, roots of even order, arctangents are analytic but for walls h = 0: there what stands
+Signs, floors, roots of even order, arctangents are analytic but for cuts h = 0: there what stands
 inside vanishes, or becomes infinite.  With h = s |h|, s = 1 or -1 the side, and g = c h^k u there
 
     sign(g) = s^k sign(c u),    g^e = |h|^(k e) (s^k c u)^e,    atan(g) = pi/2 sign(g) - atan(1/g)
@@ -27,7 +27,7 @@ from voronec.algebra.simple_zeros import compose_on_section, has_simple_zeros
 from voronec.algebra.terms import rational
 
 __all__ = [
-    "BranchWall",
+    "BranchCut",
     "Branches",
     "Factorisation",
     "bounds_of",
@@ -175,15 +175,15 @@ class _Halves:
         return write_polynomial(factor, self.meaning)
 
 
-# -- walls --------------------------------------------------------------------------------------
+# -- cuts --------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
-class BranchWall:
+class BranchCut:
     """A piece of the zeros of ``function``.
 
     ``above`` and ``below`` are an expression on its sides, ``function`` > 0 and < 0, as functions
-    that go on to the wall, ``turned`` the one below with arctangents continued from above; the
+    that go on to the cut, ``turned`` the one below with arctangents continued from above; the
     piece is where all of ``positive`` are so.  An ``edge`` is one
     beyond which the expression is not real.  Where ``whole`` is a symbol, it stands for any whole
     number.
@@ -202,7 +202,7 @@ class BranchWall:
 class Branches:
     """The branches of one expression; ``moving`` are the symbols of the state and the time.
 
-    ``unclear`` are the functions of which it is open whether they make walls.  ``meets_poles`` asks
+    ``unclear`` are the functions of which it is open whether they make cuts.  ``meets_poles`` asks
     for essential singularities too.
     """
 
@@ -226,7 +226,7 @@ class Branches:
         """(r - x)/y for y/(x + r), r^2 = x^2 + y^2: the same with a polynomial below.
 
         Where that vanishes, one of x + r and x - r does, unless in codimension two; where it is the
-        second, what stood below does not vanish, and there is no wall.
+        second, what stood below does not vanish, and there is no cut.
         """
         rooted = inside.free_symbols & self.moving and any(map(_is_root, _nodes(inside)))
         if self.relations or not rooted:
@@ -246,14 +246,14 @@ class Branches:
         one, other = (self.product(e).powers for e in (rest, slope * root.args[0]))
         return not any(h.free_symbols & self.moving for h in one.keys() & other.keys())
 
-    def walls(self) -> Iterator[BranchWall]:
-        """Every piece of every wall."""
+    def branch_cuts(self) -> Iterator[BranchCut]:
+        """Every piece of every cut."""
         for h, whole in self._found.items():
             yield from self._pieces(h, whole)
 
     @property
     def cuts(self) -> list[Any]:
-        """The functions whose zeros are walls, but for the places where floors step."""
+        """The functions whose zeros are cuts, but for the places where floors step."""
         return [h for h, whole in self._found.items() if whole is None]
 
     def beyond(self, h: Any, side: int) -> Any:
@@ -268,7 +268,7 @@ class Branches:
         return has_simple_zeros(expr, self.relations, self.moving)
 
     def _look(self, node: Any) -> None:
-        """The walls of one node."""
+        """The cuts of one node."""
         if isinstance(node, se.Pow):
             self._look_at_power(*node.args)
         elif isinstance(node, se.sign):
@@ -319,7 +319,7 @@ class Branches:
             if h not in found.roots and h.free_symbols & self.moving and (not side or side * k > 0):
                 self._found.setdefault(h)
 
-    def _pieces(self, h: Any, whole: Any) -> Iterator[BranchWall]:
+    def _pieces(self, h: Any, whole: Any) -> Iterator[BranchCut]:
         waiting: list[dict[Any, int]] = [{}]
         while waiting:
             assumed = waiting.pop()
@@ -333,7 +333,7 @@ class Branches:
             both = above.inside.keys() & below.inside.keys()
             edge = any((above.inside[n] + below.inside[n]).expand() == 0 for n in both)
             where = tuple(s * e for e, s in assumed.items())
-            yield BranchWall(h, *sides, where, edge, whole and whole[1])
+            yield BranchCut(h, *sides, where, edge, whole and whole[1])
 
 
 class _UnknownSign(Exception):
@@ -346,8 +346,8 @@ class _UnknownSign(Exception):
 
 @dataclass
 class _Side:
-    """Rewrites expressions as they are on one side of a wall, arctangents on the one ``angles``;
-    near the wall where that ``is_local``, and else wherever h has that sign."""
+    """Rewrites expressions as they are on one side of a cut, arctangents on the one ``angles``;
+    near the cut where that ``is_local``, and else wherever h has that sign."""
 
     branches: Branches
     h: Any
@@ -402,7 +402,7 @@ class _Side:
         return self._assume(rest) if k else se.sign(inside)
 
     def _assume(self, expr: Any) -> Any:
-        """The sign of an expression on this piece of the wall."""
+        """The sign of an expression on this piece of the cut."""
         if expr.is_Number or not self.is_local:
             return se.sign(expr)
         for known, sign in self.assumed.items():

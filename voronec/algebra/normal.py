@@ -8,7 +8,6 @@ from typing import Any
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.door import Door
 from voronec.algebra.field import WORK_LIMIT, Fraction
 from voronec.algebra.generators import TRIGONOMETRIC, holds_far_multiples
 from voronec.algebra.graphs import nodes
@@ -16,6 +15,7 @@ from voronec.algebra.ring import Ring
 from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import expand_element, expression
 from voronec.algebra.stand_ins import OriginShift, StandIns
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.terms import atoms, is_exponential
 from voronec.errors import EngineLimit
 
@@ -135,6 +135,6 @@ def shorten(exprs: Sequence[Any], relations: Sequence[Any] = ()) -> list[sp.Expr
     Equal to what went in wherever both are defined, by exact algebra and nothing else.  Raises
     ``EngineLimit`` where the normal form is beyond the work limit.
     """
-    door = Door()
-    inside = shortest(door.inward_all(exprs), door.inward_all(relations))
-    return [door.outward(e) for e in inside]
+    bridge = SymPyBridge()
+    inside = shortest(bridge.inward_all(exprs), bridge.inward_all(relations))
+    return [bridge.outward(e) for e in inside]

@@ -7,7 +7,7 @@
     (tanh w - w (1 - tanh^2 w))/w^3                            (of their slopes)
     expm1 w = exp(w) - 1,    log1p x = log(1 + x)            (all digits where they are small)
     hypot(a, b, ...) = sqrt(a^2 + b^2 + ...)                 (squares overflow before it does)
-    size w = |w|      in expressions that are equal for both signs of w, so that it is no wall
+    size w = |w|      in expressions that are equal for both signs of w, so that it is no cut
     choice(w, p, n) = p (1 + sign w)/2 + n (1 - sign w)/2      (of which one alone is looked at)
     case(w, p, z, n) = p, z or n, for w > 0, w = 0 and w < 0
 

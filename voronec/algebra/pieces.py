@@ -1,4 +1,4 @@
-"""The pieces into which walls cut a space: on each of them expressions are analytic."""
+"""The pieces into which cuts cut a space: on each of them expressions are analytic."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ class SpacePiece:
 
 
 def pieces_of(exprs: Sequence[Any], relations: tuple[Any, ...] = ()) -> list[SpacePiece]:
-    """The pieces into which the walls of expressions cut the space of all of their symbols.
+    """The pieces into which the cuts of expressions cut the space of all of their symbols.
 
     Raises ``EngineLimit`` where there are too many.  Places of which it is open whether they are
-    walls cut nothing.
+    cuts cut nothing.
     """
     symbols = frozenset[Any]().union(*(e.free_symbols for e in exprs))
     if not has_branches(exprs, symbols):
@@ -52,5 +52,5 @@ def pieces_of(exprs: Sequence[Any], relations: tuple[Any, ...] = ()) -> list[Spa
         else:
             found.append(SpacePiece(tuple(branches.expr.diff(t) for t in tags), piece.sides))
         if len(waiting) + len(found) > MOST_PIECES:
-            raise EngineLimit(f"its walls cut the space into more than {MOST_PIECES} pieces")
+            raise EngineLimit(f"its cuts cut the space into more than {MOST_PIECES} pieces")
     return found

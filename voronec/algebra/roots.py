@@ -34,7 +34,7 @@ _Power = tuple[Any, int]
 def domain_conditions(exprs: Iterable[Any]) -> list[Any]:
     """What holds wherever expressions have real values: radicands are not negative.
 
-    Nothing where one of them has walls: a piece of a function may be undefined where it is not
+    Nothing where one of them has cuts: a piece of a function may be undefined where it is not
     taken.
     """
     parts = [*nodes(exprs)]
@@ -255,7 +255,8 @@ def ring_over(
 
 
 def known_sign(expr: Any, hypotheses: Sequence[Any] = (), strict: bool = False) -> int:
-    """1 or -1 where an expression inside the door is proved to have nowhere the other sign, or 0.
+    """1 or -1 where an expression in the engine's symbols is proved to have nowhere the other sign,
+    or 0.
 
     ``hypotheses`` vanish, or are conditions that hold; ``strict``: nor is it zero.
     """

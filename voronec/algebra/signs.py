@@ -19,10 +19,10 @@ import sympy as sp
 
 from voronec.algebra.arguments import SEVERAL, TEXT, accepts
 from voronec.algebra.certificates import Signs
-from voronec.algebra.door import Door
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.ring import Ring
 from voronec.algebra.symbols import plain_name
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.tape import Tape
 from voronec.algebra.terms import rational
 from voronec.algebra.text import as_expression
@@ -190,9 +190,9 @@ def prove_inequality(
         return _mirror_verdict(
             prove_inequality(a.xreplace(mirror), relation, b.xreplace(mirror), sizes, real)
         )
-    door = Door()
-    left, right = door.inward(a), door.inward(b)
-    above = {str(door.inward(s)) for s in positive}
+    bridge = SymPyBridge()
+    left, right = bridge.inward(a), bridge.inward(b)
+    above = {str(bridge.inward(s)) for s in positive}
     above |= {plain_name(s) for s in symbols if s.is_positive}
     question = Inequality(left, RELATIONS[relation], right, frozenset(above))
     try:

@@ -10,7 +10,7 @@ Where a formula is exact and useless in doubles it is written otherwise, for num
     1/(a exp(u) + b exp(w))             ->  exp(-m)/(a exp(u - m) + b exp(w - m)), m = max(u, w)
 
 Hyperbolic sines and cosines are such sums, and exp(u) - exp(w) = (exp(u) + exp(w)) tanh((u - w)/2).
-What holds |w| is the same function of w on both sides of w = 0, so that it is no wall there.
+What holds |w| is the same function of w on both sides of w = 0, so that it is no cut there.
 Quotients such as sin(w)/w are those of ``cardinal``.
 """
 

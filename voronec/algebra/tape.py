@@ -78,9 +78,9 @@ def as_ball(number: Any) -> Any:
     if isinstance(number, se.Basic):
         return Tape([number]).arb({}, flint.ctx.prec)[0]
     if isinstance(number, sp.Expr) and number.is_number:
-        from voronec.algebra.door import Door
+        from voronec.algebra.sympy_bridge import SymPyBridge
 
-        return as_ball(Door().inward(number))
+        return as_ball(SymPyBridge().inward(number))
     try:
         text = str(number)
     except Exception:  # somebody's own class

@@ -1,9 +1,9 @@
 """Equality with three answers: proved, refuted with a witness, undecided.
 
-Witnesses against an equality are looked for where branches change.  Walls are what stands under
+Witnesses against an equality are looked for where branches change.  Cuts are what stands under
 roots, signs, floors, two-place arctangents and logarithms, factor by factor: there a function turns
 into another one.  Points are taken in the orthants of the atoms, at special rational numbers, of
-all sizes, on walls, and on both sides of each.  Points at which the walls have the same signs tell
+all sizes, on cuts, and on both sides of each.  Points at which the cuts have the same signs tell
 the same, so one of each kind is looked at with more digits.
 """
 
@@ -24,7 +24,6 @@ from sympy.logic.boolalg import Boolean
 from voronec.algebra.arguments import SEVERAL, accepts
 from voronec.algebra.composition import angles_of, are_equal, fold_angles, positive_bases
 from voronec.algebra.conditions import condition, domain_of, split_hypotheses
-from voronec.algebra.door import Door, NoValue
 from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.generators import linear_terms
 from voronec.algebra.graphs import nodes
@@ -33,6 +32,7 @@ from voronec.algebra.precision import GENERIC
 from voronec.algebra.ring import Ring
 from voronec.algebra.roots import domain_conditions, ring_over
 from voronec.algebra.symbols import plain_name
+from voronec.algebra.sympy_bridge import NoValue, SymPyBridge
 from voronec.algebra.tape import Tape
 from voronec.algebra.terms import rational
 from voronec.algebra.text import as_expression, quote
@@ -157,7 +157,7 @@ def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
     are defined nowhere.  Never "equal up to 1e-6": see ``Verdict``.
     Raises ``DefinitionError`` for what is no expression.
     """
-    door = Door()
+    bridge = SymPyBridge()
     a, b = as_expression(a), as_expression(b)
     if a == b:
         if a.has(*_NO_NUMBERS):
@@ -165,19 +165,19 @@ def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
         return Verdict("proved", "identical expressions")
     try:
         single = isinstance(relations, str) or not isinstance(relations, Iterable)
-        ideal = [_take_in(r, door) for r in ((relations,) if single else relations)]
+        ideal = [_take_in(r, bridge) for r in ((relations,) if single else relations)]
         if any(r == se.false or (r.is_Number and r != 0) for r in ideal):
             raise DefinitionError("one of the relations is a nonzero number: nothing satisfies it")
         try:
-            left, right = door.inward(a), door.inward(b)
+            left, right = bridge.inward(a), bridge.inward(b)
         except NoValue as refusal:
             return Verdict("undecided", str(refusal))
-        known = [*door.hypotheses, *door.lost_conditions(a), *door.lost_conditions(b)]
+        known = [*bridge.hypotheses, *bridge.lost_conditions(a), *bridge.lost_conditions(b)]
         known = [*ideal, *known]
         verdict = decide_equal(left, right, known, pointwise=True)
         if verdict.proved:
             bases = positive_bases([left, right], known)
-            return verdict.where(*(f"{quote(door.outward(b))} > 0" for b in bases))
+            return verdict.where(*(f"{quote(bridge.outward(b))} > 0" for b in bases))
         return _possible(_fill_witness(verdict, a, b), a, b)
     except EngineLimit as limit:
         return Verdict("undecided", str(limit))
@@ -186,10 +186,10 @@ def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
 _NO_NUMBERS = (sp.nan, sp.zoo, sp.oo, -sp.oo)
 
 
-def _take_in(relation: Any, door: Door) -> Any:
-    """A relation, or a condition, inside the door."""
+def _take_in(relation: Any, bridge: SymPyBridge) -> Any:
+    """A relation, or a condition, in the engine's symbols."""
     holds = isinstance(relation, Boolean) and not relation.is_Symbol
-    return condition(relation, door.inward) if holds else door.inward(relation)
+    return condition(relation, bridge.inward) if holds else bridge.inward(relation)
 
 
 TRIALS, HEIGHT, CLOSE = 200, 300, sp.Float("1e-20")
@@ -198,7 +198,7 @@ sides have the values of the witness to that part."""
 
 
 def _fill_witness(verdict: Verdict, a: sp.Expr, b: sp.Expr) -> Verdict:
-    """The verdict, with values in its witness for letters that cancel at the door: those at which
+    """The verdict, with values in its witness for letters that cancel at the bridge: those at which
     both sides are real, as sqrt(x - 1) sqrt(1/(x - 1)) is where x > 1."""
     witness, sides = verdict.witness, sp.Tuple(a, b)
     if witness is None or sides.atoms(AppliedUndef):
@@ -387,15 +387,15 @@ FAILURE = 20
 """How many points one costs that is not found: Newton's method goes to its end."""
 MOST_POINTS = 600
 MOST_WALLS = 12
-"""For a witness so many points are looked at, at most, beside so many walls and edges."""
+"""For a witness so many points are looked at, at most, beside so many cuts and edges."""
 FACTOR_WORK = 20_000
-"""Term products for the factors of a wall; without them it is taken as it stands."""
+"""Term products for the factors of a cut; without them it is taken as it stands."""
 BITS, MORE_BITS = GENERIC, 800
 """Bits at a point, and where agreement to 200 digits is to be seen."""
 KINDS = 12
-"""How many kinds of points, by the signs of walls, are looked at with more digits."""
+"""How many kinds of points, by the signs of cuts, are looked at with more digits."""
 BISECTIONS = 26
-"""Of a way between two points, towards a wall: to a hundred-millionth of it."""
+"""Of a way between two points, towards a cut: to a hundred-millionth of it."""
 CLIMBS, STEPS = 8, 60
 """Walks towards a domain that no point was found in, and the steps of each."""
 
@@ -409,7 +409,7 @@ class WitnessSearch:
     and conditions hold.
 
     ``found`` is the point and the two values there, if there is one; ``kinds`` has a point for each
-    pattern of signs of the walls at which both sides have values.  Points on a jump count where
+    pattern of signs of the cuts at which both sides have values.  Points on a jump count where
     ``pointwise``: what holds along motions, or of derivatives, says nothing there.
     """
 
@@ -421,9 +421,9 @@ class WitnessSearch:
     kinds: dict[tuple[int, ...], Point] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.walls, self.edges = _walls_of([self.left, self.right])
+        self.cuts, self.edges = _cuts_of([self.left, self.right])
         self._sides = Tape([self.left, self.right])
-        self._signs = Tape([*self.walls, *self.edges])
+        self._signs = Tape([*self.cuts, *self.edges])
         parts = [*nodes([self.left, self.right])]
         self._jumps = Tape([n.args[0] for n in parts if isinstance(n, se.sign)])
         self._steps = Tape([n.args[0] for n in parts if isinstance(n, se.floor)])
@@ -445,7 +445,7 @@ class WitnessSearch:
         """Look for a witness; whether one was found."""
         return any(
             self._refutes(point)
-            for points in (self._scatter(), self._beside_walls(), self._climb())
+            for points in (self._scatter(), self._beside_cuts(), self._climb())
             for point in points
         )
 
@@ -533,25 +533,25 @@ class WitnessSearch:
         size = flint.fmpq(10) ** self._source.randint(-1 if scale == 1 else -3, scale)
         return flint.fmpq(self._source.randint(100, 1000), 907) * (1 if scale == 1 else size)
 
-    # -- walls ----------------------------------------------------------------------------
+    # -- cuts ----------------------------------------------------------------------------
 
-    def _beside_walls(self) -> Iterator[Point]:
-        """On each wall, where it is linear in something; and on both of its sides, near it."""
-        for place, wall in enumerate((*self.walls, *self.edges)):
-            yield from islice(self._on(wall), 18)
+    def _beside_cuts(self) -> Iterator[Point]:
+        """On each cut, where it is linear in something; and on both of its sides, near it."""
+        for place, cut in enumerate((*self.cuts, *self.edges)):
+            yield from islice(self._on(cut), 18)
             below = [p for p, signs in self._tried if signs[place] < 0][:3]
             above = [p for p, signs in self._tried if signs[place] > 0][:3]
-            tape = Tape([wall])
+            tape = Tape([cut])
             for low, high in zip(below, above, strict=False):
                 yield from self._bisect(tape, low, high)
 
-    def _on(self, wall: Any) -> Iterator[Point]:
+    def _on(self, cut: Any) -> Iterator[Point]:
         """Points moved along an atom to a rational zero, and to both sides of it, however far."""
         for atom in self.atoms:
-            slope = wall.diff(atom) if isinstance(atom, se.Symbol) else se.Integer(0)
+            slope = cut.diff(atom) if isinstance(atom, se.Symbol) else se.Integer(0)
             if slope == 0 or atom in slope.free_symbols:
                 continue
-            rest = wall.xreplace({atom: se.Integer(0)})
+            rest = cut.xreplace({atom: se.Integer(0)})
             for start, _ in self._tried[:2]:
                 at = {a: rational(v) for a, v in start.items() if isinstance(v, flint.fmpq)}
                 above, below = rest.xreplace(at), slope.xreplace(at)
@@ -599,19 +599,19 @@ class WitnessSearch:
                     break
 
 
-def _walls_of(exprs: Iterable[Any]) -> tuple[list[Any], list[Any]]:
+def _cuts_of(exprs: Iterable[Any]) -> tuple[list[Any], list[Any]]:
     """Where a function turns into another one: zeros of factors of what stands under roots, signs
     and the like; and what is not negative where everything is real."""
-    walls: dict[Any, None] = {}
+    cuts: dict[Any, None] = {}
     edges: dict[Any, None] = {}
     for node in nodes(exprs):
         inner = _edge(node)
         if inner is not None and inner.free_symbols:
             edges.setdefault(inner)
         for argument in _turns(node):
-            if argument.free_symbols and len(walls) < MOST_WALLS:
-                walls.update(dict.fromkeys(_factors(argument)))
-    return [*walls][:MOST_WALLS], [*edges][:MOST_WALLS]
+            if argument.free_symbols and len(cuts) < MOST_WALLS:
+                cuts.update(dict.fromkeys(_factors(argument)))
+    return [*cuts][:MOST_WALLS], [*edges][:MOST_WALLS]
 
 
 def _turns(node: Any) -> tuple[Any, ...]:
@@ -637,13 +637,13 @@ def _edge(node: Any) -> Any:
     return node.args[0] - 1 if isinstance(node, se.acosh) else None
 
 
-def _factors(wall: Any) -> list[Any]:
-    """The irreducible factors of a wall and of its denominator, as expressions."""
+def _factors(cut: Any) -> list[Any]:
+    """The irreducible factors of a cut and of its denominator, as expressions."""
     try:
-        ring = Ring([wall], (), FACTOR_WORK)
-        fraction = ring.fraction(wall)
+        ring = Ring([cut], (), FACTOR_WORK)
+        fraction = ring.fraction(cut)
     except EngineLimit:
-        return [wall]
+        return [cut]
     if fraction.num == 0:
         return []
     parts = [p for p, _ in irreducible_factors(fraction.num)[1]]

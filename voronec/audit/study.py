@@ -14,8 +14,8 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.door import Door
 from voronec.algebra.symbols import plain_name, time, velocity
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.audit.latex.nodes import Dot, Name, Node, Number, Product, Sum, Variation
 from voronec.audit.latex.reader import read_name
 from voronec.audit.latex.vocabulary import LatexVocabulary
@@ -114,13 +114,13 @@ class Motion:
         if isinstance(value, sp.MatrixBase):
             return value.applyfunc(self.derivative)
         self._require_rates(value)
-        inside = self.door.inward(value)
-        result = inside.diff(self.door.inward(time))
+        inside = self.bridge.inward(value)
+        result = inside.diff(self.bridge.inward(time))
         for symbol, rate in self.rates.items():
-            slope = inside.diff(self.door.inward(symbol))
+            slope = inside.diff(self.bridge.inward(symbol))
             if slope != 0:
-                result += slope * self.door.inward(rate)
-        return self.restrict(self.door.outward(result))
+                result += slope * self.bridge.inward(rate)
+        return self.restrict(self.bridge.outward(result))
 
     def _require_rates(self, value: sp.Expr) -> None:
         rateless = value.free_symbols - self.rates.keys() - {time}
@@ -132,9 +132,9 @@ class Motion:
             )
 
     @cached_property
-    def door(self) -> Door:
+    def bridge(self) -> SymPyBridge:
         """Calculus is done inside, on shared graphs."""
-        return Door(self.rates)
+        return SymPyBridge(self.rates)
 
 
 @dataclass(frozen=True)

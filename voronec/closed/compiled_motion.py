@@ -21,7 +21,7 @@ from voronec.algebra.precision import SHARP
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import as_expression
 from voronec.closed.arithmetic import Function, ball, compile_expressions, exact, precise, vanishes
-from voronec.closed.fractions import Split, ascending_coefficients, split
+from voronec.closed.fractions import PartialFractions, ascending_coefficients, partial_fractions
 from voronec.declaration.quadratures import Quadratures
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError
@@ -78,7 +78,7 @@ class CompiledMotion:
     cosines: tuple[tuple[Any, Any], ...]
     others: tuple[Any, ...] = ()
     parts: Function = _nothing
-    fractions: Split = field(default_factory=Split)
+    fractions: PartialFractions = field(default_factory=PartialFractions)
 
     @cached_property
     def memo(self) -> Memo:
@@ -213,7 +213,9 @@ def _prepare(system: System, motion: Quadratures, special: Mapping[Any, Any]) ->
         ) if straight else (),
     )  # fmt: skip
     slopes = [e.xreplace(special) for e in plane.slopes] if plane is not None else []
-    whole = split(rates, slopes, raw.poles, raw.others, motion.x, raw.level, _example(raw))
+    whole = partial_fractions(
+        rates, slopes, raw.poles, raw.others, motion.x, raw.level, _example(raw)
+    )
     flat = [*raw.quartic, *(e for pole in raw.poles for e in pole)]
     flat += [e for q in whole.quotients for e in q] + [e for c in raw.cosines for e in c]
     flat += [e for q in whole.slopes for e in q]

@@ -18,7 +18,7 @@ from voronec.algebra.text import as_expression
 from voronec.closed.arithmetic import Function, ball, compile_expressions, precise
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Split", "ascending_coefficients", "split"]
+__all__ = ["PartialFractions", "ascending_coefficients", "partial_fractions"]
 
 MOST = 6
 """Of numerators and denominators of rates, at most."""
@@ -33,7 +33,7 @@ def _nothing(_: Any) -> list[Any]:
 
 
 @dataclass(frozen=True, eq=False)
-class Split:
+class PartialFractions:
     """Partial fractions of rates and of slopes.
 
     quotients, slopes
@@ -64,10 +64,10 @@ class Term:
     denominator: Any
 
 
-def split(
+def partial_fractions(
     rates: Sequence[Any], slopes: Sequence[Any], poles: Sequence[tuple[Any, Any]],
     others: Sequence[Any], x: Any, level: tuple[Any, ...], example: list[Any],
-) -> Split:  # fmt: skip
+) -> PartialFractions:  # fmt: skip
     """Rates and slopes over the poles, with their weights, and over other poles; ``example`` are
     values of the symbols of the level in no special position."""
     both = [
@@ -79,7 +79,7 @@ def split(
     count = len(rates)
     for row in both[count:]:
         _require_integrable(row, others, x, level, example)
-    return Split(
+    return PartialFractions(
         quotients=tuple(_with_exact_zeros(q, level, example) for q in quotients[:count]),
         slopes=tuple(_with_exact_zeros(q, level, example) for q in quotients[count:]),
         shares=_shares(both[:count], poles, x, level, example),

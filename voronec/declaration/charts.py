@@ -55,7 +55,7 @@ class Chart:
         by default ``state`` itself, a map that is its own inverse.
     singular_there
         the same as ``singular`` for the chart; by default the same function of its coordinates.
-    twins
+    double_cover
         other values of the system's variables for the same state, a map for each way in which they
         cover states twice, as Euler's angles do: {phi: phi + pi, theta: -theta, psi: psi - pi}.
     near
@@ -68,7 +68,7 @@ class Chart:
     changes: Mapping[str, Any] = field(default_factory=dict)
     back: Mapping[Any, Any] = field(default_factory=dict)
     singular_there: Any = None
-    twins: Sequence[Mapping[Any, Any]] = ()
+    double_cover: Sequence[Mapping[Any, Any]] = ()
     near: Mapping[Any, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -77,8 +77,8 @@ class Chart:
 
         for part in ("state", "back", "near"):
             store(part, _named_values(getattr(self, part), part))
-        twins = several(self.twins, "twins", "{variable: expression}", Mapping)
-        store("twins", tuple(_named_values(twin, "a twin") for twin in twins))
+        double_cover = several(self.double_cover, "double_cover", "{variable: expression}", Mapping)
+        store("double_cover", tuple(_named_values(sheet, "a sheet") for sheet in double_cover))
         if not self.state:
             raise DefinitionError("a chart maps nothing; write state={variable: expression}")
         if not self.back:
@@ -99,9 +99,9 @@ class Chart:
         round."""
         return self._values(system, getattr(self, part))
 
-    def twin_values(self, system: Variables) -> list[dict[sp.Expr, sp.Expr]]:
-        """Every variable of the system as a function of its variables, for each of ``twins``."""
-        return [self._values(system, twin) for twin in self.twins]
+    def sheet_values(self, system: Variables) -> list[dict[sp.Expr, sp.Expr]]:
+        """Every variable of the system as a function of its variables, for each of ``double_cover``."""
+        return [self._values(system, sheet) for sheet in self.double_cover]
 
     @staticmethod
     def _values(system: Variables, given: Mapping[Any, Any]) -> dict[sp.Expr, sp.Expr]:

@@ -1,7 +1,7 @@
 """Partial derivatives as SymPy takes them of real variables, without the questions that it asks.
 
 All symbols are real here: |x| has the slope x/|x|, where ``sympy.diff`` speaks of re(x)
-and im(x); and a sign or a floor has none off its wall, as in ``algebra/walled_functions.py``.
+and im(x); and a sign or a floor has none off its cut, as in ``algebra/piecewise_functions.py``.
 
 ``sympy.diff`` asks of every term whether it vanishes, and of every factor beside a derivative that
 does whether it is finite; for the formulas of a body that rolls this takes more than all else.
@@ -14,8 +14,8 @@ from typing import Any
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from voronec.algebra.piecewise_functions import IN_PIECES, written_with_signs
 from voronec.algebra.symbols import names_in
-from voronec.algebra.walled_functions import IN_PIECES, written_with_signs
 from voronec.declaration.reading import expression
 from voronec.errors import DefinitionError, quote
 

@@ -628,10 +628,10 @@ def check_charts(system: System) -> None:
     resting = {*system.coordinates, *(p.symbol for p in system.parameters)}
     for name, chart in system.charts.items():
         place = f"chart '{name}'"
-        for key in {*chart.state, *chart.back}.union(*chart.twins) - {*names}:
+        for key in {*chart.state, *chart.back}.union(*chart.double_cover) - {*names}:
             wrong = f"{place} maps '{key}', which is no coordinate or velocity"
             raise DefinitionError(wrong + did_you_mean(key, names))
-        maps = (chart.state, chart.back, *chart.twins)
+        maps = (chart.state, chart.back, *chart.double_cover)
         for expr in (e for images in maps for e in images.values()):
             require_known(place, expr, {*system.known_symbols()} - {time})
         for expr in (chart.singular, chart.singular_there):

@@ -60,7 +60,7 @@ QUARTER = se.pi / 2
 class EulerAngles:
     """Three coordinates that are Euler's angles: Rz(phi) Rx(theta + shift) Rz(sense psi), up to
     constant turns of space and of the body; or, where ``psi`` is None, two that are longitude and
-    colatitude of a direction, the third column.  Symbols are those inside the door."""
+    colatitude of a direction, the third column.  Symbols are those in the engine's symbols."""
 
     phi: Any
     theta: Any
@@ -151,7 +151,7 @@ def _make_chart(equations: VoronecEquations) -> VoronecEquations | None:
             )
     if not turned:
         return None
-    poles = sp.Mul(*[equations.door.outward(t.singular) for t in triples])
+    poles = sp.Mul(*[equations.bridge.outward(t.singular) for t in triples])
     kept = {
         name: replace(chart, singular_there=chart.singular_there * poles)
         for name, chart in system.charts.items()
@@ -181,7 +181,7 @@ def _both(chart: Chart, declared: Chart, system: System) -> Chart:
         changes={**declared.changes, **chart.changes},
         back={**chart.back, **{x: e.xreplace(last) for x, e in declared.back.items()}},
         singular_there=chart.singular_there * declared.singular_there,
-        twins=(*declared.twins, *chart.twins),
+        double_cover=(*declared.double_cover, *chart.double_cover),
         near={**chart.near, **declared.near},
     )
 
@@ -346,10 +346,10 @@ class _TurnedSystem:
     @property
     def chart(self) -> Chart:
         """The chart; ``EngineLimit`` where the system is not regular at the poles."""
-        out = self.d.door.outward
+        out = self.d.bridge.outward
         there: dict[Any, Any] = {}
         back: dict[Any, Any] = {}
-        twins: list[dict[Any, Any]] = []
+        double_cover: list[dict[Any, Any]] = []
 
         def outside(values: Any) -> dict[Any, Any]:
             return {out(q): out(e) for q, e in values}
@@ -368,22 +368,22 @@ class _TurnedSystem:
             back |= zip(t.symbols, (phi, theta - t.shift, t.sense * (t.last + turn)), strict=False)
             other_side = [t.phi + se.pi, -t.theta - 2 * t.shift]
             other_side += [] if t.psi is None else [t.psi - se.pi]
-            twins.append(dict(zip(t.symbols, other_side, strict=True)))
+            double_cover.append(dict(zip(t.symbols, other_side, strict=True)))
             for pair in lines[t]:
                 there |= pair.along(down)
                 back |= pair.along(up)
-                twins[-1] |= {pair.x: -pair.x, pair.y: -pair.y}
+                double_cover[-1] |= {pair.x: -pair.x, pair.y: -pair.y}
 
         return Chart(
             state=outside(there.items()), singular=out(singular), changes=self._changes(),
             back=outside(back.items()), singular_there=out(other),
-            twins=[outside(twin.items()) for twin in twins], near=self._near,
+            double_cover=[outside(sheet.items()) for sheet in double_cover], near=self._near,
         )  # fmt: skip
 
     @property
     def _near(self) -> dict[Any, Any]:
         """The image of a pole, where the body has turned by something, and the default scene."""
-        scenes, out = self.d.system.scenes, self.d.door.outward
+        scenes, out = self.d.system.scenes, self.d.bridge.outward
         start = (
             {plain_name(q): x for q, x in scenes["default"].initial.items()}
             if "default" in scenes
@@ -396,7 +396,7 @@ class _TurnedSystem:
         return {q: own[plain_name(q)] for q in map(out, self.d.coordinates)}
 
     def _changes(self) -> dict[str, Any]:
-        d, out = self.d, self.d.door.outward
+        d, out = self.d, self.d.bridge.outward
         if d.added:
             raise EngineLimit("forces that hold accelerations are not written in other angles")
         changes: dict[str, Any] = {"lagrangian": out(self._move(d.lagrangian))}

@@ -100,7 +100,7 @@ class Control:
         return self._outward([list(row) for row in zip(*self.inner_fields, strict=True)])
 
     def _outward(self, rows: list[list[Any]]) -> sp.ImmutableMatrix:
-        return self.system_field.door.outward_matrix(rows)
+        return self.system_field.bridge.outward_matrix(rows)
 
     def __repr__(self) -> str:
         names = (", ".join(map(plain_name, part)) for part in (self.state, self.inputs))
@@ -146,7 +146,9 @@ class Control:
                 otherwise = partial(self._closure, frame, found.made)
             return Accessibility(growth, dimension, self._on_leaves(otherwise))
         words = f"the brackets span all {dimension} dimensions at a point, {shown}, and so"
-        where = "near it" if self._has_walls else "on an open dense set, for almost all parameters"
+        where = (
+            "near it" if self._has_switches else "on an open dense set, for almost all parameters"
+        )
         proof = Verdict("proved", f"{words} {where}")
         exceptions = self._exceptions(frame)
         if found.made is not None and fields is not self.inner_fields:
@@ -156,15 +158,15 @@ class Control:
         return Accessibility(growth, dimension, proof, tuple(dict.fromkeys(exceptions)))
 
     @cached_property
-    def _has_walls(self) -> bool:
-        """Whether signs, floors and roots in the fields may turn: what holds on one side of a wall
-        need not hold on the other."""
+    def _has_switches(self) -> bool:
+        """Whether signs, floors and roots in the fields may turn: what holds on one side of a
+        switching surface need not hold on the other."""
         exprs = [e for field in (self.inner_drift, *self.inner_fields) for e in field]
         moving = frozenset(s for e in exprs for s in e.free_symbols)
         for e in exprs:
             if has_branches([e], moving):
                 branches = Branches(e, moving, meets_poles=False)
-                if any(True for _ in branches.walls()) or branches.unclear:
+                if any(True for _ in branches.branch_cuts()) or branches.unclear:
                     return True
         return False
 
@@ -174,7 +176,7 @@ class Control:
         if len(frame) != len(frame[0]):
             return ()
         try:
-            found = self.system_field.door.outward(canonical([determinant(frame)])[0])
+            found = self.system_field.bridge.outward(canonical([determinant(frame)])[0])
         except EngineLimit:
             return ()
         above = sp.fraction(sp.together(found))[0]
@@ -206,7 +208,11 @@ class Control:
             return Verdict("undecided", f"{words} at a generic point ({limit})")
         if solved.contradictory:
             return Verdict("undecided", f"{words} at a generic point, in numbers")
-        where = "off the walls where signs turn" if self._has_walls else "on the whole domain"
+        where = (
+            "off the switching surfaces where signs turn"
+            if self._has_switches
+            else "on the whole domain"
+        )
         return Verdict("refuted", f"{words} {where}: they are closed, in normal form")
 
     def controllability(self, point: Mapping[Any, Any] | None = None) -> Verdict:
@@ -313,7 +319,7 @@ class Control:
             )
 
     def _point(self, point: Mapping[Any, Any]) -> tuple[dict[Any, Any], list[Any]]:
-        """Exact numbers for all symbols inside the door, and for the inputs."""
+        """Exact numbers for all symbols in the engine's symbols, and for the inputs."""
         field = self.system_field
         system = field.system
         values: dict[Any, Any] = dict.fromkeys(field.variables, sp.Integer(0))
@@ -349,7 +355,7 @@ class Control:
         for relation in self.system_field.relations:
             value = as_expression(relation.xreplace(dict(at)))
             if not value.equals(0):
-                shown = plain_text(self.system_field.door.outward(relation))
+                shown = plain_text(self.system_field.bridge.outward(relation))
                 raise DefinitionError(
                     f"{place}: the point is off the relation {shown} = 0 between the coordinates; "
                     "give one on it"
@@ -464,7 +470,7 @@ def _is_continuous(drift: Vector, at: Mapping[Any, Any]) -> bool:
     """
     jumps = [n for n in nodes(drift) if isinstance(n, (se.sign, se.floor))]
     near = {n: n.args[0].xreplace(dict(at)) for n in jumps}
-    near = {n: a for n, a in near.items() if not a.is_Number or a == _nearest_wall(n, a)}
+    near = {n: a for n, a in near.items() if not a.is_Number or a == _nearest_switch(n, a)}
     if len(near) > MOST_JUMPS:
         return False
     for rate in drift:
@@ -477,7 +483,7 @@ def _is_continuous(drift: Vector, at: Mapping[Any, Any]) -> bool:
     return True
 
 
-def _nearest_wall(jump: Any, argument: Any) -> Any:
+def _nearest_switch(jump: Any, argument: Any) -> Any:
     """Where a jump is, at an argument or elsewhere."""
     return se.floor(argument) if isinstance(jump, se.floor) else se.Integer(0)
 

@@ -95,7 +95,7 @@ def _entries(
 
 
 def vertical_parts(d: Derivation) -> dict[tuple[int, int], list[Any]]:
-    """B_ij^A in the coordinate frame for i < j, the time last; inside the door."""
+    """B_ij^A in the coordinate frame for i < j, the time last; in the engine's symbols."""
     if d.definition.group is not None:
         return {pair: b for pair, (_, b) in bracket_parts(d).items()}
     connection, n = d.coordinate_connection, d.definition.base
@@ -106,7 +106,7 @@ def vertical_parts(d: Derivation) -> dict[tuple[int, int], list[Any]]:
 
 
 def bracket_parts(d: Derivation) -> dict[tuple[int, int], tuple[list[Any], list[Any]]]:
-    """c_ij^k and B_ij^A in the frame in use for i < j, the time last; inside the door."""
+    """c_ij^k and B_ij^A in the frame in use for i < j, the time last; in the engine's symbols."""
     connection = d.connection
     pairs = [(i, j) for j in range(connection.n + 1) for i in range(j)]
     result = {p: connection.decompose(*p, d.dual, d.tidy) for p in pairs}

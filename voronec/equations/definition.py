@@ -6,7 +6,7 @@ Constraints are read as C qdot + c = 0 [Theory, eq. (2)], quasi-velocities as v 
 Constraints have to determine the velocities of the fibre; it is said why where they do not.
 
 A Lagrangian, its momenta, constraints and definitions of velocities may not jump.  Where one does,
-velocities jump too, and the equations between the walls do not say how far.
+velocities jump too, and the equations between the switching surfaces do not say how far.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.conditions import condition
-from voronec.algebra.door import Door
 from voronec.algebra.elimination import independent_columns, solve_linear
 from voronec.algebra.symbols import is_symbolic_name, names_in, plain_name, time, velocity
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.declaration.reading import quote
 from voronec.declaration.system import System, require_system
 from voronec.equations.connection import AffineForms, FibreSolution, solve_fibre
@@ -39,7 +39,7 @@ Enter = Callable[[sp.Expr, str], Any]
 
 @dataclass(frozen=True)
 class Definition:
-    """A system inside the door: symengine symbols and expressions, constraints solved.
+    """A system in the engine's symbols: symengine symbols and expressions, constraints solved.
 
     ``dots`` are the velocities in which Lagrangian and constraints are written: those of the
     coordinates, or of a group's frame; forces act along them: Q = ``forces`` + ``added`` qddot,
@@ -47,7 +47,7 @@ class Definition:
     """
 
     system: System
-    door: Door
+    bridge: SymPyBridge
     coordinates: tuple[Any, ...]
     coordinate_velocities: tuple[Any, ...]
     dots: tuple[Any, ...]
@@ -83,7 +83,7 @@ class Definition:
     def conditions(self) -> tuple[Any, ...]:
         """What is known of parameters, and of whatever SymPy knows the sign: hypotheses beside the
         relations."""
-        return _conditions(self.system, self.door)
+        return _conditions(self.system, self.bridge)
 
     @property
     def split(self) -> tuple[list[str], list[str]]:
@@ -105,7 +105,7 @@ class Definition:
     @property
     def inputs(self) -> tuple[Any, ...]:
         """The functions of the time that are given at run time."""
-        return tuple(self.door.inward_all(self.system.inputs))
+        return tuple(self.bridge.inward_all(self.system.inputs))
 
     def along_fibre(self, function: Any) -> list[Any]:
         """The derivatives of a function of the coordinates along the fibre directions."""
@@ -127,38 +127,38 @@ def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0
     require_system(system)
     pushed = set().union(*map(names_in, system.forces.values())) & {*system.accelerations}
     known = (*system.known_symbols(), *sorted(pushed, key=str))
-    door = Door((s for s in known if _is_variable(system, s)), system.inputs)
-    coordinates = tuple(door.inward(q) for q in system.coordinates)
-    coordinate_velocities = tuple(door.inward(velocity(q)) for q in system.coordinates)
-    group = _group(system, door)
+    bridge = SymPyBridge((s for s in known if _is_variable(system, s)), system.inputs)
+    coordinates = tuple(bridge.inward(q) for q in system.coordinates)
+    coordinate_velocities = tuple(bridge.inward(velocity(q)) for q in system.coordinates)
+    group = _group(system, bridge)
     dots = group.velocities if group else coordinate_velocities
-    enter = _reader(system, door, group, coordinate_velocities)
+    enter = _reader(system, bridge, group, coordinate_velocities)
     relations = tuple(
         enter(r, f"relation {i + 1}") for i, r in enumerate(system.fibration.relations)
     )
     differentiated = AffineForms((), ())
     if group is None:
-        differentiated = _differentiate(relations, coordinates, door.inward(time))
+        differentiated = _differentiate(relations, coordinates, bridge.inward(time))
     frame = _frame(system, enter, dots)
     constraints = _constraints(system, enter, dots)
     _count(system, len(constraints.matrix), differentiated)
     point = _start(system) if near is None else dict(near)
     fibre = _solve_for_fibre(system, constraints, differentiated, relations, point, share)
-    _require_continuity(system, enter, (*coordinates, *dots), dots, _conditions(system, door))
-    momenta, determinant = _momentum_names(system, door)
-    forces, added = _read_forces(system, door, enter, dots, frame)
+    _require_continuity(system, enter, (*coordinates, *dots), dots, _conditions(system, bridge))
+    momenta, determinant = _momentum_names(system, bridge)
+    forces, added = _read_forces(system, bridge, enter, dots, frame)
     return Definition(
         system=system,
-        door=door,
+        bridge=bridge,
         coordinates=coordinates,
         coordinate_velocities=coordinate_velocities,
         dots=dots,
         group=group,
-        velocities=tuple(door.inward(v) for v in system.velocities),
+        velocities=tuple(bridge.inward(v) for v in system.velocities),
         momenta=momenta,
         determinant=determinant,
-        parameters=tuple(door.inward(p.symbol) for p in system.parameters),
-        time=door.inward(time),
+        parameters=tuple(bridge.inward(p.symbol) for p in system.parameters),
+        time=bridge.inward(time),
         lagrangian=enter(system.lagrangian, "the Lagrangian"),
         forces=forces,
         constraints=constraints,
@@ -178,21 +178,21 @@ def _differentiate(relations: Sequence[Any], coordinates: Sequence[Any], clock: 
     return AffineForms(slopes, tuple(r.diff(clock) for r in relations))
 
 
-def _momentum_names(system: System, door: Door) -> tuple[tuple[Any, ...], Any]:
+def _momentum_names(system: System, bridge: SymPyBridge) -> tuple[tuple[Any, ...], Any]:
     """The names of the frame for momenta and for the determinant of the mass, where it has them."""
     if system.frame is None:
         return (), None
     determinant = system.frame.determinant
     return (
-        tuple(door.inward_all(system.frame.momenta)),
-        None if determinant is None else door.inward(determinant),
+        tuple(bridge.inward_all(system.frame.momenta)),
+        None if determinant is None else bridge.inward(determinant),
     )
 
 
-def _conditions(system: System, door: Door) -> tuple[Any, ...]:
+def _conditions(system: System, bridge: SymPyBridge) -> tuple[Any, ...]:
     """What a system declares of its parameters, and what SymPy knows of symbols."""
-    declared = [condition(c, door.inward) for c in system.conditions]
-    return (*declared, *door.hypotheses)
+    declared = [condition(c, bridge.inward) for c in system.conditions]
+    return (*declared, *bridge.hypotheses)
 
 
 def _require_continuity(
@@ -216,7 +216,11 @@ def _require_continuity(
 
 
 def _read_forces(
-    system: System, door: Door, enter: Enter, dots: Sequence[Any], frame: AffineForms | None
+    system: System,
+    bridge: SymPyBridge,
+    enter: Enter,
+    dots: Sequence[Any],
+    frame: AffineForms | None,
 ) -> tuple[tuple[Any, ...], tuple[tuple[Any, ...], ...]]:
     """The forces along all directions, and their coefficients of the accelerations qddot.
 
@@ -225,18 +229,18 @@ def _read_forces(
     zero = se.Integer(0)
     held = {q: enter(e, f"the force on '{plain_name(q)}'") for q, e in system.forces.items()}
     forces = tuple(held.get(q, zero) for q in system.directions)
-    pushed = [a for a in dict.fromkeys(system.accelerations) if a in door]
+    pushed = [a for a in dict.fromkeys(system.accelerations) if a in bridge]
     if not pushed:
         return forces, ()
-    linear: AffineForms | int | None = _first_bend(forces, set(door.inward_all(pushed)))
+    linear: AffineForms | int | None = _first_bend(forces, set(bridge.inward_all(pushed)))
     if linear is None:
-        linear = AffineForms.of(forces, door.inward_all(pushed))
+        linear = AffineForms.of(forces, bridge.inward_all(pushed))
     if isinstance(linear, int):
         raise DefinitionError(
             f"system '{system.name}': the force on '{plain_name(system.directions[linear])}' is "
             "not linear in the accelerations; solve it for them first"
         )
-    rates = _rates_of_velocities(system, door, dots, frame)
+    rates = _rates_of_velocities(system, bridge, dots, frame)
     rows, rests = [], list(linear.offset)
     for k, row in enumerate(linear.matrix):
         total = [zero] * len(dots)
@@ -258,13 +262,13 @@ def _first_bend(forces: Sequence[Any], accelerations: Set[Any]) -> int | None:
 
 
 def _rates_of_velocities(
-    system: System, door: Door, dots: Sequence[Any], frame: AffineForms | None
+    system: System, bridge: SymPyBridge, dots: Sequence[Any], frame: AffineForms | None
 ) -> dict[sp.Expr, tuple[Sequence[Any], Any]]:
     """What an acceleration is: coefficients of qddot, and the part at fixed velocities."""
     zero, size = se.Integer(0), range(len(dots))
     found: dict[sp.Expr, tuple[Sequence[Any], Any]] = {}
     if frame is not None:
-        clock, coordinates = door.inward(time), door.inward_all(system.coordinates)
+        clock, coordinates = bridge.inward(time), bridge.inward_all(system.coordinates)
         definitions = zip(system.velocities, frame.matrix, frame.expressions(dots), strict=True)
         for v, row, expr in definitions:
             terms = (expr.diff(q) * dot for q, dot in zip(coordinates, dots, strict=True))
@@ -274,11 +278,11 @@ def _rates_of_velocities(
     return found
 
 
-def _group(system: System, door: Door) -> GroupFrame | None:
+def _group(system: System, bridge: SymPyBridge) -> GroupFrame | None:
     frame = system.frame
     if frame is None or not frame.is_group:
         return None
-    return read_group(frame, system.coordinates, door, f"system '{system.name}'")
+    return read_group(frame, system.coordinates, bridge, f"system '{system.name}'")
 
 
 def _start(system: System) -> dict[str, Any]:
@@ -317,16 +321,19 @@ def _is_variable(system: System, symbol: sp.Expr) -> bool:
 
 
 def _reader(
-    system: System, door: Door, group: GroupFrame | None, coordinate_velocities: Sequence[Any]
+    system: System,
+    bridge: SymPyBridge,
+    group: GroupFrame | None,
+    coordinate_velocities: Sequence[Any],
 ) -> Enter:
-    """The way in: quasi-velocities are spelled out, and what the door refuses has a place.
+    """The way in: quasi-velocities are spelled out, and what the bridge refuses has a place.
 
     On a group it is the velocities of the coordinates that are spelled out.
     """
 
     def plain(expr: sp.Expr, place: str) -> Any:
         try:
-            return door.inward(expr)
+            return bridge.inward(expr)
         except DefinitionError as error:
             raise DefinitionError(f"system '{system.name}': {place}: {error}") from None
 
@@ -337,7 +344,9 @@ def _reader(
         spelled = dict(zip(coordinate_velocities, rates, strict=True))
         return lambda expr, place: plain(expr, place).xreplace(spelled)
     pairs = zip(system.frame.velocities, system.frame.expressions, strict=True)
-    meanings = {door.inward(v): plain(e, f"the definition of '{plain_name(v)}'") for v, e in pairs}
+    meanings = {
+        bridge.inward(v): plain(e, f"the definition of '{plain_name(v)}'") for v, e in pairs
+    }
     return lambda expr, place: plain(expr, place).xreplace(meanings)
 
 

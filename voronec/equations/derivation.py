@@ -34,7 +34,7 @@ __all__ = ["Derivation", "FirstOrderForm"]
 
 @dataclass(frozen=True)
 class FirstOrderForm:
-    """qdot = rates(q, v, t),  mass * vdot = force(q, v, t), all in symengine inside the door.
+    """qdot = rates(q, v, t),  mass * vdot = force(q, v, t), all in symengine.
 
     ``coordinates`` base then fibre; ``definitions`` gives v in terms of q, qdot, t, with
     ``velocity_symbols`` the symbols of qdot, where qdot has any; ``relations`` vanish along the

@@ -16,13 +16,13 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.cardinal import divides_sines_of_sums, loses_quotients
-from voronec.algebra.door import Door
 from voronec.algebra.generators import holds_far_multiples, splits_curved_angles
 from voronec.algebra.memo import Memo
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.shape import operations
 from voronec.algebra.symbols import velocity
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.tape import Tape
 from voronec.algebra.terms import atoms
 from voronec.algebra.verdicts import all_vanish
@@ -41,7 +41,7 @@ from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.equations.distribution import Distribution, grow
 from voronec.equations.evaluation import acceleration, acceleration_tape
 from voronec.equations.integrable import integrate
-from voronec.equations.staged_equations import lean_form
+from voronec.equations.staged_equations import staged_form
 from voronec.errors import EngineLimit
 
 __all__ = ["DerivedEquations"]
@@ -77,9 +77,9 @@ class DerivedEquations:
         return Memo()
 
     @property
-    def door(self) -> Door:
+    def bridge(self) -> SymPyBridge:
         """Between the user's symbols and those inside."""
-        return self.definition.door
+        return self.definition.bridge
 
     @property
     def coordinates(self) -> tuple[sp.Expr, ...]:
@@ -145,7 +145,7 @@ class DerivedEquations:
 
     @cached_property
     def form(self) -> FirstOrderForm:
-        """The first-order form that costs the fewest operations, inside the door.
+        """The first-order form that costs the fewest operations, in the engine's symbols.
 
         Where normal forms are beyond the budget, or long, it is a straight-line program.
         """
@@ -154,7 +154,7 @@ class DerivedEquations:
         if self._raw_cost <= SHORT and self._divides_sines:
             return self.raw.form  # stages would hide the quotients
         try:
-            lean = lean_form(self.raw)
+            lean = staged_form(self.raw)
         except EngineLimit:
             return self.best.form
         if self.is_large:
@@ -169,7 +169,7 @@ class DerivedEquations:
     @cached_property
     def mass(self) -> sp.ImmutableMatrix:
         """The mass matrix, n x n: d2Lc/dv2, with what forces linear in accelerations add."""
-        return self.door.outward_matrix(self.best.mass)
+        return self.bridge.outward_matrix(self.best.mass)
 
     @cached_property
     def force(self) -> sp.ImmutableMatrix:
@@ -185,7 +185,7 @@ class DerivedEquations:
     def theta(self) -> sp.Expr:
         """The Lagrangian on the constraints; without a potential, Theta of
         [DragovicGajicJovanovic2020, eq. (v2)]."""
-        return self.door.outward(self.best.polish([self.best.constrained_lagrangian])[0])
+        return self.bridge.outward(self.best.polish([self.best.constrained_lagrangian])[0])
 
     @cached_property
     def momenta(self) -> sp.ImmutableMatrix:
@@ -211,13 +211,13 @@ class DerivedEquations:
         with a row for each fibre coordinate and a column for each of the base, and a column."""
         fibre = self._exact_or_raw(lambda d: d.fibre)
         rows = [self.best.polish(row) for row in fibre.matrix]
-        return self.door.outward_matrix(rows), self._column(self.best.polish(fibre.offset))
+        return self.bridge.outward_matrix(rows), self._column(self.best.polish(fibre.offset))
 
     @cached_property
     def curvature(self) -> Curvature:
         """A_ij^(nu) and A_i^(nu), always in the coordinate frame."""
         parts = self._vertical_parts
-        return curvature_of(parts, self.definition, self.door.outward)
+        return curvature_of(parts, self.definition, self.bridge.outward)
 
     @cached_property
     def _vertical_parts(self) -> dict[tuple[int, int], list[Any]]:
@@ -230,7 +230,7 @@ class DerivedEquations:
     @cached_property
     def brackets(self) -> Brackets:
         """c_ij^k and B_ij^A of the frame in use."""
-        return brackets_of(self._bracket_parts, self.definition, self.door.outward)
+        return brackets_of(self._bracket_parts, self.definition, self.bridge.outward)
 
     @cached_property
     def kind(self) -> str:
@@ -303,7 +303,7 @@ class DerivedEquations:
         Those that ``leaves`` integrate come first.  Raises ``EngineLimit`` where it is undecided
         what integrates.
         """
-        return tuple(map(self.door.outward, self._integrable[0]))
+        return tuple(map(self.bridge.outward, self._integrable[0]))
 
     @property
     def leaves(self) -> tuple[sp.Expr, ...]:
@@ -313,7 +313,7 @@ class DerivedEquations:
 
         Raises ``EngineLimit`` as ``integrable`` does.
         """
-        return tuple(map(self.door.outward, self._integrable[1]))
+        return tuple(map(self.bridge.outward, self._integrable[1]))
 
     def acceleration(self, point: Mapping[Any, Any], digits: int = 30) -> dict[sp.Expr, sp.Float]:
         """Second time derivatives of all coordinates, to ``digits`` digits, by ball arithmetic.
@@ -326,7 +326,7 @@ class DerivedEquations:
         return acceleration(self.system, self.raw, tape, point, digits)
 
     def _column(self, entries: Any) -> sp.ImmutableMatrix:
-        return self.door.outward_matrix([[e] for e in entries])
+        return self.bridge.outward_matrix([[e] for e in entries])
 
     def _exact_or_raw(self, make: Any) -> Any:
         try:

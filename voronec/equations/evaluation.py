@@ -11,11 +11,11 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.arguments import require_digits
-from voronec.algebra.door import RATES
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import SHARP
 from voronec.algebra.stable import stable_all
 from voronec.algebra.symbols import plain_name, time
+from voronec.algebra.sympy_bridge import RATES
 from voronec.algebra.tape import Tape, as_ball
 from voronec.algebra.verdicts import all_vanish
 from voronec.declaration.reading import quote
@@ -32,7 +32,8 @@ ON_RELATIONS = 1e-9
 
 
 def jets(system: System) -> dict[str, Any]:
-    """The inputs and their rates inside the door, by the names under which values are given."""
+    """The inputs and their rates in the engine's symbols, by the names under which values are
+    given."""
     clock, found = se.Symbol(plain_name(time)), {}
     for u in map(plain_name, system.inputs):
         function = se.Function(u)(clock)

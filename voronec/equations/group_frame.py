@@ -3,7 +3,7 @@
     [X_a, X_b] = C_ab^c X_c,      qdot = X_a(q) w^a
 
 Velocities w^a stand in the place that velocities of coordinates have elsewhere; the coordinates q
-may be fewer, or redundant [Theory, eq. (17)].  Everything here is inside the door.
+may be fewer, or redundant [Theory, eq. (17)].  Everything here is in the engine's symbols.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from typing import Any
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.door import Door
 from voronec.algebra.matrices import dot
 from voronec.algebra.symbols import plain_name, time
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.verdicts import decide_zero
 from voronec.declaration.geometry import Frame
 from voronec.errors import DefinitionError
@@ -60,17 +60,19 @@ def _total(products: Sequence[tuple[Any, ...]]) -> Any:
     return se.Add(*terms) if terms else se.Integer(0)
 
 
-def read_group(frame: Frame, coordinates: Sequence[sp.Expr], door: Door, place: str) -> GroupFrame:
-    """A group's frame inside the door, with its brackets and rates checked."""
-    velocities = tuple(map(door.inward, frame.ambient))
+def read_group(
+    frame: Frame, coordinates: Sequence[sp.Expr], bridge: SymPyBridge, place: str
+) -> GroupFrame:
+    """A group's frame in the engine's symbols, with its brackets and rates checked."""
+    velocities = tuple(map(bridge.inward, frame.ambient))
     position = {w: a for a, w in enumerate(frame.ambient)}
     table = tuple(
-        (position[a], position[b], position[c], door.inward(value))
+        (position[a], position[b], position[c], bridge.inward(value))
         for (a, b), parts in (frame.brackets or {}).items()
         for c, value in parts.items()
         if value != 0
     )
-    rates = [door.inward(frame.rates[q]) for q in coordinates]
+    rates = [bridge.inward(frame.rates[q]) for q in coordinates]
     _check_still(frame, coordinates, place)
     fields = []
     for q, rate in zip(coordinates, rates, strict=True):
@@ -84,7 +86,7 @@ def read_group(frame: Frame, coordinates: Sequence[sp.Expr], door: Door, place: 
         fields.append(row)
     group = GroupFrame(velocities, tuple(fields), table)
     _check_jacobi(group, frame, place)
-    _check_rates(group, [door.inward(q) for q in coordinates], frame, coordinates, place)
+    _check_rates(group, [bridge.inward(q) for q in coordinates], frame, coordinates, place)
     return group
 
 

@@ -1,8 +1,8 @@
 """Jumps of what velocities depend on: of a Lagrangian, its momenta, constraints and frames.
 
-Where one jumps, velocities jump too, and the equations between the walls do not say how far.  What
-is proved to jump is refused.  An angle of coordinates, as atan(1/(x - 2)), may be meant on one side
-of its cut: the places of such cuts are kept, for runs to end there.
+Where one jumps, velocities jump too, and the equations between the switching surfaces do not say
+how far.  What is proved to jump is refused.  An angle of coordinates, as atan(1/(x - 2)), may be
+meant on one side of its cut: the places of such cuts are kept, for runs to end there.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from typing import Any
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.door import Door
 from voronec.algebra.graphs import nodes
 from voronec.algebra.normal import canonical
 from voronec.algebra.roots import known_sign
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.terms import factors_of
 from voronec.algebra.verdicts import decide_zero
-from voronec.equations.program.walls import plain_roots, radicands, wall_factors
+from voronec.equations.program.switches import plain_roots, radicands, switch_factors
 from voronec.errors import DefinitionError, EngineLimit
 
 __all__ = ["AngleCut", "angle_cuts", "require_continuous", "require_no_jump",
@@ -31,16 +31,16 @@ __all__ = ["AngleCut", "angle_cuts", "require_continuous", "require_no_jump",
 
 @dataclass(frozen=True)
 class AngleCut:
-    """Where an angle of coordinates in a ``place`` of a definition jumps: where the ``wall`` passes
-    zero, and, if there is one, the ``side`` is negative."""
+    """Where an angle of coordinates in a ``place`` of a definition jumps: where the ``switching
+    surface`` passes zero, and, if there is one, the ``side`` is negative."""
 
     place: str
-    wall: Any
+    switch: Any
     side: Any = None
 
     def __str__(self) -> str:
         beside = "" if self.side is None else f" and {self.side} < 0"
-        return f"{self.wall} = 0{beside}"
+        return f"{self.switch} = 0{beside}"
 
 
 def angle_cuts(
@@ -55,22 +55,22 @@ def angle_cuts(
     for place, expr in (("the Lagrangian", lagrangian), *forms):
         if not any(n.free_symbols & held for n in nodes([expr]) if isinstance(n, _ARCS)):
             continue
-        for wall, jump, side in _jumps_of_angles(expr):
+        for switch, jump, side in _jumps_of_angles(expr):
             kicks = [jump, *(jump.diff(v) for v in velocities)]
             if expr is lagrangian:
-                kicks = _kicks(jump, wall, (*coordinates, time), velocities)
-            if wall.free_symbols & held and any(_differs(e, wall, conditions) for e in kicks):
-                found.setdefault((wall, side), AngleCut(place, wall, side))
+                kicks = _kicks(jump, switch, (*coordinates, time), velocities)
+            if switch.free_symbols & held and any(_differs(e, switch, conditions) for e in kicks):
+                found.setdefault((switch, side), AngleCut(place, switch, side))
     return tuple(found.values())
 
 
-def _kicks(jump: Any, wall: Any, places: Sequence[Any], velocities: Sequence[Any]) -> list[Any]:
+def _kicks(jump: Any, switch: Any, places: Sequence[Any], velocities: Sequence[Any]) -> list[Any]:
     """What is zero where a jump of a Lagrangian leaves the velocities alone: the jumps of momenta
-    and of minus the energy are along the gradient of the wall, by coordinates and time, ``places``;
-    so it is for the rate of a function that jumps by a constant."""
+    and of minus the energy are along the gradient of the switching surface, by coordinates and
+    time, ``places``; so it is for the rate of a function that jumps by a constant."""
     momenta = [jump.diff(v) for v in velocities]
     momenta.append(jump - sum(p * v for p, v in zip(momenta, velocities, strict=True)))
-    rows = zip(momenta, (wall.diff(q) for q in places), strict=True)
+    rows = zip(momenta, (switch.diff(q) for q in places), strict=True)
     return [p * m - o * n for (p, n), (o, m) in combinations(rows, 2)]
 
 
@@ -79,19 +79,19 @@ def require_no_jump(
 ) -> None:
     """Raise ``DefinitionError`` where an expression is proved to jump at a state at which
     conditions hold; ``place`` says what it is."""
-    for wall, jump in _jumps(expr, variables):
-        if _differs(jump, wall, conditions):
+    for switch, jump in _jumps(expr, variables):
+        if _differs(jump, switch, conditions):
             raise DefinitionError(
-                f"{place()} jumps where {wall} = 0, and velocities would with it; use a continuous "
+                f"{place()} jumps where {switch} = 0, and velocities would with it; use a continuous "
                 "one, or end the motion there and start another"
             )
 
 
 def require_continuous(place: str, function: sp.Expr) -> None:
     """Raise ``DefinitionError`` where a function of the time is proved to jump."""
-    door = Door()
-    inside = door.inward(function)
-    require_no_jump(partial(str, place), inside, door.hypotheses)
+    bridge = SymPyBridge()
+    inside = bridge.inward(function)
+    require_no_jump(partial(str, place), inside, bridge.hypotheses)
 
 
 def require_no_jump_of_lagrangian(
@@ -105,31 +105,32 @@ def require_no_jump_of_lagrangian(
 
     ``variables`` are the coordinates and velocities.
     """
-    for wall, jump in _jumps(lagrangian, variables):
-        moving = bool(wall.free_symbols & {*variables})
+    for switch, jump in _jumps(lagrangian, variables):
+        moving = bool(switch.free_symbols & {*variables})
         momenta = [jump.diff(v) for v in velocities]
         jumping = [*([jump] if moving else []), *momenta]
-        if any(_differs(e, wall, conditions) for e in jumping):
+        if any(_differs(e, switch, conditions) for e in jumping):
             raise DefinitionError(
-                f"{place}: the Lagrangian jumps where {wall} = 0, which is an impact; use a "
+                f"{place}: the Lagrangian jumps where {switch} = 0, which is an impact; use a "
                 "continuous one, or a force of finite size"
             )
 
 
 def _jumps(expr: Any, variables: Iterable[Any] = ()) -> Iterator[tuple[Any, Any]]:
-    """Walls of an expression with what it differs by on their sides.
+    """Switching surfaces of an expression with what it differs by on their sides.
 
-    Angles of what holds ``variables`` are no walls: atan(y/x) is meant on one side of x = 0.  Time
-    goes on, and passes the cuts of its own.
+    Angles of what holds ``variables`` are no switching surfaces: atan(y/x) is meant on one side of
+    x = 0.  Time goes on, and passes the cuts of its own.
     """
-    for wall, jump, side in _jumps_of_angles(expr, {*variables}):
+    for switch, jump, side in _jumps_of_angles(expr, {*variables}):
         # atan2(y, x) = +-pi where y = 0 > x
-        yield wall, jump if side is None else jump * (1 - se.sign(side))
+        yield switch, jump if side is None else jump * (1 - se.sign(side))
 
 
 def _jumps_of_angles(expr: Any, held: Set[Any] = frozenset()) -> Iterator[tuple[Any, Any, Any]]:
-    """Walls of an expression, what it differs by on their sides, and what is negative where it
-    does; None where that is all along the wall.  Angles of what is ``held`` are left alone."""
+    """Switching surfaces of an expression, what it differs by on their sides, and what is negative
+    where it does; None where that is all along the switching surface.  Angles of what is ``held``
+    are left alone."""
     expr = se.sympify(expr)
     plain = plain_roots(expr) if radicands([expr], frozenset(expr.free_symbols)) else expr
     arcs = [n for n in nodes([plain]) if isinstance(n, _ARCS) and not n.free_symbols & held]
@@ -138,18 +139,18 @@ def _jumps_of_angles(expr: Any, held: Set[Any] = frozenset()) -> Iterator[tuple[
         if isinstance(node, se.sign):
             sides = (plain.xreplace({node: se.Integer(s)}) for s in (1, -1))
             jump = next(sides) - next(sides)
-            yield from ((wall, jump, None) for wall in _changes_of_sign(node.args[0]))
+            yield from ((switch, jump, None) for switch in _changes_of_sign(node.args[0]))
         elif isinstance(node, se.floor):
             above = plain.xreplace({node: node.args[0]})
-            wall = se.sin(se.pi * node.args[0])
-            yield wall, above - plain.xreplace({node: node.args[0] - 1}), None
+            switch = se.sin(se.pi * node.args[0])
+            yield switch, above - plain.xreplace({node: node.args[0] - 1}), None
         elif isinstance(node, se.atan2) and not node.free_symbols & held:
             y, x = node.args
             # x sign(x) has the sign of x/x
             if known_sign(x.xreplace({n: 1 / n.args[0] for n in x.atoms(se.sign)})) > 0:
                 continue
             jump = plain.xreplace({node: se.pi}) - plain.xreplace({node: -se.pi})
-            yield from ((wall, jump, x) for wall in _changes_of_sign(y))
+            yield from ((switch, jump, x) for switch in _changes_of_sign(y))
 
 
 _ARCS = (se.asin, se.acos, se.atan, se.acot, se.atan2)
@@ -157,17 +158,17 @@ _ARCS = (se.asin, se.acos, se.atan, se.acot, se.atan2)
 
 def _changes_of_sign(function: Any) -> Iterator[Any]:
     """The factors of a function where it changes its sign."""
-    for factor in wall_factors(function) or factors_of(function):
+    for factor in switch_factors(function) or factors_of(function):
         base, exponent = factor.args if isinstance(factor, se.Pow) else (factor, se.Integer(1))
         is_even = isinstance(exponent, se.Integer) and exponent % 2 == 0
         if base.free_symbols and not (is_even or isinstance(base, (se.Abs, se.sign))):
             yield base
 
 
-def _differs(jump: Any, wall: Any, conditions: Sequence[Any]) -> bool:
+def _differs(jump: Any, switch: Any, conditions: Sequence[Any]) -> bool:
     if jump == 0:
         return False
-    relations = [] if wall.has(se.pi) and isinstance(wall, se.sin) else [wall]
+    relations = [] if switch.has(se.pi) and isinstance(switch, se.sin) else [switch]
     try:
         jump = canonical([jump])[0]  # 2 sin(u)/sin(u) is 2 beside u = 0
         return bool(decide_zero(jump, [*relations, *conditions]).refuted)

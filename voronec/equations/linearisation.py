@@ -314,7 +314,7 @@ class Linearisation:
 
     @cached_property
     def _tape(self) -> Tape:
-        return Tape(self.equations.door.inward_all([*self.A]))
+        return Tape(self.equations.bridge.inward_all([*self.A]))
 
 
 @accepts(
@@ -353,7 +353,7 @@ def linearise(equations: DerivedEquations, at: Mapping[Any, Any] | None = None) 
 def _point(
     equations: DerivedEquations, at: Mapping[Any, Any]
 ) -> tuple[dict[Any, Any], dict[str, sp.Expr]]:
-    """Values inside the door by what they replace there, and as they were read."""
+    """Values in the engine's symbols by what they replace there, and as they were read."""
     system, d = equations.system, equations.definition
     clock = se.Symbol(plain_name(time))
     atoms = {str(x): x for x in (*d.coordinates, *d.velocities, *d.parameters, clock)}
@@ -367,7 +367,7 @@ def _point(
                 f"parameter, input or time{did_you_mean(name, [*atoms])}"
             )
         read[name] = expression(value, f"the value of '{name}'")
-        inside[atoms[name]] = equations.door.inward(read[name])
+        inside[atoms[name]] = equations.bridge.inward(read[name])
     now = {clock: inside[clock]} if clock in inside else {}
     return {x: value.xreplace(now) for x, value in inside.items()}, read
 
@@ -402,14 +402,14 @@ def _about(
     flat = _tidy([e for row in chained for e in row] + values, point, own.relations, late)
     if any(part in _NOT_FINITE for e in flat for part in (e, *e.args)) or _divides_by_zero(flat):
         raise EngineLimit("the mass matrix is singular there, or a formula divides by zero")
-    out = [equations.door.outward(e) for e in flat]
+    out = [equations.bridge.outward(e) for e in flat]
     size = len(values)
     full = sp.Matrix(size, size + len(inputs), out[: len(out) - size])
     return Linearisation(
         equations=equations,
         point=read,
-        state=tuple(equations.door.outward(variables[i]) for i in (*kept, *range(k, k + n))),
-        inputs=tuple(equations.door.outward(u) for u in inputs),
+        state=tuple(equations.bridge.outward(variables[i]) for i in (*kept, *range(k, k + n))),
+        inputs=tuple(equations.bridge.outward(u) for u in inputs),
         A=sp.ImmutableMatrix(full[:, :size]),
         B=sp.ImmutableMatrix(full[:, size:]),
         rates=sp.ImmutableMatrix(size, 1, out[len(out) - size :]),
@@ -436,7 +436,7 @@ def _require_relations(equations: DerivedEquations, values: Sequence[Any]) -> No
     """Raise where a relation between the coordinates is not met at the point."""
     system = equations.system
     for relation, inner in zip(system.fibration.relations, values, strict=False):
-        value = equations.door.outward(inner)
+        value = equations.bridge.outward(inner)
         if value.is_number and value.equals(0) is False:
             raise DefinitionError(
                 f"system '{system.name}': the point does not lie on the relation "

@@ -85,7 +85,7 @@ class MechanicsForm:
         """(qdot, udot) solved for, (k + n) x 1."""
         equations = self.equations
         solved = [[a] for a in for_numbers(equations).accelerations]
-        return sp.Matrix([self._rates, self._name_rates(equations.door.outward_matrix(solved))])
+        return sp.Matrix([self._rates, self._name_rates(equations.bridge.outward_matrix(solved))])
 
     def linearize(
         self,

@@ -64,20 +64,20 @@ class Motions:
     @cached_property
     def on_invariants(self) -> VectorField:
         """The field on invariants and velocities."""
-        found, door = self.reduction, self.equations.door
+        found, bridge = self.reduction, self.equations.bridge
         own = self.equations.definition
         return VectorField(
             system=self.system,
             level="invariants",
-            door=door,
-            positions=tuple(door.inward(g) for g in found.invariants),
+            bridge=bridge,
+            positions=tuple(bridge.inward(g) for g in found.invariants),
             velocities=own.velocities,
             time=own.time,
             parameters=own.parameters,
-            rates=tuple(door.inward_all(found.rates)),
-            mass=tuple(tuple(door.inward_all(found.mass.row(i))) for i in range(found.mass.rows)),
-            force=tuple(door.inward_all(found.force)),
-            relations=tuple(door.inward_all(found.relations)),
+            rates=tuple(bridge.inward_all(found.rates)),
+            mass=tuple(tuple(bridge.inward_all(found.mass.row(i))) for i in range(found.mass.rows)),
+            force=tuple(bridge.inward_all(found.force)),
+            relations=tuple(bridge.inward_all(found.relations)),
             meaning={},
             determinant=own.determinant,
             conditions=own.conditions,

@@ -102,7 +102,7 @@ def descend(
     eqs = system if isinstance(system, VoronecEquations) else derive(system)
     chosen = _choose_invariants(eqs, invariants)
     derivation = eqs.exact
-    inside = [eqs.door.inward(g) for g in chosen.values()]
+    inside = [eqs.bridge.inward(g) for g in chosen.values()]
     _check_configurational(eqs, chosen, inside)
     tags = [se.Symbol(name) for name in chosen]
     n = derivation.connection.n
@@ -117,7 +117,7 @@ def descend(
         element = ring.fraction(target)
         if not _free_of(ring, element, moving):
             _refuse(eqs, label, target, inside)
-        found.append(eqs.door.outward(expression(ring, element, group)))
+        found.append(eqs.bridge.outward(expression(ring, element, group)))
     return Reduction(
         system=eqs.system,
         invariants=tuple(sp.Symbol(name) for name in chosen),
@@ -133,10 +133,11 @@ def descend(
 def in_invariants(
     eqs: VoronecEquations, exprs: Sequence[Any], kept: Sequence[Any] = ()
 ) -> list[Any | None]:
-    """Expressions inside the door as functions of the declared invariants, of velocities of the
-    equations and of the coordinates that are ``kept``; None for those that were not rewritten."""
+    """Expressions in the engine's symbols as functions of the declared invariants, of velocities of
+    the equations and of the coordinates that are ``kept``; None for those that were not
+    rewritten."""
     chosen = _choose_invariants(eqs, None)
-    inside = [eqs.door.inward(g) for g in chosen.values()]
+    inside = [eqs.bridge.inward(g) for g in chosen.values()]
     tags = [se.Symbol(name) for name in chosen]
     plain, ring, group = _ring_of_invariants(eqs, exprs, inside, tags)
     free = [q for q in eqs.definition.coordinates if q not in kept]
@@ -201,7 +202,7 @@ def _relations_among(
 ) -> tuple[sp.Expr, ...]:
     """The elements of the Groebner basis in which only tags occur."""
     return tuple(
-        eqs.door.outward(ring.polynomial(p))
+        eqs.bridge.outward(ring.polynomial(p))
         for p in ring.field.ideal
         if not any(p.degrees()[g] for g in moving)
     )

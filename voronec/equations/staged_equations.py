@@ -34,7 +34,7 @@ from voronec.equations.definition import Definition
 from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.errors import EngineLimit
 
-__all__ = ["StagedMotion", "lean_form"]
+__all__ = ["StagedMotion", "staged_form"]
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class StagedSystem:
         dots = d.coordinate_velocities
         frame = d.frame.expressions(dots) if d.frame else []
         meaning = dict(zip(d.velocities, frame, strict=False))  # in constraints, spelled out
-        constraints = [d.door.inward(c).xreplace(meaning) for c in d.system.constraints]
+        constraints = [d.bridge.inward(c).xreplace(meaning) for c in d.system.constraints]
         affine = _is_affine(constraints, dots)
         conditions = constraints if affine else d.constraints.expressions(dots)
         right = [ZERO] * len(conditions) + list(d.velocities)
@@ -267,16 +267,16 @@ class StagedMotion:
         return self.stages.total(terms)
 
 
-def lean_form(raw: Derivation) -> FirstOrderForm:
+def staged_form(raw: Derivation) -> FirstOrderForm:
     """The first-order form of a derivation with ``stages``; equal to ``raw.form``, much shorter.
 
     Raises ``EngineLimit`` where the velocities are not determined stage by stage.
     """
     d = raw.definition
     if d.group is not None:
-        raise EngineLimit("systems on a group have no lean form")
+        raise EngineLimit("systems on a group have no staged form")
     if d.added:
-        raise EngineLimit("forces that hold accelerations have no lean form")
+        raise EngineLimit("forces that hold accelerations have no staged form")
     taken = {str(s) for s in (*d.coordinates, *d.velocities, *d.parameters, d.time)}
     prefix = "z"
     while any(name.startswith(prefix) for name in taken):

@@ -2,7 +2,7 @@
 
     positions' = rates,   mass * velocities' = force
 
-Claims and relations are statements about such fields.  Everything here is inside the door.
+Claims and relations are statements about such fields.  Everything here is in the engine's symbols.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.branches import bounds_of
-from voronec.algebra.door import Door
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.matrices import determinant, is_product
 from voronec.algebra.normal import canonical
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.rank import generic_rows
 from voronec.algebra.roots import known_sign
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.tape import Tape
 from voronec.algebra.terms import atoms
 from voronec.algebra.verdicts import Verdict
@@ -85,7 +85,7 @@ class VectorField(EquationsOfMotion):
 
     system: System
     level: str
-    door: Door
+    bridge: SymPyBridge
     meaning: dict[Any, Any]
     dots: tuple[Any, ...] = ()
     definitions: dict[Any, Any] = field(default_factory=dict)
@@ -106,15 +106,15 @@ class VectorField(EquationsOfMotion):
 
     def read(self, expr: sp.Expr) -> Any:
         """A function of the state, from the user's symbols."""
-        return self.express(self.door.inward(expr))
+        return self.express(self.bridge.inward(expr))
 
     def read_with_momenta(self, expr: sp.Expr) -> Any:
         """The same with named momenta as they are: its rate is simpler so."""
-        return self._own(self._spell_determinant(self.door.inward(expr)).xreplace(self.meaning))
+        return self._own(self._spell_determinant(self.bridge.inward(expr)).xreplace(self.meaning))
 
     def read_density(self, expr: sp.Expr) -> Any:
         """The same with the determinant of the mass by its name."""
-        return self._own(self.door.inward(expr).xreplace(self.meaning).xreplace(self.momenta))
+        return self._own(self.bridge.inward(expr).xreplace(self.meaning).xreplace(self.momenta))
 
     def read_branches(self, expr: sp.Expr) -> Any:
         """The same where the determinant is raised to powers only: it is nowhere zero, and has no
@@ -125,7 +125,7 @@ class VectorField(EquationsOfMotion):
         return self.read(expr) if self.determinant in rest.free_symbols else named
 
     def express(self, expr: Any) -> Any:
-        """A function inside the door, with everything that has a meaning spelled out."""
+        """A function in the engine's symbols, with everything that has a meaning spelled out."""
         return self._own(
             self._spell_determinant(expr).xreplace(self.meaning).xreplace(self.momenta)
         )
@@ -135,7 +135,7 @@ class VectorField(EquationsOfMotion):
         """What moves with the system, but has no meaning on this level."""
         own = {*self.variables, *self.momenta, self.determinant}
         moving = moving_names(self.system.coordinates, self.system.frame)
-        return frozenset({*map(self.door.inward, moving)} - own)
+        return frozenset({*map(self.bridge.inward, moving)} - own)
 
     def _own(self, expr: Any) -> Any:
         """A function that holds nothing foreign: what moves must not pass for a constant."""
@@ -235,7 +235,7 @@ class VectorField(EquationsOfMotion):
         """Whether there are motions: whether the equations have real values at some state."""
         for b in dict.fromkeys(b for e in self.entries for b in bounds_of(e, pieces=False)):
             if known_sign(b, self.hypotheses, strict=True) < 0:
-                words = f"their equations are real where {quote(self.door.outward(b))} >= 0 alone"
+                words = f"their equations are real where {quote(self.bridge.outward(b))} >= 0 alone"
                 return Verdict("refuted", f"there are no motions: {words}")
         try:
             everywhere = not any(map(bounds_of, self.entries))
@@ -265,18 +265,18 @@ def for_numbers(equations: DerivedEquations) -> VectorField:
 
 
 def _field(equations: DerivedEquations, d: Derivation) -> VectorField:
-    door = equations.door
+    bridge = equations.bridge
     own = d.definition
     rates = tuple(d.rates)
     meaning = dict(zip(own.coordinate_velocities, rates, strict=True)) | dict(d.dependent)
     for v in own.velocities:
         meaning.pop(v, None)
     for name, g in equations.system.invariants.items():
-        meaning[se.Symbol(name)] = door.inward(g)
+        meaning[se.Symbol(name)] = bridge.inward(g)
     return VectorField(
         system=equations.system,
         level="coordinates",
-        door=door,
+        bridge=bridge,
         positions=own.coordinates,
         velocities=own.velocities,
         time=own.time,

@@ -46,20 +46,22 @@ def turned_poles(
     require("turned_poles", "contact", contact, instance(RollingContact))
     require("turned_poles", "changes", changes, POINT)
     ball, theta = _PolarPair(*contact.body.coordinates), contact.theta
-    flipped = {**ball.twin, **{x: -x for x in along}, theta: theta + sp.pi}
+    flipped = {**ball.sheet, **{x: -x for x in along}, theta: theta + sp.pi}
     turned = {**ball.state, **ball.components(along)}
     if not _is_sphere(contact.fixed):
         state = {**turned, theta: theta - ball.angle}
-        return {"pole of the ball turned": Chart(state, ball.singular, changes, twins=(flipped,))}
+        return {
+            "pole of the ball turned": Chart(state, ball.singular, changes, double_cover=(flipped,))
+        }
     fixed = _PolarPair(*contact.fixed.coordinates)
     singular = ball.singular * fixed.singular
     both = {**turned, **fixed.state, theta: theta - ball.angle - fixed.angle}
-    twins = (flipped, {**fixed.twin, theta: theta + sp.pi})
+    double_cover = (flipped, {**fixed.sheet, theta: theta + sp.pi})
     own = {**turned, theta: theta - ball.angle}
     return {
-        "pole of the ball turned": Chart(own, singular, changes, twins=twins[:1]),
+        "pole of the ball turned": Chart(own, singular, changes, double_cover=double_cover[:1]),
         **_of_sphere(fixed, theta, singular),
-        "both poles turned": Chart(both, singular, changes, twins=twins),
+        "both poles turned": Chart(both, singular, changes, double_cover=double_cover),
     }
 
 
@@ -79,8 +81,8 @@ def turned_sphere(contact: RollingContact) -> dict[str, Chart]:
 
 def _of_sphere(fixed: _PolarPair, theta: sp.Symbol, singular: sp.Expr) -> dict[str, Chart]:
     state = {**fixed.state, theta: theta - fixed.angle}
-    twin = {**fixed.twin, theta: theta + sp.pi}
-    return {"pole of the sphere turned": Chart(state, singular, twins=(twin,))}
+    sheet = {**fixed.sheet, theta: theta + sp.pi}
+    return {"pole of the sphere turned": Chart(state, singular, double_cover=(sheet,))}
 
 
 @dataclass(frozen=True)
@@ -111,7 +113,7 @@ class _PolarPair:
         }
 
     @property
-    def twin(self) -> dict[sp.Expr, sp.Expr]:
+    def sheet(self) -> dict[sp.Expr, sp.Expr]:
         """Other values for the same point, in which both coordinate lines run the other way."""
         return {self.u: -self.u, self.v: self.v + sp.pi}
 

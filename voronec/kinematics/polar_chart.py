@@ -19,10 +19,10 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.arguments import POINT, SEQUENCE, instance, require
-from voronec.algebra.door import Door
 from voronec.algebra.matrices import determinant
 from voronec.algebra.normal import shorten, shortest
 from voronec.algebra.symbols import names_in, plain_name, velocity
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.declaration.charts import Chart
 from voronec.declaration.geometry import Frame
 from voronec.declaration.reading import expression
@@ -64,7 +64,7 @@ def cartesian_chart(
         require("cartesian_chart", "near", near, POINT)
     r, phi = distinct_names(tuple(polar), 2, "the polar coordinates")
     moved = _ChartImage(r, phi)
-    there, back, twin = _maps(r, phi, frame)
+    there, back, sheet = _maps(r, phi, frame)
     changes: dict[str, Any] = {"lagrangian": moved.regular(lagrangian, "the Lagrangian")}
     if constraints:
         changes["constraints"] = moved.solve([expression(c, "a constraint") for c in constraints])
@@ -73,7 +73,7 @@ def cartesian_chart(
     length = expression(unit, "unit")
     return Chart(
         state=there, singular=r / length, changes=changes, back=back, singular_there=sp.Integer(1),
-        twins=(twin,), near={**(near or {}), r: 0, phi: 0},
+        double_cover=(sheet,), near={**(near or {}), r: 0, phi: 0},
     )  # fmt: skip
 
 
@@ -119,11 +119,11 @@ class _ChartImage:
 
     def solve(self, constraints: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
         """The constraints solved for velocities for which the solution is regular on the axis."""
-        rows, door = [self._of(c) for c in constraints], Door()
-        inside = door.inward_all(rows)
-        axis = dict.fromkeys(door.inward_all((self.r, self.phi)), 0)
+        rows, bridge = [self._of(c) for c in constraints], SymPyBridge()
+        inside = bridge.inward_all(rows)
+        axis = dict.fromkeys(bridge.inward_all((self.r, self.phi)), 0)
         for chosen in self._pivots(rows):
-            names = door.inward_all(chosen)
+            names = bridge.inward_all(chosen)
             matrix = [[row.diff(x) for x in names] for row in inside]
             rest = [row.xreplace(dict.fromkeys(names, 0)) for row in inside]
             # by Cramer's rule
@@ -132,7 +132,7 @@ class _ChartImage:
             ends = [e.xreplace(axis) for e in (below, *above)]
             if below == 0 or (ends[0] == 0 and any(e not in (0, se.nan) for e in ends[1:])):
                 continue  # the solution is infinite there
-            found = [door.outward(e) for e in shortest([x / below for x in above])]
+            found = [bridge.outward(e) for e in shortest([x / below for x in above])]
             if all(map(self._is_regular, found)):
                 return tuple(v + x for v, x in zip(chosen, found, strict=True))
         raise DefinitionError(
@@ -159,11 +159,11 @@ def _with_column(rows: Sequence[Sequence[Any]], j: int, column: Sequence[Any]) -
 
 
 def _maps(r: sp.Expr, phi: sp.Expr, frame: Frame | None) -> tuple[dict[Any, Any], ...]:
-    """The state in the chart, that of the system, and the twin with r on the other side."""
+    """The state in the chart, that of the system, and the sheet with r on the other side."""
     cos, sin, square = sp.cos(phi), sp.sin(phi), r**2 + phi**2
     there = {r: r * cos, phi: r * sin}
     back = {r: sp.sqrt(square), phi: sp.atan2(phi, r)}
-    twin = {r: -r, phi: phi + sp.pi}
+    sheet = {r: -r, phi: phi + sp.pi}
     named = {} if frame is None else dict(zip(frame.expressions, frame.velocities, strict=True))
     v, w = (named.get(velocity(q)) for q in (r, phi))
     if (v is None) != (w is None):
@@ -173,5 +173,5 @@ def _maps(r: sp.Expr, phi: sp.Expr, frame: Frame | None) -> tuple[dict[Any, Any]
     if v is not None:
         there |= {v: v * cos - r * w * sin, w: v * sin + r * w * cos}
         back |= {v: (r * v + phi * w) / sp.sqrt(square), w: (r * w - phi * v) / square}
-        twin[v] = -v
-    return there, back, twin
+        sheet[v] = -v
+    return there, back, sheet

@@ -10,9 +10,9 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.arguments import SEQUENCE, require
-from voronec.algebra.door import Door
 from voronec.algebra.normal import shortest
 from voronec.algebra.symbols import time, velocity
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.verdicts import decide_equal
 from voronec.declaration.derivatives import derivative
 from voronec.declaration.reading import expression, several
@@ -188,20 +188,20 @@ class Surface:
         return x, y, z
 
     def _out(self, exprs: Sequence[Any]) -> tuple[Any, ...]:
-        return tuple(self._shape.door.outward(e) for e in exprs)
+        return tuple(self._shape.bridge.outward(e) for e in exprs)
 
     @cached_property
     def _shape(self) -> _Shape:
-        door = Door(self.coordinates)
-        u, v = door.inward_all(self.coordinates)
-        r = door.inward_all(self.position)
+        bridge = SymPyBridge(self.coordinates)
+        u, v = bridge.inward_all(self.coordinates)
+        r = bridge.inward_all(self.position)
         if any(str(s) == time.name for x in r for s in x.free_symbols):
             raise DefinitionError(
                 "the position on a surface depends on the time; give the surface at rest"
             )
-        lengths = [None, None] if self.lengths is None else door.inward_all(self.lengths)
-        area = None if self.area is None else door.inward(self.area)
-        return _Shape.of(door, (u, v), r, lengths, area)
+        lengths = [None, None] if self.lengths is None else bridge.inward_all(self.lengths)
+        area = None if self.area is None else bridge.inward(self.area)
+        return _Shape.of(bridge, (u, v), r, lengths, area)
 
 
 @lru_cache(maxsize=64)
@@ -214,9 +214,9 @@ def _sphere(radius: sp.Expr, u: sp.Expr, v: sp.Expr) -> Surface:
 
 @dataclass(frozen=True)
 class _Shape:
-    """A surface inside the door, in symengine expressions."""
+    """A surface in the engine's symbols, in symengine expressions."""
 
-    door: Door
+    bridge: SymPyBridge
     coordinates: tuple[Any, Any]
     r: Sequence[Any]
     ru: Sequence[Any]
@@ -231,7 +231,7 @@ class _Shape:
 
     @classmethod
     def of(
-        cls, door: Door, names: tuple[Any, Any], r: Sequence[Any], lengths: Any, area: Any
+        cls, bridge: SymPyBridge, names: tuple[Any, Any], r: Sequence[Any], lengths: Any, area: Any
     ) -> _Shape:
         """Compute the first form, and check the lengths that are given."""
         ru, rv = ([x.diff(name) for x in r] for name in names)
@@ -252,7 +252,7 @@ class _Shape:
             width = lv if f == 0 else area / lu
         else:
             width = area / lu
-        return cls(door, names, r, ru, rv, e, f, g, square, lu, area, width)
+        return cls(bridge, names, r, ru, rv, e, f, g, square, lu, area, width)
 
     @cached_property
     def axes(self) -> tuple[Sequence[Any], Sequence[Any], Sequence[Any]]:

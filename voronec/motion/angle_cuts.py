@@ -14,7 +14,7 @@ import sympy as sp
 
 from voronec.equations.jumps import AngleCut, angle_cuts
 from voronec.errors import IntegrationError
-from voronec.motion.request import Guard, Vocabulary
+from voronec.motion.request import Guard, Namespace
 from voronec.motion.trajectory import Trajectory
 
 __all__ = ["CutWatch"]
@@ -30,13 +30,13 @@ Motion = Callable[[tuple[Any, ...], Mapping[str, Any], tuple[Guard, ...], np.nda
 class CutWatch:
     """Looks where motions of a system reach its ``cuts``, by names of events."""
 
-    vocabulary: Vocabulary
+    namespace: Namespace
     cuts: Mapping[str, AngleCut]
 
     @classmethod
-    def of(cls, vocabulary: Vocabulary) -> CutWatch:
+    def of(cls, namespace: Namespace) -> CutWatch:
         """The cuts in the Lagrangian, in constraints and in the frame, which are sought once."""
-        d = vocabulary.equations.definition
+        d = namespace.equations.definition
 
         def find() -> dict[str, AngleCut]:
             forms = (("a constraint", d.constraints), ("a quasi-velocity", d.frame))
@@ -44,7 +44,7 @@ class CutWatch:
             found = angle_cuts(d.lagrangian, places, d.coordinates, d.dots, d.time, d.conditions)
             return {f"{CUT} {i}": cut for i, cut in enumerate(found)}
 
-        return cls(vocabulary, vocabulary.equations.memo.once("cuts of angles", find))
+        return cls(namespace, namespace.equations.memo.once("cuts of angles", find))
 
     def motion(
         self, go: Motion, outputs: tuple[Any, ...], functions: Mapping[str, Any],
@@ -54,14 +54,14 @@ class CutWatch:
         it reaches a cut."""
         if not self.cuts:
             return go(outputs, functions, events, grid)
-        names = self.vocabulary.read_outputs(outputs).names
+        names = self.namespace.read_outputs(outputs).names
         hidden = tuple(s for n, s in self._sides.items() if n not in names)
         wide = (*(outputs or names), *hidden) if hidden else outputs
-        walls = {name: self._outward(cut.wall) for name, cut in self.cuts.items()}
+        switches = {name: self._outward(cut.switch) for name, cut in self.cuts.items()}
         looks = [Guard(n, stop=cut.side is None) for n, cut in self.cuts.items()]
         failure = None
         try:
-            found = go(wide, {**functions, **walls}, (*events, *looks), grid)
+            found = go(wide, {**functions, **switches}, (*events, *looks), grid)
         except IntegrationError as error:
             if error.trajectory is None:
                 raise
@@ -81,15 +81,15 @@ class CutWatch:
 
     @property
     def _sides(self) -> dict[str, sp.Expr]:
-        """What tells whether a wall is a cut there, by the names of outputs."""
+        """What tells whether a switching surface is a cut there, by the names of outputs."""
         sides = (cut.side for cut in self.cuts.values() if cut.side is not None)
         return {self._name(side): self._outward(side) for side in sides}
 
     def _name(self, side: Any) -> str:
-        return self.vocabulary.read_condition(self._outward(side))[0]
+        return self.namespace.read_condition(self._outward(side))[0]
 
     def _outward(self, expr: Any) -> sp.Expr:
-        return self.vocabulary.equations.definition.door.outward(expr)
+        return self.namespace.equations.definition.bridge.outward(expr)
 
     def _first(self, found: Trajectory) -> tuple[Any, np.ndarray, AngleCut] | None:
         """When and where a motion first reaches a cut, and which."""
@@ -109,7 +109,7 @@ class CutWatch:
         """The error of a motion that reaches a cut, and the part ``before``."""
         reason = f"{cut.place} has an angle that jumps where {cut}, and velocities would with it"
         return IntegrationError(
-            f"system '{self.vocabulary.equations.system.name}': {reason}, at t = "
+            f"system '{self.namespace.equations.system.name}': {reason}, at t = "
             f"{float(time):.12g}; end the run before that, or give what the motion feels of the "
             "angle, its slopes, as forces",
             time,

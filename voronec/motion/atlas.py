@@ -20,7 +20,7 @@ from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.motion.methods import choose
 from voronec.motion.request import Guard
 from voronec.motion.state_probe import quantities
-from voronec.motion.steppers import Problem, Run, Stepper, cut_at_singularity
+from voronec.motion.steppers import Integrator, Problem, Run, cut_at_singularity
 from voronec.motion.steppers.units import natural_units
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ __all__ = [
 class KeptChart:
     """One chart on the variables that are kept.
 
-    ``there`` and ``back`` map every variable, of the chart and of the system; ``twins`` give
+    ``there`` and ``back`` map every variable, of the chart and of the system; ``double_cover`` give
     other values for the same state of the system, where there are some; ``singular`` is a function
     in the chart.  ``factors`` vanish where the system's own coordinates are singular.
     """
@@ -46,7 +46,7 @@ class KeptChart:
     kept: FirstOrderForm
     there: Mapping[Any, Any]
     back: Mapping[Any, Any]
-    twins: tuple[Mapping[Any, Any], ...]
+    double_cover: tuple[Mapping[Any, Any], ...]
     singular: Any
     factors: tuple[Any, ...]
 
@@ -88,8 +88,8 @@ class KeptChart:
 
     def pull_back(self, function: Any) -> Any:
         """A function of the system's state as one of the state in the chart."""
-        door, system = self.equations.door, self.equations.system
-        dots = {door.inward(q): door.inward(velocity(q)) for q in system.coordinates}
+        bridge, system = self.equations.bridge, self.equations.system
+        dots = {bridge.inward(q): bridge.inward(velocity(q)) for q in system.coordinates}
         rates = {
             own: se.Add(*[self.back[q].diff(x) * dot for x, dot in dots.items()])
             for q, own in dots.items()
@@ -103,26 +103,32 @@ def kept_charts(equations: VoronecEquations, form: FirstOrderForm) -> tuple[Kept
 
     There is none where the form has other velocities than the system's, or other variables.
     """
-    system, door = equations.system, equations.door
-    names = {door.inward(x): x for x in (*system.coordinates, *system.velocities)}
+    system, bridge = equations.system, equations.bridge
+    names = {bridge.inward(x): x for x in (*system.coordinates, *system.velocities)}
     state = (*form.coordinates, *form.velocities)
     if not {*state} <= {*names} or len(form.velocities) != len(system.velocities):
         return ()
-    dots = {door.inward(velocity(q)) for q in system.coordinates}
+    dots = {bridge.inward(velocity(q)) for q in system.coordinates}
     # a coordinate that a model holds fast is a parameter of its form, but not of the chart's
-    closed = {*state, *dots, *(door.inward(p.symbol) for p in system.parameters)}
+    closed = {*state, *dots, *(bridge.inward(p.symbol) for p in system.parameters)}
     found: dict[Any, KeptChart] = {}
     for name, chart in system.charts.items():
-        maps = [chart.values(system), chart.values(system, "back"), *chart.twin_values(system)]
-        there, back, *twins = ({x: door.inward(e[names[x]]) for x in state} for e in maps)
-        images = [*there.values(), *back.values(), *(e for twin in twins for e in twin.values())]
+        maps = [chart.values(system), chart.values(system, "back"), *chart.sheet_values(system)]
+        there, back, *double_cover = ({x: bridge.inward(e[names[x]]) for x in state} for e in maps)
+        images = [
+            *there.values(),
+            *back.values(),
+            *(e for sheet in double_cover for e in sheet.values()),
+        ]
         own, others = (
-            tuple(f for f in _factors(door.inward(e)) if f.free_symbols <= closed)
+            tuple(f for f in _factors(bridge.inward(e)) if f.free_symbols <= closed)
             for e in (chart.singular, chart.singular_there)
         )
         moves = any(x != e for x, e in there.items())
         if own and moves and all(e.free_symbols <= closed for e in images):
-            kept = KeptChart(name, equations, form, there, back, (*twins,), se.Mul(*others), own)
+            kept = KeptChart(
+                name, equations, form, there, back, (*double_cover,), se.Mul(*others), own
+            )
             found.setdefault(tuple(there.values()), kept)
     return tuple(found.values())
 
@@ -194,29 +200,29 @@ class ChartProblem:
     """One chart, ready to be integrated in.
 
     ``stepper`` begins at what ``problem.start`` holds when it is called; ``home`` takes times (k,)
-    and states (k, n) to states of the own chart, and each of ``twins`` takes these to others that
+    and states (k, n) to states of the own chart, and each of ``double_cover`` takes these to others that
     are the same.
     """
 
     name: str
     problem: Problem
-    stepper: Stepper
+    solver: Integrator
     chosen: Mapping[str, Any]
     home: Home
-    twins: tuple[Home, ...] = ()
+    double_cover: tuple[Home, ...] = ()
 
     @property
     def ways_home(self) -> list[Home]:
-        """``home``, and then any of the twins, one after another."""
+        """``home``, and then any of the sheets, one after another."""
         ways = [self.home]
-        for twin in self.twins:
-            ways += [_after(way, twin) for way in ways]
+        for sheet in self.double_cover:
+            ways += [_after(way, sheet) for way in ways]
         return ways
 
     def run(self, state: np.ndarray, times: np.ndarray) -> Run:
         """The motion from a state on."""
         self.problem.start[:] = state
-        return cut_at_singularity(self.stepper(times), self.problem)
+        return cut_at_singularity(self.solver(times), self.problem)
 
 
 @dataclass
@@ -378,8 +384,8 @@ class Atlas:
         # a rate that is next to nothing in one chart is that of a whole turn in another
         problem = replace(problem, units=natural_units(problem))
         made = choose(self.place(HOME).chosen["method"], problem, self.grid)
-        twins = tuple(self._rows(self.form, twin) for twin in chart.twins)
-        return ChartProblem(name, problem, *made, self._rows(chart.form, chart.back), twins)
+        double_cover = tuple(self._rows(self.form, sheet) for sheet in chart.double_cover)
+        return ChartProblem(name, problem, *made, self._rows(chart.form, chart.back), double_cover)
 
     def _end(self, name: str, direction: int) -> Guard:
         """The end of a stretch; the direction is that along the run, which may go backwards."""

@@ -31,7 +31,7 @@ from voronec.motion.steppers.heyoka_stepper import (
     parameter_count,
     unit_parameters,
 )
-from voronec.motion.steppers.run import COLLAPSE, INFINITE, WINDOW, Headway, Problem
+from voronec.motion.steppers.run import COLLAPSE, INFINITE, WINDOW, Problem, StallDetector
 from voronec.motion.steppers.samples import OwnedSamples, StepSamples, series_samples
 from voronec.motion.steppers.scipy_stepper import estimated_steps
 from voronec.motion.steppers.series_reach import (
@@ -374,16 +374,16 @@ def along(
 
 
 @dataclass(eq=False)
-class _LanesHeadway:
+class _LanesStallDetector:
     """Whether the steps of each motion lead to the end of a grid, and how many they are."""
 
     steps: np.ndarray
     grid: np.ndarray
 
     @cached_property
-    def looks(self) -> list[Headway]:
+    def looks(self) -> list[StallDetector]:
         """One look at each motion."""
-        return [Headway(self.grid[0], float(self.grid[-1]), LONG) for _ in self.steps]
+        return [StallDetector(self.grid[0], float(self.grid[-1]), LONG) for _ in self.steps]
 
     def errors(self, lanes: Lanes) -> dict[int, IntegrationError]:
         """The motions whose last steps lead nowhere."""
@@ -410,7 +410,7 @@ def _pieces(
     """Fill ``rows`` (width, k, n) piece by piece of the grid; what broke, by motion, and steps."""
     lanes.reset_size()
     ta, at, piece, steps = lanes.integrator, 0, 1 if lanes.winding.is_needed else PIECE, 0
-    headway, lanes.samples = _LanesHeadway(np.zeros(lanes.width, dtype=int), grid), []
+    stall, lanes.samples = _LanesStallDetector(np.zeros(lanes.width, dtype=int), grid), []
     errors = dict[int, IntegrationError]()
     rows[:, 0] = lanes.states
     while at < len(grid) - 1 and (alive := ta.alive).any():
@@ -434,11 +434,11 @@ def _pieces(
         rows[own, at : end + 1] = new[own]
         found = {i: _last_good(rows[i], grid) for i in np.flatnonzero(alive & ~ta.alive).tolist()}
         lanes.look_back(begin, limits)
-        found |= headway.errors(lanes)
+        found |= stall.errors(lanes)
         ta.state[:, [*found]] = np.nan
         if halfway.any():
             ends = grid[at : end + 1]
-            late, more = _one_interval(lanes, ends, limits, stopped, headway)
+            late, more = _one_interval(lanes, ends, limits, stopped, stall)
             found, taken, steps = found | late, taken + more, steps + more
             rows[ta.alive, end] = lanes.states[ta.alive]
         errors |= found
@@ -457,7 +457,7 @@ def _last_good(rows: np.ndarray, grid: np.ndarray) -> IntegrationError:
 
 
 def _one_interval(
-    lanes: Lanes, ends: np.ndarray, longest: np.ndarray, stopped: Look, headway: _LanesHeadway
+    lanes: Lanes, ends: np.ndarray, longest: np.ndarray, stopped: Look, stall: _LanesStallDetector
 ) -> tuple[dict[int, IntegrationError], int]:
     """From one point of the grid to the next, where that takes very many steps, none longer than
     the motion's ``longest`` there, which is looked for again on the way."""
@@ -476,7 +476,7 @@ def _one_interval(
         stands = ta.alive & (ta.high != ends[-1]) & (ta.high == begin[0])
         why |= dict.fromkeys(np.flatnonzero(stands).tolist(), COLLAPSE)
         found = {i: break_error(x, begin[0][i], last[i]) for i, x in why.items()}
-        found |= headway.errors(lanes)
+        found |= stall.errors(lanes)
         if steps > MANY:  # those that are followed alone in any case: the others need not wait
             lanes.steps.left |= ta.alive & (ta.high != ends[-1]) & lanes.steps.doubtful
             left = np.flatnonzero(lanes.steps.left & ta.alive).tolist()

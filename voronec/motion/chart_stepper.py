@@ -23,7 +23,7 @@ from voronec.motion.atlas import (
 )
 from voronec.motion.methods import choose_regular, is_exact
 from voronec.motion.singular_coordinates import passage_notes
-from voronec.motion.steppers import Halt, Problem, Run, Stepper
+from voronec.motion.steppers import Integrator, Problem, Run, Termination
 from voronec.motion.steppers.run import DISTANT, crossing_arrays, part_at
 from voronec.motion.steppers.samples import StepSamples
 
@@ -45,13 +45,13 @@ def through_charts(
     equations: VoronecEquations,
     functions: Mapping[str, Any],
     form: FirstOrderForm | None = None,
-) -> tuple[Stepper, dict[str, Any]]:
+) -> tuple[Integrator, dict[str, Any]]:
     """The integrator of a problem, and what ``Cost`` says of it, as ``choose`` gives them.
 
     Near a singularity of the system's own chart it goes on in another.  ``functions`` are those of
-    the problem's events, by name, inside the door; ``form`` are the equations that the problem's
-    program is made of, by default those of the system.  Where no chart of the system maps the
-    variables of the form among themselves, this is what ``choose`` gives.  So it is in high
+    the problem's events, by name, in the engine's symbols; ``form`` are the equations that the
+    problem's program is made of, by default those of the system.  Where no chart of the system maps
+    the variables of the form among themselves, this is what ``choose`` gives.  So it is in high
     precision: the maps are made for doubles, and there steps may be as short as they like.
     """
     form = form or equations.form
@@ -64,7 +64,7 @@ def through_charts(
 
 
 @dataclass(frozen=True)
-class _ChartStretch:
+class _ChartSegment:
     """States of the own chart along a part of the way, on the right branches of angles.
 
     ``inside`` gives states at any times of the part, of dense runs, on any branches.
@@ -99,7 +99,7 @@ class _Journey:
     standing: tuple[Any, np.ndarray] = field(init=False)
     rows: list[np.ndarray] = field(init=False)
     crossings: dict[str, list[tuple[Any, np.ndarray]]] = field(default_factory=dict)
-    stretches: list[_ChartStretch] = field(default_factory=list)
+    segments: list[_ChartSegment] = field(default_factory=list)
     touched: list[float] = field(default_factory=list)
     still: list[str] = field(default_factory=list)
     samples: list[StepSamples] = field(default_factory=list)
@@ -115,8 +115,8 @@ class _Journey:
         try:
             name, state = self.atlas.best(time, self.last)
             while self.done < len(self.grid):
-                part = self.stretch(name, time, state)
-                halt = part.halt and Halt(
+                part = self.segment(name, time, state)
+                halt = part.halt and Termination(
                     part.halt.reason, part.halt.time, self.homeward(name, part.halt)
                 )
                 if part.halt or part.interrupted or part.stopped not in ("", LEAVE, RETURN):
@@ -132,12 +132,12 @@ class _Journey:
             return self.result(interrupted=True)
         return self.result()
 
-    def homeward(self, name: str, halt: Halt) -> np.ndarray:
+    def homeward(self, name: str, halt: Termination) -> np.ndarray:
         """The state of a halt in the own chart."""
         rows = self.atlas.place(name).home(np.array([halt.time]), halt.state[None, :])
         return rows[0]
 
-    def stretch(self, name: str, time: Any, state: np.ndarray) -> Run:
+    def segment(self, name: str, time: Any, state: np.ndarray) -> Run:
         """Go on in a chart until it ends, or the grid does."""
         place = self.atlas.place(name, None if name == HOME else state)
         times = np.concatenate([[time], self.grid[self.done :]])
@@ -170,9 +170,9 @@ class _Journey:
         inside = part.inside
         sampled = None if inside is None else lambda t: home(t, inside(t))
         # in the own chart angles are on their branches as they are
-        stretch = _ChartStretch(times, rows, angles & (not own), sampled)
+        segment = _ChartSegment(times, rows, angles & (not own), sampled)
         self.samples += [
-            replace(sample.through(lambda t, x: stretch.on_branches(t, home(t, x))), apart=not own)
+            replace(sample.through(lambda t, x: segment.on_branches(t, home(t, x))), apart=not own)
             for sample in part.samples
         ]
         ahead = self.order * self.grid[self.done :]
@@ -186,10 +186,10 @@ class _Journey:
         self.idle = (0.0 if count else self.idle) + share * part.steps
         for event in self.atlas.problem.events:
             t, states = part.crossings[event.name]
-            found = stretch.on_branches(t, home(t, states))
+            found = segment.on_branches(t, home(t, states))
             self.crossings.setdefault(event.name, []).extend(zip(t, found, strict=True))
         if self.atlas.problem.dense:
-            self.stretches.append(stretch)
+            self.segments.append(segment)
 
     def on_this_side(self, place: ChartProblem, time: Any, state: np.ndarray) -> Home:
         """The way home from a chart; of coordinates that give states twice, on the side on which
@@ -263,7 +263,9 @@ class _Journey:
         )
         return (*said, *passage_notes(self.touched))
 
-    def result(self, halt: Halt | None = None, interrupted: bool = False, stopped: str = "") -> Run:
+    def result(
+        self, halt: Termination | None = None, interrupted: bool = False, stopped: str = ""
+    ) -> Run:
         t, states = self.grid[: self.done], np.vstack(self.rows)[: self.done]
         end, state = self.standing
         kept = stopped or (interrupted and self.idle >= DISTANT)
@@ -280,10 +282,10 @@ class _Journey:
 
     def inside(self, times: np.ndarray) -> np.ndarray:
         """States at any times reached."""
-        which = part_at([s.times[-1] for s in self.stretches], self.order, times)
+        which = part_at([s.times[-1] for s in self.segments], self.order, times)
         found = np.empty((len(times), len(self.last)))
         for i in np.unique(which):
-            part, here = self.stretches[i], which == i
+            part, here = self.segments[i], which == i
             if part.inside is not None:
                 found[here] = part.on_branches(times[here], part.inside(times[here]))
         return found

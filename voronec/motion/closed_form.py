@@ -16,11 +16,11 @@ from voronec.closed.compiled_motion import motion_of
 from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_possible, require_system
 from voronec.errors import DefinitionError
-from voronec.motion.request import StartData, Values, Vocabulary, number, scene_of
+from voronec.motion.request import Namespace, StartData, Values, number, scene_of
 
 if TYPE_CHECKING:
     from voronec.equations.voronec_equations import VoronecEquations
-    from voronec.motion.motion_start import Outset
+    from voronec.motion.motion_start import InitialState
 
 __all__ = ["closed_form", "closed_form_of_start"]
 
@@ -47,17 +47,19 @@ def closed_form(
     if told is not None:
         return _form(own, *told)
     from voronec.equations.voronec_equations import derive
-    from voronec.motion.motion_start import Outset
+    from voronec.motion.motion_start import InitialState
 
     equations = system if isinstance(system, VoronecEquations) else derive(own)
-    vocabulary = Vocabulary.of(equations)
-    given = StartData.of(vocabulary, chosen, parameters, initial)
-    return closed_form_of_start(vocabulary, given, Outset.of(vocabulary, given, 0.0, False))
+    namespace = Namespace.of(equations)
+    given = StartData.of(namespace, chosen, parameters, initial)
+    return closed_form_of_start(namespace, given, InitialState.of(namespace, given, 0.0, False))
 
 
-def closed_form_of_start(vocabulary: Vocabulary, given: StartData, outset: Outset) -> ClosedForm:
+def closed_form_of_start(
+    namespace: Namespace, given: StartData, outset: InitialState
+) -> ClosedForm:
     """The same from what ``integrate`` has read."""
-    system = vocabulary.equations.system
+    system = namespace.equations.system
     motion_of(system)
     names = {plain_name(q) for q in (*system.coordinates, *system.velocities)}
     initial = {**given.scene_initial, **given.initial}
@@ -71,7 +73,7 @@ def closed_form_of_start(vocabulary: Vocabulary, given: StartData, outset: Outse
     return _check(InversionProblem(prepare(system, values), values))
 
 
-def _digits(outset: Outset, i: int) -> Any:
+def _digits(outset: InitialState, i: int) -> Any:
     """Entry i of the start as a function of bits to a ball."""
 
     @cache

@@ -22,10 +22,10 @@ from voronec.closed import ClosedForm
 from voronec.closed.winding import NoWholeTurns, passed_poles, turnless_message
 from voronec.equations.program import Program
 from voronec.motion.closed_form import closed_form_of_start
-from voronec.motion.motion_start import Outset
+from voronec.motion.motion_start import InitialState
 from voronec.motion.numeric_model import whole
-from voronec.motion.observables import Watch, watch_of
-from voronec.motion.request import StartData, Vocabulary
+from voronec.motion.observables import ObservedQuantities, watch_of
+from voronec.motion.request import Namespace, StartData
 from voronec.motion.state_probe import quantities
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, LateTrajectory, Trajectory, make_trajectory
@@ -43,10 +43,10 @@ OFTEN = 20
 
 
 def evaluated_motion(
-    vocabulary: Vocabulary,
+    namespace: Namespace,
     asked: Sequence[Any],
     given: StartData,
-    outset: Outset,
+    outset: InitialState,
     grid: np.ndarray,
     tol: float,
     dense: bool,
@@ -62,9 +62,9 @@ def evaluated_motion(
     are evaluated when they are first read; not by ``auto``, which goes another way where one of
     them cannot be.
     """
-    form = outset.memo.once("closed form", lambda: closed_form_of_start(vocabulary, given, outset))
-    watch, program = _watch_program(vocabulary, asked, outset.memo)
-    sight = _ClosedSight(vocabulary, form, watch, program, outset, float(grid[0]), tol)
+    form = outset.memo.once("closed form", lambda: closed_form_of_start(namespace, given, outset))
+    watch, program = _watch_program(namespace, asked, outset.memo)
+    sight = _ClosedSight(namespace, form, watch, program, outset, float(grid[0]), tol)
     if tol >= EXACT:
         outset.memo.once("closed form at the start", lambda: form.modulo(0.0, sight.names))
     elif not form.rests:
@@ -95,15 +95,15 @@ def evaluated_motion(
 
 
 def _watch_program(
-    vocabulary: Vocabulary, asked: Sequence[Any], memo: Memo
-) -> tuple[Watch, Program]:
+    namespace: Namespace, asked: Sequence[Any], memo: Memo
+) -> tuple[ObservedQuantities, Program]:
     """What is watched, and the program for it, once for the same outputs."""
 
-    def make() -> tuple[Watch, Program]:
-        watch = watch_of(vocabulary, asked)
+    def make() -> tuple[ObservedQuantities, Program]:
+        watch = watch_of(namespace, asked)
         if watch.multipliers is not None:
-            return watch, whole(vocabulary, asked, {}).program
-        return watch, quantities(vocabulary.equations.raw.form, watch.expressions)
+            return watch, whole(namespace, asked, {}).program
+        return watch, quantities(namespace.equations.raw.form, watch.expressions)
 
     if not all(isinstance(x, str | sp.Basic) for x in asked):
         return make()
@@ -114,18 +114,18 @@ def _watch_program(
 class _ClosedSight:
     """How instants become states, and states a trajectory."""
 
-    vocabulary: Vocabulary
+    namespace: Namespace
     form: ClosedForm
-    watch: Watch
+    watch: ObservedQuantities
     program: Program
-    outset: Outset
+    outset: InitialState
     start: float
     tol: float
 
     @cached_property
     def names(self) -> list[str]:
         """Of the states, in their order."""
-        system = self.vocabulary.equations.system
+        system = self.namespace.equations.system
         return [plain_name(q) for q in (*system.coordinates, *system.velocities)]
 
     @property
@@ -140,7 +140,7 @@ class _ClosedSight:
             NoWholeTurns: an angle among the outputs has no number of whole turns.
         """
         found = self.form.at(t - self.start, self.watch.outputs)
-        cost, system = cost_of_run(), self.vocabulary.equations.system
+        cost, system = cost_of_run(), self.namespace.equations.system
         for array in (t, *found.values()):
             array.flags.writeable = False
         held = self.outset.constants
@@ -214,7 +214,7 @@ class _ClosedSight:
             constants = self.outset.exactly.constants(self.bits)
         with mpmath.workprec(self.bits):
             return make_trajectory(
-                self.vocabulary, self.watch, self.program, t, states, constants, cost,
+                self.namespace, self.watch, self.program, t, states, constants, cost,
                 interrupted=interrupted,
             )  # fmt: skip
 

@@ -66,7 +66,8 @@ BESIDE, TALL = 1e-6, 100.0
 """A pole is told by values so many times larger than at this part of a span from it."""
 
 ROUNDINGS = 2e-15
-"""Of the size of a wall's function on a step that leaves it: dense output rounds by as much."""
+"""Of the size of a switching surface's function on a step that leaves it: dense output rounds by as
+much."""
 ROUNDOFF = 1e-15
 """What rounding makes of a state, in units of its size: where a function goes beyond zero and comes
 back by less than that makes of it, it touches zero."""
@@ -337,26 +338,27 @@ def crossings(
     events: Mapping[int, Guard],
     levels: Levels,
     course: StepCourse,
-    walls: frozenset[str] = frozenset(),
+    switching_surfaces: frozenset[str] = frozenset(),
 ) -> Findings:
     """What happens on steps.
 
-    ``events`` are given by the columns of their ``levels``.  Those named in ``walls`` fall from
-    what is not negative where the steps start, but for rounding: they may start on a wall.
+    ``events`` are given by the columns of their ``levels``.  Those named in ``switching surfaces``
+    fall from what is not negative where the steps start, but for rounding: they may start on a
+    switching surface.
     """
     with np.errstate(all="ignore"):
-        return _Search(events, levels, course, walls).result()
+        return _Search(events, levels, course, switching_surfaces).result()
 
 
 @dataclass
 class _Search:
     """The search for m events on s steps: piece i is that of event i mod m on step i // m; ``held``
-    (m,) are walls on which the steps start."""
+    (m,) are switching surfaces on which the steps start."""
 
     events: Mapping[int, Guard]
     levels: Levels
     course: StepCourse
-    walls: frozenset[str]
+    switching_surfaces: frozenset[str]
     states: np.ndarray = field(init=False)
     held: np.ndarray = field(init=False)
     pieces: Pieces = field(init=False)
@@ -390,10 +392,13 @@ class _Search:
         return Findings(kept, [(time, guards[n % count]) for n, time in touches], every)
 
     def looks(self, values: np.ndarray) -> np.ndarray:
-        """Values (k, m) along the steps: a wall on which they start is beyond none, and stays there
-        where its function is zero, as that of a push that is just what friction bears."""
-        walls = np.array([guard.name in self.walls for guard in self.events.values()])
-        self.held = walls & (values[0] <= 0).astype(bool)
+        """Values (k, m) along the steps: a switching surface on which they start is beyond none,
+        and stays there where its function is zero, as that of a push that is just what friction
+        bears."""
+        switching_surfaces = np.array(
+            [guard.name in self.switching_surfaces for guard in self.events.values()]
+        )
+        self.held = switching_surfaces & (values[0] <= 0).astype(bool)
         values[0, self.held] = SPECK
         values[(values == 0) & self.held] = SPECK
         return values
@@ -420,14 +425,17 @@ class _Search:
         own = np.array([*self.events])[events]
         found = values.reshape(*rows.shape[:2], -1)[np.arange(len(own)), :, own]
         depth = np.nansum(np.abs(found[:, 1:] - found[:, :1]), axis=1)
-        # beside the wall that a step leaves, values are the rounding of its dense output, too
+        # beside the switching surface that a step leaves, values are the rounding of its dense
+        # output, too
         leaves = self.held[events] & (steps == 0)
         return np.where(leaves, 2 * depth + ROUNDINGS * self.pieces.size[number], depth)
 
     def is_pole(self, found: RootBrackets, place: int, time: Any) -> bool:
-        """Whether a function passes zero through a pole; walls have none."""
+        """Whether a function passes zero through a pole; switching surfaces have none."""
         number = found.number[place : place + 1]
-        if [*self.events.values()][int(number[0]) % len(self.events)].name in self.walls:
+        if [*self.events.values()][
+            int(number[0]) % len(self.events)
+        ].name in self.switching_surfaces:
             return False
 
         def level(moment: Any) -> Any:

@@ -26,8 +26,8 @@ from voronec.motion.methods import METHODS
 from voronec.motion.motion_pool import Drifts, Many, many
 from voronec.motion.one_by_one import LoneMotions, SwitchedMotions, along_one
 from voronec.motion.request import (  # fmt: skip
+    Namespace,
     Values,
-    Vocabulary,
     grid_of,
     held_name,
     outputs_of,
@@ -180,9 +180,9 @@ def ensemble(
     begin, end = float(grid[0]), float(grid[-1])
     driven = drive(system, inputs, chosen_scene).over(begin, end)
     equations, columns = driven.equations, {**columns, **driven.parameters(begin, end)}
-    vocabulary = Vocabulary.of(equations, driven.meaning)
+    namespace = Namespace.of(equations, driven.meaning)
     keys, own = outputs_of(chosen_scene, outputs), equations.system
-    wanted = dict(quantity(vocabulary, k) for k in keys or (*own.coordinates, *own.velocities))
+    wanted = dict(quantity(namespace, k) for k in keys or (*own.coordinates, *own.velocities))
     try:
         motions = many(equations, chosen_scene, single, columns, wanted, begin)
         switched, lanes, carrier, reason = _carriers(driven, motions, method, tol, grid)
@@ -196,7 +196,7 @@ def ensemble(
         given = {**getattr(chosen_scene, "inputs", {}), **(inputs or {})}
         alone = replace(alone, declared=driven.original, inputs=given)
     interrupted = driven.changing is None and _run(filled, lanes, tol, jobs, progress)
-    if CutWatch.of(vocabulary).cuts:
+    if CutWatch.of(namespace).cuts:
         filled.collapsed.extend(motions.sound)
     interrupted = (
         filled.leave(motions.wrong) if interrupted else filled.go_on_alone(alone, keys, progress)
@@ -287,7 +287,7 @@ class _ResultRows:
             switched=switched,
             single=single,
             check=CheckOfMany(
-                motions.vocabulary.equations,
+                motions.namespace.equations,
                 motions.program,
                 tol,
                 {name: f"integral {name}" for name in integrals},

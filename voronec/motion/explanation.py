@@ -27,7 +27,7 @@ from voronec.motion.model import Model, smallest_model
 from voronec.motion.motion_start import rates_at
 from voronec.motion.numeric_model import numbers_at
 from voronec.motion.reactions import Multipliers
-from voronec.motion.request import StartData, Vocabulary, number, outputs_of, scene_of
+from voronec.motion.request import Namespace, StartData, number, outputs_of, scene_of
 
 if TYPE_CHECKING:
     from voronec.motion.model import Role
@@ -60,14 +60,14 @@ def explain(
     declared = system.system if isinstance(system, VoronecEquations) else require_system(system)
     driven = drive(system, inputs, scene_of(declared, scene, False), unknown=True)
     equations = driven.equations
-    vocabulary = Vocabulary.of(equations, driven.meaning)
+    namespace = Namespace.of(equations, driven.meaning)
     usual = initial is None and "default" in equations.system.scenes
     chosen = scene_of(equations.system, scene, usual)
-    wanted = _output_expressions(vocabulary, outputs_of(chosen, outputs))
+    wanted = _output_expressions(namespace, outputs_of(chosen, outputs))
     start = None
     if chosen is not None or initial is not None:
-        given = StartData.of(vocabulary, chosen, parameters, initial)
-        start = _start(vocabulary, chosen, given, driven.constants)
+        given = StartData.of(namespace, chosen, parameters, initial)
+        start = _start(namespace, chosen, given, driven.constants)
     elif parameters:
         raise DefinitionError(
             f"system '{equations.system.name}': parameters without a start; name a scene, or give "
@@ -76,7 +76,7 @@ def explain(
     motions = Motions.of(equations)
     refuted = _refuted_integrals(motions)
     names = [name for name in equations.system.integrals if name not in refuted]
-    integrals = {name: vocabulary.claims[name] for name in names}
+    integrals = {name: namespace.claims[name] for name in names}
     model = smallest_model(motions, wanted, integrals, start, thorough=True)
     return replace(model, refuted=refuted)
 
@@ -96,14 +96,14 @@ def _refuted_integrals(motions: Motions) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _output_expressions(vocabulary: Vocabulary, outputs: Sequence[Any]) -> dict[str, sp.Expr]:
+def _output_expressions(namespace: Namespace, outputs: Sequence[Any]) -> dict[str, sp.Expr]:
     """Outputs in the user's symbols; a reaction is what its multiplier is computed from."""
-    spelled = vocabulary.read_outputs(outputs)
-    found = {n: e for n, e in spelled.terms.items() if not vocabulary.holds_reactions([e])}
+    spelled = namespace.read_outputs(outputs)
+    found = {n: e for n, e in spelled.terms.items() if not namespace.holds_reactions([e])}
     if spelled.reactions or len(found) < len(spelled.terms):
-        equations = vocabulary.equations
+        equations = namespace.equations
         entries = Multipliers.of(equations.definition).entries.values()
-        held = {equations.door.outward(s) for e in entries for s in e.free_symbols}
+        held = {equations.bridge.outward(s) for e in entries for s in e.free_symbols}
         # accelerations stand in them too, so every velocity is needed
         own = [q for q in equations.system.coordinates if q in held]
         for x in (*own, *equations.system.velocities):
@@ -112,15 +112,15 @@ def _output_expressions(vocabulary: Vocabulary, outputs: Sequence[Any]) -> dict[
 
 
 def _start(
-    vocabulary: Vocabulary, scene: Scene | None, given: StartData, inputs: Mapping[str, Any]
+    namespace: Namespace, scene: Scene | None, given: StartData, inputs: Mapping[str, Any]
 ) -> dict[Any, float]:
     """Numbers of coordinates, velocities, parameters, time; what has no value is left out."""
-    equations = vocabulary.equations
-    constants = parameter_values(vocabulary, {**given.parameters, **inputs}, set())
+    equations = namespace.equations
+    constants = parameter_values(namespace, {**given.parameters, **inputs}, set())
     time = number(scene.times[0], "the span's start") if scene else 0.0
     form = equations.raw.form
     rates = rates_at(equations, form, constants, time)
-    start = start_of(vocabulary, given.scene_initial, given.initial, constants, rates, time)
+    start = start_of(namespace, given.scene_initial, given.initial, constants, rates, time)
     return numbers_at(form, start.state, constants, time)
 
 

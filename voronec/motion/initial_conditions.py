@@ -23,7 +23,7 @@ from voronec.declaration.reading import quote
 from voronec.declaration.system import require_possible
 from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError
-from voronec.motion.request import Starts, Vocabulary, kept_while_same, name_values, number
+from voronec.motion.request import Namespace, Starts, kept_while_same, name_values, number
 from voronec.motion.tolerances import UNIT
 
 if TYPE_CHECKING:
@@ -123,13 +123,13 @@ def _residuals_and_slopes(form: FirstOrderForm) -> tuple[tuple[Any, ...], Callab
 
 
 def parameter_values(
-    vocabulary: Vocabulary, given: Mapping[str, Any], needed: set[str]
+    namespace: Namespace, given: Mapping[str, Any], needed: set[str]
 ) -> dict[str, float]:
     """Every parameter's value: as given, else its default; checked against its range.
 
     One that is not among ``needed`` may lack a value and is left out.
     """
-    system = vocabulary.equations.system
+    system = namespace.equations.system
     values: dict[str, float] = {}
     missing = []
     for parameter in system.parameters:
@@ -165,7 +165,7 @@ class Start:
 
 
 def start_of(
-    vocabulary: Vocabulary,
+    namespace: Namespace,
     scene: Mapping[str, Any],
     given: Mapping[str, Any],
     parameters: Mapping[str, float],
@@ -181,35 +181,35 @@ def start_of(
     where data do not fit; with ``project`` the nearest coordinates on the relations are taken, and
     the v that meet all conditions best (least squares).
     """
-    system = vocabulary.equations.system
+    system = namespace.equations.system
     coordinates = [plain_name(q) for q in system.coordinates]
     old, new = (
-        kept_while_same(vocabulary, f"numbers of {what}", (part, parameters),
-                        partial(numbers_of, vocabulary, part, parameters))
+        kept_while_same(namespace, f"numbers of {what}", (part, parameters),
+                        partial(numbers_of, namespace, part, parameters))
         for what, part in (("a scene", scene), ("a start", given))
     )  # fmt: skip
-    q, notes = coordinates_of(vocabulary, {**old, **new}, parameters, time, project)
+    q, notes = coordinates_of(namespace, {**old, **new}, parameters, time, project)
     v = np.zeros(len(system.velocities))
     for values in (old, new):
         conditions = {k: x for k, x in values.items() if k not in coordinates}
-        v, moved = meet_conditions(vocabulary, q, v, conditions, rates, project)
+        v, moved = meet_conditions(namespace, q, v, conditions, rates, project)
         notes += moved
     return Start(np.concatenate([q, v]), tuple(notes))
 
 
 def coordinates_of(
-    vocabulary: Vocabulary,
+    namespace: Namespace,
     values: Mapping[str, float],
     parameters: Mapping[str, float],
     time: float,
     project: bool,
 ) -> tuple[np.ndarray, list[str]]:
     """The coordinates, checked; or the nearest on the relations, and how far they were moved."""
-    system = vocabulary.equations.system
+    system = namespace.equations.system
     q = np.array([values.get(plain_name(x), 0.0) for x in system.coordinates])
     if not system.fibration.relations:
         return q, []
-    relations = Relations.of(vocabulary.equations.form, parameters, time)
+    relations = Relations.of(namespace.equations.form, parameters, time)
     off = relations.residuals(q)
     worst = int(np.argmax(np.where(np.isnan(off), np.inf, np.abs(off))))
     if abs(off[worst]) < CONSISTENT:
@@ -233,7 +233,7 @@ def coordinates_of(
 
 
 def numbers_of(
-    vocabulary: Vocabulary, values: Mapping[str, Any], parameters: Mapping[str, float]
+    namespace: Namespace, values: Mapping[str, Any], parameters: Mapping[str, float]
 ) -> dict[str, float]:
     """Initial values as numbers; they may be expressions in the parameters."""
     result = {}
@@ -243,7 +243,7 @@ def numbers_of(
             value = value.xreplace(
                 {s: sp.Float(parameters[n], 17) for s, n in held.items() if n in parameters}
             )
-        place = f"system '{vocabulary.equations.system.name}': initial value '{name}'"
+        place = f"system '{namespace.equations.system.name}': initial value '{name}'"
         lacking = sorted(map(str, value.free_symbols)) if isinstance(value, sp.Expr) else []
         if lacking:
             raise DefinitionError(
@@ -265,11 +265,11 @@ class NoFrame(DefinitionError):
 
 
 Rates = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""Coordinates (n,) and velocities (m, k) to the velocities of ``Vocabulary.rate_names`` (l, k)."""
+"""Coordinates (n,) and velocities (m, k) to the velocities of ``Namespace.rate_names`` (l, k)."""
 
 
 def meet_conditions(
-    vocabulary: Vocabulary,
+    namespace: Namespace,
     q: np.ndarray,
     v: np.ndarray,
     conditions: Mapping[str, float],
@@ -280,18 +280,18 @@ def meet_conditions(
     condition involves stay."""
     if not conditions:
         return v, []
-    own = [plain_name(x) for x in vocabulary.equations.system.velocities]
+    own = [plain_name(x) for x in namespace.equations.system.velocities]
     if conditions.keys() <= {*own}:  # each says what one of them is
         return np.array([conditions.get(name, x) for name, x in zip(own, v, strict=True)]), []
-    order, rows, right = _pose_conditions(vocabulary, q, conditions, rates)
+    order, rows, right = _pose_conditions(namespace, q, conditions, rates)
     chosen = independent(rows)
     involved = np.abs(rows).max(axis=0) > CONSISTENT * np.abs(rows).max(initial=0.0)
     if len(chosen) > involved.sum():  # beside rates that are as good as infinite
-        raise NoFrame(NO_VELOCITIES.format(vocabulary.equations.system.name))
+        raise NoFrame(NO_VELOCITIES.format(namespace.equations.system.name))
     if len(chosen) < involved.sum():
         names = [name for name, i in zip(own, involved, strict=True) if i]
         raise DefinitionError(
-            f"system '{vocabulary.equations.system.name}': the initial velocities do not determine "
+            f"system '{namespace.equations.system.name}': the initial velocities do not determine "
             f"{', '.join(names)}; give more velocities, or these themselves"
         )
     result = v.copy()
@@ -301,11 +301,11 @@ def meet_conditions(
     excess, usual = rows @ result - right, 1.0 + max(map(abs, conditions.values()))
     size = np.abs(rows) @ np.abs(result) + np.abs(right)
     if UNIT * size.max() > CONSISTENT * usual:  # what is given is rounding beside such rates
-        raise NoFrame(NO_VELOCITIES.format(vocabulary.equations.system.name))
+        raise NoFrame(NO_VELOCITIES.format(namespace.equations.system.name))
     if np.abs(excess).max() <= CONSISTENT * usual:
         return result, []
     if not project:
-        raise _inconsistent(vocabulary, order, conditions, excess)
+        raise _inconsistent(namespace, order, conditions, excess)
     result[involved] = np.linalg.lstsq(rows[:, involved], right, rcond=None)[0]
     for name in set(own) & set(order):  # what was met but for rounding is met
         if abs(result[own.index(name)] - conditions[name]) <= ROUNDING * abs(conditions[name]):
@@ -324,7 +324,7 @@ def note_of_velocities(names: Sequence[str], old: np.ndarray, new: np.ndarray) -
 
 
 def _pose_conditions(
-    vocabulary: Vocabulary, q: np.ndarray, conditions: Mapping[str, float], rates: Rates
+    namespace: Namespace, q: np.ndarray, conditions: Mapping[str, float], rates: Rates
 ) -> tuple[list[str], np.ndarray, np.ndarray]:
     """The conditions in order: their names, and rows @ v = right."""
 
@@ -332,9 +332,9 @@ def _pose_conditions(
         return rates(q, v)[None]
 
     each = {name: np.array([x]) for name, x in conditions.items()}
-    order, rows, right = _pose_conditions_of_many(vocabulary, q[None], each, rates_of_one)
+    order, rows, right = _pose_conditions_of_many(namespace, q[None], each, rates_of_one)
     if np.isnan(right).any():
-        raise NoFrame(NO_VELOCITIES.format(vocabulary.equations.system.name))
+        raise NoFrame(NO_VELOCITIES.format(namespace.equations.system.name))
     return order, rows[0], right[0]
 
 
@@ -359,13 +359,13 @@ def independent(rows: np.ndarray) -> list[int]:
 
 
 def _inconsistent(
-    vocabulary: Vocabulary, order: list[str], conditions: Mapping[str, float], excess: np.ndarray
+    namespace: Namespace, order: list[str], conditions: Mapping[str, float], excess: np.ndarray
 ) -> DefinitionError:
     worst = int(np.argmax(np.abs(excess)))
     name = order[worst]
     value = float(conditions[name])
     return DefinitionError(
-        f"system '{vocabulary.equations.system.name}': the initial velocities are off the "
+        f"system '{namespace.equations.system.name}': the initial velocities are off the "
         f"constraints: '{name}' = {value:.12g}, where the others give {value + excess[worst]:.12g} "
         f"(residual {abs(excess[worst]):.3g}); correct '{name}' or leave it out, or give "
         "project=True"
@@ -377,7 +377,7 @@ RatesOfMany = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 def starts_in_arrays(
-    vocabulary: Vocabulary,
+    namespace: Namespace,
     scene: Mapping[str, Any],
     starts: Starts,
     parameters: Mapping[str, np.ndarray],
@@ -387,18 +387,18 @@ def starts_in_arrays(
 
     ``scene`` has initial values by plain name, ``parameters`` arrays (s,).
     """
-    system = vocabulary.equations.system
+    system = namespace.equations.system
     names = [plain_name(q) for q in system.coordinates]
     left = np.full((len(starts), len(names) + len(system.velocities)), np.nan)
     if system.fibration.relations or not starts:
         return left
     still = {name: float(x[0]) for name, x in parameters.items() if (x == x[0]).all()}
     try:
-        known = name_values(vocabulary, starts[0], "initial value")
+        known = name_values(namespace, starts[0], "initial value")
         columns = dict(zip(known, _columns(starts), strict=True))
         single = {k: known[k] for k, x in columns.items() if x is None}
-        before = numbers_of(vocabulary, scene, still)
-        single = numbers_of(vocabulary, single, still)
+        before = numbers_of(namespace, scene, still)
+        single = numbers_of(namespace, single, still)
     except (DefinitionError, ValueError, TypeError, OverflowError):
         return left
     old = {name: np.full(len(starts), x) for name, x in before.items()}
@@ -410,7 +410,7 @@ def starts_in_arrays(
     for part in (old, columns):
         conditions = {name: x for name, x in part.items() if name not in names}
         if conditions and good.any():
-            v = _meet_conditions(vocabulary, q, v, conditions, rates, good)
+            v = _meet_conditions(namespace, q, v, conditions, rates, good)
     left[good] = np.hstack([q, v])[good]
     return left
 
@@ -431,7 +431,7 @@ def _columns(starts: Starts) -> list[Any]:
 
 
 def _meet_conditions(
-    vocabulary: Vocabulary,
+    namespace: Namespace,
     q: np.ndarray,
     v: np.ndarray,
     conditions: Mapping[str, np.ndarray],
@@ -440,8 +440,8 @@ def _meet_conditions(
 ) -> np.ndarray:
     """Velocities (s, m) that meet conditions, as ``met`` finds them; starts for which it would do
     something else than for the first, or refuse them, are no longer ``good``."""
-    own = [plain_name(x) for x in vocabulary.equations.system.velocities]
-    order, rows, right = _pose_conditions_of_many(vocabulary, q, conditions, rates)
+    own = [plain_name(x) for x in namespace.equations.system.velocities]
+    order, rows, right = _pose_conditions_of_many(namespace, q, conditions, rates)
     good &= np.isfinite(rows).all(axis=(1, 2)) & np.isfinite(right).all(axis=1)
     if not good.any():
         return v
@@ -484,15 +484,15 @@ def _as_independent(rows: np.ndarray, chosen: list[int]) -> np.ndarray:
 
 
 def _pose_conditions_of_many(
-    vocabulary: Vocabulary,
+    namespace: Namespace,
     q: np.ndarray,
     conditions: Mapping[str, np.ndarray],
     rates: RatesOfMany,
 ) -> tuple[list[str], np.ndarray, np.ndarray]:
     """The conditions in order: their names, and rows (s, k, n) @ v = right (s, k)."""
-    system = vocabulary.equations.system
+    system = namespace.equations.system
     own = [plain_name(x) for x in system.velocities]
-    dots = vocabulary.rate_names
+    dots = namespace.rate_names
     order = list(dict.fromkeys(name for name in (*own, *dots) if name in conditions))
     unit, right = np.eye(len(own)), np.stack([conditions[k] for k in order], axis=-1)
     if set(order) <= set(own):

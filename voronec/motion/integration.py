@@ -36,17 +36,16 @@ from voronec.motion.angle_cuts import CutWatch
 from voronec.motion.atlas import NEAR as CHANGE
 from voronec.motion.atlas import kept_charts
 from voronec.motion.chart_stepper import through_charts
-from voronec.motion.divisors import NEAR, Divisor, NearDivisor, guard_events, without_guards
 from voronec.motion.inputs import Drive, drive
 from voronec.motion.methods import CLOSED_FORM, METHODS, choose_regular, is_exact
-from voronec.motion.motion_start import FAST, Outset, WideStart
+from voronec.motion.motion_start import FAST, InitialState, WideStart
 from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
-from voronec.motion.observables import Watch, evaluate_watch, shown_program
+from voronec.motion.observables import ObservedQuantities, evaluate_watch, shown_program
 from voronec.motion.request import (
     Event,
     Guard,
+    Namespace,
     StartData,
-    Vocabulary,
     events_of,
     grid_of,
     name_events,
@@ -60,9 +59,16 @@ from voronec.motion.singular_coordinates import (
     PoleGuard,
     PoleNotes,
 )
+from voronec.motion.singular_denominators import (
+    NEAR,
+    NearSingularDenominator,
+    SingularDenominator,
+    guard_events,
+    without_guards,
+)
 from voronec.motion.split_models import divisor_program
 from voronec.motion.state_probe import StateProbe, quantities
-from voronec.motion.steppers import Halt, Problem, Run, Stepper
+from voronec.motion.steppers import Integrator, Problem, Run, Termination
 from voronec.motion.steppers.run import Signals, constants_along
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Crossings, Trajectory, make_trajectory
@@ -148,17 +154,17 @@ class PreparedProblem:
         read, tol, method = self._read(initial is not None), self.tol, self.method
         grid = grid_of(self.system, read.scene, times)
         start, end = float(grid[0]), float(grid[-1])
-        driven, vocabulary, guards = read.drive.over(start, end), read.vocabulary, read.guards
-        given = read.start_data.with_values(vocabulary, parameters, initial)
+        driven, namespace, guards = read.drive.over(start, end), read.namespace, read.guards
+        given = read.start_data.with_values(namespace, parameters, initial)
         given = replace(given, parameters={**given.parameters, **driven.parameters(start, end)})
-        outset = Outset.of(vocabulary, given, start, self.project, driven.changing)
+        outset = InitialState.of(namespace, given, start, self.project, driven.changing)
         far = driven.equations.system.motion is not None and abs(end - start) >= FAR
         if method == CLOSED_FORM or (method == "auto" and far and not guards):
             from voronec.motion.closed_form_run import evaluated_motion
 
             with suppress(*(() if method == CLOSED_FORM else (DefinitionError, EngineLimit))):
                 return evaluated_motion(
-                    vocabulary, read.outputs, given, outset, grid, tol, self.dense, progress,
+                    namespace, read.outputs, given, outset, grid, tol, self.dense, progress,
                     began, method,
                 )  # fmt: skip
         followed = self.dense or bool(guards) or not read.outputs or len(grid) < FEW
@@ -168,7 +174,7 @@ class PreparedProblem:
             grid: np.ndarray,
         ) -> Trajectory:  # fmt: skip
             request = _Request(
-                vocabulary, outputs, functions, guards, outset, grid, tol, self.dense, progress,
+                namespace, outputs, functions, guards, outset, grid, tol, self.dense, progress,
                 followed, method, began, given, self.project,
             )  # fmt: skip
             ways = (request.in_smallest, request.otherwise, request.on_coordinates)
@@ -195,7 +201,7 @@ class _ProblemReading:
 
     scene: Scene | None
     drive: Drive
-    vocabulary: Vocabulary
+    namespace: Namespace
     outputs: tuple[Any, ...]
     guards: tuple[Guard, ...]
     functions: Mapping[str, Any]
@@ -207,17 +213,17 @@ class _ProblemReading:
         """Read what is asked; ``DefinitionError`` for what the system does not know."""
         driven, outputs = drive(asked.source, asked.inputs, scene), outputs_of(scene, asked.outputs)
         _refuse_unknown_functions(driven.equations.system)
-        vocabulary = Vocabulary.of(driven.equations, driven.meaning)
-        vocabulary.read_outputs(outputs)
-        guards, functions = name_events(vocabulary, asked.events)
+        namespace = Namespace.of(driven.equations, driven.meaning)
+        namespace.read_outputs(outputs)
+        guards, functions = name_events(namespace, asked.events)
         if asked.method == CLOSED_FORM and guards:
             raise DefinitionError(
                 "the closed form looks for no events; use another method, or evaluate the motion "
                 "on a fine grid"
             )
-        data = StartData.of(vocabulary, scene)
-        cuts = CutWatch.of(vocabulary)
-        return cls(scene, driven, vocabulary, outputs, guards, functions, data, cuts)
+        data = StartData.of(namespace, scene)
+        cuts = CutWatch.of(namespace)
+        return cls(scene, driven, namespace, outputs, guards, functions, data, cuts)
 
 
 @accepts(**PROBLEM_KINDS)
@@ -363,11 +369,11 @@ class _Request:
     ``followed`` says that angles are integrated from the first, not read off.
     """
 
-    vocabulary: Vocabulary
+    namespace: Namespace
     outputs: tuple[Any, ...]
     functions: Mapping[str, Any]
     events: tuple[Guard, ...]
-    outset: Outset
+    outset: InitialState
     grid: np.ndarray
     tol: float
     dense: bool
@@ -388,14 +394,14 @@ class _Request:
         def attempt(way: Way, error: IntegrationError | None) -> Trajectory | None:
             try:
                 if not self.outset.framed:
-                    raise NearDivisor(self.vocabulary)
+                    raise NearSingularDenominator(self.namespace)
                 return way(error)
-            except NearDivisor as near:
-                if any(near.vocabulary.equations is equations for equations in tried):
+            except NearSingularDenominator as near:
+                if any(near.namespace.equations is equations for equations in tried):
                     return None
-                tried.append(near.vocabulary.equations)
+                tried.append(near.namespace.equations)
                 found = self.in_ambient()
-                return found or replace(self, vocabulary=near.vocabulary).through_splits()
+                return found or replace(self, namespace=near.namespace).through_splits()
 
         return [partial(attempt, way) for way in ways]
 
@@ -403,25 +409,25 @@ class _Request:
         """In the ambient formulation; None where there is none, or where it leads no farther."""
         from voronec.motion.formulation.ambient import ambient_formulation  # few motions need it
 
-        home, time = self.vocabulary, float(self.grid[0])
+        home, time = self.namespace, float(self.grid[0])
         wanted = home.read_outputs(self.outputs)
         exprs = (*wanted.terms.values(), *self.functions.values())
         reactions = bool(wanted.reactions) or home.holds_reactions(exprs)
         formulation = ambient_formulation(home.equations, reactions)
         if formulation is None:
             return None
-        vocabulary = formulation.vocabulary(home.inputs)
-        with suppress(VoronecError, NearDivisor):
+        namespace = formulation.namespace(home.inputs)
+        with suppress(VoronecError, NearSingularDenominator):
             bits = self._start_bits if is_exact(self.method, self.tol) else 0
             given = formulation.start(home, self.start_data, self.outset, time, bits)
-            outset = Outset.of(vocabulary, given, time, False, self.outset.changing)
+            outset = InitialState.of(namespace, given, time, False, self.outset.changing)
             fastest = (np.abs(x.state).max(initial=1.0) for x in (outset, self.outset))
             if next(fastest) > FAST * next(fastest):
                 return None  # a slip, which is refused with its velocities
             there = replace(
-                self, vocabulary=vocabulary, outset=replace(outset, notes=self.outset.notes),
+                self, namespace=namespace, outset=replace(outset, notes=self.outset.notes),
                 outputs=(*self.outputs, *formulation.home_names), start_data=given,
-                functions={n: e.xreplace(vocabulary.inputs) for n, e in self.functions.items()},
+                functions={n: e.xreplace(namespace.inputs) for n, e in self.functions.items()},
                 tol=min(self.tol, max(NEAR * self.tol, EXACT)),
             )  # fmt: skip
             ways = (there.in_smallest, there.otherwise, there.on_coordinates)
@@ -437,22 +443,22 @@ class _Request:
         """On the coordinates, in one split of the velocities after another."""
         from voronec.motion.split_stepper import SplitRun  # few motions need it, nor what is rough
 
-        own = self.vocabulary.equations
+        own = self.namespace.equations
         exact = is_exact(self.method, self.tol)
         charted = None if exact else with_attitude_charts(own)
-        vocabulary = self.vocabulary if charted is None else Vocabulary.of(charted)
-        made = whole(vocabulary, self.outputs, self.functions)
-        ground = self.outset.ground(vocabulary.equations, float(self.grid[0]))
+        namespace = self.namespace if charted is None else Namespace.of(charted)
+        made = whole(namespace, self.outputs, self.functions)
+        ground = self.outset.ground(namespace.equations, float(self.grid[0]))
         framed = self.outset.state if self.outset.framed and not exact else None
         given = self.start_data
         if self.outset.notes and self.outset.framed:  # what was moved is not moved elsewhere
-            system = vocabulary.equations.system
+            system = namespace.equations.system
             names = map(plain_name, (*system.coordinates, *system.velocities))
             moved = dict(zip(names, self.outset.state.tolist(), strict=True))
             given = replace(given, scene_initial={}, initial=moved)
-        start = WideStart.of(vocabulary, ground, given, self.project, framed)
+        start = WideStart.of(namespace, ground, given, self.project, framed)
         return SplitRun(
-            vocabulary, replace(ground, framed=start.framed), made.watch, made.event_functions,
+            namespace, replace(ground, framed=start.framed), made.watch, made.event_functions,
             start, self.grid,
             self.method, self.tol, self.events, self.dense, self.progress, self.outset.notes,
             self._start_bits, self.began,
@@ -465,14 +471,14 @@ class _Request:
         except NearPole:
             return first_success((self._beyond_poles, self._past_poles), float(self.grid[0]))
         except IntegrationError as error:
-            own, start = self.vocabulary.equations, error.time in (None, self.grid[0])
+            own, start = self.namespace.equations, error.time in (None, self.grid[0])
             if start and is_exact(self.method, self.tol) and self.outset.is_at_pole(own):
                 raise self._no_digits() from error
             raise
 
     def _no_digits(self) -> IntegrationError:
         """The error where digits are asked for at a pole of angles."""
-        own = self.vocabulary.equations
+        own = self.namespace.equations
         return IntegrationError(
             f"system '{own.system.name}': the motion starts at a pole of its angles, beyond which "
             f"charts lead in doubles alone; give tol={EXACT:g} or more, and not method='flint', "
@@ -483,19 +489,19 @@ class _Request:
 
     def _beyond_poles(self, _: IntegrationError | None) -> Trajectory | None:
         """In charts that are regular at the poles of Euler's angles, where these can be made."""
-        own = self.vocabulary.equations
+        own = self.namespace.equations
         # what is not smooth goes on in one chart alone
         charted = None if self.smallest.is_rough else with_attitude_charts(own)
         if charted is None:
             return None
-        there = replace(self, vocabulary=Vocabulary.of(charted))
-        made = whole(there.vocabulary, self.outputs, self.functions)
+        there = replace(self, namespace=Namespace.of(charted))
+        made = whole(there.namespace, self.outputs, self.functions)
         return replace(there._integrate(made, self.method), system=own.system)
 
     def _past_poles(self, _: IntegrationError | None, near: Any = LAST) -> Trajectory:
         """In the own coordinates after all, where nothing better is to be had: on invariants more
         digits are lost."""
-        made = whole(self.vocabulary, self.outputs, self.functions)
+        made = whole(self.namespace, self.outputs, self.functions)
         return self._integrate(made, self.method, near=near)
 
     def otherwise(self, error: IntegrationError | None) -> Trajectory | None:
@@ -506,11 +512,11 @@ class _Request:
     def on_coordinates(self, _: IntegrationError | None) -> Trajectory | None:
         """By the equations on the coordinates, where the model is another: where that is singular
         they may not be, or may have charts."""
-        charts = bool(self.vocabulary.equations.system.charts) and self.method != "flint"
+        charts = bool(self.namespace.equations.system.charts) and self.method != "flint"
         reduced = self.method == "auto" and self.smallest.model is not None
         if not (charts or reduced):
             return None
-        return self._integrate(whole(self.vocabulary, self.outputs, self.functions), self.method)
+        return self._integrate(whole(self.namespace, self.outputs, self.functions), self.method)
 
     @cached_property
     def smallest(self) -> ProgrammedModel:
@@ -520,7 +526,7 @@ class _Request:
     def _make_model(self, followed: bool) -> ProgrammedModel:
         outset = self.outset
         return make_model(
-            self.vocabulary, self.outputs, self.functions, outset.state, outset.steady,
+            self.namespace, self.outputs, self.functions, outset.state, outset.steady,
             float(self.grid[0]), followed,
         )  # fmt: skip
 
@@ -546,7 +552,7 @@ class _Request:
     ) -> Trajectory:
         whole_way = times is None or times is self.grid
         job = _Job(
-            self.vocabulary, made, self.outset, self.grid if times is None else times, self.tol,
+            self.namespace, made, self.outset, self.grid if times is None else times, self.tol,
             self.events, self.dense, self.progress if whole_way else None,
             None if is_exact(method, self.tol) else near,
         )  # fmt: skip
@@ -558,9 +564,9 @@ class _Job:
     """A model to be integrated, and how; ``near`` is how near to poles of angles, if that is to be
     watched."""
 
-    vocabulary: Vocabulary
+    namespace: Namespace
     made: ProgrammedModel
-    outset: Outset
+    outset: InitialState
     grid: np.ndarray
     tol: float
     events: tuple[Guard, ...]
@@ -572,7 +578,7 @@ class _Job:
         """Integrate, and look at what is wanted; ``IntegrationError`` where it cannot be done."""
         made, outset, time = self.made, self.outset, float(self.grid[0])
         state, values = made.place(outset.state, outset.constants, time)
-        equations = self.vocabulary.equations
+        equations = self.namespace.equations
         probe = made.probe(equations.system.name, values, time, outset.changing)
         plain, poles = self._problem(state, values, probe), self._poles(method)
         seen = poles.watch(plain, self)
@@ -596,15 +602,15 @@ class _Job:
         begun = switched is not None or not (made.model is None and equations.system.charts)
         warned = probe.check(state) if begun else ()
         if switched is not None:
-            stepper, chosen = switched.stepper, switched.chosen
+            solver, chosen = switched.solver, switched.chosen
         else:
-            stepper, chosen = self._smooth(method, *seen)
+            solver, chosen = self._smooth(method, *seen)
         ready, busy = perf_counter(), process_time()
-        run = stepper(self.grid)
+        run = solver(self.grid)
         run = replace(run, notes=(*warned, *run.notes)) if warned else run
         run = run if poles.notes is None else poles.notes.with_notes(run)
         if watched:
-            run = without_guards(run, watched, self.vocabulary)
+            run = without_guards(run, watched, self.namespace)
         run = run if poles.guard is None else poles.guard.without_poles(run)
         made.watch.require_reactions(run.held, equations.system.name)
         cost = Cost(
@@ -619,7 +625,7 @@ class _Job:
 
     def _outcome(
         self, run: Run, values: Sequence[float], cost: Cost, smooth: bool
-    ) -> tuple[Trajectory, Halt | None]:
+    ) -> tuple[Trajectory, Termination | None]:
         """The motion of a run as far as it is sound, and what ended it before its end."""
         sight, told = self._sight(run, values, cost), self.outset.notes + run.notes
         trajectory = sight.trajectory(run, told)
@@ -649,12 +655,14 @@ class _Job:
         """The integrator of a problem that is not smooth, watched; None where it is smooth."""
         if not problem.is_rough:
             return None
-        from voronec.motion.mode_stepper import through_walls
+        from voronec.motion.mode_stepper import through_switching_surfaces
 
-        return through_walls(method, problem, self.grid, self.made.moving_form, functions)
+        return through_switching_surfaces(
+            method, problem, self.grid, self.made.moving_form, functions
+        )
 
     def _under_watch(
-        self, problem: Problem, functions: Mapping[str, Any], watched: Sequence[Divisor]
+        self, problem: Problem, functions: Mapping[str, Any], watched: Sequence[SingularDenominator]
     ) -> tuple[Problem, Mapping[str, Any]]:
         """The problem with divisors among its events, and the ``functions`` of its events with
         those of these."""
@@ -676,14 +684,14 @@ class _Job:
         else:
             constants = {**outset.constants, **made.constants(values)}
         return _Sight(
-            self.vocabulary, made.watch, made.program, constants, cost, bits, outset.changing
+            self.namespace, made.watch, made.program, constants, cost, bits, outset.changing
         )
 
     def check(
         self, sight: _Sight, run: Run, values: Sequence[Any], smooth: bool
     ) -> tuple[Breach | None, tuple[str, ...]]:
         """What went wrong with a run that came to its end, if anything did, and notes."""
-        made, equations = self.made, self.vocabulary.equations
+        made, equations = self.made, self.namespace.equations
         watch = made.watch
         check = SolutionCheck(
             equations, made.program, [float(x) for x in values], sight.cost.tolerance,
@@ -710,20 +718,23 @@ class _Job:
 
     def _smooth(
         self, method: str, problem: Problem, functions: Mapping[str, Any]
-    ) -> tuple[Stepper, dict[str, Any]]:
+    ) -> tuple[Integrator, dict[str, Any]]:
         """The integrator of a problem that is smooth, watched, and what ``Cost`` says of it."""
-        equations, form = self.vocabulary.equations, self.made.form
+        equations, form = self.namespace.equations, self.made.form
         if not equations.system.charts:
             return choose_regular(method, problem, self.grid)
         return through_charts(method, problem, self.grid, equations, functions, form)
 
-    def _watch_divisors(self, state: np.ndarray, values: Sequence[Any]) -> tuple[Divisor, ...]:
-        """The divisors to watch; ``NearDivisor`` where one is near zero at the start."""
+    def _watch_divisors(
+        self, state: np.ndarray, values: Sequence[Any]
+    ) -> tuple[SingularDenominator, ...]:
+        """The divisors to watch; ``NearSingularDenominator`` where one is near zero at the
+        start."""
         made, outset = self.made, self.outset
         form = made.form if made.model is None else made.model.form
-        ground = outset.ground(self.vocabulary.equations, float(self.grid[0]))
+        ground = outset.ground(self.namespace.equations, float(self.grid[0]))
 
-        def find() -> list[Divisor]:
+        def find() -> list[SingularDenominator]:
             return ground.watch_divisors(form, made.below, outset.state, made.is_rough)
 
         found = find() if outset.changing is not None else made.memo.last(
@@ -733,7 +744,7 @@ class _Job:
             return ()
         sizes = ground.sizes(divisor_program(form, found), found, state, values)
         if any(g.is_near(size) for g, size in zip(found, sizes, strict=True)):
-            raise NearDivisor(self.vocabulary)
+            raise NearSingularDenominator(self.namespace)
         return tuple(found)
 
     def _poles(self, method: str) -> _Poles:
@@ -745,7 +756,7 @@ class _Job:
         return self.made.memo.last("poles", key, lambda: self._pole_watch(method))
 
     def _pole_watch(self, method: str) -> _Poles:
-        made, equations = self.made, self.vocabulary.equations
+        made, equations = self.made, self.namespace.equations
         charts = equations.system.charts
         if not (charts or euler_angles(equations)):
             return _Poles(None, None)
@@ -758,7 +769,7 @@ class _Job:
     def _guard(self, method: str, charted: bool) -> PoleGuard | None:
         """What watches the poles of coordinates, where the model is singular there and no chart
         leads on."""
-        outset, rough, equations = self.outset, self.made.is_rough, self.vocabulary.equations
+        outset, rough, equations = self.outset, self.made.is_rough, self.namespace.equations
         if self.near is None:
             return None
         # what is not smooth goes on in one chart alone
@@ -820,8 +831,8 @@ class _Poles:
 class _Sight:
     """How states become a trajectory."""
 
-    vocabulary: Vocabulary
-    watch: Watch
+    namespace: Namespace
+    watch: ObservedQuantities
     program: Program
     constants: Mapping[str, Any]
     cost: Cost
@@ -847,7 +858,7 @@ class _Sight:
         """Everything watched at some states; ``ends`` are further fields of the trajectory."""
         with mpmath.workprec(self.bits):
             return make_trajectory(
-                self.vocabulary, self.watch, self.program, t, states, self.at(t), self.cost, **ends
+                self.namespace, self.watch, self.program, t, states, self.at(t), self.cost, **ends
             )
 
     def series(

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from voronec.equations.program import Program
-    from voronec.motion.steppers.run import Problem, Stepper
+    from voronec.motion.steppers.run import Integrator, Problem
 
 __all__ = [
     "CLOSED_FORM",
@@ -88,7 +88,7 @@ class Method:
         after more steps a run is said to have added up their errors; none say so by default.
     """
 
-    make: Callable[[Problem], Stepper] | None
+    make: Callable[[Problem], Integrator] | None
     finest: float = 0.0
     best: float | None = None
     symbolic: bool = False
@@ -128,13 +128,13 @@ def _find_spec(library: str) -> Any:
     return _look_up(find_spec, library, tuple(sys.path))
 
 
-def _taylor(problem: Problem) -> Stepper:
+def _taylor(problem: Problem) -> Integrator:
     from voronec.motion.steppers.heyoka_stepper import taylor
 
     return taylor(problem)
 
 
-def _dop853(problem: Problem) -> Stepper:
+def _dop853(problem: Problem) -> Integrator:
     from voronec.motion.steppers.scipy_stepper import dop853
 
     return dop853(problem)
@@ -152,25 +152,25 @@ def _c_loop(program: Program, levels: Program | None = None) -> Callable[..., in
     return c_loop(program, levels)
 
 
-def _compiled_stepper(problem: Problem, loop: Loop) -> Stepper:
+def _compiled_stepper(problem: Problem, loop: Loop) -> Integrator:
     from voronec.motion.steppers.numba_stepper import compiled_dop853
 
     return compiled_dop853(problem, loop)
 
 
-def _interpreted_stepper(problem: Problem) -> Stepper:
+def _interpreted_stepper(problem: Problem) -> Integrator:
     from voronec.motion.steppers.python_stepper import python_dop853
 
     return python_dop853(problem)
 
 
-def _lsoda(problem: Problem) -> Stepper:
+def _lsoda(problem: Problem) -> Integrator:
     from voronec.motion.steppers.scipy_stepper import lsoda
 
     return lsoda(problem)
 
 
-def _digits(problem: Problem) -> Stepper:
+def _digits(problem: Problem) -> Integrator:
     from voronec.motion.steppers.integer_taylor import digits
     from voronec.motion.steppers.root_states import digits_through_roots
 
@@ -253,7 +253,7 @@ def is_exact(method: str, tol: float) -> bool:
 
 def choose(
     method: str, problem: Problem, grid: np.ndarray, outset: Problem | None = None
-) -> tuple[Stepper, dict[str, Any]]:
+) -> tuple[Integrator, dict[str, Any]]:
     """The integrator, ready to run, and what ``Cost`` says of the choice.
 
     Steps are counted from the ``outset``: the problem itself, unless another is given, in variables
@@ -282,8 +282,8 @@ def choose(
     try:
         if loss > 1:
             finer = replace(problem, tol=problem.tol / loss)
-            stepper, chosen = _make_stepper(used, finer, f"auto: {reason}")
-            return stepper, chosen | {"tolerance": max(problem.tol, METHODS[used].finest)}
+            solver, chosen = _make_stepper(used, finer, f"auto: {reason}")
+            return solver, chosen | {"tolerance": max(problem.tol, METHODS[used].finest)}
         return _make_stepper(used, problem, f"auto: {reason}" if reason else "asked for")
     except EngineLimit as limit:
         if method != "auto":
@@ -300,12 +300,12 @@ def choose(
 
 def choose_regular(
     method: str, problem: Problem, grid: np.ndarray
-) -> tuple[Stepper, dict[str, Any]]:
+) -> tuple[Integrator, dict[str, Any]]:
     """The same, with runs cut before the first point of the grid beyond a singular mass matrix."""
     from voronec.motion.steppers.run import cut_at_singularity
 
-    stepper, chosen = choose(method, problem, grid)
-    return lambda times: cut_at_singularity(stepper(times), problem), chosen
+    solver, chosen = choose(method, problem, grid)
+    return lambda times: cut_at_singularity(solver(times), problem), chosen
 
 
 def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str, float]:
@@ -314,7 +314,7 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str, float]:
 
     brief = problem.brief is not None
     if problem.tol >= FINEST and problem.program.state and not brief:
-        if not problem.walls and is_stiff(problem, grid):
+        if not problem.switching_surfaces and is_stiff(problem, grid):
             return "lsoda", "the motion is stiff", FINER
         compiled = compiled_method()
         light = problem.program.weight <= HEAVY and not METHODS["heyoka"].absence
@@ -365,7 +365,7 @@ def _usual(problem: Problem, grid: np.ndarray, brief: bool) -> tuple[str, str]:
 
 def _is_short(problem: Problem, grid: np.ndarray, most: float) -> bool:
     """Whether a run is smooth, and over in Python after no more than so many operations."""
-    plain = problem.changing is None and problem.brief is None and not problem.walls
+    plain = problem.changing is None and problem.brief is None and not problem.switching_surfaces
     plain = plain and all(e.name in problem.coarse for e in problem.events)
     if problem.tol < COARSE or not plain:
         return False
@@ -374,7 +374,7 @@ def _is_short(problem: Problem, grid: np.ndarray, most: float) -> bool:
     return operations_of_run(problem, grid, most) <= most
 
 
-def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Stepper, dict[str, Any]]:
+def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Integrator, dict[str, Any]]:
     from voronec.motion.steppers.run import in_pieces
 
     made = METHODS[method]

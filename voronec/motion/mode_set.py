@@ -1,5 +1,5 @@
-"""The modes of a problem that is not smooth: the smooth problem on one side of all walls, or along
-some, with what ends it, and the method that integrates it.
+"""The modes of a problem that is not smooth: the smooth problem on one side of all switching
+surfaces, or along some, with what ends it, and the method that integrates it.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from voronec.algebra.stable import stable_all
 from voronec.equations.program import Block, Program
 from voronec.equations.program.jacobian import flow_derivative
 from voronec.equations.program.python import compiled_digits
-from voronec.equations.program.walls import Wall
+from voronec.equations.program.switches import Switch
 from voronec.errors import EngineLimit
 from voronec.motion.atlas import Progress
 from voronec.motion.methods import choose, choose_regular
-from voronec.motion.modes import Corner, LevelSurface, Modes, is_length, motion_along_surfaces
+from voronec.motion.modes import LevelSurface, Modes, SmoothBranch, is_length, motion_along_surfaces
 from voronec.motion.request import Guard
 from voronec.motion.state_probe import quantities
-from voronec.motion.steppers import Problem, Run, Stepper, cut_at_singularity
+from voronec.motion.steppers import Integrator, Problem, Run, cut_at_singularity
 from voronec.motion.steppers.event_states import narrow, widen
 
 __all__ = ["DOUBLE", "GUARD", "Mode", "ModeSet"]
@@ -41,31 +41,31 @@ value at the start, has vanished: what is left of it is error."""
 class Mode:
     """One mode, ready to be integrated in: a ``corner``, or the motion along surfaces next to it.
 
-    ``sides`` has the sign or floor of every wall; ``along`` are the surfaces on which the motion is
-    held.  ``watch`` maps names of events to the surfaces at which the mode ends (none: at a rim),
+    ``sides`` has the sign or floor of every switching surface; ``along`` are the surfaces on which
+    the motion is held.  ``watch`` maps names of events to the surfaces at which the mode ends (none: at a rim),
     ``turns`` others to the surfaces that the motion may touch.  ``followed`` computes what stands
     behind the state in the problem: the functions of events, where these alone tell a time.
     """
 
-    corner: Corner
+    corner: SmoothBranch
     program: Program
     levels: Program
-    sides: Mapping[Wall, int]
+    sides: Mapping[Switch, int]
     along: tuple[LevelSurface, ...]
     watch: Mapping[str, tuple[LevelSurface, ...]]
     turns: Mapping[str, LevelSurface]
     problem: Problem
     chosen: Mapping[str, Any]
-    stepper: Stepper | None
+    solver: Integrator | None
     followed: Program | None = None
 
     def run(self, state: np.ndarray, values: Sequence[Any], times: np.ndarray) -> Run:
         """The motion from a state on."""
-        if self.stepper is None:
+        if self.solver is None:
             return self.run_by(self.chosen["method"], state, values, times)
         self.problem.start[:] = self._widen(state, values, times[0])
         self.problem.parameters[:] = values  # type: ignore[index]
-        return self._narrow(cut_at_singularity(self.stepper(times), self.problem), len(state))
+        return self._narrow(cut_at_singularity(self.solver(times), self.problem), len(state))
 
     def run_by(
         self, method: str, state: np.ndarray, values: Sequence[Any], times: np.ndarray
@@ -95,9 +95,9 @@ class Mode:
         return run if self.followed is None else narrow(run, width)
 
     @property
-    def walls(self) -> frozenset[Wall]:
-        """The walls at which the mode ends."""
-        return frozenset(s.wall for hit in self.watch.values() for s in hit)
+    def switches(self) -> frozenset[Switch]:
+        """The switching surfaces at which the mode ends."""
+        return frozenset(s.switch for hit in self.watch.values() for s in hit)
 
 
 @dataclass
@@ -132,7 +132,7 @@ class ModeSet:
         with mpmath.workprec(self.working):
             return replace(self, problem=problem, grid=grid, known_modes=kept)
 
-    def name_parameters(self, values: Mapping[Wall, int], time: Any) -> dict[str, Any]:
+    def name_parameters(self, values: Mapping[Switch, int], time: Any) -> dict[str, Any]:
         """Parameters by name at a time, floors among them."""
         floors = {str(self.modes.floor(w)): mpmath.mpf(n) for w, n in values.items() if w.whole}
         if self.problem.changing is None:
@@ -140,21 +140,21 @@ class ModeSet:
         called = self.problem.changing.values_at(float(time))
         return self.known | floors | {name: mpmath.mpf(x) for name, x in called.items()}
 
-    def values(self, program: Program, sides: Mapping[Wall, int], time: Any) -> list[Any]:
+    def values(self, program: Program, sides: Mapping[Switch, int], time: Any) -> list[Any]:
         """The parameters of a mode's program at a time."""
         named = self.name_parameters(sides, time)
         return [named[str(p)] for p in program.parameters]
 
     def mode(
         self,
-        corners: tuple[Corner, ...],
-        sides: Mapping[Wall, int],
+        corners: tuple[SmoothBranch, ...],
+        sides: Mapping[Switch, int],
         along: tuple[LevelSurface, ...],
     ) -> Any:
-        """The mode on ``sides`` of all walls, or ``along`` surfaces between ``corners``; None where
-        none is there."""
-        floors = tuple(s for s in along if s.wall.whole)
-        key = (corners, along, tuple(sides[s.wall] for s in floors))
+        """The mode on ``sides`` of all switching surfaces, or ``along`` surfaces between
+        ``corners``; None where none is there."""
+        floors = tuple(s for s in along if s.switch.whole)
+        key = (corners, along, tuple(sides[s.switch] for s in floors))
         found = self.known_modes.get(key)
         if found is None:
             found = self._make_mode(corners, sides, along)
@@ -164,39 +164,39 @@ class ModeSet:
         return replace(found, sides=sides, watch=self._watched_surfaces(corners[0], sides, along))
 
     def _watched_surfaces(
-        self, corner: Corner, sides: Mapping[Wall, int], along: tuple[LevelSurface, ...]
+        self, corner: SmoothBranch, sides: Mapping[Switch, int], along: tuple[LevelSurface, ...]
     ) -> dict[str, tuple[LevelSurface, ...]]:
         watch: dict[str, tuple[LevelSurface, ...]] = {}
-        for i, wall in enumerate(corner.walls):
-            if wall.fixed or self.modes.is_held(wall, along):
+        for i, switch in enumerate(corner.switches):
+            if switch.fixed or self.modes.is_held(switch, along):
                 continue
-            if wall.whole:
-                watch[f"wall {i} below"] = (LevelSurface(wall, sides[wall]),)
-                watch[f"wall {i} above"] = (LevelSurface(wall, sides[wall] + 1),)
+            if switch.whole:
+                watch[f"switching surface {i} below"] = (LevelSurface(switch, sides[switch]),)
+                watch[f"switching surface {i} above"] = (LevelSurface(switch, sides[switch] + 1),)
             else:
-                watch[f"wall {i}"] = (LevelSurface(wall),)
+                watch[f"switching surface {i}"] = (LevelSurface(switch),)
         watch |= {f"rim {i}": () for i in range(len(corner.rims))}
         return watch | {f"weight {i}": along for i in range(len(along))}
 
     def _levels(
-        self, corner: Corner, sides: Mapping[Wall, int], along: tuple[LevelSurface, ...]
+        self, corner: SmoothBranch, sides: Mapping[Switch, int], along: tuple[LevelSurface, ...]
     ) -> dict[str, Any]:
         """What falls through zero where a mode ends, by the names of ``_watched_surfaces``."""
         levels = {}
-        for i, wall in enumerate(corner.walls):
-            if wall.fixed or self.modes.is_held(wall, along):
+        for i, switch in enumerate(corner.switches):
+            if switch.fixed or self.modes.is_held(switch, along):
                 continue
-            if wall.whole:
-                floor = self.modes.floor(wall)
-                levels[f"wall {i} below"] = wall.function - floor
-                levels[f"wall {i} above"] = floor + 1 - wall.function
+            if switch.whole:
+                floor = self.modes.floor(switch)
+                levels[f"switching surface {i} below"] = switch.function - floor
+                levels[f"switching surface {i} above"] = floor + 1 - switch.function
             else:
-                levels[f"wall {i}"] = corner.signs[wall] * wall.function
+                levels[f"switching surface {i}"] = corner.signs[switch] * switch.function
         for i, base in enumerate(corner.rims):
             levels[f"rim {i}"] = self._fall(base, corner, sides)
         return levels
 
-    def _fall(self, base: Any, corner: Corner, sides: Mapping[Wall, int]) -> Any:
+    def _fall(self, base: Any, corner: SmoothBranch, sides: Mapping[Switch, int]) -> Any:
         """What falls through zero where a radicand of velocities has vanished; of a sum of squares,
         which may be beyond doubles, by its root."""
         (root,) = stable_all([se.sqrt(base)])
@@ -210,11 +210,12 @@ class ModeSet:
 
     def _make_mode(
         self,
-        corners: tuple[Corner, ...],
-        sides: Mapping[Wall, int],
+        corners: tuple[SmoothBranch, ...],
+        sides: Mapping[Switch, int],
         along: tuple[LevelSurface, ...],
     ) -> Mode | None:
-        """The smooth problem on ``sides`` of all walls, or along some; None where none is there."""
+        """The smooth problem on ``sides`` of all switching surfaces, or along some; None where none
+        is there."""
         corner = corners[0]
         functions = {**corner.functions, **self._levels(corner, sides, along)}
         program, turns = corner.program, {}
@@ -239,14 +240,14 @@ class ModeSet:
             levels = _with_turns(quantities(corner.form, functions), program, turns, functions)
         problem = self._problem_of_mode(corner, program, levels, sides, along, turns)
         problem, followed = _follow_events(problem, along) if along else (problem, None)
-        stepper, chosen = self._choose_stepper(problem)
-        lasting = stepper if chosen["method"] == "heyoka" else None
+        solver, chosen = self._choose_stepper(problem)
+        lasting = solver if chosen["method"] == "heyoka" else None
         return Mode(
             corner, program, levels, sides, along, {}, turns, problem, chosen, lasting, followed
         )
 
     def _problem_of_mode(
-        self, corner: Corner, program: Program, levels: Program, sides: Mapping[Wall, int],
+        self, corner: SmoothBranch, program: Program, levels: Program, sides: Mapping[Switch, int],
         along: tuple[LevelSurface, ...], turns: Mapping[str, Any],
     ) -> Problem:  # fmt: skip
         """What is to be integrated until a surface is met that the mode does not lie along."""
@@ -258,7 +259,7 @@ class ModeSet:
         return replace(
             given, program=program, start=given.start.copy(), levels=watching,
             events=(*given.events, *events), parameters=numbers,
-            exact=None, walls=frozenset(ends), suspect=None if along else given.suspect,
+            exact=None, switching_surfaces=frozenset(ends), suspect=None if along else given.suspect,
             progress=self.progress,
             apart=frozenset((*ends, *turns)),  # steps begin anew at each of them
             roots=corner.roots if self.bits != DOUBLE and not along else None,
@@ -271,12 +272,12 @@ class ModeSet:
         return choose("flint" if self.bits != DOUBLE else method, problem, self.grid)
 
     def _number_corner(
-        self, corner: Corner, below: LevelSurface | None, along: Sequence[LevelSurface]
-    ) -> Corner:
+        self, corner: SmoothBranch, below: LevelSurface | None, along: Sequence[LevelSurface]
+    ) -> SmoothBranch:
         """A corner with numbers for the floors along which the motion is held."""
         floors = {
-            self.modes.floor(s.wall): se.Integer(s.value(-1 if s == below else 1))
-            for s in along if s.wall.whole
+            self.modes.floor(s.switch): se.Integer(s.value(-1 if s == below else 1))
+            for s in along if s.switch.whole
         }  # fmt: skip
         if not floors:
             return corner

@@ -1,7 +1,7 @@
 """The stepper for right-hand sides that are not smooth: one smooth stretch after another.
 
-A stretch ends where a wall is reached, as an event does, and ``Crossroads`` tells how the motion
-goes on: through, back, or along.
+A stretch ends where a switching surface is reached, as an event does, and ``Crossroads`` tells how
+the motion goes on: through, back, or along.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ import numpy as np
 import symengine as se
 
 from voronec.equations.program.python import compiled_digits
-from voronec.equations.program.walls import FLAT, SATURATION
+from voronec.equations.program.switches import FLAT, SATURATION
 from voronec.errors import EngineLimit
 from voronec.motion.methods import is_exact
 from voronec.motion.mode_set import DOUBLE, GUARD, Mode
 from voronec.motion.mode_transitions import NO_VALUE, PAST, TOUCH, Crossroads
-from voronec.motion.modes import Corner, LevelSurface, Modes
+from voronec.motion.modes import LevelSurface, Modes, SmoothBranch
 from voronec.motion.request import Guard
 from voronec.motion.step_defects import program_rates
-from voronec.motion.steppers import Halt, Problem, Run, Stepper
+from voronec.motion.steppers import Integrator, Problem, Run, Termination
 from voronec.motion.steppers.run import (
     crossing_arrays,
     in_parts,
@@ -33,14 +33,14 @@ from voronec.motion.steppers.run import (
 )
 from voronec.motion.steppers.samples import Rates, StepSamples
 
-__all__ = ["SwitchedIntegrator", "through_walls"]
+__all__ = ["SwitchedIntegrator", "through_switching_surfaces"]
 
 WINDOW, CRAWL = 200, 1e-8
 """So many switches that cover less than this part of the span lead nowhere."""
 ULPS = 16
 """Instants that lie closer together than so many roundings of them are one."""
 LOOKS = 16
-"""At so many instants of a stretch it is looked at whether a wall was missed."""
+"""At so many instants of a stretch it is looked at whether a switching surface was missed."""
 COINCIDENT = 1e-9
 """An event that is closer to zero than this at a switch, in units of its terms, may pass there."""
 RIM = "the motion comes to rest where a root of velocities in its equations has no slope"
@@ -55,9 +55,9 @@ class SwitchedIntegrator:
     where no motion starts.
     """
 
-    stepper: Stepper
+    solver: Integrator
     chosen: dict[str, Any]
-    corner: Corner | None
+    corner: SmoothBranch | None
     values: Sequence[float]
     roads: Crossroads
 
@@ -86,7 +86,7 @@ class SwitchedIntegrator:
         return SwitchedIntegrator.of(self.roads.elsewhere(time, start, parameters))
 
 
-def through_walls(
+def through_switching_surfaces(
     method: str,
     problem: Problem,
     grid: np.ndarray,
@@ -96,30 +96,32 @@ def through_walls(
     """The integrator of a problem that is not smooth; None where it is smooth.
 
     ``form`` are the equations of the problem's program, ``functions`` those of its events by name,
-    inside the door.  Where parameters change at knots, each piece goes its own way; functions of
-    Python's are asked for their values wherever the motion is looked at.
+    in the engine's symbols.  Where parameters change at knots, each piece goes its own way;
+    functions of Python's are asked for their values wherever the motion is looked at.
     """
     changing = problem.changing
     functional = None if changing is None else changing.functional
-    first = _through_walls(method, replace(problem, changing=functional), grid, form, functions)
+    first = _through_switching_surfaces(
+        method, replace(problem, changing=functional), grid, form, functions
+    )
     if changing is None or first is None:
         return first
 
-    def make(piece: Problem) -> Stepper:
+    def make(piece: Problem) -> Integrator:
         def run(times: np.ndarray) -> Run:
             if first.roads.bits == DOUBLE:
                 again = first.elsewhere(float(times[0]), piece.start, piece.parameters)
-                return again.stepper(times)
-            switched = _through_walls(method, piece, times, form, functions)
+                return again.solver(times)
+            switched = _through_switching_surfaces(method, piece, times, form, functions)
             assert switched is not None
-            return switched.stepper(times)
+            return switched.solver(times)
 
         return run
 
-    return replace(first, stepper=in_pieces(make, problem, anew=True))
+    return replace(first, solver=in_pieces(make, problem, anew=True))
 
 
-def _through_walls(
+def _through_switching_surfaces(
     method: str, problem: Problem, grid: np.ndarray, form: Any, functions: Mapping[str, Any]
 ) -> SwitchedIntegrator | None:
     if not problem.is_rough:
@@ -154,12 +156,12 @@ def _saturation(tol: float, exact: bool) -> Any:
 def _run_without_steps(problem: Problem, times: np.ndarray, reason: str) -> Run:
     """The run that ends where it starts."""
     nothing = {e.name: (np.empty(0), np.empty((0, len(problem.start)))) for e in problem.events}
-    halt = Halt(reason, times[0], problem.start)
+    halt = Termination(reason, times[0], problem.start)
     return Run(times[:1].copy(), problem.start[None, :].copy(), 0, 0, nothing, halt)
 
 
 @dataclass(frozen=True)
-class _ModeStretch:
+class _ModeSegment:
     """A part of the way in one mode; ``inside``, of dense runs, gives states in it."""
 
     end: Any
@@ -179,7 +181,7 @@ class _Passage:
     switches: int = 0
     rows: list[np.ndarray] = field(init=False)
     crossings: dict[str, list[tuple[Any, np.ndarray]]] = field(default_factory=dict)
-    stretches: list[_ModeStretch] = field(default_factory=list)
+    segments: list[_ModeSegment] = field(default_factory=list)
     recent: list[Any] = field(default_factory=list)
     held: bool = False
     samples: list[StepSamples] = field(default_factory=list)
@@ -206,7 +208,7 @@ class _Passage:
         """The same, in numbers that are long enough."""
         try:
             while self.done < len(self.grid):
-                part = self.stretch()
+                part = self.segment()
                 if part.halt or part.interrupted:
                     return self.result(part.halt, part.interrupted)
                 if part.stopped and part.stopped not in self.mode.watch:
@@ -223,13 +225,13 @@ class _Passage:
 
     def arrive(self) -> None:
         """Enter the instants that rounding alone tells from that of a switch: no step fits between,
-        and a wall would be met again and again."""
+        and a switching surface would be met again and again."""
         near = ULPS * 2.0**-self.roads.bits * abs(self.time)
         while self.done < len(self.grid) and abs(self.grid[self.done] - self.time) <= near:
             self.rows.append(self.number(self.state))
             self.done += 1
 
-    def stretch(self) -> Run:
+    def segment(self) -> Run:
         """Go on in a mode until it ends, or the grid does."""
         mode, roads = self.mode, self.roads
         begin = roads.begin(mode, self.time, self.state)
@@ -245,7 +247,7 @@ class _Passage:
         if not self.exact:
             values = list(map(float, values))
         part = mode.run(self.number(self.state), values, times)
-        if mode.stepper is not None and self.strays(part):
+        if mode.solver is not None and self.strays(part):
             part = mode.run_by("scipy", self.number(self.state), values, times)
         part = self.cut(part)
         self.samples += [replace(sample, rates=self.rates_of_mode()) for sample in part.samples]
@@ -263,7 +265,7 @@ class _Passage:
                 zip(*part.crossings[event.name], strict=True)
             )
         if roads.problem.dense:
-            self.stretches.append(_ModeStretch(part.t[-1], part.inside))
+            self.segments.append(_ModeSegment(part.t[-1], part.inside))
         self.time = part.t[-1]
         self.state = np.array(list(map(mpmath.mpf, part.states[-1])), dtype=object)
         return part
@@ -280,21 +282,22 @@ class _Passage:
         return program_rates(mode.program, at)
 
     def strays(self, part: Run) -> bool:
-        """Whether a stretch by heyoka is beyond a wall where it was looked at: heyoka gives up
-        where zeros of a polynomial are too close together, and goes on as if there were none."""
+        """Whether a stretch by heyoka is beyond a switching surface where it was looked at: heyoka
+        gives up where zeros of a polynomial are too close together, and goes on as if there were
+        none."""
         looks = sorted({(len(part.t) - 1) * k // LOOKS for k in range(1, LOOKS + 1)} - {0})
         beyond, sides = self.roads.is_beyond, self.mode.sides
         return any(
-            beyond(wall, part.t[i], part.states[i], sides)
-            for wall in self.mode.walls - {s.wall for s in self.mode.along}
-            if not beyond(wall, self.time, self.state, sides)
+            beyond(switch, part.t[i], part.states[i], sides)
+            for switch in self.mode.switches - {s.switch for s in self.mode.along}
+            if not beyond(switch, self.time, self.state, sides)
             for i in looks
             if np.isfinite(part.states[i]).all()
         )
 
     def cut(self, part: Run) -> Run:
-        """A stretch up to where it touches a wall along which it may have come, or, into the
-        future, beyond which it may go on."""
+        """A stretch up to where it touches a switching surface along which it may have come, or,
+        into the future, beyond which it may go on."""
         reason = TOUCH if self.roads.order > 0 else PAST
         for name, surface in self.mode.turns.items():
             for time, state in zip(*part.crossings[name], strict=True):
@@ -303,7 +306,7 @@ class _Passage:
                     return replace(
                         part, t=part.t[kept], states=part.states[kept], stopped="",
                         crossings=until(part.crossings, self.time, time),
-                        halt=Halt(reason.format(surface), time, state),
+                        halt=Termination(reason.format(surface), time, state),
                     )  # fmt: skip
         return part
 
@@ -311,13 +314,15 @@ class _Passage:
         """Change the mode where one ended; the run, where that ends it."""
         roads, before = self.roads, self.mode
         if not hit:
-            return self.result(Halt(RIM, self.time, self.number(self.state)))
+            return self.result(Termination(RIM, self.time, self.number(self.state)))
         single = len(hit) == 1 and not before.along
         if (single or roads.order < 0) and roads.is_open(
             self.time, self.state, hit[0], before.sides
         ):
             reason = TOUCH if roads.order > 0 else PAST
-            return self.result(Halt(reason.format(hit[0]), self.time, self.number(self.state)))
+            return self.result(
+                Termination(reason.format(hit[0]), self.time, self.number(self.state))
+            )
         # what held the motion is met still, though the state may be some rounding beside it
         hit = tuple(dict.fromkeys((*hit, *before.along)))
         self.state = roads.on_surfaces(self.time, self.state, hit, before.sides)
@@ -326,11 +331,11 @@ class _Passage:
         if len(self.recent) > WINDOW:
             moved = abs(self.time - self.recent.pop(0))
             if moved <= CRAWL * float(np.ptp(self.grid)):
-                return self.result(Halt(ZENO, self.time, self.number(self.state)))
-        sides = {w: s for w, s in before.sides.items() if w not in {x.wall for x in hit}}
+                return self.result(Termination(ZENO, self.time, self.number(self.state)))
+        sides = {w: s for w, s in before.sides.items() if w not in {x.switch for x in hit}}
         found = roads.next_mode(self.time, self.state, sides, hit)
         if isinstance(found, str):
-            return self.result(Halt(found, self.time, self.number(self.state)))
+            return self.result(Termination(found, self.time, self.number(self.state)))
         self.mode = found
         if found.along:
             self.state = roads.on_surfaces(self.time, self.state, found.along, found.sides)
@@ -384,7 +389,9 @@ class _Passage:
         except NO_VALUE:
             return None
 
-    def result(self, halt: Halt | None = None, interrupted: bool = False, stopped: str = "") -> Run:
+    def result(
+        self, halt: Termination | None = None, interrupted: bool = False, stopped: str = ""
+    ) -> Run:
         t, kind = self.grid[: self.done], object if self.exact else float
         if self.exact:
             t = np.array([mpmath.mpf(x) for x in t], dtype=object)
@@ -401,5 +408,5 @@ class _Passage:
 
     def inside(self, times: np.ndarray) -> np.ndarray:
         """States at any times reached."""
-        ends, parts = [s.end for s in self.stretches], [s.inside for s in self.stretches]
+        ends, parts = [s.end for s in self.segments], [s.inside for s in self.segments]
         return in_parts(ends, self.order, parts, times, self.rows[0][None, :])

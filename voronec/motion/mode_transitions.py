@@ -1,8 +1,8 @@
-"""Where walls meet a motion: which way it goes on.
+"""Where switching surfaces meet a motion: which way it goes on.
 
-From the fields on all sides of the walls it is seen where they lead: away on one side (the motion
-goes on there), back from every side (it goes on along the walls [Filippov1988]), or away on
-several (nothing tells which).
+From the fields on all sides of the switching surfaces it is seen where they lead: away on one side
+(the motion goes on there), back from every side (it goes on along the switching surfaces
+[Filippov1988]), or away on several (nothing tells which).
 """
 
 from __future__ import annotations
@@ -20,28 +20,31 @@ import symengine as se
 
 from voronec.equations.program import Block, Program
 from voronec.equations.program.python import compiled_digits
-from voronec.equations.program.walls import Wall
+from voronec.equations.program.switches import Switch
 from voronec.errors import DefinitionError
 from voronec.motion.mode_set import GUARD, Mode, ModeSet
-from voronec.motion.modes import Corner, LevelSurface
+from voronec.motion.modes import LevelSurface, SmoothBranch
 from voronec.motion.steppers.units import natural_units
 
 __all__ = ["NO_VALUE", "PAST", "TOUCH", "Crossroads"]
 
 NEAR = 6
-"""A wall's function counts as zero where it is smaller than its terms by all bits but these."""
+"""A switching surface's function counts as zero where it is smaller than its terms by all bits but
+these."""
 MOST = 4
-"""So many walls may meet at an instant."""
+"""So many switching surfaces may meet at an instant."""
 FREE = "the motion is not determined: it may leave {} on either side"
 PAST = "the past is not determined: the motion may have come along {}, or from either side"
 TOUCH = "the motion is not determined: it touches {}, and may turn there or go on beyond"
 NO_WAY_ON = "all fields lead back to {}, and switches would follow one another ever faster"
 GRAZE = 1e-9
-"""A wall is touched where its function is smaller than this part of its terms, and turns."""
+"""A switching surface is touched where its function is smaller than this part of its terms, and
+turns."""
 CLEAR = 1e-4
-"""Beyond a wall is where its function has passed zero by more than this part of its reach."""
+"""Beyond a switching surface is where its function has passed zero by more than this part of its
+reach."""
 UNSURE = 0.7
-"""A run to the tolerance tol may miss a wall by tol to this power."""
+"""A run to the tolerance tol may miss a switching surface by tol to this power."""
 CANCELLATION = 1e-12
 """Fields on the sides cancel where so much is left of them, in units of the largest: rounding."""
 NEGLIGIBLE = 1e-3
@@ -50,13 +53,13 @@ STEEP = 16.0
 """Fields whose slopes grow by this from one place to another that is 2^20 times nearer to where
 they vanish have none there."""
 SHORTER = (1.0, 2.0**-6, 2.0**-12)
-"""Parts of a moment, for where the next wall is nearer than that."""
+"""Parts of a moment, for where the next switching surface is nearer than that."""
 NOWHERE: Mapping[LevelSurface, int] = {}
 """Beside no surface."""
 NO_VALUE = (ZeroDivisionError, ValueError, TypeError)
 """What mpmath raises where a function has no value, or none that is real."""
 SENSELESS = "the equations, or what switches in them, are not defined"
-TOGETHER = f"more than {MOST} walls meet"
+TOGETHER = f"more than {MOST} switching surfaces meet"
 
 
 class Crossroads(ModeSet):
@@ -70,7 +73,7 @@ class Crossroads(ModeSet):
     # -- which way ------------------------------------------------------------------------
 
     def next_mode(
-        self, time: Any, state: np.ndarray, sides: Mapping[Wall, int], hit: Sequence[LevelSurface]
+        self, time: Any, state: np.ndarray, sides: Mapping[Switch, int], hit: Sequence[LevelSurface]
     ) -> Mode | str:
         """The mode in which the motion goes on, or the reason why it does not.
 
@@ -82,7 +85,7 @@ class Crossroads(ModeSet):
             return SENSELESS
 
     def _way_on(
-        self, time: Any, state: np.ndarray, sides: Mapping[Wall, int], hit: Sequence[LevelSurface]
+        self, time: Any, state: np.ndarray, sides: Mapping[Switch, int], hit: Sequence[LevelSurface]
     ) -> Mode | str:
         met, corners = self._corners(time, state, sides, hit)
         if len(met) > MOST:
@@ -117,126 +120,128 @@ class Crossroads(ModeSet):
         return NO_WAY_ON.format(names) if rest is None else rest
 
     def _corners(
-        self, time: Any, state: np.ndarray, sides: Mapping[Wall, int], hit: Sequence[LevelSurface]
-    ) -> tuple[list[LevelSurface], dict[tuple[int, ...], tuple[Corner, dict[Wall, int]]]]:
+        self, time: Any, state: np.ndarray, sides: Mapping[Switch, int], hit: Sequence[LevelSurface]
+    ) -> tuple[list[LevelSurface], dict[tuple[int, ...], tuple[SmoothBranch, dict[Switch, int]]]]:
         """The surfaces that meet at a state, and the equations on each side of all of them.  Those
         of the time alone are passed."""
-        met, ahead, more = [], dict[Wall, int](), list(hit)
+        met, ahead, more = [], dict[Switch, int](), list(hit)
         while True:
-            ahead |= {s.wall: self._side_after(s, time, state) for s in more if self._is_timed(s)}
-            met += [s for s in more if s.wall not in ahead]
+            ahead |= {s.switch: self._side_after(s, time, state) for s in more if self._is_timed(s)}
+            met += [s for s in more if s.switch not in ahead]
             corners, more = {}, []
-            walls = {s.wall for s in met}
+            switches = {s.switch for s in met}
             # beyond a floor other floors and signs of it are others
-            new = walls | ahead.keys()
-            kept = {w: n for w, n in sides.items() if new.isdisjoint(self.modes.inner_walls(w))}
+            new = switches | ahead.keys()
+            kept = {w: n for w, n in sides.items() if new.isdisjoint(self.modes.inner_switches(w))}
             for above in product((1, -1), repeat=len(met)):
                 beside = dict(zip(met, above, strict=True))
                 corner, values = self._corner(time, state, {**kept, **ahead}, beside)
                 corners[above] = corner, values
-                for wall in corner.walls:
-                    if wall not in ahead and (wall not in walls or wall.floors):
-                        found = self._touched_surfaces(wall, time, state, values)
+                for switch in corner.switches:
+                    if switch not in ahead and (switch not in switches or switch.floors):
+                        found = self._touched_surfaces(switch, time, state, values)
                         more += [s for s in found if s not in (*met, *more)]
             if not more or len(met) > MOST:
                 return met, corners
 
     def _is_timed(self, surface: LevelSurface) -> bool:
         """Whether a surface is an instant, whatever the state is."""
-        held = surface.wall.function.free_symbols - {*self.modes.form.parameters}
+        held = surface.switch.function.free_symbols - {*self.modes.form.parameters}
         return held == {self.modes.form.time} and self.problem.changing is None
 
     def _side_after(self, surface: LevelSurface, time: Any, state: np.ndarray) -> int:
-        """What stands for the wall of an instant a moment later along the run."""
+        """What stands for the switching surface of an instant a moment later along the run."""
         unit = max(1, abs(time))
-        slope = self._measure(surface.wall, time, state, {})[1] * self.order
+        slope = self._measure(surface.switch, time, state, {})[1] * self.order
         if abs(slope) * unit < mpmath.mpf(2) ** (-(self.bits // 4)):  # it may turn there
             later = time + self.order * unit * mpmath.mpf(2) ** (-(self.bits // 2))
-            slope = self._measure(surface.wall, later, state, {})[0] - surface.level
+            slope = self._measure(surface.switch, later, state, {})[0] - surface.level
         return surface.value(1 if slope >= 0 else -1)
 
     def _corner(
-        self, time: Any, state: np.ndarray, given: Mapping[Wall, int],
+        self, time: Any, state: np.ndarray, given: Mapping[Switch, int],
         beside: Mapping[LevelSurface, int] = NOWHERE,
-    ) -> tuple[Corner, dict[Wall, int]]:  # fmt: skip
-        """The equations, and the sides of all walls: those ``given``, and above (1) or below (-1)
-        the surfaces ``beside`` which the state lies."""
-        values: dict[Wall, int] = {}
+    ) -> tuple[SmoothBranch, dict[Switch, int]]:  # fmt: skip
+        """The equations, and the sides of all switching surfaces: those ``given``, and above (1) or
+        below (-1) the surfaces ``beside`` which the state lies."""
+        values: dict[Switch, int] = {}
 
-        def number(wall: Wall) -> Any:
-            for inner in self.modes.inner_walls(wall):
+        def number(switch: Switch) -> Any:
+            for inner in self.modes.inner_switches(switch):
                 number(inner)
-            if wall not in values:
+            if switch not in values:
                 near = [
                     s.value(side) for s, side in beside.items()
-                    if s.wall == wall and self._is_near(s, time, state, values)
+                    if s.switch == switch and self._is_near(s, time, state, values)
                 ]  # fmt: skip
-                known = [*near, *([given[wall]] if wall in given else [])]
-                values[wall] = known[0] if known else self._value(wall, time, state, values)
-            return values[wall]
+                known = [*near, *([given[switch]] if switch in given else [])]
+                values[switch] = known[0] if known else self._value(switch, time, state, values)
+            return values[switch]
 
         corner = self.modes.corner(number)
-        for wall in corner.walls:
-            number(wall)
-        return corner, {wall: values[wall] for wall in corner.walls}
+        for switch in corner.switches:
+            number(switch)
+        return corner, {switch: values[switch] for switch in corner.switches}
 
-    def _value(self, wall: Wall, time: Any, state: np.ndarray, values: Mapping[Wall, int]) -> int:
-        g = self._measure(wall, time, state, values)[0]
-        if wall.whole:
+    def _value(
+        self, switch: Switch, time: Any, state: np.ndarray, values: Mapping[Switch, int]
+    ) -> int:
+        g = self._measure(switch, time, state, values)[0]
+        if switch.whole:
             return int(mpmath.floor(g))
-        return int(mpmath.sign(g)) if wall.fixed else 1 if g >= 0 else -1
+        return int(mpmath.sign(g)) if switch.fixed else 1 if g >= 0 else -1
 
     def _is_near(
-        self, surface: LevelSurface, time: Any, state: np.ndarray, values: Mapping[Wall, int]
+        self, surface: LevelSurface, time: Any, state: np.ndarray, values: Mapping[Switch, int]
     ) -> bool:
         """Whether a state that lay on a surface does so with other values of the floors in it."""
-        if not surface.wall.floors:
+        if not surface.switch.floors:
             return True
-        g, size = self._value_and_reach(surface.wall, time, state, values)
+        g, size = self._value_and_reach(surface.switch, time, state, values)
         return bool(abs(g - surface.level) <= CLEAR * size)
 
     def _touched_surfaces(
-        self, wall: Wall, time: Any, state: np.ndarray, values: Mapping[Wall, int]
+        self, switch: Switch, time: Any, state: np.ndarray, values: Mapping[Switch, int]
     ) -> list[LevelSurface]:
-        """The surface of a wall on which a state lies, to rounding."""
-        if wall.fixed:
+        """The surface of a switching surface on which a state lies, to rounding."""
+        if switch.fixed:
             return []
-        g, size = self._value_and_size(wall, time, state, values)
-        level = int(mpmath.nint(g)) if wall.whole else 0
+        g, size = self._value_and_size(switch, time, state, values)
+        level = int(mpmath.nint(g)) if switch.whole else 0
         if abs(g - level) > size * mpmath.mpf(2) ** (NEAR - self.bits):
             return []
-        return [LevelSurface(wall, level)]
+        return [LevelSurface(switch, level)]
 
     def _value_and_size(
-        self, wall: Wall, time: Any, state: np.ndarray, values: Mapping[Wall, int]
+        self, switch: Switch, time: Any, state: np.ndarray, values: Mapping[Switch, int]
     ) -> tuple[Any, Any]:
-        """The value of a wall's function, and the size of its terms."""
-        g, *slopes = self._measure(wall, time, state, values)
+        """The value of a switching surface's function, and the size of its terms."""
+        g, *slopes = self._measure(switch, time, state, values)
         return g, sum(abs(a * b) for a, b in zip(slopes, [time, *state], strict=True))
 
     def _value_and_reach(
-        self, wall: Wall, time: Any, state: np.ndarray, values: Mapping[Wall, int]
+        self, switch: Switch, time: Any, state: np.ndarray, values: Mapping[Switch, int]
     ) -> tuple[Any, Any]:
-        """The value of a wall's function, and what it reaches over natural sizes of the states: a
-        state that is zero at the wall has errors of its usual size."""
-        g, slope, *slopes = self._measure(wall, time, state, values)
+        """The value of a switching surface's function, and what it reaches over natural sizes of
+        the states: a state that is zero at the switching surface has errors of its usual size."""
+        g, slope, *slopes = self._measure(switch, time, state, values)
         sizes = np.maximum(abs(state), self.units)
         return g, abs(slope * time) + sum(abs(a) * x for a, x in zip(slopes, sizes, strict=True))
 
     def _measure(
-        self, wall: Wall, time: Any, state: np.ndarray, values: Mapping[Wall, int]
+        self, switch: Switch, time: Any, state: np.ndarray, values: Mapping[Switch, int]
     ) -> list[Any]:
-        return self.modes.gauge(wall)(time, state, self.name_parameters(values, time))
+        return self.modes.gauge(switch)(time, state, self.name_parameters(values, time))
 
     def _rates(
-        self, program: Program, sides: Mapping[Wall, int], time: Any, state: np.ndarray
+        self, program: Program, sides: Mapping[Switch, int], time: Any, state: np.ndarray
     ) -> list[Any]:
         """The rates of the states by a mode's program."""
         right = compiled_digits(program)[0]
         return list(right(time, list(state), self.values(program, sides, time)))
 
     def _sides_ahead(
-        self, program: Program, time: Any, state: np.ndarray, sides: Mapping[Wall, int],
+        self, program: Program, time: Any, state: np.ndarray, sides: Mapping[Switch, int],
         surfaces: Sequence[LevelSurface], along: Sequence[LevelSurface] = (),
     ) -> list[int]:  # fmt: skip
         """On which side of each surface a short motion along the run leads, 0 for none.
@@ -250,23 +255,23 @@ class Crossroads(ModeSet):
             return [0] * len(surfaces)
         found = []
         for surface in surfaces:
-            if surface.wall not in sides or not self._is_near(surface, time, state, sides):
+            if surface.switch not in sides or not self._is_near(surface, time, state, sides):
                 found.append(0)
                 continue
-            a = self._measure(surface.wall, time, state, sides)[0]
-            b = self._measure(surface.wall, later, there, sides)[0]
+            a = self._measure(surface.switch, time, state, sides)[0]
+            b = self._measure(surface.switch, later, there, sides)[0]
             tiny = mpmath.mpf(2) ** (-2 * self.bits - GUARD // 2) * max(abs(a), abs(surface.level))
             found.append(0 if abs(b - a) <= tiny else 1 if b > a else -1)
         return found
 
     def _short_way(
-        self, program: Program, time: Any, state: np.ndarray, sides: Mapping[Wall, int],
+        self, program: Program, time: Any, state: np.ndarray, sides: Mapping[Switch, int],
         met: Sequence[LevelSurface],
     ) -> tuple[Any, np.ndarray]:  # fmt: skip
-        """Time and state a moment along the run, or such a part of it later that no other wall than
-        those that are met is crossed: beyond one the equations are others."""
-        walls = {s.wall for s in met}
-        others = [w for w in sides if not w.fixed and w not in walls]
+        """Time and state a moment along the run, or such a part of it later that no other switching
+        surface than those that are met is crossed: beyond one the equations are others."""
+        switches = {s.switch for s in met}
+        others = [w for w in sides if not w.fixed and w not in switches]
         ways = (self._follow(program, time, state, sides, self.order * part) for part in SHORTER)
         clear = (
             way for way in ways if all(self._value(w, *way, sides) == sides[w] for w in others)
@@ -274,7 +279,12 @@ class Crossroads(ModeSet):
         return next(clear, None) or self._follow(program, time, state, sides, self.order)
 
     def _follow(
-        self, program: Program, time: Any, state: np.ndarray, sides: Mapping[Wall, int], way: float
+        self,
+        program: Program,
+        time: Any,
+        state: np.ndarray,
+        sides: Mapping[Switch, int],
+        way: float,
     ) -> tuple[Any, np.ndarray]:
         """Time and state a moment later (``way`` 1) or before, or a part of a moment."""
 
@@ -298,12 +308,12 @@ class Crossroads(ModeSet):
         time: Any,
         state: np.ndarray,
         surfaces: Sequence[LevelSurface],
-        sides: Mapping[Wall, int],
+        sides: Mapping[Switch, int],
     ) -> np.ndarray:
         """The state moved onto surfaces that it has reached, to rounding: the nearest there.  Where
-        that is farther than the tolerance, as it is where a wall's function is hardly more than
-        rounding, the state stays."""
-        measured = [self._measure(s.wall, time, state, sides) for s in surfaces]
+        that is farther than the tolerance, as it is where a switching surface's function is hardly
+        more than rounding, the state stays."""
+        measured = [self._measure(s.switch, time, state, sides) for s in surfaces]
         pairs = [(g - s.level, row) for s, (g, _, *row) in zip(surfaces, measured, strict=True)]
         pairs = [(g, row) for g, row in pairs if any(row)]
         if not pairs:
@@ -323,7 +333,7 @@ class Crossroads(ModeSet):
     def _along(
         self, time: Any, state: np.ndarray, met: Sequence[LevelSurface],
         along: tuple[LevelSurface, ...],
-        corners: Mapping[tuple[int, ...], tuple[Corner, dict[Wall, int]]],
+        corners: Mapping[tuple[int, ...], tuple[SmoothBranch, dict[Switch, int]]],
     ) -> Mode | None:  # fmt: skip
         """The motion along some of the surfaces that meet, if there is one."""
         self._require_rates(along)
@@ -337,7 +347,9 @@ class Crossroads(ModeSet):
 
             chosen = [at(None), *(at(s) for s in along)]
             there = chosen[0][1]
-            if any(s.wall not in there or not self._is_near(s, time, state, there) for s in along):
+            if any(
+                s.switch not in there or not self._is_near(s, time, state, there) for s in along
+            ):
                 continue
             mode = self.mode(tuple(c for c, _ in chosen), chosen[0][1], along)
             weights = None if mode is None else self._weights(mode, time, state)
@@ -354,19 +366,19 @@ class Crossroads(ModeSet):
 
     def _rest_mode(
         self, time: Any, state: np.ndarray, met: Sequence[LevelSurface],
-        corners: Mapping[tuple[int, ...], tuple[Corner, dict[Wall, int]]],
+        corners: Mapping[tuple[int, ...], tuple[SmoothBranch, dict[Switch, int]]],
     ) -> Mode | None:  # fmt: skip
-        """The state of rest, where the fields on the sides cancel and hold no time, until a wall
-        that holds it is reached: something may set in there."""
+        """The state of rest, where the fields on the sides cancel and hold no time, until a
+        switching surface that holds it is reached: something may set in there."""
         first, sides = next(iter(corners.values()))
-        rows, later, own = [], dict[Wall, int](), dict[Wall, int]()
+        rows, later, own = [], dict[Switch, int](), dict[Switch, int]()
         for corner, beside in corners.values():
-            clock, walls = corner.program.time, (*corner.walls, *(s.wall for s in met))
+            clock, switches = corner.program.time, (*corner.switches, *(s.switch for s in met))
             if self.problem.changing is not None or self._holds_time(corner.program, beside, time):
                 return None
-            timed = [w for w in walls if w.function.has(clock)]
-            strange = {w for w in timed if w.whole or w.floors}.difference(first.walls)
-            if strange or any(s.wall in timed for s in met):
+            timed = [w for w in switches if w.function.has(clock)]
+            strange = {w for w in timed if w.whole or w.floors}.difference(first.switches)
+            if strange or any(s.switch in timed for s in met):
                 return None
             later |= {w: beside[w] for w in timed if not w.fixed}
             own |= beside
@@ -380,10 +392,12 @@ class Crossroads(ModeSet):
             return None
         zero = Block((), (se.Integer(0),) * len(state))
         program = replace(first.program, derivative=zero)
-        still = replace(first, program=program, walls=(*later,), signs=later, rims=(), roots=None)
+        still = replace(
+            first, program=program, switches=(*later,), signs=later, rims=(), roots=None
+        )
         return self.mode((still,), {**own, **sides}, ())
 
-    def _holds_time(self, program: Program, sides: Mapping[Wall, int], time: Any) -> bool:
+    def _holds_time(self, program: Program, sides: Mapping[Switch, int], time: Any) -> bool:
         """Whether rates hold the time, other than times a parameter that is zero, as the slope of
         an input is before its table begins to grow."""
         pairs = zip(program.parameters, self.values(program, sides, time), strict=True)
@@ -393,10 +407,11 @@ class Crossroads(ModeSet):
 
     def _agree(
         self, time: Any, state: np.ndarray,
-        corners: Mapping[tuple[int, ...], tuple[Corner, dict[Wall, int]]],
+        corners: Mapping[tuple[int, ...], tuple[SmoothBranch, dict[Switch, int]]],
     ) -> bool:  # fmt: skip
-        """Whether the fields on some sides are one at a state that moves on along the walls between
-        them, and nothing leads away there: a body may rest on a wall while others move."""
+        """Whether the fields on some sides are one at a state that moves on along the switching
+        surfaces between them, and nothing leads away there: a body may rest on a switching surface
+        while others move."""
         fields = (self._rates(c.program, sides, time, state) for c, sides in corners.values())
         rows = np.array([list(map(mpmath.mpf, field)) for field in fields], dtype=object)
         rounding = mpmath.mpf(2) ** (NEAR - self.bits) * abs(rows).max()
@@ -405,7 +420,7 @@ class Crossroads(ModeSet):
 
     def _vanish(
         self, time: Any, state: np.ndarray,
-        corners: Mapping[tuple[int, ...], tuple[Corner, dict[Wall, int]]],
+        corners: Mapping[tuple[int, ...], tuple[SmoothBranch, dict[Switch, int]]],
     ) -> bool:  # fmt: skip
         """Whether the fields on all sides vanish at a state."""
         rates = (self._rates(c.program, sides, time, state) for c, sides in corners.values())
@@ -413,7 +428,7 @@ class Crossroads(ModeSet):
 
     def _leads_away(
         self, time: Any, state: np.ndarray,
-        corners: Mapping[tuple[int, ...], tuple[Corner, dict[Wall, int]]],
+        corners: Mapping[tuple[int, ...], tuple[SmoothBranch, dict[Switch, int]]],
     ) -> bool:  # fmt: skip
         """Whether fields change beside a state more slowly than in proportion to the way from it,
         and push on: else nothing leaves its way, as |x'| <= L |x|, or what is beside returns.
@@ -443,10 +458,11 @@ class Crossroads(ModeSet):
         return False
 
     def is_open(
-        self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Wall, int]
+        self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Switch, int]
     ) -> bool:
-        """Whether a motion into the past ``touches`` a wall, or one into the future ``grazes`` it:
-        then it is open on which side it goes on.  What has no value there says nothing of it."""
+        """Whether a motion into the past ``touches`` a switching surface, or one into the future
+        ``grazes`` it: then it is open on which side it goes on.  What has no value there says
+        nothing of it."""
         look = self.grazes if self.order > 0 else self.touches
         try:
             return look(time, state, surface, sides)
@@ -454,61 +470,62 @@ class Crossroads(ModeSet):
             return False
 
     def touches(
-        self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Wall, int]
+        self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Switch, int]
     ) -> bool:
-        """Whether a wall is touched, not crossed, from a side while the other side leads to it, in
-        the sense of time: then the motion may have come along it."""
-        g, size = self._value_and_reach(surface.wall, time, state, sides)
-        side = 1 if sides[surface.wall] == surface.value(1) else -1
+        """Whether a switching surface is touched, not crossed, from a side while the other side
+        leads to it, in the sense of time: then the motion may have come along it."""
+        g, size = self._value_and_reach(surface.switch, time, state, sides)
+        side = 1 if sides[surface.switch] == surface.value(1) else -1
         own, scale = self._rate(time, state, surface, sides)
         if abs(g - surface.level) > GRAZE * size or abs(own) > mpmath.sqrt(GRAZE) * scale:
             return False
-        other, _ = self._rate(time, state, surface, {**sides, surface.wall: surface.value(-side)})
+        other, _ = self._rate(time, state, surface, {**sides, surface.switch: surface.value(-side)})
         return bool(other * side > 0)
 
     def grazes(
-        self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Wall, int]
+        self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Switch, int]
     ) -> bool:
-        """Whether a motion that comes to a wall turns within its error of it, while the other side
-        leads away: then that error decides on which side it goes on."""
-        g, size = self._value_and_reach(surface.wall, time, state, sides)
+        """Whether a motion that comes to a switching surface turns within its error of it, while
+        the other side leads away: then that error decides on which side it goes on."""
+        g, size = self._value_and_reach(surface.switch, time, state, sides)
         if abs(g - surface.level) > self.problem.tol**UNSURE * size:
             return False
-        side = 1 if sides[surface.wall] == surface.value(1) else -1
+        side = 1 if sides[surface.switch] == surface.value(1) else -1
         own, bend = self._rate_and_bend(time, state, surface, sides)
         if bend * side <= 0 or own**2 / (2 * bend * side) > self.problem.tol**UNSURE * size:
             return False
-        beyond = {**sides, surface.wall: surface.value(-side)}
+        beyond = {**sides, surface.switch: surface.value(-side)}
         other, bend = self._rate_and_bend(time, state, surface, beyond)
         return not (other * self.order * side > 2 * abs(own) or bend * side > 0)
 
     def is_beyond(
-        self, wall: Wall, time: Any, state: np.ndarray, sides: Mapping[Wall, int]
+        self, switch: Switch, time: Any, state: np.ndarray, sides: Mapping[Switch, int]
     ) -> bool:
-        """Whether a state lies clearly on another side of a wall than it should."""
-        g, size = self._value_and_reach(wall, time, state, sides)
-        own, error = sides[wall], CLEAR * size
-        if wall.whole:
+        """Whether a state lies clearly on another side of a switching surface than it should."""
+        g, size = self._value_and_reach(switch, time, state, sides)
+        own, error = sides[switch], CLEAR * size
+        if switch.whole:
             return bool(not own - error <= g <= own + 1 + error)
         return bool(g * own < -error)
 
     def _rate_and_bend(
-        self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Wall, int]
+        self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Switch, int]
     ) -> tuple[Any, Any]:
-        """How fast a wall's function grows on given sides, and how fast that does."""
+        """How fast a switching surface's function grows on given sides, and how fast that does."""
         rate, _ = self._rate(time, state, surface, sides)
         corner, values = self._corner(time, state, sides)
         later, there = self._follow(corner.program, time, state, values, self.order)
         return rate, (self._rate(later, there, surface, sides)[0] - rate) / (later - time)
 
     def _rate(
-        self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Wall, int]
+        self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Switch, int]
     ) -> tuple[Any, Any]:
-        """How fast a wall's function grows on given sides, and the size of the terms of that."""
+        """How fast a switching surface's function grows on given sides, and the size of the terms
+        of that."""
         self._require_rates((surface,))
         corner, values = self._corner(time, state, sides)
         found = self._rates(corner.program, values, time, state)
-        _, slope, *slopes = self._measure(surface.wall, time, state, sides)
+        _, slope, *slopes = self._measure(surface.switch, time, state, sides)
         terms = [slope, *(a * b for a, b in zip(slopes, found, strict=True))]
         speeds = [
             abs(a) * max(abs(b), abs(x)) for a, b, x in zip(slopes, found, state, strict=True)
@@ -516,11 +533,12 @@ class Crossroads(ModeSet):
         return sum(terms), sum(speeds) + abs(slope)
 
     def _require_rates(self, surfaces: Sequence[LevelSurface]) -> None:
-        """Refuse to follow a wall that holds a function of Python's whose rate is not known."""
+        """Refuse to follow a switching surface that holds a function of Python's whose rate is not
+        known."""
         changing = self.problem.changing
         for surface in surfaces if changing is not None else ():
             assert changing is not None
-            lacking = changing.without_rates(map(str, surface.wall.function.free_symbols))
+            lacking = changing.without_rates(map(str, surface.switch.function.free_symbols))
             if lacking is not None:
                 raise DefinitionError(
                     f"the equations switch where {surface}, and nothing tells how the input "

@@ -1,8 +1,10 @@
-"""Right-hand sides that are not smooth, mode by mode: on given sides of their walls, or along them.
+"""Right-hand sides that are not smooth, mode by mode: on given sides of their switching surfaces,
+or along them.
 
-On either side of a wall g = 0 the field is smooth, f+ and f-.  Where both lead to the wall the
-motion stays on it [Filippov1988]: it follows f = (f+ + f-)/2 + a (f+ - f-)/2 with -1 < a < 1 such
-that g stays zero, and of several walls with one such a for each, where the field is affine in them.
+On either side of a switching surface g = 0 the field is smooth, f+ and f-.  Where both lead to the
+switching surface the motion stays on it [Filippov1988]: it follows f = (f+ + f-)/2 + a (f+ - f-)/2
+with -1 < a < 1 such that g stays zero, and of several switching surfaces with one such a for each,
+where the field is affine in them.
 """
 
 from __future__ import annotations
@@ -15,22 +17,22 @@ from typing import Any
 
 import symengine as se
 
-from voronec.algebra.door import Door
 from voronec.algebra.graphs import bases, nodes
 from voronec.algebra.memo import remember
 from voronec.algebra.normal import canonical, canonical_for_numbers, quotient
 from voronec.algebra.numeric_functions import HYPOT, numeric_name
 from voronec.algebra.signs import prove_inequality
 from voronec.algebra.stable import stable_all
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.terms import factors_of
 from voronec.equations.program import Block, Program
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.straight import prune, with_plain_roots, without_stages
-from voronec.equations.program.walls import (
+from voronec.equations.program.switches import (
     SATURATION,
     Sides,
-    Wall,
-    has_walls,
+    Switch,
+    has_switches,
     plain_roots,
     radicands,
 )
@@ -38,13 +40,13 @@ from voronec.errors import EngineLimit
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers.root_states import RootStates
 
-__all__ = ["Corner", "LevelSurface", "Modes", "is_length", "motion_along_surfaces"]
+__all__ = ["LevelSurface", "Modes", "SmoothBranch", "is_length", "motion_along_surfaces"]
 
 STEEP = (se.log, se.asin, se.acos, se.acosh, se.atan2)
 """Functions whose slopes have no bound."""
 
 MOST_IDLE = 4
-"""So many walls are left out of a mode at most: all their sides are compared."""
+"""So many switching surfaces are left out of a mode at most: all their sides are compared."""
 
 LONG = 2_000
 """Pushes of more operations, spelled out, are divided by as they are."""
@@ -52,59 +54,63 @@ LONG = 2_000
 
 @dataclass(frozen=True)
 class LevelSurface:
-    """A wall where its function is a ``level``: zero, or of a floor any whole number."""
+    """A switching surface where its function is a ``level``: zero, or of a floor any whole
+    number."""
 
-    wall: Wall
+    switch: Switch
     level: int = 0
 
     @property
     def function(self) -> Any:
         """Vanishes on the surface, is positive above."""
-        return self.wall.function - self.level
+        return self.switch.function - self.level
 
     def value(self, side: int) -> int:
-        """What stands for the wall above (1) and below (-1): the sign, or the floor."""
-        if not self.wall.whole:
+        """What stands for the switching surface above (1) and below (-1): the sign, or the
+        floor."""
+        if not self.switch.whole:
             return side
         return self.level if side > 0 else self.level - 1
 
     def __str__(self) -> str:
-        return f"{self.wall.function} = {self.level}"
+        return f"{self.switch.function} = {self.level}"
 
 
 @dataclass(frozen=True, eq=False)
-class Corner:
-    """The equations on one side of every wall; floors are parameters of the ``program``.
+class SmoothBranch:
+    """The equations on one side of every switching surface; floors are parameters of the
+    ``program``.
 
-    ``signs`` are the sides that were asked for, ``walls`` all that were met, ``functions`` those of
-    events.  ``rims`` are radicands of roots that velocities may bring to zero, all at once,
-    ``roots`` the program with roots that vanish on walls as states.
+    ``signs`` are the sides that were asked for, ``switching surfaces`` all that were met,
+    ``functions`` those of events.  ``rims`` are radicands of roots that velocities may bring to zero, all at once,
+    ``roots`` the program with roots that vanish on switching surfaces as states.
     """
 
     form: Any
     program: Program
     functions: Mapping[str, Any]
-    signs: Mapping[Wall, int]
-    walls: tuple[Wall, ...]
+    signs: Mapping[Switch, int]
+    switches: tuple[Switch, ...]
     rims: tuple[Any, ...]
     roots: RootStates | None = None
 
 
 @dataclass
 class Modes:
-    """All modes of a form; ``functions`` are those of events by name, inside the door.
+    """All modes of a form; ``functions`` are those of events by name, in the engine's symbols.
 
-    ``cusps`` are radicands that vanish on walls, as in |x|^(3/2): such a root has no Taylor series
-    there, and beyond it is taken of the absolute value, so that a step may look across.
+    ``cusps`` are radicands that vanish on switching surfaces, as in |x|^(3/2): such a root has no
+    Taylor series there, and beyond it is taken of the absolute value, so that a step may look
+    across.
     """
 
     form: Any
     functions: Mapping[str, Any]
     cusps: frozenset[Any] = frozenset()
     saturated: Any = SATURATION
-    _corners: list[Corner] = field(default_factory=list)
-    _floors: dict[Wall, Any] = field(default_factory=dict)
-    _gauges: dict[Wall, Callable[..., Any]] = field(default_factory=dict)
+    _corners: list[SmoothBranch] = field(default_factory=list)
+    _floors: dict[Switch, Any] = field(default_factory=dict)
+    _gauges: dict[Switch, Callable[..., Any]] = field(default_factory=dict)
     _held: dict[Any, bool] = field(default_factory=dict)
 
     @classmethod
@@ -120,29 +126,30 @@ class Modes:
             name: plain_roots(se.sympify(e).xreplace(known), still) for name, e in functions.items()
         }
         exprs = form.expressions
-        if not has_walls([*exprs, *functions.values()], still) and not rims(form, exprs):
+        if not has_switches([*exprs, *functions.values()], still) and not rims(form, exprs):
             return None
         return cls(form, functions, _cusps(form, exprs), saturated)
 
-    def floor(self, wall: Wall) -> Any:
+    def floor(self, switch: Switch) -> Any:
         """The parameter that stands for a floor."""
-        return self._floors.setdefault(wall, se.Symbol(f"floor {len(self._floors) + 1}"))
+        return self._floors.setdefault(switch, se.Symbol(f"floor {len(self._floors) + 1}"))
 
-    def inner_walls(self, wall: Wall) -> list[Wall]:
-        """The walls of the floors in the function of a wall, inner ones first."""
-        found = [w for w, symbol in self._floors.items() if symbol in wall.floors]
-        return [inner for w in found for inner in (*self.inner_walls(w), w)]
+    def inner_switches(self, switch: Switch) -> list[Switch]:
+        """The switching surfaces of the floors in the function of a switching surface, inner ones
+        first."""
+        found = [w for w, symbol in self._floors.items() if symbol in switch.floors]
+        return [inner for w in found for inner in (*self.inner_switches(w), w)]
 
-    def corner(self, side: Callable[[Wall], int]) -> Corner:
-        """The equations on given sides of the walls."""
+    def corner(self, side: Callable[[Switch], int]) -> SmoothBranch:
+        """The equations on given sides of the switching surfaces."""
         for known in self._corners:
-            if all(side(wall) == sign for wall, sign in known.signs.items()):
+            if all(side(switch) == sign for switch, sign in known.signs.items()):
                 return known
         form = self.form
-        asked: dict[Wall, int] = {}
+        asked: dict[Switch, int] = {}
 
-        def answer(wall: Wall) -> int:
-            return asked.setdefault(wall, side(wall))
+        def answer(switch: Switch) -> int:
+            return asked.setdefault(switch, side(switch))
 
         still = frozenset(form.parameters)
         change = Sides(answer, self.floor, still, self.cusps, self.saturated)
@@ -153,60 +160,65 @@ class Modes:
             mass=tuple(tuple(self._entry_on_sides(e, change) for e in row) for row in form.mass),
         )
         functions = {name: change(e) for name, e in self.functions.items()}
-        idle = self._idle_walls(change, asked)
-        signs = {wall: side for wall, side in asked.items() if wall not in idle}
-        floors = [self.floor(wall) for wall in change.walls if wall.whole]
+        idle = self._idle_switches(change, asked)
+        signs = {switch: side for switch, side in asked.items() if switch not in idle}
+        floors = [self.floor(switch) for switch in change.switches if switch.whole]
         made = replace(made, parameters=(*form.parameters, *floors))
         exprs = made.expressions
-        found = Corner(
+        found = SmoothBranch(
             made, Program.of(made), functions, signs,
-            tuple(wall for wall in change.walls if wall not in idle), rims(form, exprs),
+            tuple(switch for switch in change.switches if switch not in idle), rims(form, exprs),
             RootStates.of(made, change.radicands) if self.cusps else None,
         )  # fmt: skip
         self._corners.append(found)
         return found
 
-    def _idle_walls(self, change: Sides, asked: Mapping[Wall, int]) -> list[Wall]:
-        """The walls of signs on both sides of which everything is the same, as it is at that of
-        friction while there is no load: they hold nothing, and nothing is to be decided there."""
-        if len(asked) < 2:  # a wall is idle beside others alone
+    def _idle_switches(self, change: Sides, asked: Mapping[Switch, int]) -> list[Switch]:
+        """The switching surfaces of signs on both sides of which everything is the same, as it is
+        at that of friction while there is no load: they hold nothing, and nothing is to be decided
+        there."""
+        if len(asked) < 2:  # a switching surface is idle beside others alone
             return []
         exprs = [*self.form.expressions, *self.functions.values()]
         found = [change(se.sympify(e)) for e in exprs]
-        again = replace(change, walls={}, radicands={}, _known={})
+        again = replace(change, switches={}, radicands={}, _known={})
         for expr in found:
             again(expr)  # what only keeps a step from going over it is met once more
         met = (n.args[0] for n in nodes(map(se.sympify, exprs)) if isinstance(n, se.sign | se.Abs))
         signs = {f for g in met for f in (g, *factors_of(g))}
-        idle: list[Wall] = []
-        alone = (w for w in asked if not (w.fixed or w in again.walls))
+        idle: list[Switch] = []
+        alone = (w for w in asked if not (w.fixed or w in again.switches))
         loose = [w for w in alone if {w.function, -w.function} & signs]
-        for wall in loose:
-            turned = [{wall, *kept} for n in range(len(idle) + 1) for kept in combinations(idle, n)]
+        for switch in loose:
+            turned = [
+                {switch, *kept} for n in range(len(idle) + 1) for kept in combinations(idle, n)
+            ]
             if len(idle) < MOST_IDLE and all(
-                self._is_same(exprs, found, change, asked, walls) for walls in turned
+                self._is_same(exprs, found, change, asked, switches) for switches in turned
             ):
-                idle.append(wall)
+                idle.append(switch)
         return idle
 
     @staticmethod
     def _is_same(
-        exprs: Sequence[Any], found: Sequence[Any], change: Sides, asked: Mapping[Wall, int],
-        walls: Set[Wall],
+        exprs: Sequence[Any], found: Sequence[Any], change: Sides, asked: Mapping[Switch, int],
+        switches: Set[Switch],
     ) -> bool:  # fmt: skip
-        """Whether expressions are those ``found`` on the other side of some walls, too."""
+        """Whether expressions are those ``found`` on the other side of some switching surfaces,
+        too."""
 
-        def side(wall: Wall) -> int:
-            return -asked[wall] if wall in walls else asked[wall]
+        def side(switch: Switch) -> int:
+            return -asked[switch] if switch in switches else asked[switch]
 
-        other = replace(change, side=side, walls={}, radicands={}, _known={})
+        other = replace(change, side=side, switches={}, radicands={}, _known={})
         try:
             return all(other(se.sympify(e)) == f for e, f in zip(exprs, found, strict=True))
-        except KeyError:  # there are other walls there
+        except KeyError:  # there are other switching surfaces there
             return False
 
     def _entry_on_sides(self, expr: Any, change: Sides) -> Any:
-        """An entry on the sides, without the factors that vanish on a wall both above and below."""
+        """An entry on the sides, without the factors that vanish on a switching surface both above
+        and below."""
         expr = se.sympify(expr)
         found = change(expr)
         if found == expr:
@@ -217,14 +229,14 @@ class Modes:
             return found
 
     @remember("_gauges")
-    def gauge(self, wall: Wall) -> Callable[..., Any]:
-        """Of (time, state, values by name): a wall's function, and its derivatives by the time and
-        by the state, in any precision."""
-        g = wall.function
+    def gauge(self, switch: Switch) -> Callable[..., Any]:
+        """Of (time, state, values by name): a switching surface's function, and its derivatives by
+        the time and by the state, in any precision."""
+        g = switch.function
         floors = tuple(s for s in self._floors.values() if s in g.free_symbols)
         form = replace(self.form, parameters=(*self.form.parameters, *floors))
         slots = [form.time, *form.coordinates, *form.velocities]
-        wanted = {"wall": g} | {f"slope by {x}": plain_roots(g.diff(x)) for x in slots}
+        wanted = {"switching surface": g} | {f"slope by {x}": plain_roots(g.diff(x)) for x in slots}
         program = quantities(form, wanted)
         extras = compiled_digits(program)[1]
 
@@ -233,16 +245,16 @@ class Modes:
 
         return measure
 
-    def is_held(self, wall: Wall, along: tuple[LevelSurface, ...]) -> bool:
-        """Whether a motion along surfaces stays on a wall, too, as one that is held by two wheels
-        does on that of a third."""
-        if wall in {s.wall for s in along}:
+    def is_held(self, switch: Switch, along: tuple[LevelSurface, ...]) -> bool:
+        """Whether a motion along surfaces stays on a switching surface, too, as one that is held by
+        two wheels does on that of a third."""
+        if switch in {s.switch for s in along}:
             return True
-        key = wall, along
+        key = switch, along
         if key not in self._held:
             functions = [s.function for s in along]
             still = frozenset(self.form.parameters)
-            self._held[key] = bool(along) and _vanishes(wall.function, functions, still)
+            self._held[key] = bool(along) and _vanishes(switch.function, functions, still)
         return self._held[key]
 
     @cached_property
@@ -252,7 +264,7 @@ class Modes:
 
 
 def _cusps(form: Any, exprs: Sequence[Any]) -> frozenset[Any]:
-    """The radicands in expressions that vanish on a wall."""
+    """The radicands in expressions that vanish on a switching surface."""
     still = frozenset(form.parameters)
     bases = radicands(exprs, frozenset((*form.coordinates, *form.velocities, form.time)))
     found = set()
@@ -260,12 +272,12 @@ def _cusps(form: Any, exprs: Sequence[Any]) -> frozenset[Any]:
         for expr in exprs if bases else ():
             change(expr)
         for base in bases:
-            if any(_vanishes(change(base), [wall.function], still) for wall in change.walls):
+            if any(_vanishes(change(base), [switch.function], still) for switch in change.switches):
                 found.add(base)
     return frozenset(found)
 
 
-def _zero(_wall: Wall) -> Any:
+def _zero(_switch: Switch) -> Any:
     return se.Integer(0)
 
 
@@ -326,13 +338,13 @@ def _steep(exprs: Sequence[Any]) -> Iterator[Any]:
 
 @lru_cache(maxsize=64)
 def _is_positive(base: Any, positive: frozenset[Any]) -> bool:
-    door = Door()
-    above = [door.outward(s) for s in base.free_symbols & positive]
-    return prove_inequality(door.outward(base), ">", 0, positive=above).proved
+    bridge = SymPyBridge()
+    above = [bridge.outward(s) for s in base.free_symbols & positive]
+    return prove_inequality(bridge.outward(base), ">", 0, positive=above).proved
 
 
 def motion_along_surfaces(
-    corners: Sequence[Corner], surfaces: Sequence[LevelSurface]
+    corners: Sequence[SmoothBranch], surfaces: Sequence[LevelSurface]
 ) -> tuple[Program, Block] | None:
     """The motion along surfaces, and the block that computes their weights a, and how far the push
     of each leads back to its own; None where the sides do not differ in where they lead.

@@ -16,19 +16,19 @@ from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
-from voronec.motion.divisors import NEAR, Divisor
 from voronec.motion.initial_conditions import parameter_values, start_of, starts_in_arrays
 from voronec.motion.model import smallest_model
 from voronec.motion.motion_start import require_inertia
 from voronec.motion.observables import size_of_terms
-from voronec.motion.request import Starts, Vocabulary, name_values
+from voronec.motion.request import Namespace, Starts, name_values
 from voronec.motion.singular_coordinates import CoordinatePole
-from voronec.motion.split_models import SplitGround
+from voronec.motion.singular_denominators import NEAR, SingularDenominator
+from voronec.motion.split_models import SplitContext
 from voronec.motion.state_probe import at_each, quantities, quiet, rates_along, rates_program
 from voronec.motion.term_sizes import CANCELLATION, SMALL, term_slopes
 from voronec.motion.tolerances import LOOSE, UNIT
 
-__all__ = ["Drifts", "Ground", "Many", "ground", "many", "rates_in_arrays"]
+__all__ = ["Drifts", "Many", "WorkingEquations", "ground", "many", "rates_in_arrays"]
 
 FASTEST = 1e-3
 """A divisor below this part of its usual size makes velocities of coordinates so many times larger
@@ -36,8 +36,8 @@ than those that are given."""
 
 
 @dataclass(frozen=True)
-class Ground:
-    """The equations in which motions run, and what is looked at, all inside the door.
+class WorkingEquations:
+    """The equations in which motions run, and what is looked at, all in the engine's symbols.
 
     ``level`` says in which variables they stand; ``start`` is what each of them is in coordinates
     and velocities, and ``frozen`` what constants of the motion among the parameters are;
@@ -52,18 +52,18 @@ class Ground:
     integrals: Mapping[str, Any]
 
 
-def ground(vocabulary: Vocabulary, wanted: Mapping[str, sp.Expr]) -> Ground:
+def ground(namespace: Namespace, wanted: Mapping[str, sp.Expr]) -> WorkingEquations:
     """The smallest model that holds for all starts, where it has everything wanted as it is; else
     all coordinates and velocities."""
-    equations = vocabulary.equations
+    equations = namespace.equations
     own = equations.form
-    integrals = {name: vocabulary.claims[name] for name in equations.system.integrals}
+    integrals = {name: namespace.claims[name] for name in equations.system.integrals}
     model = None
-    if wanted and not vocabulary.holds_reactions(wanted.values()):
+    if wanted and not namespace.holds_reactions(wanted.values()):
         model = smallest_model(Motions.of(equations), wanted, integrals)
     # an angle that is read off needs its branch followed along the motion
     if model is not None and model.start and wanted.keys() <= model.outputs.keys():
-        return Ground(
+        return WorkingEquations(
             level=model.level,
             form=model.form,
             start=tuple(model.start.values()),
@@ -71,13 +71,13 @@ def ground(vocabulary: Vocabulary, wanted: Mapping[str, sp.Expr]) -> Ground:
             quantities=model.outputs,
             integrals=model.integrals,
         )
-    return Ground(
+    return WorkingEquations(
         level="coordinates",
         form=own,
         start=(*own.coordinates, *own.velocities),
         frozen={},
-        quantities={name: vocabulary.inward(e) for name, e in wanted.items()},
-        integrals={name: vocabulary.inward(e) for name, e in integrals.items()},
+        quantities={name: namespace.inward(e) for name, e in wanted.items()},
+        integrals={name: namespace.inward(e) for name, e in integrals.items()},
     )
 
 
@@ -91,8 +91,8 @@ class Many:
     ``program.names`` says.
     """
 
-    vocabulary: Vocabulary
-    ground: Ground
+    namespace: Namespace
+    ground: WorkingEquations
     program: Program
     extras: Callable[[Any, Any, Any], list[Any]]
     states: np.ndarray
@@ -106,17 +106,17 @@ class Many:
         return len(self.states)
 
     @cached_property
-    def divisors(self) -> tuple[Divisor, ...]:
+    def divisors(self) -> tuple[SingularDenominator, ...]:
         """What the equations divide by and what may vanish while the motion goes on, as it is found
         around the first sound start."""
         if not self.sound:
             return ()
-        equations, ground, i = self.vocabulary.equations, self.ground, self.sound[0]
+        equations, ground, i = self.namespace.equations, self.ground, self.sound[0]
         named = zip(self.program.state, ground.start, strict=True)
         below = {f"start {x}": e for x, e in named}
         below |= {f"frozen {name}": e for name, e in ground.frozen.items()}
         constants = {name: float(x[i]) for name, x in self.parameters.items()}
-        places = SplitGround(equations, constants, self.time)
+        places = SplitContext(equations, constants, self.time)
         program = quantities(equations.raw.form, below)
         rough = self.program.is_rough
         return tuple(places.watch_divisors(ground.form, program, self.full[i], rough))
@@ -167,7 +167,7 @@ class Many:
     @cached_property
     def poles(self) -> tuple[CoordinatePole, ...]:
         """The poles of coordinates that the equations hold, where turns about them are wanted."""
-        equations, state = self.vocabulary.equations, {*self.program.state}
+        equations, state = self.namespace.equations, {*self.program.state}
         angles = CoordinatePole.of_attitudes(euler_angles(equations))
         held = [*angles, *CoordinatePole.of_charts(equations)]
         coordinates = {*equations.definition.coordinates}
@@ -190,7 +190,7 @@ class Many:
     @property
     def may_go_on(self) -> bool:
         """Whether a motion, where its equations fail, may go on in other charts or splits."""
-        equations = self.vocabulary.equations
+        equations = self.namespace.equations
         if equations.system.charts or euler_angles(equations):
             return True
         return bool(self.divisors)
@@ -208,25 +208,25 @@ class Many:
         names = [f"rate {i}" for i in range(self.states.shape[1])]
         rhs = compile_program(self.program)[0]
         slopes = at_each(rhs, names, self.time, self.states, self.values).values()
-        speeds = self.full[:, len(self.vocabulary.equations.definition.coordinates) :]
+        speeds = self.full[:, len(self.namespace.equations.definition.coordinates) :]
         with np.errstate(all="ignore"):
             return np.linalg.norm(np.column_stack([*slopes, speeds]), axis=1)
 
     def start_values(self, i: int) -> dict[sp.Expr, float]:
         """The coordinates and velocities with which motion i starts."""
-        system = self.vocabulary.equations.system
+        system = self.namespace.equations.system
         own = [*system.coordinates, *system.velocities]
         return dict(zip(own, self.full[i].tolist(), strict=True))
 
     def on_ground(self, i: int, times: np.ndarray, full: np.ndarray) -> np.ndarray:
         """States (k, n) of motion i at times (k,), from all its coordinates and velocities."""
-        below = _below(self.vocabulary.equations, self.ground)
+        below = _below(self.namespace.equations, self.ground)
         constants = {name: np.full(len(full), x[i]) for name, x in self.parameters.items()}
         return _place_on_ground(below, compile_program(below)[1], full, constants, times)[0]
 
     def error(self, i: int, what: str, mend: str, time: Any, state: Any) -> IntegrationError:
         """The error of motion i: what went wrong, what mends it, and where it was last good."""
-        name = self.vocabulary.equations.system.name
+        name = self.namespace.equations.system.name
         return IntegrationError(
             f"system '{name}', start {i}: {what}; {mend}, or use another chart", time, state
         )
@@ -246,42 +246,42 @@ def many(
     time: float,
 ) -> Many:
     """The starts in numbers.  ``parameters`` may hold arrays, one value for each start."""
-    vocabulary = Vocabulary.of(equations)
-    basis = ground(vocabulary, wanted)
+    namespace = Namespace.of(equations)
+    basis = ground(namespace, wanted)
     looked = {**basis.quantities, **{f"integral {n}": e for n, e in basis.integrals.items()}}
     program = Program.of(basis.form, looked)
-    if program.is_rough and vocabulary.holds_reactions(wanted.values()):
+    if program.is_rough and namespace.holds_reactions(wanted.values()):
         raise DefinitionError(
             f"system '{equations.system.name}': reactions are not known while friction holds a "
-            "motion on a wall; ask for them of single motions, by integrate"
+            "motion on a switching surface; ask for them of single motions, by integrate"
         )
     below = _below(equations, basis)
     needed = {str(s) for p in (program, below) for b in (p.derivative, p.extras) for s in b.symbols}
-    constants, wrong = _constants(vocabulary, scene, parameters, len(starts), needed)
-    initial = name_values(vocabulary, scene.initial if scene else {}, "initial value")
+    constants, wrong = _constants(namespace, scene, parameters, len(starts), needed)
+    initial = name_values(namespace, scene.initial if scene else {}, "initial value")
     table = _table(constants, below.parameters, len(starts))
-    full = _states(vocabulary, initial, starts, constants, table, time, wrong)
+    full = _states(namespace, initial, starts, constants, table, time, wrong)
     states, frozen = _place_on_ground(below, compile_program(below)[1], full, constants, time)
     values = _table({**constants, **frozen}, program.parameters, len(starts))
     rhs, extras = compile_program(program)
     if not program.derivative.is_rough(program.parameters):
         # a case that does not hold may have no value, and yet the motion has
-        _mark_undefined_states(vocabulary, rhs, states, values, time, wrong)
-    return Many(vocabulary, basis, program, extras, states, full, values, constants, time, wrong)
+        _mark_undefined_states(namespace, rhs, states, values, time, wrong)
+    return Many(namespace, basis, program, extras, states, full, values, constants, time, wrong)
 
 
 def _states(
-    vocabulary: Vocabulary, initial: Mapping[str, Any], starts: Starts,
+    namespace: Namespace, initial: Mapping[str, Any], starts: Starts,
     constants: Mapping[str, np.ndarray], table: np.ndarray, time: float,
     wrong: dict[int, VoronecError],
 ) -> np.ndarray:  # fmt: skip
     """The states (s, n) of the starts on the coordinates, all at once, and one by one where that
     says too little; those from which no motion goes join the ``wrong`` ones."""
-    equations = vocabulary.equations
+    equations = namespace.equations
     program = rates_program(equations.form, equations.definition.fibre_velocities)
     follow = compile_program(program)[1]
     rates_of_many = partial(rates_in_arrays, follow, table, time)
-    full = starts_in_arrays(vocabulary, initial, starts, constants, rates_of_many)
+    full = starts_in_arrays(namespace, initial, starts, constants, rates_of_many)
     full[[*wrong]] = np.nan
     zero = np.zeros(len(starts), dtype=bool)
     for parameter in equations.system.parameters:
@@ -294,8 +294,8 @@ def _states(
         try:
             if np.isnan(full[i]).any():
                 rates = partial(rates_along, quiet(follow, table[i].tolist()), time)
-                data = name_values(vocabulary, given, "initial value")
-                full[i] = start_of(vocabulary, initial, data, own, rates, time).state
+                data = name_values(namespace, given, "initial value")
+                full[i] = start_of(namespace, initial, data, own, rates, time).state
             require_inertia(equations, own, full[i], time)
         except VoronecError as error:
             wrong[i] = error
@@ -316,7 +316,7 @@ def rates_in_arrays(
     return np.stack(rows, axis=1).astype(float)
 
 
-def _below(equations: VoronecEquations, basis: Ground) -> Program:
+def _below(equations: VoronecEquations, basis: WorkingEquations) -> Program:
     """The program on the coordinates: where a start is on the ground."""
     start = {f"start {i}": e for i, e in enumerate(basis.start)}
     start |= {f"frozen {name}": e for name, e in basis.frozen.items()}
@@ -324,23 +324,23 @@ def _below(equations: VoronecEquations, basis: Ground) -> Program:
 
 
 def _constants(
-    vocabulary: Vocabulary,
+    namespace: Namespace,
     scene: Scene | None,
     parameters: Mapping[Any, Any],
     count: int,
     needed: set[str],
 ) -> tuple[dict[str, np.ndarray], dict[int, VoronecError]]:
     """Values of the parameters, (s,) each; and the starts whose value is out of range."""
-    given = name_values(vocabulary, scene.parameters if scene else {}, "parameter")
-    given |= name_values(vocabulary, parameters, "parameter")
+    given = name_values(namespace, scene.parameters if scene else {}, "parameter")
+    given |= name_values(namespace, parameters, "parameter")
     arrays = {k: x for k, x in given.items() if isinstance(x, list | tuple | np.ndarray)}
     series = {k: np.asarray(x) for k, x in arrays.items() if np.ndim(x) > 0}
     first = given | {k: x[0].item() for k, x in series.items()}
     wrong: dict[int, VoronecError] = {}
-    single = parameter_values(vocabulary, _inside(vocabulary, first, series), needed)
+    single = parameter_values(namespace, _inside(namespace, first, series), needed)
     single |= {k: float(x[0]) for k, x in series.items()}
     values = {name: np.full(count, x) for name, x in single.items()}
-    declared = {p.name: p for p in vocabulary.equations.system.parameters}
+    declared = {p.name: p for p in namespace.equations.system.parameters}
     for name, x in series.items():
         values[name] = x.astype(float)
         for i, one in _beyond(declared[name], values[name]):
@@ -362,9 +362,9 @@ def _beyond(parameter: Parameter, values: np.ndarray) -> Iterable[tuple[int, flo
     return ()
 
 
-def _inside(vocabulary: Vocabulary, first: dict[str, Any], series: Iterable[str]) -> dict[str, Any]:
+def _inside(namespace: Namespace, first: dict[str, Any], series: Iterable[str]) -> dict[str, Any]:
     """Values of one start in which a parameter of many values has one that its range allows."""
-    system = vocabulary.equations.system
+    system = namespace.equations.system
     allowed = {p.name: p.value for p in system.parameters if p.value is not None}
     return {k: allowed.get(k, x) if k in set(series) else x for k, x in first.items()}
 
@@ -381,7 +381,7 @@ def _place_on_ground(
 
 
 def _mark_undefined_states(
-    vocabulary: Vocabulary,
+    namespace: Namespace,
     rhs: Any,
     states: np.ndarray,
     values: np.ndarray,
@@ -394,7 +394,7 @@ def _mark_undefined_states(
     finite = np.isfinite(states).all(axis=1) & np.isfinite(slopes).all(axis=1)
     for i in np.nonzero(~finite)[0].tolist():
         refusal = IntegrationError(
-            f"system '{vocabulary.equations.system.name}': the equations are not defined at start "
+            f"system '{namespace.equations.system.name}': the equations are not defined at start "
             f"{i}; start elsewhere or use another chart",
             time,
             states[i],

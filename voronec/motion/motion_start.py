@@ -32,7 +32,6 @@ from voronec.equations.program import Program
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
-from voronec.motion.divisors import NEAR
 from voronec.motion.initial_conditions import (
     CONSISTENT,
     NO_VELOCITIES,
@@ -45,8 +44,8 @@ from voronec.motion.initial_conditions import (
     parameter_values,
     start_of,
 )
-from voronec.motion.model.packs import Packs
-from voronec.motion.request import StartData, Vocabulary, kept_while_same
+from voronec.motion.model.model_cache import ModelCache
+from voronec.motion.request import Namespace, StartData, kept_while_same
 from voronec.motion.singular_coordinates import (
     POLE,
     blind_directions,
@@ -56,11 +55,20 @@ from voronec.motion.singular_coordinates import (
     open_beyond,
     polar_directions,
 )
-from voronec.motion.split_models import SplitGround
+from voronec.motion.singular_denominators import NEAR
+from voronec.motion.split_models import SplitContext
 from voronec.motion.state_probe import StateProbe, quantities, rates_program
 from voronec.motion.steppers.run import Signals
 
-__all__ = ["FAST", "Exactly", "Outset", "WideStart", "exact_number", "rates_at", "require_inertia"]
+__all__ = [
+    "FAST",
+    "Exactly",
+    "InitialState",
+    "WideStart",
+    "exact_number",
+    "rates_at",
+    "require_inertia",
+]
 
 
 def rates_at(
@@ -68,7 +76,7 @@ def rates_at(
 ) -> Rates:
     """The velocities that follow by a form of the equations, or, where that has a pole or loses all
     digits, by their normal form; not a number where that does, too."""
-    ground = SplitGround(equations, constants, time)
+    ground = SplitContext(equations, constants, time)
 
     def rates(q: np.ndarray, v: np.ndarray) -> np.ndarray:
         found = v
@@ -89,15 +97,15 @@ def _rates_program(equations: VoronecEquations, form: Any) -> Program:
 
     def make() -> Program:
         d = equations.definition
-        packs = Packs(equations.system, ["rates", kind, d.near, d.share])
-        program = packs.once("program", lambda: rates_program(form, d.fibre_velocities))
-        packs.keep()
+        model_cache = ModelCache(equations.system, ["rates", kind, d.near, d.share])
+        program = model_cache.once("program", lambda: rates_program(form, d.fibre_velocities))
+        model_cache.keep()
         return program
 
     return equations.memo.once(("rates", kind), make)
 
 
-def _are_rates(ground: SplitGround, q: np.ndarray, v: np.ndarray, w: np.ndarray) -> bool:
+def _are_rates(ground: SplitContext, q: np.ndarray, v: np.ndarray, w: np.ndarray) -> bool:
     """Whether velocities w (n, k) of coordinates meet A w + a = 0 and F w + f = v, for v (m, k):
     where a pivot is rounding alone, quotients by it are finite, and mean nothing."""
     if ground.home.definition.group is not None:
@@ -110,19 +118,19 @@ def _are_rates(ground: SplitGround, q: np.ndarray, v: np.ndarray, w: np.ndarray)
     return bool((np.abs(off) <= CONSISTENT * size).all())
 
 
-def _at_rest(vocabulary: Vocabulary, ground: SplitGround, given: StartData) -> np.ndarray:
+def _at_rest(namespace: Namespace, ground: SplitContext, given: StartData) -> np.ndarray:
     """The coordinates at the start, with velocities that are zero."""
     values = [
-        numbers_of(vocabulary, part, ground.constants)
+        numbers_of(namespace, part, ground.constants)
         for part in (given.scene_initial, given.initial)
     ]
     q, _ = coordinates_of(
-        vocabulary, {**values[0], **values[1]}, ground.constants, ground.time, project=True
+        namespace, {**values[0], **values[1]}, ground.constants, ground.time, project=True
     )
     return np.concatenate([q, np.zeros(len(ground.home.definition.dots))])
 
 
-def _is_frame(ground: SplitGround, wide: np.ndarray) -> bool:
+def _is_frame(ground: SplitContext, wide: np.ndarray) -> bool:
     """Whether the velocities of the equations are a frame at the start, as well as it matters."""
     try:
         return ground.geometry(ground.time, wide).quality > NEAR
@@ -130,7 +138,7 @@ def _is_frame(ground: SplitGround, wide: np.ndarray) -> bool:
         return True
 
 
-def _require_frame(ground: SplitGround, state: np.ndarray) -> None:
+def _require_frame(ground: SplitContext, state: np.ndarray) -> None:
     """Refuse a start on coordinates and velocities v that are no frame there, but for poles."""
     d = ground.home.definition
     wide = np.concatenate([state[: len(d.coordinates)], np.zeros(len(d.dots))])
@@ -138,7 +146,7 @@ def _require_frame(ground: SplitGround, state: np.ndarray) -> None:
         raise NoFrame(NO_VELOCITIES.format(ground.home.system.name))
 
 
-def _only_angles_fail(ground: SplitGround, wide: np.ndarray) -> bool:
+def _only_angles_fail(ground: SplitContext, wide: np.ndarray) -> bool:
     """Whether a wide state is where angles are singular and charts lead on, and the velocities v
     leave nothing open there but what is no motion."""
     blind = blind_directions(ground, wide)
@@ -153,7 +161,7 @@ def _only_angles_fail(ground: SplitGround, wide: np.ndarray) -> bool:
 
 
 @dataclass(frozen=True)
-class Outset:
+class InitialState:
     """The start on the coordinates: ``state`` (n,), coordinates, then velocities; ``constants`` by
     name; ``notes``, what was moved on request; and both again ``exactly``, in any precision.
     Constants that are ``changing`` are those of the start; ``framed`` says whether the velocities
@@ -176,9 +184,9 @@ class Outset:
         """Whether it is at a pole of Euler's angles."""
         return bool(polar_directions(equations, self.state).shape[1])
 
-    def ground(self, equations: VoronecEquations, time: float) -> SplitGround:
+    def ground(self, equations: VoronecEquations, time: float) -> SplitContext:
         """What the splits of the motion that starts here share."""
-        return SplitGround(equations, self.constants, time, changing=self.changing)
+        return SplitContext(equations, self.constants, time, changing=self.changing)
 
     @property
     def steady(self) -> dict[str, float]:
@@ -189,67 +197,67 @@ class Outset:
     @classmethod
     def of(
         cls,
-        vocabulary: Vocabulary,
+        namespace: Namespace,
         given: StartData,
         time: float,
         project: bool,
         changing: Signals | None = None,
-    ) -> Outset:
+    ) -> InitialState:
         """Read what is given, and look whether a motion starts there.
 
         The last of the equations is kept, with what was computed of it.
         """
-        if changing is not None or vocabulary.inputs:
-            return cls._read(vocabulary, given, time, project, changing)
+        if changing is not None or namespace.inputs:
+            return cls._read(namespace, given, time, project, changing)
 
-        def read() -> Outset:
-            found = cls._read(vocabulary, given, time, project, None)
+        def read() -> InitialState:
+            found = cls._read(namespace, given, time, project, None)
             found.state.flags.writeable = False
             return found
 
         said = given.parameters, given.scene_initial, given.initial
         asked = {"time": time, "project": int(project)}
-        return kept_while_same(vocabulary, "last start", (*said, asked), read)
+        return kept_while_same(namespace, "last start", (*said, asked), read)
 
     @classmethod
     def _read(
         cls,
-        vocabulary: Vocabulary,
+        namespace: Namespace,
         given: StartData,
         time: float,
         project: bool,
         changing: Signals | None,
-    ) -> Outset:
-        equations = vocabulary.equations
+    ) -> InitialState:
+        equations = namespace.equations
         constants = kept_while_same(
-            vocabulary, "parameters", (given.parameters,),
-            lambda: parameter_values(vocabulary, given.parameters, set()),
+            namespace, "parameters", (given.parameters,),
+            lambda: parameter_values(namespace, given.parameters, set()),
         )  # fmt: skip
         form = equations.raw.form  # made in no time
         if not {*equations.system.parameter_names} <= constants.keys():
             form = equations.form
             needed = {str(s) for s in Program.of(form).derivative.symbols}
-            constants = parameter_values(vocabulary, given.parameters, needed)
+            constants = parameter_values(namespace, given.parameters, needed)
         rates = rates_at(equations, form, constants, time)
         start, framed = None, True
         try:
             start = start_of(
-                vocabulary, given.scene_initial, given.initial, constants, rates, time, project
+                namespace, given.scene_initial, given.initial, constants, rates, time, project
             )
             require_inertia(equations, constants, start.state, time)
             if start.notes:  # velocities that are no frame lie off what they are, and were "moved"
-                _require_frame(SplitGround(equations, constants, time), start.state)
+                _require_frame(SplitContext(equations, constants, time), start.state)
         except (DefinitionError, IntegrationError) as error:
-            ground = SplitGround(equations, constants, time)
-            rest = _at_rest(vocabulary, ground, given)
+            ground = SplitContext(equations, constants, time)
+            rest = _at_rest(namespace, ground, given)
             # rates of angles are no numbers at their poles, whatever rounding makes of them
             known = start is not None or not blind_directions(ground, rest).shape[1]
             if known and not isinstance(error, NoFrame) and _is_frame(ground, rest):
                 raise
-            wide = WideStart.of(vocabulary, ground, given, project)
+            wide = WideStart.of(namespace, ground, given, project)
             start, framed = Start(wide.home, wide.notes), _only_angles_fail(ground, wide.wide)
         exactly = Exactly(
-            vocabulary, _rates_program(equations, form), time, given, start.state,
+            namespace, _rates_program(equations, form), time, given, start.state,
             bool(start.notes),
         )  # fmt: skip
         return cls(start.state, constants, start.notes, exactly, changing, framed)
@@ -270,8 +278,8 @@ class WideStart:
     ``notes`` say what was moved on request.
     """
 
-    vocabulary: Vocabulary
-    ground: SplitGround
+    namespace: Namespace
+    ground: SplitContext
     start_data: StartData
     wide: np.ndarray
     targets: tuple[str, ...]
@@ -281,8 +289,8 @@ class WideStart:
     @classmethod
     def of(
         cls,
-        vocabulary: Vocabulary,
-        ground: SplitGround,
+        namespace: Namespace,
+        ground: SplitContext,
         given: StartData,
         project: bool,
         framed: np.ndarray | None = None,
@@ -290,11 +298,11 @@ class WideStart:
         """Solve what is given; ``DefinitionError`` where it determines nothing, or contradicts.
         Where velocities v that are given belong to no w it is ``framed``, if that is known."""
         old, new = (
-            numbers_of(vocabulary, part, ground.constants)
+            numbers_of(namespace, part, ground.constants)
             for part in (given.scene_initial, given.initial)
         )
         values = {**old, **new}
-        q, notes = coordinates_of(vocabulary, values, ground.constants, ground.time, project)
+        q, notes = coordinates_of(namespace, values, ground.constants, ground.time, project)
         system = ground.home.system
         names = {plain_name(x) for x in system.coordinates}
         later = {k: x for k, x in new.items() if k not in names}
@@ -304,13 +312,13 @@ class WideStart:
         found = _Conditions.at(ground, q)
         found.require_motion(ground, q)
         if found.is_open(later, earlier):
-            w = _sharp_velocities(vocabulary, ground, given, q, later, earlier)
+            w = _sharp_velocities(namespace, ground, given, q, later, earlier)
         else:
             w = found.solve(later, earlier)
         missed = [k for k, x in later.items() if not found.holds(k, x, w)]
         if missed and not project and found.blind.shape[1] and missed[0] in own:
             if framed is not None:
-                return cls(vocabulary, ground, given, np.append(q, np.nan * w), (), framed)
+                return cls(namespace, ground, given, np.append(q, np.nan * w), (), framed)
             raise DefinitionError(
                 f"system '{system.name}': no velocities of the coordinates have '{missed[0]}' = "
                 f"{later[missed[0]]:.12g}, since these are singular at the initial point; start "
@@ -332,7 +340,7 @@ class WideStart:
         held = tuple(k for k in all_given if k not in names and found.holds(k, all_given[k], w))
         wide = np.concatenate([q, w])
         spare = tuple(k for k in own if k not in held and found.holds(k, 0.0, w))
-        return cls(vocabulary, ground, given, wide, (*held, *spare), notes=tuple(notes))
+        return cls(namespace, ground, given, wide, (*held, *spare), notes=tuple(notes))
 
     @property
     def home(self) -> np.ndarray:
@@ -347,20 +355,20 @@ class WideStart:
     def exact(self, bits: int) -> tuple[np.ndarray, Mapping[str, Any]]:
         """The same, and the parameters by name, as mpmath's numbers."""
         with mpmath.workprec(bits):
-            constants, given, q = _exact_place(self.vocabulary, self.ground, self.start_data, bits)
+            constants, given, q = _exact_place(self.namespace, self.ground, self.start_data, bits)
             w = [mpmath.mpf(float(x)) for x in self.wide[len(q) :]]
             found = _Conditions.at(self.ground, q, constants)
             return np.array([*q, *found.refine(w, self.targets, given)], dtype=object), constants
 
 
 def _exact_place(
-    vocabulary: Vocabulary, ground: SplitGround, given: StartData, bits: int
+    namespace: Namespace, ground: SplitContext, given: StartData, bits: int
 ) -> tuple[dict[str, Any], dict[str, Any], np.ndarray]:
     """The parameters and all that is given by name, and the coordinates, as mpmath's numbers."""
     constants = {name: mpmath.mpf(x) for name, x in ground.constants.items()}
-    constants |= _exact_constants(vocabulary, given, bits)
+    constants |= _exact_constants(namespace, given, bits)
     values = _exact_values(
-        vocabulary, {**given.scene_initial, **given.initial}, constants, bits
+        namespace, {**given.scene_initial, **given.initial}, constants, bits
     )  # fmt: skip
     names = [plain_name(x) for x in ground.home.system.coordinates]
     q = np.array([values.get(name, mpmath.mpf(0)) for name in names], dtype=object)
@@ -377,8 +385,8 @@ time, is a slip: velocities of a moderate motion, rounded elsewhere, ask for no 
 
 
 def _sharp_velocities(
-    vocabulary: Vocabulary,
-    ground: SplitGround,
+    namespace: Namespace,
+    ground: SplitContext,
     given: StartData,
     q: np.ndarray,
     later: Mapping[str, float],
@@ -387,7 +395,7 @@ def _sharp_velocities(
     """The w that meet the constraints and what is given, ``later`` before ``earlier``, in so many
     digits that velocities beside a place where they are no frame determine it."""
     with mpmath.workprec(SHARP):
-        constants, values, place = _exact_place(vocabulary, ground, given, SHARP)
+        constants, values, place = _exact_place(namespace, ground, given, SHARP)
         if np.abs(place.astype(float) - q).max(initial=0.0) > ULPS * (1 + np.abs(q).max()):
             place = np.array([mpmath.mpf(x) for x in q], dtype=object)  # moved on request
         found = _Conditions.at(ground, place, constants)
@@ -428,7 +436,7 @@ class _Conditions:
     blind: np.ndarray
 
     @classmethod
-    def at(cls, ground: SplitGround, q: np.ndarray, constants: Any = None) -> _Conditions:
+    def at(cls, ground: SplitContext, q: np.ndarray, constants: Any = None) -> _Conditions:
         """The conditions at coordinates q, of doubles or mpmath's numbers."""
         d, system = ground.home.definition, ground.home.system
         rest = (
@@ -449,7 +457,7 @@ class _Conditions:
         rates = dict(zip(slopes, rows, strict=False))
         return cls(system, conditions, frame, rates, names, own, blind_directions(ground, wide))
 
-    def require_motion(self, ground: SplitGround, q: np.ndarray) -> None:
+    def require_motion(self, ground: SplitContext, q: np.ndarray) -> None:
         """Refuse a start where coordinates may change though nothing moves, and no chart sees it:
         what happens there they do not tell."""
         idle = idle_directions(ground, np.concatenate([q, np.zeros(len(self.dots))]))
@@ -572,18 +580,18 @@ def exact_number(value: Any, known: Mapping[Any, Any], bits: int) -> Any:
     return mpmath.mp.make_mpf(sp.Float(expr.evalf(digits), digits)._mpf_)
 
 
-def _exact_constants(vocabulary: Vocabulary, given: StartData, bits: int) -> dict[str, Any]:
+def _exact_constants(namespace: Namespace, given: StartData, bits: int) -> dict[str, Any]:
     """The parameters of a system by name, as far as they are given or have values of their own."""
-    parameters = vocabulary.equations.system.parameters
+    parameters = namespace.equations.system.parameters
     values = {p.name: given.parameters.get(p.name, p.value) for p in parameters}
     return {name: exact_number(x, {}, bits) for name, x in values.items() if x is not None}
 
 
 def _exact_values(
-    vocabulary: Vocabulary, values: Mapping[str, Any], constants: Mapping[str, Any], bits: int
+    namespace: Namespace, values: Mapping[str, Any], constants: Mapping[str, Any], bits: int
 ) -> dict[str, Any]:
     """Initial values by name, which may contain parameters."""
-    known = {vocabulary.symbols[name]: x for name, x in constants.items()}
+    known = {namespace.symbols[name]: x for name, x in constants.items()}
     return {name: exact_number(value, known, bits) for name, value in values.items()}
 
 
@@ -591,7 +599,7 @@ def _exact_values(
 class Exactly:
     """What was given, and the start in doubles that came of it."""
 
-    vocabulary: Vocabulary
+    namespace: Namespace
     program: Program
     time: float
     start_data: StartData
@@ -600,7 +608,7 @@ class Exactly:
 
     def constants(self, bits: int) -> dict[str, Any]:
         """The parameters by name."""
-        return _exact_constants(self.vocabulary, self.start_data, bits)
+        return _exact_constants(self.namespace, self.start_data, bits)
 
     def problem(self, bits: int) -> tuple[np.ndarray, list[Any]]:
         """The start (n,), and the values of the program's parameters."""
@@ -611,10 +619,10 @@ class Exactly:
             if self.projected:
                 return start, values
             old, new = (
-                _exact_values(self.vocabulary, part, constants, bits)
+                _exact_values(self.namespace, part, constants, bits)
                 for part in (self.start_data.scene_initial, self.start_data.initial)
             )
-            names = [plain_name(q) for q in self.vocabulary.equations.system.coordinates]
+            names = [plain_name(q) for q in self.namespace.equations.system.coordinates]
             for i, name in enumerate(names):
                 start[i] = {**old, **new}.get(name, mpmath.mpf(0))
             conditions = {k: x for k, x in {**old, **new}.items() if k not in names}
@@ -629,9 +637,9 @@ class Exactly:
         strict: set[str],
     ) -> np.ndarray:
         """The start with velocities that meet all conditions which it meets in doubles."""
-        system = self.vocabulary.equations.system
+        system = self.namespace.equations.system
         own = [plain_name(x) for x in system.velocities]
-        names = self.vocabulary.rate_names
+        names = self.namespace.rate_names
         _, rates = compiled_digits(self.program)
         asked = not {*conditions} <= {*own}  # at poles of angles their rates are infinite
 

@@ -16,8 +16,8 @@ from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
 from voronec.equations.program.python import compiled_digits
 from voronec.motion.model import Model, SmallestModels
-from voronec.motion.observables import AngleBranch, Watch, watch_of
-from voronec.motion.request import OutputTerms, Vocabulary
+from voronec.motion.observables import AngleBranch, ObservedQuantities, watch_of
+from voronec.motion.request import Namespace, OutputTerms
 from voronec.motion.state_probe import StateProbe, mass_program, quantities
 from voronec.motion.steppers.run import Signals
 
@@ -36,7 +36,7 @@ class ProgrammedModel:
 
     model: Model | None
     program: Program
-    watch: Watch
+    watch: ObservedQuantities
     form: Any
     event_functions: Mapping[str, Any]
     below: Program
@@ -100,7 +100,7 @@ class ProgrammedModel:
 
 
 def make_model(
-    vocabulary: Vocabulary,
+    namespace: Namespace,
     outputs: Sequence[Any],
     functions: Mapping[str, Any],
     start: np.ndarray,
@@ -115,22 +115,22 @@ def make_model(
     the coordinates.  What is asked for last is kept with the names.
     """
     key = tuple(outputs), tuple(map(type, outputs)), tuple(functions.items())
-    wanted, models = vocabulary.memo.last(
-        ("models", followed), key, lambda: _models(vocabulary, outputs, functions, followed)
+    wanted, models = namespace.memo.last(
+        ("models", followed), key, lambda: _models(namespace, outputs, functions, followed)
     )
     if models is None:
-        return whole(vocabulary, outputs, functions)
-    known = numbers_at(vocabulary.equations.raw.form, start, constants, time)
+        return whole(namespace, outputs, functions)
+    known = numbers_at(namespace.equations.raw.form, start, constants, time)
     found = models.of_start(known)
     model, name = found.model, f"{found.name} {[*wanted.names]} {[*functions]}"
 
     def write() -> ProgrammedModel:
-        known_before = name in models.packs
-        written: ProgrammedModel = models.packs.once(
-            name, lambda: _write(vocabulary, wanted, model, functions)
+        known_before = name in models.model_cache
+        written: ProgrammedModel = models.model_cache.once(
+            name, lambda: _write(namespace, wanted, model, functions)
         )
         if not known_before:
-            models.packs.keep()
+            models.model_cache.keep()
         return replace(written, model=model)
 
     made = model.memo.once(name, write)  # another start that has the same model has it already
@@ -144,26 +144,26 @@ def make_model(
 
 
 def _models(
-    vocabulary: Vocabulary, outputs: Sequence[Any], functions: Mapping[str, Any], followed: bool
+    namespace: Namespace, outputs: Sequence[Any], functions: Mapping[str, Any], followed: bool
 ) -> tuple[OutputTerms, SmallestModels | None]:
     """Outputs spelled out, and where their models come from; None with reactions."""
-    wanted, equations = vocabulary.read_outputs(outputs), vocabulary.equations
-    forces = vocabulary.holds_reactions((*wanted.terms.values(), *functions.values()))
+    wanted, equations = namespace.read_outputs(outputs), namespace.equations
+    forces = namespace.holds_reactions((*wanted.terms.values(), *functions.values()))
     if wanted.reactions or forces:
         return wanted, None
     names = {f"event {name}": e for name, e in functions.items()}
     given = {**wanted.terms, **names}
-    integrals = {name: vocabulary.claims[name] for name in equations.system.integrals}
+    integrals = {name: namespace.claims[name] for name in equations.system.integrals}
     motions, kept = Motions.of(equations), given if followed else names
     return wanted, SmallestModels.of(motions, given, integrals, followed=kept)
 
 
 def _write(
-    vocabulary: Vocabulary, wanted: OutputTerms, model: Model, functions: Mapping[str, Any]
+    namespace: Namespace, wanted: OutputTerms, model: Model, functions: Mapping[str, Any]
 ) -> ProgrammedModel:
     """What is the same for every start of a model: all but the branches of its angles, and the
     model itself, which has a place of its own on disk."""
-    watch = _watch(vocabulary, wanted, model)
+    watch = _watch(namespace, wanted, model)
     form = replace(model.form, mass=model.cut.inertia or model.cut.mass)
     below = {f"start {x}": e for x, e in model.start.items()}
     below |= {f"frozen {x}": e for x, e in model.frozen.items()}
@@ -173,7 +173,7 @@ def _write(
         watch=watch,
         form=form,
         event_functions={n: model.outputs[f"event {n}"] for n in functions},
-        below=quantities(vocabulary.equations.raw.form, below),
+        below=quantities(namespace.equations.raw.form, below),
         inertia=mass_program(form),
     )
 
@@ -186,7 +186,7 @@ def numbers_at(
     return found | {se.Symbol(name): value for name, value in constants.items()} | {form.time: time}
 
 
-def _watch(vocabulary: Vocabulary, wanted: OutputTerms, model: Model) -> Watch:
+def _watch(namespace: Namespace, wanted: OutputTerms, model: Model) -> ObservedQuantities:
     """The outputs on a model, its angles by their cosines and sines, and the integrals and
     relations that it can express."""
     level = model.cut
@@ -194,19 +194,19 @@ def _watch(vocabulary: Vocabulary, wanted: OutputTerms, model: Model) -> Watch:
     parts |= {f"sine of {n}": a.sine for n, a in level.angles.items()}
     shown = {n: e for n, e in level.outputs.items() if n in wanted.terms}
     usable = {*level.variables, *level.parameters, level.time}
-    relations = vocabulary.equations.system.fibration.relations
-    inside = {str(r): vocabulary.inward(r) for r in relations}
+    relations = namespace.equations.system.fibration.relations
+    inside = {str(r): namespace.inward(r) for r in relations}
     kept = {name: e for name, e in inside.items() if e.free_symbols <= usable}
-    besides = {n: e for n, e in _besides(vocabulary, model).items() if n not in wanted.names}
+    besides = {n: e for n, e in _besides(namespace, model).items() if n not in wanted.names}
     expressions = shown | parts | besides
-    watch = Watch.of(wanted, expressions, level.integrals, kept)
+    watch = ObservedQuantities.of(wanted, expressions, level.integrals, kept)
     return replace(watch, besides=tuple(besides))
 
 
-def _besides(vocabulary: Vocabulary, model: Model) -> dict[str, Any]:
+def _besides(namespace: Namespace, model: Model) -> dict[str, Any]:
     """Coordinates and velocities that a model knows without integrating them: what it solves for,
     what an integral gives, what is constant or stays at zero."""
-    level, definition = model.cut, vocabulary.equations.definition
+    level, definition = model.cut, namespace.equations.definition
     known = {name for name, _ in level.stages} | set(level.parameters)
     zero = {role.variable for role in model.roles if role.kind == "zero"}
     own = (*definition.coordinates, *definition.velocities)
@@ -215,14 +215,14 @@ def _besides(vocabulary: Vocabulary, model: Model) -> dict[str, Any]:
 
 
 def whole(
-    vocabulary: Vocabulary, outputs: Sequence[Any], functions: Mapping[str, Any]
+    namespace: Namespace, outputs: Sequence[Any], functions: Mapping[str, Any]
 ) -> ProgrammedModel:
     """The equations as they are, on coordinates and velocities."""
-    form = vocabulary.equations.form
-    terms = vocabulary.read_outputs(outputs).terms
-    forces = vocabulary.holds_reactions((*terms.values(), *functions.values()))
-    watch = replace(watch_of(vocabulary, outputs), forces=forces)
-    inside = {name: vocabulary.inward(e) for name, e in functions.items()}
+    form = namespace.equations.form
+    terms = namespace.read_outputs(outputs).terms
+    forces = namespace.holds_reactions((*terms.values(), *functions.values()))
+    watch = replace(watch_of(namespace, outputs), forces=forces)
+    inside = {name: namespace.inward(e) for name, e in functions.items()}
     states = (*form.coordinates, *form.velocities)
     return ProgrammedModel(
         model=None,

@@ -17,11 +17,11 @@ from voronec.equations.program.python import compiled_digits, precision
 from voronec.equations.program.straight import prune
 from voronec.errors import DefinitionError
 from voronec.motion.reactions import Multipliers
-from voronec.motion.request import OutputTerms, Vocabulary
+from voronec.motion.request import Namespace, OutputTerms
 
 __all__ = [
     "AngleBranch",
-    "Watch",
+    "ObservedQuantities",
     "evaluate_extras",
     "evaluate_watch",
     "jumps",
@@ -57,7 +57,7 @@ class AngleBranch:
 
 
 @dataclass(frozen=True)
-class Watch:
+class ObservedQuantities:
     """The quantities to follow, and under which names the program computes them.
 
     ``outputs`` in order; those in ``reactions``, positions of constraints, come from
@@ -97,7 +97,7 @@ class Watch:
         integrals: Mapping[str, Any],
         relations: Mapping[str, Any],
         multipliers: Multipliers | None = None,
-    ) -> Watch:
+    ) -> ObservedQuantities:
         """Outputs as ``terms``, and integrals and relations as expressions inside, by name.
 
         ``multipliers`` are needed where the outputs hold reactions.
@@ -120,11 +120,11 @@ class Watch:
         )
 
     def require_reactions(self, held: bool, system: str) -> None:
-        """Refuse reactions of a motion that was ``held`` on a wall."""
+        """Refuse reactions of a motion that was ``held`` on a switching surface."""
         if held and (self.reactions or self.forces):
             raise DefinitionError(
                 f"system '{system}': reactions are not known while friction holds the motion on a "
-                "wall; leave them out, or end the run before"
+                "switching surface; leave them out, or end the run before"
             )
 
     def integrals_to_follow(
@@ -147,22 +147,22 @@ def jumps(expr: Any) -> bool:
 
 
 def watch_of(
-    vocabulary: Vocabulary, outputs: Sequence[Any], integrals: Iterable[str] | None = None
-) -> Watch:
+    namespace: Namespace, outputs: Sequence[Any], integrals: Iterable[str] | None = None
+) -> ObservedQuantities:
     """Outputs, declared integrals with the size of their terms, every relation.
 
     ``integrals`` names those to follow; without it, all.
     """
-    system = vocabulary.equations.system
-    wanted = vocabulary.read_outputs(outputs)
+    system = namespace.equations.system
+    wanted = namespace.read_outputs(outputs)
     chosen = system.integrals if integrals is None else tuple(integrals)
-    names = [vocabulary.name(name, system.integrals, "integral") for name in chosen]
-    return Watch.of(
+    names = [namespace.name(name, system.integrals, "integral") for name in chosen]
+    return ObservedQuantities.of(
         wanted,
         wanted.expressions,
-        {name: vocabulary.inward(vocabulary.claims[name]) for name in names},
-        {str(r): vocabulary.inward(r) for r in system.fibration.relations},
-        Multipliers.of(vocabulary.reaction_definition) if wanted.reactions else None,
+        {name: namespace.inward(namespace.claims[name]) for name in names},
+        {str(r): namespace.inward(r) for r in system.fibration.relations},
+        Multipliers.of(namespace.reaction_definition) if wanted.reactions else None,
     )
 
 
@@ -254,7 +254,11 @@ def _digits_along(
 
 
 def evaluate_watch(
-    watch: Watch, program: Program, t: np.ndarray, states: np.ndarray, values: Sequence[float]
+    watch: ObservedQuantities,
+    program: Program,
+    t: np.ndarray,
+    states: np.ndarray,
+    values: Sequence[float],
 ) -> dict[str, np.ndarray]:
     """Everything watched at states (k, n), reactions too, by the names of ``Watch``."""
     series = evaluate_extras(program, t, states, values)

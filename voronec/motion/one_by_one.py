@@ -1,8 +1,10 @@
-"""Many motions carried one by one: smooth ones by DOP853, others through their walls, or whole.
+"""Many motions carried one by one: smooth ones by DOP853, others through their switching surfaces,
+or whole.
 
-Lanes of a batch carry one right side; where walls are reached at different times, there are many.
-Motions of a section are integrated whole, as by ``integrate``, where inputs change in time, and
-where equations come near a place at which they are singular: it goes on in other charts and splits.
+Lanes of a batch carry one right side; where switching surfaces are reached at different times,
+there are many. Motions of a section are integrated whole, as by ``integrate``, where inputs change
+in time, and where equations come near a place at which they are singular: it goes on in other
+charts and splits.
 """
 
 from __future__ import annotations
@@ -28,14 +30,14 @@ from voronec.motion.batches import (
     break_error,
     require_method,
 )
-from voronec.motion.divisors import CLEAR, guard_events
 from voronec.motion.integration import integrate
 from voronec.motion.methods import METHODS
-from voronec.motion.mode_stepper import SwitchedIntegrator, through_walls
+from voronec.motion.mode_stepper import SwitchedIntegrator, through_switching_surfaces
 from voronec.motion.motion_pool import Many
 from voronec.motion.observables import jumps
 from voronec.motion.request import Event, Guard, Starts, begin_of, label
 from voronec.motion.section_passages import PATIENCE, SectionPassages, SectionWatch
+from voronec.motion.singular_denominators import CLEAR, guard_events
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run
 from voronec.motion.trajectory import Cost, Trajectory
@@ -146,7 +148,7 @@ class SwitchedMotions:
             error = break_error(SINGULAR_PLACE, float(grid[0]), state)
             return np.full((len(grid), len(state)), np.nan), error, None
         self.switched = self.switched.elsewhere(float(grid[0]), state, values.tolist())
-        run = self.switched.stepper(grid)
+        run = self.switched.solver(grid)
         return *_states_along(run, grid), run
 
     def _is_near(self, i: int, time: float, state: np.ndarray) -> bool:
@@ -177,7 +179,7 @@ class SwitchedMotions:
         while not passages.over(i) and i not in passages.errors:
             grid = np.linspace(time, min(time + length, passages.until), LOOKS)
             way = self._to_plane(i, grid, state, name, value, passages.direction)
-            run = way.stepper(grid)
+            run = way.solver(grid)
             if run.interrupted:
                 raise KeyboardInterrupt
             t, states = run.crossings[PLANE]
@@ -260,7 +262,7 @@ def _switching_stepper(
         bare, start.copy(), motions.values[i].tolist(), tol, (*events, *guards),
         levels, coarse=frozenset(watched),
     )  # fmt: skip
-    return through_walls(method, problem, grid, form, given)
+    return through_switching_surfaces(method, problem, grid, form, given)
 
 
 STEP = 1e-6
@@ -409,7 +411,7 @@ class LoneMotions:
             start = motions.start_values(i)
         elif self.scene is not None:
             scene = replace(self.scene, inputs={})
-        equations = motions.vocabulary.equations
+        equations = motions.namespace.equations
         own = (self.declared or equations.system).parameter_names
         constants = {name: float(x[i]) for name, x in motions.parameters.items() if name in own}
         return integrate(
@@ -420,7 +422,7 @@ class LoneMotions:
     @property
     def outputs(self) -> list[sp.Expr]:
         """All coordinates and velocities."""
-        system = self.motions.vocabulary.equations.system
+        system = self.motions.namespace.equations.system
         return [*system.coordinates, *system.velocities]
 
     def place(self, i: int, run: Trajectory) -> None:
@@ -452,7 +454,7 @@ def go_on_alone(
 
 def end_at_cuts(alone: LoneMotions, passages: SectionPassages) -> None:
     """Of motions that reach the cut of an angle keep the passages before that, and say so."""
-    if not CutWatch.of(alone.motions.vocabulary).cuts:
+    if not CutWatch.of(alone.motions.namespace).cuts:
         return
     for i in (i for i in alone.motions.sound if passages.parts[i]):
         end = float(passages.parts[i][-1][0][-1])

@@ -150,7 +150,8 @@ class Multipliers:
 
 
 def reactions_of_state(equations: VoronecEquations, d: Definition) -> list[Any]:
-    """lambda_k of each constraint k of a definition inside the door, in q, w, t and the parameters.
+    """lambda_k of each constraint k of a definition in the engine's symbols, in q, w, t and the
+    parameters.
 
     Raises ``DefinitionError`` where they are not unique at generic points, ``EngineLimit`` where
     they are too long.

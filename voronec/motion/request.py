@@ -40,11 +40,11 @@ if TYPE_CHECKING:
 __all__ = [
     "Event",
     "Guard",
+    "Namespace",
     "OutputTerms",
     "StartData",
     "Starts",
     "Values",
-    "Vocabulary",
     "begin_of",
     "events_of",
     "grid_of",
@@ -80,7 +80,7 @@ class StartData:
     @classmethod
     def of(
         cls,
-        vocabulary: Vocabulary,
+        namespace: Namespace,
         scene: Scene | None,
         parameters: Values | None = None,
         initial: Values | None = None,
@@ -88,32 +88,32 @@ class StartData:
         """Scene and arguments put together; ``DefinitionError`` for names nobody knows."""
         own, start = (scene.parameters, scene.initial) if scene else ({}, {})
         said = cls(
-            parameters=name_values(vocabulary, own, "parameter"),
-            scene_initial=name_values(vocabulary, start, "initial value"),
+            parameters=name_values(namespace, own, "parameter"),
+            scene_initial=name_values(namespace, start, "initial value"),
             initial={},
         )
-        return said.with_values(vocabulary, parameters, initial)
+        return said.with_values(namespace, parameters, initial)
 
     def with_values(
-        self, vocabulary: Vocabulary, parameters: Values | None, initial: Values | None
+        self, namespace: Namespace, parameters: Values | None, initial: Values | None
     ) -> StartData:
         """What a scene says, and over it what is given besides."""
         if not parameters and not initial:
             return self
-        named = name_values(vocabulary, parameters or {}, "parameter")
-        begun = name_values(vocabulary, initial or {}, "initial value")
+        named = name_values(namespace, parameters or {}, "parameter")
+        begun = name_values(namespace, initial or {}, "initial value")
         return StartData({**self.parameters, **named}, self.scene_initial, begun)
 
 
 def kept_while_same(
-    vocabulary: Vocabulary, what: str, of: Iterable[Mapping[str, Any]], make: Callable[[], T]
+    namespace: Namespace, what: str, of: Iterable[Mapping[str, Any]], make: Callable[[], T]
 ) -> T:
     """What is made of values by name, as it was made last where these are the same to the last bit;
     made anew where that is not to be told."""
     spelled = [[(name, _spelling(x)) for name, x in values.items()] for values in of]
     if any(x is None for part in spelled for _, x in part):
         return make()
-    return vocabulary.memo.last(what, spelled, make)
+    return namespace.memo.last(what, spelled, make)
 
 
 def _spelling(value: Any) -> Hashable | None:
@@ -125,21 +125,21 @@ def _spelling(value: Any) -> Hashable | None:
     return (type(value).__name__, value) if exact else None
 
 
-def quantity(vocabulary: Vocabulary, key: Any, role: str = "output") -> tuple[str, sp.Expr]:
+def quantity(namespace: Namespace, key: Any, role: str = "output") -> tuple[str, sp.Expr]:
     """What a name, a symbol or an expression is called, and what it is.
 
     The expression holds coordinates, velocities, parameters, the time and invariants by their
     symbols.  ``DefinitionError`` for a name that the system does not know.
     """
-    system = vocabulary.equations.system
-    known = {**vocabulary.reaction_terms, **vocabulary.known}
+    system = namespace.equations.system
+    known = {**namespace.reaction_terms, **namespace.known}
     if isinstance(key, str) and key not in known:
-        key = name_or_formula(vocabulary.spell(key), f"system '{system.name}': the {role}")
+        key = name_or_formula(namespace.spell(key), f"system '{system.name}': the {role}")
     if isinstance(key, str):
-        name = vocabulary.name(key, known, role)
+        name = namespace.name(key, known, role)
         return name, as_expression(known[name])
     given = expression(key, f"system '{system.name}': the {role}")
-    expr = given.xreplace(vocabulary.inputs)
+    expr = given.xreplace(namespace.inputs)
     meaning = {}
     for symbol in sorted(expr.free_symbols, key=str):
         if str(symbol) not in known:
@@ -382,7 +382,8 @@ class OutputTerms:
 
     ``names`` in the order asked for, each once; what each is: ``terms``, in the user's symbols,
     those of invariants among them; or ``reactions``, positions of constraints, which need the
-    accelerations too (``voronec.motion.reactions.Multipliers``).  ``inward`` leads inside the door.
+    accelerations too (``voronec.motion.reactions.Multipliers``).  ``inward`` leads in the engine's
+    symbols.
     """
 
     names: tuple[str, ...]
@@ -392,13 +393,13 @@ class OutputTerms:
 
     @cached_property
     def expressions(self) -> Mapping[str, Any]:
-        """The terms inside the door, in coordinates, velocities, time and parameters:
+        """The terms in the engine's symbols, in coordinates, velocities, time and parameters:
         not asked for where a model has been written for them before."""
         return {name: self.inward(e) for name, e in self.terms.items()}
 
 
 @dataclass(frozen=True)
-class Vocabulary:
+class Namespace:
     """Names of one system: coordinates, velocities, parameters; what follows from these, such as
     integrals, invariants, and the dependent velocities and momenta of a group.  Reactions are those
     of ``home_definition`` where the equations are free of constraints."""
@@ -413,7 +414,7 @@ class Vocabulary:
     @classmethod
     def of(
         cls, equations: VoronecEquations, inputs: Mapping[sp.Expr, sp.Expr] | None = None
-    ) -> Vocabulary:
+    ) -> Namespace:
         """The vocabulary of a system's equations; ``inputs`` are what stands for those that the
         system was declared with, and for their rates.  Without these it is kept with the equations.
         """
@@ -422,7 +423,7 @@ class Vocabulary:
         return cls._make(equations, inputs)
 
     @classmethod
-    def _make(cls, equations: VoronecEquations, inputs: Mapping[sp.Expr, sp.Expr]) -> Vocabulary:
+    def _make(cls, equations: VoronecEquations, inputs: Mapping[sp.Expr, sp.Expr]) -> Namespace:
         system = equations.system
         dots = [velocity(q) for q in system.coordinates]
         constants = [p.symbol for p in system.parameters]
@@ -597,11 +598,11 @@ class Vocabulary:
         return name, expr
 
     def inward(self, expr: Any) -> Any:
-        """A user's expression inside the door, its invariants and reactions spelled out."""
-        system, door = self.equations.system, self.equations.definition.door
+        """A user's expression in the engine's symbols, its invariants and reactions spelled out."""
+        system, bridge = self.equations.system, self.equations.definition.bridge
         meaning = dict(zip(system.invariant_symbols, system.invariants.values(), strict=True))
         spelled = as_expression(expr).xreplace(meaning)
-        inside = door.inward(spelled)
+        inside = bridge.inward(spelled)
         if not self.holds_reactions([spelled]):
             return inside
         found = self.equations.memo.once(
@@ -609,7 +610,7 @@ class Vocabulary:
             lambda: reactions_of_state(self.equations, self.reaction_definition),
         )
         return inside.xreplace(
-            dict(zip(map(door.inward, self._reaction_symbols), found, strict=True))
+            dict(zip(map(bridge.inward, self._reaction_symbols), found, strict=True))
         )
 
     def _plain(self, key: Any, role: str) -> str:
@@ -622,17 +623,17 @@ class Vocabulary:
             ) from None
 
 
-def name_values(vocabulary: Vocabulary, given: Mapping[Any, Any], role: str) -> dict[str, Any]:
+def name_values(namespace: Namespace, given: Mapping[Any, Any], role: str) -> dict[str, Any]:
     """Values by plain name; ``role`` is ``parameter`` or ``initial value``."""
-    system = vocabulary.equations.system
-    among = system.parameter_names if role == "parameter" else vocabulary.start_names
+    system = namespace.equations.system
+    among = system.parameter_names if role == "parameter" else namespace.start_names
     result: dict[str, Any] = {}
     argument = "parameters" if role == "parameter" else "initial"
     for key, value in texts_read(fixed_mapping(given, argument, "name: value"), role).items():
         if argument == "initial" and str(key) in system.parameter_names:
             told = f"'{key}', a parameter; give parameters={{'{key}': ...}}"
             raise DefinitionError(f"system '{system.name}' has no {role} {told}")
-        name = vocabulary.name(key, among, role)
+        name = namespace.name(key, among, role)
         if name in result:
             raise DefinitionError(f"system '{system.name}': the {role} '{name}' is given twice")
         result[name] = value
@@ -693,17 +694,17 @@ def events_of(events: Any) -> tuple[Event, ...]:
     return tuple(item if isinstance(item, Event) else Event(item) for item in given)
 
 
-def name_events(vocabulary: Vocabulary, events: Any) -> tuple[tuple[Guard, ...], dict[str, Any]]:
+def name_events(namespace: Namespace, events: Any) -> tuple[tuple[Guard, ...], dict[str, Any]]:
     """Guards for events with their names filled in, and functions in the user's symbols by the
     guards' names."""
     guards: list[Guard] = []
     inside, names = dict[str, Any](), set[str]()
     for event in events_of(events):
-        own, function = vocabulary.read_condition(event.function)
+        own, function = namespace.read_condition(event.function)
         name = event.name or own
         if name in names:
             raise DefinitionError(
-                f"system '{vocabulary.equations.system.name}': two events are called '{name}'; "
+                f"system '{namespace.equations.system.name}': two events are called '{name}'; "
                 "give Event(..., name=)"
             )
         names.add(name)

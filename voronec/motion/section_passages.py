@@ -28,7 +28,7 @@ from voronec.motion.request import number
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
 from voronec.motion.steppers.samples import StepSampler, StepSamples, series_samples
 from voronec.motion.steppers.scipy_stepper import dop853_steps
-from voronec.motion.steppers.step_loop import IntegratorFailure, Stretch, Stride
+from voronec.motion.steppers.step_loop import IntegratorFailure, Segment, Stride
 
 if TYPE_CHECKING:
     from voronec.motion.motion_pool import Many
@@ -400,7 +400,7 @@ class _LanePassages:
     def run(self) -> None:
         """Stretch after stretch, until no motion is left."""
         while any(i is not None for i in self.holds):
-            self.stretch()
+            self.segment()
             for k, i in enumerate(self.holds):
                 if i is not None and self.passages.over(i):
                     self.holds[k] = self.load_next(k)
@@ -419,7 +419,7 @@ class _LanePassages:
         self.load(lane, self.motions.sound[0] if i is None else i)
         return i
 
-    def stretch(self, careful: bool = False) -> None:
+    def segment(self, careful: bool = False) -> None:
         """Some hundreds or thousands of steps of all lanes, and the crossings in them; or, where
         steps are made too long by coefficients that vanish, ``careful`` ones, each looked at
         before."""
@@ -443,7 +443,7 @@ class _LanePassages:
             ta.return_to(begin)
             for _ in range(taken.max()):
                 if not any(i is not None and passages.over(i) for i in holds):
-                    self.stretch(careful=True)
+                    self.segment(careful=True)
             return
         lanes.note_steps()
         passages.steps += int(taken[~idle].sum())
@@ -611,17 +611,17 @@ def _strides(
     loop, grid = METHODS[method].loop, np.array(span)
     problem = Problem(program, state, values.tolist(), tol, dense=loop is not None)
     if loop is None:
-        walker = dop853_steps(problem, grid)
+        stepper = dop853_steps(problem, grid)
     else:
-        walker = Loop.of(loop(program), problem, grid, scales_of(problem), hoist(program))
+        stepper = Loop.of(loop(program), problem, grid, scales_of(problem), hoist(program))
     time, good = span[0], state
     while time != span[1]:
         try:
             with np.errstate(all="ignore"):
-                found = walker.advance()
+                found = stepper.advance()
         except IntegratorFailure as halted:
             raise break_error(str(halted), time, good) from None
-        yield from found.strides if isinstance(found, Stretch) else (found,)
+        yield from found.strides if isinstance(found, Segment) else (found,)
         time, good = found.end, found.state
 
 

@@ -38,9 +38,9 @@ from voronec.motion.one_by_one import (
     go_on_alone,
 )
 from voronec.motion.request import (
+    Namespace,
     Starts,
     Values,
-    Vocabulary,
     begin_of,
     held_name,
     number,
@@ -125,7 +125,7 @@ def starts_alike(
 def _integrals(motions: Many) -> Integrals:
     """All integrals, and the relations between redundant coordinates, at states (s, n)."""
     quantities = dict(motions.ground.integrals)
-    relations = motions.vocabulary.equations.form.relations
+    relations = motions.namespace.equations.form.relations
     quantities |= {f"relation {k}": e for k, e in enumerate(relations)}
     program = Program.of(motions.ground.form, quantities)
     extras = compile_program(program)[1]
@@ -373,8 +373,8 @@ def section(
     chosen_scene = scene_of(declared, scene, needed and (starts is None or isinstance(starts, int)))
     driven = drive(system, inputs, chosen_scene)
     equations, given = driven.equations, {**(parameters or {}), **driven.constants}
-    vocabulary = Vocabulary.of(equations, driven.meaning)
-    surface, expr = quantity(vocabulary, plane, "plane")
+    namespace = Namespace.of(equations, driven.meaning)
+    surface, expr = quantity(namespace, plane, "plane")
     on_plane = number(value, "the value of the plane")
     keys = outputs_of(None, outputs) or _whole(equations, expr)
     begin = begin_of(chosen_scene)
@@ -389,10 +389,10 @@ def section(
             declared, plane, on_plane, direction, keys, single, columns, crossings, until,
             progress, scene=chosen_scene, inputs=inputs, method=method, tol=tol,
         )  # fmt: skip
-        names = tuple(quantity(vocabulary, key)[0] for key in keys)
+        names = tuple(quantity(namespace, key)[0] for key in keys)
         return _driven_section(declared, found, names, surface, on_plane, direction)
     parameters = given
-    wanted = dict(quantity(vocabulary, key) for key in keys)
+    wanted = dict(quantity(namespace, key) for key in keys)
     single, columns = _starts(equations, chosen_scene, starts, initial, parameters)
     motions = many(
         equations, chosen_scene, single, columns, {**wanted, f"plane {surface}": expr}, begin
@@ -496,7 +496,7 @@ def _refuse_nothing(motions: Many, passages: SectionPassages, surface: str, valu
         return
     for error in (*motions.wrong.values(), *passages.errors.values()):
         raise error
-    system = motions.vocabulary.equations.system.name
+    system = motions.namespace.equations.system.name
     if np.isnan(passages.low).all():
         raise DefinitionError(
             f"system '{system}': {surface} has no real value along the motion; choose another plane"
@@ -518,7 +518,7 @@ def _cut_unsound(
 ) -> None:
     """Of motions that lose a proved integral, or do not obey the equations, keep the points before
     that, and say so; integrals ``jumping`` with the forces need not be kept."""
-    own = motions.vocabulary.equations
+    own = motions.namespace.equations
     integrals = {name: f"integral {name}" for name in motions.ground.integrals}
     check = CheckOfMany(own, motions.program, cost.tolerance, integrals, jumping)
     steps = cost.steps / max(1, len(motions.sound))
@@ -550,7 +550,7 @@ def _section(
     for array in (points, t, start, speed):
         array.flags.writeable = False
     return Section(
-        system=motions.vocabulary.equations.system,
+        system=motions.namespace.equations.system,
         plane=surface,
         value=value,
         direction=passages.direction,

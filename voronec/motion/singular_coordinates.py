@@ -25,9 +25,9 @@ from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import IntegrationError
 from voronec.motion.numeric_model import ProgrammedModel
 from voronec.motion.request import Guard
-from voronec.motion.split_models import SplitGround, numbers_of_chart
+from voronec.motion.split_models import SplitContext, numbers_of_chart
 from voronec.motion.state_probe import quantities, quiet
-from voronec.motion.steppers import Halt, Problem, Run
+from voronec.motion.steppers import Problem, Run, Termination
 
 __all__ = [
     "LAST",
@@ -83,7 +83,7 @@ class CoordinatePole(NamedTuple):
 
         def make() -> tuple[CoordinatePole, ...]:
             charts = equations.system.charts.values()
-            found = {f for c in charts for f in factors_of(equations.door.inward(c.singular))}
+            found = {f for c in charts for f in factors_of(equations.bridge.inward(c.singular))}
             return tuple(
                 cls(angle, value, factor, FINE)
                 for factor in sorted(found, key=str)
@@ -237,7 +237,7 @@ class PoleGuard:
             return run.without(names)
         if self.near != LAST:
             raise self._near(run.t[-1], run.states[-1])
-        halt = Halt(BEYOND, run.t[-1], run.states[-1])
+        halt = Termination(BEYOND, run.t[-1], run.states[-1])
         return replace(run.without(names), stopped="", halt=halt)
 
     def _near(self, time: float, state: np.ndarray) -> NearPole:
@@ -256,7 +256,7 @@ def _distance(
     if pole.angle in variables:
         return pole.distance**2
     for name, g in equations.system.invariants.items():
-        own, symbol = equations.door.inward(g), se.Symbol(name)
+        own, symbol = equations.bridge.inward(g), se.Symbol(name)
         alone = own.free_symbols == {pole.angle}
         if symbol in variables and alone and all_vanish([own**2 + pole.distance**2 - 1]):
             return 1 - symbol**2
@@ -283,7 +283,7 @@ def _is_singular(
     return bool((~(sizes < LARGE)).any())
 
 
-def blind_directions(ground: SplitGround, wide: np.ndarray) -> np.ndarray:
+def blind_directions(ground: SplitContext, wide: np.ndarray) -> np.ndarray:
     """An orthonormal basis (N, k) of the directions in which coordinates may change at a wide state
     though nothing moves; k is zero where coordinates are regular."""
     if ground.home.definition.group is not None:
@@ -314,7 +314,7 @@ def polar_directions(equations: VoronecEquations, state: np.ndarray) -> np.ndarr
     return np.array(found).reshape(-1, len(d.dots)).T
 
 
-def charted_directions(ground: SplitGround, wide: np.ndarray) -> np.ndarray:
+def charted_directions(ground: SplitContext, wide: np.ndarray) -> np.ndarray:
     """An orthonormal basis (N, k) of what the declared chart that is best at a wide state does not
     see; k is zero where the system's own coordinates are regular, or no chart is."""
     system = ground.home.system
@@ -331,7 +331,7 @@ def charted_directions(ground: SplitGround, wide: np.ndarray) -> np.ndarray:
     return np.asarray(basis[sizes < POLE * sizes.max()].T)
 
 
-def carried_directions(ground: SplitGround, wide: np.ndarray) -> np.ndarray:
+def carried_directions(ground: SplitContext, wide: np.ndarray) -> np.ndarray:
     """An orthonormal basis (N, k) of the directions in which coordinates without inertia may change
     at a wide state: carried along by others, they have a pole there."""
     count = len(ground.home.definition.coordinates)
@@ -352,7 +352,7 @@ IDLE, BESIDE = 1e-15, 0.1
 its diagonal is one where all coordinates are larger by the other, if it is not singular there."""
 
 
-def idle_directions(ground: SplitGround, wide: np.ndarray) -> np.ndarray:
+def idle_directions(ground: SplitContext, wide: np.ndarray) -> np.ndarray:
     """A basis (N, k) of the directions in which coordinates may change at a wide state though
     neither inertia nor constraints resist, while they do beside it: the contact of a disc that lies
     flat may be any point of its rim."""
@@ -371,13 +371,13 @@ def idle_directions(ground: SplitGround, wide: np.ndarray) -> np.ndarray:
     return np.asarray((vectors / units[:, None])[:, (sizes < IDLE) & regular])
 
 
-def _may_be_singular(ground: SplitGround, chart: Chart, wide: np.ndarray) -> bool:
+def _may_be_singular(ground: SplitContext, chart: Chart, wide: np.ndarray) -> bool:
     """Whether the own coordinates may be singular at a wide state, where a chart is declared."""
     d = ground.home.definition
     at = {se.Symbol(name): se.RealDouble(float(x)) for name, x in ground.constants.items()}
     at |= {q: se.RealDouble(float(x)) for q, x in zip(d.coordinates, wide, strict=False)}
     try:
-        return abs(float(d.door.inward(chart.singular).xreplace(at).n(real=True))) < POLE
+        return abs(float(d.bridge.inward(chart.singular).xreplace(at).n(real=True))) < POLE
     except (ArithmeticError, RuntimeError, TypeError, ValueError):
         return True  # of the time, or no number there: the slopes tell
 
@@ -392,7 +392,7 @@ def open_beyond(rows: np.ndarray, blind: np.ndarray) -> np.ndarray:
     return np.asarray(ways - blind @ (blind.T @ ways))
 
 
-def _distances(ground: SplitGround, chart: Chart, wide: np.ndarray) -> tuple[float, float, Any]:
+def _distances(ground: SplitContext, chart: Chart, wide: np.ndarray) -> tuple[float, float, Any]:
     """How far a wide state is from the singularities of the own coordinates and of a chart, 0 where
     the chart has no value, and df/dq."""
     found = numbers_of_chart(ground, chart, ground.time, wide.astype(float))

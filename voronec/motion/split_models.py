@@ -40,13 +40,15 @@ from voronec.equations.program import Program, compile_program
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import EngineLimit, VoronecError
-from voronec.motion.divisors import (
+from voronec.motion.observables import ObservedQuantities, size_of_terms
+from voronec.motion.reactions import Multipliers, conditions_of
+from voronec.motion.singular_denominators import (
     CLEAR,
     DIGITS,
     FEW,
     GAIN,
     NEAR,
-    Divisor,
+    SingularDenominator,
     are_dependent,
     are_infinite,
     around,
@@ -59,14 +61,12 @@ from voronec.motion.divisors import (
     solution_rows,
     without_factors,
 )
-from voronec.motion.observables import Watch, size_of_terms
-from voronec.motion.reactions import Multipliers, conditions_of
 from voronec.motion.state_probe import quantities, usual_size
 from voronec.motion.steppers.run import Signals, constants_along
 
 __all__ = [
     "Geometry",
-    "SplitGround",
+    "SplitContext",
     "SplitModel",
     "candidates",
     "divisor_program",
@@ -249,7 +249,7 @@ def _split_chart(system: System, chart: Chart) -> Chart:
         chart,
         state=own(chart.state),
         back=own(chart.back),
-        twins=tuple(map(own, chart.twins)),
+        double_cover=tuple(map(own, chart.double_cover)),
         changes=spell_out(system, frame, changes),
     )
 
@@ -290,7 +290,7 @@ def numbers(program: Program, time: Any, state: Sequence[Any], values: Sequence[
 
 
 @dataclass(frozen=True)
-class SplitGround:
+class SplitContext:
     """What the splits of one motion share: the system, its parameters by name, and the time.
 
     ``home`` are the equations as they are declared, ``framed`` (n,) is the start on their
@@ -484,7 +484,7 @@ class SplitGround:
 
     def watch_divisors(
         self, form: FirstOrderForm, below: Program, start: np.ndarray, rough: bool = False
-    ) -> list[Divisor]:
+    ) -> list[SingularDenominator]:
         """What a form divides by and what vanishes though the motion goes on.
 
         ``below`` gives the form's states, called ``start x``, and what it takes for constant,
@@ -524,13 +524,13 @@ class SplitGround:
         """The factors of what vanishes where declared charts begin, each once."""
         found: dict[Any, None] = {}
         for chart in self.home.system.charts.values():
-            inside = self.home.definition.door.inward(chart.singular)
+            inside = self.home.definition.bridge.inward(chart.singular)
             found |= dict.fromkeys(factors_of(inside))
         return tuple(found)
 
     def _crossing_divisors(
         self, found: list[Any], form: FirstOrderForm, below: Program, start: np.ndarray
-    ) -> list[Divisor]:
+    ) -> list[SingularDenominator]:
         program = quantities(form, {str(i): f for i, f in enumerate(found)})
         still = replace(self, changing=None)
 
@@ -583,7 +583,11 @@ class SplitGround:
         return moved[:, there]
 
     def sizes(
-        self, program: Program, guards: Sequence[Divisor], state: Any, values: Sequence[Any]
+        self,
+        program: Program,
+        guards: Sequence[SingularDenominator],
+        state: Any,
+        values: Sequence[Any],
     ) -> list[float]:
         """Divisors at a state in units of their usual sizes, from their ``divisor_program``."""
         sizes = numbers(program, self.time, list(state), values)
@@ -591,7 +595,7 @@ class SplitGround:
         return [x if np.isfinite(x) else 0.0 for x in parts]
 
 
-def divisor_program(form: FirstOrderForm, guards: Sequence[Divisor]) -> Program:
+def divisor_program(form: FirstOrderForm, guards: Sequence[SingularDenominator]) -> Program:
     """A program for some divisors of a form."""
     return quantities(form, {str(i): g.function for i, g in enumerate(guards)})
 
@@ -601,21 +605,21 @@ class SplitModel:
     """One split, ready to be integrated in; ``guards`` are the divisors that it watches, and
     ``unbounded`` its program but for their bounds, which are parameters that nothing else holds."""
 
-    ground: SplitGround
+    ground: SplitContext
     equations: VoronecEquations
     form: FirstOrderForm
-    watch: Watch
+    watch: ObservedQuantities
     functions: Mapping[str, Any]
     unbounded: Program
-    guards: tuple[Divisor, ...] = field(default=())
+    guards: tuple[SingularDenominator, ...] = field(default=())
 
     @classmethod
     def of(
         cls,
-        ground: SplitGround,
+        ground: SplitContext,
         equations: VoronecEquations,
         form: FirstOrderForm,
-        watch: Watch,
+        watch: ObservedQuantities,
         functions: Mapping[str, Any],
         wide: np.ndarray,
     ) -> SplitModel:
@@ -748,14 +752,17 @@ class SplitModel:
         """Whether a state is where the coordinates are singular and charts of the split begin."""
         d = self.equations.definition
         charts = self.equations.system.charts.values()
-        singular = [d.door.inward(chart.singular) for chart in charts]
+        singular = [d.bridge.inward(chart.singular) for chart in charts]
         program = quantities(self.form, {str(i): e for i, e in enumerate(singular)})
         there = numbers(program, time, state.tolist(), self.ground.values(program, time))
         return any(abs(x) < AT_POLE for x in there)
 
 
 def _without_momenta(
-    watch: Watch, momenta: Mapping[Any, Any], form: FirstOrderForm, relations: Sequence[Any]
+    watch: ObservedQuantities,
+    momenta: Mapping[Any, Any],
+    form: FirstOrderForm,
+    relations: Sequence[Any],
 ) -> dict[str, Any]:
     """What is watched and holds momenta of the home split, in the velocities of another: in normal
     form, since momenta divide by what may vanish in this one, and the whole need not."""
@@ -770,7 +777,7 @@ def _without_momenta(
     return found | {size: size_of_terms(found[key]) for size, key in sizes.items() if key in found}
 
 
-def candidates(ground: SplitGround, time: float, wide: np.ndarray) -> Any:
+def candidates(ground: SplitContext, time: float, wide: np.ndarray) -> Any:
     """Equations to try at a wide state, with their forms, one after the other."""
     home, point = ground.home, _point(ground, time, wide)
     yield home, home.form
@@ -790,17 +797,20 @@ def candidates(ground: SplitGround, time: float, wide: np.ndarray) -> Any:
 
 
 def numbers_of_chart(
-    ground: SplitGround, chart: Chart, time: float, wide: np.ndarray
+    ground: SplitContext, chart: Chart, time: float, wide: np.ndarray
 ) -> list[float] | None:
     """What vanishes where the own coordinates are singular, and where those of a chart are, and the
     slopes of the coordinates in the chart by the own ones, row by row; None where one of these has
     no value."""
     d, values = ground.home.definition, chart.values(ground.home.system)
     outside = ground.home.system.coordinates
-    images = {q: d.door.inward(values[x]) for q, x in zip(d.coordinates, outside, strict=True)}
-    wanted = [d.door.inward(chart.singular), d.door.inward(chart.singular_there).xreplace(images)]
+    images = {q: d.bridge.inward(values[x]) for q, x in zip(d.coordinates, outside, strict=True)}
+    wanted = [
+        d.bridge.inward(chart.singular),
+        d.bridge.inward(chart.singular_there).xreplace(images),
+    ]
     # slopes as sympy has them: x/(x^2 + y^2) of an arctangent is defined where x or y is zero
-    wanted += [d.door.inward(derivative(values[q], x)) for q in outside for x in outside]
+    wanted += [d.bridge.inward(derivative(values[q], x)) for q in outside for x in outside]
     program = quantities(ground.wide, {str(i): se.sympify(e) for i, e in enumerate(wanted)})
     try:
         return [*map(float, numbers(program, time, wide.tolist(), ground.values(program, time)))]
@@ -808,7 +818,7 @@ def numbers_of_chart(
         return None
 
 
-def _point(ground: SplitGround, time: float, wide: np.ndarray) -> dict[str, Any]:
+def _point(ground: SplitContext, time: float, wide: np.ndarray) -> dict[str, Any]:
     """Numbers of coordinates, parameters and the time by name, exact as doubles."""
     d = ground.home.definition
     named = dict(zip(map(str, d.coordinates), wide.tolist(), strict=False))

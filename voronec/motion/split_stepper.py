@@ -20,16 +20,16 @@ from voronec.algebra.symbols import plain_name
 from voronec.errors import IntegrationError
 from voronec.motion.atlas import kept_charts
 from voronec.motion.chart_stepper import through_charts
-from voronec.motion.divisors import CLEAR, GAIN, NEAR, guard_events
 from voronec.motion.methods import is_exact
-from voronec.motion.mode_stepper import through_walls
+from voronec.motion.mode_stepper import through_switching_surfaces
 from voronec.motion.motion_start import WideStart
-from voronec.motion.observables import Watch, evaluate_watch
-from voronec.motion.request import Guard, Vocabulary
+from voronec.motion.observables import ObservedQuantities, evaluate_watch
+from voronec.motion.request import Guard, Namespace
 from voronec.motion.singular_coordinates import PoleNotes
-from voronec.motion.split_models import SplitGround, SplitModel, candidates
+from voronec.motion.singular_denominators import CLEAR, GAIN, NEAR, guard_events
+from voronec.motion.split_models import SplitContext, SplitModel, candidates
 from voronec.motion.state_probe import StateProbe, quantities
-from voronec.motion.steppers import Halt, Problem, Run
+from voronec.motion.steppers import Problem, Run, Termination
 from voronec.motion.steppers.run import in_kind, part_at
 from voronec.motion.steppers.units import natural_units
 from voronec.motion.tolerances import EXACT
@@ -59,7 +59,7 @@ before one is made that is not needed."""
 
 
 @dataclass(frozen=True, eq=False)
-class _SplitStretch:
+class _SplitSegment:
     """A part of a run in one split; ``rows`` (k, n) are those on the grid."""
 
     split: SplitModel
@@ -76,9 +76,9 @@ class SplitRun:
     the whole began, in seconds of the clock.
     """
 
-    vocabulary: Vocabulary
-    ground: SplitGround
-    watch: Watch
+    namespace: Namespace
+    ground: SplitContext
+    watch: ObservedQuantities
     functions: Mapping[str, Any]
     start: WideStart
     grid: np.ndarray
@@ -91,7 +91,7 @@ class SplitRun:
     bits: int
     began: float
     splits: list[SplitModel] = field(default_factory=list)
-    stretches: list[_SplitStretch] = field(default_factory=list)
+    segments: list[_SplitSegment] = field(default_factory=list)
     chosen: dict[str, Any] = field(default_factory=dict)
     methods: dict[str, None] = field(default_factory=dict)
     prepared: float = 0.0
@@ -106,7 +106,7 @@ class SplitRun:
         time, wide, done = self.grid[0], self.start.wide, 1
         split = self.best_split(time, wide, None)
         while True:
-            part = self.stretch(split, time, wide, self.grid[done:])
+            part = self.segment(split, time, wide, self.grid[done:])
             done += self.take(split, part, done)
             ended = part.stopped not in ("", *self._guards(split), *self._marks(split))
             if part.interrupted or ended or (part.halt is None and done >= len(self.grid)):
@@ -123,7 +123,7 @@ class SplitRun:
             if part.halt is not None and best is split:
                 raise self.failure(split, part.halt, busy)
             if reason := self.obstacle(best, time, wide):
-                raise self.failure(split, Halt(reason, time, state), busy)
+                raise self.failure(split, Termination(reason, time, state), busy)
             split = best
 
     # -- splits -----------------------------------------------------------------------------
@@ -216,7 +216,7 @@ class SplitRun:
 
     # -- stretches --------------------------------------------------------------------------
 
-    def stretch(self, split: SplitModel, time: Any, wide: np.ndarray, ahead: np.ndarray) -> Run:
+    def segment(self, split: SplitModel, time: Any, wide: np.ndarray, ahead: np.ndarray) -> Run:
         """Go on in a split until a divisor is small, or the grid ends."""
         began = perf_counter()
         guards, levels = guard_events(split.guards, bounds=split.bounds)
@@ -249,18 +249,20 @@ class SplitRun:
                 times = np.array([mpmath.mpf(time), *map(mpmath.mpf, ahead)], dtype=object)
         else:
             times = np.concatenate([[float(time)], ahead])
-        switched = through_walls(self.method, problem, times, split.bounded_form, functions)
+        switched = through_switching_surfaces(
+            self.method, problem, times, split.bounded_form, functions
+        )
         if switched is not None:
-            stepper, chosen = switched.stepper, switched.chosen
+            solver, chosen = switched.solver, switched.chosen
         else:
-            stepper, chosen = through_charts(
+            solver, chosen = through_charts(
                 self.method, problem, times, split.equations, functions, split.bounded_form
             )
         self.chosen = self.chosen or {**chosen, "tolerance": max(chosen["tolerance"], self.tol)}
         self.methods.setdefault(chosen["method"])
         self.prepared += perf_counter() - began
         smooth = switched is None
-        return self.check(split, poles.with_notes(stepper(times)), smooth)
+        return self.check(split, poles.with_notes(solver(times)), smooth)
 
     def _pole_notes(self, split: SplitModel) -> PoleNotes:
         """What looks for poles at which a split is regular, unless a chart's stepper does."""
@@ -276,7 +278,7 @@ class SplitRun:
 
     def _likely_length(self, split: SplitModel, ahead: np.ndarray, time: Any) -> float:
         """What the next stretch will last at most, as the last ones of its split tell."""
-        own = [s for s in self.stretches if s.split is split] or self.stretches
+        own = [s for s in self.segments if s.split is split] or self.segments
         lengths = [abs(float(s.run.t[-1] - s.run.t[0])) for s in own[-RECENT:]]
         if lengths:
             return LONGER * max(lengths)
@@ -338,13 +340,13 @@ class SplitRun:
         count = int(np.searchsorted(ahead, times[-1], side="right"))
         rows = part.states[np.searchsorted(times, ahead[:count])]
         kept = self.grid[done : done + count]
-        if not self.stretches:  # the first point of the grid is the start
+        if not self.segments:  # the first point of the grid is the start
             rows, kept = np.vstack([part.states[:1], rows]), np.append(self.grid[0], kept)
         own = *self._guards(split), *self._marks(split)
         last = part.stopped and part.stopped not in own
         if last and (not count or times[-1] != ahead[count - 1]):
             rows, kept = np.vstack([rows, part.states[-1:]]), np.append(kept, part.t[-1])
-        self.stretches.append(_SplitStretch(split, kept, rows, part))
+        self.segments.append(_SplitSegment(split, kept, rows, part))
         if self.progress is not None:
             self.progress(float(abs(times[-1] - order * self.grid[0]) / np.ptp(self.grid)))
         return count
@@ -353,10 +355,10 @@ class SplitRun:
 
     def result(self, last: Run, busy: float) -> Trajectory:
         """The trajectory of all stretches."""
-        runs = [s.run for s in self.stretches]
+        runs = [s.run for s in self.segments]
         notes = *self.notes, *(n for r in runs for n in r.notes), *self.check_notes, *self._loss()
         changes = sum(
-            a.split is not b.split for a, b in zip(self.stretches, self.stretches[1:], strict=False)
+            a.split is not b.split for a, b in zip(self.segments, self.segments[1:], strict=False)
         )
         whole = perf_counter() - self.began
         chosen = {**self.chosen, "method": ", ".join(self.methods)}
@@ -366,7 +368,7 @@ class SplitRun:
             evaluations=sum(r.evaluations for r in runs),
             switches=changes + sum(r.switches for r in runs),
         )  # fmt: skip
-        seen = self._assemble([(s.split, s.times, s.rows) for s in self.stretches], cost)
+        seen = self._assemble([(s.split, s.times, s.rows) for s in self.segments], cost)
         own = {e.name for e in self.events}
         return replace(
             seen,
@@ -378,12 +380,12 @@ class SplitRun:
             notes=(*dict.fromkeys(notes),),
         )
 
-    def failure(self, split: SplitModel, halt: Halt, busy: float) -> IntegrationError:
+    def failure(self, split: SplitModel, halt: Termination, busy: float) -> IntegrationError:
         """The error for a run that cannot go on in any split."""
-        last = replace(self.stretches[-1].run, halt=halt)
+        last = replace(self.segments[-1].run, halt=halt)
         values = self.ground.values(split.program, float(self.grid[0]))
         probe = self.probe(split, float(self.grid[0]), values)
-        start = self.stretches[-1].run.states[0]
+        start = self.segments[-1].run.states[0]
         return probe.failure(start, halt, self.result(last, busy))
 
     def _series(
@@ -417,7 +419,7 @@ class SplitRun:
         states = np.stack([series[f"home {n}"] for n in names], axis=-1)
         with mpmath.workprec(self.bits):
             return assemble_trajectory(
-                self.vocabulary, self.watch, times, names, states, series, constants, cost
+                self.namespace, self.watch, times, names, states, series, constants, cost
             )
 
     @property
@@ -426,7 +428,7 @@ class SplitRun:
         return tuple(map(plain_name, (*system.coordinates, *system.velocities)))
 
     def _crossings(self, name: str) -> Crossings:
-        parts = [(s.split, *s.run.crossings[name]) for s in self.stretches]
+        parts = [(s.split, *s.run.crossings[name]) for s in self.segments]
         series = self._series(parts)
         times = np.concatenate([t for _, t, _ in parts])
         none = np.empty(0)
@@ -437,11 +439,11 @@ class SplitRun:
     def _inside(self, times: np.ndarray, cost: Cost) -> Trajectory:
         """The motion at any times reached."""
         order = 1.0 if self.grid[-1] >= self.grid[0] else -1.0
-        which = part_at([s.run.t[-1] for s in self.stretches], order, times)
+        which = part_at([s.run.t[-1] for s in self.segments], order, times)
         parts, positions = [], []
         for i in np.unique(which):
-            here, stretch = np.flatnonzero(which == i), self.stretches[i]
-            assert stretch.run.inside is not None
-            parts.append((stretch.split, times[here], stretch.run.inside(times[here])))
+            here, segment = np.flatnonzero(which == i), self.segments[i]
+            assert segment.run.inside is not None
+            parts.append((segment.split, times[here], segment.run.inside(times[here])))
             positions.append(here)
         return self._assemble(parts, cost, np.argsort(np.concatenate(positions)))

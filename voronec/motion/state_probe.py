@@ -12,7 +12,7 @@ import numpy as np
 
 from voronec.equations.program import Program, compile_program, hoist
 from voronec.errors import DefinitionError, IntegrationError
-from voronec.motion.steppers.run import FAR, Halt, Signals, Suspect, values_along
+from voronec.motion.steppers.run import FAR, Signals, Suspect, Termination, values_along
 
 __all__ = [
     "StateProbe",
@@ -220,7 +220,7 @@ class StateProbe:
 
         return first
 
-    def failure(self, start: np.ndarray, halt: Halt, trajectory: Any) -> IntegrationError:
+    def failure(self, start: np.ndarray, halt: Termination, trajectory: Any) -> IntegrationError:
         """The error for a run that stopped short, with what can be said about the cause."""
         state = np.array(halt.state, dtype=float)
         times = np.array([self.time, float(halt.time)])

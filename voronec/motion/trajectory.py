@@ -23,12 +23,12 @@ from voronec.declaration.whole_files import draft
 from voronec.equations.program import Program
 from voronec.errors import DefinitionError
 from voronec.motion.observables import (
-    Watch,
+    ObservedQuantities,
     evaluate_extras,
     evaluate_watch,
     shown_program,
 )
-from voronec.motion.request import Vocabulary, held_name
+from voronec.motion.request import Namespace, held_name
 from voronec.motion.term_sizes import CANCELLATION, SMALL, term_slopes
 from voronec.motion.tolerances import LOOSE, UNIT
 
@@ -60,9 +60,9 @@ class Cost:
     that worked, in order (``heyoka, scipy``), and the reason for the first.  ``tolerance`` is the
     one in force.  ``setup`` (deriving and compiling) and ``run`` are seconds.  ``evaluations``
     counts those of the right-hand side; a Taylor method expands it once a step, and then both
-    numbers agree.  ``switches`` counts changes of chart, or of the side of a wall; ``level`` says
-    in which variables the equations stood; ``cpu`` are the seconds of the processor that the run
-    took.
+    numbers agree.  ``switches`` counts changes of chart, or of the side of a switching surface;
+    ``level`` says in which variables the equations stood; ``cpu`` are the seconds of the processor
+    that the run took.
     """
 
     method: str
@@ -132,7 +132,7 @@ class Conservation:
     large the terms of integrals would usually be, if that is known.
     """
 
-    watch: Watch
+    watch: ObservedQuantities
     tolerance: float
     evaluate: Callable[[], Mapping[str, np.ndarray]]
     sizes: _TermSizes | None = None
@@ -404,8 +404,8 @@ def _plain(array: Any) -> Any:
 
 
 def make_trajectory(
-    vocabulary: Vocabulary,
-    watch: Watch,
+    namespace: Namespace,
+    watch: ObservedQuantities,
     program: Program,
     t: np.ndarray,
     states: np.ndarray,
@@ -422,7 +422,7 @@ def make_trajectory(
             return evaluate_extras(program, t, states, values)
 
     return assemble_trajectory(
-        vocabulary, watch, t, tuple(map(str, program.state)), states,
+        namespace, watch, t, tuple(map(str, program.state)), states,
         evaluate_watch(watch, shown_program(program, watch.for_conservation), t, states, values),
         constants, cost,
         Conservation(
@@ -433,8 +433,8 @@ def make_trajectory(
 
 
 def assemble_trajectory(
-    vocabulary: Vocabulary,
-    watch: Watch,
+    namespace: Namespace,
+    watch: ObservedQuantities,
     t: np.ndarray,
     names: tuple[str, ...],
     states: np.ndarray,
@@ -449,7 +449,7 @@ def assemble_trajectory(
     What is ``conserved`` stands in the ``series`` too, unless it is given; ``ends`` are further
     fields of the trajectory.
     """
-    system = vocabulary.equations.system
+    system = namespace.equations.system
     own = [plain_name(x) for x in (*system.coordinates, *system.velocities)]
     if own != list(names) and set(own) <= set(watch.outputs):
         # what was integrated is another set of variables; these are what the user knows
@@ -476,7 +476,9 @@ def assemble_trajectory(
     )
 
 
-def _integrals(watch: Watch, series: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+def _integrals(
+    watch: ObservedQuantities, series: Mapping[str, np.ndarray]
+) -> dict[str, np.ndarray]:
     """The integrals along the grid; nan at instants at which they are rounding, as in velocities
     that are no frame there."""
     found = {}
@@ -501,7 +503,10 @@ def _is_rounding(values: np.ndarray, terms: np.ndarray) -> np.ndarray:
 
 @np.errstate(all="ignore")  # what is beyond doubles ends the run, in words of its own
 def _drifts(
-    watch: Watch, series: Mapping[str, np.ndarray], tol: float, usual: _TermSizes | None
+    watch: ObservedQuantities,
+    series: Mapping[str, np.ndarray],
+    tol: float,
+    usual: _TermSizes | None,
 ) -> dict[str, float]:
     """See ``Trajectory.drift``."""
     own = {}
@@ -526,7 +531,7 @@ def _drifts(
 class _TermSizes:
     """How large the terms of integrals would usually be along a motion, by name."""
 
-    watch: Watch
+    watch: ObservedQuantities
     program: Program
     t: np.ndarray
     states: np.ndarray

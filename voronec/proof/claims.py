@@ -17,11 +17,11 @@ import sympy as sp
 
 from voronec.algebra.arguments import callback
 from voronec.algebra.conditions import condition
-from voronec.algebra.door import Door
 from voronec.algebra.graphs import is_atom
 from voronec.algebra.rank import generic_rank
 from voronec.algebra.roots import known_sign
 from voronec.algebra.symbols import plain_name
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.typeset import html_table
 from voronec.algebra.verdicts import Verdict
 from voronec.declaration.claims import (
@@ -43,12 +43,12 @@ from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, quote
+from voronec.proof.branch_cuts import across_cuts, not_vacuous
 from voronec.proof.closure import decide_essential
 from voronec.proof.decision import Decision, all_zero, verdict_on_failure
 from voronec.proof.hamiltonian_form import decide_multiplier, decide_poisson
 from voronec.proof.measures import binding, chosen_variables, decide_measure, measured_field
 from voronec.proof.nondegeneracy import where_independent
-from voronec.proof.walls import across_walls, not_vacuous
 
 __all__ = ["Claim", "case_of", "check_claims", "decide_integral", "specialise"]
 
@@ -62,7 +62,7 @@ def decide_integral(motions: Motions, function: sp.Expr) -> Decision:
     if not found.proved and inner != named:
         found = all_zero([("", field.derivative(named))], field.hypotheses)
     inside = [("", field.read_branches(function))]
-    return Decision(across_walls(found, field, inside, constant=True), field.level)
+    return Decision(across_cuts(found, field, inside, constant=True), field.level)
 
 
 def _decide_equation(motions: Motions, equation: Equation) -> Decision:
@@ -74,11 +74,11 @@ def _decide_equation(motions: Motions, equation: Equation) -> Decision:
     residuals = [a - b for a, b in zip(found, claimed, strict=True)]
     verdict = all_zero(_number_residuals(residuals), field.hypotheses)
     inside = _number_residuals([field.read_branches(f) for f in equation.function])
-    return Decision(across_walls(verdict, field, inside, beyond=True), field.level)
+    return Decision(across_cuts(verdict, field, inside, beyond=True), field.level)
 
 
 def _innermost(function: Any, still: frozenset[Any]) -> Any:
-    """G where a function is f(G): with G it is an integral, off the walls of f."""
+    """G where a function is f(G): with G it is an integral, off the cuts of f."""
     while True:
         moving = [a for a in function.args if not a.free_symbols <= still]
         if len(moving) != 1 or is_atom(function):
@@ -260,9 +260,9 @@ def check_claims(
 def _claims_without_equations(system: System, limit: EngineLimit) -> list[Claim]:
     """The claims of a system whose equations are beyond the engine, as of one whose relations no
     state meets: all of them have one verdict."""
-    door = Door(system.known_symbols(), system.inputs)
-    relations = [(r, door.inward(r)) for r in system.fibration.relations]
-    known = [*(condition(c, door.inward) for c in system.conditions), *door.hypotheses]
+    bridge = SymPyBridge(system.known_symbols(), system.inputs)
+    relations = [(r, bridge.inward(r)) for r in system.fibration.relations]
+    known = [*(condition(c, bridge.inward) for c in system.conditions), *bridge.hypotheses]
     empty = [r for r, inside in relations if known_sign(inside, known, strict=True) != 0]
     words = [f"there are no motions: {quote(r)} = 0 holds nowhere" for r in empty]
     verdict = Verdict("refuted", words[0]) if empty else Verdict("undecided", str(limit))
@@ -335,7 +335,7 @@ def _descends(motions: Motions, _: Any) -> Decision:
     found = Verdict("proved", "equations closed in the invariants, by elimination")
     field = motions.on_coordinates
     inside = [(f"'{name}'", field.read(g)) for name, g in motions.system.invariants.items()]
-    return Decision(across_walls(found, field, inside))
+    return Decision(across_cuts(found, field, inside))
 
 
 def _decide_claim(kind: str, name: str, decide: Decide, motions: Motions, claim: Any) -> Claim:

@@ -25,7 +25,7 @@ __all__ = ["decide_essential", "foreign_rate"]
 def decide_essential(motions: Motions, variables: Sequence[Any]) -> Decision:
     """Whether the rates of some state variables depend on these, parameters and the time alone."""
     field = motions.field_for([*variables])
-    own = [field.door.inward(x) for x in variables]
+    own = [field.bridge.inward(x) for x in variables]
     strangers = [x for x, y in zip(variables, own, strict=True) if y not in field.variables]
     if strangers:
         why = f"'{plain_name(strangers[0])}' is no variable of the equations on the {field.level}"

@@ -262,7 +262,7 @@ def _entry_groups(eqs: VoronecEquations) -> dict[str, dict[str, str]]:
 
 
 def _curvature(eqs: VoronecEquations, parts: Any) -> dict[str, str]:
-    a = curvature_of(parts, eqs.definition, eqs.door.outward)
+    a = curvature_of(parts, eqs.definition, eqs.bridge.outward)
     base, fibre = (_names(part) for part in (eqs.system.fibration.base, eqs.system.fibration.fibre))
     pairs = [(i, j) for i in range(len(base)) for j in range(len(base)) if i < j]
     entries = [

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from voronec.algebra.door import UnknownFunction
+from voronec.algebra.sympy_bridge import UnknownFunction
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.errors import DefinitionError, EngineLimit
 

@@ -40,9 +40,9 @@ from voronec.declaration.claims import Poisson
 from voronec.equations.connection import AffineForms
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
+from voronec.proof.branch_cuts import across_cuts, beside_zeros
 from voronec.proof.decision import Decision, all_zero, zero_everywhere
 from voronec.proof.nondegeneracy import where_independent, where_nonzero
-from voronec.proof.walls import across_walls, beside_zeros
 
 __all__ = ["decide_multiplier", "decide_poisson"]
 
@@ -54,7 +54,7 @@ def decide_multiplier(motions: Motions, multiplier: sp.Expr) -> Decision:
     found = zero_everywhere(n, "the multiplier", field.hypotheses)
     if found is None:
         found = _verdict(motions, field, n)
-        found = across_walls(found, field, [("the multiplier", n)], periods=False, beyond=True)
+        found = across_cuts(found, field, [("the multiplier", n)], periods=False, beyond=True)
         found = where_nonzero(found, field, "the multiplier", n)
         found = beside_zeros(found, field, "the multiplier", n)
     return Decision(found, field.level)
@@ -179,8 +179,8 @@ def decide_poisson(motions: Motions, claim: Poisson) -> Decision:
         why = f"{words} on the {field.level}, of {field.dimension} dimensions"
         return Decision(Verdict("refuted", why), field.level)
     found = all_zero(structure.residuals(), field.hypotheses)
-    found = across_walls(found, field, [*structure.named_variables()])
-    found = across_walls(found, field, [*structure.named_functions()], periods=False, beyond=True)
+    found = across_cuts(found, field, [*structure.named_variables()])
+    found = across_cuts(found, field, [*structure.named_functions()], periods=False, beyond=True)
     found = where_independent(
         found,
         field,
@@ -197,7 +197,7 @@ def decide_poisson(motions: Motions, claim: Poisson) -> Decision:
 
 @dataclass(frozen=True)
 class _Structure:
-    """A bracket inside the door; its variables have symbols of their own."""
+    """A bracket in the engine's symbols; its variables have symbols of their own."""
 
     field: VectorField
     claim: Poisson
@@ -215,7 +215,7 @@ class _Structure:
 
     def read(self, expr: Any) -> Any:
         """A function of z and of the state."""
-        inward = self.field.door.inward
+        inward = self.field.bridge.inward
         names = map(inward, self.claim.variables)
         return self.field.express(
             inward(expr).xreplace(dict(zip(names, self.symbols, strict=True)))

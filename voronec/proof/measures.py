@@ -28,10 +28,10 @@ from voronec.declaration.reading import expression, quote
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import NO_POINT, VectorField
 from voronec.errors import DefinitionError, EngineLimit
+from voronec.proof.branch_cuts import across_cuts, flow_across_cuts
 from voronec.proof.closure import foreign_rate
 from voronec.proof.decision import Decision, all_zero, zero_everywhere
 from voronec.proof.nondegeneracy import where_nonzero, where_of_one_sign
-from voronec.proof.walls import across_walls, flow_across_walls
 
 __all__ = ["decide_measure", "defect", "divergence", "measured_field"]
 
@@ -67,8 +67,8 @@ def decide_measure(motions: Motions, measure: Measure) -> Decision:
         residual = defect(field, field.read_density(measure.density), chosen)
         found = all_zero([("", residual)], field.hypotheses)
         inside = [("the density", field.read_branches(measure.density))]
-        found = across_walls(found, field, inside, periods=False, beyond=True)
-        found = flow_across_walls(found, field, field.read(measure.density))
+        found = across_cuts(found, field, inside, periods=False, beyond=True)
+        found = flow_across_cuts(found, field, field.read(measure.density))
         found = where_nonzero(found, field, "the density", inside[0][1])
         found = where_of_one_sign(found, field, "the density", inside[0][1])
     return Decision(found, field.level)
@@ -83,8 +83,8 @@ def measured_field(motions: Motions, measure: Measure) -> VectorField:
 
 
 def chosen_variables(field: VectorField, measure: Measure) -> tuple[Any, ...]:
-    """The variables of a measure inside the door; all of the field where none are given."""
-    return tuple(field.door.inward(x) for x in measure.variables) or field.variables
+    """The variables of a measure in the engine's symbols; all of the field where none are given."""
+    return tuple(field.bridge.inward(x) for x in measure.variables) or field.variables
 
 
 def defect(field: VectorField, density: Any, variables: Sequence[Any] = ()) -> Any:

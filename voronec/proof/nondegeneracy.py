@@ -1,6 +1,6 @@
 """Independence, and factors that do not vanish, on every piece of the space.
 
-What is analytic but for walls, as w + |w|, may vanish on one side of a wall and not on the other:
+What is analytic but for cuts, as w + |w|, may vanish on one side of a cut and not on the other:
 a point at which it does not vanish tells of one side alone.  A proof that needs a matrix to have a
 rank is cut down to the pieces on which the matrix has it, and to parameters where it has.
 """
@@ -84,7 +84,7 @@ def where_of_one_sign(verdict: Verdict, field: VectorField, name: str, function:
 
     # where no zero is found at all one may be hidden: that none is found proves nothing
     told = [h for h in odd if has_zero(h, *field.entries) or not has_zero(h)]
-    return verdict.where(*(f"{quote(field.door.outward(h))} != 0" for h in told))
+    return verdict.where(*(f"{quote(field.bridge.outward(h))} != 0" for h in told))
 
 
 def _keeps_sign(h: Any, known: Sequence[Any]) -> bool:
@@ -122,7 +122,7 @@ def where_of_rank(
         letters = dict.fromkeys(h for p in good for h in need.letters(p))
     except EngineLimit as limit:
         return Verdict("undecided", f"{doubt}: {limit}")
-    write = field.door.outward
+    write = field.bridge.outward
     words = [
         " or ".join(sorted(f"{quote(write(h))} {'<>'[s < 0]} 0" for h, s in b)) for b in lacking
     ]
@@ -141,7 +141,7 @@ def _join_pieces(lacking: Iterable[Sides]) -> list[Sides]:
 
 
 def _is_split(a: Sides, b: Sides) -> bool:
-    """Whether two pieces lie on the sides of one wall."""
+    """Whether two pieces lie on the sides of one cut."""
     (*one,), (*other,) = a - b, b - a
     return len(one) == len(other) == 1 and one[0] == (other[0][0], -other[0][1])
 

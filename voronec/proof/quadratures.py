@@ -31,9 +31,9 @@ from voronec.declaration.reading import quote
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
 from voronec.errors import EngineLimit
+from voronec.proof.branch_cuts import across_cuts, not_vacuous
 from voronec.proof.claims import Claim
 from voronec.proof.decision import all_zero, verdict_of
-from voronec.proof.walls import across_walls, not_vacuous
 
 __all__ = ["InSpace", "QuadratureGround", "check_motion", "statements"]
 
@@ -53,16 +53,16 @@ class QuadratureGround:
     @cached_property
     def level(self) -> dict[Any, Any]:
         """The variable and the constants as functions of the state."""
-        read, door = self.field.read, self.field.door
+        read, bridge = self.field.read, self.field.bridge
         given = (*self.motion.variable.items(), *self.motion.constants.items())
-        return {door.inward(symbol): read(meaning) for symbol, meaning in given}
+        return {bridge.inward(symbol): read(meaning) for symbol, meaning in given}
 
     def on_level(self, expr: sp.Expr) -> Any:
         """A function of the variable, constants and parameters as one of the state."""
-        return self.at_level(self.field.door.inward(expr))
+        return self.at_level(self.field.bridge.inward(expr))
 
     def at_level(self, expr: Any) -> Any:
-        """The same of an expression inside the door."""
+        """The same of an expression in the engine's symbols."""
         return self.field.express(expr.xreplace(self.level))
 
     @cached_property
@@ -127,8 +127,8 @@ def _decide_residues(ground: QuadratureGround, rate: sp.Expr) -> Verdict:
     The denominator has as many roots as its degree, all of them declared; and the fraction grows
     no faster than the square of the variable.
     """
-    door, motion = ground.field.door, ground.motion
-    fraction = quotient(door.inward(rate).xreplace({door.inward(motion.x): FREE}))
+    bridge, motion = ground.field.bridge, ground.motion
+    fraction = quotient(bridge.inward(rate).xreplace({bridge.inward(motion.x): FREE}))
     top, bottom = map(_degree, fraction)
     if top > bottom + HIGHEST:
         return Verdict("undecided", f"the rate grows with '{motion.x}' beyond its square")
@@ -136,7 +136,7 @@ def _decide_residues(ground: QuadratureGround, rate: sp.Expr) -> Verdict:
         return Verdict("proved", "the rate is a polynomial")
     given = [*motion.poles.items(), *((c, None) for c in motion.others)]
     poles = [
-        _FractionAtPole.of(door.inward(c), None if w is None else door.inward(w), fraction)
+        _FractionAtPole.of(bridge.inward(c), None if w is None else bridge.inward(w), fraction)
         for c, w in given
     ]
     shares = _shares(ground, poles)
@@ -242,7 +242,7 @@ class InSpace:
         rates = self.ground.field.derivatives([dot(row, self.vector) for row in self.frame])
         found = self.ground.zero([(f"component {i + 1}", r) for i, r in enumerate(rates)])
         parts = [(f"component {i + 1}", dot(row, self.vector)) for i, row in enumerate(self.frame)]
-        return across_walls(found, self.ground.field, parts, constant=True)
+        return across_cuts(found, self.ground.field, parts, constant=True)
 
     def free(self) -> Verdict:
         """Nothing else, nor how the frame turns along itself, depends on coordinates in space."""
@@ -269,12 +269,12 @@ class InSpace:
         """The coordinates read off the frame are themselves, up to whole turns."""
         field, angles = self.ground.field, self.ground.angles
         entries = {
-            field.door.inward(self.space.entries[i, j]): self.frame[i][j]
+            field.bridge.inward(self.space.entries[i, j]): self.frame[i][j]
             for i in range(3) for j in range(3)
         }  # fmt: skip
         found: Residuals = []
         for q, value in self.space.coordinates.items():
-            off = field.door.inward(value).xreplace(entries) - field.read(q)
+            off = field.bridge.inward(value).xreplace(entries) - field.read(q)
             found += [
                 (f"sin({plain_name(q)})", angles.resolve(se.sin(off))),
                 (f"cos({plain_name(q)})", angles.resolve(se.cos(off)) - 1),
@@ -316,9 +316,9 @@ def statements(ground: QuadratureGround) -> Iterator[tuple[str, Callable[[], Ver
 
 
 def _constant(ground: QuadratureGround, symbol: sp.Symbol) -> Verdict:
-    function = ground.level[ground.field.door.inward(symbol)]
+    function = ground.level[ground.field.bridge.inward(symbol)]
     found = ground.zero([("", ground.field.derivative(function))])
-    return across_walls(found, ground.field, [("", function)], constant=True)
+    return across_cuts(found, ground.field, [("", function)], constant=True)
 
 
 def _quartic(ground: QuadratureGround) -> Verdict:
@@ -331,7 +331,7 @@ def _quartic(ground: QuadratureGround) -> Verdict:
     back = _where_time_runs_back(ground) if found.proved else None
     if back is not None:
         return back
-    return across_walls(found, ground.field, variable, periods=False)
+    return across_cuts(found, ground.field, variable, periods=False)
 
 
 def _where_time_runs_back(ground: QuadratureGround) -> Verdict | None:
@@ -380,7 +380,7 @@ def _direction(ground: QuadratureGround, plane: Plane) -> Verdict:
     ]
     found.append(("the length", a**2 + b**2 - ground.on_level(plane.length) ** 2))
     parts = [(quote(e), part) for e, part in zip(plane.direction, (a, b), strict=True)]
-    return across_walls(ground.zero(found), ground.field, parts, constant=True)
+    return across_cuts(ground.zero(found), ground.field, parts, constant=True)
 
 
 def _along(ground: QuadratureGround, plane: Plane) -> Verdict:

@@ -85,7 +85,7 @@ class Body:
     @cached_property
     def momenta(self) -> tuple[sp.Expr, ...]:
         """The momenta of u_1 and v_1 on the constraints."""
-        return tuple(map(self.eqs.door.outward, self.eqs.raw.momenta[len(BASE) :]))
+        return tuple(map(self.eqs.bridge.outward, self.eqs.raw.momenta[len(BASE) :]))
 
     @cached_property
     def spin(self) -> sp.Matrix:
@@ -95,7 +95,7 @@ class Body:
     @cached_property
     def residuals(self) -> tuple[sp.Expr, ...]:
         """mass * vdot - force, for u, v, theta."""
-        raw, out = self.eqs.raw, self.eqs.door.outward_matrix
+        raw, out = self.eqs.raw, self.eqs.bridge.outward_matrix
         accelerations = vector(vo.velocity(w) for w in DOTS)
         return tuple(out(raw.mass) * accelerations - out([[x] for x in raw.force]))
 
@@ -287,7 +287,7 @@ class Body:
         moments = vector(sp.diff(self.quasi_energy, w) for w in QUASI)
         slopes = self.spin.jacobian(DOTS)
         made = slopes.T * moments.jacobian(QUASI) * slopes
-        pairs = [*zip(self.eqs.door.outward_matrix(self.eqs.raw.mass), made, strict=True)]
+        pairs = [*zip(self.eqs.bridge.outward_matrix(self.eqs.raw.mass), made, strict=True)]
         curvature = -self.surfaces.area[0] * self.surfaces.curvature
         pairs.append((slopes.det(method="berkowitz"), curvature))
         found = [vo.prove_equal(a, b) for a, b in pairs]

@@ -198,7 +198,7 @@ class WithGyroscope:
     @cached_property
     def residuals(self) -> tuple[sp.Expr, ...]:
         """The engine's mass * vdot - force for u, v, theta, chi."""
-        raw, out = self.eqs.raw, self.eqs.door.outward_matrix
+        raw, out = self.eqs.raw, self.eqs.bridge.outward_matrix
         dots = vector(vo.velocity(w) for w in (*DOTS, vo.velocity(chi)))
         return tuple(out(raw.mass) * dots - out([[x] for x in raw.force]))
 

@@ -94,7 +94,7 @@ class Surfaces:
     @classmethod
     def of(cls, contact: RollingContact, eqs: Any) -> Surfaces:
         """The rates are those of derived equations, whose constraints are those of the contact."""
-        found = shorten([eqs.door.outward(rate) for rate in eqs.raw.rates])
+        found = shorten([eqs.bridge.outward(rate) for rate in eqs.raw.rates])
         rates = dict(zip(eqs.coordinates, found, strict=True))
         return cls(contact, tuple(sp.expand(rates[q]) for q in COORDINATES))
 
@@ -195,7 +195,7 @@ class Surfaces:
     @cached_property
     def fields(self) -> sp.Matrix:
         """Columns: velocities of all coordinates, for s = 1, for tau = 1, for n = 1."""
-        rates = vector(map(self.frame_equations.door.outward, self.frame_equations.exact.rates))
+        rates = vector(map(self.frame_equations.bridge.outward, self.frame_equations.exact.rates))
         return rates.jacobian(QUASI)
 
     def commutators(self) -> vo.Verdict:

@@ -1,4 +1,5 @@
-"""Elliptic functions and the inversion of elliptic integrals: what the text says beside displays."""
+"""Elliptic functions and the inversion of elliptic integrals: what the text says beside
+displays."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from voronec.declaration.scene import Scene
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, quote
 from voronec.motion.methods import METHODS
-from voronec.motion.request import Vocabulary
+from voronec.motion.request import Namespace
 
 __all__ = ["ARITHMETICS", "HardCase", "case_level"]
 
@@ -133,7 +133,7 @@ def _problem(case: HardCase, equations: VoronecEquations) -> ReferenceProblem:
     return ReferenceProblem(
         equations,
         case.name,
-        dict(map(Vocabulary.of(equations).read_condition, scene.outputs)),
+        dict(map(Namespace.of(equations).read_condition, scene.outputs)),
         case.grid,
         {n: precise_number(x) for n, x in (constants | _values_by_name(scene.parameters)).items()},
         {n: precise_number(x) for n, x in _values_by_name(scene.initial).items()},

@@ -50,7 +50,7 @@ LOOKS = 400
 
 
 def period(
-    machine: PreciseIntegrator, names: tuple[str, ...], vanishing: str, stretch: float
+    machine: PreciseIntegrator, names: tuple[str, ...], vanishing: str, segment: float
 ) -> Any:
     """A period, when every state is back; one must be shorter than ``stretch``.
 
@@ -60,7 +60,7 @@ def period(
     place = names.index(vanishing)
     machine.rewind(machine.number(0.0), machine.begin)
     before, last = machine.begin, 0.0
-    for t in np.linspace(0.0, stretch, LOOKS + 1)[1:]:
+    for t in np.linspace(0.0, segment, LOOKS + 1)[1:]:
         state, _, _ = machine.advance(machine.number(t))
         if last > 0 and float(before[place]) * float(state[place]) <= 0:
             zero, there = _zero(machine, place, machine.number(last), before)
@@ -69,7 +69,7 @@ def period(
                 return zero
             machine.rewind(machine.number(t), state)
         before, last = state, t
-    raise IntegrationError(f"no period was found up to t = {stretch:g}")
+    raise IntegrationError(f"no period was found up to t = {segment:g}")
 
 
 def _zero(

@@ -17,9 +17,9 @@ import flint
 import numpy as np
 import sympy as sp
 
-from voronec.algebra.door import Door
 from voronec.algebra.points import sample_point
 from voronec.algebra.precision import GENERIC
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.tape import Tape
 from voronec.audit.latex.nodes import (
     Bound,
@@ -78,10 +78,10 @@ class Sampler:
         along: bool = False,
     ) -> None:
         self.study, self.seed, self.along = study, seed, along
-        self.door = Door()
-        relations = [r for r in self.door.inward_all(study.relations) if r != 0]
+        self.bridge = SymPyBridge()
+        relations = [r for r in self.bridge.inward_all(study.relations) if r != 0]
         self.point: dict[Any, Any] = sample_point((), relations, seed) if relations else {}
-        self.moved = {self.door.inward(x) for x in moved}
+        self.moved = {self.bridge.inward(x) for x in moved}
         self.cache: dict[Any, Any] = {}
         self.spent: Counter[type] = Counter()
 
@@ -128,7 +128,7 @@ class Sampler:
         if isinstance(value, sp.MatrixBase):
             entries = [self.number(entry) for entry in value]
             return np.array(entries).reshape(value.shape)
-        tape = Tape([self.door.inward(value)])
+        tape = Tape([self.bridge.inward(value)])
         for atom in tape.atoms:
             if atom not in self.point:
                 self.point[atom] = self._draw(atom)

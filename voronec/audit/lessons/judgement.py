@@ -42,8 +42,8 @@ from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
+from voronec.proof.branch_cuts import across_cuts, not_vacuous, positive_domain
 from voronec.proof.claims import decide_integral
-from voronec.proof.walls import across_walls, not_vacuous, positive_domain
 
 __all__ = ["CONSTANT", "Judgement", "Language", "judge"]
 
@@ -201,7 +201,7 @@ def judge(system: System | VoronecEquations, text: str) -> Judgement:
     sides = language.sides(tree, text)
     try:
         verdict, ground = _decide_chain(motions, sides)
-        verdict = _across_walls(motions, verdict, language.functions_under_rates(tree))
+        verdict = _across_cuts(motions, verdict, language.functions_under_rates(tree))
         verdict = not_vacuous(verdict, motions.on_coordinates)
         used = _accelerations(equations, sides) if ground != "constraints" else {}
     except EngineLimit as limit:
@@ -220,12 +220,12 @@ def _decide_chain(motions: Motions, sides: list[Any]) -> tuple[Verdict, str]:
     return max(found, key=lambda pair: weight.index(pair[1]))
 
 
-def _across_walls(motions: Motions, verdict: Verdict, functions: list[Any]) -> Verdict:
-    """A proof by derivatives of functions, with the walls of these: one that jumps has none."""
+def _across_cuts(motions: Motions, verdict: Verdict, functions: list[Any]) -> Verdict:
+    """A proof by derivatives of functions, with the cuts of these: one that jumps has none."""
     field, places = motions.on_coordinates, _places(motions)
-    read = ((caret_text(f), field.door.inward(f)) for f in functions)
+    read = ((caret_text(f), field.bridge.inward(f)) for f in functions)
     inside = [(words, field.express(f).xreplace(places)) for words, f in read]
-    return across_walls(verdict, field, inside, beyond=True)
+    return across_cuts(verdict, field, inside, beyond=True)
 
 
 def _links(motions: Motions, sides: list[Any]) -> Iterator[tuple[Verdict, str]]:
@@ -242,8 +242,8 @@ def _links(motions: Motions, sides: list[Any]) -> Iterator[tuple[Verdict, str]]:
 
 def _equal(motions: Motions, left: Any, right: Any) -> tuple[Verdict, str]:
     """First with arbitrary accelerations, which the constraints admit; then with the motion's."""
-    field, places = motions.on_coordinates, _places(motions)  # accelerations known to the door
-    inside = [field.door.inward(side) for side in (left, right)]
+    field, places = motions.on_coordinates, _places(motions)  # accelerations known to the bridge
+    inside = [field.bridge.inward(side) for side in (left, right)]
     free = [field.express(side) for side in inside]
     found = _decide(field, free)
     moving = {symbol for side in free for symbol in side.free_symbols} & places.keys()
@@ -260,29 +260,29 @@ def _decide(field: VectorField, sides: list[Any]) -> Verdict:
 
 
 def _places(motions: Motions) -> dict[Any, Any]:
-    """Accelerations and their rates inside the door, and what they are along the motion."""
+    """Accelerations and their rates in the engine's symbols, and what they are along the motion."""
     field = motions.on_coordinates
     found = {}
     for v, value in zip(motions.equations.velocities, field.accelerations, strict=True):
-        found[field.door.admit(velocity(v))] = value
-        found[field.door.admit(velocity(velocity(v)))] = field.derivative(value)
+        found[field.bridge.admit(velocity(v))] = value
+        found[field.bridge.admit(velocity(velocity(v)))] = field.derivative(value)
     return found
 
 
 def _constant(motions: Motions, value: Any) -> Verdict:
     field = motions.on_coordinates
     places = _places(motions)
-    inside = field.door.inward(value)
+    inside = field.bridge.inward(value)
     if inside.free_symbols.isdisjoint(places):
         return decide_integral(motions, value).verdict
     function = field.express(inside).xreplace(places)
     found = _decide(field, [field.derivative(function), se.Integer(0)])
-    return across_walls(found, field, [("", function)], constant=True)
+    return across_cuts(found, field, [("", function)], constant=True)
 
 
 def _accelerations(equations: VoronecEquations, sides: list[Any]) -> dict[Any, Any]:
     """Those that the equation holds, for print; of an integral, those that its rate holds."""
-    outward = equations.door.outward
+    outward = equations.bridge.outward
     held = {s for side in sides for s in side.free_symbols}
     integral = CONSTANT in held
     found = {}
@@ -342,7 +342,7 @@ class Language:
         rest = system.lagrangian.xreplace(dict.fromkeys(moving, sp.S.Zero))
         kinetic = system.lagrangian - rest
         turned = kinetic.xreplace({v: -v for v in moving})
-        odd = se.expand(self.equations.door.inward(kinetic - turned))
+        odd = se.expand(self.equations.bridge.inward(kinetic - turned))
         return {} if odd != 0 else {"T": kinetic, "V": -rest}
 
     @property

@@ -91,12 +91,12 @@ TERMS = (
 
 
 class LessonWork:
-    """What the steps compute, inside the door; each from those before it."""
+    """What the steps compute, in the engine's symbols; each from those before it."""
 
     def __init__(self, equations: VoronecEquations) -> None:
         self.eqs = equations
-        own, inward = equations.definition, equations.door.inward
-        self.own, self.inward, self.outward = own, inward, equations.door.outward
+        own, inward = equations.definition, equations.bridge.inward
+        self.own, self.inward, self.outward = own, inward, equations.bridge.outward
         self.names = [plain_name(v) for v in equations.velocities]
         self.size = range(len(self.names))
         self.rates = [inward(e) for e in equations.rates]
@@ -127,7 +127,7 @@ class LessonWork:
     def differences(self) -> Iterator[tuple[str, Any]]:
         """The sum of the terms of (9), less mass * vdot - force."""
         own, eqs = self.own, self.eqs
-        dots = [eqs.door.admit(velocity(v)) for v in eqs.velocities]
+        dots = [eqs.bridge.admit(velocity(v)) for v in eqs.velocities]
         for i in self.size:
             p = self.slopes[i]
             left = p.diff(own.time) - self.lifted[i] + self.turned[i] - self.pushed[i]

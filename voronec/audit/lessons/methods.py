@@ -230,7 +230,7 @@ def gibbs_appell(problem: Statement) -> MethodEquations:
 def voronec(problem: Statement) -> MethodEquations:
     """The equations that the engine derives in the velocities of the base, by the curvature."""
     eqs = derive(_in_base(problem))
-    inward = problem.door.inward
+    inward = problem.bridge.inward
     base = [*problem.base]
     mass = [[inward(eqs.mass[i, j]) for j in base] for i in base]
     values = [
@@ -273,7 +273,7 @@ def _curvature(problem: Statement, eqs: VoronecEquations) -> Rows:
                 if i < j
             ]
             found.append((f"A^{s}[{names[i]}]", eqs.curvature.time[k, i]))
-    return tuple((name, problem.door.inward(e)) for name, e in found if e != 0)
+    return tuple((name, problem.bridge.inward(e)) for name, e in found if e != 0)
 
 
 def hamel(problem: Statement) -> MethodEquations:
@@ -452,7 +452,7 @@ def _onto(problem: Statement, values: Sequence[Any]) -> Vector:
 def _in_base(problem: Statement) -> System:
     """The same system with the velocities of the base in use, and no claims."""
     declared = problem.equations.system
-    outward = problem.door.outward
+    outward = problem.bridge.outward
     rows = zip(problem.constraint_rows, problem.constraint_offsets, strict=True)
     return System(
         name=declared.name,

@@ -54,8 +54,9 @@ class FreeBodies:
         return [c for c in found if any(e != 0 for e in c[1:])]
 
     def _inward(self, values: Sequence[Any]) -> Vector:
-        """Expressions inside the door, with the velocities in use for those of coordinates."""
-        return [self.problem.door.inward(e).xreplace(self.problem.rates) for e in values]
+        """Expressions in the engine's symbols, with the velocities in use for those of
+        coordinates."""
+        return [self.problem.bridge.inward(e).xreplace(self.problem.rates) for e in values]
 
     def _moment_rates(self, body: Body, omega: Vector) -> Vector:
         """dK/dt + turning x K."""

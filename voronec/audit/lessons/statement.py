@@ -9,10 +9,10 @@ from typing import Any
 
 import symengine as se
 
-from voronec.algebra.door import Door
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.normal import canonical, shortest
 from voronec.algebra.symbols import velocity
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.typeset import caret_text
 from voronec.declaration.system import System
 from voronec.equations.voronec_equations import VoronecEquations, derive
@@ -50,7 +50,7 @@ class Statement:
         """Read from a system; one with redundant coordinates, on a group, or with forces that hold
         accelerations is refused."""
         equations = system if isinstance(system, VoronecEquations) else derive(system)
-        own, door, declared = equations.definition, equations.door, equations.system
+        own, bridge, declared = equations.definition, equations.bridge, equations.system
         if own.group is not None or own.relations or own.added:
             raise DefinitionError(
                 f"system '{declared.name}': the methods are compared in independent coordinates, "
@@ -63,9 +63,9 @@ class Statement:
             equations=equations,
             q=own.coordinates,
             qd=own.dots,
-            qdd=tuple(door.admit(velocity(velocity(q))) for q in declared.coordinates),
+            qdd=tuple(bridge.admit(velocity(velocity(q))) for q in declared.coordinates),
             v=own.velocities,
-            vd=tuple(door.admit(velocity(v)) for v in declared.velocities),
+            vd=tuple(bridge.admit(velocity(v)) for v in declared.velocities),
             time=own.time,
             lagrangian=own.lagrangian,
             forces=own.forces,
@@ -76,9 +76,9 @@ class Statement:
         )
 
     @property
-    def door(self) -> Door:
+    def bridge(self) -> SymPyBridge:
         """Between the user's symbols and those inside."""
-        return self.equations.door
+        return self.equations.bridge
 
     @property
     def base(self) -> range:
@@ -159,5 +159,5 @@ class Statement:
 
     def text(self, expr: Any) -> str:
         """A formula for print as it stands; one too long for a page is told by its length."""
-        found = caret_text(self.door.outward(expr))
+        found = caret_text(self.bridge.outward(expr))
         return found if len(found) <= LONGEST else f"an expression of {len(found)} characters"

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from voronec.algebra.door import Door
 from voronec.algebra.normal import canonical
 from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.text import as_expression
 from voronec.closed.classes.survey import survey
 from voronec.closed.classes.trace_classes import (
@@ -93,8 +93,8 @@ def _rational(value: Any) -> bool:
 
 def _short(value: Any) -> Any:
     """The numerator in normal form."""
-    door = Door()
-    found = door.outward(canonical([door.inward(value)], ())[0])
+    bridge = SymPyBridge()
+    found = bridge.outward(canonical([bridge.inward(value)], ())[0])
     return sp.fraction(sp.together(found))[0]
 
 

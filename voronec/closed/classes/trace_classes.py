@@ -51,11 +51,11 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.door import Door
 from voronec.algebra.memo import Memo
 from voronec.algebra.normal import canonical
 from voronec.algebra.precision import FIRST, GENERIC, SHARP
 from voronec.algebra.symbols import plain_name
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.text import as_expression
 from voronec.closed.arithmetic import precise
 from voronec.closed.compiled_motion import motion_of, prepare
@@ -590,9 +590,9 @@ def _curve(motion: Quadratures, trace: Trace) -> Curve:
             f"the longitude '{plain_name(trace.longitude)}' of a trace has no rate; "
             "add it to the integrals of the motion"
         )
-    door = Door()
+    bridge = SymPyBridge()
     raw = motion.integrals[trace.longitude] * (1 - trace.cosine**2)
-    value = door.outward(canonical([door.inward(raw)], ())[0])
+    value = bridge.outward(canonical([bridge.inward(raw)], ())[0])
     above, below = sp.fraction(sp.together(value))
     if below.has(x):
         raise DefinitionError(

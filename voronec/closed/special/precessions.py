@@ -23,10 +23,10 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.arguments import VALUES, accepts
-from voronec.algebra.door import Door
 from voronec.algebra.factors import in_factors
 from voronec.algebra.normal import quotient, shorten, shortest
 from voronec.algebra.symbols import velocity
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import Verdict, prove_equal
 from voronec.closed.arithmetic import exact
@@ -103,7 +103,7 @@ def essential_rates(family: Precessions) -> dict[Any, sp.Expr]:
             f"system '{system.name}' declares no essential variables; give it essential=(...)"
         )
     field = Motions.of(system).on_coordinates
-    outward = field.door.outward
+    outward = field.bridge.outward
     rates = {outward(v): outward(e) for v, e in zip(field.variables, field.components, strict=True)}
     return {v: rates[v].xreplace(dict(family.values)) for v in system.essential}
 
@@ -462,9 +462,9 @@ def _solve_constants(
     quartic: sp.Expr, rate: sp.Expr, x: sp.Symbol, constants: Sequence[sp.Symbol]
 ) -> tuple[dict[sp.Symbol, sp.Expr], sp.Expr, sp.Expr, sp.Symbol] | None:
     """The constants by three equations; of the last one its coefficient and its rest, too."""
-    door = Door()
-    equations = door.inward_all([rate, quartic, sp.diff(quartic, x)])
-    place, *left = door.inward_all([x, *constants])
+    bridge = SymPyBridge()
+    equations = bridge.inward_all([rate, quartic, sp.diff(quartic, x)])
+    place, *left = bridge.inward_all([x, *constants])
     if len(left) != len(equations):
         return None
     found: dict[Any, Any] = {}
@@ -481,8 +481,8 @@ def _solve_constants(
         found = {c: e.xreplace({constant: value}) for c, e in found.items()} | {constant: value}
         found = {c: shortest([e])[0] for c, e in found.items()}
         left.remove(constant)
-    order = {c: door.outward(found[door.inward(c)]) for c in constants}
-    return order, door.outward(slope), door.outward(rest), door.outward(constant)
+    order = {c: bridge.outward(found[bridge.inward(c)]) for c in constants}
+    return order, bridge.outward(slope), bridge.outward(rest), bridge.outward(constant)
 
 
 def _branches_of(

@@ -6,7 +6,7 @@ the coordinates alone would then be wrong.  The place of such a point is a fibre
 own, and the velocity that the model gives it a constraint.
 
 Generalized speeds are solved for the rates of coordinates.  Vectors of SymPy's are three components
-inside the door.
+in the engine's symbols.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from typing import Any
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.door import Door
 from voronec.algebra.elimination import null_vectors, solve_linear
 from voronec.algebra.matrices import dot
 from voronec.algebra.normal import shortest
 from voronec.algebra.rank import generic_rows
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.terms import expand_short
 from voronec.algebra.verdicts import all_vanish
 from voronec.errors import DefinitionError, EngineLimit
@@ -140,8 +140,8 @@ def vanish(exprs: Sequence[Any], relations: Sequence[Any] = ()) -> bool:
 
 @dataclass(frozen=True)
 class FreeBody:
-    """A body inside the door: the velocity of its mass centre along axes at rest, and, of what
-    turns, inertia, angular velocity, and that of ``axes``, in which these two are given.
+    """A body in the engine's symbols: the velocity of its mass centre along axes at rest, and, of
+    what turns, inertia, angular velocity, and that of ``axes``, in which these two are given.
     ``model`` is what it was read from."""
 
     model: Any
@@ -278,7 +278,7 @@ def in_one_line(ask: Callable[[], Any], what: str) -> Any:
 class Components:
     """Reads vectors; ``speed_values`` says what speeds stand for, inside."""
 
-    door: Door
+    bridge: SymPyBridge
     speed_values: Mapping[Any, Any] = field(default_factory=dict)
     _turns: dict[Any, Any] = field(default_factory=dict)
 
@@ -304,7 +304,7 @@ class Components:
 
     def read(self, expr: sp.Expr) -> Any:
         """An expression, speeds replaced by what they stand for."""
-        return self.door.inward(expr).xreplace(self.speed_values)
+        return self.bridge.inward(expr).xreplace(self.speed_values)
 
     def _turn(self, frame: Any, own: Any) -> list[list[Any]]:
         """The matrix that takes components along ``own`` to those along ``frame``."""

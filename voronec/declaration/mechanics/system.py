@@ -15,10 +15,10 @@ from typing import Any
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.door import Door
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.matrices import dot
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.tape import Tape
 from voronec.declaration.bodies import Body
 from voronec.declaration.geometry import Fibration, Frame
@@ -77,10 +77,11 @@ def from_mechanics(
 
 @dataclass(frozen=True)
 class _Reading:
-    """A model inside the door: its coordinates, with those added, and what speeds stand for."""
+    """A model in the engine's symbols: its coordinates, with those added, and what speeds stand
+    for."""
 
     model: MechanicsModel
-    door: Door
+    bridge: SymPyBridge
     coordinates: tuple[sp.Expr, ...]
     speeds: Speeds
     read: Components
@@ -89,12 +90,14 @@ class _Reading:
     @classmethod
     def of(cls, model: MechanicsModel) -> _Reading:
         """Solve the kinematic equations, and give speeds without a coordinate one."""
-        door = Door([*model.coordinates, *map(velocity, model.coordinates), *model.all_speeds])
+        bridge = SymPyBridge(
+            [*model.coordinates, *map(velocity, model.coordinates), *model.all_speeds]
+        )
         taken = {plain_name(x) for x in (*model.coordinates, *model.all_speeds)}
-        still = dict.fromkeys(door.inward_all(model.still), ZERO)
-        equations = [door.inward(e).xreplace(still) for e in model.kinematic]
-        dots = [door.inward(velocity(q)) for q in model.coordinates]
-        symbols = door.inward_all(model.all_speeds)
+        still = dict.fromkeys(bridge.inward_all(model.still), ZERO)
+        equations = [bridge.inward(e).xreplace(still) for e in model.kinematic]
+        dots = [bridge.inward(velocity(q)) for q in model.coordinates]
+        symbols = bridge.inward_all(model.all_speeds)
         names = [f"integral_{plain_name(u)}" for u in model.all_speeds]
         speeds = solve_speeds(equations, symbols, dots, [se.Symbol(f"{n}dot") for n in names])
         angles = [_function(names[j]) for j in speeds.unplaced]
@@ -103,21 +106,21 @@ class _Reading:
         free = {u: meaning.pop(u) for u in symbols[: len(model.speeds)]}
 
         def place(body: str, axis: int) -> Any:
-            return door.admit(velocity(_fresh(f"{body}_{'xyz'[axis]}", taken)))
+            return bridge.admit(velocity(_fresh(f"{body}_{'xyz'[axis]}", taken)))
 
         places = Places(
-            tuple(map(door.admit, coordinates)),
-            tuple(door.admit(velocity(q)) for q in coordinates),
-            door.inward(time),
+            tuple(map(bridge.admit, coordinates)),
+            tuple(bridge.admit(velocity(q)) for q in coordinates),
+            bridge.inward(time),
             place,
             free,
-            door.inward_all(model.configuration),
+            bridge.inward_all(model.configuration),
         )
-        return cls(model, door, coordinates, speeds, Components(door, meaning | still), places)
+        return cls(model, bridge, coordinates, speeds, Components(bridge, meaning | still), places)
 
     def system(self, name: str, parameters: Any) -> System:
         """The declaration."""
-        model, outward = self.model, self.door.outward
+        model, outward = self.model, self.bridge.outward
         bodies = self._free_bodies()
         energy = self._lagrangian(bodies)
         own, relations, kept = self._bound()
@@ -160,7 +163,7 @@ class _Reading:
         inertia, on which it acts."""
 
         def outward(values: Iterable[Any]) -> tuple[Any, ...]:
-            return tuple(map(self.door.outward, values))
+            return tuple(map(self.bridge.outward, values))
 
         held = [{"force": [ZERO] * 3, "torque": [ZERO] * 3} for _ in bodies]
         places = []
@@ -180,7 +183,7 @@ class _Reading:
                 held[i][kind] = [a + b for a, b in zip(held[i][kind], load, strict=True)]
         own = [
             Body(
-                self.door.outward(body.mass if any(v != 0 for v in body.velocity) else ZERO),
+                self.bridge.outward(body.mass if any(v != 0 for v in body.velocity) else ZERO),
                 outward(body.velocity),
                 [list(outward(row)) for row in body.inertia],
                 outward(body.omega),
@@ -261,7 +264,7 @@ class _Reading:
             left, right = [rows[i][:-1] for i in order], [[rows[i][-1]] for i in order]
             odd = solve_linear(left, right, relations, len(kept)).contradictory
             named = odd or range(len(kept), len(order))
-            said = [quote(self.door.outward(own[order[k]])) for k in named]
+            said = [quote(self.bridge.outward(own[order[k]])) for k in named]
             if odd:
                 raise DefinitionError(
                     f"from_mechanics: the constraint '{said[0]}' = 0 contradicts the others; leave "

@@ -1,4 +1,5 @@
-"""What is one thing on one side of a wall and another beyond, as a choice between the two.
+"""What is one thing on one side of a switching surface and another beyond, as a choice between the
+two.
 
 Min, Max and cases come as absolute values and signs, (a + b - |a - b|)/2 and A (1 + sign w)/2 +
 B (1 - sign w)/2: exact, but in doubles min(1, exp 40) loses all digits, and a case that is not in
@@ -25,7 +26,7 @@ from voronec.algebra.stages import split_number
 from voronec.algebra.terms import factors_of, summands
 from voronec.equations.program.weight import operation_count
 
-__all__ = ["choose_sides", "holds_choices", "holds_walls"]
+__all__ = ["choose_sides", "holds_choices", "holds_switches"]
 
 LONGER = 8
 """An expression is not made so many times as long: choices in choices double what they hold."""
@@ -36,7 +37,7 @@ LONG = 3000
 ZERO = se.Integer(0)
 
 
-def holds_walls(expr: Any) -> bool:
+def holds_switches(expr: Any) -> bool:
     """Whether an expression holds signs or absolute values."""
     return any(_jumps(n) for n in nodes([se.sympify(expr)]))
 
@@ -57,82 +58,84 @@ def choose_sides(expr: Any) -> Any:
 
 @dataclass
 class _Choices:
-    """Makes choices; ``known`` are the walls of each expression that was looked at."""
+    """Makes choices; ``known`` are the switching surfaces of each expression that was looked at."""
 
     known: dict[Any, frozenset[Any]] = field(default_factory=dict)
 
-    def walls(self, expr: Any) -> frozenset[Any]:
+    def switches(self, expr: Any) -> frozenset[Any]:
         """The arguments of all signs and absolute values in an expression."""
         found = self.known.get(expr)
         if found is None:
-            found = frozenset[Any]().union(*map(self.walls, expr.args))
+            found = frozenset[Any]().union(*map(self.switches, expr.args))
             if isinstance(expr, (se.sign, se.Abs)):
                 found |= {expr.args[0]}
             self.known[expr] = found
         return found
 
     def settle(self, expr: Any, kept: frozenset[Any] = frozenset()) -> Any:
-        """The expression with a choice at every wall but those that are ``kept``, of which nothing
-        cancels; walls that hold others after these."""
-        while left := self.walls(expr) - kept:
-            wall = min(left, key=lambda w: (len(self.walls(w)), str(w)))
-            expr, kept = self.choose(expr, wall), kept | {wall}
+        """The expression with a choice at every switching surface but those that are ``kept``, of
+        which nothing cancels; switching surfaces that hold others after these."""
+        while left := self.switches(expr) - kept:
+            switch = min(left, key=lambda w: (len(self.switches(w)), str(w)))
+            expr, kept = self.choose(expr, switch), kept | {switch}
         return expr
 
-    def choose(self, expr: Any, wall: Any) -> Any:
-        """The expression with a choice at a wall, in the smallest sums that hold it."""
-        if wall not in self.walls(expr) or (_jumps(expr) and expr.args[0] == wall):
+    def choose(self, expr: Any, switch: Any) -> Any:
+        """The expression with a choice at a switching surface, in the smallest sums that hold
+        it."""
+        if switch not in self.switches(expr) or (_jumps(expr) and expr.args[0] == switch):
             return expr
-        held = [wall in self.walls(a) for a in expr.args]
+        held = [switch in self.switches(a) for a in expr.args]
         if sum(held) > 1 or isinstance(expr, se.Add) or _is_square(expr):
-            return self.choose_terms(expr, wall)
+            return self.choose_terms(expr, switch)
         pairs = zip(expr.args, held, strict=True)
-        args = [self.choose(a, wall) if is_held else a for a, is_held in pairs]
+        args = [self.choose(a, switch) if is_held else a for a, is_held in pairs]
         return _product(args) if isinstance(expr, se.Mul) else _of_choice(expr.func, args)
 
-    def choose_terms(self, expr: Any, wall: Any) -> Any:
-        """A sum, with a choice for the terms that hold the wall and those that these may cancel."""
+    def choose_terms(self, expr: Any, switch: Any) -> Any:
+        """A sum, with a choice for the terms that hold the switching surface and those that these
+        may cancel."""
         terms = summands(_spread(expr))
-        held = [t for t in terms if wall in self.walls(t)]
-        keys, beside = _magnitudes(held), self.walls(se.Add(*held))
+        held = [t for t in terms if switch in self.switches(t)]
+        keys, beside = _magnitudes(held), self.switches(se.Add(*held))
         own = [
             t for t in terms
-            if split_number(t)[0] in keys or (self.walls(t) and self.walls(t) <= beside)
+            if split_number(t)[0] in keys or (self.switches(t) and self.switches(t) <= beside)
         ]  # fmt: skip
-        total, sign = se.Add(*own), _sign_of(wall)
-        up, on, down = (self.on_side(total, wall, s) for s in (sign or 1, 0, sign or -1))
-        if sign and se.sign(wall) not in nodes([total]):
+        total, sign = se.Add(*own), _sign_of(switch)
+        up, on, down = (self.on_side(total, switch, s) for s in (sign or 1, 0, sign or -1))
+        if sign and se.sign(switch) not in nodes([total]):
             on = up  # of absolute values alone, which do not jump
         if any(n in (se.nan, se.zoo) for n in nodes([on])):  # it has no value there
             on = (up + down) / 2
-        if up == _spread(-down) and on == 0 and not _divides(wall, up):
+        if up == _spread(-down) and on == 0 and not _divides(switch, up):
             return expr  # k |w| or k sign(w), of which nothing cancels
         rest = se.Add(*[t for t in terms if t not in own])
-        kept = frozenset({wall})
-        return rest + _choice(wall, *(self.settle(side, kept) for side in (up, on, down)))
+        kept = frozenset({switch})
+        return rest + _choice(switch, *(self.settle(side, kept) for side in (up, on, down)))
 
-    def on_side(self, expr: Any, wall: Any, side: int) -> Any:
-        """The expression where a wall has a sign."""
-        if _jumps(expr) and expr.args[0] == wall:
-            return se.Integer(side) if isinstance(expr, se.sign) else side * wall
-        if wall not in self.walls(expr):
+    def on_side(self, expr: Any, switch: Any, side: int) -> Any:
+        """The expression where a switching surface has a sign."""
+        if _jumps(expr) and expr.args[0] == switch:
+            return se.Integer(side) if isinstance(expr, se.sign) else side * switch
+        if switch not in self.switches(expr):
             return expr
-        return _spread(expr.func(*[self.on_side(a, wall, side) for a in expr.args]))
+        return _spread(expr.func(*[self.on_side(a, switch, side) for a in expr.args]))
 
 
 @lru_cache(maxsize=1024)
-def _sign_of(wall: Any) -> int:
-    """1 or -1 where a wall has nowhere the other sign, as a square, or 0: where it is never
-    negative the root of -w^2 need not be real."""
-    return known_sign(wall)
+def _sign_of(switch: Any) -> int:
+    """1 or -1 where a switching surface has nowhere the other sign, as a square, or 0: where it is
+    never negative the root of -w^2 need not be real."""
+    return known_sign(switch)
 
 
-def _choice(wall: Any, up: Any, on: Any, down: Any) -> Any:
+def _choice(switch: Any, up: Any, on: Any, down: Any) -> Any:
     if up == on == down:
         return up
     if _spread(2 * on - up - down) == 0:
-        return se.Function(CHOICE)(wall, up, down)
-    return se.Function(CASE)(wall, up, on, down)
+        return se.Function(CHOICE)(switch, up, down)
+    return se.Function(CASE)(switch, up, on, down)
 
 
 def _parts(expr: Any) -> tuple[Any, Any, Any, Any] | None:
@@ -141,21 +144,21 @@ def _parts(expr: Any) -> tuple[Any, Any, Any, Any] | None:
     if name == CASE:
         return expr.args
     if name == CHOICE:
-        wall, up, down = expr.args
-        return wall, up, (up + down) / 2, down
+        switch, up, down = expr.args
+        return switch, up, (up + down) / 2, down
     return None
 
 
 def _product(factors: list[Any]) -> Any:
     """A product; all of it is chosen where one factor is zero on a side, for 0 times infinity, or
-    the same on both: the slope on the wall is theirs then."""
+    the same on both: the slope on the switching surface is theirs then."""
     for i, factor in enumerate(factors):
         if (parts := _parts(factor)) is None:
             continue
-        wall, *sides = parts
+        switch, *sides = parts
         if ZERO in sides or sides[0] == sides[-1]:
             others = se.Mul(*factors[:i], *factors[i + 1 :])
-            return _choice(wall, *(others * side for side in sides))
+            return _choice(switch, *(others * side for side in sides))
     return se.Mul(*factors)
 
 
@@ -163,11 +166,11 @@ def _of_choice(function: Any, args: list[Any]) -> Any:
     """A function of a choice; where a side is a number, a choice of its values: the slope of a root
     or an arcsine may be infinite there, and nothing moves on that side."""
     if len(args) < 3 and (parts := _parts(args[0])) is not None:
-        wall, *sides = parts
+        switch, *sides = parts
         values = [_of_choice(function, [side, *args[1:]]) for side in sides]
         numbers = [value for value in values if not value.free_symbols]
         if (numbers or any(map(_parts, values))) and all(map(_is_real, numbers)):
-            return _choice(wall, *values)
+            return _choice(switch, *values)
     return function(*args)
 
 
@@ -178,9 +181,9 @@ def _is_real(number: Any) -> bool:
         return False
 
 
-def _divides(wall: Any, expr: Any) -> bool:
-    """Whether an expression divides by what vanishes where a wall does."""
-    at = {wall: ZERO}
+def _divides(switch: Any, expr: Any) -> bool:
+    """Whether an expression divides by what vanishes where a switching surface does."""
+    at = {switch: ZERO}
     return any(n.args[0].xreplace(at) == 0 for n in _quotients(expr))
 
 

@@ -133,11 +133,11 @@ def _gradient(expr: Any, known: dict[Any, dict[Any, Any]]) -> dict[Any, Any]:
 
 def _gradient_of_choice(expr: Any, known: dict[Any, Any]) -> dict[Any, Any]:
     """That of a choice, which is a choice: the slope of a side that is not in force may be
-    infinite.  Across the wall it is on it that of the side which has the value there, or between;
-    along the wall it is that of the value there."""
-    wall, up, *middle, down = expr.args
+    infinite.  Across the switching surface it is on it that of the side which has the value there,
+    or between; along the switching surface it is that of the value there."""
+    switch, up, *middle, down = expr.args
     rows = [_gradient(a, known) for a in expr.args[1:]]
-    across = {x for symbol in wall.free_symbols for x in known[symbol]}
+    across = {x for symbol in switch.free_symbols for x in known[symbol]}
     found, zero = {}, se.Integer(0)
     for x in {x: None for row in rows for x in row}:
         above, *on, below = (row.get(x, zero) for row in rows)
@@ -145,7 +145,7 @@ def _gradient_of_choice(expr: Any, known: dict[Any, Any]) -> dict[Any, Any]:
             on = [] if up == down else [above] * (middle == [up]) or [below] * (middle == [down])
         name = numeric.CASE if on else numeric.CHOICE
         same = all(slope == above for slope in (*on, below))
-        found[x] = above if same else se.Function(name)(wall, above, *on, below)
+        found[x] = above if same else se.Function(name)(switch, above, *on, below)
     return found
 
 

@@ -334,7 +334,9 @@ def precision(numbers: Any) -> int:
     return max([53, *(x._mpf_[3] for x in flat if isinstance(x, mpmath.mpf))])
 
 
-@lru_cache(maxsize=64)  # which way a motion goes at a wall is asked of the same few programs
+@lru_cache(
+    maxsize=64
+)  # which way a motion goes at a switching surface is asked of the same few programs
 def compiled_digits(program: Program) -> tuple[Callable[..., Any], Callable[..., Any]]:
     """``rhs`` and ``extras`` of ``(t, state, parameters)``, for mpmath's numbers or arrays of them.
 

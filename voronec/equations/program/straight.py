@@ -19,14 +19,14 @@ from voronec.algebra.stable import stable_all
 from voronec.algebra.stages import needed_stages
 from voronec.algebra.stand_ins import StandIns
 from voronec.algebra.terms import atoms, summands
-from voronec.equations.program.choices import choose_sides, holds_choices, holds_walls
+from voronec.equations.program.choices import choose_sides, holds_choices, holds_switches
 from voronec.equations.program.low_rank import (
     MassElimination,
     coupled_rows,
     eliminations,
     names_into,
 )
-from voronec.equations.program.walls import is_rough, plain_roots, write_roots_out
+from voronec.equations.program.switches import is_rough, plain_roots, write_roots_out
 from voronec.equations.program.weight import evaluation_weight, operation_count, taylor_weight
 from voronec.errors import DefinitionError, EngineLimit
 
@@ -415,14 +415,15 @@ def with_plain_roots(form: FirstOrderForm, still: frozenset[Any] | None = None) 
 
 
 def with_choices(form: FirstOrderForm, given: FirstOrderForm) -> FirstOrderForm:
-    """A form that chooses between the sides of its walls; the same one where it has none.
+    """A form that chooses between the sides of its switching surfaces; the same one where it has
+    none.
 
     ``given`` is the same form as it was written, in which cases stand apart: over one denominator
     a case that is not in force divides the others by zero.
     """
     plain = with_plain_roots(form)
     exprs = [*plain.expressions, *(e for _, e in plain.stages)]
-    if not any(map(holds_walls, exprs)):
+    if not any(map(holds_switches, exprs)):
         return form
     if not plain.stages:
         # with |k x| of a parameter k in two parts Max(0, k x) would not be seen to vanish
@@ -435,7 +436,8 @@ def with_choices(form: FirstOrderForm, given: FirstOrderForm) -> FirstOrderForm:
 
 def _choose_entries(form: FirstOrderForm, given: FirstOrderForm) -> FirstOrderForm:
     """A form without stages with choices in its entries, made in those of the form as it was given
-    wherever these hold walls; what holds none stands beside them in its shortest form."""
+    wherever these hold switching surfaces; what holds none stands beside them in its shortest
+    form."""
     sources = dict(zip(form.expressions, given.expressions, strict=True))
 
     def short(expr: Any) -> Any:
@@ -448,12 +450,12 @@ def _choose_entries(form: FirstOrderForm, given: FirstOrderForm) -> FirstOrderFo
             return expr
 
     def settle(expr: Any) -> Any:
-        if not holds_walls(expr) and not holds_choices(expr):
+        if not holds_switches(expr) and not holds_choices(expr):
             return min(expr, short(expr), key=lambda e: operation_count([e]))
         return expr.func(*map(settle, expr.args)) if holds_choices(expr) else expr
 
     def change(entry: Any) -> Any:
-        if not holds_walls(entry):
+        if not holds_switches(entry):
             return entry
         terms = summands(choose_sides(sources[entry]))
         chosen = [t for t in terms if holds_choices(t)]

@@ -2,8 +2,8 @@
 
 Whatever has a name - a coordinate, its velocity, its acceleration, a parameter, an input and its
 rates - is replaced in SymPy's tree by a plain symbol, and the rest goes through symengine's own
-reader: nothing is shared with ``voronec.algebra.door``.  What is then left of functions of the
-time, or that symengine does not know, is refused.
+reader: nothing is shared with ``voronec.algebra.sympy_bridge``.  What is then left of functions of
+the time, or that symengine does not know, is refused.
 """
 
 from __future__ import annotations

@@ -24,10 +24,10 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.angles import Angles
-from voronec.algebra.door import Door
 from voronec.algebra.normal import canonical, canonical_for_numbers
 from voronec.algebra.rank import generic_rows
 from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.text import as_expression
 from voronec.declaration.claims import right_of
 from voronec.declaration.geometry import Fibration, Frame
@@ -35,14 +35,14 @@ from voronec.declaration.system import System, bare, system_in
 from voronec.equations.definition import Definition, read
 from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.motions import Motions
-from voronec.equations.program.walls import is_rough
+from voronec.equations.program.switches import is_rough
 from voronec.equations.reduction import in_invariants
 from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import EngineLimit, VoronecError
-from voronec.motion.motion_start import Outset, WideStart
+from voronec.motion.motion_start import InitialState, WideStart
 from voronec.motion.reactions import conditions_of, drift
-from voronec.motion.request import StartData, Vocabulary
+from voronec.motion.request import Namespace, StartData
 from voronec.motion.split_models import fresh_symbol, spell_out, split_charts
 from voronec.motion.trajectory import Trajectory
 
@@ -69,14 +69,14 @@ class Formulation:
         system = self.home.system
         return tuple(map(plain_name, (*system.coordinates, *system.velocities)))
 
-    def vocabulary(self, inputs: Mapping[Any, sp.Expr]) -> Vocabulary:
+    def namespace(self, inputs: Mapping[Any, sp.Expr]) -> Namespace:
         """Names of home, as they are spelled in these variables, with those of its inputs."""
-        found = Vocabulary.of(self.equations, {**inputs, **self.meaning})
+        found = Namespace.of(self.equations, {**inputs, **self.meaning})
         d = self.home.definition
         return replace(found, home_definition=replace(d, frame=None, velocities=d.dots))
 
     def start(
-        self, vocabulary: Vocabulary, given: StartData, outset: Outset, time: float, bits: int
+        self, namespace: Namespace, given: StartData, outset: InitialState, time: float, bits: int
     ) -> StartData:
         """The start in these variables, in so many ``bits`` where these are not zero: by all
         velocities of the coordinates, or by those of home and of the frame, where they are given or
@@ -90,14 +90,14 @@ class Formulation:
         else:
             ground, own = outset.ground(self.home, time), self.home.system.coordinates
             framed = outset.state if outset.framed and not bits else None
-            start = WideStart.of(vocabulary, ground, given, False, framed)
+            start = WideStart.of(namespace, ground, given, False, framed)
             wide = start.exact(bits)[0] if bits else start.wide
             if bits or np.isfinite(wide).all():
                 everything = map(plain_name, (*own, *map(velocity, own)))
                 found = dict(zip(everything, map(_exactly, wide), strict=True))
                 return replace(given, scene_initial={}, initial=found)
             found = dict(zip(names, outset.state.tolist(), strict=True))
-        symbols = {vocabulary.symbols[n]: as_expression(x) for n, x in found.items()}
+        symbols = {namespace.symbols[n]: as_expression(x) for n, x in found.items()}
         found |= {n: e.xreplace(symbols) for n, e in self.beside.items()}
         return replace(given, scene_initial={}, initial=found)
 
@@ -203,7 +203,7 @@ def _on_coordinates(home: VoronecEquations) -> Formulation:
     named = dict(zip(system.invariant_symbols, system.invariants.values(), strict=True))
     conditions = (*d.constraints.expressions(d.dots), *d.differentiated.expressions(d.dots))
     form = replace(home.raw.form, velocities=d.dots)
-    integrals = _integrals(system, d.door, {**meaning, **named}, form, conditions)
+    integrals = _integrals(system, d.bridge, {**meaning, **named}, form, conditions)
     return Formulation(home, derive(replace(moved, integrals=integrals)), {}, meaning)
 
 
@@ -214,7 +214,7 @@ def _fresh(system: System, title: str, count: int) -> list[sp.Symbol]:
 
 def _constraints_of(d: Definition) -> list[_Constraint]:
     """The constraints and the relations of a system, in the velocities of its coordinates."""
-    found, out = [], d.door.outward
+    found, out = [], d.bridge.outward
     for *row, offset in conditions_of(d)[: -len(d.velocities)]:
         whole = se.Add(offset, *(a * w for a, w in zip(row, d.dots, strict=True)))
         slopes = {out(w): out(a) for a, w in zip(row, d.dots, strict=True) if a != 0}
@@ -224,7 +224,7 @@ def _constraints_of(d: Definition) -> list[_Constraint]:
 
 def _integrals(
     system: System,
-    door: Door,
+    bridge: SymPyBridge,
     meaning: Mapping[Any, Any],
     form: FirstOrderForm,
     held: Iterable[Any],
@@ -235,8 +235,8 @@ def _integrals(
     for name, claim in system.integrals.items():
         found[name] = as_expression(right_of(claim)).xreplace(meaning).xreplace(meaning)
         with suppress(EngineLimit):
-            short = canonical_for_numbers([door.inward(found[name])], ground)[0]
-            found[name] = door.outward(short)
+            short = canonical_for_numbers([bridge.inward(found[name])], ground)[0]
+            found[name] = bridge.outward(short)
     return found
 
 
@@ -308,7 +308,7 @@ class _FrameFormulation:
         meaning = {se.Symbol(n): self._inward(g) for n, g in free.invariants.items()}
 
         def forces(given: Mapping[Any, Any], meaning: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
-            out, held = self.motions.equations.door.outward, []
+            out, held = self.motions.equations.bridge.outward, []
             for c in self.constraints:
                 pairs = zip(free.velocities, self.flow.velocities, strict=True)
                 slopes = {w: out(c.diff(v).xreplace(meaning)) for w, v in pairs if c.diff(v) != 0}
@@ -335,13 +335,13 @@ class _FrameFormulation:
             frame=frame_with_impulses(self.frame),
             fibration=Fibration((*free.fibration.base, *sums), free.fibration.fibre),
             integrals=_integrals(
-                self.home.system, self.motions.equations.door, {}, self.flow.form, self.constraints
+                self.home.system, self.motions.equations.bridge, {}, self.flow.form, self.constraints
             ),
         )  # fmt: skip
         below, own = Motions.of(self.home).on_coordinates, {*self.home.system.velocities}
         fresh = {w: e for w, e in self.frame.definitions.items() if w not in own}
         found = canonical_for_numbers([below.read(e) for e in fresh.values()], below.form)
-        beside = {plain_name(w): below.door.outward(e) for w, e in zip(fresh, found, strict=True)}
+        beside = {plain_name(w): below.bridge.outward(e) for w, e in zip(fresh, found, strict=True)}
         return Formulation(self.home, derive(system), beside, {})
 
     def _in_chart(self, expr: Any, chart: Any) -> Any:
@@ -352,4 +352,4 @@ class _FrameFormulation:
         return canonical([Angles().resolve(expr.xreplace(back))])[0]
 
     def _inward(self, expr: Any) -> Any:
-        return self.motions.equations.door.inward(expr)
+        return self.motions.equations.bridge.inward(expr)

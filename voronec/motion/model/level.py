@@ -97,11 +97,11 @@ class AngleOutput:
 
 def _recovered_angles(motions: Motions, wanted: Mapping[str, Any]) -> dict[str, AngleOutput]:
     """Those wanted quantities that are coordinates and can be read off the invariants."""
-    d, door = motions.equations.definition, motions.equations.door
+    d, bridge = motions.equations.definition, motions.equations.bridge
     names = {e: name for name, e in wanted.items() if e in d.coordinates}
     if not names:
         return {}
-    known = [(se.Symbol(name), door.inward(g)) for name, g in motions.system.invariants.items()]
+    known = [(se.Symbol(name), bridge.inward(g)) for name, g in motions.system.invariants.items()]
     angles = [q for q in d.coordinates if any(se.has_symbol(g, q) for _, g in known)]
     found: dict[Any, AngleOutput] = {}
     while True:
@@ -295,8 +295,8 @@ def invariants_level(
     except EngineLimit:
         return None
     d = motions.equations.definition
-    door = motions.equations.door
-    start = {se.Symbol(name): door.inward(g) for name, g in motions.system.invariants.items()}
+    bridge = motions.equations.bridge
+    start = {se.Symbol(name): bridge.inward(g) for name, g in motions.system.invariants.items()}
     return Level(
         name="invariants",
         system=motions.system,

@@ -34,7 +34,7 @@ from voronec.motion.model.level import (
     needed_variables,
     restrict,
 )
-from voronec.motion.model.packs import Packs
+from voronec.motion.model.model_cache import ModelCache
 from voronec.motion.model.special import (
     at_zero,
     by_integrals,
@@ -138,13 +138,15 @@ class SmallestModels:
     """The smallest models of one set of outputs, by start: the levels that they are chosen from,
     and those that were found so far, in this process or in earlier ones (``packs``)."""
 
-    def __init__(self, packs: Packs, motions: Motions, make: Callable[[], Iterable[Level]]) -> None:
-        self.packs = packs
+    def __init__(
+        self, model_cache: ModelCache, motions: Motions, make: Callable[[], Iterable[Level]]
+    ) -> None:
+        self.model_cache = model_cache
         self._motions = motions
-        self._levels: tuple[Level, ...] = packs.once("levels", lambda: tuple(make()))
+        self._levels: tuple[Level, ...] = model_cache.once("levels", lambda: tuple(make()))
         self._findings: list[ModelSearch] = []
-        while (name := self._next_name) in packs:
-            self._findings.append(packs.value_of(name))
+        while (name := self._next_name) in model_cache:
+            self._findings.append(model_cache.value_of(name))
 
     @classmethod
     def of(
@@ -163,9 +165,9 @@ class SmallestModels:
                 kept.clear()
             # constraints are solved so that this is defined at a point, and as well conditioned
             d = motions.equations.definition
-            packs = Packs(motions.system, [key, d.near, d.share])
+            model_cache = ModelCache(motions.system, [key, d.near, d.share])
             levels = partial(_levels, motions, wanted, integrals, thorough, followed)
-            kept[key] = cls(packs, motions, levels)
+            kept[key] = cls(model_cache, motions, levels)
         found: SmallestModels = kept[key]
         return found
 
@@ -177,8 +179,8 @@ class SmallestModels:
     def general(self) -> Model:
         """The model that holds for all starts."""
         levels = (_cut_down(self._motions, level, level, None) for level in self._levels)
-        found = self.packs.once("general", lambda: _cheapest([*levels]))
-        self.packs.keep()
+        found = self.model_cache.once("general", lambda: _cheapest([*levels]))
+        self.model_cache.keep()
         return found
 
     def of_start(self, start: Mapping[Any, float]) -> ModelSearch:
@@ -192,8 +194,8 @@ class SmallestModels:
                 return finding
         if len(self._findings) >= MODELS:
             self._findings.clear()
-            self.packs.forget("model")
-        found = self.packs.once(self._next_name, lambda: self._find(zeros, values))
+            self.model_cache.forget("model")
+        found = self.model_cache.once(self._next_name, lambda: self._find(zeros, values))
         self._findings.append(found)
         return found
 
@@ -221,9 +223,10 @@ def smallest_model(
 
     ``wanted`` and ``integrals`` are expressions in the user's symbols, invariants among them;
     ``start`` gives numbers of coordinates, velocities, parameters and the time, as symbols inside
-    the door: with it, what is zero is frozen; without it, the model holds for all starts.  Where
-    invariants alone suffice, coordinates are weighed only in a ``thorough`` search: they hold the
-    same products, and sines besides.  Outputs that are ``followed`` are not read off as angles.
+    the engine's symbols: with it, what is zero is frozen; without it, the model holds for all
+    starts.  Where invariants alone suffice, coordinates are weighed only in a ``thorough`` search:
+    they hold the same products, and sines besides.  Outputs that are ``followed`` are not read off
+    as angles.
     """
     models = SmallestModels.of(motions, wanted, integrals, thorough, followed)
     return models.general if start is None else models.of_start(start).model

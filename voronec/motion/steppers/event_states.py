@@ -20,7 +20,7 @@ from voronec.equations.program import Block, Program
 from voronec.equations.program.jacobian import flow_derivative
 from voronec.equations.program.straight import prune
 from voronec.errors import EngineLimit
-from voronec.motion.steppers.run import Problem, Run, Stepper
+from voronec.motion.steppers.run import Integrator, Problem, Run
 
 __all__ = ["make_with_event_states", "narrow", "widen", "with_parts"]
 
@@ -101,7 +101,7 @@ def _is_smooth(expr: Any, moving: set[Any], uneven: set[Any]) -> bool:
     return True
 
 
-def make_with_event_states(make: Any, problem: Problem) -> Stepper:
+def make_with_event_states(make: Any, problem: Problem) -> Integrator:
     """The stepper that a method makes of a problem, with functions of its events beside the state;
     those that are rare do not count, nor do those that are ``apart``."""
     levels = problem.levels
@@ -127,12 +127,12 @@ def make_with_event_states(make: Any, problem: Problem) -> Stepper:
         exact=problem.exact and exact,
         suspect=suspect and (lambda times, states: suspect(times, states[:, :width])),
     )
-    start, stepper = wider.start, make(wider)
+    start, solver = wider.start, make(wider)
 
     def run(times: np.ndarray) -> Run:
         start[:width] = problem.start  # which runs in pieces overwrite
         start[width:] = 1
-        return narrow(stepper(times), width)
+        return narrow(solver(times), width)
 
     return run
 

@@ -23,12 +23,12 @@ from voronec.motion.steppers.run import (
     DISTANT,
     INFINITE,
     WINDOW,
-    Halt,
-    Headway,
+    Integrator,
     Log,
     Problem,
     Run,
-    Stepper,
+    StallDetector,
+    Termination,
     Ticker,
     in_parts,
 )
@@ -123,7 +123,7 @@ class _Machine:
             pars[:] = self.winding.units[: len(pars)]
 
 
-def taylor(problem: Problem) -> Stepper:
+def taylor(problem: Problem) -> Integrator:
     """The integrator, compiled; ``EngineLimit`` for a function that heyoka does not know."""
     hy = heyoka()
     pool = _Pool.of(problem, bool((natural_units(problem) != 1).any()), hy)
@@ -251,7 +251,7 @@ class _Drive:
     grid: np.ndarray
     ticker: Ticker
     rows: list[np.ndarray] = field(default_factory=list)
-    stretches: list[Any] = field(default_factory=list)
+    segments: list[Any] = field(default_factory=list)
     ends: list[float] = field(default_factory=list)
     samples: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
     series: list[tuple[float, float, np.ndarray]] | None = None
@@ -267,20 +267,27 @@ class _Drive:
     integrator: Any = field(init=False)
     log: Log = field(init=False)
     levels: Levels = field(init=False)
-    is_on_wall: bool = True
+    is_on_switching_surface: bool = True
     before: np.ndarray | None = None
     winding: TurnCount = field(init=False)
     standing: tuple[float, np.ndarray] = field(init=False)
     span: float = field(init=False)
     output: Any = None
-    headway: Headway = field(init=False)
+    stall: StallDetector = field(init=False)
 
     def __post_init__(self) -> None:
         share = min(1.0, WEIGHT / (self.problem.program.weight or 1.0))
-        self.headway = Headway(self.grid[0], float(self.grid[-1]), max(int(share * LONG), WINDOW))
+        self.stall = StallDetector(
+            self.grid[0], float(self.grid[-1]), max(int(share * LONG), WINDOW)
+        )
         self.integrator, problem = self.machine.integrator, self.problem
         span = float(np.ptp(self.grid))
-        self.log = Log(float(self.grid[0]), span, len(problem.start), walls=problem.walls)
+        self.log = Log(
+            float(self.grid[0]),
+            span,
+            len(problem.start),
+            switching_surfaces=problem.switching_surfaces,
+        )
         self.levels = level_function(problem)
         self.winding = self.machine.winding
         self.standing = self.integrator.time, self.problem.start
@@ -325,14 +332,14 @@ class _Drive:
             return self.result(interrupted=True)
         return self.result()
 
-    def chunk(self) -> Halt | None:
+    def chunk(self) -> Termination | None:
         self.machine.fit_units()
         self.winding.take(self.integrator.state)
         before, state = self.integrator.time, self.integrator.state.copy()
         moment = self.integrator.dtime
         limit = self.opening
         size = self.size if limit == np.inf else 1
-        ends, stretches = len(self.ends), len(self.stretches)
+        ends, segments = len(self.ends), len(self.segments)
         ahead, sampled = burst(self.steps)
         self.series = [] if sampled else None
         outcome, taken, new = self.advance(min(size, ahead))
@@ -342,7 +349,7 @@ class _Drive:
         self.usual = min(self.usual, limit)
         if overlong is not None:
             good, length = overlong
-            del self.ends[ends:], self.stretches[stretches:]
+            del self.ends[ends:], self.segments[segments:]
             self.series = [] if sampled else None
             self.opening = np.inf if good else length
             outcome, taken, new = self.advance(good or 1)
@@ -364,9 +371,9 @@ class _Drive:
         moved = abs(self.integrator.time - before)
         # heyoka does not count steps of length zero among those that it took
         limited = outcome == self.hy.taylor_outcome.step_limit
-        reason = self.headway.distance(self.efforts, self.integrator.time)
+        reason = self.stall.distance(self.efforts, self.integrator.time)
         if not reason and limited and moved <= CRAWL * max(taken, 1) / CHUNK * self.span:
-            reason = self.headway.reason(moved / max(taken, 1))
+            reason = self.stall.reason(moved / max(taken, 1))
         if reason:
             return self.halt(reason)
         if outcome == self.hy.taylor_outcome.err_nf_state:
@@ -381,11 +388,15 @@ class _Drive:
         course = StepCourse(
             np.array(self.output.times), _Chunk(self.output, self.winding.now()), self.before
         )
-        left = problem.walls if self.is_on_wall else frozenset[str]()
+        left = problem.switching_surfaces if self.is_on_switching_surface else frozenset[str]()
         seen = crossings(dict(enumerate(problem.events)), self.levels, course, left)
         pairs = zip(problem.events, seen.end, strict=True)
-        on = [abs(value) <= SPECK for event, value in pairs if event.name in problem.walls]
-        self.is_on_wall = self.is_on_wall and any(on)
+        on = [
+            abs(value) <= SPECK
+            for event, value in pairs
+            if event.name in problem.switching_surfaces
+        ]
+        self.is_on_switching_surface = self.is_on_switching_surface and any(on)
         self.before = seen.end
         self.log.touches += seen.touches
         self.log.enter_all(seen.passages, course.at)
@@ -467,9 +478,9 @@ class _Drive:
         # points cost when they are handed over, and again when they are passed
         self.ahead = min(max(4 * points, FEW), AHEAD)
 
-    def halt(self, reason: str) -> Halt:
+    def halt(self, reason: str) -> Termination:
         """Where the integrator stands, as the end of the run."""
-        return Halt(reason, self.integrator.time, self.winding.whole(self.integrator.state))
+        return Termination(reason, self.integrator.time, self.winding.whole(self.integrator.state))
 
     def advance(self, size: int) -> tuple[Any, int, np.ndarray]:
         """One chunk of steps towards, or along, the rest of the grid; new rows of it."""
@@ -477,11 +488,11 @@ class _Drive:
         standing, done = self.integrator.time, self.done
         self.machine.hints.clear()
         if self.problem.dense or self.has_roots or self.problem.events:
-            outcome, _, self.longest, steps, stretch, _ = self.integrator.propagate_until(
+            outcome, _, self.longest, steps, segment, _ = self.integrator.propagate_until(
                 self.grid[-1], c_output=True, **limits
             )
-            self.output = stretch
-            return outcome, steps, self.sample(stretch)
+            self.output = segment
+            return outcome, steps, self.sample(segment)
         # the integrator wants its grid to begin where it stands
         if standing == self.grid[done]:
             points, known = self.grid[done : done + self.ahead], 0
@@ -524,19 +535,19 @@ class _Drive:
             self.samples.append((times, self.winding.whole(states)))
         self.series = None
 
-    def sample(self, stretch: Any) -> np.ndarray:
+    def sample(self, segment: Any) -> np.ndarray:
         """Rows of the grid that a stretch of dense output covers."""
-        if stretch is None:
+        if segment is None:
             return np.empty((0, len(self.problem.start)))
         if self.problem.dense:
-            self.stretches.append(_Chunk(stretch, self.winding.now()))
+            self.segments.append(_Chunk(segment, self.winding.now()))
         order = np.sign(self.grid[-1] - self.grid[0])
-        end = np.searchsorted(order * self.grid, order * stretch.bounds[1], side="right")
-        rows = np.array(stretch(self.grid[self.done : end])).reshape(-1, len(self.problem.start))
+        end = np.searchsorted(order * self.grid, order * segment.bounds[1], side="right")
+        rows = np.array(segment(self.grid[self.done : end])).reshape(-1, len(self.problem.start))
         whole = np.isfinite(rows).all(axis=1)
         return rows if whole.all() else rows[: int(np.argmin(whole))]
 
-    def last_good(self, time: float, state: np.ndarray, taken: int) -> Halt:
+    def last_good(self, time: float, state: np.ndarray, taken: int) -> Termination:
         """The last step before the state broke, found by going over the last chunk again."""
         ta = self.integrator
         ta.time, ta.state[:] = time, state
@@ -549,7 +560,7 @@ class _Drive:
             halt = self.halt(INFINITE)
         return halt
 
-    def result(self, halt: Halt | None = None, interrupted: bool = False) -> Run:
+    def result(self, halt: Termination | None = None, interrupted: bool = False) -> Run:
         t, states = self.grid[: self.done], np.vstack(self.rows)[: self.done]
         time, state = self.log.last if self.log.stopped else self.standing
         order = 1.0 if self.grid[-1] >= self.grid[0] else -1.0
@@ -559,7 +570,7 @@ class _Drive:
         return Run(
             t.copy(), states, self.steps, self.steps,
             self.log.arrays(self.problem.events, float), halt, interrupted, self.log.stopped,
-            _join_stretches(self.stretches, states) if self.problem.dense else None,
+            _join_stretches(self.segments, states) if self.problem.dense else None,
             ends=tuple(self.ends), samples=StepSamples.of(self.samples), notes=self.log.notes,
         )  # fmt: skip
 
@@ -580,11 +591,11 @@ class _Chunk:
         return self.winding.whole(self.inside(times))
 
 
-def _join_stretches(stretches: list[Any], states: np.ndarray) -> Any:
+def _join_stretches(segments: list[Any], states: np.ndarray) -> Any:
     """States at any times, from the stretches of dense output in turn."""
-    ends = [s.bounds[1] for s in stretches]
-    order = 1.0 if not ends or ends[-1] >= stretches[0].bounds[0] else -1.0
-    return lambda times: in_parts(ends, order, stretches, times, states)
+    ends = [s.bounds[1] for s in segments]
+    order = 1.0 if not ends or ends[-1] >= segments[0].bounds[0] else -1.0
+    return lambda times: in_parts(ends, order, segments, times, states)
 
 
 ROOM = 24 * 2**20

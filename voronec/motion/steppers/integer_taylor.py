@@ -16,12 +16,12 @@ from voronec.equations.program import Program
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.recurrences import Recurrences, fixed_point, recurrences
 from voronec.motion.crossings import Levels
-from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
+from voronec.motion.steppers.run import COLLAPSE, INFINITE, Integrator, Problem, Run
 from voronec.motion.steppers.series_reach import BLIND, FAITHFUL, HALVINGS, SHRINKS
 from voronec.motion.steppers.step_loop import IntegratorFailure, Stride, march
 from voronec.motion.steppers.units import SMALL, natural_units
 
-__all__ = ["GUARD", "DigitsWalker", "digit_levels", "digits", "units_of"]
+__all__ = ["GUARD", "DigitsStepper", "digit_levels", "digits", "units_of"]
 
 GUARD = 64
 """Bits beyond those of the tolerance."""
@@ -43,7 +43,7 @@ DOUBLE = 53
 """Bits of a double."""
 
 
-def digits(problem: Problem) -> Stepper:
+def digits(problem: Problem) -> Integrator:
     """The integrator; ``EngineLimit`` for a function that it has no recurrence for.
 
     The order and the step come from the last two coefficients [JorbaZou2005, section 3]: with the
@@ -57,9 +57,9 @@ def digits(problem: Problem) -> Stepper:
     levels = digit_levels(problem.levels, problem.parameters)
 
     def run(grid: np.ndarray) -> Run:
-        walker = DigitsWalker(rules, problem, grid, bits)
+        stepper = DigitsStepper(rules, problem, grid, bits)
         with mpmath.workprec(bits):
-            found = march(problem, grid, walker, levels)
+            found = march(problem, grid, stepper, levels)
             return replace(found, t=np.array([mpmath.mpf(t) for t in found.t], dtype=object))
 
     return run
@@ -147,7 +147,7 @@ class _Polynomial:
 
 
 @dataclass
-class DigitsWalker:
+class DigitsStepper:
     """The integrator under way; all its numbers are integers in units of 2^-bits."""
 
     rules: Recurrences

@@ -22,12 +22,12 @@ from voronec.motion.steppers.dop853_source import (
     kernel_source,
 )
 from voronec.motion.steppers.kept_code import kept_function
-from voronec.motion.steppers.run import COLLAPSE, Problem, Run, Stepper
+from voronec.motion.steppers.run import COLLAPSE, Integrator, Problem, Run
 from voronec.motion.steppers.samples import NODES, burst
 from voronec.motion.steppers.scipy_stepper import up_to
 from voronec.motion.steppers.step_loop import (
     IntegratorFailure,
-    Stretch,
+    Segment,
     Stride,
     level_function,
     march,
@@ -52,7 +52,7 @@ SIGNATURE = (
 
 def compiled_dop853(
     problem: Problem, loop: Callable[..., Callable[..., int]] | None = None
-) -> Stepper:
+) -> Integrator:
     """The Runge-Kutta method of order eight of Dormand and Prince, compiled with the program: by
     ``loop``, or by numba, then ``ImportError`` without it.
     """
@@ -146,7 +146,7 @@ class Loop:
             (coarse, np.array(known), np.array(given)),
         )  # fmt: skip
 
-    def advance(self, limit: int = CHUNK) -> Stride | Stretch:
+    def advance(self, limit: int = CHUNK) -> Stride | Segment:
         """The next step, where an event may happen in it, or many others, in so many trials."""
         if self.happening:
             self.happening = False
@@ -171,7 +171,7 @@ class Loop:
         if outcome == NO_STEP and not taken:
             raise IntegratorFailure(COLLAPSE)
         when, where = (2, 3) if self.happening else (0, 0)  # it ends before what may happen
-        return Stretch(
+        return Segment(
             taken, self.rows[done : int(self.counts[0])], float(self.clock[when]),
             self.states[where].copy(), times[:kept, 1], ends[:kept, 1],
             [self.stride(times[i], ends[i], bends[i]) for i in range(kept if problem.dense else 0)],

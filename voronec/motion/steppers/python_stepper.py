@@ -17,7 +17,7 @@ from voronec.equations.program import Program, hoist
 from voronec.equations.program.dialect import code
 from voronec.motion.steppers.dop853_source import STAGES, growth, kernel_source
 from voronec.motion.steppers.numba_stepper import PARTS, Loop, between, scales_of
-from voronec.motion.steppers.run import INFINITE, Problem, Run, Stepper
+from voronec.motion.steppers.run import INFINITE, Integrator, Problem, Run
 from voronec.motion.steppers.step_loop import IntegratorFailure, level_function, march
 
 __all__ = ["operations_of_run", "python_dop853"]
@@ -30,7 +30,7 @@ SUMS = 100
 """Operations on each component of the state in the sums of a step."""
 
 
-def python_dop853(problem: Problem) -> Stepper:
+def python_dop853(problem: Problem) -> Integrator:
     """The Runge-Kutta method of order eight of Dormand and Prince, by Python alone."""
 
     def run(grid: np.ndarray) -> Run:

@@ -26,8 +26,8 @@ from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.recurrences import recurrences
 from voronec.motion.crossings import Levels, roots
 from voronec.motion.steppers.event_states import narrow
-from voronec.motion.steppers.integer_taylor import GUARD, DigitsWalker, digit_levels, units_of
-from voronec.motion.steppers.run import COLLAPSE, Problem, Run, Stepper
+from voronec.motion.steppers.integer_taylor import GUARD, DigitsStepper, digit_levels, units_of
+from voronec.motion.steppers.run import COLLAPSE, Integrator, Problem, Run
 from voronec.motion.steppers.step_loop import IntegratorFailure, Stride, march
 from voronec.motion.steppers.units import natural_units
 
@@ -38,7 +38,8 @@ FAR = 64
 LOOKS = 8
 """Parts of a step at whose ends roots are looked at."""
 CLOSE = 0.7
-"""Where a root vanishes, so do the functions of walls below this power of the tolerance."""
+"""Where a root vanishes, so do the functions of switching surfaces below this power of the
+tolerance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +116,7 @@ def _regular(
     )  # fmt: skip
 
 
-def digits_through_roots(problem: Problem) -> Stepper:
+def digits_through_roots(problem: Problem) -> Integrator:
     """Taylor's method in any precision for a problem with roots that may vanish."""
     roots, width = problem.roots, len(problem.start)
     assert roots is not None
@@ -138,8 +139,8 @@ def digits_through_roots(problem: Problem) -> Stepper:
                 problem.tol, units=units,
             )  # fmt: skip
             ways = np.array([0.0, 1.0 if grid[-1] >= grid[0] else -1.0])
-            walker = _RootWalker(DigitsWalker(rules, own, ways, bits), grid, width)
-            found = march(wide, grid, walker, levels)
+            stepper = _RootStepper(DigitsStepper(rules, own, ways, bits), grid, width)
+            found = march(wide, grid, stepper, levels)
             times = np.array([mpmath.mpf(t) for t in found.t], dtype=object)
             return narrow(replace(found, t=times), width)
 
@@ -147,25 +148,28 @@ def digits_through_roots(problem: Problem) -> Stepper:
 
 
 def _levels_at_roots(levels: Levels, problem: Problem, width: int) -> Levels:
-    """The functions of events, those of walls zero where a root vanishes and they nearly do."""
+    """The functions of events, those of switching surfaces zero where a root vanishes and they
+    nearly do."""
     names = problem.levels.names if problem.levels is not None else ()
-    walls = np.array([name in problem.walls for name in names], dtype=bool)
+    switching_surfaces = np.array(
+        [name in problem.switching_surfaces for name in names], dtype=bool
+    )
 
     def function(t: np.ndarray, states: np.ndarray) -> np.ndarray:
         found = np.array(levels(t, states[:, :width]))
         at_root = (states[:, width:] == 0).any(axis=1)
         small = abs(found) < problem.tol**CLOSE
-        found[at_root[:, None] & small & walls] = 0
+        found[at_root[:, None] & small & switching_surfaces] = 0
         return found
 
     return function
 
 
 @dataclass
-class _RootWalker:
+class _RootStepper:
     """The integrator in s, whose steps are looked at in the time."""
 
-    inner: DigitsWalker
+    inner: DigitsStepper
     grid: np.ndarray
     width: int
 

@@ -32,14 +32,14 @@ __all__ = [
     "INFINITE",
     "SINGULAR",
     "WINDOW",
-    "Halt",
-    "Headway",
+    "Integrator",
     "Log",
     "Problem",
     "Run",
     "Signal",
     "Signals",
-    "Stepper",
+    "StallDetector",
+    "Termination",
     "Ticker",
     "constants_along",
     "crossing_arrays",
@@ -87,10 +87,10 @@ class Problem:
     ``levels`` has the events' functions as extra quantities, in the order of ``events``.
     ``start`` (n,) and ``parameters`` are doubles; ``exact``, given a number of bits, returns both
     as mpmath's numbers, for the method ``flint``.  Events that are ``coarse`` are rare: an
-    integrator may look for them only where the ends of a step do not exclude them.  ``walls`` are
-    those at which the right side ceases to hold: they count however near to the start.
-    Parameters that are ``changing`` are those of the start.  ``marked`` asks for the ends of steps.
-    What is ``brief`` ends, most likely, after so much time, long before its grid does: numba and,
+    integrator may look for them only where the ends of a step do not exclude them.  ``switching
+    surfaces`` are those at which the right side ceases to hold: they count however near to the
+    start. Parameters that are ``changing`` are those of the start.  ``marked`` asks for the ends of
+    steps. What is ``brief`` ends, most likely, after so much time, long before its grid does: numba and,
     for heavy programs, heyoka compile for longer.
     ``units`` (n,) are those in which the states are measured, by default their natural ones.
     Functions of events that are ``apart`` are not integrated beside the states.
@@ -109,7 +109,7 @@ class Problem:
     exact: Callable[[int], tuple[np.ndarray, Sequence[Any]]] | None = None
     changing: Signals | None = None
     coarse: frozenset[str] = frozenset()
-    walls: frozenset[str] = frozenset()
+    switching_surfaces: frozenset[str] = frozenset()
     marked: bool = False
     units: np.ndarray | None = None
     brief: float | None = None
@@ -139,7 +139,7 @@ class Problem:
 
 
 @dataclass(frozen=True)
-class Halt:
+class Termination:
     """Why and where an integrator could not go on: the last state that was good.
 
     ``singular`` says that a singular mass matrix is known to be the cause.
@@ -152,7 +152,7 @@ class Halt:
 
 
 @dataclass
-class Headway:
+class StallDetector:
     """A look at whether steps lead to the end of a run, from its ``start`` on.
 
     They lead nowhere where many of them cover next to nothing, and where too many are left: at the
@@ -222,11 +222,11 @@ class Run:
 
     ``crossings`` maps each event to its times and states; ``stopped`` names the one that ended the
     run; ``inside``, of dense runs, gives states at any times reached; ``held`` says
-    that it was kept on a wall, along which no single right side holds; ``switches`` counts changes
-    of chart, and ``prepared`` are the seconds of the run that making integrators for them took;
-    ``notes`` are lines for the user; ``ends``, where a problem asks for them, the ends of steps;
-    ``samples`` are taken of the steps, with rates of their own where switches change the right
-    side.
+    that it was kept on a switching surface, along which no single right side holds; ``switches``
+    counts changes of chart, and ``prepared`` are the seconds of the run that making integrators for
+    them took; ``notes`` are lines for the user; ``ends``, where a problem asks for them, the ends
+    of steps; ``samples`` are taken of the steps, with rates of their own where switches change the
+    right side.
     """
 
     t: np.ndarray
@@ -234,7 +234,7 @@ class Run:
     steps: int
     evaluations: int
     crossings: Mapping[str, tuple[np.ndarray, np.ndarray]]
-    halt: Halt | None = None
+    halt: Termination | None = None
     interrupted: bool = False
     stopped: str = ""
     inside: Callable[[np.ndarray], np.ndarray] | None = None
@@ -248,7 +248,7 @@ class Run:
     def until(self, row: int, reason: str, last: tuple[Any, np.ndarray] | None = None) -> Run:
         """The run up to a row of its grid, after which it went wrong: after the ``last`` time and
         state that were good, or at once."""
-        halt = Halt(reason, *(last or (self.t[row], self.states[row])))
+        halt = Termination(reason, *(last or (self.t[row], self.states[row])))
         kept = until(self.crossings, self.t[0], halt.time)
         t, states = self.t[: row + 1], self.states[: row + 1]
         return replace(self, t=t, states=states, crossings=kept, halt=halt, stopped="")
@@ -259,7 +259,7 @@ class Run:
         return replace(self, crossings=kept)
 
 
-Stepper = Callable[[np.ndarray], Run]
+Integrator = Callable[[np.ndarray], Run]
 
 
 @dataclass
@@ -271,7 +271,7 @@ class Log:
     width: int
     rows: dict[str, list[tuple[Any, np.ndarray]]] = field(default_factory=dict)
     stopped: str = ""
-    walls: frozenset[str] = frozenset()
+    switching_surfaces: frozenset[str] = frozenset()
     touches: list[tuple[Any, Guard]] = field(default_factory=list)
 
     @property
@@ -306,7 +306,10 @@ class Log:
 
     def enter(self, event: Guard, time: Any, state: np.ndarray) -> bool:
         """Keep a crossing; whether it ends the run."""
-        near = event.name not in self.walls and abs(time - self.start) <= AT_START * self.span
+        near = (
+            event.name not in self.switching_surfaces
+            and abs(time - self.start) <= AT_START * self.span
+        )
         if near:
             return False
         self.rows.setdefault(event.name, []).append((time, state))
@@ -363,7 +366,7 @@ def cut_at_singularity(run: Run, problem: Problem) -> Run:
     if found is None:
         return run
     last = max(found, 1)
-    halt = Halt(SINGULAR, run.t[last - 1], run.states[last - 1], singular=True)
+    halt = Termination(SINGULAR, run.t[last - 1], run.states[last - 1], singular=True)
     kept = until(run.crossings, run.t[0], halt.time)
     return replace(run, t=run.t[:last], states=run.states[:last], crossings=kept, halt=halt)
 
@@ -570,7 +573,7 @@ def values_along(
     return [in_kind(along[n], times.dtype) if n in along else np.float64(x) for n, x in pairs]
 
 
-def in_pieces(make: Callable[[Problem], Stepper], problem: Problem, anew: bool) -> Stepper:
+def in_pieces(make: Callable[[Problem], Integrator], problem: Problem, anew: bool) -> Integrator:
     """The stepper of a problem with ``changing`` parameters: made once, or ``anew`` for each piece,
     where it asks for its numbers ``exact`` when it is made."""
     changing, names = problem.changing, [str(p) for p in problem.program.parameters]

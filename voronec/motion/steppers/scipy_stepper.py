@@ -11,11 +11,11 @@ import numpy as np
 
 from voronec.equations.program import compile_program
 from voronec.motion.steppers.dop853_source import FIRST_GROWTH, growth
-from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem, Run, Stepper
+from voronec.motion.steppers.run import COLLAPSE, INFINITE, Integrator, Problem, Run
 from voronec.motion.steppers.step_loop import (
     IntegratorFailure,
+    Stepper,
     Stride,
-    Walker,
     level_function,
     march,
 )
@@ -44,14 +44,14 @@ TRIAL = 12
 """Steps after which the rest is estimated; the first ones are shorter than those that follow."""
 
 
-def dop853(problem: Problem) -> Stepper:
+def dop853(problem: Problem) -> Integrator:
     """The Runge-Kutta method of order eight of Dormand and Prince."""
     from scipy.integrate import DOP853
 
     return _stepper(replace(problem, tol=dop853_tolerance(problem.tol)), DOP853)
 
 
-def dop853_steps(problem: Problem, grid: np.ndarray) -> Walker:
+def dop853_steps(problem: Problem, grid: np.ndarray) -> Stepper:
     """The same, step by step."""
     from scipy.integrate import DOP853
 
@@ -59,7 +59,7 @@ def dop853_steps(problem: Problem, grid: np.ndarray) -> Walker:
     return _Solver(problem, _solver(fine, DOP853, grid))
 
 
-def lsoda(problem: Problem) -> Stepper:
+def lsoda(problem: Problem) -> Integrator:
     """Adams' and Gear's methods by turns, as stiffness asks for."""
     from scipy.integrate import LSODA
 
@@ -147,7 +147,7 @@ def up_to(problem: Problem, start: float, begin: np.ndarray, end: float) -> Stri
     return Stride(start, solver.t, solver.y, lambda times: np.asarray(inside(times).T))
 
 
-def _stepper(problem: Problem, method: Callable[..., Any]) -> Stepper:
+def _stepper(problem: Problem, method: Callable[..., Any]) -> Integrator:
     def run(grid: np.ndarray) -> Run:
         with np.errstate(all="ignore"):
             solver = _Solver(problem, _solver(problem, method, grid))

@@ -16,11 +16,11 @@ from voronec.motion.steppers.run import (
     COLLAPSE,
     DISTANT,
     SINGULAR,
-    Halt,
-    Headway,
     Log,
     Problem,
     Run,
+    StallDetector,
+    Termination,
     Ticker,
     in_parts,
     until,
@@ -29,9 +29,9 @@ from voronec.motion.steppers.samples import StepSampler, StepSamples
 
 __all__ = [
     "IntegratorFailure",
-    "Stretch",
+    "Segment",
+    "Stepper",
     "Stride",
-    "Walker",
     "level_function",
     "march",
 ]
@@ -73,7 +73,7 @@ class Stride:
 
 
 @dataclass(frozen=True)
-class Stretch:
+class Segment:
     """Accepted ``steps`` in which nothing happens, up to the time ``end`` and a state (n,) there.
 
     ``rows`` (k, n) are the states at the next points of the grid.  Where a problem asks for ends
@@ -91,10 +91,10 @@ class Stretch:
     samples: tuple[np.ndarray, np.ndarray] | None = None
 
 
-class Walker(Protocol):
+class Stepper(Protocol):
     """An integrator under way."""
 
-    def advance(self) -> Stride | Stretch:
+    def advance(self) -> Stride | Segment:
         """The next step, or several; raises ``IntegratorFailure``."""
 
     @property
@@ -118,16 +118,16 @@ def level_function(problem: Problem) -> Levels:
     return function
 
 
-def march(problem: Problem, grid: np.ndarray, walker: Walker, levels: Levels) -> Run:
+def march(problem: Problem, grid: np.ndarray, stepper: Stepper, levels: Levels) -> Run:
     """The run over a grid."""
-    return _March(problem, grid, walker, levels).run()
+    return _March(problem, grid, stepper, levels).run()
 
 
 @dataclass
 class _March:
     problem: Problem
     grid: np.ndarray
-    walker: Walker
+    stepper: Stepper
     levels: Levels
     log: Log = field(init=False)
     states: np.ndarray = field(init=False)
@@ -139,31 +139,36 @@ class _March:
     done: int = 1
     steps: int = 0
     idle: int = 0
-    is_on_wall: bool = True
+    is_on_switching_surface: bool = True
     last_look: tuple[Any, np.ndarray | None] = (None, None)
-    last: Halt = field(init=False)
+    last: Termination = field(init=False)
 
     def __post_init__(self) -> None:
         grid, start = self.grid, self.problem.start
-        self.log = Log(grid[0], float(np.ptp(grid)), len(start), walls=self.problem.walls)
+        self.log = Log(
+            grid[0],
+            float(np.ptp(grid)),
+            len(start),
+            switching_surfaces=self.problem.switching_surfaces,
+        )
         self.states = np.empty((len(grid), len(start)), dtype=start.dtype)
         self.states[0] = start
         self.order = 1 if grid[-1] >= grid[0] else -1
         self.forward = self.order * grid
-        self.last = Halt(COLLAPSE, grid[0], start)
+        self.last = Termination(COLLAPSE, grid[0], start)
         self.suspect(grid[:1], start[None, :])
 
     def run(self) -> Run:
         ticker = Ticker(self.problem.progress, float(self.grid[0]), float(self.grid[-1]))
-        headway = Headway(self.grid[0], float(self.grid[-1]))
+        stall = StallDetector(self.grid[0], float(self.grid[-1]))
         try:
             while self.done < len(self.grid) and not self.log.stopped:
                 try:
-                    stride = self.walker.advance()
+                    stride = self.stepper.advance()
                 except IntegratorFailure as halted:
                     good = self.last
-                    return self.result(Halt(str(halted), good.time, good.state))
-                if isinstance(stride, Stretch):
+                    return self.result(Termination(str(halted), good.time, good.state))
+                if isinstance(stride, Segment):
                     self.pass_over(stride)
                 else:
                     self.steps += 1
@@ -171,7 +176,7 @@ class _March:
                 ticker(self.last.time)
                 if self.unseen >= SUSPECTS and (halt := self.singular()):
                     return self.result(halt)
-                if reason := headway.failure(self.steps, self.last.time):
+                if reason := stall.failure(self.steps, self.last.time):
                     return self.result(replace(self.last, reason=reason))
         except KeyboardInterrupt:
             return self.result(interrupted=True)
@@ -203,7 +208,7 @@ class _March:
             self.strides.append(stride)
         if self.problem.marked:
             self.ends.append(float(stride.end))
-        self.last = Halt(COLLAPSE, stride.end, stride.state)
+        self.last = Termination(COLLAPSE, stride.end, stride.state)
         self.suspect(np.array([stride.end]), stride.state[None, :])
 
     def count_until(self, time: Any) -> int:
@@ -214,24 +219,34 @@ class _March:
     def happenings(
         self, stride: Stride, events: Mapping[int, Guard]
     ) -> tuple[Stride, list[tuple[Any, Guard]]]:
-        """A step up to the first wall in it, where its stages look beyond, and what happens in it:
-        there other equations hold."""
-        walls = self.problem.walls
-        left = walls if self.is_on_wall else frozenset()
+        """A step up to the first switching surface in it, where its stages look beyond, and what
+        happens in it: there other equations hold."""
+        switching_surfaces = self.problem.switching_surfaces
+        left = switching_surfaces if self.is_on_switching_surface else frozenset()
         known = self.last_look[1] if self.last_look[0] == stride.start else None
         seen = crossings(events, self.levels, stride.course(known), left)
         self.last_look, found = (stride.end, seen.end), seen.passages
         self.log.touches += seen.touches
-        # short first steps may leave a wall by less than rounding
-        on = [abs(seen.end[i]) <= SPECK for i, event in events.items() if event.name in walls]
-        self.is_on_wall = self.is_on_wall and any(on)
-        wall = next((pair for pair in found if pair[1].name in walls), None)
-        if wall is None or stride.up_to is None or wall[0] == stride.start:
+        # short first steps may leave a switching surface by less than rounding
+        on = [
+            abs(seen.end[i]) <= SPECK
+            for i, event in events.items()
+            if event.name in switching_surfaces
+        ]
+        self.is_on_switching_surface = self.is_on_switching_surface and any(on)
+        switching_surface = next(
+            (pair for pair in found if pair[1].name in switching_surfaces), None
+        )
+        if (
+            switching_surface is None
+            or stride.up_to is None
+            or switching_surface[0] == stride.start
+        ):
             return stride, found
-        shorter = stride.up_to(wall[0])
-        others = {i: event for i, event in events.items() if event.name not in walls}
+        shorter = stride.up_to(switching_surface[0])
+        others = {i: event for i, event in events.items() if event.name not in switching_surfaces}
         before = crossings(others, self.levels, shorter.course(known)).passages if others else []
-        return shorter, [*before, wall]
+        return shorter, [*before, switching_surface]
 
     def suspect(self, times: np.ndarray, states: np.ndarray, every: int = 1) -> None:
         """Have the mass matrices at times (k,) and states (k, n) looked at, before long: one of so
@@ -240,20 +255,20 @@ class _March:
             self.recent.append((times, states, every))
             self.unseen += len(times)
 
-    def pass_over(self, stretch: Stretch) -> None:
+    def pass_over(self, segment: Segment) -> None:
         """Enter steps in which nothing happens."""
-        new = slice(self.done, self.done + len(stretch.rows))
-        self.states[new] = stretch.rows
-        self.suspect(self.grid[new], stretch.rows)
-        self.suspect(stretch.times, stretch.states, EVERY)
-        self.done, self.steps = new.stop, self.steps + stretch.steps
-        self.idle = 0 if len(stretch.rows) else self.idle + stretch.steps
-        self.strides += stretch.strides
-        if stretch.samples is not None:
-            self.sampler.rows.append(stretch.samples)
+        new = slice(self.done, self.done + len(segment.rows))
+        self.states[new] = segment.rows
+        self.suspect(self.grid[new], segment.rows)
+        self.suspect(segment.times, segment.states, EVERY)
+        self.done, self.steps = new.stop, self.steps + segment.steps
+        self.idle = 0 if len(segment.rows) else self.idle + segment.steps
+        self.strides += segment.strides
+        if segment.samples is not None:
+            self.sampler.rows.append(segment.samples)
         if self.problem.marked:
-            self.ends += stretch.times.tolist()
-        self.last = Halt(COLLAPSE, stretch.end, stretch.state)
+            self.ends += segment.times.tolist()
+        self.last = Termination(COLLAPSE, segment.end, segment.state)
 
     def near(self, stride: Stride) -> np.ndarray:
         """Which coarse events (m,) may happen in a step, by their functions and the slopes at its
@@ -273,7 +288,7 @@ class _March:
             fastest = np.abs(rises).max(axis=0) + np.abs(rises[1] - rises[0])
             return ~((g[0] > 0) & (g[2] > 0)) | (g[0] + g[2] <= fastest)
 
-    def singular(self) -> Halt | None:
+    def singular(self) -> Termination | None:
         """The last state before one with a singular mass matrix, if there is one."""
         if not self.recent or self.problem.suspect is None:
             return None
@@ -290,9 +305,9 @@ class _March:
         time, state = times[max(found - 1, 0)], states[max(found - 1, 0)]
         reached = self.count_until(time)
         self.done = min(self.done, max(reached, 1))
-        return Halt(SINGULAR, time, state, singular=True)
+        return Termination(SINGULAR, time, state, singular=True)
 
-    def result(self, halt: Halt | None = None, interrupted: bool = False) -> Run:
+    def result(self, halt: Termination | None = None, interrupted: bool = False) -> Run:
         t, states = self.grid[: self.done].copy(), self.states[: self.done].copy()
         end = self.log.last if self.log.stopped else (self.last.time, self.last.state)
         kept = self.log.stopped or (interrupted and self.idle >= DISTANT)
@@ -303,7 +318,7 @@ class _March:
         if halt is not None:
             found = until(found, t[0], halt.time)
         return Run(
-            t, states, self.steps, self.walker.evaluations, found, halt, interrupted,
+            t, states, self.steps, self.stepper.evaluations, found, halt, interrupted,
             self.log.stopped, self.inside if self.problem.dense else None, ends=tuple(self.ends),
             samples=StepSamples.of(self.sampler.rows), notes=self.log.notes,
         )  # fmt: skip

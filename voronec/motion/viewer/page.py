@@ -31,55 +31,55 @@ from voronec.equations.voronec_equations import derive
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
 from voronec.motion.closed_form import closed_form
 from voronec.motion.observables import watch_of
-from voronec.motion.request import Vocabulary
+from voronec.motion.request import Namespace
 
 if TYPE_CHECKING:
     from voronec.declaration.system import System
     from voronec.motion.pictures.motion_record import MotionRecord
-    from voronec.motion.request import Vocabulary
+    from voronec.motion.request import Namespace
 
 __all__ = ["LARGEST", "Page", "PageView", "check_shapes", "view_of"]
 
 
-def page_program(vocabulary: Vocabulary, shapes: Sequence[Shape]) -> Program:
+def page_program(namespace: Namespace, shapes: Sequence[Shape]) -> Program:
     """The whole equations on coordinates and velocities; its extra quantities place each
     shape by fifteen numbers, centre, attitude row by row and contact, and then are integrals, the
     sizes of their terms, and ``quartic_parts``."""
     placed = {
-        f"shape {i} {k}": vocabulary.inward(e)
+        f"shape {i} {k}": namespace.inward(e)
         for i, shape in enumerate(shapes)
         for k, e in enumerate((*shape.centre, *shape.attitude, *(shape.contact or (0, 0, 0))))
     }
-    beside = watch_of(vocabulary, ())
+    beside = watch_of(namespace, ())
     names = [*beside.integrals.values(), *beside.sizes.values()]
     kept = {name: beside.expressions[name] for name in names}
-    return Program.of(vocabulary.equations.form, placed | kept | quartic_parts(vocabulary))
+    return Program.of(namespace.equations.form, placed | kept | quartic_parts(namespace))
 
 
-def quartic_parts(vocabulary: Vocabulary) -> dict[str, Any]:
+def quartic_parts(namespace: Namespace) -> dict[str, Any]:
     """Of a motion by quadratures, (dx/dtau)^2 = f(x): x, and f at -1, -1/2, 0, 1/2, 1, which fix a
     quartic, as functions of the state; nothing of other motions."""
-    motion = vocabulary.equations.system.motion
+    motion = namespace.equations.system.motion
     if motion is None:
         return {}
     known = dict(motion.constants)
     places = [sp.Rational(k, 2) for k in range(-2, 3)]
     values = [motion.quartic.xreplace({motion.x: place}).xreplace(known) for place in places]
     parts = [motion.meaning, *values]
-    return {f"quartic {i}": vocabulary.inward(part) for i, part in enumerate(parts)}
+    return {f"quartic {i}": namespace.inward(part) for i, part in enumerate(parts)}
 
 
-def mesh_source(shapes: Sequence[Shape], vocabulary: Vocabulary) -> str:
+def mesh_source(shapes: Sequence[Shape], namespace: Namespace) -> str:
     """JavaScript whose ``extras(t, (a, b), parameters)`` gives three numbers for each patch of each
     shape, one after the other."""
-    parameters = tuple(map(se.Symbol, vocabulary.equations.system.parameter_names))
+    parameters = tuple(map(se.Symbol, namespace.equations.system.parameter_names))
     points = [
-        vocabulary.equations.door.inward(e) for s in shapes for p in s.patches for e in p.position
+        namespace.equations.bridge.inward(e) for s in shapes for p in s.patches for e in p.position
     ]
     a, b = (se.Symbol(str(x)) for x in MESH)
     names = tuple(f"point {i}" for i in range(len(points)))
     program = Program(
-        time=vocabulary.equations.form.time,
+        time=namespace.equations.form.time,
         coordinates=(a,),
         velocities=(b,),
         parameters=parameters,
@@ -114,8 +114,8 @@ class Page:
     """The page of a trajectory, which holds all coordinates and velocities of the equations.
 
     It integrates the equations itself, and again where somebody moves a slider.  What it cannot
-    integrate - inputs, walls, changes of coordinates on the way, a long time - it plays from the
-    instants of the trajectory, and says so.  ``caption`` says what there is to see.
+    integrate - inputs, switching surfaces, changes of coordinates on the way, a long time - it
+    plays from the instants of the trajectory, and says so.  ``caption`` says what there is to see.
     """
 
     trajectory: MotionRecord
@@ -127,14 +127,14 @@ class Page:
         return self.trajectory.system
 
     @cached_property
-    def vocabulary(self) -> Vocabulary:
+    def namespace(self) -> Namespace:
         """The names of its equations."""
-        return Vocabulary.of(derive(self.system))
+        return Namespace.of(derive(self.system))
 
     @cached_property
     def program(self) -> Program:
         """What the page computes."""
-        return page_program(self.vocabulary, self.system.shapes)
+        return page_program(self.namespace, self.system.shapes)
 
     @cached_property
     def states(self) -> np.ndarray:
@@ -163,7 +163,7 @@ class Page:
         if program.inputs:
             return "inputs move the system"
         if program.is_rough:
-            return "the equations have walls"
+            return "the equations have switching surfaces"
         if cost.switches:
             return "the coordinates were changed on the way"
         return ""
@@ -174,7 +174,7 @@ class Page:
         folder = files(__package__)
         return {
             "program": _module_object(javascript_source(self.program)),
-            "mesh": _module_object(mesh_source(self.system.shapes, self.vocabulary)),
+            "mesh": _module_object(mesh_source(self.system.shapes, self.namespace)),
             "DATA": _json(self.data),
             "dop853": (folder / "dop853.js").read_text("utf-8"),
             "motion": (folder / "motion.js").read_text("utf-8"),

@@ -17,13 +17,13 @@ from voronec.declaration.relation import Relation, Square
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
 from voronec.errors import DefinitionError, EngineLimit
+from voronec.proof.branch_cuts import positive_domain
 from voronec.proof.relations.decision import complete_velocities, decided_at_limit
 from voronec.proof.relations.families import Course, carry_back
 from voronec.proof.relations.functions import Functions, formal, substitute
 from voronec.proof.relations.orders import all_at_zero, at_zero
 from voronec.proof.relations.parameters import applications
 from voronec.proof.relations.statemap import StateMap
-from voronec.proof.walls import positive_domain
 
 __all__ = ["CheckedSquare", "check_square"]
 

@@ -1,7 +1,7 @@
 """Charts proved: the same motion, in coordinates that go over into one another.
 
 A chart is a relation of a system to itself in other coordinates, DPhi f = g(Phi), together with an
-inverse: Psi(Phi(x)) = x where the factors of ``singular`` are positive.  Its twins T give the same
+inverse: Psi(Phi(x)) = x where the factors of ``singular`` are positive.  The sheets T of its double cover give the same
 state as x: Phi(T(x)) = Phi(x).
 """
 
@@ -26,12 +26,12 @@ from voronec.declaration.relation import Relation
 from voronec.declaration.system import System, system_in
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
+from voronec.proof.branch_cuts import not_vacuous
 from voronec.proof.claims import Claim
 from voronec.proof.decision import all_zero, verdict_of
 from voronec.proof.relations.decision import decided_at_limit
 from voronec.proof.relations.parameters import applications
 from voronec.proof.relations.statemap import StateMap, is_period
-from voronec.proof.walls import not_vacuous
 
 __all__ = ["check_charts"]
 
@@ -52,10 +52,10 @@ def _decide(motions: Motions, name: str) -> Verdict:
     if not inverse.proved:
         return replace(inverse, method=f"there and back: {inverse.method}")
     away = Motions.of(there)
-    for twin in chart.twin_values(motions.system):
-        same = _same_state(motions, away, chart, twin)
+    for sheet in chart.sheet_values(motions.system):
+        same = _same_state(motions, away, chart, sheet)
         if not same.proved:
-            return replace(same, method=f"twins: {same.method}")
+            return replace(same, method=f"double cover: {same.method}")
     home = replace(motions.equations, system=_bare(motions.system))
     known = {home.system.name: Motions(home), there.name: away}
     own = {p.symbol: p.symbol for p in motions.system.parameters}
@@ -78,7 +78,7 @@ def _bare(system: System) -> System:
 def _inverse(motions: Motions, chart: Chart) -> Verdict:
     """Whether the way there and back ends where it began; angles of it up to whole turns."""
     field, system = motions.on_coordinates, motions.system
-    read = {x: field.door.inward(x) for x in (*system.coordinates, *system.velocities)}
+    read = {x: field.bridge.inward(x) for x in (*system.coordinates, *system.velocities)}
     there = {read[x]: field.read(e) for x, e in chart.values(system).items()}
     positive = _factors(field.read(chart.singular))
     angles = Angles(field.relations, positive)
@@ -90,10 +90,12 @@ def _inverse(motions: Motions, chart: Chart) -> Verdict:
     return replace(found, modulo="2*pi") if len(turned) > len(pairs) else found
 
 
-def _same_state(motions: Motions, there: Motions, chart: Chart, twin: Mapping[Any, Any]) -> Verdict:
-    """Whether a twin has the same image as what it is a twin of; angles there up to whole turns."""
+def _same_state(
+    motions: Motions, there: Motions, chart: Chart, sheet: Mapping[Any, Any]
+) -> Verdict:
+    """Whether a sheet has the same image as what it is another sheet of; angles there up to whole turns."""
     field, system = motions.on_coordinates, motions.system
-    other = {field.door.inward(x): field.read(e) for x, e in twin.items()}
+    other = {field.bridge.inward(x): field.read(e) for x, e in sheet.items()}
     images = [(x, field.read(e)) for x, e in chart.values(system).items()]
     pairs = [(x, se.expand(e.xreplace(other) - e)) for x, e in images]
     turned = _up_to_turns(pairs, Angles(field.relations), there.on_coordinates)
@@ -106,7 +108,7 @@ def _up_to_turns(
     """What must vanish where differences do, those of angles of a field up to whole turns."""
     residuals = []
     for x, difference in pairs:
-        label, own, off = plain_name(x), field.door.inward(x), angles.resolve(difference)
+        label, own, off = plain_name(x), field.bridge.inward(x), angles.resolve(difference)
         turns = (
             bool(off.atoms(se.atan2))
             and own in field.positions

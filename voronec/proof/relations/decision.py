@@ -40,6 +40,7 @@ from voronec.declaration.claims import Equation, Measure, right_of
 from voronec.declaration.relation import Relation
 from voronec.equations.motions import Motions
 from voronec.errors import EngineLimit
+from voronec.proof.branch_cuts import across_cuts, beside_zeros, not_vacuous
 from voronec.proof.claims import Claim
 from voronec.proof.decision import all_zero
 from voronec.proof.measures import defect
@@ -49,7 +50,6 @@ from voronec.proof.relations.orders import all_at_zero, at_zero, vanishes
 from voronec.proof.relations.parameters import applications
 from voronec.proof.relations.possible import possible_values
 from voronec.proof.relations.statemap import StateMap
-from voronec.proof.walls import across_walls, beside_zeros, not_vacuous
 
 __all__ = [
     "CheckedRelation",
@@ -191,7 +191,7 @@ def check_relation(relation: Relation, motions: Callable[[str], Motions]) -> Che
 
 
 def decided_at_limit(statemap: StateMap, beyond: bool = True) -> tuple[StateMap, Verdict]:
-    """The verdict, and the map on which it was found; ``beyond`` as in ``across_walls``.
+    """The verdict, and the map on which it was found; ``beyond`` as in ``across_cuts``.
 
     A limit of first order, where everything has one, is an exact relation of the limits: all that
     is in a residual is continuous there.
@@ -257,23 +257,23 @@ def _decide_map(statemap: StateMap, beyond: bool) -> Verdict:
         if not verdict.proved:
             return replace(verdict, method=f"{place}: {verdict.method}")
     proof = possible_values(statemap)
-    return _across_walls(statemap, proof, beyond) if proof.proved else proof
+    return _across_cuts(statemap, proof, beyond) if proof.proved else proof
 
 
-def _across_walls(statemap: StateMap, verdict: Verdict, beyond: bool) -> Verdict:
-    """The proof with the walls of the map: positions and the time jump by periods of the target;
+def _across_cuts(statemap: StateMap, verdict: Verdict, beyond: bool) -> Verdict:
+    """The proof with the cuts of the map: positions and the time jump by periods of the target;
     parameters that hold state, potentials, velocities and the clock may not jump."""
     target, field = statemap.target, statemap.scaled_source
     held = [(f"the parameter '{p}'", e) for p, e in statemap.parameters.items() if p.is_Symbol]
-    verdict = across_walls(verdict, field, held, periods=False, constant=True)
-    verdict = across_walls(verdict, field, [*_potentials(statemap)], periods=False)
+    verdict = across_cuts(verdict, field, held, periods=False, constant=True)
+    verdict = across_cuts(verdict, field, [*_potentials(statemap)], periods=False)
     for x in (*target.positions, target.time):
         image = [(f"the image '{x}'", statemap.state[x])]
         periods = partial(statemap.is_period, x)
-        verdict = across_walls(verdict, field, image, periods, beyond=beyond)
+        verdict = across_cuts(verdict, field, image, periods, beyond=beyond)
     fast = [(f"the image '{v}'", statemap.state[v]) for v in target.velocities]
     fast += [("the clock", statemap.clock)]
-    verdict = across_walls(verdict, field, fast, periods=False, beyond=beyond)
+    verdict = across_cuts(verdict, field, fast, periods=False, beyond=beyond)
     verdict = _where_regular(statemap, verdict)
     verdict = where_nonzero(verdict, field, "the clock", statemap.clock)
     return beside_zeros(verdict, field, "the clock", statemap.clock)
@@ -467,7 +467,7 @@ def _claim(
             field, is_constant = statemap.scaled_source, kind == "integral"
             inside = [("", f) for f in functions]
             periods = kind != "measure"
-            verdict = across_walls(verdict, field, inside, periods, is_constant, beyond=True)
+            verdict = across_cuts(verdict, field, inside, periods, is_constant, beyond=True)
             if kind == "measure":
                 verdict = where_nonzero(verdict, field, "the density", inside[0][1])
     except Infinite:
@@ -481,7 +481,7 @@ def _is_mapped(statemap: StateMap, *exprs: sp.Expr) -> bool:
     """Whether functions of the target's state are functions of what is mapped."""
     target = statemap.target
     known = {*target.variables, *target.parameters, target.time}
-    named = (target.door.inward(e).free_symbols <= known for e in exprs)
+    named = (target.bridge.inward(e).free_symbols <= known for e in exprs)
     if target.level == "invariants" and not all(named):
         return False
     is_timed = any(target.time in target.read(e).free_symbols for e in exprs)
@@ -566,7 +566,7 @@ def _kinds_of(statemap: StateMap) -> tuple[str, ...]:
     change of coordinates, equality
         states correspond one to one, under other names or the same ones.
 
-    Where a parameter or a side of a wall makes the rank of the state map less, that is told last.
+    Where a parameter or a side of a cut makes the rank of the state map less, that is told last.
     """
     words = []
     is_limit = statemap.relation.limit is not None

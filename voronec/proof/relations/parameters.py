@@ -22,7 +22,7 @@ class ParameterReader(Protocol):
     """Reads expressions in the symbols of the source."""
 
     def read(self, expr: sp.Expr, place: str, formals: Mapping[str, Any] = ...) -> Any:
-        """The expression inside the door."""
+        """The expression in the engine's symbols."""
 
 
 def read_parameters(
@@ -30,7 +30,7 @@ def read_parameters(
 ) -> dict[Any, Any]:
     """The value of every parameter, and of every unknown function, of the target."""
     given = by_name(relation.parameters)
-    symbols = {p.name: target.door.inward(p.symbol) for p in target.system.parameters}
+    symbols = {p.name: target.bridge.inward(p.symbol) for p in target.system.parameters}
     functions = applications(target)
     known = {**symbols, **functions}
     for name, value in given.items():

@@ -63,5 +63,5 @@ def _holds(one: Any, at: dict[Any, Any], known: Sequence[Any]) -> bool | None:
 def _write(one: Any, field: Any) -> str:
     """A condition, or what vanishes, in words."""
     for expr, _ in comparisons([one]):
-        return f"{quote(field.door.outward(expr))} > 0"
-    return str(one) if isinstance(one, Boolean) else f"{quote(field.door.outward(one))} = 0"
+        return f"{quote(field.bridge.outward(expr))} > 0"
+    return str(one) if isinstance(one, Boolean) else f"{quote(field.bridge.outward(one))} = 0"

@@ -1,4 +1,5 @@
-"""A relation read: the map of states and parameters between two vector fields, inside the door."""
+"""A relation read: the map of states and parameters between two vector fields, in the engine's
+symbols."""
 
 from __future__ import annotations
 
@@ -180,7 +181,7 @@ class _Reader:
     @property
     def small(self) -> Any:
         limit = self.relation.limit
-        return None if limit is None else self.source.door.inward(limit.small)
+        return None if limit is None else self.source.bridge.inward(limit.small)
 
     @cached_property
     def scaled_parameters(self) -> dict[Any, Any]:
@@ -195,11 +196,12 @@ class _Reader:
                     f"relation '{self.relation.label}': the limit scales '{key}', which is no "
                     f"parameter of '{self.source.system.name}'" + did_you_mean(key, symbols)
                 )
-            found[self.source.door.inward(symbols[key])] = self.source.door.inward(value)
+            found[self.source.bridge.inward(symbols[key])] = self.source.bridge.inward(value)
         return found
 
     def read(self, expr: sp.Expr, place: str, formals: Mapping[str, Any] = NONE) -> Any:
-        """An expression inside the door; ``formals`` are put in for symbols of these names."""
+        """An expression in the engine's symbols; ``formals`` are put in for symbols of these
+        names."""
         known = {*self.source.system.known_symbols(), *self.source.system.invariant_symbols}
         if self.relation.limit is not None:
             known.add(self.relation.limit.small)
@@ -210,7 +212,7 @@ class _Reader:
                     f"relation '{self.relation.label}': {place} holds '{symbol}', which "
                     f"'{self.source.system.name}' does not have" + did_you_mean(str(symbol), names)
                 )
-        inside = self.source.door.inward(expr)
+        inside = self.source.bridge.inward(expr)
         if formals:
             inside = inside.xreplace({se.Symbol(name): slot for name, slot in formals.items()})
         return self.source.express(inside).xreplace(self.scaled_parameters)

@@ -279,7 +279,7 @@ def _raise_power(monomial: Monomial, places: Iterable[int], by: Iterable[Any]) -
 def coefficients(
     candidate: ModularIntegral, probe: Probe, normalization: Normalization, rng: Any
 ) -> list[Any]:
-    """The coefficients of an integral, without common factors, inside the door."""
+    """The coefficients of an integral, without common factors, in the engine's symbols."""
     count = len(probe.constants)
     left = normalization.other_places(count)
 

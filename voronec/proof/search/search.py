@@ -40,6 +40,7 @@ from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
+from voronec.proof.branch_cuts import across_cuts, not_vacuous
 from voronec.proof.search.gradings import Gradings
 from voronec.proof.search.independence import Independence
 from voronec.proof.search.lifting import (
@@ -57,9 +58,8 @@ from voronec.proof.search.lifting import (
 from voronec.proof.search.probe import Probe, Values
 from voronec.proof.search.residues import Array
 from voronec.proof.search.result import FoundIntegral, IntegralSearch
-from voronec.proof.walls import across_walls, not_vacuous
 
-__all__ = ["Ansatz", "Letter", "Question", "search_integrals", "searches"]
+__all__ = ["Ansatz", "Letter", "SearchProblem", "search_integrals", "searches"]
 
 CLASS_LIMIT = 2000
 """How many monomials of one class are taken on, unless told otherwise."""
@@ -123,7 +123,7 @@ def searches(
 ) -> Iterator[IntegralSearch]:
     """``search_integrals`` step by step: what is known after each class; the last is finished."""
     started = perf_counter()
-    question = Question.about(
+    question = SearchProblem.about(
         system, degree, positions, denominators, power, functions or {}, momenta, at or {}, again
     )
     run = _Run.of(question, limit, np.random.default_rng(seed))
@@ -138,7 +138,7 @@ def searches(
 class _Run:
     """One search in progress."""
 
-    question: Question
+    question: SearchProblem
     probe: Probe
     values: Values
     classes: list[Array]
@@ -148,7 +148,7 @@ class _Run:
     result: IntegralSearch
 
     @classmethod
-    def of(cls, question: Question, limit: int, rng: Any) -> _Run:
+    def of(cls, question: SearchProblem, limit: int, rng: Any) -> _Run:
         letters = [x.value for x in question.ansatz.letters]
         classes = _classes(question, limit)
         declared = list(question.known.values())
@@ -228,17 +228,17 @@ class _Run:
         spelled = short.xreplace({a: x.value for a, x in zip(plain, letters, strict=True)})
         verdict = _proof(mechanics, spelled)
         named = {door_symbol: x.name for door_symbol, x in zip(plain, letters, strict=True)}
-        door = mechanics.door
-        shown = door.outward(short).xreplace({door.outward(a): n for a, n in named.items()})
+        bridge = mechanics.bridge
+        shown = bridge.outward(short).xreplace({bridge.outward(a): n for a, n in named.items()})
         name = f"F{len(self.result.integrals) + 1}"
-        return FoundIntegral(name, door.outward(spelled), shown, verdict, independent)
+        return FoundIntegral(name, bridge.outward(spelled), shown, verdict, independent)
 
 
 def _beginning(
-    question: Question, probe: Probe, classes: Sequence[Array], independence: Independence
+    question: SearchProblem, probe: Probe, classes: Sequence[Array], independence: Independence
 ) -> IntegralSearch:
     """The outcome of a search that has looked at nothing yet."""
-    outward = question.field.door.outward
+    outward = question.field.bridge.outward
     constants = [s for s in probe.constants if s.free_symbols]
     order = [outward(s) for s in (*question.field.parameters, *constants)]
     return IntegralSearch(
@@ -255,7 +255,7 @@ def _beginning(
     )
 
 
-def _classes(question: Question, limit: int) -> list[Array]:
+def _classes(question: SearchProblem, limit: int) -> list[Array]:
     """The monomials by class, low degrees in the velocities first."""
     ansatz = question.ansatz
     if ansatz.count() > ENUMERATION * limit:
@@ -279,12 +279,12 @@ def _classes(question: Question, limit: int) -> list[Array]:
 
 
 def _proof(mechanics: VectorField, function: Any) -> Verdict:
-    """Whether a function is constant along motions, those that cross its walls among them."""
+    """Whether a function is constant along motions, those that cross its cuts among them."""
     try:
         found = decide_zero(mechanics.derivative(function), mechanics.hypotheses)
     except EngineLimit as limit:
         return Verdict("undecided", str(limit))
-    found = across_walls(found, mechanics, [("", function)], constant=True)
+    found = across_cuts(found, mechanics, [("", function)], constant=True)
     return not_vacuous(found, mechanics)
 
 
@@ -292,7 +292,7 @@ def _proof(mechanics: VectorField, function: Any) -> Verdict:
 class Letter:
     """One function of the state, of ``kind`` velocity, position or denominator.
 
-    ``name`` is how it is printed, ``value`` what it is, inside the door, ``meaning`` in the
+    ``name`` is how it is printed, ``value`` what it is, in the engine's symbols, ``meaning`` in the
     user's symbols; a denominator enters by its reciprocal, its meaning is the denominator.
     """
 
@@ -412,7 +412,7 @@ def _is_implied(case: SymbolValues, values: SymbolValues) -> bool:
 def _on_field(
     motions: Motions, field: VectorField, claims: Mapping[str, sp.Expr]
 ) -> dict[str, Any]:
-    """The claims that are functions on the field, inside the door.
+    """The claims that are functions on the field, in the engine's symbols.
 
     One that holds coordinates is rewritten in the invariants, where that is possible; one that
     holds the time is left out.
@@ -432,9 +432,9 @@ def _descend(motions: Motions, functions: Mapping[str, Any]) -> dict[str, Any]:
     elimination finds them as such."""
     if not functions:
         return {}
-    definition, door = motions.equations.definition, motions.equations.door
-    inside = [door.inward(g) for g in motions.system.invariants.values()]
-    tags = [door.inward(s) for s in motions.system.invariant_symbols]
+    definition, bridge = motions.equations.definition, motions.equations.bridge
+    inside = [bridge.inward(g) for g in motions.system.invariants.values()]
+    tags = [bridge.inward(s) for s in motions.system.invariant_symbols]
     ideal = [*definition.relations, *(g - t for g, t in zip(inside, tags, strict=True))]
     found = {}
     for name, function in functions.items():
@@ -453,7 +453,7 @@ def _descend(motions: Motions, functions: Mapping[str, Any]) -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
-class Question:
+class SearchProblem:
     """A field, an ansatz, integrals that need not be found again, by name, and the names of those
     that are declared but are no functions on this field."""
 
@@ -475,7 +475,7 @@ class Question:
         momenta: bool,
         at: Mapping[Any, Any],
         again: bool,
-    ) -> Question:
+    ) -> SearchProblem:
         """Read what the user handed in."""
         for name, number in (("degree", degree), ("positions", positions), ("power", power)):
             if not isinstance(number, int) or isinstance(number, bool) or number < 0:
@@ -500,7 +500,7 @@ class Question:
         ansatz = Ansatz(tuple(letters), degree, positions, power)
         cases = {k: _values(motions.system, c.parameters) for k, c in motions.system.cases.items()}
         claims = {} if again else _declared_integrals(motions.system, values, cases)
-        inside = {field.door.inward(s): field.door.inward(v) for s, v in values.items()}
+        inside = {field.bridge.inward(s): field.bridge.inward(v) for s, v in values.items()}
         given_known = _on_field(motions, field, claims)
         known = {name: f.xreplace(inside) for name, f in given_known.items()}
         return cls(field, ansatz, known, tuple(n for n in claims if n not in known), values)
@@ -515,7 +515,7 @@ class _StateReader:
         return self.field.read(as_expression(expr).xreplace(dict(self.values)))
 
     def _letter(self, value: Any, kind: str, name: str = "") -> Letter:
-        meaning = self.field.door.outward(value)
+        meaning = self.field.bridge.outward(value)
         return Letter(sp.Symbol(name) if name else meaning, value, meaning, kind)
 
     def _kind(self, value: Any) -> str:
@@ -593,7 +593,7 @@ class _StateReader:
             value = self.read(d) if d != "mass" else self._determinant()
             if not value.free_symbols & {*self.field.variables}:
                 raise DefinitionError(f"the denominator '{quote(d)}' is a constant; leave it out")
-            meaning = self.field.door.outward(value)
+            meaning = self.field.bridge.outward(value)
             name = meaning
             if not meaning.is_Symbol:
                 name = sp.Symbol("Delta" if longer == 1 else f"Delta{len(found) + 1}")
@@ -676,7 +676,7 @@ def _specialize(field: VectorField, values: Mapping[sp.Symbol, sp.Expr]) -> Vect
     """The field at special values of parameters; symbols that are new become parameters."""
     if not values:
         return field
-    inside = {field.door.inward(s): field.door.inward(v) for s, v in values.items()}
+    inside = {field.bridge.inward(s): field.bridge.inward(v) for s, v in values.items()}
     text = ", ".join(f"{s} = {v}" for s, v in values.items())
 
     def enter(exprs: Sequence[Any]) -> tuple[Any, ...]:

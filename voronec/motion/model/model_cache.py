@@ -31,7 +31,7 @@ from voronec.declaration.whole_files import (
     user_cache,
 )
 
-__all__ = ["Packs"]
+__all__ = ["ModelCache"]
 
 T = TypeVar("T")
 FILES = 300
@@ -46,7 +46,7 @@ DYNAMIC_FIELDS = (
 """The fields of a system that its equations and models come from."""
 
 
-class Packs:
+class ModelCache:
     """Values that come from a system and from what is ``wanted`` of it, by name.
 
     They lie in one file, called by a digest of all that they come from, the engine and the
@@ -120,7 +120,7 @@ def _pack(value: Any, system: System) -> bytes | None:
 
 
 class _Pickler(pickle.Pickler):
-    """Packs all but the system, which stands in whatever comes from it."""
+    """ModelCache all but the system, which stands in whatever comes from it."""
 
     def __init__(self, into: BytesIO, system: System) -> None:
         super().__init__(into, protocol=pickle.HIGHEST_PROTOCOL)

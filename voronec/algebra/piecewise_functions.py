@@ -1,8 +1,8 @@
 """Functions in pieces written with absolute values, signs and floors.
 
 Steps, limits and cases are such functions.  Absolute values, signs and floors are what the engine
-knows of walls: an absolute value is a root, and a sign or a floor has no slope off its wall.  What
-is written with them has the values of the original on the walls too, where a sign is zero: an
+knows of cuts: an absolute value is a root, and a sign or a floor has no slope off its cut.  What
+is written with them has the values of the original on the cuts too, where a sign is zero: an
 indicator is (s^2 + s)/2 for g > 0, 1 - s^2 for g = 0, s = sign(g).
 """
 

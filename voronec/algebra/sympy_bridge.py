@@ -1,4 +1,4 @@
-"""The door: SymPy expressions in, symengine expressions inside, SymPy expressions out.
+"""The bridge: SymPy expressions in, symengine expressions inside, SymPy expressions out.
 
 Inside, every coordinate, velocity and parameter is a plain symengine symbol that bears the
 user's name; so ``dynamicsymbols`` stay outside and come back on the way out.  What SymPy knows of
@@ -20,13 +20,13 @@ from sympy.core.function import AppliedUndef
 
 from voronec.algebra.graphs import derivative_at, nodes
 from voronec.algebra.memo import remember
+from voronec.algebra.piecewise_functions import written_with_signs
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.algebra.terms import factors_of, is_fraction
 from voronec.algebra.text import as_expression, quote
-from voronec.algebra.walled_functions import written_with_signs
 from voronec.errors import DefinitionError
 
-__all__ = ["RATES", "Door", "NoValue", "UnknownFunction"]
+__all__ = ["RATES", "NoValue", "SymPyBridge", "UnknownFunction"]
 
 
 class UnknownFunction(DefinitionError):
@@ -65,7 +65,7 @@ anybody writes, and the equations differentiate twice."""
 _NO_VALUES = (se.zoo, se.nan, se.oo)
 
 
-class Door:
+class SymPyBridge:
     """Translates between a user's SymPy symbols and the plain symbols inside.
 
     ``known`` are the user's coordinates, velocities and parameters, each a symbol, ``x(t)`` or a

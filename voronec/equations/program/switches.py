@@ -1,7 +1,7 @@
 """Where right-hand sides are not smooth: signs, absolute values, floors, cuts of angles.
 
-Such a function is smooth on either side of a wall g = 0 (a floor: of every whole g).  Here it is
-found, and replaced by what it is on one side.  Roots of squares are absolute values in disguise,
+Such a function is smooth on either side of a switching surface g = 0 (a floor: of every whole g).
+Here it is found, and replaced by what it is on one side.  Roots of squares are absolute values in disguise,
 (h^2 u)^r = |h|^(2r) u^r, and become such first, as do inverse functions with corners and jumps,
 
     asin(g) = atan2(g, sqrt(1 - g^2)),    atan(n/d) = atan2(n sign(d), |d|);
@@ -33,12 +33,12 @@ __all__ = [
     "FLAT",
     "SATURATION",
     "Sides",
-    "Wall",
-    "has_walls",
+    "Switch",
+    "has_switches",
     "is_rough",
     "plain_roots",
     "radicands",
-    "wall_factors",
+    "switch_factors",
     "write_roots_out",
 ]
 
@@ -51,7 +51,7 @@ FLAT = 0.59
 HIGH = 15
 """Lower powers are seen by the series of every tolerance in use."""
 GRID = 2**20
-"""Places of walls are multiples of one part in so many."""
+"""Places of switching surfaces are multiples of one part in so many."""
 LITTLE = 1e-6
 """A number beside squares is seen from far where it is larger than this part of their largest."""
 LONG = 100
@@ -65,11 +65,11 @@ _ROUGH = (
 
 
 @dataclass(frozen=True)
-class Wall:
+class Switch:
     """Where ``function`` vanishes, or, of a floor (``whole``), where it is any whole number.
 
-    One that is ``fixed`` holds nothing that moves but ``floors``, symbols of other walls: it is
-    nowhere met, and its sign may be zero.
+    One that is ``fixed`` holds nothing that moves but ``floors``, symbols of other switching
+    surfaces: it is nowhere met, and its sign may be zero.
     """
 
     function: Any
@@ -80,23 +80,23 @@ class Wall:
 
 @dataclass
 class Sides:
-    """Rewrites expressions as they are on given sides of walls.
+    """Rewrites expressions as they are on given sides of switching surfaces.
 
-    ``side`` is asked for 1 or -1 at each wall of a sign; a floor becomes a symbol of its own, given
-    by ``number``.  ``walls`` are those that were met; ``still`` symbols alone make none.
-    Of radicands that are ``cusps`` the absolute value is taken; ``radicands`` are what these are on
-    the sides, not negative there.  tanh w is the same on all sides of
-    its walls, |w| = ``saturated``, and half of that, within which squares of 1 - |tanh w| are not
-    flat either; they keep a step from going over it.  So are cosh w, sinh w and exp 2 w, a root
-    whose corner a constant rounds, and a high power, which is flat about its zero.
+    ``side`` is asked for 1 or -1 at each switching surface of a sign; a floor becomes a symbol of
+    its own, given by ``number``.  ``switching surfaces`` are those that were met; ``still`` symbols
+    alone make none. Of radicands that are ``cusps`` the absolute value is taken; ``radicands`` are
+    what these are on the sides, not negative there.  tanh w is the same on all sides of
+    its switching surfaces, |w| = ``saturated``, and half of that, within which squares of 1 - |tanh
+    w| are not flat either; they keep a step from going over it.  So are cosh w, sinh w and exp 2 w,
+    a root whose corner a constant rounds, and a high power, which is flat about its zero.
     """
 
-    side: Callable[[Wall], int]
-    number: Callable[[Wall], Any]
+    side: Callable[[Switch], int]
+    number: Callable[[Switch], Any]
     still: frozenset[Any] = frozenset()
     cusps: frozenset[Any] = frozenset()
     saturated: Any = SATURATION
-    walls: dict[Wall, None] = field(default_factory=dict)
+    switches: dict[Switch, None] = field(default_factory=dict)
     radicands: dict[Any, None] = field(default_factory=dict)
     _known: dict[Any, Any] = field(default_factory=dict)
     _floors: set[Any] = field(default_factory=set)
@@ -113,8 +113,8 @@ class Sides:
             side = self._side(args[0])
             return side if isinstance(expr, se.sign) else side * args[0]
         if isinstance(expr, se.floor) and not args[0].free_symbols <= self.still:
-            wall = self._wall(args[0], True)
-            floor = self.number(wall)
+            switch = self._switch(args[0], True)
+            floor = self.number(switch)
             self._floors |= floor.free_symbols
             return floor
         if isinstance(expr, se.atan2):
@@ -170,17 +170,17 @@ class Sides:
             flat = function.expand()  # min(x, 1) - 1 is zero where x is greater
             if flat.free_symbols <= self.still:
                 return se.sign(flat)
-        if (factors := wall_factors(function)) is not None:
+        if (factors := switch_factors(function)) is not None:
             return se.Mul(*map(self._side, factors))
-        return se.Integer(self.side(self._wall(function)))
+        return se.Integer(self.side(self._switch(function)))
 
-    def _wall(self, function: Any, whole: bool = False) -> Wall:
-        """A wall that is met, with the floors in it."""
+    def _switch(self, function: Any, whole: bool = False) -> Switch:
+        """A switching surface that is met, with the floors in it."""
         moving = function.free_symbols - self.still
         floors = frozenset(moving & self._floors)
-        wall = Wall(function, whole, floors, floors == moving)
-        self.walls.setdefault(wall)
-        return wall
+        switch = Switch(function, whole, floors, floors == moving)
+        self.switches.setdefault(switch)
+        return switch
 
     def _angle(self, y: Any, x: Any) -> Any:
         """atan2(y, x), which jumps where y = 0 > x: there it is +-pi + atan2(-y, -x)."""
@@ -203,13 +203,13 @@ class Sides:
         return self(term)
 
 
-def has_walls(exprs: Iterable[Any], still: Iterable[Any] = ()) -> bool:
+def has_switches(exprs: Iterable[Any], still: Iterable[Any] = ()) -> bool:
     """Whether one of some expressions, with plain roots, is not smooth; ``still`` are symbols that
     do not move."""
     met = Sides(lambda _: 1, lambda _: se.Integer(0), frozenset(still))
     for expr in exprs:
         met(se.sympify(expr))
-        if met.walls:
+        if met.switches:
             return True
     return False
 
@@ -262,8 +262,8 @@ def is_rough(
     still: Iterable[Any],
     velocities: Iterable[Any] = (),
 ) -> bool:
-    """Whether straight-line code may have walls, or a root of velocities; at the cost of a look at
-    each of its nodes."""
+    """Whether straight-line code may have switching surfaces, or a root of velocities; at the cost
+    of a look at each of its nodes."""
     meaning = dict(assignments)
     fixed, moving = frozenset(still), set(velocities)
     for name, expr in meaning.items() if moving else ():
@@ -398,7 +398,7 @@ def _size(expr: Any, exponent: Any) -> Any:
 
 
 @lru_cache(maxsize=256)
-def wall_factors(function: Any) -> tuple[Any, ...] | None:
+def switch_factors(function: Any) -> tuple[Any, ...] | None:
     """Factors with the sign of a sum, where it has several: (a x)^2 - 1 has two zeros so close
     together that a step sees neither, a x - 1 and a x + 1 have one each.  None where the sum is
     better left as it is."""

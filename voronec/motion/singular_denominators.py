@@ -47,8 +47,8 @@ from voronec.algebra.normal import canonical
 from voronec.declaration.system import System
 from voronec.equations.definition import read
 from voronec.equations.derivation import Derivation
-from voronec.equations.program.walls import Sides, is_rough, plain_roots
-from voronec.motion.request import Guard, Vocabulary
+from voronec.equations.program.switches import Sides, is_rough, plain_roots
+from voronec.motion.request import Guard, Namespace
 from voronec.motion.state_probe import usual_size
 from voronec.motion.steppers import Run
 
@@ -58,9 +58,9 @@ __all__ = [
     "FEW",
     "GAIN",
     "NEAR",
-    "Divisor",
     "Field",
-    "NearDivisor",
+    "NearSingularDenominator",
+    "SingularDenominator",
     "are_dependent",
     "are_infinite",
     "around",
@@ -107,7 +107,7 @@ Field = Callable[[np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True)
-class Divisor:
+class SingularDenominator:
     """A function that vanishes somewhere, and how large it usually is."""
 
     function: Any
@@ -144,16 +144,17 @@ def divisors(form: Any, changing: tuple[Any, ...] = ()) -> tuple[Any, ...]:
 def _slopes_of_corners(
     divisors: Iterable[Any], exprs: Sequence[Any], still: frozenset[Any]
 ) -> set[Any]:
-    """Those of divisors, each the function of a wall or its square, by which expressions do not
-    divide on either side of the wall, as sqrt(x^2)/x does not, the slope of |x|."""
+    """Those of divisors, each the function of a switching surface or its square, by which
+    expressions do not divide on either side of the switching surface, as sqrt(x^2)/x does not, the
+    slope of |x|."""
     slopes = set(divisors)
     for side in (lambda _: 1), (lambda _: -1):
         change = Sides(side, lambda _: se.Integer(0), still)
         made = [change(plain_roots(e, still)) for e in exprs]
-        functions = [wall.function for wall in change.walls]
-        walls = {b: f for b in slopes for f in functions if _is_power(b, f)}
+        functions = [switch.function for switch in change.switches]
+        switches = {b: f for b in slopes for f in functions if _is_power(b, f)}
         left = [*bases(made)]
-        slopes = {b for b, f in walls.items() if not any(_is_power(d, f) for d in left)}
+        slopes = {b for b, f in switches.items() if not any(_is_power(d, f) for d in left)}
     return slopes
 
 
@@ -196,7 +197,7 @@ def _ways(size: int, count: int) -> np.ndarray:
 
 def crossing_divisors(
     functions: Sequence[Any], places: np.ndarray, values: Field, soundness: Field, onto: Field
-) -> list[Divisor]:
+) -> list[SingularDenominator]:
     """Those functions that change their sign, or touch zero, where the coordinates are good.
 
     ``places`` (n, k) are states of the coordinates and the velocities; ``values`` gives all
@@ -222,7 +223,7 @@ def crossing_divisors(
         true = np.abs(values(zeros)[i]) < low
         usual = usual_size(soundness(places[:, :FEW])) if usual < 0 else usual
         if (true & (soundness(zeros) > POLE * usual)).any():
-            found.append(Divisor(function, scale))
+            found.append(SingularDenominator(function, scale))
     return found
 
 
@@ -272,7 +273,7 @@ def _middle_size(sizes: np.ndarray) -> float:
 
 
 def guard_events(
-    guards: Sequence[Divisor],
+    guards: Sequence[SingularDenominator],
     level: float = NEAR,
     direction: int = 0,
     bounds: Sequence[Any] = (),
@@ -289,20 +290,21 @@ def guard_events(
     return tuple(Guard(name, direction, stop=True) for name in names), functions
 
 
-class NearDivisor(Exception):
+class NearSingularDenominator(Exception):
     """A model divides by what comes near zero: the splits of its system, that of ``vocabulary``,
     have to be used."""
 
-    def __init__(self, vocabulary: Vocabulary) -> None:
+    def __init__(self, namespace: Namespace) -> None:
         super().__init__("a divisor comes near zero")
-        self.vocabulary = vocabulary
+        self.namespace = namespace
 
 
-def without_guards(run: Run, guards: Sequence[Divisor], vocabulary: Vocabulary) -> Run:
-    """A run as if nobody had watched; raises ``NearDivisor`` where a divisor came near zero."""
+def without_guards(run: Run, guards: Sequence[SingularDenominator], namespace: Namespace) -> Run:
+    """A run as if nobody had watched; raises ``NearSingularDenominator`` where a divisor came near
+    zero."""
     names = {event.name for event in guard_events(guards)[0]}
     if run.stopped in names:
-        raise NearDivisor(vocabulary)
+        raise NearSingularDenominator(namespace)
     return run.without(names)
 
 

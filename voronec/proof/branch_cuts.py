@@ -1,8 +1,8 @@
-"""Walls that motions cross: where a function that is constant off them jumps.
+"""Cuts that motions cross: where a function that is constant off them jumps.
 
-A derivative that vanishes where it exists proves nothing across a wall h = 0 of the function
+A derivative that vanishes where it exists proves nothing across a cut h = 0 of the function
 [Theory, eqs. (14a), (14b),
-(14c)].  A wall is harmless where no state lies on it, or where the field is
+(14c)].  A cut is harmless where no state lies on it, or where the field is
 singular or jumps itself; where motions keep it, h' = 0 on h = 0; where the function is the same
 on both sides, F+ = F- on h = 0; and where it is real on one side alone.  A jump by a constant
 is one by a period, unless the function is constant but for its jumps.
@@ -21,8 +21,8 @@ import flint
 import symengine as se
 
 from voronec.algebra.branches import (
+    BranchCut,
     Branches,
-    BranchWall,
     bounds_of,
     branch_arguments,
     divisors_of,
@@ -42,10 +42,10 @@ from voronec.algebra.verdicts import Verdict, witness_at
 from voronec.equations.vector_field import VectorField
 from voronec.errors import DefinitionError, EngineLimit, quote
 
-__all__ = ["across_walls", "beside_zeros", "flow_across_walls", "not_vacuous", "positive_domain"]
+__all__ = ["across_cuts", "beside_zeros", "flow_across_cuts", "not_vacuous", "positive_domain"]
 
 _SEEDS = 96
-"""How many states are looked for on a wall, at most: a piece of it may be a sixteenth of all."""
+"""How many states are looked for on a cut, at most: a piece of it may be a sixteenth of all."""
 _FIRST = 16
 """How many of these are looked for before it is asked whether there are any."""
 _TRIES = 4
@@ -56,7 +56,7 @@ _CLOSE = se.Rational(1, 1000)
 """A value of a function close to its zeros."""
 
 
-def across_walls(
+def across_cuts(
     verdict: Verdict,
     field: VectorField,
     functions: Sequence[tuple[str, Any]],
@@ -64,15 +64,15 @@ def across_walls(
     constant: bool = False,
     beyond: bool = False,
 ) -> Verdict:
-    """A proof off the walls of some functions, as what it is with them.
+    """A proof off the cuts of some functions, as what it is with them.
 
     functions
-        with what a message calls each, inside the door, in the variables of the field.
+        with what a message calls each, in the engine's symbols, in the variables of the field.
     periods
         whether a jump by a constant leaves a claim standing, up to multiples of it; or of which
         constants that is so.
     constant
-        whether the functions are proved to be constant along motions off their walls.
+        whether the functions are proved to be constant along motions off their cuts.
     beyond
         whether poles of the equations, which motions may pass, are looked at; it is so of what is
         constant.
@@ -86,7 +86,7 @@ def across_walls(
             try:
                 one = ground.verdict_on(function, verdict)
             except EngineLimit as limit:
-                one = Verdict("undecided", f"its walls: {limit}")
+                one = Verdict("undecided", f"its cuts: {limit}")
             found.append(replace(one, method=f"{label}: {one.method}") if label else one)
     for status in ("refuted", "undecided"):
         for one in found:
@@ -95,10 +95,10 @@ def across_walls(
     return _join_proofs(verdict, found)
 
 
-def flow_across_walls(verdict: Verdict, field: VectorField, density: Any) -> Verdict:
-    """A proof that div(density f) = 0 off the walls of the field, as what it is with them.
+def flow_across_cuts(verdict: Verdict, field: VectorField, density: Any) -> Verdict:
+    """A proof that div(density f) = 0 off the cuts of the field, as what it is with them.
 
-    Volume passes a wall h = 0 unchanged where density f(h) is the same on both sides, as it is
+    Volume passes a cut h = 0 unchanged where density f(h) is the same on both sides, as it is
     where a force jumps with a place; friction, which jumps with a velocity, presses it together.
     """
     if not verdict.proved:
@@ -106,7 +106,7 @@ def flow_across_walls(verdict: Verdict, field: VectorField, density: Any) -> Ver
     try:
         return _Ground(field).verdict_on_flow(density, verdict)
     except EngineLimit as limit:
-        return Verdict("undecided", f"the walls of the field: {limit}")
+        return Verdict("undecided", f"the cuts of the field: {limit}")
 
 
 def not_vacuous(verdict: Verdict, field: VectorField) -> Verdict:
@@ -127,15 +127,15 @@ def beside_zeros(verdict: Verdict, field: VectorField, name: str, function: Any)
         passed = [h for h in found if ground.is_passed(h)]
     except EngineLimit:
         return verdict.where(f"{name} != 0")
-    return verdict.where(*(f"{_show(field.door.outward(h))} != 0" for h in passed))
+    return verdict.where(*(f"{_show(field.bridge.outward(h))} != 0" for h in passed))
 
 
 def positive_domain(field: VectorField, exprs: Sequence[Any], known: Sequence[Any]) -> list[str]:
-    """What a proof takes for positive in expressions inside the door, in words: bases under letters
-    that may be whole numbers, for all that hypotheses say that are ``known``."""
+    """What a proof takes for positive in expressions in the engine's symbols, in words: bases under
+    letters that may be whole numbers, for all that hypotheses say that are ``known``."""
     found = positive_bases(exprs, known)
     open_ones = [b for b in found if known_sign(b, field.conditions) < 1]
-    return [f"{_show(field.door.outward(b))} > 0" for b in open_ones]
+    return [f"{_show(field.bridge.outward(b))} > 0" for b in open_ones]
 
 
 def _join_proofs(verdict: Verdict, found: Sequence[Verdict]) -> Verdict:
@@ -146,7 +146,7 @@ def _join_proofs(verdict: Verdict, found: Sequence[Verdict]) -> Verdict:
 
 @dataclass(frozen=True)
 class _Ground:
-    """The field across whose motions walls lie."""
+    """The field across whose motions cuts lie."""
 
     field: VectorField
     periods: bool | Callable[[Any], bool] = False
@@ -169,16 +169,16 @@ class _Ground:
         return (*self.field.hypotheses, *(() if named is None else (named > 0,)))
 
     def verdict_on(self, function: Any, proof: Verdict) -> Verdict:
-        """The verdict on one function with a proof off its walls."""
+        """The verdict on one function with a proof off its cuts."""
         gaps = self._gaps(function) if self.beyond else []
         proof = replace(proof, domain=", ".join(gaps))
         if is_plain(function, self.variables, essential=not self.constant):
             return self._with_domain(proof, function)
         relations = _relations_of(function, self.relations)
         branches = Branches(function, self.variables, relations, not self.constant)
-        open_walls = [h for h in branches.unclear if not self._has_sign(h, strict=True)]
-        open_walls = [h for h in open_walls if not self._is_kept(h)]
-        met = [j for wall in branches.walls() if (j := self._jump(wall)) is not None]
+        open_cuts = [h for h in branches.unclear if not self._has_sign(h, strict=True)]
+        open_cuts = [h for h in open_cuts if not self._is_kept(h)]
+        met = [j for cut in branches.branch_cuts() if (j := self._jump(cut)) is not None]
         jumps = [j for j in met if not j.domain]
         proof = replace(proof, domain="").where(*(j.domain for j in met), proof.domain)
         seen = [j for j in met if j.witness is not None]
@@ -190,23 +190,23 @@ class _Ground:
             return Verdict("refuted", false[0].words, false[0].witness)
         if any(j.witness is None for j in jumps):
             return Verdict("undecided", next(j.words for j in jumps if j.witness is None))
-        if open_walls:
-            return Verdict("undecided", f"whether it jumps where {_show(open_walls[0])} = 0")
+        if open_cuts:
+            return Verdict("undecided", f"whether it jumps where {_show(open_cuts[0])} = 0")
         if jumps:
             found = _smallest([j.period for j in jumps])
             proof = replace(proof, modulo=" and ".join(map(self._write, found)))
         return self._with_domain(proof, function)
 
     def verdict_on_flow(self, density: Any, proof: Verdict) -> Verdict:
-        """The verdict on an invariant measure with a proof off the walls of the field."""
+        """The verdict on an invariant measure with a proof off the cuts of the field."""
         for h in self._field_jumps:
             there, flow = (*self.hypotheses, h), density * self.field.derivative(h)
-            for wall in Branches(flow, self.variables, self.relations, False).walls():
-                if not (_is_same_wall(wall.function, h) and self._may_jump(wall)):
+            for cut in Branches(flow, self.variables, self.relations, False).branch_cuts():
+                if not (_is_same_cut(cut.function, h) and self._may_jump(cut)):
                     continue
-                place = self._place(wall)
-                sides = [wall.above, wall.below, *wall.positive]
-                for point, (above, below, *rest), _ in self._states(sides, there, wall.whole):
+                place = self._place(cut)
+                sides = [cut.above, cut.below, *cut.positive]
+                for point, (above, below, *rest), _ in self._states(sides, there, cut.whole):
                     if not above.overlaps(below) and all(e > 0 for e in rest):
                         words = f"volume is lost or won where {place}: the flow through it jumps"
                         return Verdict("refuted", words, witness_at(point, above, below))
@@ -251,7 +251,7 @@ class _Ground:
         """Beside which places a field is regular, where a function may have another branch beyond.
 
         Velocities are bound there, so that what is 0/0 of independent velocities need not jump on
-        a wall: a motion comes to xdot = 0 and cos(phi) = 0 together, and Abs(xdot)/cos(phi) jumps.
+        a cut: a motion comes to xdot = 0 and cos(phi) = 0 together, and Abs(xdot)/cos(phi) jumps.
         A function is the same on both sides where all that it has branches of stays along motions,
         or has one sign in whatever velocities; what stands under roots alone has it, where real.
         """
@@ -311,41 +311,41 @@ class _Ground:
         powers = product_of(expr, self.relations, self.variables).powers
         return all(stays(f, k) for f, k in powers.items() if f.free_symbols & self.variables)
 
-    # -- one wall -------------------------------------------------------------------------------
+    # -- one cut -------------------------------------------------------------------------------
 
-    def _jump(self, wall: BranchWall) -> _Jump | None:
-        """The jump on a piece of a wall; None where there is none that a motion would meet."""
-        if not self._may_jump(wall):
+    def _jump(self, cut: BranchCut) -> _Jump | None:
+        """The jump on a piece of a cut; None where there is none that a motion would meet."""
+        if not self._may_jump(cut):
             return None
-        h, jump = wall.function, wall.above - wall.below
+        h, jump = cut.function, cut.above - cut.below
         there = (*self.hypotheses, h)
         # before states are sought in vain: a proof that no motion crosses costs less
         if self._is_kept(h):
-            return _Jump("", None, None, self._beside(wall))
-        found = next(self._crossings(wall, there, _FIRST), None)
+            return _Jump("", None, None, self._beside(cut))
+        found = next(self._crossings(cut, there, _FIRST), None)
         if found is None and self._is_singular(there):
             return None  # what is constant beside poles alone is told of all of them
-        found = found or next(self._crossings(wall, there, _SEEDS), None)
+        found = found or next(self._crossings(cut, there, _SEEDS), None)
         if found is not None:
-            words = f"it jumps where {self._place(wall)}, which motions cross"
+            words = f"it jumps where {self._place(cut)}, which motions cross"
             # a map or a density that jumps where the field does still tears the motion that crosses
             is_excused = self.constant and self._is_jump_of_field(h)
-            domain = self._beside(wall) if is_excused else ""
-            is_turn = self._vanishes(wall.turned - wall.above, there)
+            domain = self._beside(cut) if is_excused else ""
+            is_turn = self._vanishes(cut.turned - cut.above, there)
             period = self._period(jump) if is_turn else None
             return _Jump(words, period, witness_at(*found), domain)
-        if self._is_pole(wall, there):
+        if self._is_pole(cut, there):
             return None
-        return _Jump(f"whether it jumps where {self._place(wall)} is open", None, None)
+        return _Jump(f"whether it jumps where {self._place(cut)} is open", None, None)
 
-    def _may_jump(self, wall: BranchWall) -> bool:
-        """Whether some state may lie on a piece of a wall at which its sides differ."""
-        h, there = wall.function, (*self.hypotheses, wall.function)
-        if wall.above == wall.below or wall.edge or self._has_sign(h):
+    def _may_jump(self, cut: BranchCut) -> bool:
+        """Whether some state may lie on a piece of a cut at which its sides differ."""
+        h, there = cut.function, (*self.hypotheses, cut.function)
+        if cut.above == cut.below or cut.edge or self._has_sign(h):
             return False
-        if any(known_sign(e, there) < 0 for e in wall.positive):
+        if any(known_sign(e, there) < 0 for e in cut.positive):
             return False
-        return not self._vanishes(wall.above - wall.below, there)
+        return not self._vanishes(cut.above - cut.below, there)
 
     def _has_sign(self, h: Any, strict: bool = False) -> bool:
         """Whether h does not change its sign; ``strict``: nor is it zero."""
@@ -358,26 +358,26 @@ class _Ground:
 
     def _is_jump_of_field(self, h: Any) -> bool:
         """Whether the field itself jumps where h = 0, as with friction."""
-        return any(_is_same_wall(h, k) for k in self._field_jumps)
+        return any(_is_same_cut(h, k) for k in self._field_jumps)
 
     @cached_property
     def _field_jumps(self) -> list[Any]:
         field = self.field
         return [
-            wall.function
+            cut.function
             for e in field.entries
             if has_branches([e], self.variables)
-            for wall in Branches(e, self.variables, self.relations, False).walls()
-            if not self._vanishes(wall.above - wall.below, (*self.hypotheses, wall.function))
+            for cut in Branches(e, self.variables, self.relations, False).branch_cuts()
+            if not self._vanishes(cut.above - cut.below, (*self.hypotheses, cut.function))
         ]
 
     def _is_singular(self, there: tuple[Any, ...]) -> bool:
-        """Whether the field is singular all over a wall: a rate has a pole, or inertia is none."""
+        """Whether the field is singular all over a cut: a rate has a pole, or inertia is none."""
         return any(self._is_pole_of(e, there) for e in self.field.components)
 
-    def _is_pole(self, wall: BranchWall, there: tuple[Any, ...]) -> bool:
+    def _is_pole(self, cut: BranchCut, there: tuple[Any, ...]) -> bool:
         """Whether both sides tend to infinity."""
-        return self._is_pole_of(wall.above, there) and self._is_pole_of(wall.below, there)
+        return self._is_pole_of(cut.above, there) and self._is_pole_of(cut.below, there)
 
     def _is_pole_of(self, expr: Any, there: tuple[Any, ...]) -> bool:
         if not expr.free_symbols & self.variables or expr == 0:
@@ -399,17 +399,17 @@ class _Ground:
         return -short if _is_negative(short) else short
 
     def _crossings(
-        self, wall: BranchWall, there: tuple[Any, ...], tries: int
+        self, cut: BranchCut, there: tuple[Any, ...], tries: int
     ) -> Iterator[tuple[dict[Any, Any], Any, Any]]:
-        """States on a wall, at which motions cross it, with different values on its sides.
+        """States on a cut, at which motions cross it, with different values on its sides.
 
         Where these are 0/0 at every state that is looked for, common factors are cancelled.
         """
-        speed = self.field.derivative(wall.function)
-        sides = [wall.above, wall.below]
+        speed = self.field.derivative(cut.function)
+        sides = [cut.above, cut.below]
         for _ in range(2):
-            met, exprs = False, [*sides, speed, *wall.positive]
-            for point, values, _ in self._states(exprs, there, wall.whole, tries):
+            met, exprs = False, [*sides, speed, *cut.positive]
+            for point, values, _ in self._states(exprs, there, cut.whole, tries):
                 met = True
                 above, below, rate, *rest = values
                 if not (rate.contains(0) or above.overlaps(below)) and all(e > 0 for e in rest):
@@ -497,29 +497,29 @@ class _Ground:
             return False
 
     def _is_constant(self, function: Any) -> bool:
-        """Whether a function is constant off its walls."""
+        """Whether a function is constant off its cuts."""
         return all(self._vanishes(function.diff(x), self.hypotheses) for x in self.variables)
 
-    def _beside(self, wall: BranchWall) -> str:
-        """Where a wall is not, in words."""
-        if wall.whole is not None:
-            return f"{self._write(wall.function + wall.whole)} is no whole number"
-        return f"{self._write(wall.function)} != 0"
+    def _beside(self, cut: BranchCut) -> str:
+        """Where a cut is not, in words."""
+        if cut.whole is not None:
+            return f"{self._write(cut.function + cut.whole)} is no whole number"
+        return f"{self._write(cut.function)} != 0"
 
-    def _place(self, wall: BranchWall) -> str:
-        """Where a wall is, in words."""
-        if wall.whole is not None:
-            return f"{self._write(wall.function + wall.whole)} is a whole number"
-        return f"{self._write(wall.function)} = 0"
+    def _place(self, cut: BranchCut) -> str:
+        """Where a cut is, in words."""
+        if cut.whole is not None:
+            return f"{self._write(cut.function + cut.whole)} is a whole number"
+        return f"{self._write(cut.function)} = 0"
 
     def _write(self, expr: Any) -> str:
-        return _show(self.field.door.outward(expr))
+        return _show(self.field.bridge.outward(expr))
 
 
 @dataclass(frozen=True)
 class _Jump:
     """A jump with its witness; without one it is open whether there is any.  With a ``domain`` the
-    verdict is one for each side of the wall: motions keep it, or the field jumps there, too."""
+    verdict is one for each side of the cut: motions keep it, or the field jumps there, too."""
 
     words: str
     period: Any
@@ -527,7 +527,7 @@ class _Jump:
     domain: str = ""
 
 
-def _is_same_wall(h: Any, k: Any) -> bool:
+def _is_same_cut(h: Any, k: Any) -> bool:
     return bool((h - k).expand() == 0 or (h + k).expand() == 0)
 
 
