@@ -35,7 +35,7 @@ from figures.table import markdown
 END, TOLERANCE, SEED = 10.0, 1e-9, 1
 STATE = ("gamma1", "gamma2", "gamma3", "omega1", "omega2", "omega3")
 RANGES = {"omega1": (-1, 1), "omega2": (-1, 1), "omega3": (-1, 1), "theta": (0.5, 2.5)}
-SMALL = 4000
+SMALL = 20_000
 """Motions of a sweep that is killed, in chunks of a hundred."""
 
 
@@ -170,7 +170,7 @@ def kills(folder: Path, count: int) -> list[list[str]]:
         while sum(hit.values()) < count:
             rounds += 1
             shutil.rmtree(out, ignore_errors=True)
-            while not _is_done(out) and sum(hit.values()) < count:
+            while _kept(out) * 100 < SMALL and sum(hit.values()) < count:
                 _one_kill(out, cluster, chance, hit)
             sweep_on_cluster(str(out), cluster.scheduler_address)
             if _bytes(out) != _bytes(whole):
@@ -184,7 +184,12 @@ def _one_kill(out: Path, cluster: Any, chance: random.Random, hit: dict[str, int
     code = f"from figures.sweeps import sweep_on_cluster as go; go{given!r}"
     process = subprocess.Popen([sys.executable, "-c", code], cwd=Path(__file__).parents[1],
                                stderr=subprocess.DEVNULL)  # fmt: skip
-    time.sleep(2 + 6 * chance.random())
+    before = _kept(out)
+    while process.poll() is None and _kept(out) == before:
+        time.sleep(0.02)
+    time.sleep(chance.random())
+    while len(cluster.scheduler_info["workers"]) < 2:  # Dask gives up one that is killed at birth
+        time.sleep(0.1)
     what = chance.choice(["worker", "sweep"])
     if process.poll() is None:
         targets = [w.pid for w in cluster.workers.values() if w.pid]
@@ -193,11 +198,12 @@ def _one_kill(out: Path, cluster: Any, chance: random.Random, hit: dict[str, int
         os.kill(target, signal.SIGKILL)
         time.sleep(2 * chance.random())
         process.kill()
+        hit["sweep"] += what == "worker"
     process.wait()
 
 
-def _is_done(out: Path) -> bool:
-    return len([*out.glob("log/*.json")]) * 100 >= SMALL
+def _kept(out: Path) -> int:
+    return len([*out.glob("log/[0-9]*.json")])
 
 
 def _bytes(folder: Path) -> dict[str, bytes]:

@@ -104,9 +104,9 @@ class SweepFolder:
                 )  # fmt: skip
                 array[:] = values
             for name in self.names:
-                kind, empty = ("string", "") if name in texts else ("f8", np.nan)
+                kind, empty = (str, "") if name in texts else (float, np.nan)
                 if name == STATUS:
-                    kind, empty = "bool", False
+                    kind, empty = bool, False
                 root.create_array(
                     array_key(name), shape=plan.shape, shards=plan.box, chunks=plan.box,
                     dtype=kind, fill_value=empty, dimension_names=plan.dimensions,
