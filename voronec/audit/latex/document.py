@@ -35,6 +35,10 @@ _PARTS = re.compile(
 _END_OF_SENTENCE = re.compile(r"(?<!Fig)(?<!Eq)(?<!e\.g)(?<!i\.e)(?<![A-Z])\.(?=\s|$|\\)|\n\s*\n")
 
 
+CLAIMS = RELATIONS - {"\\in", "\\colon", "\\mapsto", "\\longmapsto"}
+"""The signs by which a formula claims something of values."""
+
+
 @dataclass(frozen=True)
 class PrintedDisplay:
     """A display or a formula of the text: its LaTeX as the reader takes it, and where it stands.
@@ -58,11 +62,13 @@ class PrintedDisplay:
             return ()
 
     @property
-    def formulas(self) -> tuple[tuple[FormulaUnit, Piece], ...]:
-        """What has a sign between its sides."""
+    def formulas(self) -> tuple[tuple[int, FormulaUnit, Piece], ...]:
+        """What sets sides equal or orders them, counted through the display."""
         pieces = ((unit, piece) for unit in self.units for piece in unit.pieces)
         return tuple(
-            (unit, p) for unit, p in pieces if any(token.text in RELATIONS for token in p.tokens)
+            (position, unit, piece)
+            for position, (unit, piece) in enumerate(pieces)
+            if any(token.text in CLAIMS for token in piece.tokens)
         )
 
 

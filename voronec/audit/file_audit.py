@@ -1,0 +1,522 @@
+"""The audit of a paper as its file stands: every formula against what its system has.
+
+A formula that is refuted is accused only where nothing else can be meant: all its letters are
+known, no word of its sentence names a condition, it is no assumption on the state or on parameters,
+and there is a state at which it fails.  Everything else is listed apart, with the reason.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.verdicts import prove_equal
+from voronec.audit.comparisons import value_of
+from voronec.audit.display import Check, Display
+from voronec.audit.formula import Formula
+from voronec.audit.judge import SectionContext, judge_formula
+from voronec.audit.latex.document import Document, PrintedDisplay, read_document
+from voronec.audit.latex.nodes import (
+    Chain,
+    Derivative,
+    Differential,
+    Dot,
+    Name,
+    Node,
+    Number,
+    Power,
+    Product,
+    Quotient,
+    Sum,
+    walk,
+)
+from voronec.audit.letters import names_in, read_letters, study_of, unknown_names, with_words
+from voronec.audit.lessons.judgement import GROUNDS
+from voronec.audit.meaning import SENSELESS, evaluate
+from voronec.audit.paper import Section
+from voronec.audit.record import Audit, FormulaRecord, Record
+from voronec.audit.structure import names_constant
+from voronec.audit.study import Study, key_of
+from voronec.audit.transcript import Transcript
+from voronec.audit.verify import verify
+from voronec.declaration.system import System
+from voronec.equations.voronec_equations import VoronecEquations, derive
+from voronec.errors import DefinitionError, EngineLimit, did_you_mean
+
+__all__ = ["PaperAudit", "PrintedClaim", "audit_paper", "claims_of"]
+
+_INTEGRAL = re.compile(
+    r"\bintegrals?\b|constant|conserv|preserv|invariant|first integral", re.IGNORECASE
+)
+_CONDITIONS = re.compile(
+    r"\b(if|when|whenever|unless|provided|while|suppos\w*|assum\w*|absence|without(?! (?:slip|skid|los))"
+    r"|neglect\w*|small|near|limit\w*|approximat\w*|at rest|at the (?:initial|moment|instant)|initial\w*"
+    r"|steady|stationary|equilibri\w*|particular|special|linear\w*|virtual|unconstrained|would|as if"
+    r"|first order|free (?:body|motion)|holonomic case|wrong\w*|erroneous\w*|incorrect\w*|false|misprint\w*"
+    r"|instead of|in (?:\w+ )?(?:book|paper)|solution)\b",
+    re.IGNORECASE,
+)
+"""Words of a sentence which say that a formula in it need not hold always."""
+_ASSUMED = re.compile(
+    r"\b(let|take|choose|put|set|setting|putting|with|for|where|at|on|consider|fix|impose|requir\w*)"
+    r"\b[\w\s:]{0,25}$",
+    re.IGNORECASE,
+)
+"""Words right before a formula that make an assumption of it."""
+_FOR = re.compile(r"\b(for|if|when|case|with|at|neglect\w*|without|absence|limit)\b", re.IGNORECASE)
+_REST = re.compile(r"\bat rest\b", re.IGNORECASE)
+CONSTANT_WORD = r"\text{const}"
+"""What stands in the place of a free constant while an integral is judged."""
+_FORCED = re.compile(r"multiplier|reaction|constraint force|lagrange's equations", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class PrintedClaim:
+    """A formula of the paper with its display, its place and its tree, where it can be read."""
+
+    formula: Formula
+    display: PrintedDisplay
+    section: int
+    place: tuple[str, int, int]
+    chain: Chain | None
+    error: str = ""
+
+    @property
+    def where(self) -> str:
+        """Line and column, and the number in print."""
+        number = f"({self.display.number}), " if self.display.number else ""
+        return f"{number}line {self.place[1]}, column {self.place[2]}"
+
+
+def claims_of(document: Document, study: Study) -> list[PrintedClaim]:
+    """The formulas of a paper as they are read with a dictionary."""
+    found = []
+    for number, section in enumerate(document.sections):
+        for display in section.displays:
+            for position, unit, piece in display.formulas:
+                own = Display(display.latex.text)
+                formula = Formula(own, unit, piece, position, display.kind)
+                at = document.source.place(display.latex.origins[piece.at[0]])
+                try:
+                    chain, error = formula.tree(study.vocabulary), ""
+                except DefinitionError as refusal:
+                    chain, error = None, str(refusal)
+                found.append(PrintedClaim(formula, display, number, at, chain, error))
+    return found
+
+
+@dataclass(frozen=True)
+class PaperAudit:
+    """What came out of a paper: the records, with a line and a column each as their label, and
+    the letters that nothing explains, with their places."""
+
+    system: System
+    audit: Audit
+    letters: Mapping[str, list[str]]
+
+    @property
+    def records(self) -> tuple[Record, ...]:
+        """One for each formula, in the order of print."""
+        return self.audit.records
+
+    @property
+    def errata(self) -> tuple[Record, ...]:
+        """Those that are refuted."""
+        return self.audit.errata
+
+
+def audit_paper(
+    path: str | Path,
+    system: System | VoronecEquations,
+    dictionary: str | Path | Mapping[str, Any] | None = None,
+    progress: Callable[[str, str], None] | None = None,
+) -> PaperAudit:
+    r"""Every formula of a LaTeX file beside what its system has.
+
+    ``dictionary`` says what letters of the paper are in the system: a TOML file with a table
+    ``[letters]``, or a mapping from their LaTeX to expressions.  ``progress`` is called with the
+    place of each formula and its verdict.
+
+    Raises ``DefinitionError`` for a file that is no LaTeX, with the place where a file or an
+    argument is missing, and for a letter of the dictionary that the paper does not have.
+    """
+    equations = system if isinstance(system, VoronecEquations) else derive(system)
+    document = read_document(path)
+    if isinstance(dictionary, (str, Path)):
+        dictionary = read_letters(dictionary, equations)
+    given = {letter: sp.sympify(value) for letter, value in (dictionary or {}).items()}
+    study = study_of(equations)
+    study = replace(study, names=_joined(study, given))
+    work = _Work(document, study, given)
+    return work.audit(Path(path).stem, equations.system, progress)
+
+
+def _joined(study: Study, given: Mapping[str, Any]) -> dict[str, Any]:
+    """The names with those of the dictionary in the place of what is spelled alike."""
+    keys = {study.key(study.tree(letter)) for letter in given}
+    return {k: v for k, v in study.names.items() if study.key(study.tree(k)) not in keys} | dict(given)
+
+
+@dataclass
+class _Work:
+    """The work on one paper: ``study`` grows by what the paper defines."""
+
+    document: Document
+    study: Study
+    given: Mapping[str, Any]
+    claims: list[PrintedClaim] = field(default_factory=list)
+    defined_at: dict[str, PrintedClaim] = field(default_factory=dict)
+    found: dict[int, FormulaRecord] = field(default_factory=dict)
+    unknown: dict[str, list[str]] = field(default_factory=dict)
+
+    def audit(
+        self, name: str, system: System, progress: Callable[[str, str], None] | None
+    ) -> PaperAudit:
+        self.claims = claims_of(self.document, self.study)
+        self._refuse_strangers()
+        by_display: dict[int, tuple[PrintedDisplay, list[Chain]]] = {}
+        for claim in self.claims:
+            entry = by_display.setdefault(id(claim.display), (claim.display, []))
+            if claim.chain is not None:
+                entry[1].append(claim.chain)
+        self.study = with_words(self.study, by_display.values())
+        self._define()
+        self._multipliers()
+        records = []
+        for number, claim in enumerate(self.claims):
+            record = self.found.get(number) or self._judge(claim)
+            if progress is not None:
+                progress(claim.where, record.verdict)
+            section = self.document.sections[claim.section].title
+            printed, kind = claim.formula.printed, claim.display.kind
+            records.append(Record(claim.where, section, number + 1, printed, (record,), kind))
+        title = self.document.title or name
+        return PaperAudit(system, Audit(name, title, tuple(records)), self.unknown)
+
+    def _refuse_strangers(self) -> None:
+        """``DefinitionError`` for a letter of the dictionary that the paper does not have."""
+        names = {key_of(n) for claim in self.claims if claim.chain for n in names_in(claim.chain)}
+        for letter in self.given:
+            if self.study.key(self.study.tree(letter)) not in names:
+                near = did_you_mean(letter, names)
+                raise DefinitionError(f"the dictionary: '{letter}' is no letter of the paper{near}")
+
+    # -- what the paper introduces ---------------------------------------------------------
+
+    def _define(self) -> None:
+        """Definitions wherever they stand; those that need others come after these."""
+        changed = True
+        while changed:
+            changed = False
+            for number, claim in enumerate(self.claims):
+                if claim.chain is None or number in self.found:
+                    continue
+                unknown = unknown_names(claim.chain, self.study)
+                if unknown and self._introduces(number, claim, unknown):
+                    changed = True
+
+    def _introduces(self, number: int, claim: PrintedClaim, unknown: Sequence[str]) -> bool:
+        """Whether a formula is taken for a definition, or for an integral with its constant."""
+        chain = claim.chain
+        if chain is None or {*chain.relations} != {"="} or self._is_forced(unknown):
+            return False
+        parts = [(part, unknown_names(part, self.study)) for part in chain.parts]
+        known = [part for part, names in parts if not names]
+        lone = [part for part, _ in parts if _lone(part) is not None and part not in known]
+        if len(unknown) == 1 and known and lone:
+            name, value = _solved(lone[0], known[0])
+            if name is None:
+                return False
+            first = parts[0][0] is lone[0]
+            if not first and self._is_constant(known[0]):
+                self.found[number] = FormulaRecord(
+                    claim.formula.printed, "proved", GROUNDS["integral"], source=self.study.origin
+                )
+            elif not first and (_INTEGRAL.search(claim.display.before) or not isinstance(lone[0], Name)):
+                return False  # judged as an integral
+            else:
+                self.found[number] = FormulaRecord(
+                    claim.formula.printed, "definition", f"it introduces {unknown[0]}"
+                )
+            self.study = self.study.join({key_of(name): value})
+            self.defined_at[key_of(name)] = claim
+            return True
+        return False
+
+    def _is_forced(self, unknown: Sequence[str]) -> bool:
+        """Whether letters stand for multipliers or reactions."""
+        return any(letter in self._forces for letter in unknown)
+
+    @cached_property
+    def _forces(self) -> frozenset[str]:
+        """Letters that nothing explains, in equations with accelerations: lambda and mu, and what a
+        sentence on multipliers or reactions has."""
+        found: set[str] = set()
+        for claim in self.claims:
+            if claim.chain is None or not _has_accelerations(claim.chain, self.study):
+                continue
+            said = _FORCED.search(claim.display.before + claim.display.after)
+            for letter in unknown_names(claim.chain, self.study):
+                if said or re.match(r"\\(?:lambda|mu)(?![a-zA-Z])", letter):
+                    found.add(letter)
+        return frozenset(found)
+
+    def _is_constant(self, part: Node) -> bool:
+        """Whether a part keeps its value along every motion."""
+        outcome = _sane(lambda: verify(Chain((part, Name("const")), ("=",)), Check(), self.study))
+        return outcome is not None and outcome.verdict.proved
+
+    def _multipliers(self) -> None:
+        """The values of multipliers, each from the first equation that has it."""
+        symbols = {letter: sp.Dummy(letter) for letter in sorted(self._forces)}
+        if not symbols:
+            return
+        study = replace(self.study, names={**self.study.names, **symbols})
+        values: dict[Any, Any] = {}
+        for number, claim in enumerate(self.claims):
+            if claim.chain is None or number in self.found or len(claim.chain.parts) != 2:
+                continue
+            unknown = unknown_names(claim.chain, self.study)
+            if not unknown or not {*unknown} <= symbols.keys():
+                continue
+            try:
+                left, right = (study.motion.along(value_of(p, study, {})) for p in claim.chain.parts)
+                gap = sp.expand((left - right).xreplace(values))
+            except SENSELESS:
+                continue
+            mine = [s for s in symbols.values() if gap.has(s)]
+            if not mine or not _is_linear(gap, mine):
+                continue
+            slope = sp.diff(gap, mine[0])
+            value = -(gap - slope * mine[0]) / slope
+            values = {s: v.xreplace({mine[0]: value}) for s, v in values.items()} | {mine[0]: value}
+            letter = next(k for k, s in symbols.items() if s == mine[0])
+            self.found[number] = FormulaRecord(
+                claim.formula.printed, "definition", f"it says what {letter} is"
+            )
+            self.defined_at[letter] = claim
+        solved = {k: values[s] for k, s in symbols.items() if s in values}
+        solved = {k: v for k, v in solved.items() if not v.free_symbols & {*symbols.values()}}
+        self.study = replace(self.study, names={**self.study.names, **solved})
+
+    # -- verdicts --------------------------------------------------------------------------
+
+    def _judge(self, claim: PrintedClaim) -> FormulaRecord:
+        printed, chain = claim.formula.printed, claim.chain
+        if chain is None:
+            return FormulaRecord(printed, "not read", claim.error)
+        unknown = unknown_names(chain, self.study)
+        if unknown and _INTEGRAL.search(claim.display.before) and not self._is_forced(unknown):
+            constant = self._with_constant(claim, unknown)
+            if constant is not None:
+                return self._restored(self._judge_known(constant), claim, constant)
+        if unknown:
+            for letter in unknown:
+                self.unknown.setdefault(letter, []).append(f"line {claim.place[1]}")
+            return FormulaRecord(printed, "unknown letters", ", ".join(unknown))
+        return self._judge_known(claim)
+
+    def _with_constant(self, claim: PrintedClaim, unknown: Sequence[str]) -> PrintedClaim | None:
+        """An integral with the word "const" in the place of its last side, a free constant; None
+        where other letters are unknown."""
+        chain = claim.chain
+        if chain is None or _lone(chain.parts[-1]) is None or len(unknown) != 1:
+            return None
+        if unknown != unknown_names(chain.parts[-1], self.study):
+            return None
+        start = chain.parts[-1].at[0]
+        end = claim.formula.piece.at[1]
+        display = Display(claim.display.latex.put(start, end, CONSTANT_WORD).text)
+        pieces = [(unit, piece) for unit in display.units for piece in unit.pieces]
+        unit, piece = pieces[claim.formula.position]
+        formula = replace(claim.formula, display=display, unit=unit, piece=piece)
+        return replace(claim, formula=formula, chain=formula.tree(self.study.vocabulary))
+
+    def _restored(
+        self, record: FormulaRecord, claim: PrintedClaim, constant: PrintedClaim
+    ) -> FormulaRecord:
+        """A record of an integral with its own constant."""
+        printed = claim.formula.printed
+        letter = printed[len(constant.formula.printed) - len(CONSTANT_WORD) :]
+        mended = record.correction and record.correction.replace(CONSTANT_WORD, letter)
+        return replace(record, printed=printed, correction=mended)
+
+    def _judge_known(self, claim: PrintedClaim) -> FormulaRecord:
+        """The verdict on a formula whose letters are all known."""
+        printed, chain = claim.formula.printed, claim.chain
+        if chain is None:
+            raise AssertionError("a formula that is judged has been read")
+        ordered = {*chain.relations} != {"="}
+        study = self.study if ordered else replace(self.study, ranges=())
+        try:
+            verdict = verify(chain, Check(), study).verdict
+        except EngineLimit as limit:
+            return FormulaRecord(printed, "undecided", str(limit))
+        except SENSELESS as error:
+            return FormulaRecord(printed, "not read", f"it has no value: {error}")
+        if verdict.proved:
+            return FormulaRecord(printed, "proved", _ground(chain, study), source=study.origin)
+        if ordered:
+            return FormulaRecord(printed, "definition", "a condition")
+        if verdict.undecided:
+            return FormulaRecord(printed, "undecided", verdict.method)
+        for said, special in self._special_cases(claim, study):
+            outcome = _sane(lambda s=special: verify(chain, Check(), s))
+            if outcome is not None and outcome.verdict.proved:
+                method = f"true for {said}, which its sentence names"
+                return FormulaRecord(printed, "proved", method, source=study.origin)
+        return self._excuse(claim, chain, study) or self._accused(claim, study)
+
+    def _accused(self, claim: PrintedClaim, study: Study) -> FormulaRecord:
+        """The record of a formula that fails, with a state and, where one is found, a correction."""
+        section = Section("", tuple(self._displays[claim.section]), lambda _: {})
+        bench = SectionContext(Transcript(section), {"": study})
+        record, _ = judge_formula(claim.formula, Check(), bench)
+        if record.verdict == "misprint" and record.witness is None:
+            return replace(record, verdict="not read", method=f"no state tells: {record.method}")
+        return record
+
+    @cached_property
+    def _displays(self) -> list[list[Display]]:
+        """The displays by sections, each once."""
+        found: list[list[Display]] = [[] for _ in self.document.sections]
+        for claim in self.claims:
+            own = found[claim.section]
+            if claim.formula.display not in own:
+                own.append(claim.formula.display)
+        return found
+
+    def _special_cases(self, claim: PrintedClaim, study: Study) -> list[tuple[str, Study]]:
+        """What the sentence names before a formula: conditions, each alone and all together."""
+        found: list[tuple[str, dict[Any, Any]]] = []
+        moving = self.study.motion.rates
+        words = claim.display.before
+        if _REST.search(words + claim.display.after):
+            found.append(("rest", {v: sp.S.Zero for v in self.study.context.velocities}))
+        for other in self.claims:
+            beside = other.section == claim.section and other.chain is not None
+            if not beside or other is claim or other.formula.printed not in words + claim.display.after:
+                continue
+            values = _sane(lambda c=other.chain: [value_of(p, self.study, {}) for p in c.parts])
+            if values and values[0].is_Symbol and not _FOR.search(words + claim.display.after) is None:
+                given = {x: values[-1] for x in values[:-1] if x.is_Symbol}
+                found.append((f"${other.formula.printed}$", given))
+        if len(found) > 1:
+            together: dict[Any, Any] = {}
+            for _, given in found:
+                together |= given
+            found.append((" and ".join(said for said, _ in found), together))
+        still = _has_constancy(claim)
+        return [
+            (said, replace(study, given=given))
+            for said, given in found
+            if not (still and given.keys() & moving.keys())
+        ]
+
+    def _excuse(self, claim: PrintedClaim, chain: Chain, study: Study) -> FormulaRecord | None:
+        """What else a refuted formula may be than wrong, as a record; else None."""
+        printed = claim.formula.printed
+        values = [p for p in chain.parts if not names_constant(p)]
+        found = _sane(lambda: [value_of(p, study, {}) for p in values]) or []
+        states = {*self.study.motion.rates, *self.study.motion.rates.values()}
+        states = {s for s in states if s.is_Symbol}
+        if found and not any(getattr(v, "free_symbols", set()) & states for v in found):
+            names = [key_of(n) for p in values for n in names_in(p) if key_of(n) in self.defined_at]
+            if names:
+                at = self.defined_at[names[0]].where
+                return FormulaRecord(printed, "convention", f"'{names[0]}' is defined otherwise in {at}")
+            return FormulaRecord(printed, "definition", "a condition on parameters")
+        bare = [v for v in found if v.is_Symbol and v in states]
+        rest = [v for v in found if not v.free_symbols & states]
+        if bare and (rest or len(values) < len(chain.parts)) and not _INTEGRAL.search(
+            claim.display.before
+        ):
+            return FormulaRecord(printed, "definition", "a condition on the state")
+        words = claim.display.before.rpartition("\n\n")[2]
+        condition = _CONDITIONS.search(words) or _ASSUMED.search(_without_commands(words))
+        condition = condition or re.match(r"\W*(?:for|if|when|provided|at|near|where)\b", claim.display.after)
+        if condition:
+            said = f"false in general; its sentence has '{condition[0].strip()}', a condition that is not read"
+            return FormulaRecord(printed, "not read", said)
+        return None
+
+
+def _ground(chain: Chain, study: Study) -> str:
+    """On what a proved formula rests."""
+    if any(names_constant(part) for part in chain.parts):
+        return GROUNDS["integral"]
+    if not _has_accelerations(chain, study):
+        return GROUNDS["constraints"]
+    return GROUNDS["motion"]
+
+
+def _has_accelerations(chain: Chain, study: Study) -> bool:
+    """Whether rates of velocities stand in a formula."""
+    dots = {*study.motion.accelerations}
+    for part in chain.parts:
+        for node in walk(part):
+            if isinstance(node, (Dot, Derivative, Differential)):
+                value = _sane(lambda n=node: evaluate(n, study))
+                order = getattr(node, "order", 1)
+                if order > 1 or (value is not None and getattr(value, "free_symbols", set()) & dots):
+                    return True
+    return False
+
+
+def _sane(work: Callable[[], Any]) -> Any:
+    """What comes out; None for what has no value."""
+    try:
+        return work()
+    except SENSELESS:
+        return None
+
+
+def _lone(part: Node) -> Name | None:
+    """The single name of a part that holds numbers besides, as ``2h`` and ``c^2``."""
+    if isinstance(part, Name):
+        return None if names_constant(part) else part
+    if isinstance(part, Sum) and len(part.terms) == 1:
+        return _lone(part.terms[0][1])
+    if isinstance(part, Power) and isinstance(part.exponent, Number):
+        return _lone(part.base)
+    if isinstance(part, Quotient) and isinstance(part.bottom, Number):
+        return _lone(part.top)
+    if isinstance(part, Product):
+        rest = [f for f in part.factors if not isinstance(f, Number)]
+        return _lone(rest[0]) if len(rest) == 1 else None
+    return None
+
+
+def _solved(part: Node, value: Node) -> tuple[Name | None, Node]:
+    """The name of a part that is equal to a value, and what it is then; a power stays unsolved."""
+    if isinstance(part, Name):
+        return part, value
+    if isinstance(part, Sum) and len(part.terms) == 1:
+        return _solved(part.terms[0][1], Sum(((-1, value),)))
+    if isinstance(part, Quotient):
+        return _solved(part.top, Product((part.bottom, value)))
+    if isinstance(part, Product):
+        numbers = tuple(f for f in part.factors if isinstance(f, Number))
+        rest = next(f for f in part.factors if not isinstance(f, Number))
+        return _solved(rest, Quotient(value, Product(numbers)))
+    return None, value
+
+
+def _has_constancy(claim: PrintedClaim) -> bool:
+    return claim.chain is not None and any(map(names_constant, claim.chain.parts))
+
+
+def _is_linear(gap: Any, symbols: Sequence[Any]) -> bool:
+    """Whether an expression is linear in some symbols together."""
+    slopes = [sp.diff(gap, s) for s in symbols]
+    return not any(slope.has(*symbols) for slope in slopes) and not prove_equal(slopes[0], 0).proved
+
+
+def _without_commands(words: str) -> str:
+    return re.sub(r"\\[a-zA-Z]+\*?|[{}$\\]", " ", words)
