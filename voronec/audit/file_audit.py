@@ -44,7 +44,8 @@ from voronec.audit.record import Audit, FormulaRecord, Record
 from voronec.audit.structure import names_constant
 from voronec.audit.study import Study, key_of
 from voronec.audit.transcript import Transcript
-from voronec.audit.verify import verify
+from voronec.audit.verify import FormulaOutcome, verify
+from voronec.audit.wording import witness_of
 from voronec.declaration.system import System
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
@@ -64,12 +65,13 @@ _CONDITIONS = re.compile(
 )
 """Words of a sentence which say that a formula in it need not hold always."""
 _ASSUMED = re.compile(
-    r"\b(let|take|choose|put|set|setting|putting|with|for|where|at|on|consider|fix|impose|requir\w*)"
-    r"\b[\w\s:]{0,25}$",
+    r"\b(?:let|take(?! the)|choose|put|set|setting|putting|consider|fix|impose|requir\w*)\b[\w\s:]{0,25}$"
+    r"|\b(?:with|for|where|at|on|as)\s*$",
     re.IGNORECASE,
 )
 """Words right before a formula that make an assumption of it."""
 _FOR = re.compile(r"\b(for|if|when|case|with|at|neglect\w*|without|absence|limit)\b", re.IGNORECASE)
+_SOLUTION = re.compile(r"solution|integra|constant", re.IGNORECASE)
 _REST = re.compile(r"\bat rest\b", re.IGNORECASE)
 CONSTANT_WORD = r"\text{const}"
 """What stands in the place of a free constant while an integral is judged."""
@@ -78,7 +80,11 @@ _FORCED = re.compile(r"multiplier|reaction|constraint force|lagrange's equations
 
 @dataclass(frozen=True)
 class PrintedClaim:
-    """A formula of the paper with its display, its place and its tree, where it can be read."""
+    """A formula of the paper with its display, its place and its tree, where it can be read.
+
+    ``error`` says why it cannot; ``doubt``, why it can be read in two ways, of which it is the one
+    in which a function takes the next name alone.
+    """
 
     formula: Formula
     display: PrintedDisplay
@@ -86,6 +92,7 @@ class PrintedClaim:
     place: tuple[str, int, int]
     chain: Chain | None
     error: str = ""
+    doubt: str = ""
 
     @property
     def where(self) -> str:
@@ -103,12 +110,20 @@ def claims_of(document: Document, study: Study) -> list[PrintedClaim]:
                 own = Display(display.latex.text)
                 formula = Formula(own, unit, piece, position, display.kind)
                 at = document.source.place(display.latex.origins[piece.at[0]])
-                try:
-                    chain, error = formula.tree(study.vocabulary), ""
-                except DefinitionError as refusal:
-                    chain, error = None, str(refusal)
-                found.append(PrintedClaim(formula, display, number, at, chain, error))
+                found.append(PrintedClaim(formula, display, number, at, *_tree(formula, study)))
     return found
+
+
+def _tree(formula: Formula, study: Study) -> tuple[Chain | None, str, str]:
+    """The tree of a formula, why there is none, and why there may be another."""
+    try:
+        return formula.tree(study.vocabulary), "", ""
+    except DefinitionError as refusal:
+        doubt = str(refusal)
+    try:
+        return formula.tree(replace(study.vocabulary, narrow_functions=True)), "", doubt
+    except DefinitionError:
+        return None, doubt, ""
 
 
 @dataclass(frozen=True)
@@ -234,6 +249,8 @@ class _Work:
             if name is None:
                 return False
             first = parts[0][0] is lone[0]
+            if not first and isinstance(known[0], Name) and not self._is_constant(known[0]):
+                return False  # v = v_0 says something of a state
             if not first and self._is_constant(known[0]):
                 self.found[number] = FormulaRecord(
                     claim.formula.printed, "proved", GROUNDS["integral"], source=self.study.origin
@@ -316,6 +333,10 @@ class _Work:
             constant = self._with_constant(claim, unknown)
             if constant is not None:
                 return self._restored(self._judge_known(constant), claim, constant)
+        if len(unknown) == 1 and not self._is_forced(unknown):
+            solution = self._solution(claim, unknown[0])
+            if solution is not None:
+                return solution
         if unknown:
             for letter in unknown:
                 self.unknown.setdefault(letter, []).append(f"line {claim.place[1]}")
@@ -337,6 +358,35 @@ class _Work:
         unit, piece = pieces[claim.formula.position]
         formula = replace(claim.formula, display=display, unit=unit, piece=piece)
         return replace(claim, formula=formula, chain=formula.tree(self.study.vocabulary))
+
+    def _solution(self, claim: PrintedClaim, letter: str) -> FormulaRecord | None:
+        """The verdict on a solution with one constant, as v = g t + C: what the constant has to be
+        must not change; None where the letter may be something else."""
+        symbol, chain = sp.Dummy(letter), claim.chain
+        study = replace(self.study, names={**self.study.names, letter: symbol}, ranges=())
+        if chain is None or len(chain.parts) != 2:
+            return None
+        try:
+            left, right = (study.motion.along(value_of(p, study, {})) for p in chain.parts)
+            gap = sp.expand(left - right)
+            slope = sp.diff(gap, symbol)
+            if not _is_linear(gap, [symbol]) or slope.free_symbols & {*study.motion.rates}:
+                return None
+            value = -(gap - slope * symbol) / slope
+            verdict = prove_equal(study.motion.along(study.motion.derivative(value)), 0)
+        except SENSELESS:
+            return None
+        printed = claim.formula.printed
+        if verdict.proved:
+            return FormulaRecord(printed, "proved", GROUNDS["integral"], source=study.origin)
+        said = re.match(r"[cC](?![a-zA-Z])", letter) and _SOLUTION.search(
+            claim.display.before + claim.display.after
+        )
+        if not said or not verdict.refuted or verdict.witness is None:
+            return None
+        witness = witness_of(FormulaOutcome(verdict, None, 1))
+        method = f"the rate of what {letter} has to be does not vanish"
+        return FormulaRecord(printed, "misprint", method, witness=witness)
 
     def _restored(
         self, record: FormulaRecord, claim: PrintedClaim, constant: PrintedClaim
@@ -366,6 +416,8 @@ class _Work:
             return FormulaRecord(printed, "definition", "a condition")
         if verdict.undecided:
             return FormulaRecord(printed, "undecided", verdict.method)
+        if claim.doubt:
+            return FormulaRecord(printed, "not read", claim.doubt)
         for said, special in self._special_cases(claim, study):
             outcome = _sane(lambda s=special: verify(chain, Check(), s))
             if outcome is not None and outcome.verdict.proved:
@@ -400,12 +452,12 @@ class _Work:
         if _REST.search(words + claim.display.after):
             found.append(("rest", {v: sp.S.Zero for v in self.study.context.velocities}))
         for other in self.claims:
-            beside = other.section == claim.section and other.chain is not None
-            if not beside or other is claim or other.formula.printed not in words + claim.display.after:
+            beside = other.display.sentence == claim.display.sentence and other.chain is not None
+            if not beside or other is claim or not _FOR.search(words + claim.display.after):
                 continue
             values = _sane(lambda c=other.chain: [value_of(p, self.study, {}) for p in c.parts])
-            if values and values[0].is_Symbol and not _FOR.search(words + claim.display.after) is None:
-                given = {x: values[-1] for x in values[:-1] if x.is_Symbol}
+            if values and isinstance(values[0], sp.Symbol):
+                given = {x: values[-1] for x in values[:-1] if isinstance(x, sp.Symbol)}
                 found.append((f"${other.formula.printed}$", given))
         if len(found) > 1:
             together: dict[Any, Any] = {}
@@ -425,15 +477,17 @@ class _Work:
         values = [p for p in chain.parts if not names_constant(p)]
         found = _sane(lambda: [value_of(p, study, {}) for p in values]) or []
         states = {*self.study.motion.rates, *self.study.motion.rates.values()}
-        states = {s for s in states if s.is_Symbol}
+        states = {s for s in states if s.is_Symbol} - {*self.study.motion.accelerations}
         if found and not any(getattr(v, "free_symbols", set()) & states for v in found):
             names = [key_of(n) for p in values for n in names_in(p) if key_of(n) in self.defined_at]
             if names:
                 at = self.defined_at[names[0]].where
                 return FormulaRecord(printed, "convention", f"'{names[0]}' is defined otherwise in {at}")
             return FormulaRecord(printed, "definition", "a condition on parameters")
-        bare = [v for v in found if v.is_Symbol and v in states]
-        rest = [v for v in found if not v.free_symbols & states]
+        bare = [p for p in values if isinstance(p, Name)]
+        rates = [p for p, v in zip(values, found, strict=False) if isinstance(v, sp.Symbol) and v in states]
+        bare += [p for p in rates if isinstance(p, Dot)]
+        rest = [v for v in found if not getattr(v, "free_symbols", set()) & states]
         if bare and (rest or len(values) < len(chain.parts)) and not _INTEGRAL.search(
             claim.display.before
         ):

@@ -64,6 +64,7 @@ def study_of(equations: VoronecEquations) -> Study:
     spoken = {k for k in ("L", "T", "V") if k not in language.symbols}
     names = {k: v for k, v in known.items() if k not in spoken and v != CONSTANT}
     names.setdefault("e", sp.E)
+    names |= _vectors(names, {p.symbol for p in system.parameters})
     field = Motions.of(equations).on_coordinates
     values = [as_expression(equations.bridge.outward(a)) for a in field.accelerations]
     dots = [velocity(v) for v in equations.velocities]
@@ -76,6 +77,19 @@ def study_of(equations: VoronecEquations) -> Study:
     real = {x: sp.Symbol(plain_name(x), real=True) for x in sorted(others, key=str)}
     where = Range("", "", {**signs, **real}, tuple(signs.values()), tuple(real.values()))
     return Study(names=names, motion=motion, ranges=(where,), context=equations)
+
+
+def _vectors(names: Mapping[str, Any], parameters: set[Any]) -> dict[str, Any]:
+    """Bold letters: the vector of three components, the diagonal matrix of three parameters."""
+    found: dict[str, Any] = {}
+    for name in names:
+        head, _, index = name.partition("_")
+        several = [f"{head}_{{{i}}}" for i in ("123" if index == "{1}" else "xyz")]
+        if index in ("{1}", "{x}") and all(one in names for one in several):
+            values = [names[one] for one in several]
+            value = sp.diag(*values) if {*values} <= parameters else sp.Matrix(values)
+            found |= {f"\\{shape}{{{head}}}": value for shape in ("mathbf", "boldsymbol", "vec")}
+    return found
 
 
 def _derived(equations: VoronecEquations, study: Study) -> dict[str, Any]:

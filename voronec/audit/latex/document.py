@@ -7,6 +7,7 @@ become lines, ``\over`` becomes ``\frac``, numbers that are printed are taken of
 from __future__ import annotations
 
 import re
+from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,7 +33,10 @@ _PARTS = re.compile(
     r"|\\.",
     re.DOTALL,
 )
-_END_OF_SENTENCE = re.compile(r"(?<!Fig)(?<!Eq)(?<!e\.g)(?<!i\.e)(?<![A-Z])\.(?=\s|$|\\)|\n\s*\n")
+_END_OF_SENTENCE = re.compile(
+    r"(?<!Fig)(?<!Eq)(?<!e\.g)(?<!i\.e)(?<![A-Z])\.(?=\s|$|\\)|\n\s*\n"
+    r"|\\(?:sub)*section\*?\s*\{[^}]*\}"
+)
 
 
 CLAIMS = RELATIONS - {"\\in", "\\colon", "\\mapsto", "\\longmapsto"}
@@ -43,8 +47,8 @@ CLAIMS = RELATIONS - {"\\in", "\\colon", "\\mapsto", "\\longmapsto"}
 class PrintedDisplay:
     """A display or a formula of the text: its LaTeX as the reader takes it, and where it stands.
 
-    ``before`` and ``after`` are the rest of its sentence; ``number`` is its label, or the number
-    that is printed.
+    ``before`` and ``after`` are the rest of its sentence, which ``sentence`` counts; ``number`` is
+    its label, or the number that is printed.
     """
 
     latex: MarkedText
@@ -52,6 +56,7 @@ class PrintedDisplay:
     number: str
     before: str
     after: str
+    sentence: int
 
     @property
     def units(self) -> tuple[FormulaUnit, ...]:
@@ -118,6 +123,7 @@ def _words(text: str) -> str:
 def _sections(body: MarkedText) -> Iterator[PrintedSection]:
     title, found = "", list[PrintedDisplay]()
     text = body.text
+    ends = [m.end() for m in _END_OF_SENTENCE.finditer(text)]
     for match in _PARTS.finditer(text):
         if match["title"] is not None:
             if found:
@@ -127,32 +133,22 @@ def _sections(body: MarkedText) -> Iterator[PrintedSection]:
         kind = match.lastgroup
         if kind not in ("env", "name", "dollars", "bracket", "inline", "round"):
             continue
-        before = _last_sentence(text[max(0, match.start() - 1500) : match.start()])
-        after = _first_sentence(text[match.end() : match.end() + 600])
+        sentence = bisect_right(ends, match.start())
+        before = text[max([0, *ends[sentence - 1 : sentence]]) : match.start()]
+        after = text[match.end() : max(match.end(), *ends[sentence : sentence + 1], 0)]
         shown = "text" if kind in ("inline", "round") else "display"
         latex, number = _readable(body[match.start() : match.end()])
-        display = PrintedDisplay(latex, shown, number, before, after)
+        display = PrintedDisplay(latex, shown, number, before, after, sentence)
         if shown == "display" or display.formulas:
             found.append(display)
     if found:
         yield PrintedSection(title or "The paper", tuple(found))
 
 
-def _last_sentence(text: str) -> str:
-    ends = [m.end() for m in _END_OF_SENTENCE.finditer(text)]
-    title = [m.end() for m in re.finditer(r"\\(?:sub)*section\*?\{[^}]*\}", text)]
-    return text[max([0, *ends, *title]) :]
-
-
-def _first_sentence(text: str) -> str:
-    match = _END_OF_SENTENCE.search(text)
-    return text if match is None else text[: match.start()]
-
-
 _NUMBER = re.compile(r"\\(?:l?eqno)\s*(?:\{?\(([^)]*)\)\}?|\\hbox\{\(([^)]*)\)\})|\\tag\*?\{([^}]*)\}")
 _SYSTEM = re.compile(
     r"(?:\\left\s*\\(?:\{|lbrace)|\\left\s*\.|\\\{)?\s*"
-    r"\\begin\{(cases|dcases|rcases|array|alignedat|matrix)\}(?:\[[tbc]\])?(?:\{[^{}]*\})?"
+    r"\\begin\{(cases|dcases|rcases|array|alignedat|aligned|matrix)\}(?:\[[tbc]\])?(?:\{[^{}]*\})?"
     r"(?P<inside>(?:(?!\\begin\{).)*?)\\end\{\1\}\s*(?:\\right\s*(?:\.|\\\}|\\rbrace))?",
     re.DOTALL,
 )
@@ -163,6 +159,7 @@ _REPLACED = (
     (r"\\end\{IEEEeqnarray(\*?)\}", r"\\end{eqnarray\1}"),
     (r"(\\begin|\\end)\{dmath(\*?)\}", r"\1{equation\2}"),
     (r"\\begin\{empheq\}(?:\[[^]]*\])?\{(\w+\*?)\}", r"\\begin{\1}"),
+    (r"\\(?:mathrm|operatorname)\{(diag|det|tr)\}", r"\\\1"),
     (r":\s*=", "="),
     (r"=\s*:", "="),
     (r"\\label\s*\{[^}]*\}", ""),
