@@ -39,6 +39,7 @@ from voronec.audit.latex.nodes import (
 from voronec.audit.letters import names_in, read_letters, study_of, unknown_names, with_words
 from voronec.audit.lessons.judgement import GROUNDS
 from voronec.audit.meaning import SENSELESS, evaluate
+from voronec.audit.page.referee import referee_lines
 from voronec.audit.paper import Section
 from voronec.audit.record import Audit, FormulaRecord, Record
 from voronec.audit.structure import names_constant
@@ -145,6 +146,23 @@ class PaperAudit:
         """Those that are refuted."""
         return self.audit.errata
 
+    def lines(self) -> list[str]:
+        """The summary for a referee: what is right, what is wrong, what is not decided."""
+        return referee_lines(self.audit, self.letters, self.system.name)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The audit as data that JSON can hold."""
+        return {
+            "paper": self.audit.title,
+            "system": self.system.name,
+            "counts": self.audit.count(),
+            "records": self.audit.as_list(),
+            "letters": dict(self.letters),
+        }
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines())
+
 
 def audit_paper(
     path: str | Path,
@@ -211,6 +229,8 @@ class _Work:
             section = self.document.sections[claim.section].title
             printed, kind = claim.formula.printed, claim.display.kind
             records.append(Record(claim.where, section, number + 1, printed, (record,), kind))
+        self._blame_definitions(records)
+        self._spare_strangers(records)
         title = self.document.title or name
         return PaperAudit(system, Audit(name, title, tuple(records)), self.unknown)
 
@@ -321,6 +341,53 @@ class _Work:
         solved = {k: values[s] for k, s in symbols.items() if s in values}
         solved = {k: v for k, v in solved.items() if not v.free_symbols & {*symbols.values()}}
         self.study = replace(self.study, names={**self.study.names, **solved})
+
+    def _blame_definitions(self, records: list[Record]) -> None:
+        """Where all formulas fail that have a letter, two or more, what says its meaning is wrong
+        rather than these."""
+        at = {id(claim): number for number, claim in enumerate(self.claims)}
+        for key, definition in self.defined_at.items():
+            users = [
+                number
+                for number, claim in enumerate(self.claims)
+                if claim is not definition and claim.chain is not None
+                and key in {key_of(name) for name in names_in(claim.chain)}
+            ]  # fmt: skip
+            wrong = [number for number in users if records[number].verdict == "misprint"]
+            if len(wrong) < 2 or any(records[number].verdict == "proved" for number in users):
+                continue
+            source = at[id(definition)]
+            mended = all(records[number].decisive.correction for number in wrong)
+            if mended or records[source].verdict != "definition":
+                continue  # each can be mended by itself, or the meaning is proved
+            places = ", ".join(str(records[number].label) for number in wrong)
+            head = replace(
+                records[source].decisive,
+                verdict="misprint",
+                method=f"all formulas fail in which {key} stands: {places}",
+                witness=records[wrong[0]].decisive.witness,
+            )
+            records[source] = replace(records[source], formulas=(head,))
+            for number in wrong:
+                doubt = f"it contradicts what {key} is in {definition.where}"
+                head = FormulaRecord(records[number].printed, "convention", doubt)
+                records[number] = replace(records[number], formulas=(head,))
+
+    def _spare_strangers(self, records: list[Record]) -> None:
+        """Where more formulas disagree with the system than agree, it is not the paper's."""
+        wrong = [n for n, record in enumerate(records) if record.verdict == "misprint"]
+        right = [
+            claim
+            for claim, record in zip(self.claims, records, strict=True)
+            if record.verdict == "proved" and claim.chain is not None
+            and any(_moves(part, self.study) for part in claim.chain.parts)
+        ]  # fmt: skip
+        if len(wrong) <= len(right):
+            return
+        for number in wrong:
+            doubt = "more formulas disagree with the system than agree: is it that of the paper?"
+            head = FormulaRecord(records[number].printed, "not read", doubt)
+            records[number] = replace(records[number], formulas=(head,))
 
     # -- verdicts --------------------------------------------------------------------------
 
@@ -477,7 +544,7 @@ class _Work:
         values = [p for p in chain.parts if not names_constant(p)]
         found = _sane(lambda: [value_of(p, study, {}) for p in values]) or []
         states = {*self.study.motion.rates, *self.study.motion.rates.values()}
-        states = {s for s in states if s.is_Symbol} - {*self.study.motion.accelerations}
+        states = {s for s in states if s.is_Symbol}
         if found and not any(getattr(v, "free_symbols", set()) & states for v in found):
             names = [key_of(n) for p in values for n in names_in(p) if key_of(n) in self.defined_at]
             if names:
@@ -485,6 +552,7 @@ class _Work:
                 return FormulaRecord(printed, "convention", f"'{names[0]}' is defined otherwise in {at}")
             return FormulaRecord(printed, "definition", "a condition on parameters")
         bare = [p for p in values if isinstance(p, Name)]
+        states -= {*self.study.motion.accelerations}
         rates = [p for p, v in zip(values, found, strict=False) if isinstance(v, sp.Symbol) and v in states]
         bare += [p for p in rates if isinstance(p, Dot)]
         rest = [v for v in found if not getattr(v, "free_symbols", set()) & states]
@@ -492,6 +560,10 @@ class _Work:
             claim.display.before
         ):
             return FormulaRecord(printed, "definition", "a condition on the state")
+        if not any(_moves(part, self.study) for part in values) and not _INTEGRAL.search(
+            claim.display.before
+        ):
+            return FormulaRecord(printed, "definition", "a condition on the coordinates")
         words = claim.display.before.rpartition("\n\n")[2]
         condition = _CONDITIONS.search(words) or _ASSUMED.search(_without_commands(words))
         condition = condition or re.match(r"\W*(?:for|if|when|provided|at|near|where)\b", claim.display.after)
@@ -521,6 +593,15 @@ def _has_accelerations(chain: Chain, study: Study) -> bool:
                 if order > 1 or (value is not None and getattr(value, "free_symbols", set()) & dots):
                     return True
     return False
+
+
+def _moves(part: Node, study: Study) -> bool:
+    """Whether a part holds a rate, a velocity, or what is made of these."""
+    still = {*study.context.coordinates}
+    moving = {s for s in (*study.motion.rates, *study.motion.constrained) if s not in still}
+    value = _sane(lambda: evaluate(part, study))
+    dotted = any(isinstance(node, (Dot, Derivative, Differential)) for node in walk(part))
+    return dotted or bool(getattr(value, "free_symbols", set()) & moving)
 
 
 def _sane(work: Callable[[], Any]) -> Any:

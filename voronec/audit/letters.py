@@ -20,6 +20,7 @@ from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import as_expression, formula
 from voronec.audit.latex.document import PrintedDisplay
 from voronec.audit.latex.nodes import Chain, Name, Node
+from voronec.audit.latex.tokens import FUNCTIONS
 from voronec.audit.lessons.judgement import CONSTANT, Language
 from voronec.audit.lessons.notation import BASE
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
@@ -169,7 +170,7 @@ def unknown_names(chain: Node, study: Study) -> list[str]:
     each once."""
     found: dict[str, None] = {}
     for name in names_in(chain):
-        if name.head == "const" or name.head in ("\\pm", "d"):
+        if name.head in {"const", "\\pm", "d"} | FUNCTIONS:
             continue
         try:
             evaluate(name, study)

@@ -63,11 +63,13 @@ class TexSource:
 
 @dataclass(frozen=True)
 class _Macro:
-    """What a command stands for; ``pattern`` are its parameters, as ``#1#2`` or ``#1;``."""
+    """What a command stands for; ``pattern`` is what ends each of its parameters, nothing for one in
+    braces, and ``prefix`` what stands before them."""
 
     body: str
     pattern: tuple[str, ...] = ()
     default: str | None = None
+    prefix: str = ""
 
 
 def _plain(arguments: int) -> tuple[str, ...]:
@@ -252,12 +254,14 @@ class _Expander:
         while self.pile and self.pile[-1][0] != "{":
             pattern += self.pile.pop()[0]
         ends = tuple(re.split(r"#\d", pattern))
-        self.macros[name] = _Macro(_written(self._argument(origin)), ends[1:])
+        self.macros[name] = _Macro(_written(self._argument(origin)), ends[1:], prefix=ends[0])
 
     def _call(self, macro: _Macro, origin: Origin) -> None:
         self.count += 1
         if self.count > EXPANSIONS:
             self._refuse(origin, "macros are carried out without end; does one call itself?")
+        if macro.prefix:
+            self._delimited(macro.prefix, origin)
         arguments: list[list[tuple[str, Origin]]] = []
         for position, end in enumerate(macro.pattern):
             if position == 0 and macro.default is not None:
