@@ -21,7 +21,9 @@ from voronec.errors import DefinitionError
 
 __all__ = ["draft_system"]
 
-_BOUND = re.compile(r"constrain|slip|roll|nonholonomic|condition|knife|blade|skid|edge|vanish", re.IGNORECASE)
+_BOUND = re.compile(
+    r"constrain|slip|roll|nonholonomic|condition|knife|blade|skid|edge|vanish", re.IGNORECASE
+)
 _NO_LETTERS = ("const", "t", "\\pi", "e", "d")
 
 
@@ -86,7 +88,9 @@ class _Draft:
                 "the paper has no formula 'L = ...' or 'T = ...' that is read; write a system file "
                 "by hand, from 'voronec new NAME --toml'"
             )
-        forces = any(re.search("force function", c.display.before, re.IGNORECASE) for c in self.claims)
+        forces = any(
+            re.search("force function", c.display.before, re.IGNORECASE) for c in self.claims
+        )
         if value is None:
             value = kinetic + (potential or 0) * (1 if forces else -1)
         for _ in range(3):
@@ -101,9 +105,10 @@ class _Draft:
             mine = [dot for dot in dots if gap.has(dot)]
             others = gap.free_symbols & {*self.study.motion.constrained} - {*dots}
             linear = mine and not any(sp.diff(gap, dot).has(*dots) for dot in mine)
-            if linear and not others and _BOUND.search(claim.display.before) and len(values) == 2:
-                if not isinstance(claim.chain.parts[0] if claim.chain else None, Name):
-                    found.append((values[0], values[1]))  # u = ... defines a velocity
+            said = _BOUND.search(claim.display.before) and len(values) == 2
+            velocity_alone = claim.chain is not None and isinstance(claim.chain.parts[0], Name)
+            if linear and not others and said and not velocity_alone:
+                found.append((values[0], values[1]))
         return found
 
     def text(self, name: str) -> str:
@@ -113,10 +118,14 @@ class _Draft:
         coordinates = sorted({dots[d] for d in lagrangian.free_symbols & dots.keys()}, key=str)
         constraints = self._constraints(coordinates)
         moving = {*coordinates, *map(velocity, coordinates)}
-        held = lagrangian.free_symbols.union(*(side.free_symbols for pair in constraints for side in pair))
+        held = lagrangian.free_symbols.union(
+            *(side.free_symbols for pair in constraints for side in pair)
+        )
         parameters = sorted((held - moving) - {sp.Symbol("t")}, key=str)
         fibre = _fibre(constraints, coordinates)
-        lines = [f"# A draft from '{self.document.source.files[0][0]}': look it over, line by line."]
+        lines = [
+            f"# A draft from '{self.document.source.files[0][0]}': look it over, line by line."
+        ]
         lines += [f"# the paper defines {s} = {v}" for s, v in self._defined().items()]
         lines += [f'name = "{name}"', f'lagrangian = "{lagrangian}"']
         lines += ["constraints = [" + ", ".join(f'"{a} = {b}"' for a, b in constraints) + "]"]

@@ -36,8 +36,8 @@ from voronec.audit.latex.nodes import (
     Sum,
     walk,
 )
-from voronec.audit.letters import names_in, read_letters, study_of, unknown_names, with_words
 from voronec.audit.lessons.judgement import GROUNDS
+from voronec.audit.letters import names_in, read_letters, study_of, unknown_names, with_words
 from voronec.audit.meaning import SENSELESS, evaluate
 from voronec.audit.page.referee import referee_lines
 from voronec.audit.paper import Section
@@ -57,16 +57,19 @@ _INTEGRAL = re.compile(
     r"\bintegrals?\b|constant|conserv|preserv|invariant|first integral", re.IGNORECASE
 )
 _CONDITIONS = re.compile(
-    r"\b(if|when|whenever|unless|provided|while|suppos\w*|assum\w*|absence|without(?! (?:slip|skid|los))"
-    r"|neglect\w*|small|near|limit\w*|approximat\w*|at rest|at the (?:initial|moment|instant)|initial\w*"
-    r"|steady|stationary|equilibri\w*|particular|special|linear\w*|virtual|unconstrained|would|as if"
-    r"|first order|free (?:body|motion)|holonomic case|wrong\w*|erroneous\w*|incorrect\w*|false|misprint\w*"
-    r"|instead of|in (?:\w+ )?(?:book|paper)|solution)\b",
+    r"\b(if|when|whenever|unless|provided|while|suppos\w*|assum\w*|absence"
+    r"|without(?! (?:slip|skid|los))|neglect\w*|small|near|limit\w*|approximat\w*|at rest"
+    r"|at the (?:initial|moment|instant)|initial\w*|steady|stationary|equilibri\w*|special"
+    r"|particular|linear\w*|virtual"
+    r"|unconstrained|would|as if|first order|free (?:body|motion)|holonomic case"
+    r"|wrong\w*|erroneous\w*|incorrect\w*|false|misprint\w*|instead of|in (?:\w+ )?(?:book|paper)"
+    r"|solution)\b",
     re.IGNORECASE,
 )
 """Words of a sentence which say that a formula in it need not hold always."""
 _ASSUMED = re.compile(
-    r"\b(?:let|take(?! the)|choose|put|set|setting|putting|consider|fix|impose|requir\w*)\b[\w\s:]{0,25}$"
+    r"\b(?:let|take(?! the)|choose|put|set|setting|putting|consider|fix|impose|requir\w*)\b"
+    r"[\w\s:]{0,25}$"
     r"|\b(?:with|for|where|at|on|as)\s*$",
     re.IGNORECASE,
 )
@@ -193,7 +196,9 @@ def audit_paper(
 def _joined(study: Study, given: Mapping[str, Any]) -> dict[str, Any]:
     """The names with those of the dictionary in the place of what is spelled alike."""
     keys = {study.key(study.tree(letter)) for letter in given}
-    return {k: v for k, v in study.names.items() if study.key(study.tree(k)) not in keys} | dict(given)
+    return {k: v for k, v in study.names.items() if study.key(study.tree(k)) not in keys} | dict(
+        given
+    )
 
 
 @dataclass
@@ -275,7 +280,9 @@ class _Work:
                 self.found[number] = FormulaRecord(
                     claim.formula.printed, "proved", GROUNDS["integral"], source=self.study.origin
                 )
-            elif not first and (_INTEGRAL.search(claim.display.before) or not isinstance(lone[0], Name)):
+            elif not first and (
+                _INTEGRAL.search(claim.display.before) or not isinstance(lone[0], Name)
+            ):
                 return False  # judged as an integral
             else:
                 self.found[number] = FormulaRecord(
@@ -306,7 +313,8 @@ class _Work:
 
     def _is_constant(self, part: Node) -> bool:
         """Whether a part keeps its value along every motion."""
-        outcome = _sane(lambda: verify(Chain((part, Name("const")), ("=",)), Check(), self.study))
+        chain = Chain((part, Name("const")), ("=",))
+        outcome = _value_or_none(verify, chain, Check(), self.study)
         return outcome is not None and outcome.verdict.proved
 
     def _multipliers(self) -> None:
@@ -323,7 +331,9 @@ class _Work:
             if not unknown or not {*unknown} <= symbols.keys():
                 continue
             try:
-                left, right = (study.motion.along(value_of(p, study, {})) for p in claim.chain.parts)
+                left, right = (
+                    study.motion.along(value_of(p, study, {})) for p in claim.chain.parts
+                )
                 gap = sp.expand((left - right).xreplace(values))
             except SENSELESS:
                 continue
@@ -486,14 +496,14 @@ class _Work:
         if claim.doubt:
             return FormulaRecord(printed, "not read", claim.doubt)
         for said, special in self._special_cases(claim, study):
-            outcome = _sane(lambda s=special: verify(chain, Check(), s))
+            outcome = _value_or_none(verify, chain, Check(), special)
             if outcome is not None and outcome.verdict.proved:
                 method = f"true for {said}, which its sentence names"
                 return FormulaRecord(printed, "proved", method, source=study.origin)
         return self._excuse(claim, chain, study) or self._accused(claim, study)
 
     def _accused(self, claim: PrintedClaim, study: Study) -> FormulaRecord:
-        """The record of a formula that fails, with a state and, where one is found, a correction."""
+        """The record of a formula that fails, with a state and a correction, if one is found."""
         section = Section("", tuple(self._displays[claim.section]), lambda _: {})
         bench = SectionContext(Transcript(section), {"": study})
         record, _ = judge_formula(claim.formula, Check(), bench)
@@ -517,13 +527,14 @@ class _Work:
         moving = self.study.motion.rates
         words = claim.display.before
         if _REST.search(words + claim.display.after):
-            found.append(("rest", {v: sp.S.Zero for v in self.study.context.velocities}))
+            found.append(("rest", dict.fromkeys(self.study.context.velocities, sp.S.Zero)))
         for other in self.claims:
-            beside = other.display.sentence == claim.display.sentence and other.chain is not None
-            if not beside or other is claim or not _FOR.search(words + claim.display.after):
+            beside = other.display.sentence == claim.display.sentence and other is not claim
+            if not beside or not other.chain or not _FOR.search(words + claim.display.after):
                 continue
-            values = _sane(lambda c=other.chain: [value_of(p, self.study, {}) for p in c.parts])
-            if values and isinstance(values[0], sp.Symbol):
+            values = _value_or_none(_values, other.chain.parts, study)
+            still = values and not getattr(values[-1], "free_symbols", set()) & {*moving}
+            if still and isinstance(values[0], sp.Symbol):
                 given = {x: values[-1] for x in values[:-1] if isinstance(x, sp.Symbol)}
                 found.append((f"${other.formula.printed}$", given))
         if len(found) > 1:
@@ -531,33 +542,41 @@ class _Work:
             for _, given in found:
                 together |= given
             found.append((" and ".join(said for said, _ in found), together))
-        still = _has_constancy(claim)
+        constant = _has_constancy(claim)
         return [
             (said, replace(study, given=given))
             for said, given in found
-            if not (still and given.keys() & moving.keys())
+            if not (constant and given.keys() & moving.keys())
         ]
 
     def _excuse(self, claim: PrintedClaim, chain: Chain, study: Study) -> FormulaRecord | None:
         """What else a refuted formula may be than wrong, as a record; else None."""
         printed = claim.formula.printed
         values = [p for p in chain.parts if not names_constant(p)]
-        found = _sane(lambda: [value_of(p, study, {}) for p in values]) or []
+        found = _value_or_none(_values, values, study) or []
         states = {*self.study.motion.rates, *self.study.motion.rates.values()}
         states = {s for s in states if s.is_Symbol}
         if found and not any(getattr(v, "free_symbols", set()) & states for v in found):
             names = [key_of(n) for p in values for n in names_in(p) if key_of(n) in self.defined_at]
             if names:
                 at = self.defined_at[names[0]].where
-                return FormulaRecord(printed, "convention", f"'{names[0]}' is defined otherwise in {at}")
+                return FormulaRecord(
+                    printed, "convention", f"'{names[0]}' is defined otherwise in {at}"
+                )
             return FormulaRecord(printed, "definition", "a condition on parameters")
-        bare = [p for p in values if isinstance(p, Name)]
+        bare: list[Node] = [p for p in values if isinstance(p, Name)]
         states -= {*self.study.motion.accelerations}
-        rates = [p for p, v in zip(values, found, strict=False) if isinstance(v, sp.Symbol) and v in states]
+        rates = [
+            p
+            for p, v in zip(values, found, strict=False)
+            if isinstance(v, sp.Symbol) and v in states
+        ]
         bare += [p for p in rates if isinstance(p, Dot)]
         rest = [v for v in found if not getattr(v, "free_symbols", set()) & states]
-        if bare and (rest or len(values) < len(chain.parts)) and not _INTEGRAL.search(
-            claim.display.before
+        if (
+            bare
+            and (rest or len(values) < len(chain.parts))
+            and not _INTEGRAL.search(claim.display.before)
         ):
             return FormulaRecord(printed, "definition", "a condition on the state")
         if not any(_moves(part, self.study) for part in values) and not _INTEGRAL.search(
@@ -566,9 +585,12 @@ class _Work:
             return FormulaRecord(printed, "definition", "a condition on the coordinates")
         words = claim.display.before.rpartition("\n\n")[2]
         condition = _CONDITIONS.search(words) or _ASSUMED.search(_without_commands(words))
-        condition = condition or re.match(r"\W*(?:for|if|when|provided|at|near|where)\b", claim.display.after)
+        condition = condition or re.match(
+            r"\W*(?:for|if|when|provided|at|near|where)\b", claim.display.after
+        )
         if condition:
-            said = f"false in general; its sentence has '{condition[0].strip()}', a condition that is not read"
+            said = condition[0].strip()
+            said = f"false in general; its sentence has '{said}', a condition that is not read"
             return FormulaRecord(printed, "not read", said)
         return None
 
@@ -588,9 +610,11 @@ def _has_accelerations(chain: Chain, study: Study) -> bool:
     for part in chain.parts:
         for node in walk(part):
             if isinstance(node, (Dot, Derivative, Differential)):
-                value = _sane(lambda n=node: evaluate(n, study))
+                value = _value_or_none(evaluate, node, study)
                 order = getattr(node, "order", 1)
-                if order > 1 or (value is not None and getattr(value, "free_symbols", set()) & dots):
+                if order > 1 or (
+                    value is not None and getattr(value, "free_symbols", set()) & dots
+                ):
                     return True
     return False
 
@@ -599,15 +623,19 @@ def _moves(part: Node, study: Study) -> bool:
     """Whether a part holds a rate, a velocity, or what is made of these."""
     still = {*study.context.coordinates}
     moving = {s for s in (*study.motion.rates, *study.motion.constrained) if s not in still}
-    value = _sane(lambda: evaluate(part, study))
+    value = _value_or_none(evaluate, part, study)
     dotted = any(isinstance(node, (Dot, Derivative, Differential)) for node in walk(part))
     return dotted or bool(getattr(value, "free_symbols", set()) & moving)
 
 
-def _sane(work: Callable[[], Any]) -> Any:
+def _values(parts: Sequence[Node], study: Study) -> list[Any]:
+    return [value_of(part, study, {}) for part in parts]
+
+
+def _value_or_none(work: Callable[..., Any], *arguments: Any) -> Any:
     """What comes out; None for what has no value."""
     try:
-        return work()
+        return work(*arguments)
     except SENSELESS:
         return None
 

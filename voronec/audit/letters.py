@@ -73,7 +73,9 @@ def study_of(equations: VoronecEquations) -> Study:
     motion = replace(motion, accelerations=dict(zip(dots, values, strict=True)))
     slopes = {dot: motion.derivative(value) for dot, value in motion.accelerations.items()}
     motion = replace(motion, rates={**motion.rates, **slopes})
-    signs = {p.symbol: sp.Symbol(f"{p.name}", positive=True) for p in system.parameters if p.positive}
+    signs = {
+        p.symbol: sp.Symbol(f"{p.name}", positive=True) for p in system.parameters if p.positive
+    }
     others = {*motion.rates, *(p.symbol for p in system.parameters)} - signs.keys()
     real = {x: sp.Symbol(plain_name(x), real=True) for x in sorted(others, key=str)}
     where = Range("", "", {**signs, **real}, tuple(signs.values()), tuple(real.values()))
@@ -99,7 +101,7 @@ def _derived(equations: VoronecEquations, study: Study) -> dict[str, Any]:
     known = Language.of(equations).study.names
     found = {k: known[k] for k in ("L", "T", "V") if k in known}
     if "T" in found and "V" in found:
-        found |= {k: found["T"] + found["V"] for k in ("E", "H")}
+        found |= dict.fromkeys(("E", "H"), found["T"] + found["V"])
     for q in system.coordinates:
         slope = sp.diff(system.lagrangian, velocity(q))
         found |= {f"p_{key}": slope for key, value in study.table.items() if value == q}
@@ -135,17 +137,15 @@ def with_words(study: Study, displays: Iterable[tuple[PrintedDisplay, list[Chain
                 found[_latex(name)] = table[key] = table[plain]
             elif plain in derived and re.search(_SPOKEN.get(letter, "$."), words):
                 found[_latex(name)] = table[key] = derived[plain]
-        name = chains[0].parts[0] if chains else None
-        if isinstance(name, Name) and not name.sup and key_of(name) not in table:
-            value = _called(display, name, derived, study)
+        first = chains[0].parts[0] if chains else None
+        if isinstance(first, Name) and not first.sup and key_of(first) not in table:
+            value = _called(display, first, derived, study)
             if value is not None:
-                found[_latex(name)] = table[key_of(name)] = value
+                found[_latex(first)] = table[key_of(first)] = value
     return replace(study, names={**study.names, **found})
 
 
-def _called(
-    display: PrintedDisplay, name: Name, derived: Mapping[str, Any], study: Study
-) -> Any:
+def _called(display: PrintedDisplay, name: Name, derived: Mapping[str, Any], study: Study) -> Any:
     """What the words before a display call the letter on its left side, else None."""
     before = display.before.rpartition("$")[2][-60:].lower()
     restricted = _RESTRICTED.search(display.before + display.after)
@@ -196,7 +196,9 @@ def read_letters(path: str | Path, equations: VoronecEquations) -> dict[str, Any
             continue
         try:
             value = formula(text, item.title, names)
-            unknown = value.free_symbols - {x for v in names.values() for x in sp.sympify(v).free_symbols}
+            unknown = value.free_symbols - {
+                x for v in names.values() for x in sp.sympify(v).free_symbols
+            }
         except DefinitionError as error:
             item.refuse(error)
         for symbol in sorted(unknown, key=str):
@@ -211,8 +213,11 @@ def read_letters(path: str | Path, equations: VoronecEquations) -> dict[str, Any
 
 def written_letters(letters: Mapping[str, list[str]]) -> str:
     """A table to be filled in: letters with the places where they stand, most frequent first."""
-    lines = ["# What the letters of the paper are in the system, as \"\\\\omega\" = \"phidot\".",
-             "# Leave empty what it does not have.", "[letters]"]
+    lines = [
+        '# What the letters of the paper are in the system, as "\\\\omega" = "phidot".',
+        "# Leave empty what it does not have.",
+        "[letters]",
+    ]
     for letter, places in sorted(letters.items(), key=lambda entry: -len(entry[1])):
         several = ", ".join(places[:4]) + (" ..." if len(places) > 4 else "")
         key = letter.replace("\\", "\\\\").replace('"', '\\"')

@@ -145,7 +145,9 @@ def _sections(body: MarkedText) -> Iterator[PrintedSection]:
         yield PrintedSection(title or "The paper", tuple(found))
 
 
-_NUMBER = re.compile(r"\\(?:l?eqno)\s*(?:\{?\(([^)]*)\)\}?|\\hbox\{\(([^)]*)\)\})|\\tag\*?\{([^}]*)\}")
+_NUMBER = re.compile(
+    r"\\(?:l?eqno)\s*(?:\{?\(([^)]*)\)\}?|\\hbox\{\(([^)]*)\)\})|\\tag\*?\{([^}]*)\}"
+)
 _SYSTEM = re.compile(
     r"(?:\\left\s*\\(?:\{|lbrace)|\\left\s*\.|\\\{)?\s*"
     r"\\begin\{(cases|dcases|rcases|array|alignedat|aligned|matrix)\}(?:\[[tbc]\])?(?:\{[^{}]*\})?"

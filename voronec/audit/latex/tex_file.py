@@ -63,8 +63,8 @@ class TexSource:
 
 @dataclass(frozen=True)
 class _Macro:
-    """What a command stands for; ``pattern`` is what ends each of its parameters, nothing for one in
-    braces, and ``prefix`` what stands before them."""
+    """What a command stands for; ``pattern`` is what ends each of its parameters, nothing for one
+    in braces, and ``prefix`` what stands before them."""
 
     body: str
     pattern: tuple[str, ...] = ()
@@ -77,27 +77,33 @@ def _plain(arguments: int) -> tuple[str, ...]:
 
 
 _LOOKS = {
-    **{name: _Macro("#1", _plain(1)) for name in ("boxed", "fbox", "ensuremath", "mathop", "mathrel",
-                                                  "mathbin", "mathstrut", "uppercase", "mathclap")},
-    **{name: _Macro("", _plain(1)) for name in ("phantom", "hphantom", "vphantom", "hspace",
-                                                "vspace", "color", "footnotemark", "index")},
-    **{name: _Macro("#2", _plain(2)) for name in ("stackrel", "overset", "underset", "textcolor")},
-    **{name: _Macro(f"\\{other}{{#1}}", _plain(1)) for name, other in (
-        ("bm", "boldsymbol"), ("pmb", "boldsymbol"), ("mathscr", "mathcal"), ("intertext", "text"),
-        ("shortintertext", "text"), ("mathsf", "mathrm"), ("textrm", "text"), ("textit", "text"))},
-    **{name: _Macro(f"\\math{name}{{#1}}}}", ("}",)) for name in ("cal", "rm", "bf")},
-    **{name: _Macro("=") for name in ("coloneqq", "triangleq", "coloneq", "doteq")},
-    **{name: _Macro("") for name in ("mathstrut", "strut", "allowbreak", "hfill", "noindent",
-                                     "smallskip", "medskip", "bigskip", "hfil", "displaylimits")},
-    "dv": _Macro(r"\frac{d#1}{d#2}", _plain(2)),
-    "pdv": _Macro(r"\frac{\partial #1}{\partial #2}", _plain(2)),
-}  # fmt: skip
+    **dict.fromkeys("boxed fbox ensuremath mathop mathrel mathbin mathclap".split(), ("#1", 1)),
+    **dict.fromkeys("phantom hphantom vphantom hspace vspace color index".split(), ("", 1)),
+    **dict.fromkeys("stackrel overset underset textcolor".split(), ("#2", 2)),
+    **dict.fromkeys("bm pmb".split(), (r"\boldsymbol{#1}", 1)),
+    **dict.fromkeys("intertext shortintertext textrm textit".split(), (r"\text{#1}", 1)),
+    **dict.fromkeys("coloneqq coloneq triangleq doteq".split(), ("=", 0)),
+    **dict.fromkeys(
+        "mathstrut strut allowbreak hfill hfil noindent displaylimits".split(), ("", 0)
+    ),
+    "mathscr": (r"\mathcal{#1}", 1),
+    "mathsf": (r"\mathrm{#1}", 1),
+    "dv": (r"\frac{d#1}{d#2}", 2),
+    "pdv": (r"\frac{\partial #1}{\partial #2}", 2),
+}
 """Macros that are known from the beginning: what they say is how something looks."""
-_COMMAND = re.compile(r"\\(?:[a-zA-Z@]+\*?|.)", re.DOTALL)
+_FONTS = ("cal", "rm", "bf")
+"""Fonts that reach to the end of a group."""
 _NEW = {"newcommand", "renewcommand", "providecommand", "DeclareRobustCommand"}
 _FILES = {"input", "include", "subfile"}
 _DROPPED = {"newenvironment": 3, "renewenvironment": 3, "newtheorem": 2, "usepackage": 1,
             "bibliographystyle": 1, "bibliography": 1}  # fmt: skip
+
+
+def _known_macros() -> dict[str, _Macro]:
+    """The macros that every paper has."""
+    found = {name: _Macro(body, _plain(count)) for name, (body, count) in _LOOKS.items()}
+    return found | {name: _Macro(f"\\math{name}{{#1}}}}", ("}",)) for name in _FONTS}
 
 
 def read_tex(path: str | Path) -> TexSource:
@@ -112,7 +118,7 @@ class _Expander:
     path: Path
     pile: list[tuple[str, Origin]] = field(default_factory=list)
     files: list[tuple[str, tuple[int, ...]]] = field(default_factory=list)
-    macros: dict[str, _Macro] = field(default_factory=lambda: dict(_LOOKS))
+    macros: dict[str, _Macro] = field(default_factory=_known_macros)
     count: int = 0
 
     def source(self) -> TexSource:
@@ -162,14 +168,11 @@ class _Expander:
         elif name in ("def", "gdef", "edef"):
             self._define(origin)
         elif name == "let":
-            new = self._single(origin).lstrip("\\")
-            other = self._single(origin)
-            self.macros[new] = _Macro(self._single(origin) if other == "=" else other)
+            new, other = self._single(origin), self._single(origin)
+            self.macros[new.lstrip("\\")] = _Macro(self._single(origin) if other == "=" else other)
         elif bare == "DeclareMathOperator":
-            new = self._argument(origin)
-            self.macros[_written(new).lstrip("\\")] = _Macro(
-                f"\\operatorname{{{_written(self._argument(origin))}}}"
-            )
+            new, words = (_written(self._argument(origin)) for _ in range(2))
+            self.macros[new.lstrip("\\")] = _Macro(f"\\operatorname{{{words}}}")
         elif name in _FILES:
             self._open(self.path.parent / _written(self._argument(origin)).strip(), origin)
         elif bare in _DROPPED:
@@ -224,14 +227,15 @@ class _Expander:
         depth = 0
         while self.pile:
             top = self.pile.pop()
-            if top[0] == "\\" and self.pile:
-                found += [top, self.pile.pop()]
-                continue
             if depth == 0 and top[0] == closing:
-                return found
-            depth += (top[0] == "{") - (top[0] == "}")
+                break
             found.append(top)
-        self._refuse(origin, f"'{closing}' is missing behind this command")
+            if top[0] == "\\" and self.pile:
+                found.append(self.pile.pop())
+            depth += (top[0] == "{") - (top[0] == "}")
+        else:
+            self._refuse(origin, f"'{closing}' is missing behind this command")
+        return found
 
     def _optional(self) -> list[tuple[str, Origin]] | None:
         self._skip()

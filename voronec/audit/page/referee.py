@@ -63,8 +63,8 @@ def referee_lines(audit: Audit, letters: Mapping[str, list[str]], system: str) -
 
 def referee_markdown(audit: Audit, letters: Mapping[str, list[str]], system: str) -> str:
     """The summary as Markdown."""
-    lines = [f"# {audit.title}", "", f"{_several(len(audit.records))}, compared with what follows "
-             f"from the Lagrangian and the constraints of `{system}`.", "", "## Right", ""]  # fmt: skip
+    said = f"{_several(len(audit.records))}, compared with what follows from the Lagrangian and the"
+    lines = [f"# {audit.title}", "", f"{said} constraints of `{system}`.", "", "## Right", ""]
     lines += [f"- {len(found)} {words}" for words, found in _groups(audit, _RIGHT)]
     lines += ["", f"## Wrong: {len(audit.errata)}", ""]
     for number, record in enumerate(audit.errata, 1):
