@@ -57,10 +57,10 @@ _INTEGRAL = re.compile(
     r"\bintegrals?\b|constant|conserv|preserv|invariant|first integral", re.IGNORECASE
 )
 _CONDITIONS = re.compile(
-    r"\b(if|when|whenever|unless|provided|while|suppos\w*|assum\w*|absence"
-    r"|without(?! (?:slip|skid|los))|neglect\w*|small|near|limit\w*|approximat\w*|at rest"
-    r"|at the (?:initial|moment|instant)|initial\w*|steady|stationary|equilibri\w*|special"
-    r"|particular|linear\w*|virtual"
+    r"\b(if|when|whenever|unless|provided|suppos\w*|assum\w*|absence"
+    r"|without(?! (?:slip|skid|los|fric))|neglect\w*|small|near|limit\w*|approximat\w*|at rest"
+    r"|at the (?:initial|moment|instant)|initial\w*|steady|stationary|equilibri\w*|lineari[sz]\w*"
+    r"|(?:special|particular) (?:cas|solution|motion|value)\w*|virtual"
     r"|unconstrained|would|as if|first order|free (?:body|motion)|holonomic case"
     r"|wrong\w*|erroneous\w*|incorrect\w*|false|misprint\w*|instead of|in (?:\w+ )?(?:book|paper)"
     r"|solution)\b",
