@@ -75,6 +75,9 @@ _ASSUMED = re.compile(
 )
 """Words right before a formula that make an assumption of it."""
 _FOR = re.compile(r"\b(for|if|when|case|with|at|neglect\w*|without|absence|limit)\b", re.IGNORECASE)
+_CONSERVED = re.compile(r"\bintegrals?\b|conserv", re.IGNORECASE)
+_BEHIND = re.compile(r"\W*(?:for|if|when|provided|at|near|where)\b")
+"""Words right behind a formula that restrict it."""
 _SOLUTION = re.compile(r"solution|integra|constant", re.IGNORECASE)
 _REST = re.compile(r"\bat rest\b", re.IGNORECASE)
 CONSTANT_WORD = r"\text{const}"
@@ -97,6 +100,11 @@ class PrintedClaim:
     chain: Chain | None
     error: str = ""
     doubt: str = ""
+
+    @property
+    def sentence(self) -> str:
+        """The words around it."""
+        return f"{self.display.before} {self.display.after}"
 
     @property
     def where(self) -> str:
@@ -280,9 +288,7 @@ class _Work:
                 self.found[number] = FormulaRecord(
                     claim.formula.printed, "proved", GROUNDS["integral"], source=self.study.origin
                 )
-            elif not first and (
-                _INTEGRAL.search(claim.display.before) or not isinstance(lone[0], Name)
-            ):
+            elif not first and (_INTEGRAL.search(claim.sentence) or not isinstance(lone[0], Name)):
                 return False  # judged as an integral
             else:
                 self.found[number] = FormulaRecord(
@@ -305,7 +311,7 @@ class _Work:
         for claim in self.claims:
             if claim.chain is None or not _has_accelerations(claim.chain, self.study):
                 continue
-            said = _FORCED.search(claim.display.before + claim.display.after)
+            said = _FORCED.search(claim.sentence)
             for letter in unknown_names(claim.chain, self.study):
                 if said or re.match(r"\\(?:lambda|mu)(?![a-zA-Z])", letter):
                     found.add(letter)
@@ -406,7 +412,7 @@ class _Work:
         if chain is None:
             return FormulaRecord(printed, "not read", claim.error)
         unknown = unknown_names(chain, self.study)
-        if unknown and _INTEGRAL.search(claim.display.before) and not self._is_forced(unknown):
+        if unknown and _INTEGRAL.search(claim.sentence) and not self._is_forced(unknown):
             constant = self._with_constant(claim, unknown)
             if constant is not None:
                 return self._restored(self._judge_known(constant), claim, constant)
@@ -456,9 +462,7 @@ class _Work:
         printed = claim.formula.printed
         if verdict.proved:
             return FormulaRecord(printed, "proved", GROUNDS["integral"], source=study.origin)
-        said = re.match(r"[cC](?![a-zA-Z])", letter) and _SOLUTION.search(
-            claim.display.before + claim.display.after
-        )
+        said = re.match(r"[cC](?![a-zA-Z])", letter) and _SOLUTION.search(claim.sentence)
         if not said or not verdict.refuted or verdict.witness is None:
             return None
         witness = witness_of(FormulaOutcome(verdict, None, 1))
@@ -525,12 +529,12 @@ class _Work:
         """What the sentence names before a formula: conditions, each alone and all together."""
         found: list[tuple[str, dict[Any, Any]]] = []
         moving = self.study.motion.rates
-        words = claim.display.before
-        if _REST.search(words + claim.display.after):
+        words = claim.sentence
+        if _REST.search(words):
             found.append(("rest", dict.fromkeys(self.study.context.velocities, sp.S.Zero)))
         for other in self.claims:
             beside = other.display.sentence == claim.display.sentence and other is not claim
-            if not beside or not other.chain or not _FOR.search(words + claim.display.after):
+            if not beside or not other.chain or not _FOR.search(words):
                 continue
             values = _value_or_none(_values, other.chain.parts, study)
             still = values and not getattr(values[-1], "free_symbols", set()) & {*moving}
@@ -552,47 +556,38 @@ class _Work:
     def _excuse(self, claim: PrintedClaim, chain: Chain, study: Study) -> FormulaRecord | None:
         """What else a refuted formula may be than wrong, as a record; else None."""
         printed = claim.formula.printed
-        values = [p for p in chain.parts if not names_constant(p)]
-        found = _value_or_none(_values, values, study) or []
-        states = {*self.study.motion.rates, *self.study.motion.rates.values()}
-        states = {s for s in states if s.is_Symbol}
-        if found and not any(getattr(v, "free_symbols", set()) & states for v in found):
-            names = [key_of(n) for p in values for n in names_in(p) if key_of(n) in self.defined_at]
-            if names:
-                at = self.defined_at[names[0]].where
-                return FormulaRecord(
-                    printed, "convention", f"'{names[0]}' is defined otherwise in {at}"
-                )
-            return FormulaRecord(printed, "definition", "a condition on parameters")
-        bare: list[Node] = [p for p in values if isinstance(p, Name)]
-        states -= {*self.study.motion.accelerations}
-        rates = [
-            p
-            for p, v in zip(values, found, strict=False)
-            if isinstance(v, sp.Symbol) and v in states
-        ]
-        bare += [p for p in rates if isinstance(p, Dot)]
-        rest = [v for v in found if not getattr(v, "free_symbols", set()) & states]
-        if (
-            bare
-            and (rest or len(values) < len(chain.parts))
-            and not _INTEGRAL.search(claim.display.before)
-        ):
-            return FormulaRecord(printed, "definition", "a condition on the state")
-        if not any(_moves(part, self.study) for part in values) and not _INTEGRAL.search(
-            claim.display.before
-        ):
-            return FormulaRecord(printed, "definition", "a condition on the coordinates")
+        parts = [part for part in chain.parts if not names_constant(part)]
+        about = self._condition_on(parts, study, constant=len(parts) < len(chain.parts))
+        if about == "parameters":
+            known = [key_of(n) for n in names_in(tuple(parts)) if key_of(n) in self.defined_at]
+            for key in known[:1]:
+                said = f"'{key}' is defined otherwise in {self.defined_at[key].where}"
+                return FormulaRecord(printed, "convention", said)
+        if about == "parameters" or (about and not _CONSERVED.search(claim.display.before)):
+            return FormulaRecord(printed, "definition", f"a condition on the {about}")
         words = claim.display.before.rpartition("\n\n")[2]
         condition = _CONDITIONS.search(words) or _ASSUMED.search(_without_commands(words))
-        condition = condition or re.match(
-            r"\W*(?:for|if|when|provided|at|near|where)\b", claim.display.after
-        )
-        if condition:
-            said = condition[0].strip()
-            said = f"false in general; its sentence has '{said}', a condition that is not read"
-            return FormulaRecord(printed, "not read", said)
-        return None
+        condition = condition or _BEHIND.match(claim.display.after)
+        if condition is None:
+            return None
+        said = f"its sentence has '{condition[0].strip()}', a condition that is not read"
+        return FormulaRecord(printed, "not read", f"false in general; {said}")
+
+    def _condition_on(self, parts: Sequence[Node], study: Study, constant: bool) -> str:
+        """Of what a formula may only say what value it has: parameters, the state, coordinates."""
+        motion = self.study.motion
+        values = _value_or_none(_values, parts, study) or []
+        symbols = [getattr(value, "free_symbols", set()) for value in values]
+        states = {s for s in (*motion.rates, *motion.rates.values()) if s.is_Symbol}
+        if values and not any(held & states for held in symbols):
+            return "parameters"
+        still = constant or any(not held & states for held in symbols)
+        for part, held in zip(parts, symbols, strict=False):
+            moving = held & states and not held <= motion.accelerations.keys()
+            velocity_alone = isinstance(part, Dot) and len(held) == 1 and moving
+            if still and (velocity_alone or (isinstance(part, Name) and held & states)):
+                return "state"
+        return "" if any(_moves(part, self.study) for part in parts) else "coordinates"
 
 
 def _ground(chain: Chain, study: Study) -> str:
