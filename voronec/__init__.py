@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from voronec.algebra.verdicts import Verdict as Verdict
     from voronec.algebra.verdicts import Witness as Witness
     from voronec.algebra.verdicts import prove_equal as prove_equal
+    from voronec.audit.file_audit import PaperAudit as PaperAudit
+    from voronec.audit.file_audit import audit_paper as audit_paper
     from voronec.audit.lessons.judgement import Judgement as Judgement
     from voronec.audit.lessons.judgement import judge as judge
     from voronec.audit.lessons.lesson import lesson as lesson
@@ -98,6 +100,7 @@ _HOME = {
         "algebra.signs": "prove_inequality",
         "algebra.symbols": "time velocity",
         "algebra.verdicts": "prove_equal Verdict Witness",
+        "audit.file_audit": "audit_paper PaperAudit",
         "audit.lessons.judgement": "judge Judgement",
         "audit.lessons.lesson": "lesson",
         "audit.lessons.methods": "by_methods",

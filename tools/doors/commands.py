@@ -30,7 +30,7 @@ LEAST = {
     "gallery": ("demchenko", "--only", "A"), "bench": ("sleigh", "--time", "x"),
     "hard": ("--list",), "search": ("integrals", "sleigh", "--degree", "1", "--positions", "1"),
     "new": ("some-name",), "cite": ("sleigh",), "view": ("sleigh",), "methods": ("sleigh",),
-    "judge": ("sleigh", "v' = a w^2"),
+    "judge": ("sleigh", "v' = a w^2"), "audit": ("x.tex", "sleigh"),
 }  # fmt: skip
 """Every command with right arguments, or with one that ends it where the work itself is long."""
 LONG = ("gallery", "bench", "check", "regenerate", "hard")

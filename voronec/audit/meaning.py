@@ -420,8 +420,8 @@ def _derivative(node: Derivative, study: Study, where: Where) -> Any:
     value = evaluate(node.body, study, where)
     variable = evaluate(node.variable, study, where)
     if variable != time and (value.free_symbols & _variables(study)) - {variable}:
-        symbols = isinstance(value, sp.Symbol) and isinstance(variable, sp.Symbol)
-        below = _dot(Dot(node.variable), study, where) if symbols and node.order == 1 else 0
+        named = isinstance(node.body, Name) and isinstance(variable, sp.Symbol)
+        below = _dot(Dot(node.variable), study, where) if named and node.order == 1 else 0
         if below == 0:
             what = "a derivative with d is by t; write \\partial, or rates: \\dot y/\\dot x"
             raise DefinitionError(what)

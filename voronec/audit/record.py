@@ -15,6 +15,7 @@ VERDICTS = (
     "unaudited",
     "convention",
     "not read",
+    "unknown letters",
     "undecided",
     "misprint",
 )

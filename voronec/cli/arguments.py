@@ -179,6 +179,16 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
         Option("--details", "print one line for each record, and every erratum in full"),
         Option("--fresh", "do not reuse verdicts of an earlier audit"),
     ),
+    "audit": (
+        "paper", "check the formulas of a LaTeX file against a system, or draft its system",
+        Option("paper FILE.tex", "the paper, as it is"),
+        SYSTEM._replace(settings={"nargs": "?"}),
+        Option("--dictionary FILE", "what letters of the paper are in the system, a TOML file; "
+               "one that is not there is written, to be filled in"),
+        Option("--format", "the summary for a terminal, or as Markdown",
+               {"choices": ("text", "md"), "default": "text"}),
+        Option("--out DIR", "folder for a page, LaTeX and JSON"),
+    ),
     "run": (
         "motion", "integrate a motion, draw it and save it", SYSTEM, OUTPUTS, MOTION,
         Option("--times [START:]END[:N]",

@@ -45,8 +45,11 @@ MEANING = {
     "unaudited": "a sentence that states something, and that nothing here decides",
     "not read": "it holds a letter, a command or a notation that is not known, or can be read in "
     "two ways; it says which, and where",
+    "unknown letters": "it holds letters that neither the dictionary nor the paper explains",
     "undecided": "neither proved nor refuted",
 }
+FAULTS = ("misprint", "undecided", "not read", "unknown letters")
+"""Verdicts that need a reader's attention."""
 KINDS = {"display": "displayed equations", "text": "in the text"}
 
 
@@ -151,7 +154,7 @@ def conventions_with_formulas(
 
 def faults(record: Record) -> tuple[FormulaRecord, ...]:
     """The formulas of a record that need a reader's attention."""
-    return tuple(f for f in record.formulas if f.verdict in ("misprint", "undecided", "not read"))
+    return tuple(f for f in record.formulas if f.verdict in FAULTS)
 
 
 def counts(audit: Audit) -> dict[str, dict[str, int]]:

@@ -1,0 +1,184 @@
+"""Papers audited as their files stand: what is read, what is accused, and what is not."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import voronec as vo
+from voronec.audit.draft import draft_system
+from voronec.audit.latex.document import read_document
+from voronec.errors import DefinitionError
+
+HERE = Path(__file__).parent
+NOTES = HERE.parent / "systems" / "notes"
+SYSTEMS = {"ball": "chaplygin-ball", "suslov": "suslov"}
+SLEIGH = """name = "sleigh-note"
+lagrangian = "m*((xdot - a*sin(phi)*phidot)^2 + (ydot + a*cos(phi)*phidot)^2)/2 + J*phidot^2/2"
+constraints = ["ydot*cos(phi) = xdot*sin(phi)"]
+fibre = ["y"]
+[coordinates]
+x = "edge"
+y = "edge"
+phi = "heading"
+[velocities]
+v = "xdot*cos(phi) + ydot*sin(phi)"
+omega = "phidot"
+[parameters]
+m = { value = 1, positive = true }
+J = { value = 1, positive = true }
+a = { value = 1, positive = true }
+"""
+
+
+def accused(found):
+    """Lines in which something is refuted."""
+    return {int(r.label.split("line ")[1].split(",")[0]) for r in found.errata}
+
+
+def planted(path):
+    """Lines that end in a comment which says so."""
+    lines = path.read_text("utf-8").splitlines()
+    return {number for number, line in enumerate(lines, 1) if "% planted" in line}
+
+
+def system_of(path):
+    own = path.with_suffix(".toml")
+    return vo.load(str(own) if own.is_file() else SYSTEMS[path.stem])
+
+
+PAPERS = [*sorted(NOTES.glob("*.tex")), *sorted((HERE / "papers").glob("*.tex"))]
+
+
+@pytest.mark.parametrize("path", PAPERS, ids=lambda path: f"{path.parent.name}-{path.stem}")
+def test_the_errors_of_a_paper_are_found_and_nothing_else_is_accused(path):
+    found = vo.audit_paper(path, system_of(path))
+    assert accused(found) == planted(path)
+    assert len(planted(path)) == 3
+    assert all(record.decisive.witness for record in found.errata)
+
+
+def test_formulas_of_other_fields_are_never_accused(tmp_path):
+    system = tmp_path / "sleigh.toml"
+    system.write_text(SLEIGH, "utf-8")
+    found = vo.audit_paper(HERE / "papers" / "aside" / "other_fields.tex", vo.load(str(system)))
+    assert len(found.records) > 90
+    assert not found.errata
+
+
+def audit(tmp_path, text, **more):
+    """The verdicts on a text about the sleigh, by what is printed."""
+    (tmp_path / "sleigh.toml").write_text(SLEIGH, "utf-8")
+    (tmp_path / "paper.tex").write_text(text, "utf-8")
+    return vo.audit_paper(tmp_path / "paper.tex", vo.load(str(tmp_path / "sleigh.toml")), **more)
+
+
+def verdicts(found):
+    return [record.verdict for record in found.records]
+
+
+TRUE = r"Here $\dot v=a\omega^2$ and $\dot x=v\cos\phi$. "
+
+
+@pytest.mark.parametrize(
+    ("text", "verdict"),
+    [
+        (r"The rate is $\dot v=2a\omega^2$.", "misprint"),
+        (r"If $a=0$, then $\dot v=0$.", "proved"),
+        (r"The rate is $\dot v=0$ for $a=0$.", "proved"),
+        (r"Near the steady motion $\dot v=0$.", "not read"),
+        (r"We take $\omega=0$.", "definition"),
+        (r"Let $x=0$ at first.", "definition"),
+        (r"The wheel has $J=ma^2$.", "definition"),
+        (r"The disc obeys $\dot\xi=a\omega^2$.", "unknown letters"),
+        (r"The integral is $mv^2+(J+ma^2)\omega^2=2h$.", "proved"),
+        (r"The integral is $mv^2+(J+ma)\omega^2=2h$.", "misprint"),
+        (r"The kinetic energy is $T=\frac12mv^2+\frac12(J+ma)\omega^2$.", "misprint"),
+        (r"The period is $T=\frac12mv^2$.", "definition"),
+        (r"The momentum $\Pi=mv$ is used.", "definition"),
+        (r"The ratio is $\dot v/\omega=a\omega$.", "proved"),
+        (r"One has $\{v,\omega\}=\frac{a}{}$.", "not read"),
+        (r"Without the constraint $\dot v=0$.", "not read"),
+    ],
+)
+def test_what_is_printed_has_its_verdict(tmp_path, text, verdict):
+    assert verdicts(audit(tmp_path, TRUE + text))[-1 if "for" not in text else 2] == verdict
+
+
+def test_a_definition_is_accused_where_all_fails_that_uses_it(tmp_path):
+    text = (
+        r"We have $\dot v=a\omega^2$, $\dot x=v\cos\phi$, $\dot y=v\sin\phi$. Set $I=J+ma$. "
+        r"Then \[ I\dot\omega=-mav\omega, \qquad 2T=mv^2+I\omega^2 \] is the energy."
+    )
+    found = audit(tmp_path, text)
+    assert verdicts(found)[3:] == ["misprint", "convention", "convention"]
+
+
+def test_macros_files_and_systems_keep_their_places(tmp_path):
+    (tmp_path / "more.tex").write_text("\n$\\rate v=a\\W^2$ % $wrong=1$\n", "utf-8")
+    found = audit(
+        tmp_path,
+        "\\newcommand{\\rate}[1]{\\dot{#1}}\n\\def\\W{\\omega}\n\\def\\pair(#1,#2){#1=#2}\n"
+        "\\DeclareMathOperator{\\const}{const}\n\\section{One}\n\\input{more}\n"
+        "\\[ \\left\\{\\begin{array}{rcl} \\rate x&=&v\\cos\\phi,\\\\\n  \\rate y&=&v\\sin\\phi "
+        "\\end{array}\\right. \\eqno(7)\\]\n"
+        "  $$ \\boxed{{m v^2+(J+ma^2)\\W^2 \\over 2}=\\const} $$ so $\\pair(\\W,\\rate\\phi)$.",
+    )
+    assert verdicts(found) == ["proved"] * 5
+    labels = [record.label for record in found.records]
+    assert labels[0] == "line 2, column 2"
+    assert labels[2] == "(7), line 8, column 3"
+    assert labels[3].startswith("line 9")
+
+
+def test_letters_are_asked_for_and_given_in_a_table(tmp_path, call):
+    text = r"With $\Omega$ one has $\dot v=a\Omega^2$ and $(J+ma^2)\dot\Omega=-mav\Omega$."
+    found = audit(tmp_path, text)
+    assert found.letters == {r"\Omega": ["line 1", "line 1"]}
+    assert verdicts(audit(tmp_path, text, dictionary={r"\Omega": "omega"})) == ["proved"] * 2
+    table = tmp_path / "letters.toml"
+    call("audit", "paper.tex", "sleigh.toml", "--dictionary", str(table))
+    written = table.read_text("utf-8")
+    assert '"\\\\Omega" = ""  # in 2' in written
+    table.write_text(written.replace('""', '"phidot"'), "utf-8")
+    assert verdicts(audit(tmp_path, text, dictionary=table)) == ["proved"] * 2
+
+
+def test_a_drafted_system_can_be_derived(tmp_path):
+    text = draft_system(read_document(NOTES / "sleigh_on_slope.tex"), "draft")
+    (tmp_path / "draft.toml").write_text(text, "utf-8")
+    equations = vo.derive(vo.load(str(tmp_path / "draft.toml")))
+    assert equations.kind == "chaplygin"
+    assert len(equations.velocities) == 2
+
+
+def test_the_command_tells_right_from_wrong(tmp_path, call):
+    paper, system = str(NOTES / "disc.tex"), str(NOTES / "disc.toml")
+    done = call("audit", paper, system, "--format", "md", "--out", "page")
+    assert done.status == 1
+    assert "## Wrong: 3" in done.out
+    assert "read $\\dot T=-mgr\\dot\\theta\\cos\\theta$" in done.out
+    assert (tmp_path / "page" / "report.html").is_file()
+    data = json.loads(call("audit", paper, system, "--json").out)
+    assert data["counts"]["misprint"] == 3
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("no formula at all", "holds no formula"),
+        ("$v=a$ \\input{missing}", "line 1, column 7: there is no file 'missing.tex'"),
+        ("\\def\\x{\\x}$\\x=1$", "without end"),
+        ("$v=\\frac{a}{b$ \\newcommand{\\x", "'}' is missing"),
+    ],
+)
+def test_a_file_that_is_no_paper_is_refused_in_one_line(tmp_path, text, said):
+    with pytest.raises(DefinitionError, match=said.replace("\\", "\\\\").replace("(", r"\(")):
+        audit(tmp_path, text)
+
+
+def test_a_letter_that_the_paper_does_not_have_is_refused(tmp_path):
+    with pytest.raises(DefinitionError, match="is no letter of the paper"):
+        audit(tmp_path, TRUE, dictionary={r"\chi": 1})

@@ -1,0 +1,225 @@
+r"""What the letters of a paper mean, as far as the system and the words of the paper tell.
+
+Letters of the system are known by their spelling: Greek names, indices, dots, other shapes of a
+letter.  T, V, L, E, H and the momenta are derived; they mean that only where the paper says so in
+words, as "the kinetic energy T", and another letter may take their place there.  What is left is
+given in a table of TOML, ``[letters]``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.text import as_expression, formula
+from voronec.audit.latex.document import PrintedDisplay
+from voronec.audit.latex.nodes import Chain, Name, Node
+from voronec.audit.latex.tokens import FUNCTIONS
+from voronec.audit.lessons.judgement import CONSTANT, Language
+from voronec.audit.lessons.notation import BASE
+from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
+from voronec.audit.study import Motion, Range, Study, key_of, spell
+from voronec.declaration.text_file import read_toml
+from voronec.equations.motions import Motions
+from voronec.equations.voronec_equations import VoronecEquations
+from voronec.errors import DefinitionError, did_you_mean
+
+__all__ = ["names_in", "read_letters", "study_of", "unknown_names", "with_words", "written_letters"]
+
+_SPOKEN = {
+    "T": r"kinetic|energ",
+    "V": r"potential|energ",
+    "L": r"lagrang|kinetic potential",
+    "E": r"energ",
+    "H": r"energ|hamilton",
+    "p": r"moment|impuls",
+}
+"""Letters of mechanics, and the words with which they have their usual meaning."""
+_CALLED = (
+    ("T", r"kinetic(?: energy)?"),
+    ("V", r"potential(?: energy)?"),
+    ("L", r"lagrangian|lagrange function|kinetic potential"),
+    ("E", r"(?:total |full |mechanical )?energy|hamiltonian"),
+)
+_RESTRICTED = re.compile(r"constrain|reduced|restricted", re.IGNORECASE)
+_PARTIAL = re.compile(
+    r"rotat|translat|spring|wheel|part|first|second|each|elastic|relative|per unit", re.IGNORECASE
+)
+"""Words behind which an energy is that of a part of the system."""
+_SHAPE = re.compile(r"\\(?:mathcal|mathrm|mathbf|boldsymbol)\{(.*)\}")
+"""Shapes in which a letter of the system may be printed."""
+
+
+def study_of(equations: VoronecEquations) -> Study:
+    """The dictionary of a system: its own letters, and its motion with all accelerations."""
+    language = Language.of(equations)
+    system = equations.system
+    known = dict(language.study.names)
+    known.pop(f"\\mathrm{{{BASE}}}")
+    spoken = {k for k in ("L", "T", "V") if k not in language.symbols}
+    names = {k: v for k, v in known.items() if k not in spoken and v != CONSTANT}
+    names.setdefault("e", sp.E)
+    names |= _vectors(names, {p.symbol for p in system.parameters})
+    field = Motions.of(equations).on_coordinates
+    values = [as_expression(equations.bridge.outward(a)) for a in field.accelerations]
+    dots = [velocity(v) for v in equations.velocities]
+    motion = Motion.of(equations, {u: velocity(u) for u in system.inputs})
+    motion = replace(motion, accelerations=dict(zip(dots, values, strict=True)))
+    slopes = {dot: motion.derivative(value) for dot, value in motion.accelerations.items()}
+    motion = replace(motion, rates={**motion.rates, **slopes})
+    signs = {
+        p.symbol: sp.Symbol(f"{p.name}", positive=True) for p in system.parameters if p.positive
+    }
+    others = {*motion.rates, *(p.symbol for p in system.parameters)} - signs.keys()
+    real = {x: sp.Symbol(plain_name(x), real=True) for x in sorted(others, key=str)}
+    where = Range("", "", {**signs, **real}, tuple(signs.values()), tuple(real.values()))
+    return Study(names=names, motion=motion, ranges=(where,), context=equations)
+
+
+def _vectors(names: Mapping[str, Any], parameters: set[Any]) -> dict[str, Any]:
+    """Bold letters: the vector of three components, the diagonal matrix of three parameters."""
+    found: dict[str, Any] = {}
+    for name in names:
+        head, _, index = name.partition("_")
+        several = [f"{head}_{{{i}}}" for i in ("123" if index == "{1}" else "xyz")]
+        if index in ("{1}", "{x}") and all(one in names for one in several):
+            values = [names[one] for one in several]
+            value = sp.diag(*values) if {*values} <= parameters else sp.Matrix(values)
+            found |= {f"\\{shape}{{{head}}}": value for shape in ("mathbf", "boldsymbol", "vec")}
+    return found
+
+
+def _derived(equations: VoronecEquations, study: Study) -> dict[str, Any]:
+    """The letters of mechanics by their keys."""
+    system = equations.system
+    known = Language.of(equations).study.names
+    found = {k: known[k] for k in ("L", "T", "V") if k in known}
+    if "T" in found and "V" in found:
+        found |= dict.fromkeys(("E", "H"), found["T"] + found["V"])
+    for q in system.coordinates:
+        slope = sp.diff(system.lagrangian, velocity(q))
+        found |= {f"p_{key}": slope for key, value in study.table.items() if value == q}
+    return found
+
+
+def names_in(part: Any) -> Iterator[Name]:
+    """The names in a tree, without those that stand as indices."""
+    if isinstance(part, Name):
+        yield part
+    elif isinstance(part, tuple):
+        for item in part:
+            yield from names_in(item)
+    elif hasattr(part, "at"):
+        for value in vars(part).values():
+            yield from names_in(value)
+
+
+def with_words(study: Study, displays: Iterable[tuple[PrintedDisplay, list[Chain]]]) -> Study:
+    """The dictionary with what the words of a paper bind, whose displays and trees these are."""
+    derived, table = _derived(study.context, study), dict(study.table)
+    found: dict[str, Any] = {}
+    for display, chains in displays:
+        words = f"{display.before} {display.after}".lower()
+        for name in (name for chain in chains for name in names_in(chain)):
+            key = key_of(name)
+            shape = _SHAPE.fullmatch(name.head)
+            plain = key.replace(name.head, shape[1], 1) if shape else key
+            letter = plain.partition("_")[0]
+            if key in table or key == "const":
+                continue
+            if plain in table:
+                found[_latex(name)] = table[key] = table[plain]
+            elif plain in derived and re.search(_SPOKEN.get(letter, "$."), words):
+                found[_latex(name)] = table[key] = derived[plain]
+        first = chains[0].parts[0] if chains else None
+        if isinstance(first, Name) and not first.sup and key_of(first) not in table:
+            value = _called(display, first, derived, study)
+            if value is not None:
+                found[_latex(first)] = table[key_of(first)] = value
+    return replace(study, names={**study.names, **found})
+
+
+def _called(display: PrintedDisplay, name: Name, derived: Mapping[str, Any], study: Study) -> Any:
+    """What the words before a display call the letter on its left side, else None."""
+    before = display.before.rpartition("$")[2][-60:].lower()
+    restricted = _RESTRICTED.search(display.before + display.after)
+    for letter, words in _CALLED:
+        said = re.search(rf"(?:{words})(\W[^.]*)?$", before)
+        if letter not in derived or said is None or _PARTIAL.search(before):
+            continue
+        if restricted:
+            return study.motion.restrict(derived[letter])
+        return None if name.sub else derived[letter]
+    return None
+
+
+def _latex(name: Name) -> str:
+    """A name as a dictionary spells it."""
+    below, above = (",".join(map(spell, marks)) for marks in (name.sub, name.sup))
+    return name.head + (f"_{{{below}}}" if below else "") + (f"^{{{above}}}" if above else "")
+
+
+def unknown_names(chain: Node, study: Study) -> list[str]:
+    """The names of a tree that neither the dictionary nor the paper explains, as they are spelled;
+    each once."""
+    found: dict[str, None] = {}
+    for name in names_in(chain):
+        if name.head in {"const", "\\pm", "d"} | FUNCTIONS:
+            continue
+        try:
+            evaluate(name, study)
+        except UnknownName:
+            found.setdefault(_latex(name))
+        except SENSELESS:
+            continue  # told where the formula gets its verdict
+    return [*found]
+
+
+def read_letters(path: str | Path, equations: VoronecEquations) -> dict[str, Any]:
+    """The table ``[letters]`` of a file: letters of the paper, and what they are in the system.
+
+    ``DefinitionError`` with line and column; an entry that is left empty is none.
+    """
+    names = dict(Language.of(equations).symbols)
+    names |= {plain_name(velocity(q)): velocity(q) for q in equations.coordinates}
+    found: dict[str, Any] = {}
+    top = read_toml(Path(path)).table(("letters",))
+    for letter, item in top["letters"].table().items() if "letters" in top else ():
+        text = item.scalar()
+        if not text.strip():
+            continue
+        try:
+            value = formula(text, item.title, names)
+            unknown = value.free_symbols - {
+                x for v in names.values() for x in sp.sympify(v).free_symbols
+            }
+        except DefinitionError as error:
+            item.refuse(error)
+        for symbol in sorted(unknown, key=str):
+            item.wrong(f"'{symbol}' is no symbol of the system{did_you_mean(str(symbol), names)}")
+        found[letter] = value
+        try:
+            Study({letter: value}).table  # noqa: B018  (it is read)
+        except DefinitionError as error:
+            item.wrong_key(str(error))
+    return found
+
+
+def written_letters(letters: Mapping[str, list[str]]) -> str:
+    """A table to be filled in: letters with the places where they stand, most frequent first."""
+    lines = [
+        '# What the letters of the paper are in the system, as "\\\\omega" = "phidot".',
+        "# Leave empty what it does not have.",
+        "[letters]",
+    ]
+    for letter, places in sorted(letters.items(), key=lambda entry: -len(entry[1])):
+        several = ", ".join(places[:4]) + (" ..." if len(places) > 4 else "")
+        key = letter.replace("\\", "\\\\").replace('"', '\\"')
+        lines.append(f'"{key}" = ""  # in {len(places)}: {several}')
+    return "\n".join(lines) + "\n"

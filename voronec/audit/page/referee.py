@@ -1,0 +1,80 @@
+"""What a referee wants to know of a paper: what is right, what is wrong and how to mend it, what
+was not looked at; for a terminal, and in Markdown for a mail."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from voronec.audit.record import Audit, Record
+
+__all__ = ["referee_lines", "referee_markdown"]
+
+_RIGHT = {
+    "proved": "proved",
+    "definition": "definitions and conditions, which claim nothing",
+}
+_OPEN = {
+    "convention": "in conflict with a definition of the paper",
+    "undecided": "beyond the engine",
+    "unknown letters": "with letters that nothing explains",
+    "not read": "not read",
+}
+"""What is neither right nor wrong, by its verdict."""
+SENTENCES = "Sentences are not audited: what the text claims in words is left to the reader."
+
+
+def _several(number: int) -> str:
+    return f"{number} formula{'s' * (number != 1)}"
+
+
+def _groups(audit: Audit, kinds: Mapping[str, str]) -> Iterator[tuple[str, list[Record]]]:
+    for verdict, words in kinds.items():
+        found = [record for record in audit.records if record.verdict == verdict]
+        if found:
+            yield words, found
+
+
+def _state(record: Record) -> str:
+    """The point at which a formula fails, with the values of its sides."""
+    witness = record.decisive.witness or {}
+    point = ", ".join(f"{name} = {value}" for name, value in witness.get("point", {}).items())
+    sides = f"{witness.get('printed')} and {witness.get('derived')}"
+    return f"at {point} its sides are {sides}" if point and "printed" in witness else ""
+
+
+def referee_lines(audit: Audit, letters: Mapping[str, list[str]], system: str) -> list[str]:
+    """The summary for a terminal."""
+    lines = [f"{audit.title}: {_several(len(audit.records))} beside the system '{system}'", "right"]
+    lines += [f"  {len(found)} {words}" for words, found in _groups(audit, _RIGHT)]
+    lines += [f"wrong: {len(audit.errata)}"]
+    for record in audit.errata:
+        head = record.decisive
+        lines += [f"  {record.label}", f"    for   {head.printed}"]
+        lines += [f"    read  {head.correction}"] if head.correction else []
+        lines += [f"    {text}" for text in (_state(record) or head.method,)]
+    lines += ["not decided"]
+    for words, found in _groups(audit, _OPEN):
+        lines += [f"  {len(found)} {words}"]
+        lines += [f"    {r.label}: {r.decisive.method}" for r in found]
+    if letters:
+        lines += [f"letters that nothing explains: {', '.join(letters)}"]
+    return [*lines, SENTENCES]
+
+
+def referee_markdown(audit: Audit, letters: Mapping[str, list[str]], system: str) -> str:
+    """The summary as Markdown."""
+    said = f"{_several(len(audit.records))}, compared with what follows from the Lagrangian and the"
+    lines = [f"# {audit.title}", "", f"{said} constraints of `{system}`.", "", "## Right", ""]
+    lines += [f"- {len(found)} {words}" for words, found in _groups(audit, _RIGHT)]
+    lines += ["", f"## Wrong: {len(audit.errata)}", ""]
+    for number, record in enumerate(audit.errata, 1):
+        head = record.decisive
+        lines += [f"{number}. {record.label}: for ${head.printed}$"]
+        lines += [f"   read ${head.correction}$"] if head.correction else []
+        lines += [f"   ({_state(record) or head.method})"]
+    lines += ["", "## Not decided", ""]
+    for words, found in _groups(audit, _OPEN):
+        lines += [f"- {len(found)} {words}: {'; '.join(r.label or '' for r in found)}"]
+    if letters:
+        lines += ["- letters: " + ", ".join(f"${letter}$" for letter in letters)]
+    return "\n".join([*lines, f"- {SENTENCES}", ""])

@@ -1,0 +1,61 @@
+"""``voronec audit``: any paper as its file stands, beside a system.
+
+The exit status is 1 where a formula is refuted.
+"""
+
+from __future__ import annotations
+
+import re
+from argparse import Namespace
+from pathlib import Path
+
+from voronec.cli.files import create, deliver, wanted_folder
+from voronec.cli.output import answer, progress, progress_line
+from voronec.cli.subject import resolve
+
+__all__ = ["execute"]
+
+
+def execute(arguments: Namespace) -> int:
+    """Print the summary for a referee; a page, where a folder is given; without a system, a draft
+    of its file."""
+    path = Path(arguments.paper)
+    if arguments.system is None:
+        return _draft(path, arguments.json)
+    from voronec.audit.file_audit import audit_paper
+    from voronec.audit.letters import written_letters
+    from voronec.audit.page.referee import referee_markdown
+    from voronec.audit.page.report import write_audit
+
+    folder = None if arguments.out is None else wanted_folder(arguments.out)
+    table = None if arguments.dictionary is None else Path(arguments.dictionary)
+    known = table if table is not None and table.exists() else None
+    with progress_line(f"{path.name}: deriving the equations ..."):
+        system, _ = resolve(arguments.system)
+        found = audit_paper(path, system, known, lambda at, verdict: progress(f"{at}: {verdict}"))
+    lines = found.lines()
+    if arguments.format == "md":
+        lines = [referee_markdown(found.audit, found.letters, system.name).rstrip()]
+    if folder is not None:
+        files = deliver(folder, lambda to: write_audit(found.audit, to))
+        lines += ["wrote " + ", ".join(map(str, files))]
+    if table is not None and known is None and not found.letters:
+        lines += [f"no letter is left to be explained; {table} is not needed"]
+    elif table is not None and known is None:
+        create(table, written_letters(found.letters))
+        lines += [f"wrote {table}: say there what the letters are, and repeat the command"]
+    elif found.letters and known is None:
+        lines += ["--dictionary FILE.toml writes a table of these letters, to be filled in"]
+    answer(arguments.json, found.as_dict, lines)
+    return 1 if found.errata else 0
+
+
+def _draft(path: Path, as_json: bool) -> int:
+    """Print a system file drafted from the paper."""
+    from voronec.audit.draft import draft_system
+    from voronec.audit.latex.document import read_document
+
+    name = re.sub(r"[^a-z0-9]+", "-", path.stem.lower()).strip("-") or "paper"
+    text = draft_system(read_document(path), name)
+    answer(as_json, lambda: {"system": text}, [text.rstrip()])
+    return 0
