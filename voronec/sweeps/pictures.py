@@ -122,7 +122,7 @@ def _histogram(panel: Any, values: np.ndarray, name: str) -> None:
         there = there[there > 0]
         bins = np.geomspace(there.min(), there.max(), bins + 1)
         panel.set_xscale("log")
-    panel.hist(there, bins=bins, color=SOFT, edgecolor="none")
+    panel.stairs(*np.histogram(there, bins), fill=True, color=SOFT)
     panel.set(ylabel="motions")
     panel.set_title(name, fontsize=9)
     panel.spines[["top", "right"]].set_visible(False)
