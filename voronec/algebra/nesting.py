@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable
 from math import inf
 from typing import Any
 
-from voronec.algebra.laurent import Alphabet, Factor, Product, Sum, negated
+from voronec.algebra.laurent import ACCELERATION, Alphabet, Factor, Product, Sum, negated
 
 __all__ = ["Nesting", "depth"]
 
@@ -96,7 +96,11 @@ class Nesting:
                     product = _replaced(product, k, parts, 1)
         while (deep := depth(text := self.alphabet.text((product,))) > DEEP) or len(text) > room:
             inside_of = {k: self._inside(base) for k, (base, _) in enumerate(product.factors)}
-            texts = {k: self.alphabet.text(parts) for k, parts in inside_of.items() if parts}
+            texts = {
+                k: self.alphabet.text(parts)
+                for k, parts in inside_of.items()
+                if parts and not self._leads(parts)
+            }
             if not texts:
                 break
             worst = max(texts, key=lambda k: (deep * depth(texts[k]), len(texts[k])))
@@ -110,6 +114,15 @@ class Nesting:
         terms = self.alphabet.letters[base].terms
         own = terms is not None and base not in self.alphabet.named
         return self.alphabet.arrange(terms or {}) if own else None
+
+    def _leads(self, parts: Sum) -> bool:
+        """Whether accelerations stand in a sum: they stay on the left side."""
+        bases = [base for product in parts for base, _ in product.factors]
+        inside = [self._inside(base) for base in bases]
+        letters = (self.alphabet.letters[base] for base in bases if isinstance(base, int))
+        return any(x.rank[0] == ACCELERATION for x in letters) or any(
+            self._leads(parts) for parts in inside if parts
+        )
 
     def _name(self, parts: Sum) -> tuple[int, int]:
         """The letter that is named for a sum, or for its negative, and the sign."""

@@ -373,7 +373,7 @@ class _Search:
 
     def length(self, draft: Draft) -> int:
         """The characters of what is printed."""
-        total = sum(self.row(terms)[0] for terms in draft.rows)
+        total = sum(self.row(*row)[0] for row in enumerate(draft.rows))
         for letter, terms in (*draft.rates, *draft.names):
             total += len(self.alphabet.letter_text(letter)) + 1 + self._length(terms)
         return total
@@ -381,14 +381,14 @@ class _Search:
     def _length(self, terms: Terms) -> int:
         return self.alphabet.length(self.alphabet.arrange(terms))
 
-    def row(self, terms: Terms) -> tuple[int, Row]:
-        """An equation as it is printed, multiplied by what makes it short."""
-        key = frozenset(terms.items())
+    def row(self, place: int, terms: Terms) -> tuple[int, Row]:
+        """The equation of that place as it is printed, multiplied by what makes it short."""
+        key = place, frozenset(terms.items())
         if key not in self.printed:
-            self.printed[key] = self._row(terms)
+            self.printed[key] = self._row(place, terms)
         return self.printed[key]
 
-    def _row(self, terms: Terms) -> tuple[int, Row]:
+    def _row(self, place: int, terms: Terms) -> tuple[int, Row]:
         alphabet = self.alphabet
         number, common, _ = alphabet.primitive(terms)
         common = tuple(p for p in common if alphabet.letters[p[0]].rank[0] < ACCELERATION)
@@ -400,7 +400,7 @@ class _Search:
         below = tuple(sorted((i, e) for i, e in low.items() if e))
         factor = times(common, below)
         rest = {times(m, below, -1): c for m, c in rest.items()}
-        best = self._sides(rest)
+        best = self._sides(place, rest)
         led = [dict(m) for m in rest if self._leads(m)]
         for i, _ in below if len(rest) <= WRITTEN_OUT else ():
             most = min if alphabet.letters[i].moves else max
@@ -408,7 +408,7 @@ class _Search:
                 other = {times(m, ((i, 1),), -1): c for m, c in rest.items()}
                 if len(rest) > 2 * TRIED and self._flat_length(other) > self._flat_length(rest):
                     break
-                found = self._sides(other)
+                found = self._sides(place, other)
                 whole = all(m.get(i, 0) > 0 for m in led)
                 if found[0] > best[0] - (1 if whole else GAIN):
                     break
@@ -416,16 +416,23 @@ class _Search:
         length, left, right, sign = best
         return length, Row(left, right, over(sign, number), times((), factor, -1))
 
-    def _sides(self, rest: Terms) -> tuple[int, Sum, Sum, int]:
-        """Accelerations on the left, most of them positive, everything else on the right."""
+    def _sides(self, place: int, rest: Terms) -> tuple[int, Sum, Sum, int]:
+        """Accelerations on the left, its own with a positive mass, everything else on the right."""
         left = {m: c for m, c in rest.items() if self._leads(m)}
         right = {m: -c for m, c in rest.items() if m not in left}
         letters = self.alphabet.letters
+        own = [m for m in left if any(letters[i].rank == (ACCELERATION, place) for i, _ in m)]
         still = [
-            m for m in left if not any(MOVING <= letters[i].rank[0] < ACCELERATION for i, _ in m)
+            m for m in own if not any(MOVING <= letters[i].rank[0] < ACCELERATION for i, _ in m)
         ]
-        sign = -1 if sum(1 if left[m] > 0 else -1 for m in still or left) < 0 else 1
-        sides = [self.alphabet.arrange({m: sign * c for m, c in p.items()}) for p in (left, right)]
+        sign = -1 if sum(1 if left[m] > 0 else -1 for m in still or own or left) < 0 else 1
+        left, right = ({m: sign * c for m, c in p.items()} for p in (left, right))
+        sides = [self.alphabet.arrange(p) for p in (left, right)]
+        if any(self.alphabet.length((product,)) > WIDTH - 8 for product in sides[0]):
+            each: dict[int, Terms] = {}
+            for m, c in left.items():
+                each.setdefault(next(i for i, _ in m if self._leads(((i, 1),))), {})[m] = c
+            sides[0] = tuple(p for terms in each.values() for p in self.alphabet.arrange(terms))
         return sum(map(self.alphabet.length, sides)) + 1, sides[0], sides[1], sign
 
     def _leads(self, m: Monomial) -> bool:
@@ -655,7 +662,7 @@ class _Search:
 
     def _products(self, draft: Draft) -> Iterator[Product]:
         """The products that are printed."""
-        sides = [side for terms in draft.rows for side in self.row(terms)[1][:2]]
+        sides = [side for row in enumerate(draft.rows) for side in self.row(*row)[1][:2]]
         sides += [self.alphabet.arrange(terms) for _, terms in (*draft.rates, *draft.names)]
         while sides:
             for product in sides.pop():
@@ -734,7 +741,7 @@ class _Search:
 
     def finished(self, draft: Draft) -> ReadableEquations:
         """The draft as it is printed."""
-        arrange, rows = self.alphabet.arrange, [self.row(terms)[1] for terms in draft.rows]
+        arrange, rows = self.alphabet.arrange, [self.row(*row)[1] for row in enumerate(draft.rows)]
         nesting = self.nesting((i, arrange(terms)) for i, terms in draft.names)
         sides = [arrange(terms) for _, terms in draft.rates]
         sides = nesting.folded([*sides, *(side for row in rows for side in row[:2])])
