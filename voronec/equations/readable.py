@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from itertools import combinations
+from itertools import chain, combinations
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -359,14 +359,13 @@ class _Search:
         moves = self._rates, self._angles, self._names, self._identities, self._monomials
         while moved and not self._spent():
             moved = False
-            for move in moves:
-                for other, least in move(draft):
-                    if self._spent():
-                        break
-                    found = self.length(other)
-                    if found <= length - least:
-                        draft, length, moved = other, found, True
-                        break
+            for other, least in chain.from_iterable(move(draft) for move in moves):
+                if self._spent():
+                    break
+                found = self.length(other)
+                if found <= length - least:
+                    draft, length, moved = other, found, True
+                    break
         return draft
 
     # -- length -------------------------------------------------------------------------------
