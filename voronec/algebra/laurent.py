@@ -21,7 +21,18 @@ from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.typeset import symbol_latex
 from voronec.errors import EngineLimit
 
-__all__ = ["Alphabet", "Factor", "Letter", "Terms", "add", "divide", "mul", "over", "times"]
+__all__ = [
+    "Alphabet",
+    "Factor",
+    "Letter",
+    "Terms",
+    "add",
+    "divide",
+    "mul",
+    "negated",
+    "over",
+    "times",
+]
 
 Rational = Any  # an int, else a Fraction
 Monomial = tuple[tuple[int, Rational], ...]
@@ -594,12 +605,17 @@ class Alphabet:
 def _turned(product: Product) -> Product:
     """A product with a sign before it, where a bracket can take it: (b - a) x for -(a - b) x."""
     for place, (base, e) in enumerate(product.factors if product.number < 0 else ()):
-        if not isinstance(base, int) and e % 2 and any(p.number < 0 for p in base):
-            other = tuple(p._replace(number=-p.number) for p in base)
+        odd = isinstance(e, int) and e % 2
+        if not isinstance(base, int) and odd and any(p.number < 0 for p in base):
             factors = list(product.factors)
-            factors[place] = Factor(other, e)
+            factors[place] = Factor(negated(base), e)
             return Product(-product.number, tuple(factors))
     return product
+
+
+def negated(parts: Sum) -> Sum:
+    """The negative of a sum, arranged as it is."""
+    return tuple(p._replace(number=-p.number) for p in parts)
 
 
 def _number(e: Rational) -> Any:

@@ -13,9 +13,10 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import partial
-from itertools import combinations
+from functools import cached_property, partial
+from itertools import chain, combinations
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -36,9 +37,11 @@ from voronec.algebra.laurent import (
     add,
     divide,
     mul,
+    negated,
     over,
     times,
 )
+from voronec.algebra.nesting import Nesting
 from voronec.algebra.roots import ring_over
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.typeset import caret_text, latex_of, symbol_latex
@@ -73,10 +76,6 @@ PROOF = 600_000
 """Work of the proof of one equation."""
 GAIN = 4
 """Characters that a name must save: who reads has to look it up."""
-DEEP = 3
-"""Brackets are not nested deeper."""
-MOST_NAMES = 40
-"""Names for brackets that are too deep, at most."""
 TRIED = 6
 """Names that are tried at once, those first that seem to save most."""
 CONSTANTS, MOTIONS = "K L N P Q S U W Z A B C F H".split(), "D E F G H T Y X V U".split()
@@ -152,8 +151,8 @@ class ReadableEquations:
         parts += [("where", self.names)] if self.names else []
         found: list[str] = []
         for head, pairs in parts:
-            rows = equation_rows((self.alphabet.text(a), self.alphabet.text(b)) for a, b in pairs)
-            found += ["", head, *(line for row in rows for line in break_lines(row, width))]
+            texts = ((self.alphabet.text(a), self.alphabet.text(b)) for a, b in pairs)
+            found += ["", head, *equation_lines(texts, width)]
         return found[1:]
 
     def latex(self, environment: str) -> str:
@@ -192,6 +191,11 @@ def equation_rows(pairs: Iterable[tuple[str, str]]) -> list[str]:
     return [f"  {left.ljust(wide)} = {right}" for left, right in found]
 
 
+def equation_lines(pairs: Iterable[tuple[str, str]], width: int) -> list[str]:
+    """Equations in rows that go on in further lines."""
+    return [line for row in equation_rows(pairs) for line in break_lines(row, width)]
+
+
 def break_lines(row: str, width: int) -> list[str]:
     """An equation in lines that end before a sign: one outside of brackets and functions, if that
     will do."""
@@ -216,7 +220,17 @@ def break_lines(row: str, width: int) -> list[str]:
 
 def readable(equations: DerivedEquations) -> ReadableEquations:
     """The form for people, kept with the equations."""
-    return equations.memo.once("readable", lambda: _Search(equations).run())
+    return _search(equations).found
+
+
+def short_texts(equations: DerivedEquations, given: dict[str, Any]) -> list[list[tuple[str, str]]]:
+    """Expressions beside the equations, such as the curvature, with what they are called, in texts
+    that use the names of the equations; then what is named in them alone."""
+    return _search(equations).arranged(given)
+
+
+def _search(equations: DerivedEquations) -> _Search:
+    return equations.memo.once("readable", lambda: _Search(equations))
 
 
 @dataclass
@@ -294,18 +308,15 @@ class _Search:
 
     # -- drafts -------------------------------------------------------------------------------
 
-    def run(self) -> ReadableEquations:
+    @cached_property
+    def found(self) -> ReadableEquations:
         """The shortest draft that is proved."""
         self.alphabet.whole = True
         plain = self._draft(self.form)
-        drafts = sorted(self._shortened(plain), key=self._place)
-        return self.finished(next(filter(self.proved, drafts), plain))
-
-    def _place(self, draft: Draft) -> tuple[int, int]:
-        """Drafts that fit the lines come first, then short ones."""
-        form = self.finished(draft)
-        deep = sum(_depth(self.alphabet.text(side)) > DEEP for pair in form.pairs for side in pair)
-        return deep + sum(len(line) > WIDTH for line in form.lines(WIDTH)), self.length(draft)
+        forms = [(self.finished(draft), draft) for draft in self._shortened(plain)]
+        forms.sort(key=lambda one: one[0].length)
+        proved = (form for form, draft in forms if self.proved(form, draft))
+        return next(proved, None) or self.finished(plain)
 
     def _draft(self, form: FirstOrderForm) -> Draft:
         read = self.alphabet.read
@@ -330,31 +341,13 @@ class _Search:
             for draft in sorted(spread, key=_size):
                 long = _size(draft) > WRITTEN_OUT
                 if not long:
-                    yield self._flat(self._improve(draft))
+                    yield self._improve(draft)
                 spent |= long or self._spent()
             if not spent:  # nothing shorter is found in the brackets
                 return
         except EngineLimit:
             pass
-        yield self._flat(self._improve(plain))
-
-    def _flat(self, draft: Draft) -> Draft:
-        """A draft with names for brackets that are nested too deeply."""
-        for _ in range(MOST_NAMES):
-            deep = [p for p in self._products(draft) if _depth(self.alphabet.text((p,))) > DEEP]
-            inner = [
-                terms for terms in self._brackets(draft, deep)
-                if 0 < _depth(self.alphabet.text(self.alphabet.arrange(terms))) <= DEEP
-            ]  # fmt: skip
-            inner.sort(key=self._length, reverse=True)
-            named = (self._with_name(draft, terms) for terms in inner)
-            found = next(
-                (d for d in named if d[:3] != draft[:3] or d.names[:-1] != draft.names), None
-            )
-            if found is None:
-                break
-            draft = found
-        return draft
+        yield self._improve(plain)
 
     def _spent(self) -> bool:
         return self.alphabet.work > self.alphabet.limit
@@ -366,21 +359,20 @@ class _Search:
         moves = self._rates, self._angles, self._names, self._identities, self._monomials
         while moved and not self._spent():
             moved = False
-            for move in moves:
-                for other, least in move(draft):
-                    if self._spent():
-                        break
-                    found = self.length(other)
-                    if found <= length - least:
-                        draft, length, moved = other, found, True
-                        break
+            for other, least in chain.from_iterable(move(draft) for move in moves):
+                if self._spent():
+                    break
+                found = self.length(other)
+                if found <= length - least:
+                    draft, length, moved = other, found, True
+                    break
         return draft
 
     # -- length -------------------------------------------------------------------------------
 
     def length(self, draft: Draft) -> int:
         """The characters of what is printed."""
-        total = sum(self.row(terms)[0] for terms in draft.rows)
+        total = sum(self.row(*row)[0] for row in enumerate(draft.rows))
         for letter, terms in (*draft.rates, *draft.names):
             total += len(self.alphabet.letter_text(letter)) + 1 + self._length(terms)
         return total
@@ -388,14 +380,14 @@ class _Search:
     def _length(self, terms: Terms) -> int:
         return self.alphabet.length(self.alphabet.arrange(terms))
 
-    def row(self, terms: Terms) -> tuple[int, Row]:
-        """An equation as it is printed, multiplied by what makes it short."""
-        key = frozenset(terms.items())
+    def row(self, place: int, terms: Terms) -> tuple[int, Row]:
+        """The equation of that place as it is printed, multiplied by what makes it short."""
+        key = place, frozenset(terms.items())
         if key not in self.printed:
-            self.printed[key] = self._row(terms)
+            self.printed[key] = self._row(place, terms)
         return self.printed[key]
 
-    def _row(self, terms: Terms) -> tuple[int, Row]:
+    def _row(self, place: int, terms: Terms) -> tuple[int, Row]:
         alphabet = self.alphabet
         number, common, _ = alphabet.primitive(terms)
         common = tuple(p for p in common if alphabet.letters[p[0]].rank[0] < ACCELERATION)
@@ -407,7 +399,7 @@ class _Search:
         below = tuple(sorted((i, e) for i, e in low.items() if e))
         factor = times(common, below)
         rest = {times(m, below, -1): c for m, c in rest.items()}
-        best = self._sides(rest)
+        best = self._sides(place, rest)
         led = [dict(m) for m in rest if self._leads(m)]
         for i, _ in below if len(rest) <= WRITTEN_OUT else ():
             most = min if alphabet.letters[i].moves else max
@@ -415,7 +407,7 @@ class _Search:
                 other = {times(m, ((i, 1),), -1): c for m, c in rest.items()}
                 if len(rest) > 2 * TRIED and self._flat_length(other) > self._flat_length(rest):
                     break
-                found = self._sides(other)
+                found = self._sides(place, other)
                 whole = all(m.get(i, 0) > 0 for m in led)
                 if found[0] > best[0] - (1 if whole else GAIN):
                     break
@@ -423,16 +415,23 @@ class _Search:
         length, left, right, sign = best
         return length, Row(left, right, over(sign, number), times((), factor, -1))
 
-    def _sides(self, rest: Terms) -> tuple[int, Sum, Sum, int]:
-        """Accelerations on the left, most of them positive, everything else on the right."""
+    def _sides(self, place: int, rest: Terms) -> tuple[int, Sum, Sum, int]:
+        """Accelerations on the left, its own with a positive mass, everything else on the right."""
         left = {m: c for m, c in rest.items() if self._leads(m)}
         right = {m: -c for m, c in rest.items() if m not in left}
         letters = self.alphabet.letters
+        own = [m for m in left if any(letters[i].rank == (ACCELERATION, place) for i, _ in m)]
         still = [
-            m for m in left if not any(MOVING <= letters[i].rank[0] < ACCELERATION for i, _ in m)
+            m for m in own if not any(MOVING <= letters[i].rank[0] < ACCELERATION for i, _ in m)
         ]
-        sign = -1 if sum(1 if left[m] > 0 else -1 for m in still or left) < 0 else 1
-        sides = [self.alphabet.arrange({m: sign * c for m, c in p.items()}) for p in (left, right)]
+        sign = -1 if sum(1 if left[m] > 0 else -1 for m in still or own or left) < 0 else 1
+        left, right = ({m: sign * c for m, c in p.items()} for p in (left, right))
+        sides = [self.alphabet.arrange(p) for p in (left, right)]
+        if any(self.alphabet.length((product,)) > WIDTH - 8 for product in sides[0]):
+            each: dict[int, Terms] = {}
+            for m, c in left.items():
+                each.setdefault(next(i for i, _ in m if self._leads(((i, 1),))), {})[m] = c
+            sides[0] = tuple(p for terms in each.values() for p in self.alphabet.arrange(terms))
         return sum(map(self.alphabet.length, sides)) + 1, sides[0], sides[1], sign
 
     def _leads(self, m: Monomial) -> bool:
@@ -554,9 +553,9 @@ class _Search:
         ]:
             yield self._with_name(draft, found[key]), GAIN
 
-    def _brackets(self, draft: Draft, among: Iterable[Product] | None = None) -> Iterator[Terms]:
+    def _brackets(self, draft: Draft) -> Iterator[Terms]:
         """The sums in brackets, as often as they stand."""
-        for product in self._products(draft) if among is None else among:
+        for product in self._products(draft):
             for base, _ in product.factors:
                 if not isinstance(base, int):
                     yield self._spread(base)
@@ -570,18 +569,18 @@ class _Search:
         for product in parts:
             terms: Terms = {(): product.number}
             for base, e in product.factors:
+                if not isinstance(base, int) and (not isinstance(e, int) or e < 0):
+                    base = self.alphabet.index(None, self._spread(base))
                 if isinstance(base, int):
                     terms = mul(terms, {((base, e),): ONE})
                 else:
-                    for _ in range(int(e)):
+                    for _ in range(e):
                         terms = mul(terms, self._spread(base))
             total = add(total, terms)
         return total
 
     def _with_name(self, draft: Draft, terms: Terms) -> Draft:
-        alphabet = self.alphabet
-        moving = any(alphabet.letters[i].moves for m in terms for i, _ in m)
-        letter = alphabet.name(self._free(draft, MOTIONS if moving else CONSTANTS), terms)
+        letter = self._named(terms, (i for i, _ in draft.names))
 
         def change(sum_: Terms) -> Terms:
             if len(terms) > 1:
@@ -628,8 +627,13 @@ class _Search:
             tuple((i, whole(of)) for i, of in draft.names),
         )
 
-    def _free(self, draft: Draft, pool: Sequence[str]) -> str:
-        used = self.taken | {self.alphabet.letter_text(i) for i, _ in draft.names}
+    def _named(self, terms: Terms, names: Iterable[int]) -> int:
+        """A letter for a sum beside other names."""
+        moving = any(self.alphabet.letters[i].moves for m in terms for i, _ in m)
+        return self.alphabet.name(self._free(names, MOTIONS if moving else CONSTANTS), terms)
+
+    def _free(self, names: Iterable[int], pool: Sequence[str]) -> str:
+        used = self.taken | {*map(self.alphabet.letter_text, names)}
         longer = (f"{name}{i}" for i in range(1, 99) for name in pool)
         return next(name for name in (*pool, *longer) if name not in used)
 
@@ -657,7 +661,7 @@ class _Search:
 
     def _products(self, draft: Draft) -> Iterator[Product]:
         """The products that are printed."""
-        sides = [side for terms in draft.rows for side in self.row(terms)[1][:2]]
+        sides = [side for row in enumerate(draft.rows) for side in self.row(*row)[1][:2]]
         sides += [self.alphabet.arrange(terms) for _, terms in (*draft.rates, *draft.names)]
         while sides:
             for product in sides.pop():
@@ -678,7 +682,7 @@ class _Search:
         meanings, known = [letters[i].meaning for i in used], self.alphabet.angles
         angles = {str(m.args[0]): m.args[0] for m in meanings if isinstance(m, TRIGONOMETRIC)}
         for stand_in in (angles[a] for a in sorted(angles) if a.startswith("angle ")):
-            name = se.Symbol(self._free(draft, ANGLES))
+            name = se.Symbol(self._free((i for i, _ in draft.names), ANGLES))
             known[name], self.ranks[name] = known[stand_in], (MOVING, len(known) + 99)
             swaps = {
                 i: self.alphabet.index(meaning.func(name))
@@ -692,27 +696,27 @@ class _Search:
 
     # -- proof --------------------------------------------------------------------------------
 
-    def proved(self, draft: Draft) -> bool:
+    def proved(self, printed: ReadableEquations, draft: Draft) -> bool:
         """Whether every equation, names put in, is the exact one times its factor, and every rate
         the exact rate."""
         try:
-            return all(self._vanishes(e) for e in self._differences(draft))
+            return all(self._vanishes(e) for e in self._differences(printed, draft))
         except EngineLimit:
             return False
 
-    def _differences(self, draft: Draft) -> Iterator[Any]:
-        show, form = self.expression, draft.form
+    def _differences(self, printed: ReadableEquations, draft: Draft) -> Iterator[Any]:
+        form, spread = draft.form, self._spread
+        show = lambda parts: self.expression(spread(parts))  # noqa: E731
+        yield from (show(name) - show(meaning) for name, meaning in printed.names)
         if form is not self.form:  # mass^-1 force
             for row, force in zip(self.form.mass, self.form.force, strict=True):
                 yield se.Add(*(e * a for e, a in zip(row, form.force, strict=True))) - force
-        for terms, mass, force in zip(draft.rows, form.mass, form.force, strict=True):
-            _, row = self.row(terms)
-            factor = show({row.factor: row.number})
+        for row, mass, force in zip(printed.rows, form.mass, form.force, strict=True):
+            factor = self.expression({row.factor: row.number})
             exact = se.Add(*(e * a for e, a in zip(mass, self.accelerations, strict=True))) - force
-            printed = show(self._spread(row.left)) - show(self._spread(row.right))
-            yield printed / factor - exact
+            yield (show(row.left) - show(row.right)) / factor - exact
         given = dict(zip(self.dots, form.rates, strict=True))
-        own = {self.alphabet.letters[i].meaning: self._plain(t) for i, t in draft.rates}
+        own = {self._plain(spread(dot)): self._plain(spread(rate)) for dot, rate in printed.rates}
         for dot in own:
             found = own[dot]
             for _ in own:  # rates may be written by others, not by themselves
@@ -736,13 +740,60 @@ class _Search:
 
     def finished(self, draft: Draft) -> ReadableEquations:
         """The draft as it is printed."""
-        letter = lambda i: (Product(ONE, (Factor(i, 1),)),)  # noqa: E731
-        return ReadableEquations(
-            self.alphabet,
-            tuple((letter(i), self.alphabet.arrange(terms)) for i, terms in draft.rates),
-            tuple(self.row(terms)[1] for terms in draft.rows),
-            tuple((letter(i), self.alphabet.arrange(terms)) for i, terms in draft.names),
-        )
+        arrange, rows = self.alphabet.arrange, [self.row(*row)[1] for row in enumerate(draft.rows)]
+        nesting = self.nesting((i, arrange(terms)) for i, terms in draft.names)
+        sides = [arrange(terms) for _, terms in draft.rates]
+        sides = nesting.folded([*sides, *(side for row in rows for side in row[:2])])
+        names = tuple((_letter(i), nesting.definitions[i]) for i in nesting.read_in_order(sides))
+        rates = tuple((_letter(i), sides.pop(0)) for i, _ in draft.rates)
+        for k, row in enumerate(rows):
+            left, right, number = sides[2 * k], sides[2 * k + 1], row.number
+            if self.alphabet.text(left).startswith("-"):
+                left, right, number = negated(left), negated(right), -number
+            rows[k] = Row(left, right, number, row.factor)
+        return ReadableEquations(self.alphabet, rates, tuple(rows), names)
+
+    def arranged(self, given: dict[str, Any]) -> list[list[tuple[str, str]]]:
+        """Expressions arranged as the equations are, and what is named in them alone."""
+        with suppress(EngineLimit):
+            if found := self._proved_texts(given):
+                return found
+        return [[(name, caret_text(e)) for name, e in given.items()], []]
+
+    def _proved_texts(self, given: dict[str, Any]) -> list[list[tuple[str, str]]]:
+        alphabet, letters = self.alphabet, self.alphabet.letters
+        names = {name[0].factors[0].base: meaning for name, meaning in self.found.names}
+        alphabet.whole, alphabet.work = True, 0
+        exact = [self.equations.bridge.inward(e) for e in given.values()]
+        draft = Draft(self.form, tuple(map(alphabet.read, exact)), ())
+        named = {alphabet.angles[m]: m for i in names if (m := letters[i].meaning) is not None}
+        swaps = {
+            alphabet.index(f(a)): alphabet.index(f(named[e]))
+            for a, e in [*alphabet.angles.items()]
+            if e in named and a != named[e]
+            for f in (se.sin, se.cos)
+        }
+        nesting = self.nesting(names.items())
+        rows = self._rewritten(draft, _same, swaps).rows
+        sides = nesting.folded(map(alphabet.arrange, rows))
+        proofs = (self._plain(self._spread(a)) - b for a, b in zip(sides, exact, strict=True))
+        if not all(map(self._vanishes, proofs)):
+            return []
+        text, own = alphabet.text, nesting.read_in_order(sides)
+        below = [(alphabet.letter_text(i), text(nesting.definitions[i])) for i in own]
+        return [
+            [*zip(given, map(text, sides), strict=True)],
+            [pair for i, pair in zip(own, below, strict=True) if i not in names],
+        ]
+
+    def nesting(self, names: Iterable[tuple[int, Sum]]) -> Nesting:
+        """What names brackets that are nested too deeply, or do not fit a line."""
+        fresh = lambda parts, others: self._named(self._spread(parts), others)  # noqa: E731
+        return Nesting(self.alphabet, fresh, WIDTH - 8, names)
+
+
+def _letter(letter: int) -> Sum:
+    return (Product(ONE, (Factor(letter, 1),)),)
 
 
 def _dotted(name: str) -> str:
@@ -752,15 +803,6 @@ def _dotted(name: str) -> str:
 def _size(draft: Draft) -> int:
     """How many terms equations have."""
     return sum(map(len, draft.rows))
-
-
-def _depth(text: str) -> int:
-    """How deep brackets are nested."""
-    depth = most = 0
-    for letter in text:
-        depth += (letter == "(") - (letter == ")")
-        most = max(most, depth)
-    return most
 
 
 def _same(terms: Terms) -> Terms:

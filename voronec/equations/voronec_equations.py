@@ -25,7 +25,13 @@ from voronec.equations.definition import read
 from voronec.equations.derivation import Derivation
 from voronec.equations.derived_equations import DerivedEquations
 from voronec.equations.evaluation import check_added_mass, check_inertia
-from voronec.equations.readable import break_lines, equation_rows, readable
+from voronec.equations.readable import (
+    break_lines,
+    equation_lines,
+    equation_rows,
+    readable,
+    short_texts,
+)
 from voronec.equations.vector_field import solved_form
 from voronec.errors import DefinitionError, EngineLimit
 
@@ -64,8 +70,7 @@ def equations_lines(eqs: VoronecEquations, width: int = WIDTH) -> list[str]:
         return [*lines, "", *_too_large(eqs, form)]
     lines += ["", *form.lines(width)]
     if eqs.has_coordinate_frame:
-        rows = (part for row in _curvature_rows(eqs) for part in break_lines(row, width))
-        lines += ["", "curvature", *rows]
+        lines += ["", *_curvature_lines(eqs, width)]
     return lines
 
 
@@ -127,18 +132,19 @@ def _names(eqs: VoronecEquations) -> str:
     return ", ".join(caret_text(v) for v in eqs.velocities)
 
 
-def _curvature_rows(eqs: VoronecEquations) -> list[str]:
+def _curvature_lines(eqs: VoronecEquations, width: int) -> list[str]:
     """The components A_ij^(nu) and A_i^(nu) that do not vanish, by the names of coordinates."""
     base, fibres = eqs.definition.split
-    size, found = range(len(base)), []
+    size, found = range(len(base)), dict[str, Any]()
     for nu, fibre in enumerate(fibres):
-        entries = [(i, j, eqs.curvature[nu, i, j]) for i in size for j in size if i < j]
-        found += [
-            (f"A^{fibre}[{base[i]}, {base[j]}]", caret_text(e)) for i, j, e in entries if e != 0
-        ]
-        moving = [(i, eqs.curvature.time[nu, i]) for i in size]
-        found += [(f"A^{fibre}[{base[i]}]", caret_text(e)) for i, e in moving if e != 0]
-    return equation_rows(found) or ["  vanishes"]
+        found |= {
+            f"A^{fibre}[{base[i]}, {base[j]}]": eqs.curvature[nu, i, j]
+            for i in size for j in size if i < j
+        }  # fmt: skip
+        found |= {f"A^{fibre}[{base[i]}]": eqs.curvature.time[nu, i] for i in size}
+    rows, names = short_texts(eqs, {name: e for name, e in found.items() if e != 0})
+    lines = ["curvature", *(equation_lines(rows, width) or ["  vanishes"])]
+    return [*lines, "", "where", *equation_lines(names, width)] if names else lines
 
 
 def _program(eqs: VoronecEquations) -> str | None:

@@ -1,0 +1,145 @@
+"""Names for sums in brackets that are nested too deeply, or too long for a line.
+
+A name stands for a sum as it is arranged, so nothing is multiplied out or divided again: what is
+printed gets shallow and short by as many names as that takes, in one way through all sums and one
+more, which puts the names wherever the sums stand.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+from math import inf
+from typing import Any
+
+from voronec.algebra.laurent import ACCELERATION, Alphabet, Factor, Product, Sum, negated
+
+__all__ = ["Nesting", "depth"]
+
+DEEP = 3
+"""Brackets are not nested deeper."""
+
+
+def depth(text: str) -> int:
+    """How deep brackets are nested."""
+    found = most = 0
+    for letter in text:
+        found += (letter == "(") - (letter == ")")
+        most = max(most, found)
+    return most
+
+
+class Nesting:
+    """Sums of an alphabet and what is named in them.
+
+    ``fresh`` makes a letter for a sum beside the names that there are; ``room`` is how many
+    characters a product of a side may have.  ``definitions`` are names with what they stand for.
+    """
+
+    def __init__(
+        self,
+        alphabet: Alphabet,
+        fresh: Callable[[Sum, Iterable[int]], int],
+        room: int,
+        names: Iterable[tuple[int, Sum]] = (),
+    ) -> None:
+        self.alphabet, self._fresh, self._room = alphabet, fresh, room
+        self.definitions: dict[int, Sum] = {}
+        self._turned: dict[Any, int] = {}
+        self._named: dict[Sum, int] = {}
+        for letter, parts in names:
+            new, own, terms = letter, parts, alphabet.letters[letter].terms
+            if terms and alphabet.text(parts).startswith("-"):  # what is positive has the name
+                own, opposite = negated(parts), {m: -c for m, c in terms.items()}
+                new = self._turned[letter] = alphabet.name(alphabet.names[letter], opposite)
+            self.definitions[new] = own
+            self._named[own] = new
+
+    def folded(self, sides: Iterable[Sum]) -> list[Sum]:
+        """Sides of equations with names, which stand in what is named too."""
+        found = [*sides]
+        for _ in range(2):
+            found, known = [self._side(parts) for parts in found], set[int]()
+            while todo := [i for i in self.definitions if i not in known]:
+                self.definitions |= {i: self._side(self.definitions[i]) for i in todo}
+                known.update(todo)
+        return found
+
+    def read_in_order(self, sides: Iterable[Sum]) -> list[int]:
+        """The names as a reader meets them, each after those that it is defined by."""
+        left = {self.alphabet.letter_text(i): i for i in self.definitions}
+        found: list[int] = []
+
+        def read(parts: Sum) -> None:
+            for word in re.findall(r"\w+", self.alphabet.text(parts)):
+                if (letter := left.pop(word, None)) is not None:
+                    read(self.definitions[letter])
+                    found.append(letter)
+
+        for parts in sides:
+            read(parts)
+        return found
+
+    def _side(self, parts: Sum) -> Sum:
+        return tuple(self._product(product, self._room) for product in parts)
+
+    def _product(self, product: Product, room: float = inf) -> Product:
+        """A product with names that there are, and with new ones until it is shallow and fits."""
+        for k, (base, _) in enumerate(product.factors):
+            if base in self._turned:
+                product = _replaced(product, k, self._turned[base], -1)
+            elif (inside := self._inside(base)) is not None:
+                parts = tuple(map(self._product, inside))
+                if parts in self._named or negated(parts) in self._named:
+                    product = _replaced(product, k, *self._name(parts))
+                elif parts != inside:
+                    product = _replaced(product, k, parts, 1)
+        while (deep := depth(text := self.alphabet.text((product,))) > DEEP) or len(text) > room:
+            inside_of = {k: self._inside(base) for k, (base, _) in enumerate(product.factors)}
+            texts = {
+                k: self.alphabet.text(parts)
+                for k, parts in inside_of.items()
+                if parts and not self._leads(parts)
+            }
+            if not texts:
+                break
+            worst = max(texts, key=lambda k: (deep * depth(texts[k]), len(texts[k])))
+            product = _replaced(product, worst, *self._name(inside_of[worst] or ()))
+        return product
+
+    def _inside(self, base: Any) -> Sum | None:
+        """The sum that stands in brackets."""
+        if not isinstance(base, int):
+            return tuple(base)
+        terms = self.alphabet.letters[base].terms
+        own = terms is not None and base not in self.alphabet.named
+        return self.alphabet.arrange(terms or {}) if own else None
+
+    def _leads(self, parts: Sum) -> bool:
+        """Whether accelerations stand in a sum: they stay on the left side."""
+        bases = [base for product in parts for base, _ in product.factors]
+        inside = [self._inside(base) for base in bases]
+        letters = (self.alphabet.letters[base] for base in bases if isinstance(base, int))
+        return any(x.rank[0] == ACCELERATION for x in letters) or any(
+            self._leads(parts) for parts in inside if parts
+        )
+
+    def _name(self, parts: Sum) -> tuple[int, int]:
+        """The letter that is named for a sum, or for its negative, and the sign."""
+        for own, sign in ((parts, 1), (negated(parts), -1)):
+            if own in self._named:
+                return self._named[own], sign
+        sign = -1 if self.alphabet.text(parts).startswith("-") else 1
+        own = parts if sign > 0 else negated(parts)
+        letter = self._named[own] = self._fresh(own, self.definitions)
+        self.definitions[letter] = own
+        return letter, sign
+
+
+def _replaced(product: Product, k: int, base: Any, sign: int) -> Product:
+    """A product with another base, times a sign, under one of its exponents."""
+    factors, e = list(product.factors), product.factors[k].exponent
+    if sign < 0 and not isinstance(e, int):
+        base, sign = (Product(-1, (Factor(base, 1),)),), 1
+    factors[k] = Factor(base, e)
+    return Product(product.number * (sign if e % 2 else 1), tuple(factors))
