@@ -155,8 +155,8 @@ def without_check() -> Iterator[None]:
                     stack.enter_context(patch.object(module, name, lambda *_, **__: []))
             for kind in (x for x in vars(module).values() if hasattr(x, "breach")):
                 stack.enter_context(patch.object(kind, "breach", lambda *_, **__: (None, ())))
-            for kind in (x for x in vars(module).values() if hasattr(x, "doubtful")):
-                stack.enter_context(patch.object(kind, "doubtful", lambda *_, **__: []))
+            for kind in (x for x in vars(module).values() if hasattr(x, "breaches")):
+                stack.enter_context(patch.object(kind, "breaches", lambda *_, **__: ({}, {})))
         yield
 
 

@@ -44,8 +44,8 @@ __all__ = [
 ]
 
 
-TOUCH = 1e-10
-"""An extremum this near to zero, relative to the largest value seen, touches it."""
+TOUCH = 1e-12
+"""An extremum touches zero where a change of the states by this part of their size brings it there."""
 BESIDE = 1e-2
 """Touches nearer to each other than this part of a step are one."""
 POLE = 1e3
@@ -165,7 +165,7 @@ def zeros(paths: Paths, quantity: Quantity, needed: np.ndarray, direction: int) 
     which = np.arange(lanes)
     # lane by lane in memory, as they are gone through below
     values = np.stack([quantity(times[:, i], states[:, i].T, which[i]) for i in range(lanes)]).T
-    size = float(np.nanmax(np.abs(values), initial=0.0)) or 1.0
+    sizes = np.fmax.reduce(np.abs(states[needed]), axis=2)
 
     with np.errstate(all="ignore"):  # a lane that idles takes steps of no length
         rates = np.abs(np.diff(values, axis=0)) / np.diff(times, axis=0)
@@ -176,11 +176,16 @@ def zeros(paths: Paths, quantity: Quantity, needed: np.ndarray, direction: int) 
         def close(number: np.ndarray) -> _Close:
             return _Close.of(paths, quantity, needed, *np.divmod(number, lanes))
 
-        found, touches = find_crossings(
-            lambda tau, number: close(number).value(tau),
-            pieces,
-            lambda tau, _: np.full(len(tau), TOUCH * size),
-        )
+        def depth(tau: np.ndarray, number: np.ndarray) -> np.ndarray:
+            """By how much the quantity changes where states do by what may be an error."""
+            look = close(number)
+            looks = [look.value(tau)]
+            for term, size in zip(look.terms[0], sizes[:, look.lane], strict=True):
+                term += TOUCH * size
+                looks.append(look.value(tau))
+            return np.asarray(np.abs(np.diff(looks, axis=0)).sum(axis=0))
+
+        found, touches = find_crossings(lambda tau, i: close(i).value(tau), pieces, depth)
         found = found.where((direction == 0) | ((found.after > found.before) == (direction > 0)))
         step, lane = np.divmod(found.number, lanes)
         found = found.where(np.lexsort((paths.times[step, lane] + found.start, lane)))
