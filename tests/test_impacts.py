@@ -16,7 +16,7 @@ from voronec.motion.request import Guard
 from voronec.motion.solve import ZENO, Arrival, Phase, Solver
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run
-from voronec.motion.steppers.run import restarting
+from voronec.motion.steppers.run import restart
 
 pytestmark = pytest.mark.slow
 
@@ -44,7 +44,7 @@ def bounce(system, start, values, gap, law, grid, method="scipy") -> Run:
     )
     solver, _ = choose(method, problem, grid)
     guards = {guard.name: Impact(law)}
-    phase = Phase(None, grid[0], start, start, restarting(solver, problem), guards)
+    phase = Phase(None, grid[0], start, start, restart(solver, problem), guards)
     return Solver(grid, problem.events, dense=True).run(phase)
 
 

@@ -36,7 +36,7 @@ PYTEST = (sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider")
 FAST = ("-m", "not slow")
 NOTHING_TO_RUN = 5
 """What pytest returns where all tests of a file are left out."""
-MOVED: dict[type[ast.cmpop], type[ast.cmpop]] = {
+MOVES: dict[type[ast.cmpop], type[ast.cmpop]] = {
     ast.Lt: ast.LtE,
     ast.LtE: ast.Lt,
     ast.Gt: ast.GtE,
@@ -44,8 +44,8 @@ MOVED: dict[type[ast.cmpop], type[ast.cmpop]] = {
     ast.Eq: ast.NotEq,
     ast.NotEq: ast.Eq,
 }
-JOINED: dict[type[ast.boolop], type[ast.boolop]] = {ast.And: ast.Or, ast.Or: ast.And}
-TURNED: dict[type[ast.operator], type[ast.operator]] = {ast.Add: ast.Sub, ast.Sub: ast.Add}
+JOINS: dict[type[ast.boolop], type[ast.boolop]] = {ast.And: ast.Or, ast.Or: ast.And}
+TURNS: dict[type[ast.operator], type[ast.operator]] = {ast.Add: ast.Sub, ast.Sub: ast.Add}
 
 
 @dataclass(frozen=True)
@@ -59,11 +59,11 @@ class Fault:
     end: int
     text: str
 
-    def planted(self, source: bytes) -> bytes:
+    def plant_in(self, source: bytes) -> bytes:
         """The source of the module with the fault."""
         return source[: self.begin] + self.text.encode() + source[self.end :]
 
-    def told(self, source: bytes) -> str:
+    def tell(self, source: bytes) -> str:
         """Where it is, and what is changed."""
         old = source[self.begin : self.end].decode()
         return f"{self.module}:{self.line} {self.kind}: {_short(old)} -> {_short(self.text)}"
@@ -76,19 +76,19 @@ def _short(text: str) -> str:
 
 def variants(node: ast.AST) -> Iterator[tuple[str, ast.expr, str]]:
     """Faults of one expression: their kind, what is replaced, by what."""
-    if isinstance(node, ast.BinOp) and type(node.op) in TURNED:
-        yield "sign", node, ast.unparse(ast.BinOp(node.left, TURNED[type(node.op)](), node.right))
+    if isinstance(node, ast.BinOp) and type(node.op) in TURNS:
+        yield "sign", node, ast.unparse(ast.BinOp(node.left, TURNS[type(node.op)](), node.right))
         yield "dropped term", node, ast.unparse(node.left)
     elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
         yield "sign", node, ast.unparse(node.operand)
     elif isinstance(node, ast.Subscript) and _is_whole(node.slice):
         yield "index", node.slice, f"{ast.unparse(node.slice)} + 1"
-    elif isinstance(node, ast.Compare) and type(node.ops[0]) in MOVED:
+    elif isinstance(node, ast.Compare) and type(node.ops[0]) in MOVES:
         kind = "condition" if isinstance(node.ops[0], ast.Eq | ast.NotEq) else "bound"
-        ops = [MOVED[type(node.ops[0])](), *node.ops[1:]]
+        ops = [MOVES[type(node.ops[0])](), *node.ops[1:]]
         yield kind, node, ast.unparse(ast.Compare(node.left, ops, node.comparators))
     elif isinstance(node, ast.BoolOp):
-        yield "condition", node, ast.unparse(ast.BoolOp(JOINED[type(node.op)](), node.values))
+        yield "condition", node, ast.unparse(ast.BoolOp(JOINS[type(node.op)](), node.values))
     elif isinstance(node, ast.If | ast.IfExp | ast.While):
         yield "condition", node.test, f"not ({ast.unparse(node.test)})"
 
@@ -137,13 +137,13 @@ def copy_of_tree(folder: Path) -> None:
 def run(words: Sequence[str], folder: Path, limit: float) -> tuple[int, float]:
     """The status of a command in a folder and its CPU seconds, of which it has so many."""
 
-    def limited() -> None:
+    def bound() -> None:
         resource.setrlimit(resource.RLIMIT_CPU, (int(limit) + 1, int(limit) + 2))
 
     environment = {**os.environ, "PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"}
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run(
-        words, cwd=folder, env=environment, preexec_fn=limited,
+        words, cwd=folder, env=environment, preexec_fn=bound,
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False,
     )  # fmt: skip
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -215,11 +215,11 @@ def plant(
         for fault in draw(seed, count, within):
             file = tree / fault.module
             source = file.read_bytes()
-            file.write_bytes(fault.planted(source))
+            file.write_bytes(fault.plant_in(source))
             outcome, by = outcome_of(fault, reached, tree, seconds)
             file.write_bytes(source)
             told[outcome] += 1
-            print(f"{outcome:12} {fault.told(source)}  {by}", flush=True)
+            print(f"{outcome:12} {fault.tell(source)}  {by}", flush=True)
     return told
 
 

@@ -33,7 +33,7 @@ import voronec as vo
 from voronec.algebra.symbols import plain_name
 from voronec.motion import batches, methods
 from voronec.motion.solve import Arrival, Phase, Solver
-from voronec.motion.steppers.run import restarting
+from voronec.motion.steppers.run import restart
 
 __all__ = ["argparse", "main"]
 
@@ -281,7 +281,7 @@ def fault_in(draw: Draw) -> Iterator[list[str]]:
                     i = int(where * 977) % len(state)
                     state[i] += WRONG * max(1.0, abs(state[i]))
                 moved = replace(problem, start=state.copy())
-                go = restarting(make(method, moved, reason)[0], moved)
+                go = restart(make(method, moved, reason)[0], moved)
                 return Phase(None, here.time, state, state, go, {}, is_change=False)
 
         def run(grid: np.ndarray) -> Any:

@@ -41,7 +41,7 @@ def main() -> int:
 def _books() -> None:
     ratios: dict[str, float] = {}
     for book in import_module("textbook_equations").TEXTBOOK:
-        form, seconds = _timed(vo.derive(book.system))
+        form, seconds = _time(vo.derive(book.system))
         ratios[book.name] = form.length / book.length
         print(
             f"{book.name:44}{form.length:6}{book.length:6}{ratios[book.name]:6.2f}{seconds:7.2f} s"
@@ -55,14 +55,14 @@ def _catalogue() -> None:
     for name in vo.names():
         eqs = vo.derive(vo.load(name))
         if eqs.in_normal_form:
-            form, seconds = _timed(eqs)
+            form, seconds = _time(eqs)
             plain = _entries(eqs)
             before, after = before + plain, after + form.length
             print(f"{name:44}{form.length:6}{plain:6}{form.length / plain:6.2f}{seconds:7.2f} s")
     print(f"catalogue {before} before, {after} after: {after / before:.2f}")
 
 
-def _timed(eqs: Any) -> tuple[Any, float]:
+def _time(eqs: Any) -> tuple[Any, float]:
     _ = eqs.best.form
     start = process_time()
     return readable(eqs), process_time() - start

@@ -26,7 +26,7 @@ from typing import Any
 LIMIT = 120
 
 
-def _spent() -> float:
+def _cpu_seconds() -> float:
     """CPU seconds of this process, of its start too, and of compilers that it waited for."""
     found = os.times()
     return found.user + found.system + found.children_user + found.children_system
@@ -45,7 +45,7 @@ def equations(name: str) -> dict[str, Any]:
 
     eqs = vo.derive(_system(name))
     lines = equations_lines(eqs)
-    return {"seconds": _spent(), "shown": len("\n".join(lines))}
+    return {"seconds": _cpu_seconds(), "shown": len("\n".join(lines))}
 
 
 def run(name: str) -> dict[str, Any]:
@@ -53,11 +53,11 @@ def run(name: str) -> dict[str, Any]:
     import voronec as vo
 
     system = _system(name)
-    begun = _spent()
+    begun = _cpu_seconds()
     grid = [0.0, 0.01, 0.02]
     motion = vo.integrate(system, times=grid)
     return {
-        "seconds": _spent() - begun - motion.cost.run,
+        "seconds": _cpu_seconds() - begun - motion.cost.run,
         "by": f"{motion.cost.method}, {motion.cost.level}",
     }
 
@@ -82,25 +82,25 @@ def sizes(name: str) -> dict[str, Any]:
 
 def sympy_equations(name: str) -> dict[str, Any]:
     """Seconds to SymPy's equations."""
-    _formed(name)
-    return {"seconds": _spent()}
+    _form_of(name)
+    return {"seconds": _cpu_seconds()}
 
 
 def sympy_run(name: str) -> dict[str, Any]:
     """Seconds to SymPy's function of a run, and one call of it."""
     import sympy as sp
 
-    begun = _spent()
-    method = _formed(name)
+    begun = _cpu_seconds()
+    method = _form_of(name)
     letters = {x: sp.Symbol(f"s{i}") for i, x in enumerate([*method.q, *method.u])}
     table = [e.xreplace(letters) for e in (method.mass_matrix_full, method.forcing_full)]
     given = sorted(set().union(*(e.free_symbols for e in table)), key=str)
     function = sp.lambdify(given, table, cse=True)
     function(*[0.1 + 0.07 * i for i in range(len(given))])
-    return {"seconds": _spent() - begun}
+    return {"seconds": _cpu_seconds() - begun}
 
 
-def _formed(name: str) -> Any:
+def _form_of(name: str) -> Any:
     from figures.setup_systems import SYSTEMS
 
     method = SYSTEMS[name]().kane()

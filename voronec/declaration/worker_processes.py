@@ -15,7 +15,7 @@ from typing import Any
 
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["ProcessEnded", "Team", "Worker"]
+__all__ = ["ProcessEnd", "Team", "Worker"]
 
 GUARD = (
     "several jobs are processes, which read the script that starts them: call what takes jobs "
@@ -23,7 +23,7 @@ GUARD = (
 )
 
 
-class ProcessEnded(EngineLimit):
+class ProcessEnd(EngineLimit):
     """A process ended in the middle of its work, with a ``status``."""
 
     def __init__(self, status: int | None) -> None:
@@ -75,14 +75,14 @@ class Worker:
         self.pipe.send(task)
 
     def take(self) -> Any:
-        """What came of the task at hand; an error is raised as it was, ``ProcessEnded`` where the
+        """What came of the task at hand; an error is raised as it was, ``ProcessEnd`` where the
         process is no more."""
         self.task = None
         try:
             well, result = self.pipe.recv()
         except (EOFError, OSError):
             self.process.join()
-            raise ProcessEnded(self.process.exitcode) from None
+            raise ProcessEnd(self.process.exitcode) from None
         if not well:
             raise result
         return result
@@ -160,7 +160,7 @@ class Team:
             function = free.get()
             try:
                 return task, function(task)
-            except ProcessEnded as ended:
+            except ProcessEnd as ended:
                 raise DefinitionError(GUARD) if ended.status == 1 else ended from None
             finally:
                 free.put(function)

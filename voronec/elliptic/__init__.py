@@ -3,7 +3,15 @@
 Everything exact enough on demand: constants and enclosures as balls of any number of bits.
 """
 
-from voronec.elliptic.constants import Constants, Integral, LogTerm, Numbers, Phase, Pole, Source
+from voronec.elliptic.constants import (
+    Constants,
+    Integral,
+    LogTerm,
+    Numbers,
+    Pole,
+    Source,
+    ThetaPhase,
+)
 from voronec.elliptic.roots import Ends, Root, ends_of
 from voronec.elliptic.solution import Enclosed, Solution, invert
 
@@ -14,11 +22,11 @@ __all__ = [
     "Integral",
     "LogTerm",
     "Numbers",
-    "Phase",
     "Pole",
     "Root",
     "Solution",
     "Source",
+    "ThetaPhase",
     "ends_of",
     "invert",
 ]

@@ -13,7 +13,7 @@ from typing import Any
 
 from flint import acb, arb
 
-from voronec.elliptic.constants import Constants, Integral, LogTerm, Numbers, Phase, Pole
+from voronec.elliptic.constants import Constants, Integral, LogTerm, Numbers, Pole, ThetaPhase
 from voronec.elliptic.lattice import ALMOST, Lattice, Place, carlson, lattice_of, turn_of
 from voronec.elliptic.roots import (
     Ends,
@@ -142,7 +142,7 @@ def _name(x: arb | None) -> str:
 class IntegralPart:
     """A part of all integrals: its closed terms, and its linear rate in each integral."""
 
-    phases: tuple[Phase, ...]
+    phases: tuple[ThetaPhase, ...]
     log_terms: tuple[LogTerm, ...]
     rates: tuple[arb, ...]
 
@@ -203,7 +203,7 @@ def _phase_part(
     alpha = arb(0)
     gain = gain_of(lattice, alpha, 1)
     return IntegralPart(
-        (Phase(near[0], alpha, 1, gain, shares),), (), tuple(arb(0) for _ in shares)
+        (ThetaPhase(near[0], alpha, 1, gain, shares),), (), tuple(arb(0) for _ in shares)
     )
 
 
@@ -224,7 +224,7 @@ def _angle(
     alpha = sign * spot.place.imag
     zeta = lattice.sums.zeta(acb(0, alpha)).imag
     rate = weight / (end.x - place) + lattice.scale * zeta
-    phase = Phase(spot.side, alpha, sign, gain_of(lattice, alpha, sign), shares)
+    phase = ThetaPhase(spot.side, alpha, sign, gain_of(lattice, alpha, sign), shares)
     return IntegralPart((phase,), (), tuple(share * rate for share in shares))
 
 
@@ -269,7 +269,7 @@ def polynomial_part(
     shares = tuple(-2 * side * one / (-lead).sqrt() for one in simple)
     turned = lattice.scale * lattice.sums.zeta(acb(0, alpha)).imag
     values = [value + share * turned for value, share in zip(values, shares, strict=True)]
-    phases = (Phase(spot.side, alpha, 1, gain_of(lattice, alpha, 1), shares),)
+    phases = (ThetaPhase(spot.side, alpha, 1, gain_of(lattice, alpha, 1), shares),)
     if all(_nothing(value) for value in square):
         return IntegralPart(phases, (), tuple(values))
     log_term = log_term_at(lattice, spot, none, zetas)
@@ -513,7 +513,10 @@ def _lower_poles(numbers: Numbers, f: list[arb]) -> tuple[Numbers, BoundedTerms]
 
 
 def _advances(
-    rates: list[arb], period: arb | None, phases: tuple[Phase, ...], log_terms: tuple[LogTerm, ...]
+    rates: list[arb],
+    period: arb | None,
+    phases: tuple[ThetaPhase, ...],
+    log_terms: tuple[LogTerm, ...],
 ) -> tuple[arb, ...] | None:
     if period is None:
         return None

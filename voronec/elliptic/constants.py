@@ -38,7 +38,7 @@ from typing import Any
 
 from flint import acb, arb
 
-__all__ = ["Constants", "Integral", "LogTerm", "Numbers", "Phase", "Pole", "Source"]
+__all__ = ["Constants", "Integral", "LogTerm", "Numbers", "Pole", "Source", "ThetaPhase"]
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ Source = Callable[[int], Numbers]
 
 
 @dataclass(frozen=True)
-class Phase:
+class ThetaPhase:
     """The angle that one pole adds to the integrals.
 
     Attributes:
@@ -194,7 +194,7 @@ class Constants:
     nome: arb
     mean: arb
     partner: str
-    phases: tuple[Phase, ...]
+    phases: tuple[ThetaPhase, ...]
     log_terms: tuple[LogTerm, ...]
     bounded_terms: tuple[tuple[arb, arb], ...]
     rates: tuple[arb, ...]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from flint import acb, arb
 
-from voronec.elliptic.constants import Constants, LogTerm, Phase
+from voronec.elliptic.constants import Constants, LogTerm, ThetaPhase
 from voronec.elliptic.roots import OpenDecision, power
 
 __all__ = ["Moment", "Sums", "moment_of", "nearest", "phase"]
@@ -194,7 +194,7 @@ def _expressions(constants: Constants, sums: Sums, t: arb, x: arb, rate: arb) ->
     return tuple(values)
 
 
-def _growth(constants: Constants, sums: Sums, one: Phase, t: arb) -> arb:
+def _growth(constants: Constants, sums: Sums, one: ThetaPhase, t: arb) -> arb:
     z, count = _reduce_time(constants, t, one.side)
     angle = phase(sums, z, one.alpha, one.sign)
     return angle if one.gain is None else angle + count * one.gain

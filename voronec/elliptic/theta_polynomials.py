@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from flint import arb, arb_poly
 
-from voronec.elliptic.constants import Constants, LogTerm, Phase
+from voronec.elliptic.constants import Constants, LogTerm, ThetaPhase
 
 __all__ = [
     "Angle",
@@ -110,7 +110,7 @@ def weights_of(constants: Constants) -> Weights:
     )
 
 
-def angle_of(constants: Constants, phase: Phase | LogTerm, alpha: arb, sign: int) -> Angle:
+def angle_of(constants: Constants, phase: ThetaPhase | LogTerm, alpha: arb, sign: int) -> Angle:
     """The periodic part of the phase of a pole at that distance."""
     size = abs(alpha)
     if constants.kind == "trigonometric":

@@ -22,7 +22,7 @@ from voronec.motion.request import Guard
 from voronec.motion.solve import Progress
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Integrator, Problem, Run
-from voronec.motion.steppers.run import restarting
+from voronec.motion.steppers.run import restart
 from voronec.motion.steppers.units import natural_units
 
 if TYPE_CHECKING:
@@ -206,7 +206,7 @@ class ChartProblem:
 
     def run(self, state: np.ndarray, times: np.ndarray) -> Run:
         """The motion from a state on."""
-        return restarting(self.solver, self.problem)(state, times)
+        return restart(self.solver, self.problem)(state, times)
 
 
 @dataclass

@@ -20,14 +20,14 @@ from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.trajectory import Trajectory
 from voronec.motion.verify import CheckOfMany
 
-__all__ = ["Block", "CarriedBlock", "Carrier"]
+__all__ = ["CarriedBlock", "Carrier", "MotionBlock"]
 
 TOGETHER = 64
 """So many motions of a compiled loop go together: they are looked at together."""
 
 
 @dataclass(frozen=True, eq=False)
-class Block:
+class MotionBlock:
     """Motions that go together: their ``numbers`` (m,), states (m, n) and parameters (m, p)."""
 
     numbers: np.ndarray
@@ -35,7 +35,7 @@ class Block:
     values: np.ndarray
 
     @classmethod
-    def of(cls, motions: Many, numbers: np.ndarray) -> Block:
+    def of(cls, motions: Many, numbers: np.ndarray) -> MotionBlock:
         """Some of the motions."""
         return cls(numbers, motions.states[numbers], motions.values[numbers])
 
@@ -105,9 +105,9 @@ class Carrier:
         own = {"motions": motions, "lanes": lanes, "lone": replace(self.lone, motions=motions)}
         return {f.name: getattr(self, f.name) for f in fields(self)} | own
 
-    def __call__(self, task: Block | LoneStart) -> CarriedBlock | Trajectory | VoronecError:
+    def __call__(self, task: MotionBlock | LoneStart) -> CarriedBlock | Trajectory | VoronecError:
         """What came of a block, or of a motion alone."""
-        return self.carry(task) if isinstance(task, Block) else self.carry_alone(task)
+        return self.carry(task) if isinstance(task, MotionBlock) else self.carry_alone(task)
 
     def carry_alone(self, start: LoneStart) -> Trajectory | VoronecError:
         """A motion as ``integrate`` makes it, or its error."""
@@ -116,7 +116,7 @@ class Carrier:
         except VoronecError as error:
             return error
 
-    def carry(self, block: Block, stopped: Look = lambda: False) -> CarriedBlock:
+    def carry(self, block: MotionBlock, stopped: Look = lambda: False) -> CarriedBlock:
         """A block of motions, or its first ones where somebody asked to stop."""
         loads = list[_Load]()
         alone, steps, done = list[int](), 0, 0

@@ -29,7 +29,7 @@ from voronec.declaration.worker_processes import Team
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import IntegrationError, VoronecError
 from voronec.motion.batches import choose_lanes, require_method
-from voronec.motion.carrier import Block, CarriedBlock, Carrier
+from voronec.motion.carrier import CarriedBlock, Carrier, MotionBlock
 from voronec.motion.inputs import Drive, drive
 from voronec.motion.method_costs import step_cost
 from voronec.motion.motion_pool import Many, many
@@ -335,14 +335,14 @@ class _ResultRows:
     def team(self, carrier: Carrier, jobs: int) -> Team:
         """This process and others that carry motions as it does."""
 
-        def here(task: Block | LoneStart) -> Any:
-            if isinstance(task, Block):  # those that are carried by others are in few blocks
+        def here(task: MotionBlock | LoneStart) -> Any:
+            if isinstance(task, MotionBlock):  # those that are carried by others are in few blocks
                 return carrier.carry(task, self.halt.is_set)
             return carrier(task)
 
         return Team(jobs, here, carrier)
 
-    def put(self, block: Block, found: CarriedBlock) -> int:
+    def put(self, block: MotionBlock, found: CarriedBlock) -> int:
         """What came of the first motions of a block; how many they are."""
         self.steps += found.steps
         done = len(next(iter(found.series.values()), ()))
@@ -472,7 +472,7 @@ def _run(filled: _ResultRows, carrier: Carrier, team: Team, progress: Any) -> bo
             if done:
                 size = _block_size(filled, carrier, len(sound))
             each = range(0, len(part), size)
-            blocks = (Block.of(motions, part[i : i + size]) for i in each)
+            blocks = (MotionBlock.of(motions, part[i : i + size]) for i in each)
             work = len(part) * filled.steps / first * _step_cost(carrier)
             for block, found in team.results(blocks, work < WORTH):
                 done += filled.put(block, found)

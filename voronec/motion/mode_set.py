@@ -25,7 +25,7 @@ from voronec.motion.solve import DOUBLE, Progress
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Integrator, Problem, Run
 from voronec.motion.steppers.event_states import narrow, widen
-from voronec.motion.steppers.run import restarting
+from voronec.motion.steppers.run import restart
 
 __all__ = ["GUARD", "Mode", "ModeSet"]
 
@@ -66,7 +66,7 @@ class Mode:
             problem = replace(problem, start=wide, parameters=list(values))
             solver = choose(self.chosen["method"], problem, times)[0]
         problem.parameters[:] = values  # type: ignore[index]
-        return self._narrow(restarting(solver, problem)(wide, times), len(state))
+        return self._narrow(restart(solver, problem)(wide, times), len(state))
 
     def _widen(self, state: np.ndarray, values: Sequence[Any], time: Any) -> np.ndarray:
         """The state, and the functions of events that are followed."""

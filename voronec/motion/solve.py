@@ -102,7 +102,7 @@ class Progress:
         self.report(self.done + fraction * self.part)
 
 
-class Rows(NamedTuple):
+class GridRows(NamedTuple):
     """States (k, m) at times (k,) of the grid that belong to one phase."""
 
     phase: Any
@@ -124,7 +124,7 @@ class Solver:
     dense: bool
     progress: Progress | None = None
     bits: int = DOUBLE
-    rows: list[Rows] = field(default_factory=list)
+    rows: list[GridRows] = field(default_factory=list)
     parts: list[tuple[Phase, Run]] = field(default_factory=list)
     crossings: dict[str, list[tuple[Any, np.ndarray]]] = field(default_factory=dict)
     done: int = 1
@@ -141,7 +141,7 @@ class Solver:
         home = phase.state if isinstance(phase, Termination) else phase.home
         first = in_kind(self.grid[:1], home.dtype)
         self.standing = first[0], home
-        self.rows.append(Rows(phase, first, home[None].copy()))
+        self.rows.append(GridRows(phase, first, home[None].copy()))
         if isinstance(phase, Termination):
             return self.result(phase)
         try:
@@ -186,7 +186,7 @@ class Solver:
         share = float(left / abs(end - begin)) if end != begin else 0.0
         self.idle = (0.0 if count else self.idle) + share * part.steps
         if not self.parts and part.states.dtype != phase.home.dtype:  # now it is in many digits
-            self.rows = [Rows(phase, part.t[:1], part.states[:1])]
+            self.rows = [GridRows(phase, part.t[:1], part.states[:1])]
         self.keep(phase, part.t[taken], part.states[taken])
         self.parts.append((phase, part))
         self.standing = (halt.time, halt.state) if halt else (end, part.states[-1])
@@ -209,7 +209,7 @@ class Solver:
     def keep(self, phase: Phase, t: np.ndarray, states: np.ndarray) -> None:
         """Enter the next points of the grid."""
         if len(t):
-            self.rows.append(Rows(phase, t, states))
+            self.rows.append(GridRows(phase, t, states))
             self.done += len(t)
 
     def arrive(self, own: Run) -> tuple[Arrival, int]:
@@ -250,7 +250,7 @@ class Solver:
         kept = bool(stopped) or (interrupted and self.idle >= DISTANT)
         if kept and self.order * time > self.order * self.rows[-1].t[-1]:
             last = np.array([time], dtype=state.dtype)
-            self.rows.append(Rows(self.parts[-1][0], last, state[None]))
+            self.rows.append(GridRows(self.parts[-1][0], last, state[None]))
         states = np.vstack([rows.states for rows in self.rows])
         return Run(
             np.concatenate([rows.t for rows in self.rows]), states,

@@ -214,7 +214,7 @@ def sweep(
     if not target.exists():
         require_room(target, plan, task.records)
     with folder.drafts(header, meanings_of(declared)) as drafts:
-        work = _Work(task, plan, folder.kept_chunks(), progress)
+        work = _SweepWork(task, plan, folder.kept_chunks(), progress)
         try:
             with _engine(work, executor, jobs) as results:
                 for number, found in results:
@@ -309,7 +309,7 @@ def _folder(target: Path, plan: SweepPlan, task: Task, seed: int) -> SweepFolder
     return SweepFolder(target, plan, task.records, sha256(said.encode()).hexdigest())
 
 
-class _Work:
+class _SweepWork:
     """What is left to do, and how much is done."""
 
     def __init__(self, task: Task, plan: SweepPlan, finished: set[int], progress: Any) -> None:
@@ -332,7 +332,7 @@ class _Work:
 
 @contextmanager
 def _engine(
-    work: _Work, executor: Any, jobs: int | None
+    work: _SweepWork, executor: Any, jobs: int | None
 ) -> Iterator[Iterator[tuple[int, ChunkResult]]]:
     """The results of the chunks that are left, from whoever computes them."""
     portions = work.portions()

@@ -112,7 +112,7 @@ _DIGITS = _Flavour(
 )
 
 
-_TRACED = _Flavour(
+_FOR_JAX = _Flavour(
     "jax.numpy",
     _double(_NUMPY),
     "JAX's numbers, in one-dimensional arrays; functions are traced, differentiated and mapped",
@@ -162,7 +162,7 @@ def jax_source(program: Program, slopes: bool = False) -> str:
     """Python source of the same functions on JAX: one-dimensional arrays go in, an array, and of
     the Jacobian a matrix, comes back.  ``jit``, ``vmap``, ``grad`` and ``jacfwd`` take them; the
     module switches JAX to doubles."""
-    return _module(program, _TRACED, slopes=slopes)
+    return _module(program, _FOR_JAX, slopes=slopes)
 
 
 def mpmath_source(program: Program) -> str:
@@ -228,7 +228,7 @@ def _with_imports(parts: Sequence[str], flavour: _Flavour) -> str:
     used += ["pi"] if re.search(r"\bpi\b", body) else []
     used = [w for w in used if (flavour.library, w) != ("math", "sign")]
     imports = f"from {flavour.library} import {', '.join(used)}\n\n\n" if used else "\n"
-    return (_DOUBLES if flavour is _TRACED else "") + imports + body
+    return (_DOUBLES if flavour is _FOR_JAX else "") + imports + body
 
 
 _DOUBLES = 'from jax import config\n\nconfig.update("jax_enable_x64", True)\n'

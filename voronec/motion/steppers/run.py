@@ -43,7 +43,7 @@ __all__ = [
     "crossing_arrays",
     "cut_at_singularity",
     "in_kind",
-    "restarting",
+    "restart",
     "values_along",
 ]
 
@@ -369,7 +369,7 @@ def cut_at_singularity(run: Run, problem: Problem) -> Run:
     return replace(run, t=run.t[:last], states=run.states[:last], crossings=kept, halt=halt)
 
 
-def restarting(solver: Integrator, problem: Problem) -> Callable[[np.ndarray, np.ndarray], Run]:
+def restart(solver: Integrator, problem: Problem) -> Callable[[np.ndarray, np.ndarray], Run]:
     """A problem's stepper as it goes on from any state (n,) on times (k,), cut in the same way."""
 
     def run(state: np.ndarray, times: np.ndarray) -> Run:

@@ -107,10 +107,10 @@ class _Knots:
         if here.halt is not None:
             return here.halt
         begin, end = float(phase.time), phase.end
-        happened = [*self.happened(here.home, begin, end)] if self.problem.levels else ()
+        happened = [*self.events_at(here.home, begin, end)] if self.problem.levels else ()
         return self.phase(end, here.home, happened)
 
-    def happened(self, state: np.ndarray, first: float, end: float) -> Iterator[Guard]:
+    def events_at(self, state: np.ndarray, first: float, end: float) -> Iterator[Guard]:
         """The events whose functions change sign at the end of a piece, by a jump or not."""
         before, after = self._levels(state, first, end)
         for event in self.problem.events:

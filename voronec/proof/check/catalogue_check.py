@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from voronec.algebra.arguments import CALLABLE, COUNT, SEVERAL, Kind, accepts
 from voronec.declaration.whole_files import Store
-from voronec.declaration.worker_processes import ProcessEnded, Worker
+from voronec.declaration.worker_processes import ProcessEnd, Worker
 from voronec.errors import DefinitionError, quote
 from voronec.proof.check.inventory import Inventory, Trouble, names_read
 from voronec.proof.check.report import Finding, Report, Result, mark_as_known
@@ -93,7 +93,7 @@ def _results_of(
             started(", ".join(w.task.name for w in workers if w.task))
             for ready in connection.wait([w.pipe for w in workers if w.task]):
                 position = next(i for i, w in enumerate(workers) if w.pipe is ready)
-                result = _taken(workers[position])
+                result = _take(workers[position])
                 if not workers[position].process.is_alive() and waiting:
                     workers[position] = Worker.start(Examiner())
                 yield result
@@ -116,12 +116,12 @@ class Examiner:
         return examine(unit, self.bench)
 
 
-def _taken(worker: Worker) -> Result:
+def _take(worker: Worker) -> Result:
     """The result of the unit that a process is at; that it died is one."""
     unit = worker.task
     try:
         result: Result = worker.take()
-    except ProcessEnded as error:
+    except ProcessEnd as error:
         how = f"the process that checked it ended with status {error.status}"
         return Result(
             unit.kind, unit.name, unit.entry.place,
