@@ -8,8 +8,6 @@ from pathlib import Path
 import pytest
 
 import voronec as vo
-from voronec.audit.draft import draft_system
-from voronec.audit.latex.document import read_document
 from voronec.errors import DefinitionError
 
 HERE = Path(__file__).parent
@@ -146,9 +144,10 @@ def test_letters_are_asked_for_and_given_in_a_table(tmp_path, call):
     assert verdicts(audit(tmp_path, text, dictionary=table)) == ["proved"] * 2
 
 
-def test_a_drafted_system_can_be_derived(tmp_path):
-    text = draft_system(read_document(NOTES / "sleigh_on_slope.tex"), "draft")
-    (tmp_path / "draft.toml").write_text(text, "utf-8")
+def test_a_drafted_system_can_be_derived(tmp_path, call):
+    drafted = call("audit", str(NOTES / "sleigh_on_slope.tex"))
+    assert drafted.status == 0
+    (tmp_path / "draft.toml").write_text(drafted.out, "utf-8")
     equations = vo.derive(vo.load(str(tmp_path / "draft.toml")))
     assert equations.kind == "chaplygin"
     assert len(equations.velocities) == 2

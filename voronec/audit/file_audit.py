@@ -195,13 +195,13 @@ def audit_paper(
     if isinstance(dictionary, (str, Path)):
         dictionary = read_letters(dictionary, equations)
     given = {letter: sp.sympify(value) for letter, value in (dictionary or {}).items()}
-    study = study_of(equations)
-    study = replace(study, names=_joined(study, given))
+    study = study_of(equations, document.source.body.text)
+    study = replace(study, names=_names_with(study, given))
     work = _Work(document, study, given)
     return work.audit(Path(path).stem, equations.system, progress)
 
 
-def _joined(study: Study, given: Mapping[str, Any]) -> dict[str, Any]:
+def _names_with(study: Study, given: Mapping[str, Any]) -> dict[str, Any]:
     """The names with those of the dictionary in the place of what is spelled alike."""
     keys = {study.key(study.tree(letter)) for letter in given}
     return {k: v for k, v in study.names.items() if study.key(study.tree(k)) not in keys} | dict(
@@ -215,7 +215,7 @@ class _Work:
 
     document: Document
     study: Study
-    given: Mapping[str, Any]
+    dictionary: Mapping[str, Any]
     claims: list[PrintedClaim] = field(default_factory=list)
     defined_at: dict[str, PrintedClaim] = field(default_factory=dict)
     found: dict[int, FormulaRecord] = field(default_factory=dict)
@@ -250,7 +250,7 @@ class _Work:
     def _refuse_strangers(self) -> None:
         """``DefinitionError`` for a letter of the dictionary that the paper does not have."""
         names = {key_of(n) for claim in self.claims if claim.chain for n in names_in(claim.chain)}
-        for letter in self.given:
+        for letter in self.dictionary:
             if self.study.key(self.study.tree(letter)) not in names:
                 near = did_you_mean(letter, names)
                 raise DefinitionError(f"the dictionary: '{letter}' is no letter of the paper{near}")
@@ -266,10 +266,10 @@ class _Work:
                 if claim.chain is None or number in self.found:
                     continue
                 unknown = unknown_names(claim.chain, self.study)
-                if unknown and self._introduces(number, claim, unknown):
+                if unknown and self._define_by(number, claim, unknown):
                     changed = True
 
-    def _introduces(self, number: int, claim: PrintedClaim, unknown: Sequence[str]) -> bool:
+    def _define_by(self, number: int, claim: PrintedClaim, unknown: Sequence[str]) -> bool:
         """Whether a formula is taken for a definition, or for an integral with its constant."""
         chain = claim.chain
         if chain is None or {*chain.relations} != {"="} or self._is_forced(unknown):
@@ -278,7 +278,7 @@ class _Work:
         known = [part for part, names in parts if not names]
         lone = [part for part, _ in parts if _lone(part) is not None and part not in known]
         if len(unknown) == 1 and known and lone:
-            name, value = _solved(lone[0], known[0])
+            name, value = _solve_for(lone[0], known[0])
             if name is None:
                 return False
             first = parts[0][0] is lone[0]
@@ -415,7 +415,7 @@ class _Work:
         if unknown and _INTEGRAL.search(claim.sentence) and not self._is_forced(unknown):
             constant = self._with_constant(claim, unknown)
             if constant is not None:
-                return self._restored(self._judge_known(constant), claim, constant)
+                return self._with_own_constant(self._judge_known(constant), claim, constant)
         if len(unknown) == 1 and not self._is_forced(unknown):
             solution = self._solution(claim, unknown[0])
             if solution is not None:
@@ -469,7 +469,7 @@ class _Work:
         method = f"the rate of what {letter} has to be does not vanish"
         return FormulaRecord(printed, "misprint", method, witness=witness)
 
-    def _restored(
+    def _with_own_constant(
         self, record: FormulaRecord, claim: PrintedClaim, constant: PrintedClaim
     ) -> FormulaRecord:
         """A record of an integral with its own constant."""
@@ -504,9 +504,9 @@ class _Work:
             if outcome is not None and outcome.verdict.proved:
                 method = f"true for {said}, which its sentence names"
                 return FormulaRecord(printed, "proved", method, source=study.origin)
-        return self._excuse(claim, chain, study) or self._accused(claim, study)
+        return self._excuse(claim, chain, study) or self._refutation(claim, study)
 
-    def _accused(self, claim: PrintedClaim, study: Study) -> FormulaRecord:
+    def _refutation(self, claim: PrintedClaim, study: Study) -> FormulaRecord:
         """The record of a formula that fails, with a state and a correction, if one is found."""
         section = Section("", tuple(self._displays[claim.section]), lambda _: {})
         bench = SectionContext(Transcript(section), {"": study})
@@ -651,18 +651,18 @@ def _lone(part: Node) -> Name | None:
     return None
 
 
-def _solved(part: Node, value: Node) -> tuple[Name | None, Node]:
+def _solve_for(part: Node, value: Node) -> tuple[Name | None, Node]:
     """The name of a part that is equal to a value, and what it is then; a power stays unsolved."""
     if isinstance(part, Name):
         return part, value
     if isinstance(part, Sum) and len(part.terms) == 1:
-        return _solved(part.terms[0][1], Sum(((-1, value),)))
+        return _solve_for(part.terms[0][1], Sum(((-1, value),)))
     if isinstance(part, Quotient):
-        return _solved(part.top, Product((part.bottom, value)))
+        return _solve_for(part.top, Product((part.bottom, value)))
     if isinstance(part, Product):
         numbers = tuple(f for f in part.factors if isinstance(f, Number))
         rest = next(f for f in part.factors if not isinstance(f, Number))
-        return _solved(rest, Quotient(value, Product(numbers)))
+        return _solve_for(rest, Quotient(value, Product(numbers)))
     return None, value
 
 

@@ -30,7 +30,7 @@ from voronec.equations.motions import Motions
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, did_you_mean
 
-__all__ = ["names_in", "read_letters", "study_of", "unknown_names", "with_words", "written_letters"]
+__all__ = ["letters_table", "names_in", "read_letters", "study_of", "unknown_names", "with_words"]
 
 _SPOKEN = {
     "T": r"kinetic|energ",
@@ -56,8 +56,11 @@ _SHAPE = re.compile(r"\\(?:mathcal|mathrm|mathbf|boldsymbol)\{(.*)\}")
 """Shapes in which a letter of the system may be printed."""
 
 
-def study_of(equations: VoronecEquations) -> Study:
-    """The dictionary of a system: its own letters, and its motion with all accelerations."""
+def study_of(equations: VoronecEquations, text: str = "") -> Study:
+    """The dictionary of a system: its own letters, and its motion with all accelerations.
+
+    Their rates, which may be long, are known only where the text of a paper may hold them.
+    """
     language = Language.of(equations)
     system = equations.system
     known = dict(language.study.names)
@@ -71,8 +74,9 @@ def study_of(equations: VoronecEquations) -> Study:
     dots = [velocity(v) for v in equations.velocities]
     motion = Motion.of(equations, {u: velocity(u) for u in system.inputs})
     motion = replace(motion, accelerations=dict(zip(dots, values, strict=True)))
-    slopes = {dot: motion.derivative(value) for dot, value in motion.accelerations.items()}
-    motion = replace(motion, rates={**motion.rates, **slopes})
+    if "\\dddot" in text or (motion.quasi and "\\ddot" in text):
+        slopes = {dot: motion.derivative(value) for dot, value in motion.accelerations.items()}
+        motion = replace(motion, rates={**motion.rates, **slopes})
     signs = {
         p.symbol: sp.Symbol(f"{p.name}", positive=True) for p in system.parameters if p.positive
     }
@@ -95,7 +99,7 @@ def _vectors(names: Mapping[str, Any], parameters: set[Any]) -> dict[str, Any]:
     return found
 
 
-def _derived(equations: VoronecEquations, study: Study) -> dict[str, Any]:
+def _letters_of_mechanics(equations: VoronecEquations, study: Study) -> dict[str, Any]:
     """The letters of mechanics by their keys."""
     system = equations.system
     known = Language.of(equations).study.names
@@ -122,7 +126,7 @@ def names_in(part: Any) -> Iterator[Name]:
 
 def with_words(study: Study, displays: Iterable[tuple[PrintedDisplay, list[Chain]]]) -> Study:
     """The dictionary with what the words of a paper bind, whose displays and trees these are."""
-    derived, table = _derived(study.context, study), dict(study.table)
+    derived, table = _letters_of_mechanics(study.context, study), dict(study.table)
     found: dict[str, Any] = {}
     for display, chains in displays:
         words = f"{display.before} {display.after}".lower()
@@ -139,13 +143,15 @@ def with_words(study: Study, displays: Iterable[tuple[PrintedDisplay, list[Chain
                 found[_latex(name)] = table[key] = derived[plain]
         first = chains[0].parts[0] if chains else None
         if isinstance(first, Name) and not first.sup and key_of(first) not in table:
-            value = _called(display, first, derived, study)
+            value = _value_by_words(display, first, derived, study)
             if value is not None:
                 found[_latex(first)] = table[key_of(first)] = value
     return replace(study, names={**study.names, **found})
 
 
-def _called(display: PrintedDisplay, name: Name, derived: Mapping[str, Any], study: Study) -> Any:
+def _value_by_words(
+    display: PrintedDisplay, name: Name, derived: Mapping[str, Any], study: Study
+) -> Any:
     """What the words before a display call the letter on its left side, else None."""
     before = display.before.rpartition("$")[2][-60:].lower()
     restricted = _RESTRICTED.search(display.before + display.after)
@@ -211,7 +217,7 @@ def read_letters(path: str | Path, equations: VoronecEquations) -> dict[str, Any
     return found
 
 
-def written_letters(letters: Mapping[str, list[str]]) -> str:
+def letters_table(letters: Mapping[str, list[str]]) -> str:
     """A table to be filled in: letters with the places where they stand, most frequent first."""
     lines = [
         '# What the letters of the paper are in the system, as "\\\\omega" = "phidot".',

@@ -208,13 +208,13 @@ def _fractions(display: MarkedText) -> MarkedText:
     r"""``{a \over b}`` becomes ``{\frac{a}{b}}``."""
     while match := re.search(r"\\over(?![a-zA-Z])", display.text):
         text = display.text
-        start, end = _enclosing(text, match.start())
+        start, end = _group_around(text, match.start())
         display = display.put(end, end, "}").put(match.start(), match.end(), "}{")
         display = display.put(start, start, "\\frac{")
     return display
 
 
-def _enclosing(text: str, position: int) -> tuple[int, int]:
+def _group_around(text: str, position: int) -> tuple[int, int]:
     """The inside of the group that holds a place; of the whole display where none does."""
     depth, start, end = 0, position, position
     while start > 0 and not (depth == 0 and text[start - 1] == "{"):
