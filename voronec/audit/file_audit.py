@@ -67,7 +67,7 @@ _CONDITIONS = re.compile(
     re.IGNORECASE,
 )
 """Words of a sentence which say that a formula in it need not hold always."""
-_ASSUMED = re.compile(
+_ASSUMPTIONS = re.compile(
     r"\b(?:let|take(?! the)|choose|put|set|setting|putting|consider|fix|impose|requir\w*)\b"
     r"[\w\s:]{0,25}$"
     r"|\b(?:with|for|where|at|on|as)\s*$",
@@ -75,14 +75,14 @@ _ASSUMED = re.compile(
 )
 """Words right before a formula that make an assumption of it."""
 _FOR = re.compile(r"\b(for|if|when|case|with|at|neglect\w*|without|absence|limit)\b", re.IGNORECASE)
-_CONSERVED = re.compile(r"\bintegrals?\b|conserv", re.IGNORECASE)
+_INTEGRALS = re.compile(r"\bintegrals?\b|conserv", re.IGNORECASE)
 _BEHIND = re.compile(r"\W*(?:for|if|when|provided|at|near|where)\b")
 """Words right behind a formula that restrict it."""
 _SOLUTION = re.compile(r"solution|integra|constant", re.IGNORECASE)
-_REST = re.compile(r"\bat rest\b", re.IGNORECASE)
+_AT_REST = re.compile(r"\bat rest\b", re.IGNORECASE)
 CONSTANT_WORD = r"\text{const}"
 """What stands in the place of a free constant while an integral is judged."""
-_FORCED = re.compile(r"multiplier|reaction|constraint force|lagrange's equations", re.IGNORECASE)
+_REACTIONS = re.compile(r"multiplier|reaction|constraint force|lagrange's equations", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -311,7 +311,7 @@ class _Work:
         for claim in self.claims:
             if claim.chain is None or not _has_accelerations(claim.chain, self.study):
                 continue
-            said = _FORCED.search(claim.sentence)
+            said = _REACTIONS.search(claim.sentence)
             for letter in unknown_names(claim.chain, self.study):
                 if said or re.match(r"\\(?:lambda|mu)(?![a-zA-Z])", letter):
                     found.add(letter)
@@ -530,7 +530,7 @@ class _Work:
         found: list[tuple[str, dict[Any, Any]]] = []
         moving = self.study.motion.rates
         words = claim.sentence
-        if _REST.search(words):
+        if _AT_REST.search(words):
             found.append(("rest", dict.fromkeys(self.study.context.velocities, sp.S.Zero)))
         for other in self.claims:
             beside = other.display.sentence == claim.display.sentence and other is not claim
@@ -563,10 +563,10 @@ class _Work:
             for key in known[:1]:
                 said = f"'{key}' is defined otherwise in {self.defined_at[key].where}"
                 return FormulaRecord(printed, "convention", said)
-        if about == "parameters" or (about and not _CONSERVED.search(claim.display.before)):
+        if about == "parameters" or (about and not _INTEGRALS.search(claim.display.before)):
             return FormulaRecord(printed, "definition", f"a condition on the {about}")
         words = claim.display.before.rpartition("\n\n")[2]
-        condition = _CONDITIONS.search(words) or _ASSUMED.search(_without_commands(words))
+        condition = _CONDITIONS.search(words) or _ASSUMPTIONS.search(_without_commands(words))
         condition = condition or _BEHIND.match(claim.display.after)
         if condition is None:
             return None

@@ -32,7 +32,7 @@ from voronec.errors import DefinitionError, did_you_mean
 
 __all__ = ["letters_table", "names_in", "read_letters", "study_of", "unknown_names", "with_words"]
 
-_SPOKEN = {
+_USUAL_WORDS = {
     "T": r"kinetic|energ",
     "V": r"potential|energ",
     "L": r"lagrang|kinetic potential",
@@ -41,13 +41,13 @@ _SPOKEN = {
     "p": r"moment|impuls",
 }
 """Letters of mechanics, and the words with which they have their usual meaning."""
-_CALLED = (
+_NAMES_OF_ENERGIES = (
     ("T", r"kinetic(?: energy)?"),
     ("V", r"potential(?: energy)?"),
     ("L", r"lagrangian|lagrange function|kinetic potential"),
     ("E", r"(?:total |full |mechanical )?energy|hamiltonian"),
 )
-_RESTRICTED = re.compile(r"constrain|reduced|restricted", re.IGNORECASE)
+_ON_CONSTRAINTS = re.compile(r"constrain|reduced|restricted", re.IGNORECASE)
 _PARTIAL = re.compile(
     r"rotat|translat|spring|wheel|part|first|second|each|elastic|relative|per unit", re.IGNORECASE
 )
@@ -139,7 +139,7 @@ def with_words(study: Study, displays: Iterable[tuple[PrintedDisplay, list[Chain
                 continue
             if plain in table:
                 found[_latex(name)] = table[key] = table[plain]
-            elif plain in derived and re.search(_SPOKEN.get(letter, "$."), words):
+            elif plain in derived and re.search(_USUAL_WORDS.get(letter, "$."), words):
                 found[_latex(name)] = table[key] = derived[plain]
         first = chains[0].parts[0] if chains else None
         if isinstance(first, Name) and not first.sup and key_of(first) not in table:
@@ -154,8 +154,8 @@ def _value_by_words(
 ) -> Any:
     """What the words before a display call the letter on its left side, else None."""
     before = display.before.rpartition("$")[2][-60:].lower()
-    restricted = _RESTRICTED.search(display.before + display.after)
-    for letter, words in _CALLED:
+    restricted = _ON_CONSTRAINTS.search(display.before + display.after)
+    for letter, words in _NAMES_OF_ENERGIES:
         said = re.search(rf"(?:{words})(\W[^.]*)?$", before)
         if letter not in derived or said is None or _PARTIAL.search(before):
             continue

@@ -96,7 +96,7 @@ _FONTS = ("cal", "rm", "bf")
 """Fonts that reach to the end of a group."""
 _NEW = {"newcommand", "renewcommand", "providecommand", "DeclareRobustCommand"}
 _FILES = {"input", "include", "subfile"}
-_DROPPED = {"newenvironment": 3, "renewenvironment": 3, "newtheorem": 2, "usepackage": 1,
+_PREAMBLE = {"newenvironment": 3, "renewenvironment": 3, "newtheorem": 2, "usepackage": 1,
             "bibliographystyle": 1, "bibliography": 1}  # fmt: skip
 
 
@@ -175,8 +175,8 @@ class _Expander:
             self.macros[new.lstrip("\\")] = _Macro(f"\\operatorname{{{words}}}")
         elif name in _FILES:
             self._open(self.path.parent / _text_of(self._argument(origin)).strip(), origin)
-        elif bare in _DROPPED:
-            for _ in range(_DROPPED[bare]):
+        elif bare in _PREAMBLE:
+            for _ in range(_PREAMBLE[bare]):
                 self._optional()
                 self._argument(origin)
             self._optional()
