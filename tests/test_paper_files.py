@@ -58,11 +58,12 @@ def test_the_errors_of_a_paper_are_found_and_nothing_else_is_accused(path):
     assert all(record.decisive.witness for record in found.errata)
 
 
-def test_formulas_of_other_fields_are_never_accused(tmp_path):
+@pytest.mark.parametrize(("name", "least"), [("other_fields", 90), ("true_of_the_sleigh", 50)])
+def test_formulas_of_other_fields_problems_and_units_are_never_accused(tmp_path, name, least):
     system = tmp_path / "sleigh.toml"
     system.write_text(SLEIGH, "utf-8")
-    found = vo.audit_paper(HERE / "papers" / "aside" / "other_fields.tex", vo.load(str(system)))
-    assert len(found.records) > 90
+    found = vo.audit_paper(HERE / "papers" / "aside" / f"{name}.tex", vo.load(str(system)))
+    assert len(found.records) > least
     assert not found.errata
 
 

@@ -30,6 +30,7 @@ from voronec.audit.latex.nodes import (
     Name,
     Node,
     Number,
+    Partial,
     Power,
     Product,
     Quotient,
@@ -37,7 +38,14 @@ from voronec.audit.latex.nodes import (
     walk,
 )
 from voronec.audit.lessons.judgement import GROUNDS
-from voronec.audit.letters import names_in, read_letters, study_of, unknown_names, with_words
+from voronec.audit.letters import (
+    has_usual_words,
+    names_in,
+    read_letters,
+    study_of,
+    unknown_names,
+    with_words,
+)
 from voronec.audit.meaning import SENSELESS, evaluate
 from voronec.audit.page.referee import referee_lines
 from voronec.audit.paper import Section
@@ -61,7 +69,9 @@ _CONDITIONS = re.compile(
     r"|without(?! (?:slip|skid|los|fric))|neglect\w*|small|near|limit\w*|approximat\w*|at rest"
     r"|at the (?:initial|moment|instant)|initial\w*|steady|stationary|equilibri\w*|lineari[sz]\w*"
     r"|(?:special|particular) (?:cas|solution|motion|value)\w*|virtual"
-    r"|unconstrained|would|as if|first order|free (?:body|motion)|holonomic case"
+    r"|unconstrained|would|as if|first order|rescal\w*|normali[sz]\w*"
+    r"|dimensionless|nondimensional\w*|units|vakonomic|variational|remov\w*"
+    r"|free (?:body|motion)|holonomic case"
     r"|wrong\w*|erroneous\w*|incorrect\w*|false|misprint\w*|instead of|in (?:\w+ )?(?:book|paper)"
     r"|solution)\b",
     re.IGNORECASE,
@@ -74,7 +84,6 @@ _ASSUMPTIONS = re.compile(
     re.IGNORECASE,
 )
 """Words right before a formula that make an assumption of it."""
-_FOR = re.compile(r"\b(for|if|when|case|with|at|neglect\w*|without|absence|limit)\b", re.IGNORECASE)
 _INTEGRALS = re.compile(r"\bintegrals?\b|conserv", re.IGNORECASE)
 _BEHIND = re.compile(r"\W*(?:for|if|when|provided|at|near|where)\b")
 """Words right behind a formula that restrict it."""
@@ -483,6 +492,9 @@ class _Work:
         printed, chain = claim.formula.printed, claim.chain
         if chain is None:
             raise AssertionError("a formula that is judged has been read")
+        if any(_is_slope_of_rate(node, self.study) for node in walk(chain)):
+            what = "a partial derivative of an acceleration depends on what stands for this"
+            return FormulaRecord(printed, "not read", what)
         ordered = {*chain.relations} != {"="}
         study = self.study if ordered else replace(self.study, ranges=())
         try:
@@ -499,12 +511,17 @@ class _Work:
             return FormulaRecord(printed, "undecided", verdict.method)
         if claim.doubt:
             return FormulaRecord(printed, "not read", claim.doubt)
-        for said, special in self._special_cases(claim, study):
+        cases = self._special_cases(claim, study)
+        for said, special in cases:
             outcome = _value_or_none(verify, chain, Check(), special)
             if outcome is not None and outcome.verdict.proved:
                 method = f"true for {said}, which its sentence names"
                 return FormulaRecord(printed, "proved", method, source=study.origin)
-        return self._excuse(claim, chain, study) or self._refutation(claim, study)
+        excuse = self._excuse(claim, chain, study)
+        if excuse is None and cases:
+            reason = f"false in general, and for {cases[-1][0]}, which its sentence names"
+            return FormulaRecord(printed, "not read", reason)
+        return excuse or self._refutation(claim, study)
 
     def _refutation(self, claim: PrintedClaim, study: Study) -> FormulaRecord:
         """The record of a formula that fails, with a state and a correction, if one is found."""
@@ -534,7 +551,7 @@ class _Work:
             found.append(("rest", dict.fromkeys(self.study.context.velocities, sp.S.Zero)))
         for other in self.claims:
             beside = other.display.sentence == claim.display.sentence and other is not claim
-            if not beside or not other.chain or not _FOR.search(words):
+            if not beside or not other.chain or self._holds(other, study):
                 continue
             values = _value_or_none(_values, other.chain.parts, study)
             still = values and not getattr(values[-1], "free_symbols", set()) & {*moving}
@@ -553,6 +570,11 @@ class _Work:
             if not (constant and given.keys() & moving.keys())
         ]
 
+    def _holds(self, claim: PrintedClaim, study: Study) -> bool:
+        """Whether a formula is true in general, so that it is no condition."""
+        outcome = _value_or_none(verify, claim.chain, Check(), study)
+        return outcome is not None and outcome.verdict.proved
+
     def _excuse(self, claim: PrintedClaim, chain: Chain, study: Study) -> FormulaRecord | None:
         """What else a refuted formula may be than wrong, as a record; else None."""
         printed = claim.formula.printed
@@ -565,6 +587,9 @@ class _Work:
                 return FormulaRecord(printed, "convention", said)
         if about == "parameters" or (about and not _INTEGRALS.search(claim.display.before)):
             return FormulaRecord(printed, "definition", f"a condition on the {about}")
+        for part in parts:
+            if isinstance(part, Name) and not has_usual_words(part, claim.sentence):
+                return FormulaRecord(printed, "not read", f"{part.head} may be something else here")
         words = claim.display.before.rpartition("\n\n")[2]
         condition = _CONDITIONS.search(words) or _ASSUMPTIONS.search(_without_commands(words))
         condition = condition or _BEHIND.match(claim.display.after)
@@ -621,6 +646,12 @@ def _moves(part: Node, study: Study) -> bool:
     value = _value_or_none(evaluate, part, study)
     dotted = any(isinstance(node, (Dot, Derivative, Differential)) for node in walk(part))
     return dotted or bool(getattr(value, "free_symbols", set()) & moving)
+
+
+def _is_slope_of_rate(node: Node, study: Study) -> bool:
+    """Whether a node is a partial derivative of what holds accelerations."""
+    value = _value_or_none(evaluate, node.body, study) if isinstance(node, Partial) else None
+    return bool(getattr(value, "free_symbols", set()) & study.motion.accelerations.keys())
 
 
 def _values(parts: Sequence[Node], study: Study) -> list[Any]:

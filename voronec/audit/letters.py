@@ -20,7 +20,7 @@ from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import as_expression, formula
 from voronec.audit.latex.document import PrintedDisplay
 from voronec.audit.latex.nodes import Chain, Name, Node
-from voronec.audit.latex.tokens import FUNCTIONS
+from voronec.audit.latex.tokens import FUNCTIONS, Unfamiliar
 from voronec.audit.lessons.judgement import CONSTANT, Language
 from voronec.audit.lessons.notation import BASE
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
@@ -30,7 +30,15 @@ from voronec.equations.motions import Motions
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, did_you_mean
 
-__all__ = ["letters_table", "names_in", "read_letters", "study_of", "unknown_names", "with_words"]
+__all__ = [
+    "has_usual_words",
+    "letters_table",
+    "names_in",
+    "read_letters",
+    "study_of",
+    "unknown_names",
+    "with_words",
+]
 
 _USUAL_WORDS = {
     "T": r"kinetic|energ",
@@ -49,7 +57,8 @@ _NAMES_OF_ENERGIES = (
 )
 _ON_CONSTRAINTS = re.compile(r"constrain|reduced|restricted", re.IGNORECASE)
 _PARTIAL = re.compile(
-    r"rotat|translat|spring|wheel|part|first|second|each|elastic|relative|per unit", re.IGNORECASE
+    r"rotat|translat|spring|wheel|part|first|second|each|elastic|relative|moving|per unit",
+    re.IGNORECASE,
 )
 """Words behind which an energy is that of a part of the system."""
 _SHAPE = re.compile(r"\\(?:mathcal|mathrm|mathbf|boldsymbol)\{(.*)\}")
@@ -149,6 +158,12 @@ def with_words(study: Study, displays: Iterable[tuple[PrintedDisplay, list[Chain
     return replace(study, names={**study.names, **found})
 
 
+def has_usual_words(name: Name, words: str) -> bool:
+    """Whether words around a letter of mechanics say that it means what it usually does."""
+    head = _SHAPE.sub(r"\1", name.head)
+    return head not in _USUAL_WORDS or re.search(_USUAL_WORDS[head], words.lower()) is not None
+
+
 def _value_by_words(
     display: PrintedDisplay, name: Name, derived: Mapping[str, Any], study: Study
 ) -> Any:
@@ -161,7 +176,7 @@ def _value_by_words(
             continue
         if restricted:
             return study.motion.restrict(derived[letter])
-        return None if name.sub else derived[letter]
+        return None if name.sub or "'" in name.head else derived[letter]
     return None
 
 
@@ -182,6 +197,8 @@ def unknown_names(chain: Node, study: Study) -> list[str]:
             evaluate(name, study)
         except UnknownName:
             found.setdefault(_latex(name))
+        except Unfamiliar:  # p_v, where v has a value that is no index
+            found |= {_latex(name): None} if name.sub or name.sup else {}
         except SENSELESS:
             continue  # told where the formula gets its verdict
     return [*found]
