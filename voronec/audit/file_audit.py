@@ -602,7 +602,7 @@ class _Work:
         """Of what a formula may only say what value it has: parameters, the state, coordinates."""
         motion = self.study.motion
         values = _value_or_none(_values, parts, study) or []
-        symbols = [getattr(value, "free_symbols", set()) for value in values]
+        symbols: list[set[Any]] = [getattr(value, "free_symbols", set()) for value in values]
         states = {s for s in (*motion.rates, *motion.rates.values()) if s.is_Symbol}
         if values and not any(held & states for held in symbols):
             return "parameters"
