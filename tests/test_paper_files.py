@@ -8,8 +8,6 @@ from pathlib import Path
 import pytest
 
 import voronec as vo
-from voronec.audit.draft import draft_system
-from voronec.audit.latex.document import read_document
 from voronec.errors import DefinitionError
 
 HERE = Path(__file__).parent
@@ -60,11 +58,12 @@ def test_the_errors_of_a_paper_are_found_and_nothing_else_is_accused(path):
     assert all(record.decisive.witness for record in found.errata)
 
 
-def test_formulas_of_other_fields_are_never_accused(tmp_path):
+@pytest.mark.parametrize(("name", "least"), [("other_fields", 90), ("true_of_the_sleigh", 50)])
+def test_formulas_of_other_fields_problems_and_units_are_never_accused(tmp_path, name, least):
     system = tmp_path / "sleigh.toml"
     system.write_text(SLEIGH, "utf-8")
-    found = vo.audit_paper(HERE / "papers" / "aside" / "other_fields.tex", vo.load(str(system)))
-    assert len(found.records) > 90
+    found = vo.audit_paper(HERE / "papers" / "aside" / f"{name}.tex", vo.load(str(system)))
+    assert len(found.records) > least
     assert not found.errata
 
 
@@ -146,9 +145,10 @@ def test_letters_are_asked_for_and_given_in_a_table(tmp_path, call):
     assert verdicts(audit(tmp_path, text, dictionary=table)) == ["proved"] * 2
 
 
-def test_a_drafted_system_can_be_derived(tmp_path):
-    text = draft_system(read_document(NOTES / "sleigh_on_slope.tex"), "draft")
-    (tmp_path / "draft.toml").write_text(text, "utf-8")
+def test_a_drafted_system_can_be_derived(tmp_path, call):
+    drafted = call("audit", str(NOTES / "sleigh_on_slope.tex"))
+    assert drafted.status == 0
+    (tmp_path / "draft.toml").write_text(drafted.out, "utf-8")
     equations = vo.derive(vo.load(str(tmp_path / "draft.toml")))
     assert equations.kind == "chaplygin"
     assert len(equations.velocities) == 2

@@ -67,7 +67,7 @@ class _Draft:
             if all(isinstance(value, sp.Expr) for value in values):
                 yield claim, values
 
-    def _defined(self) -> dict[Any, Any]:
+    def _definitions(self) -> dict[Any, Any]:
         """What stands alone on a left side, and the first thing that it is equal to."""
         found: dict[Any, Any] = {}
         for _, (left, right, *_) in self._equations():
@@ -77,7 +77,7 @@ class _Draft:
         return found
 
     def _lagrangian(self) -> Any:
-        known = {symbol.name: value for symbol, value in self._defined().items()}
+        known = {symbol.name: value for symbol, value in self._definitions().items()}
 
         def one(letters: str) -> Any:
             return next((known[x] for x in letters.split() if x in known), None)
@@ -94,7 +94,9 @@ class _Draft:
         if value is None:
             value = kinetic + (potential or 0) * (1 if forces else -1)
         for _ in range(3):
-            value = value.xreplace({s: v for s, v in self._defined().items() if s.name in "TVUK"})
+            value = value.xreplace(
+                {s: v for s, v in self._definitions().items() if s.name in "TVUK"}
+            )
         return value
 
     def _constraints(self, coordinates: list[Any]) -> list[tuple[Any, Any]]:
@@ -126,7 +128,7 @@ class _Draft:
         lines = [
             f"# A draft from '{self.document.source.files[0][0]}': look it over, line by line."
         ]
-        lines += [f"# the paper defines {s} = {v}" for s, v in self._defined().items()]
+        lines += [f"# the paper defines {s} = {v}" for s, v in self._definitions().items()]
         lines += [f'name = "{name}"', f'lagrangian = "{lagrangian}"']
         lines += ["constraints = [" + ", ".join(f'"{a} = {b}"' for a, b in constraints) + "]"]
         lines += ["fibre = [" + ", ".join(f'"{q}"' for q in fibre) + "]", "", "[coordinates]"]

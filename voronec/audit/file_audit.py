@@ -16,6 +16,7 @@ from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import prove_equal
 from voronec.audit.comparisons import value_of
 from voronec.audit.display import Check, Display
@@ -30,6 +31,7 @@ from voronec.audit.latex.nodes import (
     Name,
     Node,
     Number,
+    Partial,
     Power,
     Product,
     Quotient,
@@ -37,7 +39,14 @@ from voronec.audit.latex.nodes import (
     walk,
 )
 from voronec.audit.lessons.judgement import GROUNDS
-from voronec.audit.letters import names_in, read_letters, study_of, unknown_names, with_words
+from voronec.audit.letters import (
+    has_usual_words,
+    names_in,
+    read_letters,
+    study_of,
+    unknown_names,
+    with_words,
+)
 from voronec.audit.meaning import SENSELESS, evaluate
 from voronec.audit.page.referee import referee_lines
 from voronec.audit.paper import Section
@@ -61,28 +70,29 @@ _CONDITIONS = re.compile(
     r"|without(?! (?:slip|skid|los|fric))|neglect\w*|small|near|limit\w*|approximat\w*|at rest"
     r"|at the (?:initial|moment|instant)|initial\w*|steady|stationary|equilibri\w*|lineari[sz]\w*"
     r"|(?:special|particular) (?:cas|solution|motion|value)\w*|virtual"
-    r"|unconstrained|would|as if|first order|free (?:body|motion)|holonomic case"
+    r"|unconstrained|would|as if|first order|rescal\w*|normali[sz]\w*"
+    r"|dimensionless|nondimensional\w*|units|vakonomic|variational|remov\w*"
+    r"|free (?:body|motion)|holonomic case"
     r"|wrong\w*|erroneous\w*|incorrect\w*|false|misprint\w*|instead of|in (?:\w+ )?(?:book|paper)"
     r"|solution)\b",
     re.IGNORECASE,
 )
 """Words of a sentence which say that a formula in it need not hold always."""
-_ASSUMED = re.compile(
+_ASSUMPTIONS = re.compile(
     r"\b(?:let|take(?! the)|choose|put|set|setting|putting|consider|fix|impose|requir\w*)\b"
     r"[\w\s:]{0,25}$"
     r"|\b(?:with|for|where|at|on|as)\s*$",
     re.IGNORECASE,
 )
 """Words right before a formula that make an assumption of it."""
-_FOR = re.compile(r"\b(for|if|when|case|with|at|neglect\w*|without|absence|limit)\b", re.IGNORECASE)
-_CONSERVED = re.compile(r"\bintegrals?\b|conserv", re.IGNORECASE)
+_INTEGRALS = re.compile(r"\bintegrals?\b|conserv", re.IGNORECASE)
 _BEHIND = re.compile(r"\W*(?:for|if|when|provided|at|near|where)\b")
 """Words right behind a formula that restrict it."""
 _SOLUTION = re.compile(r"solution|integra|constant", re.IGNORECASE)
-_REST = re.compile(r"\bat rest\b", re.IGNORECASE)
+_AT_REST = re.compile(r"\bat rest\b", re.IGNORECASE)
 CONSTANT_WORD = r"\text{const}"
 """What stands in the place of a free constant while an integral is judged."""
-_FORCED = re.compile(r"multiplier|reaction|constraint force|lagrange's equations", re.IGNORECASE)
+_REACTIONS = re.compile(r"multiplier|reaction|constraint force|lagrange's equations", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -194,14 +204,14 @@ def audit_paper(
     document = read_document(path)
     if isinstance(dictionary, (str, Path)):
         dictionary = read_letters(dictionary, equations)
-    given = {letter: sp.sympify(value) for letter, value in (dictionary or {}).items()}
-    study = study_of(equations)
-    study = replace(study, names=_joined(study, given))
+    given = {letter: as_expression(value) for letter, value in (dictionary or {}).items()}
+    study = study_of(equations, document.source.body.text)
+    study = replace(study, names=_names_with(study, given))
     work = _Work(document, study, given)
     return work.audit(Path(path).stem, equations.system, progress)
 
 
-def _joined(study: Study, given: Mapping[str, Any]) -> dict[str, Any]:
+def _names_with(study: Study, given: Mapping[str, Any]) -> dict[str, Any]:
     """The names with those of the dictionary in the place of what is spelled alike."""
     keys = {study.key(study.tree(letter)) for letter in given}
     return {k: v for k, v in study.names.items() if study.key(study.tree(k)) not in keys} | dict(
@@ -215,7 +225,7 @@ class _Work:
 
     document: Document
     study: Study
-    given: Mapping[str, Any]
+    dictionary: Mapping[str, Any]
     claims: list[PrintedClaim] = field(default_factory=list)
     defined_at: dict[str, PrintedClaim] = field(default_factory=dict)
     found: dict[int, FormulaRecord] = field(default_factory=dict)
@@ -250,7 +260,7 @@ class _Work:
     def _refuse_strangers(self) -> None:
         """``DefinitionError`` for a letter of the dictionary that the paper does not have."""
         names = {key_of(n) for claim in self.claims if claim.chain for n in names_in(claim.chain)}
-        for letter in self.given:
+        for letter in self.dictionary:
             if self.study.key(self.study.tree(letter)) not in names:
                 near = did_you_mean(letter, names)
                 raise DefinitionError(f"the dictionary: '{letter}' is no letter of the paper{near}")
@@ -266,10 +276,10 @@ class _Work:
                 if claim.chain is None or number in self.found:
                     continue
                 unknown = unknown_names(claim.chain, self.study)
-                if unknown and self._introduces(number, claim, unknown):
+                if unknown and self._define_by(number, claim, unknown):
                     changed = True
 
-    def _introduces(self, number: int, claim: PrintedClaim, unknown: Sequence[str]) -> bool:
+    def _define_by(self, number: int, claim: PrintedClaim, unknown: Sequence[str]) -> bool:
         """Whether a formula is taken for a definition, or for an integral with its constant."""
         chain = claim.chain
         if chain is None or {*chain.relations} != {"="} or self._is_forced(unknown):
@@ -278,7 +288,7 @@ class _Work:
         known = [part for part, names in parts if not names]
         lone = [part for part, _ in parts if _lone(part) is not None and part not in known]
         if len(unknown) == 1 and known and lone:
-            name, value = _solved(lone[0], known[0])
+            name, value = _solve_for(lone[0], known[0])
             if name is None:
                 return False
             first = parts[0][0] is lone[0]
@@ -311,7 +321,7 @@ class _Work:
         for claim in self.claims:
             if claim.chain is None or not _has_accelerations(claim.chain, self.study):
                 continue
-            said = _FORCED.search(claim.sentence)
+            said = _REACTIONS.search(claim.sentence)
             for letter in unknown_names(claim.chain, self.study):
                 if said or re.match(r"\\(?:lambda|mu)(?![a-zA-Z])", letter):
                     found.add(letter)
@@ -415,7 +425,7 @@ class _Work:
         if unknown and _INTEGRAL.search(claim.sentence) and not self._is_forced(unknown):
             constant = self._with_constant(claim, unknown)
             if constant is not None:
-                return self._restored(self._judge_known(constant), claim, constant)
+                return self._with_own_constant(self._judge_known(constant), claim, constant)
         if len(unknown) == 1 and not self._is_forced(unknown):
             solution = self._solution(claim, unknown[0])
             if solution is not None:
@@ -469,7 +479,7 @@ class _Work:
         method = f"the rate of what {letter} has to be does not vanish"
         return FormulaRecord(printed, "misprint", method, witness=witness)
 
-    def _restored(
+    def _with_own_constant(
         self, record: FormulaRecord, claim: PrintedClaim, constant: PrintedClaim
     ) -> FormulaRecord:
         """A record of an integral with its own constant."""
@@ -483,6 +493,9 @@ class _Work:
         printed, chain = claim.formula.printed, claim.chain
         if chain is None:
             raise AssertionError("a formula that is judged has been read")
+        if any(_is_slope_of_rate(node, self.study) for node in walk(chain)):
+            what = "a partial derivative of an acceleration depends on what stands for this"
+            return FormulaRecord(printed, "not read", what)
         ordered = {*chain.relations} != {"="}
         study = self.study if ordered else replace(self.study, ranges=())
         try:
@@ -499,14 +512,19 @@ class _Work:
             return FormulaRecord(printed, "undecided", verdict.method)
         if claim.doubt:
             return FormulaRecord(printed, "not read", claim.doubt)
-        for said, special in self._special_cases(claim, study):
+        cases = self._special_cases(claim, study)
+        for said, special in cases:
             outcome = _value_or_none(verify, chain, Check(), special)
             if outcome is not None and outcome.verdict.proved:
                 method = f"true for {said}, which its sentence names"
                 return FormulaRecord(printed, "proved", method, source=study.origin)
-        return self._excuse(claim, chain, study) or self._accused(claim, study)
+        excuse = self._excuse(claim, chain, study)
+        if excuse is None and cases:
+            reason = f"false in general, and for {cases[-1][0]}, which its sentence names"
+            return FormulaRecord(printed, "not read", reason)
+        return excuse or self._refutation(claim, study)
 
-    def _accused(self, claim: PrintedClaim, study: Study) -> FormulaRecord:
+    def _refutation(self, claim: PrintedClaim, study: Study) -> FormulaRecord:
         """The record of a formula that fails, with a state and a correction, if one is found."""
         section = Section("", tuple(self._displays[claim.section]), lambda _: {})
         bench = SectionContext(Transcript(section), {"": study})
@@ -530,11 +548,11 @@ class _Work:
         found: list[tuple[str, dict[Any, Any]]] = []
         moving = self.study.motion.rates
         words = claim.sentence
-        if _REST.search(words):
+        if _AT_REST.search(words):
             found.append(("rest", dict.fromkeys(self.study.context.velocities, sp.S.Zero)))
         for other in self.claims:
             beside = other.display.sentence == claim.display.sentence and other is not claim
-            if not beside or not other.chain or not _FOR.search(words):
+            if not beside or not other.chain or self._holds(other, study):
                 continue
             values = _value_or_none(_values, other.chain.parts, study)
             still = values and not getattr(values[-1], "free_symbols", set()) & {*moving}
@@ -553,6 +571,11 @@ class _Work:
             if not (constant and given.keys() & moving.keys())
         ]
 
+    def _holds(self, claim: PrintedClaim, study: Study) -> bool:
+        """Whether a formula is true in general, so that it is no condition."""
+        outcome = _value_or_none(verify, claim.chain, Check(), study)
+        return outcome is not None and outcome.verdict.proved
+
     def _excuse(self, claim: PrintedClaim, chain: Chain, study: Study) -> FormulaRecord | None:
         """What else a refuted formula may be than wrong, as a record; else None."""
         printed = claim.formula.printed
@@ -563,10 +586,13 @@ class _Work:
             for key in known[:1]:
                 said = f"'{key}' is defined otherwise in {self.defined_at[key].where}"
                 return FormulaRecord(printed, "convention", said)
-        if about == "parameters" or (about and not _CONSERVED.search(claim.display.before)):
+        if about == "parameters" or (about and not _INTEGRALS.search(claim.display.before)):
             return FormulaRecord(printed, "definition", f"a condition on the {about}")
+        for part in parts:
+            if isinstance(part, Name) and not has_usual_words(part, claim.sentence):
+                return FormulaRecord(printed, "not read", f"{part.head} may be something else here")
         words = claim.display.before.rpartition("\n\n")[2]
-        condition = _CONDITIONS.search(words) or _ASSUMED.search(_without_commands(words))
+        condition = _CONDITIONS.search(words) or _ASSUMPTIONS.search(_without_commands(words))
         condition = condition or _BEHIND.match(claim.display.after)
         if condition is None:
             return None
@@ -623,6 +649,12 @@ def _moves(part: Node, study: Study) -> bool:
     return dotted or bool(getattr(value, "free_symbols", set()) & moving)
 
 
+def _is_slope_of_rate(node: Node, study: Study) -> bool:
+    """Whether a node is a partial derivative of what holds accelerations."""
+    value = _value_or_none(evaluate, node.body, study) if isinstance(node, Partial) else None
+    return bool(getattr(value, "free_symbols", set()) & study.motion.accelerations.keys())
+
+
 def _values(parts: Sequence[Node], study: Study) -> list[Any]:
     return [value_of(part, study, {}) for part in parts]
 
@@ -651,18 +683,18 @@ def _lone(part: Node) -> Name | None:
     return None
 
 
-def _solved(part: Node, value: Node) -> tuple[Name | None, Node]:
+def _solve_for(part: Node, value: Node) -> tuple[Name | None, Node]:
     """The name of a part that is equal to a value, and what it is then; a power stays unsolved."""
     if isinstance(part, Name):
         return part, value
     if isinstance(part, Sum) and len(part.terms) == 1:
-        return _solved(part.terms[0][1], Sum(((-1, value),)))
+        return _solve_for(part.terms[0][1], Sum(((-1, value),)))
     if isinstance(part, Quotient):
-        return _solved(part.top, Product((part.bottom, value)))
+        return _solve_for(part.top, Product((part.bottom, value)))
     if isinstance(part, Product):
         numbers = tuple(f for f in part.factors if isinstance(f, Number))
         rest = next(f for f in part.factors if not isinstance(f, Number))
-        return _solved(rest, Quotient(value, Product(numbers)))
+        return _solve_for(rest, Quotient(value, Product(numbers)))
     return None, value
 
 

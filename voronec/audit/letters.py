@@ -20,7 +20,7 @@ from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import as_expression, formula
 from voronec.audit.latex.document import PrintedDisplay
 from voronec.audit.latex.nodes import Chain, Name, Node
-from voronec.audit.latex.tokens import FUNCTIONS
+from voronec.audit.latex.tokens import FUNCTIONS, Unfamiliar
 from voronec.audit.lessons.judgement import CONSTANT, Language
 from voronec.audit.lessons.notation import BASE
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
@@ -30,9 +30,17 @@ from voronec.equations.motions import Motions
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, did_you_mean
 
-__all__ = ["names_in", "read_letters", "study_of", "unknown_names", "with_words", "written_letters"]
+__all__ = [
+    "has_usual_words",
+    "letters_table",
+    "names_in",
+    "read_letters",
+    "study_of",
+    "unknown_names",
+    "with_words",
+]
 
-_SPOKEN = {
+_USUAL_WORDS = {
     "T": r"kinetic|energ",
     "V": r"potential|energ",
     "L": r"lagrang|kinetic potential",
@@ -41,23 +49,27 @@ _SPOKEN = {
     "p": r"moment|impuls",
 }
 """Letters of mechanics, and the words with which they have their usual meaning."""
-_CALLED = (
+_NAMES_OF_ENERGIES = (
     ("T", r"kinetic(?: energy)?"),
     ("V", r"potential(?: energy)?"),
     ("L", r"lagrangian|lagrange function|kinetic potential"),
     ("E", r"(?:total |full |mechanical )?energy|hamiltonian"),
 )
-_RESTRICTED = re.compile(r"constrain|reduced|restricted", re.IGNORECASE)
+_ON_CONSTRAINTS = re.compile(r"constrain|reduced|restricted", re.IGNORECASE)
 _PARTIAL = re.compile(
-    r"rotat|translat|spring|wheel|part|first|second|each|elastic|relative|per unit", re.IGNORECASE
+    r"rotat|translat|spring|wheel|part|first|second|each|elastic|relative|moving|per unit",
+    re.IGNORECASE,
 )
 """Words behind which an energy is that of a part of the system."""
 _SHAPE = re.compile(r"\\(?:mathcal|mathrm|mathbf|boldsymbol)\{(.*)\}")
 """Shapes in which a letter of the system may be printed."""
 
 
-def study_of(equations: VoronecEquations) -> Study:
-    """The dictionary of a system: its own letters, and its motion with all accelerations."""
+def study_of(equations: VoronecEquations, text: str = "") -> Study:
+    """The dictionary of a system: its own letters, and its motion with all accelerations.
+
+    Their rates, which may be long, are known only where the text of a paper may hold them.
+    """
     language = Language.of(equations)
     system = equations.system
     known = dict(language.study.names)
@@ -71,8 +83,9 @@ def study_of(equations: VoronecEquations) -> Study:
     dots = [velocity(v) for v in equations.velocities]
     motion = Motion.of(equations, {u: velocity(u) for u in system.inputs})
     motion = replace(motion, accelerations=dict(zip(dots, values, strict=True)))
-    slopes = {dot: motion.derivative(value) for dot, value in motion.accelerations.items()}
-    motion = replace(motion, rates={**motion.rates, **slopes})
+    if "\\dddot" in text or (motion.quasi and "\\ddot" in text):
+        slopes = {dot: motion.derivative(value) for dot, value in motion.accelerations.items()}
+        motion = replace(motion, rates={**motion.rates, **slopes})
     signs = {
         p.symbol: sp.Symbol(f"{p.name}", positive=True) for p in system.parameters if p.positive
     }
@@ -95,7 +108,7 @@ def _vectors(names: Mapping[str, Any], parameters: set[Any]) -> dict[str, Any]:
     return found
 
 
-def _derived(equations: VoronecEquations, study: Study) -> dict[str, Any]:
+def _letters_of_mechanics(equations: VoronecEquations, study: Study) -> dict[str, Any]:
     """The letters of mechanics by their keys."""
     system = equations.system
     known = Language.of(equations).study.names
@@ -122,7 +135,7 @@ def names_in(part: Any) -> Iterator[Name]:
 
 def with_words(study: Study, displays: Iterable[tuple[PrintedDisplay, list[Chain]]]) -> Study:
     """The dictionary with what the words of a paper bind, whose displays and trees these are."""
-    derived, table = _derived(study.context, study), dict(study.table)
+    derived, table = _letters_of_mechanics(study.context, study), dict(study.table)
     found: dict[str, Any] = {}
     for display, chains in displays:
         words = f"{display.before} {display.after}".lower()
@@ -135,27 +148,35 @@ def with_words(study: Study, displays: Iterable[tuple[PrintedDisplay, list[Chain
                 continue
             if plain in table:
                 found[_latex(name)] = table[key] = table[plain]
-            elif plain in derived and re.search(_SPOKEN.get(letter, "$."), words):
+            elif plain in derived and re.search(_USUAL_WORDS.get(letter, "$."), words):
                 found[_latex(name)] = table[key] = derived[plain]
         first = chains[0].parts[0] if chains else None
         if isinstance(first, Name) and not first.sup and key_of(first) not in table:
-            value = _called(display, first, derived, study)
+            value = _value_by_words(display, first, derived, study)
             if value is not None:
                 found[_latex(first)] = table[key_of(first)] = value
     return replace(study, names={**study.names, **found})
 
 
-def _called(display: PrintedDisplay, name: Name, derived: Mapping[str, Any], study: Study) -> Any:
+def has_usual_words(name: Name, words: str) -> bool:
+    """Whether words around a letter of mechanics say that it means what it usually does."""
+    head = _SHAPE.sub(r"\1", name.head)
+    return head not in _USUAL_WORDS or re.search(_USUAL_WORDS[head], words.lower()) is not None
+
+
+def _value_by_words(
+    display: PrintedDisplay, name: Name, derived: Mapping[str, Any], study: Study
+) -> Any:
     """What the words before a display call the letter on its left side, else None."""
     before = display.before.rpartition("$")[2][-60:].lower()
-    restricted = _RESTRICTED.search(display.before + display.after)
-    for letter, words in _CALLED:
+    restricted = _ON_CONSTRAINTS.search(display.before + display.after)
+    for letter, words in _NAMES_OF_ENERGIES:
         said = re.search(rf"(?:{words})(\W[^.]*)?$", before)
         if letter not in derived or said is None or _PARTIAL.search(before):
             continue
         if restricted:
             return study.motion.restrict(derived[letter])
-        return None if name.sub else derived[letter]
+        return None if name.sub or "'" in name.head else derived[letter]
     return None
 
 
@@ -176,6 +197,8 @@ def unknown_names(chain: Node, study: Study) -> list[str]:
             evaluate(name, study)
         except UnknownName:
             found.setdefault(_latex(name))
+        except Unfamiliar:  # p_v, where v has a value that is no index
+            found |= {_latex(name): None} if name.sub or name.sup else {}
         except SENSELESS:
             continue  # told where the formula gets its verdict
     return [*found]
@@ -197,7 +220,7 @@ def read_letters(path: str | Path, equations: VoronecEquations) -> dict[str, Any
         try:
             value = formula(text, item.title, names)
             unknown = value.free_symbols - {
-                x for v in names.values() for x in sp.sympify(v).free_symbols
+                x for v in names.values() for x in as_expression(v).free_symbols
             }
         except DefinitionError as error:
             item.refuse(error)
@@ -211,7 +234,7 @@ def read_letters(path: str | Path, equations: VoronecEquations) -> dict[str, Any
     return found
 
 
-def written_letters(letters: Mapping[str, list[str]]) -> str:
+def letters_table(letters: Mapping[str, list[str]]) -> str:
     """A table to be filled in: letters with the places where they stand, most frequent first."""
     lines = [
         '# What the letters of the paper are in the system, as "\\\\omega" = "phidot".',

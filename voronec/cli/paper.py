@@ -23,7 +23,7 @@ def execute(arguments: Namespace) -> int:
     if arguments.system is None:
         return _draft(path, arguments.json)
     from voronec.audit.file_audit import audit_paper
-    from voronec.audit.letters import written_letters
+    from voronec.audit.letters import letters_table
     from voronec.audit.page.referee import referee_markdown
     from voronec.audit.page.report import write_audit
 
@@ -42,7 +42,7 @@ def execute(arguments: Namespace) -> int:
     if table is not None and known is None and not found.letters:
         lines += [f"no letter is left to be explained; {table} is not needed"]
     elif table is not None and known is None:
-        create(table, written_letters(found.letters))
+        create(table, letters_table(found.letters))
         lines += [f"wrote {table}: say there what the letters are, and repeat the command"]
     elif found.letters and known is None:
         lines += ["--dictionary FILE.toml writes a table of these letters, to be filled in"]

@@ -23,10 +23,10 @@ _DISPLAYS = (
     "IEEEeqnarray empheq"
 )
 _ENVIRONMENTS = "|".join(_DISPLAYS.split())
-_SKIPPED = "verbatim|lstlisting|thebibliography|tikzpicture|tabular|comment|figure"
+_OTHER_ENVIRONMENTS = "verbatim|lstlisting|thebibliography|tikzpicture|tabular|comment|figure"
 _PARTS = re.compile(
     r"\\(?:part|chapter|(?:sub)*section|paragraph)\*?\s*(?:\[[^]]*\])?\{(?P<title>(?:[^{}]|\{[^{}]*\})*)\}"
-    rf"|\\begin\{{(?P<skip>{_SKIPPED})\*?\}}.*?\\end\{{(?P=skip)\*?\}}"
+    rf"|\\begin\{{(?P<skip>{_OTHER_ENVIRONMENTS})\*?\}}.*?\\end\{{(?P=skip)\*?\}}"
     rf"|(?P<env>\\begin\{{(?P<name>{_ENVIRONMENTS})\*?\}}.*?\\end\{{(?P=name)\*?\}})"
     r"|(?P<dollars>\$\$.*?\$\$)|(?P<bracket>\\\[.*?\\\])"
     r"|(?P<inline>\$(?:\\.|[^$\\])+\$)|(?P<round>\\\((?:\\[^)]|[^\\])+\\\))"
@@ -154,7 +154,7 @@ _SYSTEM = re.compile(
     r"(?P<inside>(?:(?!\\begin\{).)*?)\\end\{\1\}\s*(?:\\right\s*(?:\.|\\\}|\\rbrace))?",
     re.DOTALL,
 )
-_REPLACED = (
+_SPELLINGS = (
     (r"\\begin\{(?:alignat|xalignat)(\*?)\}\{\d\}", r"\\begin{align\1}"),
     (r"\\end\{(?:alignat|xalignat)(\*?)\}", r"\\end{align\1}"),
     (r"\\begin\{IEEEeqnarray(\*?)\}(?:\[[^]]*\])?\{[^{}]*\}", r"\\begin{eqnarray\1}"),
@@ -177,7 +177,7 @@ def _readable(display: MarkedText) -> tuple[MarkedText, str]:
         number = number or next((g for g in printed.groups() if g), "")
     while match := _NUMBER.search(display.text):
         display = display.put(*match.span(), "")
-    for pattern, other in _REPLACED:
+    for pattern, other in _SPELLINGS:
         while match := re.search(pattern, display.text):
             display = display.put(*match.span(), match.expand(other))
     if display.text.startswith("\\("):
@@ -208,13 +208,13 @@ def _fractions(display: MarkedText) -> MarkedText:
     r"""``{a \over b}`` becomes ``{\frac{a}{b}}``."""
     while match := re.search(r"\\over(?![a-zA-Z])", display.text):
         text = display.text
-        start, end = _enclosing(text, match.start())
+        start, end = _group_around(text, match.start())
         display = display.put(end, end, "}").put(match.start(), match.end(), "}{")
         display = display.put(start, start, "\\frac{")
     return display
 
 
-def _enclosing(text: str, position: int) -> tuple[int, int]:
+def _group_around(text: str, position: int) -> tuple[int, int]:
     """The inside of the group that holds a place; of the whole display where none does."""
     depth, start, end = 0, position, position
     while start > 0 and not (depth == 0 and text[start - 1] == "{"):

@@ -96,7 +96,7 @@ _FONTS = ("cal", "rm", "bf")
 """Fonts that reach to the end of a group."""
 _NEW = {"newcommand", "renewcommand", "providecommand", "DeclareRobustCommand"}
 _FILES = {"input", "include", "subfile"}
-_DROPPED = {"newenvironment": 3, "renewenvironment": 3, "newtheorem": 2, "usepackage": 1,
+_PREAMBLE = {"newenvironment": 3, "renewenvironment": 3, "newtheorem": 2, "usepackage": 1,
             "bibliographystyle": 1, "bibliography": 1}  # fmt: skip
 
 
@@ -171,12 +171,12 @@ class _Expander:
             new, other = self._single(origin), self._single(origin)
             self.macros[new.lstrip("\\")] = _Macro(self._single(origin) if other == "=" else other)
         elif bare == "DeclareMathOperator":
-            new, words = (_written(self._argument(origin)) for _ in range(2))
+            new, words = (_text_of(self._argument(origin)) for _ in range(2))
             self.macros[new.lstrip("\\")] = _Macro(f"\\operatorname{{{words}}}")
         elif name in _FILES:
-            self._open(self.path.parent / _written(self._argument(origin)).strip(), origin)
-        elif bare in _DROPPED:
-            for _ in range(_DROPPED[bare]):
+            self._open(self.path.parent / _text_of(self._argument(origin)).strip(), origin)
+        elif bare in _PREAMBLE:
+            for _ in range(_PREAMBLE[bare]):
                 self._optional()
                 self._argument(origin)
             self._optional()
@@ -244,13 +244,13 @@ class _Expander:
         return self._until("]", self.pile[-1][1])
 
     def _new(self, origin: Origin) -> None:
-        name = _written(self._argument(origin)).strip().lstrip("\\")
+        name = _text_of(self._argument(origin)).strip().lstrip("\\")
         number, default = self._optional(), self._optional()
-        count = _written(number or []).strip() or "0"
+        count = _text_of(number or []).strip() or "0"
         if not count.isdecimal():
             self._refuse(origin, f"'{count}' is no number of arguments")
-        body = _written(self._argument(origin))
-        given = None if default is None else _written(default)
+        body = _text_of(self._argument(origin))
+        given = None if default is None else _text_of(default)
         self.macros[name] = _Macro(body, _plain(int(count)), given)
 
     def _define(self, origin: Origin) -> None:
@@ -258,21 +258,23 @@ class _Expander:
         while self.pile and self.pile[-1][0] != "{":
             pattern += self.pile.pop()[0]
         ends = tuple(re.split(r"#\d", pattern))
-        self.macros[name] = _Macro(_written(self._argument(origin)), ends[1:], prefix=ends[0])
+        self.macros[name] = _Macro(_text_of(self._argument(origin)), ends[1:], prefix=ends[0])
 
     def _call(self, macro: _Macro, origin: Origin) -> None:
         self.count += 1
         if self.count > EXPANSIONS:
             self._refuse(origin, "macros are carried out without end; does one call itself?")
         if macro.prefix:
-            self._delimited(macro.prefix, origin)
+            self._argument_before(macro.prefix, origin)
         arguments: list[list[tuple[str, Origin]]] = []
         for position, end in enumerate(macro.pattern):
             if position == 0 and macro.default is not None:
                 given = self._optional()
                 arguments.append([(c, origin) for c in macro.default] if given is None else given)
             else:
-                arguments.append(self._delimited(end, origin) if end else self._argument(origin))
+                arguments.append(
+                    self._argument_before(end, origin) if end else self._argument(origin)
+                )
         written: list[tuple[str, Origin]] = []
         for part in re.split(r"(#\d)", macro.body):
             if re.fullmatch(r"#\d", part):
@@ -284,14 +286,14 @@ class _Expander:
             written.append((" ", origin))  # a command at the end must not swallow a letter
         self.pile += reversed(written)
 
-    def _delimited(self, end: str, origin: Origin) -> list[tuple[str, Origin]]:
+    def _argument_before(self, end: str, origin: Origin) -> list[tuple[str, Origin]]:
         found: list[tuple[str, Origin]] = []
-        while self.pile and _written(found[-len(end) :]) != end:
+        while self.pile and _text_of(found[-len(end) :]) != end:
             found.append(self.pile.pop())
-        if _written(found[-len(end) :]) != end:
+        if _text_of(found[-len(end) :]) != end:
             self._refuse(origin, f"'{end}' is missing behind this command")
         return found[: -len(end)]
 
 
-def _written(marked: Iterable[tuple[str, Origin]]) -> str:
+def _text_of(marked: Iterable[tuple[str, Origin]]) -> str:
     return "".join(character for character, _ in marked)
