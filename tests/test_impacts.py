@@ -11,12 +11,17 @@ import sympy as sp
 
 import voronec as vo
 from voronec.equations.program import Program
-from voronec.motion.methods import choose
-from voronec.motion.request import Guard
-from voronec.motion.solve import ZENO, Arrival, Phase, Solver
-from voronec.motion.state_probe import quantities
 from voronec.motion.steppers import Problem, Run
-from voronec.motion.steppers.run import restart
+from voronec.motion.transitions import (
+    ZENO,
+    Arrival,
+    Guard,
+    Phase,
+    Solver,
+    choose,
+    quantities,
+    restart,
+)
 
 pytestmark = pytest.mark.slow
 
