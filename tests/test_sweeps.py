@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import voronec as vo
@@ -85,6 +85,7 @@ def test_classes_of_traces_are_recorded_as_words(tmp_path):
         assert found[f"class({title})"].values.tolist() == [str(label)]
 
 
+@settings(deadline=None)
 @given(
     st.lists(st.integers(1, 7), min_size=0, max_size=3), st.integers(0, 9), st.integers(1, 40)
 )  # fmt: skip

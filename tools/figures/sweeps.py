@@ -170,7 +170,7 @@ def kills(folder: Path, count: int) -> list[list[str]]:
         while sum(hit.values()) < count:
             rounds += 1
             shutil.rmtree(out, ignore_errors=True)
-            while _count_kept(out) * 100 < SMALL and sum(hit.values()) < count:
+            while _chunks(out) * 100 < SMALL and sum(hit.values()) < count:
                 _one_kill(out, cluster, chance, hit)
             sweep_on_cluster(str(out), cluster.scheduler_address)
             if _bytes(out) != _bytes(whole):
@@ -184,8 +184,8 @@ def _one_kill(out: Path, cluster: Any, chance: random.Random, hit: dict[str, int
     code = f"from figures.sweeps import sweep_on_cluster as go; go{given!r}"
     process = subprocess.Popen([sys.executable, "-c", code], cwd=Path(__file__).parents[1],
                                stderr=subprocess.DEVNULL)  # fmt: skip
-    before = _count_kept(out)
-    while process.poll() is None and _count_kept(out) == before:
+    before = _chunks(out)
+    while process.poll() is None and _chunks(out) == before:
         time.sleep(0.02)
     time.sleep(chance.random())
     while len(cluster.scheduler_info["workers"]) < 2:  # Dask gives up one that is killed at birth
@@ -202,7 +202,7 @@ def _one_kill(out: Path, cluster: Any, chance: random.Random, hit: dict[str, int
     process.wait()
 
 
-def _count_kept(out: Path) -> int:
+def _chunks(out: Path) -> int:
     return len([*out.glob("log/[0-9]*.json")])
 
 
