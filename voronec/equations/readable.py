@@ -392,11 +392,7 @@ class _Search:
         number, common, _ = alphabet.primitive(terms)
         common = tuple(p for p in common if alphabet.letters[p[0]].rank[0] < ACCELERATION)
         rest = {times(m, common, -1): over(c, number) for m, c in terms.items()}
-        low: dict[int, Any] = {}
-        for m in rest:
-            for i, e in m:
-                low[i] = min(low.get(i, 0), e)
-        below = tuple(sorted((i, e) for i, e in low.items() if e))
+        below = alphabet.below(rest)
         factor = times(common, below)
         rest = {times(m, below, -1): c for m, c in rest.items()}
         best = self._sides(place, rest)
@@ -688,14 +684,16 @@ class _Search:
             yield (show(row.left) - show(row.right)) / factor - exact
         given = dict(zip(self.dots, form.rates, strict=True))
         for dot, rate in printed.rates:
-            yield self._plain(spread(rate)) - given[self._plain(spread(dot))]
+            yield (
+                self.alphabet.expression(spread(rate))
+                - given[self.alphabet.expression(spread(dot))]
+            )
 
     def expression(self, terms: Terms) -> Any:
         """A sum as an expression, rates and names replaced by what they stand for."""
-        return self._plain(terms).xreplace(dict(zip(self.dots, self.form.rates, strict=True)))
-
-    def _plain(self, terms: Terms) -> Any:
-        return self.alphabet.expression(terms)
+        return self.alphabet.expression(terms).xreplace(
+            dict(zip(self.dots, self.form.rates, strict=True))
+        )
 
     def _vanishes(self, expr: Any) -> bool:
         if expr == 0:
@@ -741,7 +739,9 @@ class _Search:
         nesting = self.nesting(names.items())
         rows = self._rewritten(draft, _same, swaps).rows
         sides = nesting.folded(map(alphabet.arrange, rows))
-        proofs = (self._plain(self._spread(a)) - b for a, b in zip(sides, exact, strict=True))
+        proofs = (
+            self.alphabet.expression(self._spread(a)) - b for a, b in zip(sides, exact, strict=True)
+        )
         if not all(map(self._vanishes, proofs)):
             return []
         text, own = alphabet.text, nesting.read_in_order(sides)
