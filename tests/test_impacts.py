@@ -45,7 +45,14 @@ def bounce(system, start, values, gap, law, grid, method="scipy") -> Run:
     levels = quantities(form, {guard.name: equations.bridge.inward(gap)})
     numbers = [float(values[str(p)]) for p in form.parameters]
     problem = Problem(
-        Program.of(form), start, numbers, 1e-13, (guard,), levels, True, switching_surfaces=frozenset({"gap"})
+        Program.of(form),
+        start,
+        numbers,
+        1e-13,
+        (guard,),
+        levels,
+        True,
+        switching_surfaces=frozenset({"gap"}),
     )
     solver, _ = choose(method, problem, grid)
     guards = {guard.name: Impact(law)}

@@ -156,9 +156,59 @@ def test_latex_is_set_as_a_book_sets_it() -> None:
         assert word not in text
 
 
-@pytest.mark.parametrize("name", ["suslov", "snakeboard", "veselova", "ball-on-sphere"])
+CATALOGUE = (
+    "suslov snakeboard veselova ball-on-sphere robot-with-two-trailers ellipsoid-on-plane "
+    "ball-on-sphere-in-rn ball-on-paraboloid"
+)
+
+
+@pytest.mark.parametrize("name", CATALOGUE.split())
 def test_lines_of_the_catalogue_fit(name: str) -> None:
-    text = str(vo.derive(vo.load(name)))
-    assert all(len(line) <= 100 for line in text.splitlines())
-    equations = text.partition("curvature\n")[0]
-    assert depth(equations) <= 3
+    """Equations and curvature; what a user declares stands above, as it is declared."""
+    lines = str(vo.derive(vo.load(name))).splitlines()
+    assert all(len(line) <= 100 for line in lines)
+    start = next(i for i, line in enumerate(lines) if re.match("motion of|equations of", line))
+    rows = re.sub(r"\n {6}", " ", "\n".join(lines[start:])).splitlines()
+    assert max(map(depth, rows)) <= 3
+    for line in lines[start:]:  # what goes on in another line is broken outside of brackets
+        assert line.count("(") == line.count(")")
+
+
+@pytest.mark.parametrize("name", CATALOGUE.split())
+def test_names_are_defined_in_the_order_of_reading_and_begin_without_a_minus(name: str) -> None:
+    form = readable(vo.derive(vo.load(name)))
+    text, met = form.alphabet.text, set[str]()
+    names = [text(left) for left, _ in form.names]
+    for left, right in form.names:
+        words = {*re.findall(r"\w+", text(right))}
+        assert not text(right).startswith("-") and words & {*names} <= met
+        met.add(text(left))
+    assert not any(text(row.left).startswith("-") for row in form.rows)
+
+
+def test_accelerations_stand_on_the_left_and_are_in_no_name() -> None:
+    form = readable(vo.derive(vo.load("ball-on-free-sphere")))
+    dots = "omega1dot omega2dot omega3dot W1dot W2dot W3dot".split()
+    for i, row in enumerate(form.rows):
+        left, others = form.alphabet.text(row.left), [row.right, *(e for _, e in form.names)]
+        assert dots[i] in left and f"- ({dots[i]}" not in left
+        assert not any(dot in form.alphabet.text(side) for side in others for dot in dots)
+
+
+@pytest.mark.parametrize("name", ["robot-with-two-trailers", "ball-on-paraboloid"])
+def test_the_curvature_is_printed_with_the_names_of_the_equations(name: str) -> None:
+    eqs = vo.derive(vo.load(name))
+    text = str(eqs)
+    equations, _, below = text.partition("curvature\n")
+    rows = re.findall(r"^ +(\S+) += (.*)$", equations.partition("\nwhere\n")[2] + below, re.M)
+    names = {read(a): read(b) for a, b in rows if a.isalnum()}
+    base, fibres = eqs.definition.split
+    shown = re.findall(r"^ +A\^(\w+)\[(\w+), (\w+)\] += (.*)$", below, re.M)
+    assert shown and names
+    for fibre, p, q, entry in shown:
+        found = read(entry)
+        for _ in names:
+            found = found.xreplace(names)
+        place = [[*map(str, base)].index(x) for x in (p, q)]
+        exact = eqs.curvature[[*map(str, fibres)].index(fibre), *place]
+        assert vo.prove_equal(found, exact).proved

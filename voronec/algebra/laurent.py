@@ -14,10 +14,8 @@ from fractions import Fraction
 from math import gcd, lcm
 from typing import Any, NamedTuple
 
-import flint
 import symengine as se
 
-from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.typeset import symbol_latex
 from voronec.errors import EngineLimit
 
@@ -42,8 +40,6 @@ Terms = dict[Monomial, Rational]
 
 DEPTH = 2
 """How deep sums are nested in a term; functions may add one more pair of brackets."""
-FACTORED = 60
-"""Sums of more terms are not tried for a factorization."""
 TRIED = 14
 """Up to so many terms two ways are tried of putting a letter before a bracket."""
 
@@ -334,7 +330,7 @@ class Alphabet:
         if len(terms) < 2 or depth == 0:
             return
         number, common, rest = self.primitive(terms)
-        below = self._below(rest)
+        below = self.below(rest)
         few = len(terms) <= TRIED
         if (common or number != 1) and (few or not below):
             yield self._times(number, common, self.arrange(rest, depth - 1))
@@ -343,12 +339,11 @@ class Alphabet:
             yield self._times(number, times(common, below), self.arrange(inner, depth - 1))
             rest = inner
             common = times(common, below)
-        yield from self._factored(number, common, rest, depth)
         for kind in (VELOCITY, MOVING) if few else (VELOCITY,):
             yield from self._collected(terms, kind, depth)
         yield from self._before_brackets(terms, depth)
 
-    def _below(self, terms: Terms) -> Monomial:
+    def below(self, terms: Terms) -> Monomial:
         """What the terms of a sum divide by, as a monomial with negative exponents."""
         found: dict[int, Rational] = {}
         for m in terms:
@@ -373,39 +368,6 @@ class Alphabet:
         for f in factors:
             merged[f.base] = _plain(merged.get(f.base, 0) + f.exponent)
         return (Product(number, tuple(Factor(b, e) for b, e in merged.items() if e)),)
-
-    def _factored(
-        self, number: Rational, common: Monomial, rest: Terms, depth: int
-    ) -> Iterator[Sum]:
-        if not 1 < len(rest) <= FACTORED:
-            return
-        used = sorted({i for m in rest for i, _ in m})
-        if any(not isinstance(e, int) or e < 0 or e > 8 for m in rest for _, e in m):
-            return
-        context = flint.fmpq_mpoly_ctx.get([f"x{i}" for i in used], flint.Ordering.lex)
-        place = {i: k for k, i in enumerate(used)}
-        table = {}
-        for m, c in rest.items():
-            powers = [0] * len(used)
-            for i, e in m:
-                powers[place[i]] = int(e)
-            table[tuple(powers)] = flint.fmpq(c.numerator, c.denominator)
-        self.work += len(rest)
-        unit, factors = irreducible_factors(context.from_dict(table))
-        if len(factors) < 2 and factors[0][1] < 2:
-            return
-        sums: list[Sum] = []
-        total = number * _rational(unit)
-        for factor, count in factors:
-            parts = {
-                tuple((used[k], int(e)) for k, e in enumerate(m) if e): _rational(c)
-                for m, c in factor.to_dict().items()
-            }
-            size, shared, inner = self.primitive(parts)
-            total *= size**count
-            common = times(common, shared, count)
-            sums += [self.arrange(inner, depth - 1)] * count
-        yield self._times(total, common, *sums)
 
     def _collected(self, terms: Terms, kind: int, depth: int) -> Iterator[Sum]:
         """By the letters of some kind; equal coefficients before brackets."""

@@ -46,23 +46,21 @@ class Nesting:
         self.alphabet, self._fresh, self._room = alphabet, fresh, room
         self.definitions: dict[int, Sum] = {}
         self._turned: dict[Any, int] = {}
-        self._named: dict[Sum, int] = {}
+        self._named: dict[Sum, tuple[int, int]] = {}
         for letter, parts in names:
             new, own, terms = letter, parts, alphabet.letters[letter].terms
             if terms and alphabet.text(parts).startswith("-"):  # what is positive has the name
                 own, opposite = negated(parts), {m: -c for m, c in terms.items()}
                 new = self._turned[letter] = alphabet.name(alphabet.names[letter], opposite)
-            self.definitions[new] = own
-            self._named[own] = new
+            self._define(new, own)
 
     def folded(self, sides: Iterable[Sum]) -> list[Sum]:
         """Sides of equations with names, which stand in what is named too."""
         found = [*sides]
         for _ in range(2):
-            found, known = [self._side(parts) for parts in found], set[int]()
-            while todo := [i for i in self.definitions if i not in known]:
-                self.definitions |= {i: self._side(self.definitions[i]) for i in todo}
-                known.update(todo)
+            found = [*map(self._side, found)]
+            for i in [*self.definitions]:
+                self.definitions[i] = self._side(self.definitions[i])
         return found
 
     def read_in_order(self, sides: Iterable[Sum]) -> list[int]:
@@ -90,17 +88,14 @@ class Nesting:
                 product = _replaced(product, k, self._turned[base], -1)
             elif (inside := self._inside(base)) is not None:
                 parts = tuple(map(self._product, inside))
-                if parts in self._named or negated(parts) in self._named:
+                if parts in self._named:
                     product = _replaced(product, k, *self._name(parts))
                 elif parts != inside:
                     product = _replaced(product, k, parts, 1)
         while (deep := depth(text := self.alphabet.text((product,))) > DEEP) or len(text) > room:
-            inside_of = {k: self._inside(base) for k, (base, _) in enumerate(product.factors)}
-            texts = {
-                k: self.alphabet.text(parts)
-                for k, parts in inside_of.items()
-                if parts and not self._leads(parts)
-            }
+            inside_of = {k: self._inside(f.base) for k, f in enumerate(product.factors)
+                         if not self._leads(f.base)}  # fmt: skip
+            texts = {k: self.alphabet.text(parts) for k, parts in inside_of.items() if parts}
             if not texts:
                 break
             worst = max(texts, key=lambda k: (deep * depth(texts[k]), len(texts[k])))
@@ -115,25 +110,24 @@ class Nesting:
         own = terms is not None and base not in self.alphabet.named
         return self.alphabet.arrange(terms or {}) if own else None
 
-    def _leads(self, parts: Sum) -> bool:
-        """Whether accelerations stand in a sum: they stay on the left side."""
-        bases = [base for product in parts for base, _ in product.factors]
-        inside = [self._inside(base) for base in bases]
-        letters = (self.alphabet.letters[base] for base in bases if isinstance(base, int))
-        return any(x.rank[0] == ACCELERATION for x in letters) or any(
-            self._leads(parts) for parts in inside if parts
-        )
+    def _leads(self, base: Any) -> bool:
+        """Whether accelerations stand in brackets: they stay on the left side."""
+        if (inside := self._inside(base)) is None:
+            return self.alphabet.letters[base].rank[0] == ACCELERATION
+        return any(self._leads(f.base) for product in inside for f in product.factors)
 
     def _name(self, parts: Sum) -> tuple[int, int]:
         """The letter that is named for a sum, or for its negative, and the sign."""
-        for own, sign in ((parts, 1), (negated(parts), -1)):
-            if own in self._named:
-                return self._named[own], sign
-        sign = -1 if self.alphabet.text(parts).startswith("-") else 1
-        own = parts if sign > 0 else negated(parts)
-        letter = self._named[own] = self._fresh(own, self.definitions)
-        self.definitions[letter] = own
-        return letter, sign
+        if parts not in self._named:
+            own = negated(parts) if self.alphabet.text(parts).startswith("-") else parts
+            letter = self._fresh(own, self.definitions)
+            self._define(letter, own)
+            self.definitions[letter] = self._side(own)
+        return self._named[parts]
+
+    def _define(self, letter: int, parts: Sum) -> None:
+        self.definitions[letter] = parts
+        self._named |= {parts: (letter, 1), negated(parts): (letter, -1)}
 
 
 def _replaced(product: Product, k: int, base: Any, sign: int) -> Product:

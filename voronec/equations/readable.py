@@ -15,7 +15,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import chain, combinations
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -356,7 +356,7 @@ class _Search:
         """A draft after all moves that make it shorter."""
         self.alphabet.work, self.alphabet.limit = 0, BUDGET
         length, moved = self.length(draft), True
-        moves = self._rates, self._angles, self._names, self._identities, self._monomials
+        moves = self._angles, self._names, self._identities, self._monomials
         while moved and not self._spent():
             moved = False
             for other, least in chain.from_iterable(move(draft) for move in moves):
@@ -392,11 +392,7 @@ class _Search:
         number, common, _ = alphabet.primitive(terms)
         common = tuple(p for p in common if alphabet.letters[p[0]].rank[0] < ACCELERATION)
         rest = {times(m, common, -1): over(c, number) for m, c in terms.items()}
-        low: dict[int, Any] = {}
-        for m in rest:
-            for i, e in m:
-                low[i] = min(low.get(i, 0), e)
-        below = tuple(sorted((i, e) for i, e in low.items() if e))
+        below = alphabet.below(rest)
         factor = times(common, below)
         rest = {times(m, below, -1): c for m, c in rest.items()}
         best = self._sides(place, rest)
@@ -436,24 +432,6 @@ class _Search:
 
     def _leads(self, m: Monomial) -> bool:
         return any(self.alphabet.letters[i].rank[0] == ACCELERATION for i, _ in m)
-
-    def _rates(self, draft: Draft) -> Iterator[tuple[Draft, int]]:
-        """Drafts with the letter of a rate in other rates, and names."""
-        dots, named = {i for i, _ in draft.rates}, dict(draft.names)
-        for letter, rate in draft.rates:
-            number, common, inner = self.alphabet.primitive(rate)
-            name = next((i for i in named if rate == {((i, 1),): ONE}), None)
-            if name is not None:  # the rate has a letter already
-                kept, names = named[name], tuple(n for n in draft.names if n[0] != name)
-                found = self._rewritten(draft._replace(names=names), _same, {name: letter})
-            elif len(inner) > 1 and not any(i in dots for m in rate for i, _ in m):
-                value = {times(((letter, 1),), common, -1): over(1, number)}
-                kept, rule = rate, Rule(inner, value, False)
-                found = self._rewritten(draft, partial(self._apply, rule), {})
-            else:
-                continue
-            rates = tuple((i, kept if i == letter else t) for i, t in found.rates)
-            yield found._replace(rates=rates), 1
 
     # -- identities ---------------------------------------------------------------------------
 
@@ -506,17 +484,6 @@ class _Search:
             yield Rule(mul(s, s), add({(): ONE}, mul({(): -ONE}, mul(c, c))), True)
             yield Rule(mul(c, c), add({(): ONE}, mul({(): -ONE}, mul(s, s))), True)
             yield Rule(add(mul(s, s), mul(c, c)), {(): ONE}, False)
-        shown = [a.xreplace(self.alphabet.angles) for a in angles]
-        for a, b in combinations(shown, 2):
-            s, c, z, d = (read(f(x)) for x in (a, b) for f in (se.sin, se.cos))
-            for sign in (1, -1) if (a - b).expand() != 0 else ():
-                other = mul({(): sign}, z)
-                yield Rule(add(mul(s, d), mul(c, other)), read(se.sin(a + sign * b)), False)
-                yield Rule(
-                    add(mul(c, d), mul({(): -ONE}, mul(s, other))),
-                    read(se.cos(a + sign * b)),
-                    False,
-                )
         for relation in self.form.relations:
             yield from self._heads(read(relation), lambda r: r >= MOVING)
         for letter, rate in draft.rates:
@@ -716,21 +683,17 @@ class _Search:
             exact = se.Add(*(e * a for e, a in zip(mass, self.accelerations, strict=True))) - force
             yield (show(row.left) - show(row.right)) / factor - exact
         given = dict(zip(self.dots, form.rates, strict=True))
-        own = {self._plain(spread(dot)): self._plain(spread(rate)) for dot, rate in printed.rates}
-        for dot in own:
-            found = own[dot]
-            for _ in own:  # rates may be written by others, not by themselves
-                found = found.xreplace(own)
-            if dot not in form.velocities and found.free_symbols & own.keys():
-                raise EngineLimit("rates are written by one another")
-            yield found - given[dot]
+        for dot, rate in printed.rates:
+            yield (
+                self.alphabet.expression(spread(rate))
+                - given[self.alphabet.expression(spread(dot))]
+            )
 
     def expression(self, terms: Terms) -> Any:
         """A sum as an expression, rates and names replaced by what they stand for."""
-        return self._plain(terms).xreplace(dict(zip(self.dots, self.form.rates, strict=True)))
-
-    def _plain(self, terms: Terms) -> Any:
-        return self.alphabet.expression(terms)
+        return self.alphabet.expression(terms).xreplace(
+            dict(zip(self.dots, self.form.rates, strict=True))
+        )
 
     def _vanishes(self, expr: Any) -> bool:
         if expr == 0:
@@ -776,7 +739,9 @@ class _Search:
         nesting = self.nesting(names.items())
         rows = self._rewritten(draft, _same, swaps).rows
         sides = nesting.folded(map(alphabet.arrange, rows))
-        proofs = (self._plain(self._spread(a)) - b for a, b in zip(sides, exact, strict=True))
+        proofs = (
+            self.alphabet.expression(self._spread(a)) - b for a, b in zip(sides, exact, strict=True)
+        )
         if not all(map(self._vanishes, proofs)):
             return []
         text, own = alphabet.text, nesting.read_in_order(sides)
