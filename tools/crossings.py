@@ -2,10 +2,10 @@
 
 p(t) is a polynomial of degree 2 to 8 with tidy roots, at least 1e-6 of the span apart but for those
 that are multiple on purpose, some at the start or at the end, in both directions of time.  It is
-the *motion* of a particle with the force p''(t), or a *function* of the motion x = t.  Its zeros are
-events of a run, or points of a section.  A motion may be off by the tolerance, or by rounding, in
-units of its terms, and a time by rounding: roots between which p is no larger than that makes of it
-are counted together, by whether their number is even.  A root that is lost, or found twice, a
+the *motion* of a particle with the force p''(t), or a *function* of the motion x = t.  Its zeros
+are events of a run, or points of a section.  A motion may be off by the tolerance, or by rounding,
+in units of its terms, and a time by rounding: roots between which p is no larger than that makes of
+it are counted together, by whether their number is even.  A root that is lost, or found twice, a
 passage where p is larger, a multiple root neither found nor noted, and an output that is not p are
 failures.
 """
@@ -31,8 +31,8 @@ import voronec as vo
 
 __all__ = ["campaign_parser", "main"]
 
-WEIGHTS = {"heyoka": 40, "scipy": 20, "c": 20, "lsoda": 20, "flint": 20, "numba": 2}
-"""Methods, and how often each is drawn: numba compiles for seconds."""
+WEIGHTS = {"heyoka": 40, "scipy": 20, "lsoda": 20, "flint": 20, "c": 3, "numba": 0.2}
+"""Methods, and how often each is drawn: two of them compile."""
 NEEDS = {"heyoka": find_spec("heyoka"), "numba": find_spec("numba"), "c": which("cc")}
 METHODS = [method for method in WEIGHTS if NEEDS.get(method, True)]
 LOOSE = 100
@@ -66,7 +66,9 @@ class Trial:
 
     def values(self, times: Any) -> np.ndarray:
         """p in many digits."""
-        parts = [np.array([mpmath.mpf(t) - mpmath.mpf(r.p) / r.q for t in times]) for r in self.roots]
+        parts = [
+            np.array([mpmath.mpf(t) - mpmath.mpf(r.p) / r.q for t in times]) for r in self.roots
+        ]
         return np.prod(parts, axis=0) * (mpmath.mpf(self.factor.p) / self.factor.q)
 
     def allowed(self, times: Any) -> np.ndarray:
@@ -98,13 +100,20 @@ class Trial:
             "polynomial", vo.Fibration(x), vo.velocity(x) ** 2 / 2, forces={x: force},
             parameters=tuple(parameters),
         )  # fmt: skip
-        asked = {"parameters": parameters, "initial": initial, "method": self.method, "tol": self.tol}
+        asked = {
+            "parameters": parameters,
+            "initial": initial,
+            "method": self.method,
+            "tol": self.tol,
+        }
         if self.door == "section":
             scene = vo.Scene(initial=initial, times=(begin, self.times[-1]))
             asked |= {"scene": scene, "crossings": 99, "direction": 0, "strict": False}
             found = vo.section(system, event, (x,), until=float(self.times[-1]), **asked)
             return [*found.t], bool(found.touches)
-        run = vo.integrate(system, times=self.times, outputs=(event,), events=vo.Event(event, "p"), **asked)
+        run = vo.integrate(
+            system, times=self.times, outputs=(event,), events=vo.Event(event, "p"), **asked
+        )
         off = np.abs(run[event] - self.values(run.t))
         assert (off <= self.allowed(run.t)).all(), f"the output is off by {float(off.max()):g}"
         return [*run.events["p"].t], any("touches" in note for note in run.notes)
@@ -118,7 +127,9 @@ class Trial:
         if (np.abs(self.values(found)) > self.allowed(found)).any():
             return f"p is not zero at one of {found}"
         groups = [*self.groups()]
-        nearest = [min(range(len(groups)), key=lambda i: min(abs(t - r) for r in groups[i])) for t in found]
+        nearest = [
+            min(range(len(groups)), key=lambda i: min(abs(t - r) for r in groups[i])) for t in found
+        ]
         for i, group in enumerate(groups):
             count, own = nearest.count(i), [r for r in group if r in self.roots and r != begin]
             is_free = end in group or (begin in group and len(group) > 1)
@@ -181,16 +192,22 @@ def main() -> int:
         if time.monotonic() - began > chosen.seconds:
             break
         dice = Random(f"{chosen.seed}:{i}")
-        method = chosen.kind or dice.choices(METHODS, [WEIGHTS[m] for m in METHODS])[0]
+        drawn = dice.choices(METHODS, [WEIGHTS[m] for m in METHODS])[0]
+        method = chosen.kind or drawn
         trial = draw(dice, method)
         try:
             wrong = trial.failure()
+        except vo.IntegrationError as error:
+            counts[method, trial.door, "refused"] += 1
+            print(f"refused: {error}\n    --seed {chosen.seed} --kind {method} --only {i}")
+            continue
         except (vo.VoronecError, AssertionError) as error:
             wrong = str(error)
         counts[method, trial.door, trial.way] += 1
         if wrong:
             failures += 1
-            print(f"wrong: {wrong}\n    {trial}\n    again: --seed {chosen.seed} --kind {method} --only {i}")
+            print(f"wrong: {wrong}\n    {trial}")
+            print(f"    again: --seed {chosen.seed} --kind {method} --only {i}", flush=True)
     for (method, door, way), count in sorted(counts.items()):
         print(f"  {method:8} {door:8} {way:9} {count}")
     print(f"seed {chosen.seed}: {counts.total()} polynomials, {failures} wrong")
