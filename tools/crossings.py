@@ -2,10 +2,10 @@
 
 p(t) is a polynomial of degree 2 to 8 with tidy roots, at least 1e-6 of the span apart but for those
 that are multiple on purpose, some at the start or at the end, in both directions of time.  It is
-the *motion* of a particle with the force p''(t), or a *function* of the motion x = t.  Its zeros are
-events of a run, or points of a section.  A motion may be off by the tolerance, or by rounding, in
-units of its terms, and a time by rounding: roots between which p is no larger than that makes of it
-are counted together, by whether their number is even.  A root that is lost, or found twice, a
+the *motion* of a particle with the force p''(t), or a *function* of the motion x = t.  Its zeros
+are events of a run, or points of a section.  A motion may be off by the tolerance, or by rounding,
+in units of its terms, and a time by rounding: roots between which p is no larger than that makes of
+it are counted together, by whether their number is even.  A root that is lost, or found twice, a
 passage where p is larger, a multiple root neither found nor noted, and an output that is not p are
 failures.
 """
@@ -31,8 +31,8 @@ import voronec as vo
 
 __all__ = ["campaign_parser", "main"]
 
-WEIGHTS = {"heyoka": 40, "scipy": 20, "c": 20, "lsoda": 20, "flint": 20, "numba": 2}
-"""Methods, and how often each is drawn: numba compiles for seconds."""
+WEIGHTS = {"heyoka": 40, "scipy": 20, "lsoda": 20, "flint": 20, "c": 3, "numba": 0.2}
+"""Methods, and how often each is drawn: two of them compile."""
 NEEDS = {"heyoka": find_spec("heyoka"), "numba": find_spec("numba"), "c": which("cc")}
 METHODS = [method for method in WEIGHTS if NEEDS.get(method, True)]
 LOOSE = 100
@@ -192,18 +192,22 @@ def main() -> int:
         if time.monotonic() - began > chosen.seconds:
             break
         dice = Random(f"{chosen.seed}:{i}")
-        method = chosen.kind or dice.choices(METHODS, [WEIGHTS[m] for m in METHODS])[0]
+        drawn = dice.choices(METHODS, [WEIGHTS[m] for m in METHODS])[0]
+        method = chosen.kind or drawn
         trial = draw(dice, method)
         try:
             wrong = trial.failure()
+        except vo.IntegrationError as error:
+            counts[method, trial.door, "refused"] += 1
+            print(f"refused: {error}\n    --seed {chosen.seed} --kind {method} --only {i}")
+            continue
         except (vo.VoronecError, AssertionError) as error:
             wrong = str(error)
         counts[method, trial.door, trial.way] += 1
         if wrong:
             failures += 1
-            print(
-                f"wrong: {wrong}\n    {trial}\n    again: --seed {chosen.seed} --kind {method} --only {i}"
-            )
+            print(f"wrong: {wrong}\n    {trial}")
+            print(f"    again: --seed {chosen.seed} --kind {method} --only {i}", flush=True)
     for (method, door, way), count in sorted(counts.items()):
         print(f"  {method:8} {door:8} {way:9} {count}")
     print(f"seed {chosen.seed}: {counts.total()} polynomials, {failures} wrong")

@@ -395,8 +395,7 @@ class _Search:
 
     def result(self) -> Findings:
         """What ``crossings`` gives."""
-        ends, guards = self.course.ends, list(self.events.values())
-        course = self.course
+        course, ends, guards = self.course, self.course.ends, list(self.events.values())
         self.states = course.looks() if course.looks else course.at(course.times)
         values = self.levels(self.course.times, self.states)
         if self.course.before is not None:

@@ -45,7 +45,7 @@ __all__ = [
 
 
 TOUCH = 1e-12
-"""An extremum touches zero where a change of the states by this part of their size brings it there."""
+"""An extremum touches zero where states changed by this part of their size bring it there."""
 BESIDE = 1e-2
 """Touches nearer to each other than this part of a step are one."""
 POLE = 1e3
