@@ -371,7 +371,6 @@ class _Work:
     def _blame_definitions(self, records: list[Record]) -> None:
         """Where all formulas fail that have a letter, two or more, what says its meaning is wrong
         rather than these."""
-        at = {id(claim): number for number, claim in enumerate(self.claims)}
         for key, definition in self.defined_at.items():
             users = [
                 number
@@ -382,7 +381,7 @@ class _Work:
             wrong = [number for number in users if records[number].verdict == "misprint"]
             if len(wrong) < 2 or any(records[number].verdict == "proved" for number in users):
                 continue
-            source = at[id(definition)]
+            source = next(i for i, claim in enumerate(self.claims) if claim is definition)
             mended = all(records[number].decisive.correction for number in wrong)
             if mended or records[source].verdict != "definition":
                 continue  # each can be mended by itself, or the meaning is proved
