@@ -502,6 +502,21 @@ def test_simple_roots_of_polynomials_are_all_found_once(roots: Any, method: str)
 
 
 @pytest.mark.skipif("heyoka" not in DOUBLES, reason="no heyoka")
+def test_a_search_among_roots_that_rounding_hides_ends() -> None:
+    """Where four lie close together a long step's rounding exceeds the polynomial."""
+    system, start, _ = polynomial(
+        [2, *(sp.Rational(k, 10**5) for k in (566667, 566677, 567667, 567767))]
+    )
+    run = vo.integrate(system, initial=start, times=[0, 10], events="x", method="heyoka")
+    first, *others = np.array(run.events["x"].t, dtype=float)
+    assert (
+        abs(first - 2) < 1e-9
+        and len(others) in (0, 2, 4)
+        and all(abs(t - 5.67) < 0.02 for t in others)
+    )
+
+
+@pytest.mark.skipif("heyoka" not in DOUBLES, reason="no heyoka")
 def test_a_root_without_a_change_of_sign_is_noted() -> None:
     system, start, _ = polynomial([2, 2])
     run = vo.integrate(system, initial=start, times=[0, 4], events="x", method="heyoka")

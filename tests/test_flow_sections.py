@@ -452,7 +452,9 @@ def test_starts_where_the_velocities_are_no_frame_go_alone_or_are_refused(method
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("roots", [(1, 2, 3), (1, 1.5, 2, 2.5, 3, 3.5)], ids=str)
+@pytest.mark.parametrize(
+    "roots", [(1, 2, 3), (1, 1.5, 2, 2.5, 3, 3.5), (1, 1.00002, 3, 3.5)], ids=str
+)
 def test_a_motion_that_is_a_polynomial_passes_at_each_of_its_roots(roots, method):
     """Over one long step looks that are as far apart as these see none of them change a sign."""
     place = sp.expand(sp.prod([vo.time - sp.Rational(root) for root in roots]))
