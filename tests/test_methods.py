@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -183,7 +184,7 @@ def test_the_command(capsys: pytest.CaptureFixture[str]) -> None:
         ("Newton and Euler", "Lagrange", "Kane", "Gibbs", "Chaplygin", "Hamel")
     ):
         assert f"\n{number + 1}. {name}" in text
-    assert text.count("C*dphidot/dt              = 0") == 6
+    assert len(re.findall(r"C\*dphidot/dt += 0\n", text)) == 6
     assert text.rstrip().endswith("All methods give the same equations: proved.")
     assert main(["methods", "vertical-disc", "--json"]) == 0
     data = json.loads(capsys.readouterr().out)

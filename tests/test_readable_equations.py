@@ -139,7 +139,7 @@ def test_a_false_identity_is_not_printed(monkeypatch: pytest.MonkeyPatch) -> Non
     def wrong(self: Any, rule: Any, terms: Any) -> Any:
         return {m: 2 * c if len(m) == 3 else c for m, c in list(terms.items())[1:]}
 
-    monkeypatch.setattr("voronec.equations.readable._Search._apply", wrong)
+    monkeypatch.setattr("voronec.equations.readable.FormSearch.apply_rule", wrong)
     fresh["attacked"] = str(vo.derive(replace(system)))
     assert fresh["attacked"] != fresh["true"]
     text = printed(vo.derive(replace(system)))

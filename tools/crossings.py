@@ -71,7 +71,7 @@ class Trial:
         ]
         return np.prod(parts, axis=0) * (mpmath.mpf(self.factor.p) / self.factor.q)
 
-    def allowed(self, times: Any) -> np.ndarray:
+    def tolerance_at(self, times: Any) -> np.ndarray:
         """By how much p may be off at some times."""
         unit = self.tol if self.method == "flint" else 2.2e-16
         far, span = float(max(map(abs, self.times))), float(abs(self.times[-1] - self.times[0]))
@@ -115,7 +115,7 @@ class Trial:
             system, times=self.times, outputs=(event,), events=vo.Event(event, "p"), **asked
         )
         off = np.abs(run[event] - self.values(run.t))
-        assert (off <= self.allowed(run.t)).all(), f"the output is off by {float(off.max()):g}"
+        assert (off <= self.tolerance_at(run.t)).all(), f"the output is off by {float(off.max()):g}"
         return [*run.events["p"].t], any("touches" in note for note in run.notes)
 
     def failure(self) -> str:
@@ -124,7 +124,7 @@ class Trial:
         begin, end = self.times[0], self.times[-1]
         if found != sorted(found, reverse=bool(end < begin)):
             return f"the times {found} are not in their order"
-        if (np.abs(self.values(found)) > self.allowed(found)).any():
+        if (np.abs(self.values(found)) > self.tolerance_at(found)).any():
             return f"p is not zero at one of {found}"
         groups = [*self.groups()]
         nearest = [
@@ -148,7 +148,7 @@ class Trial:
         group = inside[:1]
         for before, root in pairwise(inside):
             times = [mpmath.mpf(t.p) / t.q for t in (before + (root - before) * k for k in LOOKS)]
-            if (np.abs(self.values(times)) > 2 * self.allowed(times)).any():
+            if (np.abs(self.values(times)) > 2 * self.tolerance_at(times)).any():
                 yield group
                 group = []
             group = [*group, root]

@@ -22,12 +22,12 @@ from voronec.errors import EngineLimit
 __all__ = [
     "Alphabet",
     "Factor",
-    "Letter",
+    "TermLetter",
     "Terms",
     "add",
     "divide",
     "mul",
-    "negated",
+    "negate",
     "over",
     "times",
 ]
@@ -40,7 +40,7 @@ Terms = dict[Monomial, Rational]
 
 DEPTH = 2
 """How deep sums are nested in a term; functions may add one more pair of brackets."""
-TRIED = 14
+TRIES = 14
 """Up to so many terms two ways are tried of putting a letter before a bracket."""
 
 
@@ -51,17 +51,17 @@ class Factor(NamedTuple):
     exponent: Rational
 
 
-class Product(NamedTuple):
+class LetterProduct(NamedTuple):
     """A number times factors."""
 
     number: Rational
     factors: tuple[Factor, ...]
 
 
-Sum = tuple[Product, ...]
+Sum = tuple[LetterProduct, ...]
 
 
-class Letter(NamedTuple):
+class TermLetter(NamedTuple):
     """What a letter stands for, and its place among the factors of a product."""
 
     meaning: Any
@@ -71,10 +71,10 @@ class Letter(NamedTuple):
     @property
     def moves(self) -> bool:
         """Whether it changes with time."""
-        return self.rank[0] >= MOVING
+        return self.rank[0] >= COORDINATE
 
 
-PARAMETER, MOVING, VELOCITY, ACCELERATION = 0, 3, 6, 7
+PARAMETER, COORDINATE, VELOCITY, ACCELERATION = 0, 3, 6, 7
 """Ranks of letters: parameters stand before what moves, velocities and accelerations last."""
 
 
@@ -147,7 +147,7 @@ class Alphabet:
         latex: Callable[[Any], str], most: int,
     ) -> None:  # fmt: skip
         self._rank, self._text, self._latex, self.most = rank, text, latex, most
-        self.letters: list[Letter] = []
+        self.letters: list[TermLetter] = []
         self._index: dict[Any, int] = {}
         self.names: dict[int, str] = {}
         self.angles: dict[Any, Any] = {}
@@ -167,20 +167,20 @@ class Alphabet:
         if key not in self._index:
             rank = self._rank(meaning) if terms is None else self.rank_of(terms)
             self._index[key] = len(self.letters)
-            self.letters.append(Letter(meaning, rank, terms))
+            self.letters.append(TermLetter(meaning, rank, terms))
         return self._index[key]
 
     def rank_of(self, terms: Terms) -> tuple[int, int]:
         """The place of a sum among factors."""
         highest = max((self.letters[i].rank for m in terms for i, _ in m), default=(PARAMETER, 0))
-        return (MOVING + 2 if highest[0] >= MOVING else MOVING - 1, len(self.letters))
+        return (COORDINATE + 2 if highest[0] >= COORDINATE else COORDINATE - 1, len(self.letters))
 
     def name(self, name: str, terms: Terms) -> int:
         """The letter of that name for a sum."""
         key = name, frozenset(terms.items())
         if key not in self._index:
             self._index[key] = len(self.letters)
-            self.letters.append(Letter(None, self.rank_of(terms), terms))
+            self.letters.append(TermLetter(None, self.rank_of(terms), terms))
             self.names[self._index[key]] = name
             self.named.add(self._index[key])
         return self._index[key]
@@ -188,13 +188,13 @@ class Alphabet:
     def meaning(self, letter: int) -> Any:
         """The expression that a letter stands for, names replaced."""
         found = self.letters[letter]
-        return found.meaning if found.terms is None else self._written_out(found.terms)
+        return found.meaning if found.terms is None else self._write_out(found.terms)
 
     def expression(self, terms: Terms) -> Any:
         """A sum as an expression."""
-        return self._written_out(terms).xreplace(self.angles)
+        return self._write_out(terms).xreplace(self.angles)
 
-    def _written_out(self, terms: Terms) -> Any:
+    def _write_out(self, terms: Terms) -> Any:
         return se.Add(*[
             se.Rational(c.numerator, c.denominator)
             * se.Mul(*[se.Pow(self.meaning(i), _number(e)) for i, e in m])
@@ -331,7 +331,7 @@ class Alphabet:
             return
         number, common, rest = self.primitive(terms)
         below = self.below(rest)
-        few = len(terms) <= TRIED
+        few = len(terms) <= TRIES
         if (common or number != 1) and (few or not below):
             yield self._times(number, common, self.arrange(rest, depth - 1))
         if below:
@@ -339,8 +339,8 @@ class Alphabet:
             yield self._times(number, times(common, below), self.arrange(inner, depth - 1))
             rest = inner
             common = times(common, below)
-        for kind in (VELOCITY, MOVING) if few else (VELOCITY,):
-            yield from self._collected(terms, kind, depth)
+        for kind in (VELOCITY, COORDINATE) if few else (VELOCITY,):
+            yield from self._collect(terms, kind, depth)
         yield from self._before_brackets(terms, depth)
 
     def below(self, terms: Terms) -> Monomial:
@@ -352,8 +352,8 @@ class Alphabet:
                     found[i] = e
         return tuple(sorted(found.items()))
 
-    def _product(self, number: Rational, m: Monomial) -> Product:
-        return Product(number, tuple(Factor(i, e) for i, e in m))
+    def _product(self, number: Rational, m: Monomial) -> LetterProduct:
+        return LetterProduct(number, tuple(Factor(i, e) for i, e in m))
 
     def _times(self, number: Rational, m: Monomial, *sums: Sum) -> Sum:
         """A product as a sum of one product."""
@@ -367,9 +367,9 @@ class Alphabet:
         merged: dict[Any, Rational] = {}
         for f in factors:
             merged[f.base] = _plain(merged.get(f.base, 0) + f.exponent)
-        return (Product(number, tuple(Factor(b, e) for b, e in merged.items() if e)),)
+        return (LetterProduct(number, tuple(Factor(b, e) for b, e in merged.items() if e)),)
 
-    def _collected(self, terms: Terms, kind: int, depth: int) -> Iterator[Sum]:
+    def _collect(self, terms: Terms, kind: int, depth: int) -> Iterator[Sum]:
         """By the letters of some kind; equal coefficients before brackets."""
         groups: dict[Monomial, Terms] = {}
         for m, c in terms.items():
@@ -382,7 +382,7 @@ class Alphabet:
             number, common, rest = self.primitive(coefficient)
             one = equal.setdefault(frozenset(rest.items()), (rest, {}))
             one[1][times(key, common)] = number
-        found: list[Product] = []
+        found: list[LetterProduct] = []
         for rest, cofactor in equal.values():
             if len(equal) == 1 and len(rest) == 1:
                 return
@@ -404,7 +404,7 @@ class Alphabet:
             for (i, up), n in counts.items()
             if 1 < n < len(terms)
         )
-        for _, i, up in gains[: 2 if len(terms) <= TRIED else 1]:
+        for _, i, up in gains[: 2 if len(terms) <= TRIES else 1]:
             inside, outside = Terms(), Terms()
             for m, c in terms.items():
                 e = dict(m).get(i, 0)
@@ -427,15 +427,15 @@ class Alphabet:
             self._written[parts] = self._sum_text(parts, self._product_text)
         return self._written[parts]
 
-    def _sum_text(self, parts: Sum, write: Callable[[Product], str]) -> str:
+    def _sum_text(self, parts: Sum, write: Callable[[LetterProduct], str]) -> str:
         found = ""
-        first, *others = self.in_order(parts) or [Product(0, ())]
-        for part in (_turned(first), *others) if parts else ():
+        first, *others = self.in_order(parts) or [LetterProduct(0, ())]
+        for part in (_turn(first), *others) if parts else ():
             sign = "-" if part.number < 0 else "+"
             found += f" {sign} {write(part)}" if found else sign.strip("+") + write(part)
         return found or "0"
 
-    def in_order(self, parts: Sum) -> list[Product]:
+    def in_order(self, parts: Sum) -> list[LetterProduct]:
         """The products of a sum as they are written: a positive one first."""
         found = sorted(parts, key=self._product_place)
         first = next((p for p in found if p.number > 0), None)
@@ -444,7 +444,7 @@ class Alphabet:
             found.insert(0, first)
         return found
 
-    def _product_place(self, product: Product) -> Any:
+    def _product_place(self, product: LetterProduct) -> Any:
         places = sorted(map(self._factor_place, product.factors))
         fast = [r for _, r, _ in places if r[0] >= VELOCITY]
         return not fast, fast, sum(abs(f.exponent) for f in product.factors), places
@@ -454,7 +454,7 @@ class Alphabet:
         rank = self._factor_rank(factor.base)
         late = 0
         if not isinstance(factor.base, int) or factor.base not in self.named:
-            late = int(rank[0] == MOVING + 1)
+            late = int(rank[0] == COORDINATE + 1)
         return late, rank, -factor.exponent
 
     def _factor_rank(self, base: Any) -> tuple[int, int]:
@@ -462,11 +462,11 @@ class Alphabet:
             return self.letters[base].rank
         if base not in self._ranks:
             highest = max(self._factor_rank(f.base) for p in base for f in p.factors)
-            kind = MOVING + 2 if highest[0] >= MOVING else MOVING - 1
+            kind = COORDINATE + 2 if highest[0] >= COORDINATE else COORDINATE - 1
             self._ranks[base] = kind, 0
         return self._ranks[base]
 
-    def parts(self, product: Product) -> tuple[int, int, list[Factor], list[Factor]]:
+    def parts(self, product: LetterProduct) -> tuple[int, int, list[Factor], list[Factor]]:
         """Numerator and denominator of a product without its sign: numbers and factors."""
         above, below = [], []
         for factor in sorted(self._tangents(product.factors), key=self._factor_place):
@@ -494,7 +494,7 @@ class Alphabet:
                 powers[other] += shared if up else -shared
         return [Factor(b, _plain(e)) for b, e in powers.items() if e]
 
-    def _product_text(self, product: Product) -> str:
+    def _product_text(self, product: LetterProduct) -> str:
         p, q, top_factors, bottom_factors = self.parts(product)
         above, below = ([self._power_text(f) for f in fs] for fs in (top_factors, bottom_factors))
         top = [str(p)] * (p != 1) + above
@@ -520,7 +520,7 @@ class Alphabet:
         """A sum as LaTeX."""
         return self._sum_text(parts, self._product_latex)
 
-    def _product_latex(self, product: Product) -> str:
+    def _product_latex(self, product: LetterProduct) -> str:
         p, q, above, below = self.parts(product)
         alone = [len(above) == p and bool(below), len(below) == q]
         top, bottom = map(self._factors_latex, (above, below), alone)
@@ -564,18 +564,18 @@ class Alphabet:
         return text + power if simple or "left" in text else f"({text}){power}"
 
 
-def _turned(product: Product) -> Product:
+def _turn(product: LetterProduct) -> LetterProduct:
     """A product with a sign before it, where a bracket can take it: (b - a) x for -(a - b) x."""
     for place, (base, e) in enumerate(product.factors if product.number < 0 else ()):
         odd = isinstance(e, int) and e % 2
         if not isinstance(base, int) and odd and any(p.number < 0 for p in base):
             factors = list(product.factors)
-            factors[place] = Factor(negated(base), e)
-            return Product(-product.number, tuple(factors))
+            factors[place] = Factor(negate(base), e)
+            return LetterProduct(-product.number, tuple(factors))
     return product
 
 
-def negated(parts: Sum) -> Sum:
+def negate(parts: Sum) -> Sum:
     """The negative of a sum, arranged as it is."""
     return tuple(p._replace(number=-p.number) for p in parts)
 

@@ -22,26 +22,26 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import symengine as se
 
+from voronec.algebra.bracket_depth import BracketDepth
 from voronec.algebra.laurent import (
     ACCELERATION,
-    MOVING,
+    COORDINATE,
     PARAMETER,
     VELOCITY,
     Alphabet,
     Factor,
+    LetterProduct,
     Monomial,
-    Product,
     Rational,
     Sum,
     Terms,
     add,
     divide,
     mul,
-    negated,
+    negate,
     over,
     times,
 )
-from voronec.algebra.nesting import Nesting
 from voronec.algebra.roots import ring_over
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.typeset import caret_text, latex_of, symbol_latex
@@ -66,7 +66,7 @@ STAYS = "\N{NO-BREAK SPACE}"
 WORDS_STAY: Any = {"break_long_words": False, "break_on_hyphens": False}
 ONE = 1
 TRIGONOMETRIC = (se.sin, se.cos, se.tan, se.cot)
-WRITTEN_OUT = 200
+LONG_SUM = 200
 """Equations of more terms keep the brackets of the exact form."""
 MOST = 4000
 """Terms of one equation, at most."""
@@ -76,7 +76,7 @@ PROOF = 600_000
 """Work of the proof of one equation."""
 GAIN = 4
 """Characters that a name must save: who reads has to look it up."""
-TRIED = 6
+TRIES = 6
 """Names that are tried at once, those first that seem to save most."""
 CONSTANTS, MOTIONS = "K L N P Q S U W Z A B C F H".split(), "D E F G H T Y X V U".split()
 ANGLES = "delta epsilon eta zeta xi".split()
@@ -91,7 +91,7 @@ class Draft(NamedTuple):
     names: tuple[tuple[int, Terms], ...] = ()
 
 
-class Row(NamedTuple):
+class EquationRow(NamedTuple):
     """An equation as it is printed, and what it was multiplied by."""
 
     left: Sum
@@ -119,7 +119,7 @@ class ReadableEquations:
 
     alphabet: Alphabet
     rates: tuple[tuple[Sum, Sum], ...]
-    rows: tuple[Row, ...]
+    rows: tuple[EquationRow, ...]
     names: tuple[tuple[Sum, Sum], ...]
 
     @property
@@ -172,7 +172,7 @@ class ReadableEquations:
     def _in_columns(self, parts: Sum, begun: int) -> list[str]:
         """The terms of a sum in lines that fit a column."""
         lines, room = [""], COLUMN - begun
-        for product in self.alphabet.in_order(parts) or [Product(0, ())]:
+        for product in self.alphabet.in_order(parts) or [LetterProduct(0, ())]:
             text, width = self.alphabet.latex((product,)), self.alphabet.length((product,))
             if lines[-1] and room < width:
                 lines.append("")
@@ -220,39 +220,39 @@ def break_lines(row: str, width: int) -> list[str]:
 
 def readable(equations: DerivedEquations) -> ReadableEquations:
     """The form for people, kept with the equations."""
-    return _search(equations).found
+    return _search(equations).shortest
 
 
 def short_texts(equations: DerivedEquations, given: dict[str, Any]) -> list[list[tuple[str, str]]]:
     """Expressions beside the equations, such as the curvature, with what they are called, in texts
     that use the names of the equations; then what is named in them alone."""
-    return _search(equations).arranged(given)
+    return _search(equations).arrange_rows(given)
 
 
-def _search(equations: DerivedEquations) -> _Search:
-    return equations.memo.once("readable", lambda: _Search(equations))
+def _search(equations: DerivedEquations) -> FormSearch:
+    return equations.memo.once("readable", lambda: FormSearch(equations))
 
 
 @dataclass
-class _Search:
+class FormSearch:
     """The way from the exact form to the form for people."""
 
     equations: DerivedEquations
     alphabet: Alphabet = field(init=False)
-    printed: dict[Any, tuple[int, Row]] = field(default_factory=dict)
+    printed: dict[Any, tuple[int, EquationRow]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         form = self.form = self.equations.best.form
         self.dots = form.velocity_symbols or tuple(se.Symbol(f"{q}dot") for q in form.coordinates)
         self.accelerations = [se.Symbol(f"d{v}/dt") for v in form.velocities]
         self.texts = {
-            a: _dotted(str(v)) for a, v in zip(self.accelerations, form.velocities, strict=True)
+            a: _dot(str(v)) for a, v in zip(self.accelerations, form.velocities, strict=True)
         }
         self.ranks: dict[Any, tuple[int, int]] = {}
         for kind, things in (
             (ACCELERATION, self.accelerations),
             (VELOCITY, (*form.velocities, *self.dots)),
-            (MOVING, (form.time, *form.inputs, *form.coordinates)),
+            (COORDINATE, (form.time, *form.inputs, *form.coordinates)),
             (PARAMETER, form.parameters),
         ):
             for place, thing in enumerate(things):
@@ -266,11 +266,11 @@ class _Search:
         if atom in self.ranks:
             return self.ranks[atom]
         inside = atom.xreplace(self.alphabet.angles).free_symbols
-        places = [self.ranks.get(s, (MOVING, 0)) for s in inside]
+        places = [self.ranks.get(s, (COORDINATE, 0)) for s in inside]
         highest = max(places, default=(PARAMETER, 0))
-        if highest[0] < MOVING:
+        if highest[0] < COORDINATE:
             return PARAMETER + 1, len(self.alphabet.letters)
-        return (MOVING + 1 if highest[0] < VELOCITY else highest[0], len(self.alphabet.letters))
+        return (COORDINATE + 1 if highest[0] < VELOCITY else highest[0], len(self.alphabet.letters))
 
     def _text(self, atom: Any) -> str:
         if isinstance(atom, TRIGONOMETRIC):
@@ -309,14 +309,14 @@ class _Search:
     # -- drafts -------------------------------------------------------------------------------
 
     @cached_property
-    def found(self) -> ReadableEquations:
+    def shortest(self) -> ReadableEquations:
         """The shortest draft that is proved."""
         self.alphabet.whole = True
         plain = self._draft(self.form)
-        forms = [(self.finished(draft), draft) for draft in self._shortened(plain)]
+        forms = [(self.finish(draft), draft) for draft in self._shorten(plain)]
         forms.sort(key=lambda one: one[0].length)
         proved = (form for form, draft in forms if self.proved(form, draft))
-        return next(proved, None) or self.finished(plain)
+        return next(proved, None) or self.finish(plain)
 
     def _draft(self, form: FirstOrderForm) -> Draft:
         read = self.alphabet.read
@@ -331,7 +331,7 @@ class _Search:
         ]
         return Draft(form, tuple(rows), tuple(rates))
 
-    def _shortened(self, plain: Draft) -> Iterator[Draft]:
+    def _shorten(self, plain: Draft) -> Iterator[Draft]:
         """The exact form written out and as it stands, each after all moves."""
         self.alphabet.whole = spent = False
         try:
@@ -339,17 +339,17 @@ class _Search:
             if (solved := solved_form(self.equations)) is not None:
                 spread.append(self._draft(solved))
             for draft in sorted(spread, key=_size):
-                long = _size(draft) > WRITTEN_OUT
+                long = _size(draft) > LONG_SUM
                 if not long:
                     yield self._improve(draft)
-                spent |= long or self._spent()
+                spent |= long or self._spend()
             if not spent:  # nothing shorter is found in the brackets
                 return
         except EngineLimit:
             pass
         yield self._improve(plain)
 
-    def _spent(self) -> bool:
+    def _spend(self) -> bool:
         return self.alphabet.work > self.alphabet.limit
 
     def _improve(self, draft: Draft) -> Draft:
@@ -357,10 +357,10 @@ class _Search:
         self.alphabet.work, self.alphabet.limit = 0, BUDGET
         length, moved = self.length(draft), True
         moves = self._angles, self._names, self._identities, self._monomials
-        while moved and not self._spent():
+        while moved and not self._spend():
             moved = False
             for other, least in chain.from_iterable(move(draft) for move in moves):
-                if self._spent():
+                if self._spend():
                     break
                 found = self.length(other)
                 if found <= length - least:
@@ -380,14 +380,14 @@ class _Search:
     def _length(self, terms: Terms) -> int:
         return self.alphabet.length(self.alphabet.arrange(terms))
 
-    def row(self, place: int, terms: Terms) -> tuple[int, Row]:
+    def row(self, place: int, terms: Terms) -> tuple[int, EquationRow]:
         """The equation of that place as it is printed, multiplied by what makes it short."""
         key = place, frozenset(terms.items())
         if key not in self.printed:
             self.printed[key] = self._row(place, terms)
         return self.printed[key]
 
-    def _row(self, place: int, terms: Terms) -> tuple[int, Row]:
+    def _row(self, place: int, terms: Terms) -> tuple[int, EquationRow]:
         alphabet = self.alphabet
         number, common, _ = alphabet.primitive(terms)
         common = tuple(p for p in common if alphabet.letters[p[0]].rank[0] < ACCELERATION)
@@ -397,11 +397,11 @@ class _Search:
         rest = {times(m, below, -1): c for m, c in rest.items()}
         best = self._sides(place, rest)
         led = [dict(m) for m in rest if self._leads(m)]
-        for i, _ in below if len(rest) <= WRITTEN_OUT else ():
+        for i, _ in below if len(rest) <= LONG_SUM else ():
             most = min if alphabet.letters[i].moves else max
             for _ in range(int(most((m.get(i, 0) for m in led), default=0))):
                 other = {times(m, ((i, 1),), -1): c for m, c in rest.items()}
-                if len(rest) > 2 * TRIED and self._flat_length(other) > self._flat_length(rest):
+                if len(rest) > 2 * TRIES and self._flat_length(other) > self._flat_length(rest):
                     break
                 found = self._sides(place, other)
                 whole = all(m.get(i, 0) > 0 for m in led)
@@ -409,7 +409,7 @@ class _Search:
                     break
                 rest, best, factor = other, found, times(factor, ((i, 1),))
         length, left, right, sign = best
-        return length, Row(left, right, over(sign, number), times((), factor, -1))
+        return length, EquationRow(left, right, over(sign, number), times((), factor, -1))
 
     def _sides(self, place: int, rest: Terms) -> tuple[int, Sum, Sum, int]:
         """Accelerations on the left, its own with a positive mass, everything else on the right."""
@@ -418,7 +418,7 @@ class _Search:
         letters = self.alphabet.letters
         own = [m for m in left if any(letters[i].rank == (ACCELERATION, place) for i, _ in m)]
         still = [
-            m for m in own if not any(MOVING <= letters[i].rank[0] < ACCELERATION for i, _ in m)
+            m for m in own if not any(COORDINATE <= letters[i].rank[0] < ACCELERATION for i, _ in m)
         ]
         sign = -1 if sum(1 if left[m] > 0 else -1 for m in still or own or left) < 0 else 1
         left, right = ({m: sign * c for m, c in p.items()} for p in (left, right))
@@ -439,21 +439,21 @@ class _Search:
         """Drafts with an identity used, in one equation or in all."""
         rules = [*self._rules(draft)]
         for rule in rules:
-            rows = [self._apply(rule, terms) for terms in draft.rows]
+            rows = [self.apply_rule(rule, terms) for terms in draft.rows]
             shorter = [self._flat_length(a) < self._flat_length(b)
                        for a, b in zip(rows, draft.rows, strict=True)]  # fmt: skip
             for i, row in enumerate(rows):
                 if shorter[i]:
                     yield draft._replace(rows=(*draft.rows[:i], row, *draft.rows[i + 1 :])), 1
             if sum(shorter) > 1 or not any(shorter):
-                found = self._rewritten(draft, lambda terms: self._shorter(rule, terms), {})  # noqa: B023
+                found = self._rewrite(draft, lambda terms: self._shorter(rule, terms), {})  # noqa: B023
                 if rule.kinematic:
                     found = found._replace(rates=draft.rates)
                 if found != draft:
                     yield found, 1
 
     def _shorter(self, rule: Rule, terms: Terms) -> Terms:
-        found = self._apply(rule, terms)
+        found = self.apply_rule(rule, terms)
         return found if self._flat_length(found) < self._flat_length(terms) else terms
 
     def _flat_length(self, terms: Terms) -> int:
@@ -461,7 +461,7 @@ class _Search:
         text = self.alphabet.letter_text
         return sum(2 + sum(len(text(i)) + 2 * (e != 1) for i, e in m) for m in terms)
 
-    def _apply(self, rule: Rule, terms: Terms) -> Terms:
+    def apply_rule(self, rule: Rule, terms: Terms) -> Terms:
         if not rule.head:
             quotient, rest = divide(terms, rule.terms)
             return add(mul(quotient, rule.value), rest) if quotient else terms
@@ -485,7 +485,7 @@ class _Search:
             yield Rule(mul(c, c), add({(): ONE}, mul({(): -ONE}, mul(s, s))), True)
             yield Rule(add(mul(s, s), mul(c, c)), {(): ONE}, False)
         for relation in self.form.relations:
-            yield from self._heads(read(relation), lambda r: r >= MOVING)
+            yield from self._heads(read(relation), lambda r: r >= COORDINATE)
         for letter, rate in draft.rates:
             yield from self._heads(
                 add(rate, {((letter, 1),): -ONE}), lambda r: r >= VELOCITY, letter
@@ -495,7 +495,7 @@ class _Search:
         """A relation solved for what moves in each of its terms."""
         letters = self.alphabet.letters
         for m, c in relation.items():
-            head = tuple((i, e) for i, e in m if letters[i].rank[0] >= MOVING)
+            head = tuple((i, e) for i, e in m if letters[i].rank[0] >= COORDINATE)
             if any(i == kept for i, _ in m) or not any(moves(letters[i].rank[0]) for i, _ in head):
                 continue
             rest = {n: d for n, d in relation.items() if n != m}
@@ -516,7 +516,7 @@ class _Search:
                 counts[key] += 1
         length = {key: self._length(found[key]) for key, count in counts.items() if count > 1}
         for key in sorted(length, key=lambda key: (-counts[key] * length[key], length[key]))[
-            :TRIED
+            :TRIES
         ]:
             yield self._with_name(draft, found[key]), GAIN
 
@@ -547,7 +547,7 @@ class _Search:
         return total
 
     def _with_name(self, draft: Draft, terms: Terms) -> Draft:
-        letter = self._named(terms, (i for i, _ in draft.names))
+        letter = self._name_parts(terms, (i for i, _ in draft.names))
 
         def change(sum_: Terms) -> Terms:
             if len(terms) > 1:
@@ -559,10 +559,10 @@ class _Search:
                 for m, c in sum_.items()
             }
 
-        found = self._rewritten(draft, change, {})
+        found = self._rewrite(draft, change, {})
         return found._replace(names=(*found.names, (letter, terms)))
 
-    def _rewritten(self, draft: Draft, change: Any, swaps: dict[int, int]) -> Draft:
+    def _rewrite(self, draft: Draft, change: Any, swaps: dict[int, int]) -> Draft:
         """A draft with all of its sums changed and letters swapped, inside of letters too."""
         alphabet, known = self.alphabet, dict(swaps)
 
@@ -594,7 +594,7 @@ class _Search:
             tuple((i, whole(of)) for i, of in draft.names),
         )
 
-    def _named(self, terms: Terms, names: Iterable[int]) -> int:
+    def _name_parts(self, terms: Terms, names: Iterable[int]) -> int:
         """A letter for a sum beside other names."""
         moving = any(self.alphabet.letters[i].moves for m in terms for i, _ in m)
         return self.alphabet.name(self._free(names, MOTIONS if moving else CONSTANTS), terms)
@@ -620,13 +620,13 @@ class _Search:
             if len(both := a & b) > 1:
                 counts[tuple(sorted(both))] += 1
         gains = {}
-        for m, _ in counts.most_common(2 * TRIED):
+        for m, _ in counts.most_common(2 * TRIES):
             width = self._length({m: ONE})
             gains[m] = (sum(set(m) <= one for one in found) - 1) * (width - 1) - 4
-        for m in sorted((m for m in gains if gains[m] > GAIN), key=lambda m: -gains[m])[:TRIED]:
+        for m in sorted((m for m in gains if gains[m] > GAIN), key=lambda m: -gains[m])[:TRIES]:
             yield self._with_name(draft, {m: ONE}), 5 * GAIN
 
-    def _products(self, draft: Draft) -> Iterator[Product]:
+    def _products(self, draft: Draft) -> Iterator[LetterProduct]:
         """The products that are printed."""
         sides = [side for row in enumerate(draft.rows) for side in self.row(*row)[1][:2]]
         sides += [self.alphabet.arrange(terms) for _, terms in (*draft.rates, *draft.names)]
@@ -650,13 +650,13 @@ class _Search:
         angles = {str(m.args[0]): m.args[0] for m in meanings if isinstance(m, TRIGONOMETRIC)}
         for stand_in in (angles[a] for a in sorted(angles) if a.startswith("angle ")):
             name = se.Symbol(self._free((i for i, _ in draft.names), ANGLES))
-            known[name], self.ranks[name] = known[stand_in], (MOVING, len(known) + 99)
+            known[name], self.ranks[name] = known[stand_in], (COORDINATE, len(known) + 99)
             swaps = {
                 i: self.alphabet.index(meaning.func(name))
                 for i, meaning in zip(used, meanings, strict=True)
                 if isinstance(meaning, TRIGONOMETRIC) and meaning.args[0] == stand_in
             }
-            found = self._rewritten(draft, _same, swaps)
+            found = self._rewrite(draft, _same, swaps)
             letter = self.alphabet.index(name)
             terms = self.alphabet.read(known[stand_in])
             yield found._replace(names=(*found.names, (letter, terms))), GAIN
@@ -701,22 +701,22 @@ class _Search:
         ring = ring_over([expr], self.form.relations, PROOF)
         return bool(ring.fraction(expr).num == 0)
 
-    def finished(self, draft: Draft) -> ReadableEquations:
+    def finish(self, draft: Draft) -> ReadableEquations:
         """The draft as it is printed."""
         arrange, rows = self.alphabet.arrange, [self.row(*row)[1] for row in enumerate(draft.rows)]
-        nesting = self.nesting((i, arrange(terms)) for i, terms in draft.names)
+        nesting = self.depth_of((i, arrange(terms)) for i, terms in draft.names)
         sides = [arrange(terms) for _, terms in draft.rates]
-        sides = nesting.folded([*sides, *(side for row in rows for side in row[:2])])
+        sides = nesting.fold([*sides, *(side for row in rows for side in row[:2])])
         names = tuple((_letter(i), nesting.definitions[i]) for i in nesting.read_in_order(sides))
         rates = tuple((_letter(i), sides.pop(0)) for i, _ in draft.rates)
         for k, row in enumerate(rows):
             left, right, number = sides[2 * k], sides[2 * k + 1], row.number
             if self.alphabet.text(left).startswith("-"):
-                left, right, number = negated(left), negated(right), -number
-            rows[k] = Row(left, right, number, row.factor)
+                left, right, number = negate(left), negate(right), -number
+            rows[k] = EquationRow(left, right, number, row.factor)
         return ReadableEquations(self.alphabet, rates, tuple(rows), names)
 
-    def arranged(self, given: dict[str, Any]) -> list[list[tuple[str, str]]]:
+    def arrange_rows(self, given: dict[str, Any]) -> list[list[tuple[str, str]]]:
         """Expressions arranged as the equations are, and what is named in them alone."""
         with suppress(EngineLimit):
             if found := self._proved_texts(given):
@@ -725,7 +725,7 @@ class _Search:
 
     def _proved_texts(self, given: dict[str, Any]) -> list[list[tuple[str, str]]]:
         alphabet, letters = self.alphabet, self.alphabet.letters
-        names = {name[0].factors[0].base: meaning for name, meaning in self.found.names}
+        names = {name[0].factors[0].base: meaning for name, meaning in self.shortest.names}
         alphabet.whole, alphabet.work = True, 0
         exact = [self.equations.bridge.inward(e) for e in given.values()]
         draft = Draft(self.form, tuple(map(alphabet.read, exact)), ())
@@ -736,9 +736,9 @@ class _Search:
             if e in named and a != named[e]
             for f in (se.sin, se.cos)
         }
-        nesting = self.nesting(names.items())
-        rows = self._rewritten(draft, _same, swaps).rows
-        sides = nesting.folded(map(alphabet.arrange, rows))
+        nesting = self.depth_of(names.items())
+        rows = self._rewrite(draft, _same, swaps).rows
+        sides = nesting.fold(map(alphabet.arrange, rows))
         proofs = (
             self.alphabet.expression(self._spread(a)) - b for a, b in zip(sides, exact, strict=True)
         )
@@ -751,17 +751,17 @@ class _Search:
             [pair for i, pair in zip(own, below, strict=True) if i not in names],
         ]
 
-    def nesting(self, names: Iterable[tuple[int, Sum]]) -> Nesting:
+    def depth_of(self, names: Iterable[tuple[int, Sum]]) -> BracketDepth:
         """What names brackets that are nested too deeply, or do not fit a line."""
-        fresh = lambda parts, others: self._named(self._spread(parts), others)  # noqa: E731
-        return Nesting(self.alphabet, fresh, WIDTH - 8, names)
+        fresh = lambda parts, others: self._name_parts(self._spread(parts), others)  # noqa: E731
+        return BracketDepth(self.alphabet, fresh, WIDTH - 8, names)
 
 
 def _letter(letter: int) -> Sum:
-    return (Product(ONE, (Factor(letter, 1),)),)
+    return (LetterProduct(ONE, (Factor(letter, 1),)),)
 
 
-def _dotted(name: str) -> str:
+def _dot(name: str) -> str:
     return f"{name[:-3]}ddot" if name.endswith("dot") else f"{name}dot"
 
 

@@ -12,9 +12,9 @@ from collections.abc import Callable, Iterable
 from math import inf
 from typing import Any
 
-from voronec.algebra.laurent import ACCELERATION, Alphabet, Factor, Product, Sum, negated
+from voronec.algebra.laurent import ACCELERATION, Alphabet, Factor, LetterProduct, Sum, negate
 
-__all__ = ["Nesting", "depth"]
+__all__ = ["BracketDepth", "depth"]
 
 DEEP = 3
 """Brackets are not nested deeper."""
@@ -29,7 +29,7 @@ def depth(text: str) -> int:
     return most
 
 
-class Nesting:
+class BracketDepth:
     """Sums of an alphabet and what is named in them.
 
     ``fresh`` makes a letter for a sum beside the names that there are; ``room`` is how many
@@ -50,11 +50,11 @@ class Nesting:
         for letter, parts in names:
             new, own, terms = letter, parts, alphabet.letters[letter].terms
             if terms and alphabet.text(parts).startswith("-"):  # what is positive has the name
-                own, opposite = negated(parts), {m: -c for m, c in terms.items()}
+                own, opposite = negate(parts), {m: -c for m, c in terms.items()}
                 new = self._turned[letter] = alphabet.name(alphabet.names[letter], opposite)
             self._define(new, own)
 
-    def folded(self, sides: Iterable[Sum]) -> list[Sum]:
+    def fold(self, sides: Iterable[Sum]) -> list[Sum]:
         """Sides of equations with names, which stand in what is named too."""
         found = [*sides]
         for _ in range(2):
@@ -81,17 +81,17 @@ class Nesting:
     def _side(self, parts: Sum) -> Sum:
         return tuple(self._product(product, self._room) for product in parts)
 
-    def _product(self, product: Product, room: float = inf) -> Product:
+    def _product(self, product: LetterProduct, room: float = inf) -> LetterProduct:
         """A product with names that there are, and with new ones until it is shallow and fits."""
         for k, (base, _) in enumerate(product.factors):
             if base in self._turned:
-                product = _replaced(product, k, self._turned[base], -1)
+                product = _replace_factor(product, k, self._turned[base], -1)
             elif (inside := self._inside(base)) is not None:
                 parts = tuple(map(self._product, inside))
                 if parts in self._named:
-                    product = _replaced(product, k, *self._name(parts))
+                    product = _replace_factor(product, k, *self._name(parts))
                 elif parts != inside:
-                    product = _replaced(product, k, parts, 1)
+                    product = _replace_factor(product, k, parts, 1)
         while (deep := depth(text := self.alphabet.text((product,))) > DEEP) or len(text) > room:
             inside_of = {k: self._inside(f.base) for k, f in enumerate(product.factors)
                          if not self._leads(f.base)}  # fmt: skip
@@ -99,7 +99,7 @@ class Nesting:
             if not texts:
                 break
             worst = max(texts, key=lambda k: (deep * depth(texts[k]), len(texts[k])))
-            product = _replaced(product, worst, *self._name(inside_of[worst] or ()))
+            product = _replace_factor(product, worst, *self._name(inside_of[worst] or ()))
         return product
 
     def _inside(self, base: Any) -> Sum | None:
@@ -119,7 +119,7 @@ class Nesting:
     def _name(self, parts: Sum) -> tuple[int, int]:
         """The letter that is named for a sum, or for its negative, and the sign."""
         if parts not in self._named:
-            own = negated(parts) if self.alphabet.text(parts).startswith("-") else parts
+            own = negate(parts) if self.alphabet.text(parts).startswith("-") else parts
             letter = self._fresh(own, self.definitions)
             self._define(letter, own)
             self.definitions[letter] = self._side(own)
@@ -127,13 +127,13 @@ class Nesting:
 
     def _define(self, letter: int, parts: Sum) -> None:
         self.definitions[letter] = parts
-        self._named |= {parts: (letter, 1), negated(parts): (letter, -1)}
+        self._named |= {parts: (letter, 1), negate(parts): (letter, -1)}
 
 
-def _replaced(product: Product, k: int, base: Any, sign: int) -> Product:
+def _replace_factor(product: LetterProduct, k: int, base: Any, sign: int) -> LetterProduct:
     """A product with another base, times a sign, under one of its exponents."""
     factors, e = list(product.factors), product.factors[k].exponent
     if sign < 0 and not isinstance(e, int):
-        base, sign = (Product(-1, (Factor(base, 1),)),), 1
+        base, sign = (LetterProduct(-1, (Factor(base, 1),)),), 1
     factors[k] = Factor(base, e)
-    return Product(product.number * (sign if e % 2 else 1), tuple(factors))
+    return LetterProduct(product.number * (sign if e % 2 else 1), tuple(factors))
