@@ -100,7 +100,7 @@ class Trial:
             "polynomial", vo.Fibration(x), vo.velocity(x) ** 2 / 2, forces={x: force},
             parameters=tuple(parameters),
         )  # fmt: skip
-        asked = {
+        asked: dict[str, Any] = {
             "parameters": parameters,
             "initial": initial,
             "method": self.method,
