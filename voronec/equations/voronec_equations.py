@@ -143,6 +143,9 @@ def _curvature_lines(eqs: VoronecEquations, width: int) -> list[str]:
         }  # fmt: skip
         found |= {f"A^{fibre}[{base[i]}]": eqs.curvature.time[nu, i] for i in size}
     rows, names = short_texts(eqs, {name: e for name, e in found.items() if e != 0})
+    length = sum(len(text) for _, text in (*rows, *names))
+    if length > LONGEST:
+        return [f"curvature  too large to print, {length} characters: see eqs.curvature"]
     lines = ["curvature", *(equation_lines(rows, width) or ["  vanishes"])]
     return [*lines, "", "where", *equation_lines(names, width)] if names else lines
 
