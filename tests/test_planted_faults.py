@@ -26,10 +26,10 @@ planted_faults = tool("planted_faults")
 def test_each_kind_of_fault_is_planted_where_it_is(text: str, faults: set[tuple[str, str]]) -> None:
     source = f"above\n{text}\n".encode()
     made = planted_faults.faults_in("voronec/x.py", source)
-    found = {(fault.kind, fault.planted(source).decode().split("\n")[1]) for fault in made}
+    found = {(fault.kind, fault.plant_in(source).decode().split("\n")[1]) for fault in made}
     assert found == faults and {fault.line for fault in made} <= {2}
     for fault in made:
-        ast.parse(fault.planted(source))
+        ast.parse(fault.plant_in(source))
 
 
 def test_the_files_that_are_most_about_a_module_come_first() -> None:
