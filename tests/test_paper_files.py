@@ -11,7 +11,7 @@ import voronec as vo
 from voronec.errors import DefinitionError
 
 HERE = Path(__file__).parent
-NOTES = HERE.parent / "systems" / "notes"
+NOTES = HERE.parent / "docs" / "notes"
 SYSTEMS = {"ball": "chaplygin-ball", "suslov": "suslov"}
 SLEIGH = """name = "sleigh-note"
 lagrangian = "m*((xdot - a*sin(phi)*phidot)^2 + (ydot + a*cos(phi)*phidot)^2)/2 + J*phidot^2/2"
