@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 import voronec as vo
 from voronec import Fibration, Frame, Parameter, System, time, velocity
 from voronec.algebra.tape import Tape
+from voronec.equations.derivation import Derivation
 
 pytestmark = pytest.mark.slow
 
@@ -260,16 +261,17 @@ def test_power_balance(seed):
 def test_exact_and_raw_forms_agree(seed, framed):
     system = small(seed, framed)
     eqs = vo.derive(system)
-    assert eqs.in_normal_form
+    # without the budget that dense systems like these exceed
+    exact = Derivation(eqs.definition, exact=True)
     names = (*system.coordinates, *system.velocities, time, k)
     at = {eqs.bridge.inward(c): flint.fmpq(7 * i + 4, 29) for i, c in enumerate(names)}
     for one, other in (
-        ([*chain.from_iterable(eqs.exact.mass)], [*chain.from_iterable(eqs.raw.mass)]),
-        (eqs.exact.force, eqs.raw.force),
-        (eqs.exact.rates, eqs.raw.rates),
-        (eqs.exact.right, eqs.raw.right),
-        (eqs.exact.momenta, eqs.raw.momenta),
-        (eqs.exact.quasi_momenta, eqs.raw.quasi_momenta),
+        ([*chain.from_iterable(exact.mass)], [*chain.from_iterable(eqs.raw.mass)]),
+        (exact.force, eqs.raw.force),
+        (exact.rates, eqs.raw.rates),
+        (exact.right, eqs.raw.right),
+        (exact.momenta, eqs.raw.momenta),
+        (exact.quasi_momenta, eqs.raw.quasi_momenta),
     ):
         left, right = Tape(one).arb(at, 300), Tape(other).arb(at, 300)
         assert all(p.overlaps(q) for p, q in zip(left, right, strict=True))

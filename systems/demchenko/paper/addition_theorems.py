@@ -1,5 +1,4 @@
-"""Elliptic functions and addition theorems: the displays as printed, and what they are compared
-with."""
+"""Elliptic functions and addition theorems: the displays as printed, and what they are compared with."""
 
 from __future__ import annotations
 

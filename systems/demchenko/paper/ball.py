@@ -107,9 +107,9 @@ $$""",
         ),
         Display(
             r"""\begin{eqnarray}
-\tilde{\mathbf T}&=& \frac12\big(A_1 p_1^2+A_1 q_1^2+C_1 r_1^2\big)+\frac12\big(A_2 p_2^2+A_2
-q_2^2+C_2 r_2^2\big)+\frac12\mathbf M \mathbf w^2\nonumber \\ &=& \frac12\big(A p_1^2+A q_1^2+C
-r_1^2\big)+\frac12 k r_2+\frac12 \mathbf M \mathbf w^2, \quad A=A_1+A_2, \quad C=C_1, \label{kinMod**} \end{eqnarray}""",
+\tilde{\mathbf T}&=& \frac12\big(A_1 p_1^2+A_1 q_1^2+C_1 r_1^2\big)+\frac12\big(A_2 p_2^2+A_2 q_2^2+C_2 r_2^2\big)+\frac12\mathbf M \mathbf w^2\nonumber \\
+&=& \frac12\big(A p_1^2+A q_1^2+C r_1^2\big)+\frac12 k r_2+\frac12 \mathbf M \mathbf w^2, \quad A=A_1+A_2, \quad C=C_1, \label{kinMod**}
+\end{eqnarray}""",
             (ANY_MOTION, ANY_MOTION, ANY_MOTION),
         ),
         Display(
@@ -130,8 +130,8 @@ r_1^2\big)+\frac12 k r_2+\frac12 \mathbf M \mathbf w^2, \quad A=A_1+A_2, \quad C
         ),
         Display(
             r"""\[
-\alpha_1''=\sin u_1\sin\vartheta, \quad \beta_1''=-\sin u_1\cos\vartheta, \quad \gamma_1''=-\cos
-u_1. \]""",
+\alpha_1''=\sin u_1\sin\vartheta, \quad \beta_1''=-\sin u_1\cos\vartheta, \quad \gamma_1''=-\cos u_1.
+\]""",
             (ANY_MOTION, ANY_MOTION, ANY_MOTION),
         ),
         Display(

@@ -1,5 +1,4 @@
-"""The Voronec principle and rolling of a body over a surface: the displays as printed, and what
-they are compared with."""
+"""The Voronec principle and rolling of a body over a surface: the displays as printed, and what they are compared with."""
 
 from __future__ import annotations
 
@@ -72,19 +71,19 @@ BODY = Section(
     displays=(
         Display(
             r"""\[
-K_1(u,  v, \vartheta, u_1, v_1, \dot u, \dot v, \dot \vartheta)=\frac{\partial{T}}{\partial \dot
-u_1},\quad K_2(u,  v, \vartheta, u_1, v_1, \dot u, \dot v, \dot \vartheta)=\frac{\partial{T}}{\partial \dot v_1} \]""",
+K_1(u,  v, \vartheta, u_1, v_1, \dot u, \dot v, \dot \vartheta)=\frac{\partial{T}}{\partial \dot u_1},\quad K_2(u,  v, \vartheta, u_1, v_1, \dot u, \dot v, \dot \vartheta)=\frac{\partial{T}}{\partial \dot v_1}
+\]""",
             (DEFINITION, DEFINITION),
         ),
         Display(
             r"""\[
 \begin{aligned}
 K_1&=M\sqrt{E_1}\big[(\epsilon s-\rho_u n)\cos \vartheta+(\epsilon\tau-\rho_v n)\sin\vartheta\big]\\
-&+\frac{1}{2\sqrt{E_1G_1}}\frac{\partial E_1}{\partial v_1}\frac{\partial\Theta}{\partial
-n}-\frac{D_1}{\sqrt{E_1}}\Big(\frac{\partial \Theta}{\partial s}\cos\vartheta+\frac{\partial
-\Theta}{\partial \tau}\sin\vartheta\Big),\\ K_2&=M\sqrt{G_1}\big[(\epsilon s-\rho_u n)\sin
-\vartheta-(\epsilon\tau-\rho_v n)\cos\vartheta\big]\\ &+\frac{1}{2\sqrt{E_1G_1}}\frac{\partial
-G_1}{\partial u_1}\frac{\partial\Theta}{\partial n}+\frac {D''_1}{\sqrt{G_1}}\Big(\frac{\partial \Theta}{\partial \tau}\cos\vartheta-\frac{\partial \Theta}{\partial s}\sin\vartheta\Big). \end{aligned} \]""",
+&+\frac{1}{2\sqrt{E_1G_1}}\frac{\partial E_1}{\partial v_1}\frac{\partial\Theta}{\partial n}-\frac{D_1}{\sqrt{E_1}}\Big(\frac{\partial \Theta}{\partial s}\cos\vartheta+\frac{\partial \Theta}{\partial \tau}\sin\vartheta\Big),\\
+K_2&=M\sqrt{G_1}\big[(\epsilon s-\rho_u n)\sin \vartheta-(\epsilon\tau-\rho_v n)\cos\vartheta\big]\\
+&+\frac{1}{2\sqrt{E_1G_1}}\frac{\partial G_1}{\partial u_1}\frac{\partial\Theta}{\partial n}+\frac {D''_1}{\sqrt{G_1}}\Big(\frac{\partial \Theta}{\partial \tau}\cos\vartheta-\frac{\partial \Theta}{\partial s}\sin\vartheta\Big).
+\end{aligned}
+\]""",
             (momentum(0), momentum(1)),
         ),
         Display(
@@ -99,17 +98,17 @@ G_1}{\partial u_1}\frac{\partial\Theta}{\partial n}+\frac {D''_1}{\sqrt{G_1}}\Bi
         Display(
             r"""$$
 \begin{aligned}
-\frac{1}{\sqrt{E_1}}\big[\sqrt{E}(n\delta u-\dot u n')\cos \vartheta +\sqrt{G}(n\delta v-\dot v
-n')\sin\vartheta\big],\\ \frac{1}{\sqrt{G_1}}\big[\sqrt{E}(n\delta u-\dot u n')\sin \vartheta
--\sqrt{G}(n\delta v-\dot v n')\cos\vartheta\big],\\ \end{aligned}
+\frac{1}{\sqrt{E_1}}\big[\sqrt{E}(n\delta u-\dot u n')\cos \vartheta +\sqrt{G}(n\delta v-\dot v n')\sin\vartheta\big],\\
+\frac{1}{\sqrt{G_1}}\big[\sqrt{E}(n\delta u-\dot u n')\sin \vartheta -\sqrt{G}(n\delta v-\dot v n')\cos\vartheta\big],\\
+\end{aligned}
 $$""",
             (transposition(0), transposition(1)),
         ),
         Display(
             r"""$$
-n'=-\delta\vartheta+\frac{1}{2\sqrt{GE}}\Big(\frac{\partial E}{\partial v}\delta u-\frac{\partial
-G}{\partial u}\delta v\Big)+ \frac{1}{2\sqrt{G_1E_1}}\Big(\frac{\partial E_1}{\partial v_1}\delta
-u_1-\frac{\partial G_1}{\partial u_1}\delta v_1\Big). $$"""
+n'=-\delta\vartheta+\frac{1}{2\sqrt{GE}}\Big(\frac{\partial E}{\partial v}\delta u-\frac{\partial G}{\partial u}\delta v\Big)+
+\frac{1}{2\sqrt{G_1E_1}}\Big(\frac{\partial E_1}{\partial v_1}\delta u_1-\frac{\partial G_1}{\partial u_1}\delta v_1\Big).
+$$"""
         ),
         Display(
             r"""$$
@@ -119,8 +118,8 @@ $$""",
         ),
         Display(
             r"""$$
-\int\limits_{t_1}^{t}\big[\delta\bar{\Theta}+\delta U+K'_1\sqrt{E}(n\delta u-\dot u n')
-+K'_2\sqrt{G}(n\delta v-\dot v n')\big]dt. $$""",
+\int\limits_{t_1}^{t}\big[\delta\bar{\Theta}+\delta U+K'_1\sqrt{E}(n\delta u-\dot u n') +K'_2\sqrt{G}(n\delta v-\dot v n')\big]dt.
+$$""",
             (
                 Check(
                     stationary=True,
@@ -133,25 +132,22 @@ $$""",
         Display(
             r"""\begin{equation}\label{jednacine1}
 \begin{aligned}
-\frac{d}{dt}\frac{\bar{\Theta}}{\partial\dot u}-\frac{\partial(\bar{\Theta}+U)}{\partial
-u}&=\sqrt{E}\Big[-\frac{\partial(\bar{\Theta}+U)}{\partial u_1}\frac{\sin\vartheta}{\sqrt{E_1}}
-+\frac{\partial(\bar{\Theta}+U)}{\partial
-v_1}\frac{\cos\vartheta}{\sqrt{G_1}}-K'_1\dot\vartheta\Big]\\
-&-(\Delta_2K'_1+\Delta_1K'_2)\sqrt{EG}\dot v,\\ \frac{d}{dt}\frac{\bar{\Theta}}{\partial\dot
-v}-\frac{\partial(\bar{\Theta}+U)}{\partial
-v}&=\sqrt{G}\Big[\frac{\partial(\bar{\Theta}+U)}{\partial u_1}\frac{\cos\vartheta}{\sqrt{E_1}} +\frac{\partial(\bar{\Theta}+U)}{\partial v_1}\frac{\sin\vartheta}{\sqrt{G_1}}-K'_2\dot\vartheta\Big]\\ &+(\Delta_2K'_1+\Delta_1K'_2)\sqrt{EG}\dot u,\\ \frac{d}{dt}\frac{\bar{\Theta}}{\partial\dot \vartheta}-\frac{\partial(\bar{\Theta}+U)}{\partial \vartheta}&=K'_1\sqrt{E}\dot u+K '_2\sqrt{G}\dot v,
+\frac{d}{dt}\frac{\bar{\Theta}}{\partial\dot u}-\frac{\partial(\bar{\Theta}+U)}{\partial u}&=\sqrt{E}\Big[-\frac{\partial(\bar{\Theta}+U)}{\partial u_1}\frac{\sin\vartheta}{\sqrt{E_1}}
++\frac{\partial(\bar{\Theta}+U)}{\partial v_1}\frac{\cos\vartheta}{\sqrt{G_1}}-K'_1\dot\vartheta\Big]\\
+&-(\Delta_2K'_1+\Delta_1K'_2)\sqrt{EG}\dot v,\\
+\frac{d}{dt}\frac{\bar{\Theta}}{\partial\dot v}-\frac{\partial(\bar{\Theta}+U)}{\partial v}&=\sqrt{G}\Big[\frac{\partial(\bar{\Theta}+U)}{\partial u_1}\frac{\cos\vartheta}{\sqrt{E_1}}
++\frac{\partial(\bar{\Theta}+U)}{\partial v_1}\frac{\sin\vartheta}{\sqrt{G_1}}-K'_2\dot\vartheta\Big]\\
+&+(\Delta_2K'_1+\Delta_1K'_2)\sqrt{EG}\dot u,\\
+\frac{d}{dt}\frac{\bar{\Theta}}{\partial\dot \vartheta}-\frac{\partial(\bar{\Theta}+U)}{\partial \vartheta}&=K'_1\sqrt{E}\dot u+K '_2\sqrt{G}\dot v,
 \end{aligned}
 \end{equation}""",
             (motion(0), motion(1), motion(2)),
         ),
         Display(
             r"""\begin{eqnarray*}
-&& 2\Delta_1=\frac{1}{\sqrt{G}}\frac{\partial\ln E}{\partial
-v}-\frac{\sin\vartheta}{\sqrt{G_1}}\frac{\partial\ln E_1}{\partial
-v_1}-\frac{\cos\vartheta}{\sqrt{E_1}}\frac{\partial\ln G_1}{\partial u_1}, \\ &&
-2\Delta_2=\frac{1}{\sqrt{E}}\frac{\partial\ln G}{\partial
-u}-\frac{\sin\vartheta}{\sqrt{E_1}}\frac{\partial\ln G_1}{\partial
-u_1}-\frac{\cos\vartheta}{\sqrt{G_1}}\frac{\partial\ln E_1}{\partial v_1}. \end{eqnarray*}"""
+&& 2\Delta_1=\frac{1}{\sqrt{G}}\frac{\partial\ln E}{\partial v}-\frac{\sin\vartheta}{\sqrt{G_1}}\frac{\partial\ln E_1}{\partial v_1}-\frac{\cos\vartheta}{\sqrt{E_1}}\frac{\partial\ln G_1}{\partial u_1}, \\
+&& 2\Delta_2=\frac{1}{\sqrt{E}}\frac{\partial\ln G}{\partial u}-\frac{\sin\vartheta}{\sqrt{E_1}}\frac{\partial\ln G_1}{\partial u_1}-\frac{\cos\vartheta}{\sqrt{G_1}}\frac{\partial\ln E_1}{\partial v_1}.
+\end{eqnarray*}"""
         ),
     ),
 )

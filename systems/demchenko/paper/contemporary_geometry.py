@@ -83,20 +83,18 @@ B(X,Y)=-A([X^h,Y^h])
     Display(
         r"""\begin{eqnarray*}
 && \pi\colon (q_1,\dots,q_n,q_{n+1},\dots,q_{n+k}) \longmapsto (q_1,\dots,q_n),\\
-&& A=\sum_{\nu=1}^k \omega^\nu \frac{\partial}{\partial q_{n+\nu}}, \quad
-\omega^\nu=dq_{n+\nu}-\sum_{i=1}^n a_{\nu i} dq_i, \\ && B=\sum_{\nu=1}^k
-B^\nu\frac{\partial}{\partial q_{n+\nu}}, \quad B^\nu=\sum_{1\le i<j\le n} B^\nu_{ij} dq_i\wedge
-dq_j,\\ && B_{ij}^{\nu}=  - \big(\frac{\partial a_{\nu i}}{\partial q_j}+\sum_{\mu=1}^k a_{\mu
-j}\frac{\partial a_{\nu i}}{\partial q_{n+\mu}}\big)
+&& A=\sum_{\nu=1}^k \omega^\nu \frac{\partial}{\partial q_{n+\nu}}, \quad \omega^\nu=dq_{n+\nu}-\sum_{i=1}^n a_{\nu i} dq_i, \\
+&& B=\sum_{\nu=1}^k B^\nu\frac{\partial}{\partial q_{n+\nu}}, \quad B^\nu=\sum_{1\le i<j\le n} B^\nu_{ij} dq_i\wedge dq_j,\\
+&& B_{ij}^{\nu}=  - \big(\frac{\partial a_{\nu i}}{\partial q_j}+\sum_{\mu=1}^k a_{\mu j}\frac{\partial a_{\nu i}}{\partial q_{n+\mu}}\big)
                    +\big(\frac{\partial a_{\nu j}}{\partial q_i}+\sum_{\mu=1}^k a_{\mu i}\frac{\partial a_{\nu j}}{\partial q_{n+\mu}}\big),
 \end{eqnarray*}""",
         (DEFINITION, SPACE, SPACE, SPACE, SPACE, SPACE),
     ),
     Display(
         r"""\begin{equation}
-\frac{d}{dt}\frac{\partial L_c}{\partial \dot q_i}=\frac{\partial L_c}{\partial q_i} +\sum_{\nu=1}^k
-a_{\nu i}\frac{\partial L_c}{\partial q_{n+\nu}} -\sum_{\nu=1}^k\sum_{j=1}^n\frac{\partial
-L}{\partial q_{n+\nu}} B_{ij}^{\nu} \dot q_j \quad (i=1,\dots,n), \label{v4*} \end{equation}""",
+\frac{d}{dt}\frac{\partial L_c}{\partial \dot q_i}=\frac{\partial L_c}{\partial q_i} +\sum_{\nu=1}^k a_{\nu i}\frac{\partial L_c}{\partial q_{n+\nu}}
+-\sum_{\nu=1}^k\sum_{j=1}^n\frac{\partial L}{\partial q_{n+\nu}} B_{ij}^{\nu} \dot q_j \quad (i=1,\dots,n), \label{v4*}
+\end{equation}""",
         (dalembert(),),
     ),
     Display(
@@ -120,8 +118,8 @@ L}{\partial q_{n+\nu}} B_{ij}^{\nu} \dot q_j \quad (i=1,\dots,n), \label{v4*} \e
     ),
     Display(
         r"""\begin{equation}
-\delta L_{red}=\sum_{i=1}^n\big(\frac{\partial L_{red}}{\partial x_i}-\frac{d}{dt}\frac{\partial
-L_{red}}{\partial \dot x_i}\big)\delta x_i= JK(\dot x,\delta x)\quad
+\delta L_{red}=\sum_{i=1}^n\big(\frac{\partial L_{red}}{\partial x_i}-\frac{d}{dt}\frac{\partial L_{red}}{\partial
+\dot x_i}\big)\delta x_i= JK(\dot x,\delta x)\quad
 \mathrm{for\;all} \quad \delta x\in T_x S,
 \label{ChaplyginRed}
 \end{equation}""",

@@ -91,9 +91,9 @@ $$""",
         Display(
             r"""$$
 \begin{aligned}
-\frac{d}{dt}\frac{\partial\Theta}{\partial s}+(\tau-\tau_1)\frac{\partial\Theta}{\partial
-n}-(n-n_1)\frac{\partial\Theta}{\partial \tau}+\mathfrak v_\mathbf v\frac{\partial\bar{\mathbf
-T}}{\partial\mathfrak m_\mathbf n}-\mathfrak v_\mathbf n\frac{\partial\bar{\mathbf T}}{\partial\mathfrak m_\mathbf v}&=\frac{\partial\bar{\dot{U}}}{\partial s}+k(n\beta''-\tau\gamma''),\\ \frac{d}{dt}\frac{\partial\Theta}{\partial \tau}+(n-n_1)\frac{\partial\Theta}{\partial n}-(s-s_1)\frac{\partial\Theta}{\partial n}+\mathfrak v_\mathbf n\frac{\partial\bar{\mathbf T}}{\partial\mathfrak m_\mathbf u}-\mathfrak v_\mathbf u\frac{\partial\bar{\mathbf T}}{\partial\mathfrak m_\mathbf n}&=\frac{\partial\bar{\dot{U}}}{\partial \tau}+k(s\gamma''-n\alpha''),\\ \frac{d}{dt}\frac{\partial\Theta}{\partial n}+(s-s_1)\frac{\partial\Theta}{\partial \tau}-(\tau-\tau_1)\frac{\partial\Theta}{\partial s}+\mathfrak v_\mathbf u\frac{\partial\bar{\mathbf T}}{\partial\mathfrak m_\mathbf v}-\mathfrak v_\mathbf v\frac{\partial\bar{\mathbf T}}{\partial\mathfrak m_\mathbf u}&=\frac{\partial\bar{\dot{U}}}{\partial n}+k(\tau\alpha''-s\beta''),
+\frac{d}{dt}\frac{\partial\Theta}{\partial s}+(\tau-\tau_1)\frac{\partial\Theta}{\partial n}-(n-n_1)\frac{\partial\Theta}{\partial \tau}+\mathfrak v_\mathbf v\frac{\partial\bar{\mathbf T}}{\partial\mathfrak m_\mathbf n}-\mathfrak v_\mathbf n\frac{\partial\bar{\mathbf T}}{\partial\mathfrak m_\mathbf v}&=\frac{\partial\bar{\dot{U}}}{\partial s}+k(n\beta''-\tau\gamma''),\\
+\frac{d}{dt}\frac{\partial\Theta}{\partial \tau}+(n-n_1)\frac{\partial\Theta}{\partial n}-(s-s_1)\frac{\partial\Theta}{\partial n}+\mathfrak v_\mathbf n\frac{\partial\bar{\mathbf T}}{\partial\mathfrak m_\mathbf u}-\mathfrak v_\mathbf u\frac{\partial\bar{\mathbf T}}{\partial\mathfrak m_\mathbf n}&=\frac{\partial\bar{\dot{U}}}{\partial \tau}+k(s\gamma''-n\alpha''),\\
+\frac{d}{dt}\frac{\partial\Theta}{\partial n}+(s-s_1)\frac{\partial\Theta}{\partial \tau}-(\tau-\tau_1)\frac{\partial\Theta}{\partial s}+\mathfrak v_\mathbf u\frac{\partial\bar{\mathbf T}}{\partial\mathfrak m_\mathbf v}-\mathfrak v_\mathbf v\frac{\partial\bar{\mathbf T}}{\partial\mathfrak m_\mathbf u}&=\frac{\partial\bar{\dot{U}}}{\partial n}+k(\tau\alpha''-s\beta''),
 \end{aligned}
 $$""",
             (motion(0), motion(1), motion(2)),

@@ -124,14 +124,14 @@ $$""",
         ),
         Display(
             r"""$$
-\wp(\zeta)=\frac{{a_1}^2-a_0a_2}{{a_0}^2}, \quad
-\wp'(\zeta)=\frac{{a_0}^2a_3-3a_0a_1a_2+2a_1^3}{a_0^3} $$""",
+\wp(\zeta)=\frac{{a_1}^2-a_0a_2}{{a_0}^2}, \quad \wp'(\zeta)=\frac{{a_0}^2a_3-3a_0a_1a_2+2a_1^3}{a_0^3}
+$$""",
             AT_C,
         ),
         Display(
             r"""$$
-x=-\frac{a_1}{a_0}+\frac{1}{2}\frac{\wp'(u)-\wp'(\zeta)}{\wp(u)-\wp(\zeta)}, \quad
-\sqrt{X}=\sqrt{a_0}(-\wp(u+\zeta)+\wp(u)). $$""",
+x=-\frac{a_1}{a_0}+\frac{1}{2}\frac{\wp'(u)-\wp'(\zeta)}{\wp(u)-\wp(\zeta)}, \quad \sqrt{X}=\sqrt{a_0}(-\wp(u+\zeta)+\wp(u)).
+$$""",
             (OF_X,),
         ),
         Display(

@@ -1,5 +1,4 @@
-"""Rolling without slipping of a body over a surface in the Neumann variables: the displays as
-printed, and what they are compared with."""
+"""Rolling without slipping of a body over a surface in the Neumann variables: the displays as printed, and what they are compared with."""
 
 from __future__ import annotations
 
@@ -62,10 +61,10 @@ NEUMANN = Section(
         ),
         Display(
             r"""\begin{eqnarray*}
-& \omega\colon  & \text{of $O\mathbf x\mathbf y\mathbf z$ with respect to $O_1\mathbf x_1\mathbf
-y_1\mathbf z_1$, i.e., the angular velocity of the body $\mathrm T$},\\ &  \omega_1 \colon &
-\text{of $O\mathbf x\mathbf y\mathbf z$ with respect to $M\mathbf u\mathbf v\mathbf n$},\\ &\omega_2
- \colon &  \text{of $M\mathbf u\mathbf v\mathbf n$ with respect to $M\mathbf u_1\mathbf v_1\mathbf n_1$},\\ & \omega_3  \colon & \text{of $M\mathbf u_1\mathbf v_1\mathbf n_1$ with respect to $O_1\mathbf x_1\mathbf y_1\mathbf z_1$},
+& \omega\colon  & \text{of $O\mathbf x\mathbf y\mathbf z$ with respect to $O_1\mathbf x_1\mathbf y_1\mathbf z_1$, i.e., the angular velocity of the body $\mathrm T$},\\
+&  \omega_1 \colon & \text{of $O\mathbf x\mathbf y\mathbf z$ with respect to $M\mathbf u\mathbf v\mathbf n$},\\
+&\omega_2  \colon &  \text{of $M\mathbf u\mathbf v\mathbf n$ with respect to $M\mathbf u_1\mathbf v_1\mathbf n_1$},\\
+& \omega_3  \colon & \text{of $M\mathbf u_1\mathbf v_1\mathbf n_1$ with respect to $O_1\mathbf x_1\mathbf y_1\mathbf z_1$},
 \end{eqnarray*}""",
             tuple(Check(sentence=line) for line in turns()),
         ),
@@ -83,24 +82,21 @@ y_1\mathbf z_1$, i.e., the angular velocity of the body $\mathrm T$},\\ &  \omeg
         ),
         Display(
             r"""\begin{eqnarray}
-&& s=-\frac{D''}{\sqrt{G}}\dot v- \frac{D''_1}{\sqrt{G_1}}\dot
-v_1\sin\vartheta-\frac{D_1}{\sqrt{E_1}}\dot u_1\cos\vartheta, \nonumber\\ &&
-\tau=\frac{D}{\sqrt{E}}\dot u- \frac{D_1}{\sqrt{E_1}}\dot
-u_1\sin\vartheta+\frac{D''_1}{\sqrt{G_1}}\dot v_1\cos\vartheta,\nonumber\\ && n=-\dot \vartheta +
-\frac{1}{2\sqrt{E_1G_1}}\big(\frac{\partial E_1}{\partial v_1}\dot u_1- \frac{\partial G_1}{\partial
-u_1}\dot v_1\big)+\frac{1}{2\sqrt{EG}}\big(\frac{\partial E}{\partial v}\dot u- \frac{\partial
-G}{\partial u}\dot v\big),\label{eq:n} \end{eqnarray}"""
+&& s=-\frac{D''}{\sqrt{G}}\dot v- \frac{D''_1}{\sqrt{G_1}}\dot v_1\sin\vartheta-\frac{D_1}{\sqrt{E_1}}\dot u_1\cos\vartheta, \nonumber\\
+&& \tau=\frac{D}{\sqrt{E}}\dot u- \frac{D_1}{\sqrt{E_1}}\dot u_1\sin\vartheta+\frac{D''_1}{\sqrt{G_1}}\dot v_1\cos\vartheta,\nonumber\\
+&& n=-\dot \vartheta + \frac{1}{2\sqrt{E_1G_1}}\big(\frac{\partial E_1}{\partial v_1}\dot u_1- \frac{\partial G_1}{\partial u_1}\dot v_1\big)+\frac{1}{2\sqrt{EG}}\big(\frac{\partial E}{\partial v}\dot u- \frac{\partial G}{\partial u}\dot v\big),\label{eq:n}
+\end{eqnarray}"""
         ),
         Display(
             r"""\begin{equation}\label{eq:nosliding2}
-\sqrt{E_1}\dot u_1= - \sqrt{E} \dot u \sin \vartheta + \sqrt{G} \dot v \cos \vartheta, \quad
-\sqrt{G_1}\dot v_1= \sqrt{E} \dot u \cos \vartheta + \sqrt{G} \dot v \sin \vartheta. \end{equation}""",
+\sqrt{E_1}\dot u_1= - \sqrt{E} \dot u \sin \vartheta + \sqrt{G} \dot v \cos \vartheta, \quad \sqrt{G_1}\dot v_1= \sqrt{E} \dot u \cos \vartheta + \sqrt{G} \dot v \sin \vartheta.
+\end{equation}""",
             (CONSTRAINT,),
         ),
         Display(
             r"""\begin{equation}\label{kineticka}
-\mathbf T=\frac{\mathbf M}2\big(\mathbf w_\mathbf x^2+\mathbf w_\mathbf y^2+\mathbf w_\mathbf
-z^2\big) +\frac12\big(Ap^2+Bq^q+Cr^2\big). \end{equation}""",
+\mathbf T=\frac{\mathbf M}2\big(\mathbf w_\mathbf x^2+\mathbf w_\mathbf y^2+\mathbf w_\mathbf z^2\big) +\frac12\big(Ap^2+Bq^q+Cr^2\big).
+\end{equation}""",
             (Check(study="energy"),),
         ),
         Display(

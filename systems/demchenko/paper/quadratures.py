@@ -1,5 +1,4 @@
-"""Solving the system in terms of elliptic functions and elliptic integrals: the displays as
-printed, and what they are compared with."""
+"""Solving the system in terms of elliptic functions and elliptic integrals: the displays as printed, and what they are compared with."""
 
 from __future__ import annotations
 

@@ -62,28 +62,24 @@ VORONEC_PRINCIPLE = Section(
         ),
         Display(
             r"""\begin{eqnarray}
-&& \Theta(t,q_1,\dots,q_{n+k},\dot q_1,\dots,\dot q_n)=T(t,q_1,\dots,q_{n+k},\dot q_1,\dots,\dot
-q_{n+k}), \label{v2} \\ &&  K_\nu(t,q_1,\dots,q_{n+k},\dot q_1,\dots,\dot q_n)=\frac{\partial
-T}{\partial \dot q_\nu}(t,q_1,\dots,q_{n+k},\dot q_1,\dots,\dot q_{n+k}) \quad (\nu=1,\dots,k). \label{v3} \end{eqnarray}""",
+&& \Theta(t,q_1,\dots,q_{n+k},\dot q_1,\dots,\dot q_n)=T(t,q_1,\dots,q_{n+k},\dot q_1,\dots,\dot q_{n+k}), \label{v2} \\
+&&  K_\nu(t,q_1,\dots,q_{n+k},\dot q_1,\dots,\dot q_n)=\frac{\partial T}{\partial \dot q_\nu}(t,q_1,\dots,q_{n+k},\dot q_1,\dots,\dot q_{n+k}) \quad (\nu=1,\dots,k). \label{v3}
+\end{eqnarray}""",
             (DEFINITION, DEFINITION),
         ),
         Display(
             r"""\begin{equation}
-\frac{d}{dt}\frac{\partial\Theta}{\partial \dot q_i}=\frac{\partial\Theta}{\partial q_i} +
-Q_i+\sum_{\nu=1}^k a_{\nu i}\big(\frac{\partial\Theta}{\partial q_{n+\nu}}+Q_{n+\nu}\big)+
-\sum_{\nu=1}^k K_\nu\big(\sum_{j=1}^n A_{ij}^{(\nu)} \dot q_j+A_j^{(\nu)}\big) \quad (i=1,\dots,n), \label{v4} \end{equation}""",
+\frac{d}{dt}\frac{\partial\Theta}{\partial \dot q_i}=\frac{\partial\Theta}{\partial q_i} + Q_i+\sum_{\nu=1}^k a_{\nu i}\big(\frac{\partial\Theta}{\partial q_{n+\nu}}+Q_{n+\nu}\big)+
+\sum_{\nu=1}^k K_\nu\big(\sum_{j=1}^n A_{ij}^{(\nu)} \dot q_j+A_j^{(\nu)}\big) \quad (i=1,\dots,n), \label{v4}
+\end{equation}""",
             (dalembert(),),
         ),
         Display(
             r"""\begin{eqnarray*}
-&& A_{ij}^{(\nu)}=  \big(\frac{\partial a_{\nu i}}{\partial q_j}+\sum_{\mu=1}^k a_{\mu
-j}\frac{\partial a_{\nu i}}{\partial q_{n+\mu}}\big)
-                   -\big(\frac{\partial a_{\nu j}}{\partial q_i}+\sum_{\mu=1}^k a_{\mu
-                   i}\frac{\partial a_{\nu j}}{\partial q_{n+\mu}}\big), \\
-&&  A_i^{(\nu)}= \big(\frac{\partial a_{\nu i}}{\partial t}+\sum_{\mu=1}^k a_{\mu }\frac{\partial
-a_{\nu i}}{\partial q_{n+\mu}}\big)
-                   -\big(\frac{\partial a_{\nu}}{\partial q_i}+\sum_{\mu=1}^k a_{\mu
-                   i}\frac{\partial a_{\nu}}{\partial q_{n+\mu}}\big).
+&& A_{ij}^{(\nu)}=  \big(\frac{\partial a_{\nu i}}{\partial q_j}+\sum_{\mu=1}^k a_{\mu j}\frac{\partial a_{\nu i}}{\partial q_{n+\mu}}\big)
+                   -\big(\frac{\partial a_{\nu j}}{\partial q_i}+\sum_{\mu=1}^k a_{\mu i}\frac{\partial a_{\nu j}}{\partial q_{n+\mu}}\big), \\
+&&  A_i^{(\nu)}= \big(\frac{\partial a_{\nu i}}{\partial t}+\sum_{\mu=1}^k a_{\mu }\frac{\partial a_{\nu i}}{\partial q_{n+\mu}}\big)
+                   -\big(\frac{\partial a_{\nu}}{\partial q_i}+\sum_{\mu=1}^k a_{\mu i}\frac{\partial a_{\nu}}{\partial q_{n+\mu}}\big).
 \end{eqnarray*}"""
         ),
         Display(

@@ -505,8 +505,7 @@ $}""",
         source="the equations derived for the systems 'ball-with-rotor' and 'ball'",
     ),
     Sentence(
-        r"""we can write the equations of the Chaplygin ball with the gyroscope rolling without
-        slipping over the@surface:word{}
+        r"""we can write the equations of the Chaplygin ball with the gyroscope rolling without slipping over the@surface:word{}
 @equations:formula{\begin{equation}
 \dot{\mathbf G}=({\mathbf G}+\kappa)\times\omega,
 \qquad \dot{\gamma}=\epsilon

@@ -1,5 +1,4 @@
-"""Elliptic functions and the inversion of elliptic integrals: what the text says beside
-displays."""
+"""Elliptic functions and the inversion of elliptic integrals: what the text says beside displays."""
 
 from __future__ import annotations
 

@@ -68,8 +68,7 @@ def never_changes(
 def elimination(
     study: Study, _: Range, *, wanted: tuple[str, ...], gone: tuple[str, ...]
 ) -> vo.Verdict:
-    """One velocity is taken out of the length of the momentum by the energy; what remains is
-    linear."""
+    """One velocity is taken out of the length of the momentum by the energy; what remains is linear."""
     own, square = level(), sp.Symbol("square")
     symbols = {"s": s, r"\tau": tau, "n": n}
     left, out = one_of(wanted[0], symbols), one_of(gone[0], symbols)
