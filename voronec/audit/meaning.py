@@ -416,12 +416,26 @@ def _variable(node: Node, study: Study, where: Where) -> sp.Symbol:
     return symbol
 
 
+def _is_velocity(node: Node, value: Any, study: Study) -> bool:
+    """Whether a name stands for what is linear in the velocities, as a component of omega is:
+    energies, whose derivatives by velocities are partial ones, do not."""
+    rates = study.motion.rates
+    moving = {*rates, *rates.values()} - {s for s in rates if velocity(s) != rates[s]}
+    held = sorted(value.free_symbols & moving, key=str)
+    return (
+        isinstance(node, Name)
+        and bool(held)
+        and all(value.diff(a, b) == 0 for a in held for b in held)
+    )
+
+
 def _derivative(node: Derivative, study: Study, where: Where) -> Any:
     value = evaluate(node.body, study, where)
     variable = evaluate(node.variable, study, where)
     if variable != time and (value.free_symbols & _variables(study)) - {variable}:
-        named = isinstance(node.body, Name) and isinstance(variable, sp.Symbol)
-        below = _dot(Dot(node.variable), study, where) if named and node.order == 1 else 0
+        symbols = isinstance(value, sp.Symbol) or _is_velocity(node.body, value, study)
+        symbols = symbols and isinstance(variable, sp.Symbol)
+        below = _dot(Dot(node.variable), study, where) if symbols and node.order == 1 else 0
         if below == 0:
             what = "a derivative with d is by t; write \\partial, or rates: \\dot y/\\dot x"
             raise DefinitionError(what)

@@ -442,6 +442,8 @@ class _Search:
 
     def value(self, times: np.ndarray, number: np.ndarray) -> np.ndarray:
         """The functions of pieces (k,) at times (k,)."""
+        if not len(times):
+            return np.zeros(0)
         event = number % len(self.events)
         every = self.levels(times, self.course.at(times))
         found = every[np.arange(len(times)), np.array([*self.events])[event]]
