@@ -128,9 +128,9 @@ CALLED = {
 
 @pytest.mark.parametrize("progress", [len, boom, 3])
 @pytest.mark.parametrize("door", CALLED)
-def test_what_a_function_of_the_user_raises_is_told_as_its_own(bridge, progress):
-    with pytest.raises(DefinitionError, match=f"{bridge}: .*progress") as caught:
-        CALLED[bridge](progress if bridge != "search_integrals" or progress != len else boom)
+def test_what_a_function_of_the_user_raises_is_told_as_its_own(door, progress):
+    with pytest.raises(DefinitionError, match=f"{door}: .*progress") as caught:
+        CALLED[door](progress if door != "search_integrals" or progress != len else boom)
     assert str(caught.value).isprintable()
     if progress is boom:
         assert isinstance(caught.value.__cause__, ValueError)
