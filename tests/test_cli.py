@@ -148,7 +148,7 @@ def test_derive_tells_kind_growth_equations_and_curvature(call: Call) -> None:
         "  xdot   = v*cos(phi)",
         "  vdot             = a*w^2",
         "  (J + m*a^2)*wdot = -m*a*v*w",
-        "  A^y[x, phi] = cos(phi)^(-2)",
+        "  A^y[x, phi] = 1/cos(phi)^2",
     ):
         assert line in lines
 
