@@ -408,12 +408,13 @@ class _Search:
         self.pieces = Pieces.along(begin, end, values)
         found, touches = find_crossings(self.value, self.pieces.where(~calm), self.depth)
         every[[*self.events]] = values[-1]  # zeros are settled there
-        if not len(found.number):
-            return Findings([], [(time, guards[n % count]) for n, time in touches], every)
+        met = [(time, guards[n % count]) for n, time in touches]
         own = found.number % count
         way = np.array([guard.direction for guard in guards])[own]
         rises = (found.after > found.before) == (ends[-1] > ends[0])
         found = found.where((way == 0) | (rises == (way > 0)))
+        if not len(found.number):
+            return Findings([], met, every)
         times = roots(lambda t, i: self.value(t, found.number[i]), *found.parts[:4])
         heights, sizes = (
             np.abs(self.value(times, found.number)),
@@ -426,7 +427,7 @@ class _Search:
             if not (tall[i] and self.is_pole(found, i, time))
         ]
         kept.sort(key=lambda pair: abs(pair[0] - ends[0]))
-        return Findings(kept, [(time, guards[n % count]) for n, time in touches], every)
+        return Findings(kept, met, every)
 
     def looks(self, values: np.ndarray) -> np.ndarray:
         """Values (k, m) along the steps: a switching surface on which they start is beyond none,
@@ -442,8 +443,6 @@ class _Search:
 
     def value(self, times: np.ndarray, number: np.ndarray) -> np.ndarray:
         """The functions of pieces (k,) at times (k,)."""
-        if not len(times):
-            return np.zeros(0)
         event = number % len(self.events)
         every = self.levels(times, self.course.at(times))
         found = every[np.arange(len(times)), np.array([*self.events])[event]]
