@@ -272,7 +272,7 @@ def test_the_smallest_model_gives_the_same_as_the_coordinates():
     low = vo.ensemble(equations, starts, scene="default", times=GRID, outputs=names)
     high = vo.ensemble(equations, starts, scene="default", times=GRID, outputs=(*names, "u"))
     alone = vo.integrate(equations, "default", GRID, names, initial={"omega1": 0.6, "omega2": -1.0})
-    assert low.level != high.level
+    assert low.formulation != high.formulation
     for name in names:
         assert low[name] == pytest.approx(high[name], abs=1e-10)
         assert low[name][1] == pytest.approx(alone[name], abs=1e-10)

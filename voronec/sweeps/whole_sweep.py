@@ -30,8 +30,8 @@ from voronec.algebra.arguments import (
 from voronec.declaration.system import System, require_system
 from voronec.errors import DefinitionError
 from voronec.motion.batches import require_method
+from voronec.motion.formulation.model_cache import DYNAMIC_FIELDS, spell
 from voronec.motion.inputs import drive
-from voronec.motion.model.model_cache import DYNAMIC_FIELDS, spell
 from voronec.motion.request import Namespace, grid_of, scene_of
 from voronec.motion.sections import starts_alike
 from voronec.motion.storage import (
