@@ -204,9 +204,11 @@ def sweep(
     require_method(method)
     task = _task(declared, record, times, scene, parameters, initial, inputs, method, tol)
     plan = _plan(task, grid, starts, seed, chunk)
-    folder = _folder(target, plan, task, seed)
+    digests = _digests(plan, task, seed)
+    whole = sha256(repr(sorted(digests.items())).encode()).hexdigest()
+    folder = SweepFolder(target, plan, task.records, whole)
     header = header_of(
-        declared, "Sweep", digest=folder.digest, digests=_digests(plan, task, seed), seed=seed,
+        declared, "Sweep", digest=whole, digests=digests, seed=seed,
         record=[r.column for r in task.records], scene=task.scene, method=method, tolerance=tol,
         times=task.times.tolist(), parameters=str(task.parameters), initial=str(task.initial),
         machine=platform.machine(), lanes=_lanes(), chunk=list(plan.box),
@@ -283,8 +285,8 @@ def _digests(plan: SweepPlan, task: Task, seed: int) -> dict[str, str]:
     parts: dict[str, Any] = {
         "system": [system.name, spell([getattr(system, n) for n in DYNAMIC_FIELDS])],
         "scene": [task.scene, spell(scene)],
-        "grid": [(n, x.tobytes()) for n, x in plan.axes.items()],
-        "starts": [(n, x.tobytes()) for n, x in plan.starts.items()],
+        "grid": [(n, sha256(x.tobytes()).digest()) for n, x in plan.axes.items()],
+        "starts": [(n, sha256(x.tobytes()).digest()) for n, x in plan.starts.items()],
         "record": [(r.column, r.kind, r.value, _source(r)) for r in task.records],
         "times": task.times.tobytes(),
         "parameters": spell(task.parameters), "initial": spell(task.initial),
@@ -302,11 +304,6 @@ def _source(record: RecordColumn) -> str:
         return inspect.getsource(record.of)
     except (OSError, TypeError):
         return getattr(record.of, "__qualname__", type(record.of).__qualname__)
-
-
-def _folder(target: Path, plan: SweepPlan, task: Task, seed: int) -> SweepFolder:
-    said = repr(sorted(_digests(plan, task, seed).items()))
-    return SweepFolder(target, plan, task.records, sha256(said.encode()).hexdigest())
 
 
 class _SweepWork:
