@@ -5,9 +5,9 @@ from __future__ import annotations
 import inspect
 import os
 import platform
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import contextmanager
+from contextlib import closing
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
@@ -28,6 +28,7 @@ from voronec.algebra.arguments import (
     require,
 )
 from voronec.declaration.system import System, require_system
+from voronec.declaration.worker_processes import stop_reimport
 from voronec.errors import DefinitionError
 from voronec.motion.batches import require_method
 from voronec.motion.inputs import drive
@@ -45,11 +46,11 @@ from voronec.motion.storage import (
 from voronec.motion.storage import open as open_saved
 from voronec.motion.tolerances import EXACT
 from voronec.sweeps.engines import (
-    OwnProcesses,
     Portion,
     compute_here,
+    own_processes,
     spread,
-    stop_reimport,
+    submit_to,
 )
 from voronec.sweeps.folder import SweepFolder, require_room
 from voronec.sweeps.plan import SweepPlan, make_plan
@@ -218,7 +219,7 @@ def sweep(
     with folder.drafts(header, meanings_of(declared)) as drafts:
         work = _SweepWork(task, plan, folder.kept_chunks(), progress)
         try:
-            with _engine(work, executor, jobs) as results:
+            with closing(_results(work, executor, jobs)) as results:
                 for number, found in results:
                     drafts.keep(number, found)
                     work.tell(number)
@@ -327,31 +328,29 @@ class _SweepWork:
             self._progress(min(1.0, self._done / len(self.plan) + share))
 
 
-@contextmanager
-def _engine(
-    work: _SweepWork, executor: Any, jobs: int | None
-) -> Iterator[Iterator[tuple[int, ChunkResult]]]:
+def _results(
+    work: _SweepWork, executor: Executor | None, jobs: int | None
+) -> Generator[tuple[int, ChunkResult], None, None]:
     """The results of the chunks that are left, from whoever computes them."""
     portions = work.portions()
     if executor is not None:
-        yield spread(work.task, portions, executor)
+        yield from spread(portions, submit_to(executor, work.task))
         return
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    own = OwnProcesses(min(jobs or cores or 1, max(1, len(work.left) - 1)))
-
-    def results() -> Iterator[tuple[int, ChunkResult]]:
-        each = work.plan.size / len(work.plan)
-        here = compute_here(work.task, portions, lambda share: work.tell(share=share * each))
-        began = perf_counter()
-        for done, found in enumerate(here, start=1):
-            yield found
-            spent = (perf_counter() - began) / done
-            # those of this process are in no hurry to be followed by others that have to start
-            if own.jobs > 1 and (jobs or spent * (len(work.left) - done) > WORTH):
-                yield from spread(work.task, portions, own)
-                return
-
+    own = min(jobs or cores or 1, max(1, len(work.left) - 1))
+    each = work.plan.size / len(work.plan)
+    here = compute_here(work.task, portions, lambda share: work.tell(share=share * each))
+    began = perf_counter()
+    for done, found in enumerate(here, start=1):
+        yield found
+        spent = (perf_counter() - began) / done
+        # those of this process are in no hurry to be followed by others that have to start
+        if own > 1 and (jobs or spent * (len(work.left) - done) > WORTH):
+            break
+    else:
+        return
+    team = own_processes(own, work.task)
     try:
-        yield results()
+        yield from spread(portions, team.submit)
     finally:
-        own.end()
+        team.end()

@@ -97,7 +97,7 @@ class WideBatch:
         if alike:
             pars[:] = self.pars[:, :lanes]
         rows = which.reshape(-1, lanes)
-        every = rows.all(axis=1).tolist()
+        every = np.asarray(rows.all(axis=1)).tolist()
         for k in np.flatnonzero(rows.any(axis=1)).tolist():
             own: Any = slice(lanes * k, lanes * (k + 1))
             if not every[k]:
