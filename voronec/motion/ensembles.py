@@ -339,7 +339,7 @@ class _ResultRows:
                 return carrier.carry(task, self.halt.is_set)
             return carrier(task)
 
-        return Team(jobs, here, carrier)
+        return Team(jobs, carrier, here)
 
     def put(self, block: MotionBlock, found: CarriedBlock) -> int:
         """What came of the first motions of a block; how many they are."""
