@@ -23,30 +23,38 @@ from voronec.motion.methods import (
     compiled_method,
     method_names,
 )
-from voronec.motion.steppers.heyoka_stepper import (
+from voronec.motion.steppers import (
+    CHUNK,
+    COLLAPSE,
     COMPACT,
+    INFINITE,
     LONG,
-    heyoka,
-    parameter_count,
-    unit_parameters,
-)
-from voronec.motion.steppers.run import COLLAPSE, INFINITE, WINDOW, Problem, StallDetector
-from voronec.motion.steppers.samples import OwnedSamples, StepSamples, series_samples
-from voronec.motion.steppers.scipy_stepper import estimated_steps
-from voronec.motion.steppers.series_reach import (
     MANY,
     PARTS,
+    SHORT,
     STRIDE,
+    WINDOW,
     Field,
     LongSteps,
+    OwnedSamples,
+    Place,
+    Problem,
+    StallDetector,
+    StepSamples,
+    TurnCount,
+    WideBatch,
     blind_lanes,
+    estimated_steps,
     field_of,
+    heyoka,
     long_steps,
-    series_reach,
+    parameter_count,
+    reach_of_series,
+    series_samples,
     uneven_steps,
+    unit_parameters,
+    units_of_many,
 )
-from voronec.motion.steppers.units import CHUNK, SHORT, TurnCount, units_of_many
-from voronec.motion.steppers.wide_batch import Place, WideBatch
 
 REGISTERS = 2
 """A core is busier with two registers of lanes, whose instructions need not wait for one another;
@@ -216,7 +224,7 @@ class Lanes:
         for parts, own in ((1, ta.alive & ~whole), (PARTS, ta.alive & whole)):
             if own.any():
                 right, rows = self.right_side(own), series[:, :, own]
-                found[own] = series_reach(right, rows, taken[own], ta.high[own], parts, tol)
+                found[own] = reach_of_series(right, rows, taken[own], ta.high[own], parts, tol)
         self.steps.stride[found < np.inf] = 1.0
         ahead = np.copysign(np.minimum(np.abs(taken), found), spans)
         self.ahead = ahead, series

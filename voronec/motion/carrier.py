@@ -15,8 +15,8 @@ from voronec.motion.methods import METHODS
 from voronec.motion.motion_pool import Drifts, Many
 from voronec.motion.one_by_one import LoneMotions, LoneStart, along_one
 from voronec.motion.state_probe import at_each, changes
-from voronec.motion.steppers.samples import OwnedSamples, by_owner
-from voronec.motion.steppers.scipy_stepper import FINEST
+from voronec.motion.steppers import OwnedSamples, by_owner
+from voronec.motion.tolerances import FINEST
 from voronec.motion.trajectory import Trajectory
 from voronec.motion.verify import CheckOfMany
 

@@ -64,10 +64,8 @@ from voronec.motion.section_passages import (
     pass_one_by_one,
 )
 from voronec.motion.state_probe import at_each, changes
-from voronec.motion.steppers.event_states import with_parts
-from voronec.motion.steppers.samples import by_owner
-from voronec.motion.steppers.scipy_stepper import FINEST
-from voronec.motion.tolerances import EXACT
+from voronec.motion.steppers import by_owner, with_parts
+from voronec.motion.tolerances import EXACT, FINEST
 from voronec.motion.trajectory import Cost
 from voronec.motion.verify import CheckOfMany
 

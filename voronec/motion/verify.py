@@ -26,12 +26,20 @@ from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import VoronecError
-from voronec.motion.formulation.special import is_many_valued
+from voronec.motion.formulation import is_many_valued
 from voronec.motion.observables import evaluate_extras
 from voronec.motion.state_probe import at_each, changes, usual_size
 from voronec.motion.step_defects import program_rates, strayed_rows, wrong_steps
-from voronec.motion.steppers.run import Run, Signals, values_along
-from voronec.motion.steppers.samples import OwnedSamples, Rates, StepSamples, by_owner, spread
+from voronec.motion.steppers import (
+    OwnedSamples,
+    Rates,
+    Run,
+    Signals,
+    StepSamples,
+    by_owner,
+    spread,
+    values_along,
+)
 from voronec.motion.tolerances import LOOSE, UNIT
 from voronec.motion.trajectory import Trajectory
 

@@ -31,7 +31,7 @@ from voronec.declaration.system import System, require_system
 from voronec.declaration.worker_processes import stop_reimport
 from voronec.errors import DefinitionError
 from voronec.motion.batches import require_method
-from voronec.motion.formulation.model_cache import DYNAMIC_FIELDS, spell
+from voronec.motion.formulation import DYNAMIC_FIELDS, spell
 from voronec.motion.inputs import drive
 from voronec.motion.request import Namespace, grid_of, scene_of
 from voronec.motion.sections import starts_alike
