@@ -128,7 +128,7 @@ _HOME = {
         "section Table Trajectory",
         "motion.closed_form": "closed_form",
         "motion.explanation": "explain",
-        "motion.model": "Model",
+        "motion.formulation": "Model",
         "motion.storage": "open",
         "proof.check": "check_catalogue check_relation graph",
         "proof.claims": "check_claims Claim",

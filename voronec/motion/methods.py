@@ -6,9 +6,9 @@ A tolerance finer than doubles asks for ``flint``, and a motion that is stiff fo
 heyoka errs least; DOP853, compiled by a C compiler, is taken where it reaches the same error
 sooner, which ``method_costs`` counts.  Heavy programs take heyoka seconds to compile, and steps of
 DOP853 cost far less there: a C compiler is done with most of them in less than one, and numba does
-very many steps, or scipy what it integrates sooner than heyoka compiles.  Where heyoka does not
-install, short motions are over sooner in Python than any of these is loaded; the C compiler does
-all others, or numba what would take scipy longer than to compile, and scipy the rest.  The rule
+very many steps, or scipy what it integrates sooner than these compile.  Where heyoka does not
+install, the C compiler does all motions, or numba what would take scipy longer than to compile, and
+scipy the rest.  The rule
 counts operations; it neither measures times nor looks at what is on disk or loaded: the same call
 always makes the same choice.  (A motion that is declared in closed form is evaluated, where the
 span is long: ``voronec.motion.prepared_problem``.)
@@ -144,12 +144,6 @@ def _compiled_stepper(problem: Problem, loop: Loop) -> Integrator:
     return compiled_dop853(problem, loop)
 
 
-def _interpreted_stepper(problem: Problem) -> Integrator:
-    from voronec.motion.steppers.python_stepper import python_dop853
-
-    return python_dop853(problem)
-
-
 def _lsoda(problem: Problem) -> Integrator:
     from voronec.motion.steppers.scipy_stepper import lsoda
 
@@ -179,7 +173,6 @@ METHODS: dict[str, Method] = {
         partial(_compiled_stepper, loop=_c_loop), FINEST, symbolic=True, many=True, compiler="cc",
         other="heyoka", loop=_c_loop,
     ),
-    "python": Method(_interpreted_stepper, FINEST, symbolic=True, other="heyoka"),
     # its steps are short, and err by the tolerance with the same sign: of so many by 1e-9 at 1e-13
     "lsoda": Method(_lsoda, FINEST, best=1e-13, other="heyoka", sound_steps=10_000),
     "flint": Method(_digits, best=1e-25, symbolic=True, exact=True),
@@ -222,10 +215,6 @@ STAGES = 12
 COMPILATION = 20_000_000
 """So many operations take Python a second or two, and numba some seconds to compile for them; the
 C compiler takes about as long as it takes to load scipy."""
-LOAD_OPERATIONS = 2_500_000
-"""So many operations take Python less time than to load scipy or numba."""
-COARSE = 1e-13
-"""At finer tolerances than this Taylor's method is more accurate than DOP853."""
 LONG_RUN = 100_000
 """So many steps of a heavy program take heyoka longer than numba takes to compile and to run."""
 
@@ -257,7 +246,7 @@ def choose(
             f"the input '{called.name}' is a function of Python's, known in doubles and without a "
             "Taylor series; take method='scipy' and tol >= 1e-16, or give an expression or a table"
         )
-    if method in ("heyoka", "numba", "c", "python") and not problem.program.state:
+    if method in ("heyoka", "numba", "c") and not problem.program.state:
         return _make_stepper("scipy", problem, f"nothing moves, and {method} wants equations")
     if method != "auto":
         used, reason, loss = method, "", 1.0
@@ -311,43 +300,28 @@ def _usual(problem: Problem, grid: np.ndarray, compiled: str) -> tuple[str, str]
     heavy = problem.tol >= FINEST and problem.program.weight > HEAVY
     absence = METHODS["heyoka"].absence
     there = not absence
-    if not there and _is_short(problem, grid, LOAD_OPERATIONS):
-        return "python", f"{absence}, and the run is short"
     if there and not heavy:
         return "heyoka", "heyoka is installed"
-    if there and _is_short(problem, grid, TINY):
-        return "python", "the run takes less time than compiling for heyoka"
-    if not there and not compiled:
-        return "scipy", absence
-    if soon:
-        return compiled, absence or "a heavy program"
-    from voronec.motion.steppers.scipy_stepper import estimated_steps
+    if not there and (soon or not compiled):
+        return compiled or "scipy", absence
+    from voronec.motion.steppers.scipy_stepper import TRIAL, estimated_steps
 
     cost = STAGES * (problem.program.operations + 1)
     # each part of a run through splits is compiled for, and may end at once
     enough = TINY if there and problem.brief is None else COMPILATION
-    steps = estimated_steps(problem, grid)
-    if steps is None or steps * cost <= enough:
+    steps = None if soon and TRIAL * cost > enough else estimated_steps(problem, grid)
+    if steps is not None and steps * cost <= enough:
         other = "heyoka" if there else compiled
-        if steps is not None:
-            return "scipy", f"about {steps} steps take less time than compiling for {other}"
+        return "scipy", f"about {steps} steps take less time than compiling for {other}"
+    if soon:
+        return compiled, "a heavy program"
+    if steps is None:
         return ("heyoka", "heyoka is installed") if there else ("scipy", absence)
     if not there:
         return compiled, f"{absence}, and there are many steps"
     if compiled and steps > LONG_RUN:
         return compiled, "many steps of a heavy program"
     return "heyoka", "heyoka is installed"
-
-
-def _is_short(problem: Problem, grid: np.ndarray, most: float) -> bool:
-    """Whether a run is smooth, and over in Python after no more than so many operations."""
-    plain = problem.changing is None and problem.brief is None and not problem.switching_surfaces
-    plain = plain and all(e.name in problem.coarse for e in problem.events)
-    if problem.tol < COARSE or not plain:
-        return False
-    from voronec.motion.steppers.python_stepper import operations_of_run
-
-    return operations_of_run(problem, grid, most) <= most
 
 
 def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Integrator, dict[str, Any]]:

@@ -246,9 +246,8 @@ def integrate(
         parameters.
     method
         ``heyoka`` (Taylor), ``scipy`` (DOP853), ``numba`` (the same, compiled), ``c`` (compiled by
-        the machine's C compiler), ``python`` (in Python alone), ``lsoda`` (scipy's, for stiff
-        systems), ``flint`` (Taylor in any precision), or ``auto``.  ``traj.cost`` says which it
-        was, and why.
+        the machine's C compiler), ``lsoda`` (scipy's, for stiff systems), ``flint`` (Taylor in any
+        precision), or ``auto``.  ``traj.cost`` says which it was, and why.
         ``closed-form`` evaluates the motion, where the system declares one (``closed_form``): its
         cost does not depend on the time, and ``tol`` may be as fine as with ``flint``; it looks
         for no events.

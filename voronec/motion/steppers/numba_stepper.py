@@ -149,14 +149,14 @@ class Loop:
             (coarse, np.array(known), np.array(given)),
         )  # fmt: skip
 
-    def advance(self, limit: int = CHUNK) -> Stride | Segment:
-        """The next step, where an event may happen in it, or many others, in so many trials."""
+    def advance(self) -> Stride | Segment:
+        """The next step, where an event may happen in it, or many others."""
         if self.happening:
             self.happening = False
             return self.stride(self.clock[[2, 0]], self.states[[3, 0]], self.bend.copy())
         problem, n = self.problem, len(self.problem.start)
         ahead, sampled = burst(int(self.counts[1]))
-        limit, dense = min(limit, ahead), problem.dense or sampled
+        limit, dense = min(CHUNK, ahead), problem.dense or sampled
         keep = dense or problem.marked or problem.suspect is not None
         bent = min(limit, DENSE_CHUNK) if dense else 1
         room = bent if dense else limit if keep else 1
