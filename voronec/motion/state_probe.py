@@ -239,7 +239,9 @@ class StateProbe:
         least = min(_smallest(mass, masses[1]) for mass in masses)
         singular = halt.singular or least < NEARLY
         cause = "; the mass matrix is singular there" if singular else ""
-        mend = "end the run before that, or use another chart"
+        mend = halt.mend or "end the run before that, or use another chart"
+        if halt.mend:
+            cause = ""
         if halt.reason == FAR:
             cause, mend = "", "ask for a shorter span or a coarser tolerance"
         return IntegrationError(

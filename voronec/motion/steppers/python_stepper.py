@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from functools import lru_cache
 from typing import Any
 
@@ -16,11 +17,18 @@ import numpy as np
 from voronec.equations.program import Program, hoist
 from voronec.equations.program.dialect import code
 from voronec.motion.steppers.dop853_source import STAGES, growth, kernel_source
-from voronec.motion.steppers.numba_stepper import PARTS, Loop, between, scales_of
+from voronec.motion.steppers.held_steps import Leap
+from voronec.motion.steppers.numba_stepper import (
+    PARTS,
+    Loop,
+    between,
+    dop853_leap,
+    scales_of,
+)
 from voronec.motion.steppers.run import INFINITE, Integrator, Problem, Run
 from voronec.motion.steppers.step_loop import IntegratorFailure, level_function, march
 
-__all__ = ["operations_of_run", "python_dop853"]
+__all__ = ["operations_of_run", "python_dop853", "python_leap"]
 
 CHUNK = 200
 """Trials between two looks at the keyboard."""
@@ -38,6 +46,11 @@ def python_dop853(problem: Problem) -> Integrator:
             return march(problem, grid, _loop(problem, grid), level_function(problem))
 
     return run
+
+
+def python_leap(problem: Problem) -> AbstractContextManager[Leap]:
+    """Steps by Python alone from a state to an instant."""
+    return dop853_leap(problem, _drive_in_python)
 
 
 def operations_of_run(problem: Problem, grid: np.ndarray, most: float) -> float:
