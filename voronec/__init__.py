@@ -66,8 +66,8 @@ if TYPE_CHECKING:
     from voronec.motion import Ensemble as Ensemble
     from voronec.motion import Event as Event
     from voronec.motion import PreparedProblem as PreparedProblem
-    from voronec.motion import Section as Section
     from voronec.motion import Sampled as Sampled
+    from voronec.motion import Section as Section
     from voronec.motion import Table as Table
     from voronec.motion import Trajectory as Trajectory
     from voronec.motion import ensemble as ensemble

@@ -19,7 +19,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from inspect import Parameter as Argument
 from inspect import signature
-from math import ceil, factorial, inf
+from math import ceil, factorial, inf, lcm
 from typing import Any
 
 import sympy as sp
@@ -112,9 +112,11 @@ class Drive:
                 f"future, the motion from t = {start:g} back to {end:g}; let the times grow"
             )
         if signal.period is not None:
-            count = max(ceil((Fraction(end) - Fraction(start)) / signal.period), 1)
-            begin = Fraction(start)
-            instants = tuple(float(begin + k * signal.period) for k in range(count))
+            begin, period = Fraction(start), signal.period
+            whole = lcm(begin.denominator, period.denominator)
+            first, every = int(begin * whole), int(period * whole)
+            count = max(ceil((Fraction(end) - begin) / period), 1)
+            instants = tuple((first + k * every) / whole for k in range(count))
         feedback = Feedback(signal.parameters[0], signal.feedback.function, instants)
         return replace(signal, feedback=feedback, instants=instants)
 

@@ -251,6 +251,8 @@ def method_names(many: bool = False) -> tuple[str, ...]:
     return ("auto", *(name for name, method in METHODS.items() if method.many or not many))
 
 
+CONTINUOUS = "where a controller jumps or chatters, give Sampled(controller, period)"
+"""What helps where steps collapse under a controller that is asked everywhere."""
 HEAVY = 200.0
 """Above this weight heyoka compiles for more than a second where it has not seen a program yet."""
 TINY = 2_000_000
@@ -423,6 +425,8 @@ def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Integrato
 
         for feedback in followed:
             feedback.motion = motion
+        if followed and found.halt is not None and not found.halt.mend:
+            found = replace(found, halt=replace(found.halt, mend=CONTINUOUS))
         return found if problem.dense else replace(found, inside=None)
 
     return run if followed else pieces, chosen

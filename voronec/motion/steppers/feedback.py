@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -78,8 +79,11 @@ class Feedback:
             return np.array(self.values)[np.maximum(places, 0)]
         if self.motion is None:
             return np.full(len(times), np.nan)
-        states = self.motion(times)
-        return np.array([self.value(t, x) for t, x in zip(times.tolist(), states, strict=True)])
+        found = np.full(len(times), np.nan)
+        for k, state in enumerate(self.motion(times)):
+            with suppress(ControllerFailure):  # the run has told of it, or did not ask there
+                found[k] = self.value(float(times[k]), state)
+        return found
 
     def at(self, instant: float) -> float:
         """The value that a sampled one holds at an instant."""

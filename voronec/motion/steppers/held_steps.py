@@ -76,6 +76,7 @@ class _HeldSteps:
         changing, grid = self.problem.changing, self.grid
         assert changing is not None
         self.signals, self.told = changing, self.problem.told()
+        self.feedbacks = changing.feedbacks
         self.time, self.state = float(grid[0]), self.problem.start.copy()
         knots = changing.knots(float(grid[0]), float(grid[-1]))
         self.stops = np.union1d(grid[1:], knots)
@@ -84,7 +85,7 @@ class _HeldSteps:
         self.sampled = {*spread(len(self.stops), SAMPLED).tolist()}
         names = [*map(str, self.problem.program.parameters)]
         self.places = [names.index(n) if n in names else None for n in changing.order]
-        for feedback in changing.feedbacks:
+        for feedback in self.feedbacks:
             feedback.values.clear()
 
     def advance(self) -> Segment:
@@ -123,10 +124,10 @@ class _HeldSteps:
     def change(self, ahead: float) -> None:
         """Ask the controllers that are due, and put what is held until the next instant among the
         parameters."""
-        given, signals = self.problem.parameters, self.signals
+        given, held = self.problem.parameters, self.signals.on
         assert isinstance(given, list)
-        for feedback in signals.feedbacks:
+        for feedback in self.feedbacks:
             feedback.sample(self.time, lambda: self.told(self.time, self.state.tolist(), given))
-        for place, value in zip(self.places, signals.on(self.time, ahead).values(), strict=True):
+        for place, value in zip(self.places, held(self.time, ahead).values(), strict=True):
             if place is not None:
                 given[place] = float(value)

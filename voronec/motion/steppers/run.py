@@ -474,7 +474,7 @@ class Signal:
     parameters: tuple[str, ...] = ()
     first: float = -inf
     last: float = inf
-    instants: tuple[Fraction, ...] = ()
+    instants: tuple[Fraction | float, ...] = ()
     pieces: tuple[tuple[Fraction, ...], ...] = ()
     functions: tuple[Callable[[float], Any], ...] = ()
     sharp: tuple[tuple[float, float], ...] = ()

@@ -172,8 +172,6 @@ class _March:
                 except IntegratorFailure as halted:
                     good = self.last
                     return self.result(Termination(str(halted), good.time, good.state))
-                except ControllerFailure as halted:
-                    return self.result(replace(self.last, reason=str(halted), mend=MEND))
                 if isinstance(stride, Segment):
                     self.pass_over(stride)
                 else:
@@ -184,6 +182,8 @@ class _March:
                     return self.result(halt)
                 if reason := stall.failure(self.steps, self.last.time):
                     return self.result(replace(self.last, reason=reason))
+        except ControllerFailure as failure:
+            return self.result(replace(self.last, reason=str(failure), mend=MEND))
         except KeyboardInterrupt:
             return self.result(interrupted=True)
         return self.result(self.singular())

@@ -50,7 +50,11 @@ def in_pieces(make: Callable[[Problem], Integrator], problem: Problem, anew: boo
         given[:] = [float(values.get(n, x)) for n, x in zip(names, given, strict=True)]
         own.start[:] = state.astype(float)
         if once is not None:
-            return once(times)
+            try:
+                return once(times)
+            except ControllerFailure as failure:  # where it is asked first
+                halt = Termination(str(failure), float(times[0]), state, mend=MEND)
+                return Solver(times, problem.events, problem.dense).run(halt)
 
         def exact(bits: int) -> tuple[np.ndarray, Sequence[Any]]:
             first, known = problem.exact(bits) if problem.exact else (state, problem.parameters)
@@ -97,8 +101,9 @@ class _Knots:
             self.ask(time, state)
         except ControllerFailure as failure:
             return Termination(str(failure), time, state, mend=MEND)
-        known = before is not None and self.problem.levels is not None
-        return self.phase(time, state, [*self.events_at(state, before, time)] if known else ())
+        if before is None or self.problem.levels is None:
+            return self.phase(time, state)
+        return self.phase(time, state, [*self.events_at(state, before, time)])
 
     def phase(self, time: float, state: np.ndarray, happened: Sequence[Guard] = ()) -> Phase:
         """The piece from a time on.  Between two neighbours among the doubles, where a function of
