@@ -681,13 +681,13 @@ def test_ensembles_sweeps_and_prepared_problems_take_controllers(tmp_path):
     alone = [moved(value, times=grid, outputs=(x,))["x"][-1], glued_arcs(damped, 0.1, 2.0)]
     many = vo.ensemble(SPRING, starts={"x": [1, 2]}, times=grid, inputs={tau: value})
     swept = vo.sweep(
-        SPRING, grid={"x": [1, 2]}, times=2, inputs={tau: value}, record=["x"], jobs=1,
+        SPRING, grid={"x": [1, 2]}, times=2, inputs={tau: value}, record=["final(x)"], jobs=1,
         out=tmp_path / "found.zarr",
     )  # fmt: skip
     prepared = vo.prepare(SPRING, inputs={tau: value})
     found = [
         many["x"][0, -1],
-        vo.open(swept.path)["x"].values[0],
+        vo.open(swept.path)["final(x)"].values[0],
         prepared.run({x: 1}, times=grid)["x"][-1],
     ]
     assert found == pytest.approx([alone[0]] * 3, abs=1e-13)
