@@ -75,7 +75,7 @@ if TYPE_CHECKING:
     from voronec.motion import section as section
     from voronec.motion.closed_form import closed_form as closed_form
     from voronec.motion.explanation import explain as explain
-    from voronec.motion.model import Model as Model
+    from voronec.motion.formulation import Model as Model
     from voronec.motion.storage import open as open
     from voronec.proof.check import check_catalogue as check_catalogue
     from voronec.proof.check import check_relation as check_relation
