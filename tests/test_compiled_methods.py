@@ -85,7 +85,7 @@ CASES = {"plain": (), "two": EVENTS[:2], "three": EVENTS, "one": EVENTS[2:]}
 @pytest.mark.parametrize(
     ("method", "events"),
     [pytest.param(*way.values, case, marks=way.marks, id=f"{way.values[0]}-{name}")
-     for way, names in ((BY_C, CASES), (BY_NUMBA, ("plain", "two")))
+     for way, names in ((BY_C, CASES), (BY_NUMBA, ("two",)))
      for name in names for case in [CASES[name]]],
 )  # fmt: skip
 def test_steps_are_those_of_scipy_and_states_too(method: str, events: tuple[vo.Event, ...]) -> None:

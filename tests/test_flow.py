@@ -498,7 +498,7 @@ def test_a_run_that_never_ends_is_ended(method: str, monkeypatch: pytest.MonkeyP
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", ["heyoka", "scipy", "numba"])
+@both
 def test_an_ensemble_that_never_ends_is_ended(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """One that is evenly accelerated is not, whatever it takes."""
     monkeypatch.setattr(steps, "LONG", 2_000)

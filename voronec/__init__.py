@@ -50,6 +50,12 @@ if TYPE_CHECKING:
     from voronec.declaration.shapes import Shape as Shape
     from voronec.declaration.sketch import Sketch as Sketch
     from voronec.declaration.system import System as System
+    from voronec.dynamics.charts import StabilityChart as StabilityChart
+    from voronec.dynamics.families import SteadyFamily as SteadyFamily
+    from voronec.dynamics.stability import stability as stability
+    from voronec.dynamics.steady import SteadyMotion as SteadyMotion
+    from voronec.dynamics.steady import SteadyMotions as SteadyMotions
+    from voronec.dynamics.steady import steady as steady
     from voronec.equations.linearisation import Linearisation as Linearisation
     from voronec.equations.linearisation import linearise as linearise
     from voronec.equations.reduction import Reduction as Reduction
@@ -66,6 +72,7 @@ if TYPE_CHECKING:
     from voronec.motion import Ensemble as Ensemble
     from voronec.motion import Event as Event
     from voronec.motion import PreparedProblem as PreparedProblem
+    from voronec.motion import Sampled as Sampled
     from voronec.motion import Section as Section
     from voronec.motion import Table as Table
     from voronec.motion import Trajectory as Trajectory
@@ -118,6 +125,10 @@ _HOME = {
         "declaration.shapes": "Shape",
         "declaration.sketch": "Sketch",
         "declaration.system": "System",
+        "dynamics.charts": "StabilityChart",
+        "dynamics.families": "SteadyFamily",
+        "dynamics.stability": "stability",
+        "dynamics.steady": "steady SteadyMotion SteadyMotions",
         "equations.linearisation": "Linearisation linearise",
         "equations.reduction": "descend Reduction",
         "equations.referee": "multiplier_acceleration reaction_forces",
@@ -125,7 +136,7 @@ _HOME = {
         "errors": "DefinitionError EngineLimit IntegrationError VoronecError",
         "kinematics": "kinematics",
         "motion": "Crossings Ensemble ensemble Event integrate prepare PreparedProblem Section "
-        "section Table Trajectory",
+        "Sampled section Table Trajectory",
         "motion.closed_form": "closed_form",
         "motion.explanation": "explain",
         "motion.formulation": "Model",

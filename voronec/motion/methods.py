@@ -19,8 +19,8 @@ from __future__ import annotations
 import os
 import sys
 import warnings
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from importlib.util import find_spec
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from voronec.equations.program import Program
-    from voronec.motion.steppers import Integrator, Problem
+    from voronec.motion.steppers import Integrator, Leap, Problem, Run
 
 Loop = Callable[..., Callable[..., int]]
 IMPORT_ERRORS: dict[str, str] = {}
@@ -68,6 +68,8 @@ class Method:
         the method that may go on where this one cannot.
     loop
         what compiles a program, and functions of events, into steps along a grid.
+    leap
+        from a problem to what goes from one sample of a controller to the next in little time.
     follows_events
         whether its own steps are as short as the functions of events ask for.
     sound_steps
@@ -84,6 +86,7 @@ class Method:
     compiler: str = ""
     other: str = ""
     loop: Loop | None = None
+    leap: Callable[[Problem], AbstractContextManager[Leap]] | None = None
     follows_events: bool = False
     sound_steps: float = inf
 
@@ -144,6 +147,18 @@ def _compiled_stepper(problem: Problem, loop: Loop) -> Integrator:
     return compiled_dop853(problem, loop)
 
 
+def _taylor_leap(problem: Problem) -> AbstractContextManager[Leap]:
+    from voronec.motion.steppers import taylor_leap
+
+    return taylor_leap(problem)
+
+
+def _compiled_leap(problem: Problem, loop: Loop) -> AbstractContextManager[Leap]:
+    from voronec.motion.steppers import dop853_leap
+
+    return dop853_leap(problem, loop)
+
+
 def _lsoda(problem: Problem) -> Integrator:
     from voronec.motion.steppers import lsoda
 
@@ -161,16 +176,17 @@ METHODS: dict[str, Method] = {
     # below EXACT a tolerance would only raise the order of heyoka's series, beyond all bounds
     "heyoka": Method(
         _taylor, EXACT, symbolic=True, many=True, library="heyoka", other="scipy",
-        follows_events=True,
+        leap=_taylor_leap, follows_events=True,
     ),
     "scipy": Method(_dop853, FINEST, many=True, other="heyoka"),
     "numba": Method(
         partial(_compiled_stepper, loop=_numba_loop), FINEST, symbolic=True, many=True,
         library="numba", other="heyoka", loop=_numba_loop,
+        leap=partial(_compiled_leap, loop=_numba_loop),
     ),
     "c": Method(
         partial(_compiled_stepper, loop=_c_loop), FINEST, symbolic=True, many=True, compiler="cc",
-        other="heyoka", loop=_c_loop,
+        other="heyoka", loop=_c_loop, leap=partial(_compiled_leap, loop=_c_loop),
     ),
     # its steps are short, and err by the tolerance with the same sign: of so many by 1e-9 at 1e-13
     "lsoda": Method(_lsoda, FINEST, best=1e-13, other="heyoka", sound_steps=10_000),
@@ -205,6 +221,8 @@ def method_names(many: bool = False) -> tuple[str, ...]:
     return ("auto", *(name for name, method in METHODS.items() if method.many or not many))
 
 
+CONTINUOUS = "where a controller jumps or chatters, give Sampled(controller, period)"
+"""What helps where steps collapse under a controller that is asked everywhere."""
 HEAVY = 200.0
 """Above this weight heyoka compiles for more than a second where it has not seen a program yet."""
 TINY = 2_000_000
@@ -242,15 +260,16 @@ def choose(
     symbolic = method in METHODS and METHODS[method].symbolic
     if called is not None and (symbolic or problem.tol < EXACT):
         raise DefinitionError(
-            f"the input '{called.name}' is a function of Python's, known in doubles and without a "
-            "Taylor series; take method='scipy' and tol >= 1e-16, or give an expression or a table"
+            f"the input '{called.name}' is {called.kind}, known in doubles and without a "
+            "Taylor series; take method='scipy' and tol >= 1e-16, or give "
+            f"{called.smoother}"
         )
     if method in ("heyoka", "numba", "c") and not problem.program.state:
         return _make_stepper("scipy", problem, f"nothing moves, and {method} wants equations")
     if method != "auto":
         used, reason, loss = method, "", 1.0
     elif called is not None:
-        used, reason, loss = "scipy", f"the input '{called.name}' is a function of Python's", 1.0
+        used, reason, loss = "scipy", f"the input '{called.name}' is {called.kind}", 1.0
     else:
         used, reason, loss = _best(outset or problem, grid)
     try:
@@ -325,6 +344,7 @@ def _usual(problem: Problem, grid: np.ndarray, compiled: str) -> tuple[str, str]
 
 def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Integrator, dict[str, Any]]:
     from voronec.motion.input_knots import in_pieces
+    from voronec.motion.steppers import held_integrator
 
     made = METHODS[method]
     make = made.make
@@ -336,6 +356,28 @@ def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Integrato
     if problem.tol < made.finest:
         problem = replace(problem, tol=made.finest)
     chosen = {"method": method, "reason": reason, "tolerance": problem.tol}
-    if problem.changing is not None:
-        return in_pieces(make, problem, anew=made.exact), chosen
-    return make(problem), chosen
+    changing = problem.changing
+    if changing is None:
+        return make(problem), chosen
+    feedbacks = changing.feedbacks
+    alone = problem.levels is None and not problem.dense and changing.python_signal is None
+    if feedbacks and alone and made.leap is not None:
+        return held_integrator(made.leap, problem), chosen
+    followed = [feedback for feedback in feedbacks if not feedback.is_sampled]
+    pieces = in_pieces(make, replace(problem, dense=problem.dense or bool(followed)), made.exact)
+
+    def run(grid: np.ndarray) -> Run:
+        found, told = pieces(grid), problem.told()
+
+        def motion(times: np.ndarray) -> list[Mapping[str, float]]:
+            assert found.inside is not None
+            states = found.inside(times).tolist()
+            return [told(t, y, problem.parameters) for t, y in zip(times, states, strict=True)]
+
+        for feedback in followed:
+            feedback.motion = motion
+        if followed and found.halt is not None and not found.halt.mend:
+            found = replace(found, halt=replace(found.halt, mend=CONTINUOUS))
+        return found if problem.dense else replace(found, inside=None)
+
+    return run if followed else pieces, chosen

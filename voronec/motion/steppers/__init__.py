@@ -2,16 +2,25 @@
 
 from voronec.motion.steppers.c_stepper import c_loop
 from voronec.motion.steppers.event_states import make_with_event_states, narrow, widen, with_parts
+from voronec.motion.steppers.feedback import MEND, ControllerFailure, Feedback
+from voronec.motion.steppers.held_steps import Leap, held_integrator
 from voronec.motion.steppers.heyoka_stepper import (
     COMPACT,
     LONG,
     heyoka,
     parameter_count,
     taylor,
+    taylor_leap,
     unit_parameters,
 )
 from voronec.motion.steppers.integer_taylor import digits
-from voronec.motion.steppers.numba_stepper import Loop, compiled_dop853, compiled_loop, scales_of
+from voronec.motion.steppers.numba_stepper import (
+    Loop,
+    compiled_dop853,
+    compiled_loop,
+    dop853_leap,
+    scales_of,
+)
 from voronec.motion.steppers.root_states import RootStates, digits_through_roots
 from voronec.motion.steppers.run import (
     COLLAPSE,
@@ -81,15 +90,17 @@ from voronec.motion.steppers.units import (
 from voronec.motion.steppers.wide_batch import Place, WideBatch
 
 __all__ = [
-    "CHUNK", "COLLAPSE", "COMPACT", "DISTANT", "FAR", "INFINITE", "LONG", "MANY", "NODES", "PARTS",
-    "SHORT", "STRIDE", "TRIAL", "WIDTH", "WINDOW", "Field", "Integrator", "IntegratorFailure",
-    "LongSteps", "Loop", "OwnedSamples", "Place", "Problem", "Rates", "RootStates", "Run",
-    "Segment", "Signal", "Signals", "StallDetector", "StepSampler", "StepSamples", "Stride",
-    "Suspect", "Termination", "Ticker", "TurnCount", "WideBatch", "balance", "blind_lanes",
-    "by_owner", "c_loop", "compiled_dop853", "compiled_loop", "constants_along", "crossing_arrays",
-    "cut_at_singularity", "digits", "digits_through_roots", "dop853", "dop853_steps",
-    "estimated_steps", "exact_mpf", "field_of", "heyoka", "in_kind", "in_parts", "long_steps",
-    "lsoda", "make_with_event_states", "narrow", "natural_units", "parameter_count", "part_at",
-    "reach_of_series", "restart", "scales_of", "series_samples", "spread", "taylor", "uneven_steps",
-    "unit_parameters", "units_of_many", "until", "values_along", "widen", "with_parts",
+    "CHUNK", "COLLAPSE", "COMPACT", "DISTANT", "FAR", "INFINITE", "LONG", "MANY", "MEND", "NODES",
+    "PARTS", "SHORT", "STRIDE", "TRIAL", "WIDTH", "WINDOW", "ControllerFailure", "Feedback",
+    "Field", "Integrator", "IntegratorFailure", "Leap", "LongSteps", "Loop", "OwnedSamples",
+    "Place", "Problem", "Rates", "RootStates", "Run", "Segment", "Signal", "Signals",
+    "StallDetector", "StepSampler", "StepSamples", "Stride", "Suspect", "Termination", "Ticker",
+    "TurnCount", "WideBatch", "balance", "blind_lanes", "by_owner", "c_loop", "compiled_dop853",
+    "compiled_loop", "constants_along", "crossing_arrays", "cut_at_singularity", "digits",
+    "digits_through_roots", "dop853", "dop853_leap", "dop853_steps", "estimated_steps", "exact_mpf",
+    "field_of", "held_integrator", "heyoka", "in_kind", "in_parts", "long_steps", "lsoda",
+    "make_with_event_states", "narrow", "natural_units", "parameter_count", "part_at",
+    "reach_of_series", "restart", "scales_of", "series_samples", "spread", "taylor", "taylor_leap",
+    "uneven_steps", "unit_parameters", "units_of_many", "until", "values_along", "widen",
+    "with_parts",
 ]  # fmt: skip

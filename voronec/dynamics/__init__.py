@@ -1,0 +1,1 @@
+"""What motions do in the long run: steady motions, their stability, periodic orbits, exponents."""
