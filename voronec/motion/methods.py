@@ -166,9 +166,9 @@ def _lsoda(problem: Problem) -> Integrator:
 
 
 def _digits(problem: Problem) -> Integrator:
-    from voronec.motion.steppers import digits, digits_through_roots
+    from voronec.motion.steppers import digits
 
-    return digits(problem) if problem.roots is None else digits_through_roots(problem)
+    return digits(problem)
 
 
 # fmt: off

@@ -246,7 +246,6 @@ class ModeSet:
             exact=None, switching_surfaces=frozenset(ends),
             suspect=None if along else given.suspect, progress=self.progress,
             apart=frozenset((*ends, *turns)),  # steps begin anew at each of them
-            roots=corner.roots if self.bits != DOUBLE and not along else None,
         )  # fmt: skip
 
     def _choose_stepper(self, problem: Problem) -> tuple[Any, dict[str, Any]]:

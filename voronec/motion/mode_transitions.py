@@ -390,9 +390,7 @@ class Crossroads(ModeSet):
             return None
         zero = Block((), (se.Integer(0),) * len(state))
         program = replace(first.program, derivative=zero)
-        still = replace(
-            first, program=program, switches=(*later,), signs=later, rims=(), roots=None
-        )
+        still = replace(first, program=program, switches=(*later,), signs=later, rims=())
         return self.mode((still,), {**own, **sides}, ())
 
     def _holds_time(self, program: Program, sides: Mapping[Switch, int], time: Any) -> bool:

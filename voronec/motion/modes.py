@@ -38,7 +38,6 @@ from voronec.equations.program.switches import (
 )
 from voronec.errors import EngineLimit
 from voronec.motion.state_probe import quantities
-from voronec.motion.steppers import RootStates
 
 STEEP = (se.log, se.asin, se.acos, se.acosh, se.atan2)
 """Functions whose slopes have no bound."""
@@ -81,7 +80,7 @@ class SmoothBranch:
 
     ``signs`` are the sides that were asked for, ``switches`` all that were met,
     ``functions`` those of events.  ``rims`` are radicands of roots that velocities may bring to
-    zero, all at once, ``roots`` the program with roots that vanish on switching surfaces as states.
+    zero, all at once.
     """
 
     form: Any
@@ -90,7 +89,6 @@ class SmoothBranch:
     signs: Mapping[Switch, int]
     switches: tuple[Switch, ...]
     rims: tuple[Any, ...]
-    roots: RootStates | None = None
 
 
 @dataclass
@@ -166,7 +164,6 @@ class Modes:
         found = SmoothBranch(
             made, Program.of(made), functions, signs,
             tuple(switch for switch in change.switches if switch not in idle), rims(form, exprs),
-            RootStates.of(made, change.radicands) if self.cusps else None,
         )  # fmt: skip
         self._corners.append(found)
         return found
@@ -179,7 +176,7 @@ class Modes:
             return []
         exprs = [*self.form.expressions, *self.functions.values()]
         found = [change(se.sympify(e)) for e in exprs]
-        again = replace(change, switches={}, radicands={}, _known={})
+        again = replace(change, switches={}, _known={})
         for expr in found:
             again(expr)  # what only keeps a step from going over it is met once more
         met = (n.args[0] for n in nodes(map(se.sympify, exprs)) if isinstance(n, se.sign | se.Abs))
@@ -208,7 +205,7 @@ class Modes:
         def side(switch: Switch) -> int:
             return -asked[switch] if switch in switches else asked[switch]
 
-        other = replace(change, side=side, switches={}, radicands={}, _known={})
+        other = replace(change, side=side, switches={}, _known={})
         try:
             return all(other(se.sympify(e)) == f for e, f in zip(exprs, found, strict=True))
         except KeyError:  # there are other switching surfaces there

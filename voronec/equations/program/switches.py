@@ -72,11 +72,11 @@ class Sides:
 
     ``side`` is asked for 1 or -1 at each switching surface of a sign; a floor becomes a symbol of
     its own, given by ``number``.  ``switches`` are those that were met; ``still`` symbols
-    alone make none. Of radicands that are ``cusps`` the absolute value is taken; ``radicands`` are
-    what these are on the sides, not negative there.  tanh w is the same on all sides of
-    its switching surfaces, |w| = ``saturated``, and half of that, within which squares of 1 - |tanh
-    w| are not flat either; they keep a step from going over it.  So are cosh w, sinh w and exp 2 w,
-    a root whose corner a constant rounds, and a high power, which is flat about its zero.
+    alone make none. Of radicands that are ``cusps`` the absolute value is taken.  tanh w is the
+    same on all sides of its switching surfaces, |w| = ``saturated``, and half of that, within which
+    squares of 1 - |tanh w| are not flat either; they keep a step from going over it.  So are
+    cosh w, sinh w and exp 2 w, a root whose corner a constant rounds, and a high power, which is
+    flat about its zero.
     """
 
     side: Callable[[Switch], int]
@@ -85,7 +85,6 @@ class Sides:
     cusps: frozenset[Any] = frozenset()
     saturated: Any = SATURATION
     switches: dict[Switch, None] = field(default_factory=dict)
-    radicands: dict[Any, None] = field(default_factory=dict)
     _known: dict[Any, Any] = field(default_factory=dict)
     _floors: set[Any] = field(default_factory=set)
 
@@ -108,7 +107,6 @@ class Sides:
         if isinstance(expr, se.atan2):
             return self._angle(*args)
         if isinstance(expr, se.Pow) and expr.args[0] in self.cusps and _is_root(expr):
-            self.radicands.setdefault(args[0])
             return se.Abs(args[0]) ** args[1]
         if isinstance(expr, (se.tanh, se.sinh, se.cosh)):
             self._watch(args[0])

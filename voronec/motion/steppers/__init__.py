@@ -21,7 +21,6 @@ from voronec.motion.steppers.numba_stepper import (
     dop853_leap,
     scales_of,
 )
-from voronec.motion.steppers.root_states import RootStates, digits_through_roots
 from voronec.motion.steppers.run import (
     COLLAPSE,
     DISTANT,
@@ -93,11 +92,11 @@ __all__ = [
     "CHUNK", "COLLAPSE", "COMPACT", "DISTANT", "FAR", "INFINITE", "LONG", "MANY", "MEND", "NODES",
     "PARTS", "SHORT", "STRIDE", "TRIAL", "WIDTH", "WINDOW", "ControllerFailure", "Feedback",
     "Field", "Integrator", "IntegratorFailure", "Leap", "LongSteps", "Loop", "OwnedSamples",
-    "Place", "Problem", "Rates", "RootStates", "Run", "Segment", "Signal", "Signals",
+    "Place", "Problem", "Rates", "Run", "Segment", "Signal", "Signals",
     "StallDetector", "StepSampler", "StepSamples", "Stride", "Suspect", "Termination", "Ticker",
     "TurnCount", "WideBatch", "balance", "blind_lanes", "by_owner", "c_loop", "compiled_dop853",
     "compiled_loop", "constants_along", "crossing_arrays", "cut_at_singularity", "digits",
-    "digits_through_roots", "dop853", "dop853_leap", "dop853_steps", "estimated_steps", "exact_mpf",
+    "dop853", "dop853_leap", "dop853_steps", "estimated_steps", "exact_mpf",
     "field_of", "held_integrator", "heyoka", "in_kind", "in_parts", "long_steps", "lsoda",
     "make_with_event_states", "narrow", "natural_units", "parameter_count", "part_at",
     "reach_of_series", "restart", "scales_of", "series_samples", "spread", "taylor", "taylor_leap",

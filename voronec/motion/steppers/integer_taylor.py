@@ -52,7 +52,7 @@ def digits(problem: Problem) -> Integrator:
     if problem.exact is not None:
         start, parameters = problem.exact(bits)
         problem = replace(problem, start=start, parameters=parameters)
-    levels = digit_levels(problem.levels, problem.parameters)
+    levels = _digit_levels(problem.levels, problem.parameters)
 
     def run(grid: np.ndarray) -> Run:
         stepper = DigitsStepper(rules, problem, grid, bits)
@@ -63,7 +63,7 @@ def digits(problem: Problem) -> Integrator:
     return run
 
 
-def digit_levels(levels: Program | None, parameters: Sequence[Any]) -> Levels:
+def _digit_levels(levels: Program | None, parameters: Sequence[Any]) -> Levels:
     """The events' functions at times (k,) and states (k, n) of mpmath's numbers, (k, m)."""
     if levels is None:
         return lambda t, _states: np.empty((len(t), 0))
@@ -94,7 +94,7 @@ def _alone(
         return mpmath.nan
 
 
-def units_of(number: Any, bits: int) -> int:
+def _units_of(number: Any, bits: int) -> int:
     """A number in units of 2^-bits."""
     with flint.ctx.workprec(bits + 128):
         return fixed_point(as_ball(number), bits)
@@ -139,7 +139,7 @@ class _Polynomial:
         states = np.empty((len(times), len(self.rows)), dtype=object)
         for i, time in enumerate(times):
             # a step to an end that is nearer than the last bit goes nowhere
-            place = ((units_of(time, self.bits) - self.start) << self.bits) // (self.step or 1)
+            place = ((_units_of(time, self.bits) - self.start) << self.bits) // (self.step or 1)
             states[i] = [_number(x, self.bits, self.kept) for x in self.state(place)]
         return states
 
@@ -162,8 +162,8 @@ class DigitsStepper:
         self.units = natural_units(self.problem)
         self.bits += self._below_one() + self._above_one()
         self.expand = self.rules.expansion(self.problem.parameters, self.bits)
-        self.state = [units_of(x, self.bits) for x in self.problem.start]
-        self.time, self.end = (units_of(t, self.bits) for t in self.grid[[0, -1]])
+        self.state = [_units_of(x, self.bits) for x in self.problem.start]
+        self.time, self.end = (_units_of(t, self.bits) for t in self.grid[[0, -1]])
         self.least = min(SMALLEST, self.problem.tol) * float(np.ptp(self.grid))
         self.guess = min(abs(self.end - self.time), 1 << self.bits)
 
@@ -193,7 +193,7 @@ class DigitsStepper:
         self.time = self.time + (step * part >> bits)
         taken = abs(self.time - start)
         self.longest = max(self.longest, float(_number(taken, bits, DOUBLE)))
-        short = taken < units_of(min(self.least, SHORTER * self.longest), bits)
+        short = taken < _units_of(min(self.least, SHORTER * self.longest), bits)
         if short and self.time != self.end:
             raise IntegratorFailure(COLLAPSE)
         self.state = polynomial.state(part)
@@ -253,7 +253,7 @@ class DigitsStepper:
 
     def sizes(self, rows: list[list[int]]) -> list[int]:
         """Of the variables at the start of a step: at least their units."""
-        units = [units_of(u, self.bits) for u in self.units.tolist()]
+        units = [_units_of(u, self.bits) for u in self.units.tolist()]
         return [max(u, abs(row[0])) for u, row in zip(units, rows, strict=True)]
 
     def room(self, rows: list[list[int]]) -> float:

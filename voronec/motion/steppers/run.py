@@ -67,7 +67,6 @@ class Problem:
     and, for heavy programs, heyoka compile for longer.
     ``units`` (n,) are those in which the states are measured, by default their natural ones.
     Functions of events that are ``apart`` are not integrated beside the states.
-    ``roots`` are those of the right side that may vanish, for the method ``flint``.
     ``measured`` are quantities that controllers are told besides the states.
     """
 
@@ -88,7 +87,6 @@ class Problem:
     units: np.ndarray | None = None
     brief: float | None = None
     apart: frozenset[str] = frozenset()
-    roots: Any = None
     measured: Program | None = None
 
     @property

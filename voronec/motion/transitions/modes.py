@@ -121,10 +121,10 @@ def _through_switching_surfaces(
     modes = Modes.of(form, functions, _saturation(problem.tol, exact))
     if modes is None:
         return None
-    if modes.cusps and not exact and method == "heyoka":
+    if modes.cusps and (exact or method == "heyoka"):
         raise EngineLimit(
             f"the root of {min(map(str, modes.cusps))} in the equations has no Taylor series where "
-            "it vanishes; use method='scipy', or flint"
+            "it vanishes; use method='scipy'"
         )
     method = "scipy" if modes.cusps and method == "auto" else method
     bits = ceil(-log2(problem.tol)) + GUARD if exact else DOUBLE
