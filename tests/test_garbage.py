@@ -21,8 +21,9 @@ class Loop:
 @pytest.fixture
 def collection() -> Iterator[None]:
     gc.enable()
-    yield
     gc.unfreeze()
+    yield
+    gc.freeze()  # as before, see conftest
     gc.enable()
 
 

@@ -8,7 +8,6 @@ import gc
 import pickle
 import re
 import weakref
-from collections.abc import Iterator
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -48,17 +47,9 @@ def test_equations_belong_to_one_system() -> None:
 HEYOKA = pytest.param("heyoka", marks=pytest.mark.skipif(not find_spec("heyoka"), reason="absent"))
 
 
-@pytest.fixture
-def frozen() -> Iterator[None]:
-    """What other tests left behind is not looked through."""
-    gc.freeze()
-    yield
-    gc.unfreeze()
-
-
-@pytest.mark.usefixtures("frozen")
 @pytest.mark.parametrize("method", ["scipy", HEYOKA])
 def test_a_system_is_forgotten_with_all_that_was_computed_of_it(method: str) -> None:
+    gc.freeze()  # what other tests left behind is not looked through
     system, event = particle(), vo.Event("x")
     vo.integrate(system, times=[0.0, 1.0], initial={"x": 1.0}, method=method, events=[event])
     alive = [weakref.ref(system), weakref.ref(vo.derive(system))]

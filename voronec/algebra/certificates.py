@@ -361,9 +361,11 @@ class Signs:
             return None
         zero = self.ring.field.zero
         a, b, c = parts[2 * half], parts.get(half, zero), parts.get(0, zero)
-        below = self.of_polynomial(4 * a * c - b * b, depth + 1)
         first = self.of_polynomial(a, depth + 1)
-        if below is None or first is None or below.value < 0:
+        if first is None:
+            return None
+        below = self.of_polynomial(4 * a * c - b * b, depth + 1)
+        if below is None or below.value < 0:
             return None
         definite = below.value > 0 and below.strict
         if not (definite or first.strict or self._agrees(c, first, depth)):
