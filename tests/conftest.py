@@ -28,12 +28,6 @@ with suppress(ImportError):
 collect_ignore = ["plugin_package"]
 
 
-def pytest_collection_finish() -> None:
-    """No search for garbage looks through what modules and tests hold until the end."""
-    gc.collect()
-    gc.freeze()
-
-
 def pytest_sessionfinish() -> None:
     """What is left ends with the process, and pytest need not look through it five times."""
     gc.freeze()

@@ -23,7 +23,7 @@ def collection() -> Iterator[None]:
     gc.enable()
     gc.unfreeze()
     yield
-    gc.freeze()  # as before, see conftest
+    gc.unfreeze()
     gc.enable()
 
 
