@@ -19,7 +19,7 @@ from traceback import extract_tb
 from voronec.cli.arguments import as_options, command_parser
 from voronec.errors import DefinitionError, VoronecError, printable
 
-__all__ = ["main"]
+__all__ = ["OBJECTS", "command_parser", "main"]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
