@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from command_line import Call, refused
+from scipy.linalg import qr
 
 import voronec as vo
 from voronec.errors import DefinitionError
@@ -211,3 +212,149 @@ def test_charts_count_unstable_eigenvalues() -> None:
         unstable = found.xs[j] ** 2 * 0.75 < found.ys[i] / 4
         assert found.unstable[i, j] == int(unstable)
     assert found.plot() is not None
+
+
+DIGITS = 80
+STEP = mp.mpf(10) ** -25
+
+
+def referee_field(system: vo.System) -> Any:
+    """(q, v)' at a point, by multipliers; of the engine nothing but the names is used."""
+    q = [*system.coordinates]
+    dots = [vo.velocity(x) for x in q]
+    frame = system.frame
+    v = [*system.velocities]
+    meaning = dict(zip(v, v, strict=True)) if frame is None else dict(frame.definitions)
+    rows = [*system.constraints, *(meaning[x] - x for x in v)]
+    rows += [sp.Add(*[r.diff(x) * vo.velocity(x) for x in q]) for r in system.fibration.relations]
+    plain = {d: sp.Symbol(f"rate {i}") for i, d in enumerate(dots)}
+    rows = [sp.sympify(r).xreplace(plain) for r in rows]
+    rates = [*plain.values()]
+    values = {p.symbol: p.value for p in system.parameters}
+    matrix = sp.Matrix(rows).jacobian(rates)
+    rest = sp.Matrix([r.xreplace(dict.fromkeys(rates, sp.Integer(0))) for r in rows])
+    quasi = [sp.sympify(meaning[x]).xreplace(plain) for x in v]
+    by_place = sp.Matrix(quasi).jacobian(q)
+    by_rate = sp.Matrix(quasi).jacobian(rates)
+    solve_for = sp.lambdify([q, v], [m.xreplace(values) for m in (matrix, rest)], "mpmath")
+    slopes = sp.lambdify([q, rates], [m.xreplace(values) for m in (by_place, by_rate)], "mpmath")
+
+    def field(x: list[mp.mpf]) -> list[mp.mpf]:
+        place, speeds = x[: len(q)], x[len(q) :]
+        left, right = solve_for(place, speeds)
+        moving = [*mp.lu_solve(left, -right)]
+        point = dict(zip([*q, *v], x, strict=True))
+        found = vo.multiplier_acceleration(system, point, digits=DIGITS)
+        bent = mp.matrix([mp.mpf(sp.N(found[c], DIGITS)) for c in q])
+        here, along = slopes(place, moving)
+        return [*moving, *(here * mp.matrix(moving) + along * bent)]
+
+    return field
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "at"),
+    [
+        ("falling-disc", {"gamma3": "1/2", "s": "3/2"}),
+        ("rattleback", {"gamma3": 1, "omega3": "1/2"}),
+        ("chaplygin-ball", {"gamma2": 1, "omega2": 1}),
+        ("veselova", {"gamma2": 1}),
+        ("sleigh-on-turntable", {"v": "1/10"}),
+        ("ball-on-sphere", {"gamma1": 0, "gamma3": 0, "G2": "1/2"}),
+        ("torus-on-ellipsoid", {"s": "1/2"}),
+        ("bicycle", {"delta": "1/2"}),
+    ],
+)
+def test_spectra_agree_with_differences_of_the_multiplier_route(
+    name: str, at: Mapping[str, Any]
+) -> None:
+    motion = moving(name, at)
+    with mp.workdps(DIGITS):
+        theirs = referee_eigenvalues(motion)
+        ours = [e for e in motion.eigenvalues(40) if e != 0]
+        if name == "veselova":  # all its steady motions are rest, and all eigenvalues vanish
+            assert not ours and max(map(abs, theirs)) < 1e-12
+        else:
+            assert ours
+        for value in ours:
+            assert min(abs(value - other) for other in theirs) < mp.mpf(10) ** -30 * abs(value)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "at", "over", "between"),
+    [
+        ("rattleback", {"gamma3": 1, "omega3": "1/2"}, "omega3", (1, 2)),
+        ("falling-disc", {"gamma3": 0, "q": 0, "s": 1}, "s", (0, 2)),
+        ("sleigh-on-turntable", {"v": "1/10"}, "v", (-1, 1)),
+        ("bicycle", {"phi": 0, "delta": 0, "speed": 4}, "speed", (4, 5)),
+    ],
+)
+def test_critical_values_agree_with_differences_of_the_multiplier_route(
+    name: str, at: Mapping[str, Any], over: str, between: tuple[float, float]
+) -> None:
+    family = moving(name, at, starts=20).along(over, between, count=10)
+    (critical,) = family.critical
+    with mp.workdps(DIGITS):
+        theirs = referee_eigenvalues(family.at(critical.exact))
+        # a zero of multiplicity two is known to half of the digits
+        assert sorted(abs(e.real) for e in theirs)[0] < 1e-12
+        ends = [referee_eigenvalues(family.at(critical.exact + s * mp.mpf(10) ** -12))
+                for s in (1, -1)]  # fmt: skip
+        counts = [sum(e.real > mp.mpf(10) ** -16 for e in found) for found in ends]
+        assert {*counts} == {critical.below, critical.above}
+
+
+def referee_eigenvalues(motion: vo.SteadyMotion) -> list[mp.mpc]:
+    """The eigenvalues of the reduced motion by differences of the multiplier route."""
+    system = motion.system
+    names = [str(x) for x in (*system.coordinates, *system.velocities)]
+    point = motion.in_digits(DIGITS)
+    start = {str(x): e for x, e in motion.equations.formulation.start.items()}
+    meaning = {n: sp.sympify(start[n]) for n in point}
+    values = {p.symbol: p.value for p in system.parameters}
+    meaning = {n: sp.sympify(e).xreplace(values) for n, e in meaning.items()}
+    held = sorted({str(s) for e in meaning.values() for s in e.free_symbols})
+    sides = [e - sp.Float(point[n], DIGITS) for n, e in meaning.items()]
+    function = sp.lambdify([sp.Symbol(n) for n in held], sides, "mpmath")
+    near = [mp.mpf("0.4") + mp.mpf(i) / 7 for i in range(len(held))]
+    near = [point.get(n, x) for n, x in zip(held, near, strict=True)]
+    known = dict(zip(held, solution(function, near), strict=True))
+    x = [known.get(n, mp.mpf("0.3") if n != "z" else mp.mpf(0)) for n in names]
+    field, symbols = referee_field(system), [*map(sp.Symbol, names)]
+    inner = sp.Matrix([*meaning.values()]).jacobian(symbols)
+    along = sp.lambdify([symbols], inner, "mpmath")
+    columns = []
+    for i in range(len(x)):
+        pair = [[*x[:i], x[i] + sign * STEP, *x[i + 1 :]] for sign in (1, -1)]
+        up, down = (along(y) * mp.matrix(field(y)) for y in pair)
+        columns.append([(a - b) / (2 * STEP) for a, b in zip(up, down, strict=True)])
+    # with sigma(q, v) the variables of the reduced motion, A D(sigma) = D(sigma')
+    slopes, rates = along(x), mp.matrix(columns).T
+    rank = int(np.linalg.matrix_rank(np.array(slopes.tolist(), dtype=float), tol=1e-9))
+    order = qr(np.array(slopes.tolist(), dtype=float), pivoting=True, mode="r")[1][:rank]
+    base = mp.matrix([[slopes[i, int(j)] for j in order] for i in range(slopes.rows)])
+    ends = mp.matrix([[rates[i, int(j)] for j in order] for i in range(slopes.rows)])
+    return mp.eig(reduced(base, ends), left=False, right=False)
+
+
+def reduced(base: mp.matrix, ends: mp.matrix) -> mp.matrix:
+    """A with base A = ends, whose columns lie in the image."""
+    return mp.inverse(base.T * base) * (base.T * ends)
+
+
+def solution(function: Any, x: list[mp.mpf]) -> list[mp.mpf]:
+    """Of equations that are more than their unknowns, by Newton's method of least squares."""
+    for _ in range(200):
+        values = mp.matrix(function(*x))
+        slopes = mp.zeros(len(values), len(x))
+        for j in range(len(x)):
+            ahead = mp.matrix(function(*x[:j], x[j] + STEP, *x[j + 1 :]))
+            slopes[:, j] = (ahead - values) / STEP
+        damping = mp.norm(values) ** 2 / 1000
+        step = mp.lu_solve(slopes.T * slopes + damping * mp.eye(len(x)), slopes.T * values)
+        x = [a - b for a, b in zip(x, step, strict=True)]
+        if mp.norm(step) < mp.mpf(10) ** -60:
+            return x
+    raise AssertionError("no coordinates were found")

@@ -33,7 +33,7 @@ from voronec.dynamics.steady_equations import (
 )
 from voronec.equations.motions import Motions
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.errors import DefinitionError, did_you_mean
+from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 from voronec.motion.inputs import drive
 from voronec.motion.request import number
 
@@ -134,16 +134,23 @@ class SteadyMotion:
 
         ``EngineLimit`` where the equations are degenerate there, or have no evaluation in balls.
         """
-        found = polish(self.equations, self.y, int(3.33 * digits) + 40)
+        found = self._polished(int(3.33 * digits) + 40)
         with mp.workdps(digits):
             return {n: +to_mpf(x) for n, x in zip(self.equations.names, found, strict=True)}
+
+    def _polished(self, bits: int) -> list[Any]:
+        """The point in balls; what is held may touch the family, and then its nearest point."""
+        try:
+            return polish(self.equations, self.y, bits)
+        except EngineLimit:
+            return polish(self.equations.only_leaves(), self.y, bits)
 
     def eigenvalues(self, digits: int = 40) -> list[mp.mpc]:
         """All eigenvalues, zeros among them, to so many digits, by real and imaginary part."""
         n = self.equations.size
         # an eigenvalue of a chain of n loses so many digits
         bits = int(3.33 * (digits + 10)) * (max(self.deflation.counts, default=1) + 2) + 64
-        y = polish(self.equations, self.y, bits)
+        y = self._polished(bits)
         slopes = self.equations.slopes_in_balls(y, bits)
         with flint.ctx.workprec(bits):
             block = [flint.acb(slopes[i, j].mid()) for i in range(n) for j in range(n)]

@@ -24,6 +24,7 @@ from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape, as_ball
 from voronec.algebra.text import name_or_formula
+from voronec.declaration.claims import right_of
 from voronec.declaration.reading import expression, quote
 from voronec.declaration.system import System
 from voronec.equations.motions import Motions
@@ -105,14 +106,10 @@ class SteadyEquations:
 
     @property
     def leaves(self) -> dict[str, Any]:
-        """Integrals of the constraints: functions of the positions alone."""
-        moving = {*self.formulation.velocities}
+        """Integrals of the constraints: functions of the coordinates alone."""
+        still = {*self.system.coordinates, *(p.symbol for p in self.system.parameters)}
         integrals = self.formulation.integrals.items()
-        states = {*self.formulation.positions}
-        return {
-            name: e for name, e in integrals
-            if e.free_symbols & states and not e.free_symbols & moving
-        }  # fmt: skip
+        return {n: e for n, e in integrals if _is_of(self.system.integrals[n], still)}
 
     @cached_property
     def _arguments(self) -> tuple[Any, ...]:
@@ -213,6 +210,12 @@ class SteadyEquations:
         """The Jacobian of F enclosed at balls y, an ``arb_mat``."""
         found = self._run_in_balls(1, y, bits)
         return flint.arb_mat(len(found) // len(self.unknowns), len(self.unknowns), found)
+
+
+def _is_of(integral: Any, symbols: Collection[Any]) -> bool:
+    """Whether a claimed integral holds these symbols alone."""
+    function = right_of(integral)
+    return bool(function.free_symbols <= {*symbols}) and not function.has(sp.Derivative)
 
 
 def _record(block: Block) -> tuple[list[tuple[Any, Tape]], Tape]:
