@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 
 from voronec.dynamics.variational_source import DONE, LIMIT, NO_STEP, flow_source
-from voronec.equations.program import HoistedProgram, Program, c_source, compile_program, hoist
-from voronec.equations.program.jacobian import joint_program
+from voronec.equations.program import Block, HoistedProgram, Program, c_source, compile_program, hoist
+from voronec.equations.program.jacobian import joint_block
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.steppers.kept_code import kept_library
 
@@ -100,12 +100,16 @@ class VariationalFlow:
         known = np.array(self.joint.values([float(x) for x in values]), dtype=float)
         outcome = self.drive(state, known, end, tol, limit, every)
         if outcome == NO_STEP or not np.isfinite(state.z).all():
-            raise IntegrationError(
-                f"the motion and its variations cannot be continued beyond t = {state.time:.6g}: "
-                "its variables are singular there; name others, or start elsewhere",
-                state.time, state.x.copy(),
-            )  # fmt: skip
+            raise self.failure(state)
         return outcome == DONE
+
+    def failure(self, state: VariationalState) -> IntegrationError:
+        """Why there is no way on."""
+        return IntegrationError(
+            f"the motion and its variations cannot be continued beyond t = {state.time:.6g}: the "
+            f"variables {', '.join(map(str, self.program.state))} are singular there; name others, "
+            "or start elsewhere", state.time, state.x.copy(),
+        )  # fmt: skip
 
     def rates(self, x: Any, values: Any, time: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
         """The rates (n,) and their Jacobian (n, n) at a state."""
@@ -128,14 +132,16 @@ def variational_flow(program: Program, k: int | None = None) -> VariationalFlow:
 
     ``EngineLimit`` where a function of the program has no derivative.
     """
-    wide, places = joint_program(program)
-    joint, n = hoist(wide), len(program.state)
+    both, places = joint_block(program, program.derivative, program.state)
+    n, bare = len(program.state), replace(program, names=(), extras=Block((), ()))
+    rates, slopes = (replace(both, results=part) for part in (both.results[:n], both.results[n:]))
+    joint = hoist(replace(bare, derivative=rates).beside(slopes, "slope"))
     count = n if k is None else k
     try:
         drive, compiled = _compiled_drive(joint.program, n, count, places), True
     except DefinitionError:  # there is no compiler here
         drive, compiled = _drive_of_scipy(joint.program, n, count, places), False
-    return VariationalFlow(replace(program), count, joint, places, drive, compiled)
+    return VariationalFlow(program, count, joint, places, drive, compiled)
 
 
 def _compiled_drive(

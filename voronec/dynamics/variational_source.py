@@ -101,12 +101,13 @@ long long drive(double *clock, double *z, const double *parameters, const double
     counts[1]++;
     if (size == 0.0) {
         double below = 0.0, steep = 0.0;
-        for (int i = 0; i < N; i++) {
-            const double share = 1.0/(units[i] + fabs(z[i]));
+        for (int i = 0; i < M; i++) {
+            const double unit = i < N ? units[i] : i == N ? 1.0 : units[(i - N - 1)/K];
+            const double share = 1.0/(unit + fabs(z[i]));
             below = fmax(below, fabs(z[i])*share);
             steep = fmax(steep, fabs(k[0][i])*share);
         }
-        size = steep > 0.0 ? 0.01*fmax(below, 0.1)/steep : fabs(end - t);
+        size = steep > 0.0 ? 0.01*fmax(below, 0.1)/steep : 1.0;
         last = <growth>;
     }
     for (long long steps = 0; steps < limit;) {

@@ -9,8 +9,7 @@ With c_k = f_k(x, c_1, ..., c_(k-1)) the slopes are
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -21,7 +20,7 @@ from voronec.algebra.graphs import nodes
 from voronec.equations.program.straight import Block, Program, fresh_names, share_subexpressions
 from voronec.errors import EngineLimit
 
-__all__ = ["flow_derivative", "jacobian", "jacobian_columns", "joint_program", "weighted_sum"]
+__all__ = ["flow_derivative", "jacobian", "jacobian_columns", "joint_block", "weighted_sum"]
 
 
 def _slope_of(name: str, factor: int) -> Callable[[Any], tuple[Any]]:
@@ -64,25 +63,19 @@ def jacobian(program: Program) -> Block:
     return share_subexpressions(entries, fresh_names(known), assignments)
 
 
-def joint_program(program: Program) -> tuple[Program, tuple[tuple[int, int], ...]]:
-    """A program whose rates are those of the state, and behind them the entries of the Jacobian by
-    the state that are not zero, with all their subexpressions shared; and where these stand.
+def joint_block(
+    program: Program, block: Block, by: Sequence[Any]
+) -> tuple[Block, tuple[tuple[int, int], ...]]:
+    """The results of a block of a program, and behind them their slopes by symbols that are not
+    zero, with all subexpressions shared; and of which result by which symbol each is the slope.
 
     ``EngineLimit`` names a function that nobody differentiates.
     """
-    assignments, rows = _rows(program.derivative, {x: {x: se.Integer(1)} for x in program.state})
-    found = [(i, j, row[x]) for i, row in enumerate(rows) for j, x in enumerate(program.state)
-             if x in row]  # fmt: skip
-    entries = tuple(entry for *_, entry in found)
+    assignments, rows = _rows(block, {x: {x: se.Integer(1)} for x in by})
+    found = {(i, j): row[x] for i, row in enumerate(rows) for j, x in enumerate(by) if x in row}
     known = [program.time, *program.state, *program.parameters, *program.inputs]
-    results = [*program.derivative.results, *entries]
-    block = share_subexpressions(results, fresh_names(known), assignments)
-    bare = replace(program, names=(), extras=Block((), ()))
-    rates = replace(block, results=block.results[: len(rows)])
-    wide = replace(bare, derivative=rates).beside(
-        replace(block, results=block.results[len(rows) :]), "slope"
-    )
-    return wide, tuple((i, j) for i, j, _ in found)
+    results = [*block.results, *found.values()]
+    return share_subexpressions(results, fresh_names(known), assignments), tuple(found)
 
 
 def flow_derivative(program: Program, block: Block) -> Block:

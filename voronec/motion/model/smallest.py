@@ -183,6 +183,15 @@ class SmallestModels:
         self.model_cache.keep()
         return found
 
+    @cached_property
+    def without_integrals(self) -> Model:
+        """The model that holds for all starts, in which no integral stands in for an equation: its
+        variables are those of the phase space."""
+        levels = (_cut_down(self._motions, e, e, None, False) for e in self._levels)
+        found = self.model_cache.once("without integrals", lambda: _cheapest([*levels]))
+        self.model_cache.keep()
+        return found
+
     def of_start(self, start: Mapping[Any, float]) -> ModelSearch:
         """The model of a start; starts of which nothing else is known than of another have its."""
         values = [_at_start(level, start) for level in self._levels]
@@ -278,7 +287,9 @@ def _without_zeros(full: Level, known: _Particular) -> list[Level]:
     return without_parameters(full, dict.fromkeys(known.zeros(full.parameters), se.Integer(0)))
 
 
-def _cut_down(motions: Motions, full: Level, level: Level, known: _Particular | None) -> Model:
+def _cut_down(
+    motions: Motions, full: Level, level: Level, known: _Particular | None, shorten: bool = True
+) -> Model:
     """One ``level``, equal to ``full`` for what is ``known``, cut down to what its outputs need."""
     roles: dict[Any, Role] = {}
 
@@ -289,7 +300,9 @@ def _cut_down(motions: Motions, full: Level, level: Level, known: _Particular | 
     if known is not None:
         level = _on_plane(level, known, note)
     level, frozen = _without_constants(level, full, note)
-    level, told = _without_integrals(level, full, known or _Particular({}), note)
+    told = dict[Any, Any]()
+    if shorten:
+        level, told = _without_integrals(level, full, known or _Particular({}), note)
     _note_cycles(level, note)
     for name, angle in level.angles.items():
         words = f"atan2({angle.sine}, {angle.cosine}), up to the branch"
