@@ -50,6 +50,11 @@ if TYPE_CHECKING:
     from voronec.declaration.shapes import Shape as Shape
     from voronec.declaration.sketch import Sketch as Sketch
     from voronec.declaration.system import System as System
+    from voronec.dynamics.exponents import Exponents as Exponents
+    from voronec.dynamics.exponents import exponents as exponents
+    from voronec.dynamics.periodic import OrbitFamily as OrbitFamily
+    from voronec.dynamics.periodic import PeriodicOrbit as PeriodicOrbit
+    from voronec.dynamics.periodic import periodic as periodic
     from voronec.equations.linearisation import Linearisation as Linearisation
     from voronec.equations.linearisation import linearise as linearise
     from voronec.equations.reduction import Reduction as Reduction
@@ -118,6 +123,8 @@ _HOME = {
         "declaration.shapes": "Shape",
         "declaration.sketch": "Sketch",
         "declaration.system": "System",
+        "dynamics.exponents": "Exponents exponents",
+        "dynamics.periodic": "OrbitFamily periodic PeriodicOrbit",
         "equations.linearisation": "Linearisation linearise",
         "equations.reduction": "descend Reduction",
         "equations.referee": "multiplier_acceleration reaction_forces",

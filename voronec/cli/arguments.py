@@ -128,6 +128,9 @@ SYSTEM = Option(
     "system NAME|FILE", "a system's name, or a file: Python defining SYSTEM, or TOML"
 )  # fmt: skip
 OUTPUTS = Option("--outputs A,B", "what to compute: names or formulas (those of the scene)")
+VARIABLES = Option(
+    "--variables A,B", "what the equations are closed for (the velocities of the equations)"
+)
 TOLERANCE = Option("--tol TOL", "the integrator's tolerance (1e-13)")
 MOTION = (
     Option("--scene S", "the scene ('default')"),
@@ -232,6 +235,25 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
                {"choices": ("up", "down", "both"), "default": "up"}),
         Option("--until T", "give a motion up after this time"), partial(_method, many=True),
         TOLERANCE, Option("--out DIR", "folder for points.csv and section.svg (./NAME-section)"),
+    ),
+    "periodic": (
+        "periodic", "find a periodic orbit, or a family, with its multipliers", SYSTEM, MOTION,
+        Option("--period T", "a guess of the period (when the motion comes back near its start)"),
+        VARIABLES,
+        Option("--hold A,B", "integrals that keep their values (of a family all but the one that "
+               "it is followed along)"),
+        Option("--along NAME=VALUE", "follow the family along an integral or a parameter up to "
+               "this value"),
+        _number("points", 21, "orbits of the family at most"),
+        Option("--segments N", "parts of the period in multiple shooting", {"type": int}),
+        TOLERANCE,
+    ),
+    "exponents": (
+        "exponents", "compute Lyapunov exponents with error bars", SYSTEM, MOTION, VARIABLES,
+        Option("--count N", "only the N largest", {"type": int}),
+        Option("--bar X", "the error bar at which to stop (a thousandth of the pace of the motion)"),
+        Option("--until T", "how long the motion is followed at most"),
+        Option("--tol TOL", "the integrator's tolerance (1e-9)"),
     ),
     "sweep": (
         "sweep", "compute many motions over grids, lists and draws, into a folder", SYSTEM,

@@ -1,0 +1,1 @@
+"""What motions do in the long run: periodic orbits with their multipliers, Lyapunov exponents."""

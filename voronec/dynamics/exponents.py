@@ -228,7 +228,7 @@ def exponents(
     if starts is not None and initial:
         raise DefinitionError("exponents: give initial, or starts, not both")
     space = PhaseSpace.of(
-        system, scene, starts if initial is None else initial, parameters, inputs, variables
+        system, scene, initial or starts, parameters, inputs, variables
     )
     n = len(space.names)
     k = n if count is None else count

@@ -43,7 +43,10 @@ __all__ = ["Crossing", "OrbitFamily", "PeriodicOrbit", "periodic"]
 
 CLOSED = 1e-10
 """An orbit closes to this part of the sizes of its variables."""
-ITERATIONS = 25
+ITERATIONS = 40
+DAMPINGS = (0.0, 1e-6, 1e-4, 1e-3, 1e-2, 1e-1)
+"""Where a step of Newton's method leads farther away, damped ones of Levenberg and Marquardt are
+tried."""
 SINGULAR = 1e-7
 """Directions that the equations tell apart by less than this part are free."""
 WIDE = 1e4
@@ -53,7 +56,7 @@ MARGIN = 1e-6
 """A multiplier is off the unit circle where it is so by more than this."""
 STILL = 1e-6
 """A state whose rates are no more than this part of the norm of the Jacobian is an equilibrium."""
-SEARCH = 2000
+SEARCH = 20_000
 """Steps within which a motion is to come back near its start, where no period is given."""
 NEAR = 0.3
 """It has come back where it is nearer than this part of the farthest it went."""
@@ -227,7 +230,7 @@ def periodic(
     where the guess leads to no periodic orbit, and for input that makes no sense.
     """
     began = perf_counter()
-    space = PhaseSpace.of(system, scene, initial, parameters, inputs, variables)
+    space = PhaseSpace.of(system, scene, initial or None, parameters, inputs, variables)
     if len(space.motions) > 1:
         raise DefinitionError("periodic: give one start; families are followed by along=, to=")
     if (along is None) != (to is None):
@@ -392,18 +395,15 @@ class _Shooting:
         here = self.linear(unknowns, aim)
         error = float(np.abs(here.off).max())
         for _ in range(ITERATIONS):
-            step = -np.linalg.lstsq(here.slopes, here.off, rcond=SINGULAR)[0]
-            share = 1.0
-            while True:
-                trial = unknowns + share * step
+            left, sizes, right = np.linalg.svd(here.slopes, full_matrices=False)
+            parts, trusted = left.T @ here.off, sizes > SINGULAR * sizes[0]
+            for damping in DAMPINGS:
+                weights = sizes / (sizes**2 + damping * sizes[0] ** 2)
+                trial = unknowns - right[trusted].T @ (weights * parts)[trusted]
                 there = self._try(trial, aim)
-                if there is not None and np.abs(there.off).max() < error * (1 - 0.1 * share):
+                if there is not None and np.abs(there.off).max() < 0.9 * error:
                     break
-                share /= 2
-                if share < 1e-3:
-                    there = None
-                    break
-            if there is None:
+            else:
                 break
             unknowns, here, error = trial, there, float(np.abs(there.off).max())
         if error > CLOSED:

@@ -30,6 +30,10 @@ EVERY = 4
 powers of e, or the step were shorter."""
 
 
+MOST = 200_000
+"""Steps of one way; where more are needed they have collapsed at a singularity."""
+
+
 @dataclass(eq=False)
 class VariationalState:
     """Where a motion and its variations are: ``clock`` has the time, the next step and its growth;
@@ -90,16 +94,18 @@ class VariationalFlow:
 
     def go(
         self, state: VariationalState, end: float, values: Any, tol: float, every: int = 0,
-        limit: int = 10_000_000,
+        limit: int | None = None,
     ) -> bool:  # fmt: skip
         """Carry a state on to the instant ``end``, or by ``limit`` steps; whether it is there.
 
         ``values`` (p,) are the parameters; after ``every`` steps, and at the end, the columns are
-        made orthonormal, never where it is 0.  ``IntegrationError`` where no step is short enough.
+        made orthonormal, never where it is 0.  ``IntegrationError`` where no step is short enough,
+        or, without a limit, the end is not reached in very many.
         """
         known = np.array(self.joint.values([float(x) for x in values]), dtype=float)
-        outcome = self.drive(state, known, end, tol, limit, every)
-        if outcome == NO_STEP or not np.isfinite(state.z).all():
+        outcome = self.drive(state, known, end, tol, limit or MOST, every)
+        lost = outcome == NO_STEP or (limit is None and outcome == LIMIT)
+        if lost or not np.isfinite(state.z).all():
             raise self.failure(state)
         return outcome == DONE
 
