@@ -13,8 +13,6 @@ from scipy.integrate import solve_ivp
 import voronec as vo
 from voronec import velocity
 
-__all__ = ["all_velocities", "multiplier_motion", "worst"]
-
 
 def multiplier_motion(system: vo.System, start: Mapping[str, float], times: np.ndarray) -> Any:
     """Coordinates (N, k) at times (k,), from coordinates and all their velocities by name."""

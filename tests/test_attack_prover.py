@@ -109,7 +109,8 @@ def test_the_truth_of_relations_is_told_by_the_multipliers():
     """A mirrored sleigh is one; with a clock twice as fast, or not mirrored in one place, it is
     none."""
     relations = tool("prover.relations")
-    found = {r.label: r for r in relations.entry_of("sleigh-on-turntable").load_relations()[0]}
+    (entry,) = (e for e in relations.entries()[0] if e.name == "sleigh-on-turntable")
+    found = {r.label: r for r in entry.load_relations()[0]}
     mirrored = found["sleigh on a turntable mirrored"]
     system = voronec.load(mirrored.source)
 

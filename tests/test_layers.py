@@ -120,6 +120,20 @@ def test_a_reach_for_a_private_name_is_found(text: str, count: int) -> None:
     assert [*reaches(text, {"_heap"})] == ["_heap"] * count
 
 
+def test_an_underscore_says_what_is_private() -> None:
+    """Fronts, and modules whose names are public, list these; inside of rooms an underscore says
+    what a module keeps to itself, and none takes such a name from another."""
+    listing, taken = set(), set()
+    for path in (ROOT / "voronec").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
+                listing.add(path.name)
+            elif isinstance(node, ast.ImportFrom):
+                taken |= {a.name for a in node.names if re.match("_[a-z]", a.name, re.IGNORECASE)}
+    assert listing == {"__init__.py", "testing.py", "errors.py"}
+    assert taken == set()
+
+
 INSIDE = (Path(__file__).parent / "inside_of_rooms.txt").read_text("utf-8").split()
 """Test files that take names from inside of rooms: none is added, and each that is mended goes."""
 

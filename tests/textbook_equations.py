@@ -12,8 +12,6 @@ from typing import Any, NamedTuple
 import voronec as vo
 from voronec.algebra.text import formula
 
-__all__ = ["TEXTBOOK", "Textbook"]
-
 
 class Textbook(NamedTuple):
     """A system as text, and the equations of a book for it, names below them last."""

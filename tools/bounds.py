@@ -20,8 +20,6 @@ import venv
 from collections.abc import Sequence
 from pathlib import Path
 
-__all__ = ["ENDS", "main", "requirements"]
-
 ROOT = Path(__file__).resolve().parents[1]
 ENDS = ("lowest", "newest")
 EXTRAS = ("test", "numba", "control")

@@ -29,8 +29,6 @@ from shared.campaign import campaign_parser, read_campaign
 
 import voronec as vo
 
-__all__ = ["campaign_parser", "main"]
-
 WEIGHTS = {"heyoka": 40, "scipy": 20, "lsoda": 20, "flint": 20, "c": 3, "numba": 0.2}
 """Methods, and how often each is drawn: two of them compile."""
 NEEDS = {"heyoka": find_spec("heyoka"), "numba": find_spec("numba"), "c": which("cc")}

@@ -18,8 +18,6 @@ from doors.values import HOSTILE, odd_text
 from voronec.cli import main
 from voronec.cli.arguments import command_parser
 
-__all__ = ["Wrong", "command_door", "environment_door", "plugin_door"]
-
 Door = tuple[str, Callable[[], Any]]
 STATUSES = (0, 1, 2, 130)
 LEAST = {

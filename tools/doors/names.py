@@ -14,8 +14,6 @@ import sympy as sp
 import voronec as vo
 from doors.values import odd_value
 
-__all__ = ["python_door"]
-
 X, Y, M, K, V, EPS = sp.symbols("x y m k v eps")
 SPAN = [0.0, 0.5, 1.0]
 

@@ -20,8 +20,6 @@ from voronec.declaration.bibliography import read_entries
 from voronec.errors import DefinitionError
 from voronec.proof.comparison import read_derivation
 
-__all__ = ["text_door"]
-
 Door = tuple[str, Callable[[], Any]]
 MORE = """
 [forces]

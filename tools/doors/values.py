@@ -13,8 +13,6 @@ import mpmath
 import numpy as np
 import sympy as sp
 
-__all__ = ["CANARY", "HOSTILE", "odd_text", "odd_value"]
-
 CANARY = "text-was-run"
 """The folder that hostile text makes where it is run."""
 RUN = f"__import__('os').mkdir('{CANARY}')"

@@ -8,8 +8,6 @@ from figures import table
 from figures.problems import BALL, Extent, around
 from voronec.accuracy.bench import measure_calls
 
-__all__ = ["calls"]
-
 SPANS = (1.0, 10.0, 100.0, 1000.0)
 ERROR = 1e-9
 LINES = {

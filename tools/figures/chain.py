@@ -7,8 +7,6 @@ import sympy as sp
 
 import voronec as vo
 
-__all__ = ["SYSTEM", "chain"]
-
 SPAN = 20
 
 

@@ -16,8 +16,6 @@ import voronec as vo
 from figures.measure import command
 from figures.table import Row
 
-__all__ = ["ROWS"]
-
 COUNT = 100_000
 GRIDS = (1_000, 20_000, 400_000)
 """Points between the parallels; the next for motions on which the classes disagree."""

@@ -17,8 +17,6 @@ import sympy as sp
 
 from figures.closed_taylor import SPARE, Equations, Taylor, cross, dot, value
 
-__all__ = ["NAMES", "Motion"]
-
 NAMES = ("u", "v", "u1", "v1", "theta", "s", "tau", "n")
 VALUES = {"R1": 2, "R2": 1, "M": 1, "A": "2/5", "k": 3}
 NEAR = 1e-3

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-__all__ = ["asymptotic", "classes", "hard"]
-
 Data = dict[str, str]
 RADII = {"outer": "2", "inner": "-3", "shell": "-1/2"}
 MOMENTS = {"outer": "2/5", "inner": "2/5", "shell": "3/5"}

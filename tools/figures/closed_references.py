@@ -23,8 +23,6 @@ import sympy as sp
 from figures.closed_motion import NAMES, Motion
 from figures.closed_motions import asymptotic, classes, hard
 
-__all__ = ["STORE", "apart", "exact_start", "main", "motions"]
-
 STORE = Path(__file__).resolve().parent / "closed-references.json"
 ANGLES = NAMES[:5]
 DIGITS = 42

@@ -19,8 +19,6 @@ from figures.table import Row
 from voronec.accuracy.bench import time_fastest
 from voronec.equations.program import Program, hoist, taylor_system
 
-__all__ = ["ROWS", "closed_form", "hard_table", "references"]
-
 ANGLES = NAMES[:5]
 PERIODS = 100
 LATE = 1e6

@@ -22,8 +22,6 @@ from typing import Any
 
 import mpmath
 
-__all__ = ["Equations", "Piece", "Taylor", "cross", "dot", "value"]
-
 SPARE = 40
 """Bits by which what is prepared is more accurate than the steps."""
 CYCLE = ((1, 2), (2, 0), (0, 1))

@@ -35,8 +35,6 @@ from voronec.motion import batches, methods
 from voronec.motion.solve import Arrival, Phase, Solver
 from voronec.motion.steppers.run import restart
 
-__all__ = ["argparse", "main"]
-
 HEAVY = ("rn", "bicycle", "torus", "rolling-body", "trailer", "in-time")
 """Parts of names of systems whose equations take long to derive."""
 BLOCK = 10

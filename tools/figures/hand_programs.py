@@ -14,8 +14,6 @@ import numpy as np
 
 from voronec.motion.steppers.heyoka_stepper import heyoka
 
-__all__ = ["BY_HAND", "HandProgram", "ball", "demchenko", "sleigh"]
-
 NORMAL = ("gamma1", "gamma2", "gamma3")
 SPIN = ("omega1", "omega2", "omega3")
 

@@ -18,8 +18,6 @@ from figures.problems import Extent
 from figures.race import clock
 from voronec.accuracy.bench import scene_problem
 
-__all__ = ["many"]
-
 NORMAL = ("gamma1", "gamma2", "gamma3")
 SPIN = ("omega1", "omega2", "omega3")
 SPAN, INSTANTS, ERROR = 10.0, 11, 1e-9

@@ -14,15 +14,6 @@ from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
 
 import voronec as vo
 
-__all__ = [
-    "by_sympy",
-    "command",
-    "count_operations",
-    "median_time",
-    "operations",
-    "sympy_operations",
-]
-
 
 def median_time(work: Callable[[], Any], runs: int = 7) -> float:
     """The median wall-clock time of several runs, in seconds, each with SymPy's cache empty."""

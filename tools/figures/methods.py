@@ -14,8 +14,6 @@ from figures.peers import PEERS
 from voronec.accuracy.bench import OWN, measure, scene_problem
 from voronec.cli.benchmark import report, write
 
-__all__ = ["main"]
-
 
 def main() -> int:
     """Measure, print the tables and write them, with a plot, into a folder."""

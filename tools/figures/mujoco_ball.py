@@ -17,8 +17,6 @@ import numpy as np
 
 from voronec.accuracy.bench import ReferenceProblem, time_fastest
 
-__all__ = ["MUJOCO", "SETTINGS", "STEPS", "Setting", "ball_run", "model_text"]
-
 OUTPUTS = ("gamma1", "gamma2", "gamma3", "omega1", "omega2", "omega3")
 MUJOCO: Mapping[str, tuple[str, str, str]] = {
     "chaplygin-ball": ("I1", "I2", "I3"),

@@ -12,8 +12,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["advance_source", "compiled_dop853"]
-
 STAGES = 12
 
 TEMPLATE = """

@@ -28,8 +28,6 @@ from voronec.algebra.text import as_expression
 from voronec.equations.program import hoist, scalar_source
 from voronec.errors import VoronecError
 
-__all__ = ["PEERS", "Formulation", "by_hand", "reduction"]
-
 LONGEST = 20_000
 """Characters of a right-hand side beyond which no hand writes it out."""
 FINEST = 1e-16

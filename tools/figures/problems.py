@@ -22,18 +22,6 @@ from voronec.accuracy.bench import (
 )
 from voronec.motion.methods import METHODS
 
-__all__ = [
-    "BALL",
-    "FULL",
-    "SHORT",
-    "Extent",
-    "around",
-    "auto_method",
-    "exact",
-    "measurement",
-    "problem",
-]
-
 
 @dataclass(frozen=True)
 class Extent:

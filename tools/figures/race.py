@@ -12,8 +12,6 @@ import numpy as np
 
 from voronec.accuracy.bench import at_error
 
-__all__ = ["OneRun", "Race", "Spread", "clock", "race"]
-
 LONG = 2.0
 """CPU seconds above which a run is measured twice only."""
 

@@ -22,8 +22,6 @@ import voronec as vo
 from voronec.algebra.typeset import caret_text
 from voronec.equations.readable import readable
 
-__all__ = ["argparse", "main"]
-
 sys.path.append(str(Path(__file__).resolve().parents[2] / "tests"))
 
 

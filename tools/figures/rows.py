@@ -8,8 +8,6 @@ from figures import table
 from figures.problems import BALL, Extent, around, auto_method
 from figures.race import Race, Spread
 
-__all__ = ["peers_table"]
-
 ERRORS = (1e-6, 1e-9)
 MOTIONS = {
     BALL: 1000.0,

@@ -16,8 +16,6 @@ import sympy as sp
 
 import voronec as vo
 
-__all__ = ["SYSTEMS", "Mechanism"]
-
 x, y, v, w = sp.symbols("x y v w")
 Places = tuple[tuple[Any, tuple[Any, ...]], ...]
 

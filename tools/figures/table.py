@@ -16,8 +16,6 @@ from typing import Any
 import voronec as vo
 from voronec.accuracy.bench import Bench
 
-__all__ = ["Row", "Sheet", "fill", "markdown", "picture", "plot", "runs"]
-
 
 @dataclass(frozen=True)
 class Row:

@@ -25,8 +25,6 @@ from voronec.audit.page.report import Figure, write_audit
 from voronec.cli import main as voronec
 from voronec.declaration.catalogue import load, load_paper
 
-__all__ = ["FOLDER", "PAGE", "PAPER", "main", "paste", "read_audit", "summary", "write_pages"]
-
 PAPER = "demchenko"
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 FOLDER = DOCS / "audit" / PAPER

@@ -18,8 +18,6 @@ from voronec.accuracy.hard import CASES, named_cases, trials
 from voronec.accuracy.hard.page import sections
 from voronec.accuracy.hard.reference import STORE, compute
 
-__all__ = ["main", "store_references"]
-
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "hard-cases.md"
 
 

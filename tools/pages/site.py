@@ -20,8 +20,6 @@ import voronec
 from pages import audit, gallery
 from voronec.motion.viewer.gallery import write_gallery
 
-__all__ = ["add_motions", "dead_links", "main", "reference_pages", "write_source"]
-
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 PLACE = ROOT / "build" / "site"

@@ -16,8 +16,6 @@ from voronec.declaration.bibliography import bibtex
 from voronec.proof.check import Inventory, Result, check_catalogue, failure_line, user_store
 from voronec.proof.system_page import index_page, system_page
 
-__all__ = ["FOLDER", "main", "pages", "read_results"]
-
 FOLDER = Path(__file__).resolve().parents[2] / "docs" / "systems"
 RESULTS = "results.json"
 

@@ -12,8 +12,6 @@ from itertools import pairwise
 
 from papers.latex_errors import Slip, slips
 
-__all__ = ["sentence_slips"]
-
 _ORDERS = (
     "larger smaller,greater less,bigger smaller,increases decreases,positive negative,above below,"
     "inside outside,inner outer,before after,left right,upper lower,first second,second third,"

@@ -12,8 +12,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 
-__all__ = ["Formula", "Slip", "slips"]
-
 
 @dataclass(frozen=True)
 class Slip:

@@ -12,8 +12,6 @@ from dataclasses import dataclass
 
 from voronec.errors import DefinitionError
 
-__all__ = ["Excerpt", "SourceSection", "read_sections", "tidy"]
-
 DISPLAYS = "equation eqnarray align alignat flalign gather multline displaymath dmath".split()
 _COMMENT = re.compile(r"(?<!\\)((?:\\\\)*)%[^\n]*")
 _TITLE = re.compile(r"\\(?:sub)*section\s*\*?\s*(?:\[[^\]]*\]\s*)?(?=\{)")

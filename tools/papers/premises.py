@@ -31,8 +31,6 @@ from voronec.audit.transcript import formulas_by_label
 from voronec.declaration.catalogue import load_paper
 from voronec.errors import VoronecError
 
-__all__ = ["Premise", "main", "note_system", "premises"]
-
 NOTHING = ("nothing is claimed", "defined in words", "a condition")
 """How the method of a record begins that was compared with nothing."""
 

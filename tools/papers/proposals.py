@@ -15,8 +15,6 @@ from voronec.audit.structure import are_multiples, holds_always
 from voronec.audit.study import Study
 from voronec.audit.verify import verify
 
-__all__ = ["Proposal", "judge"]
-
 
 @dataclass(frozen=True)
 class Proposal:

@@ -22,8 +22,6 @@ from voronec.audit import Paper, Section
 from voronec.declaration.catalogue import load_paper
 from voronec.errors import DefinitionError
 
-__all__ = ["Comparison", "Difference", "Row", "compare", "main"]
-
 AROUND = 24
 """Characters that are shown on each side of a difference."""
 

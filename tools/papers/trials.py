@@ -23,8 +23,6 @@ from voronec.audit.structure import are_multiples, holds_always, integrand, new_
 from voronec.audit.transcript import assignments
 from voronec.errors import VoronecError
 
-__all__ = ["HIT", "Fault", "Page", "Trial", "same_claim"]
-
 FAULTS = ("convention", "misprint")
 OPEN = ("not read", "undecided")
 HIT = "noticed at the right record"

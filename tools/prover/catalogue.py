@@ -20,8 +20,6 @@ from voronec.declaration.claims import right_of
 from voronec.equations.motions import Motions
 from voronec.proof.claims import decide_integral
 
-__all__ = ["accelerations", "catalogue", "coordinate_rates", "states"]
-
 CHEAP = ("sleigh", "falling-disc", "vertical-disc", "chaplygin-ball", "suslov", "snakeboard")
 
 

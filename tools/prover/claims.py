@@ -18,8 +18,6 @@ from prover.relations import catalogue_relation
 from prover.truth import APART, Outside, Statement, number, slope
 from voronec.proof.claims import check_claims
 
-__all__ = ["KINDS", "claim", "relation"]
-
 x, y, z, q, w = sp.symbols("x y z q w")
 X, Y, Z = (vo.velocity(s) for s in (x, y, z))
 m, k, c = sp.symbols("m k c")

@@ -15,8 +15,6 @@ import sympy as sp
 import voronec as vo
 from prover.truth import Statement, difference_at, first_difference
 
-__all__ = ["FAMILIES", "identity"]
-
 Pair = tuple[Any, Any]
 HALF = sp.Rational(1, 2)
 

@@ -18,9 +18,7 @@ import voronec as vo
 from prover.catalogue import accelerations, coordinate_rates, states
 from prover.identities import Letters, mutate
 from prover.truth import Outside, Statement, number, slope
-from voronec.declaration.catalogue import entries, entry_of
-
-__all__ = ["Pair", "catalogue_relation", "entry_of", "holds"]
+from voronec.declaration.catalogue import entries
 
 APART = mp.mpf(10) ** -9
 """A residual is one beyond this, relatively; accelerations have 40 digits."""

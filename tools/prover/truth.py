@@ -13,17 +13,6 @@ from typing import Any
 import mpmath as mp
 import sympy as sp
 
-__all__ = [
-    "APART",
-    "STEP",
-    "Outside",
-    "Statement",
-    "difference_at",
-    "first_difference",
-    "number",
-    "slope",
-]
-
 DIGITS = 50
 NEAR = mp.mpf(10) ** -30
 """What is nearer to a cut than this is on it for rounding, unless it is exactly zero there."""

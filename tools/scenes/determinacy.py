@@ -25,8 +25,6 @@ import sympy as sp
 
 from scenes.reference import NoReferee, Referee
 
-__all__ = ["Beside", "find_defect"]
-
 DISTANCES = (1e-4, 1e-6, 1e-8)
 """So far beside the place, one after the other."""
 DIGITS = 120

@@ -15,8 +15,6 @@ import sympy as sp
 
 import voronec as vo
 
-__all__ = ["KINDS_OF_MECHANICS", "Case", "source_of"]
-
 x, y, z, theta, phi, psi = sp.symbols("x y z theta phi psi")
 s1, s2 = sp.symbols("s1 s2")
 k = sp.Symbol("k")

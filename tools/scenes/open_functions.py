@@ -11,8 +11,6 @@ from sympy.core.function import AppliedUndef
 from voronec import System, time
 from voronec.declaration.claims import without_claims
 
-__all__ = ["fill_functions"]
-
 
 def fill_functions(system: System) -> System:
     """The system with a trigonometric polynomial for each unknown function of one coordinate,

@@ -19,8 +19,6 @@ import sympy as sp
 
 from scenes.reference import Referee
 
-__all__ = ["Value", "find_values"]
-
 BESIDE = 1e-7
 """So far beside a place rates are looked at: there all are finite."""
 UNSEEN = 1e-5

@@ -26,8 +26,6 @@ import numpy as np
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-__all__ = ["Mechanics", "Motion", "NoReferee", "Referee", "mechanics_of"]
-
 HERE = Path(__file__).with_suffix(".c")
 PRECISIONS = {
     "long double": {

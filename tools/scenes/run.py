@@ -35,8 +35,6 @@ from shared.child_time import ChildClock
 
 from scenes.scene import KINDS, catalogue_names
 
-__all__ = ["main"]
-
 PATIENCE = 120.0
 """Seconds of work after which a scene counts as one that hangs."""
 WAIT = 1800.0

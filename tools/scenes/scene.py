@@ -17,8 +17,6 @@ import voronec as vo
 from scenes.mechanics import KINDS_OF_MECHANICS, Case, source_of
 from scenes.reference import Motion, NoReferee, Referee, mechanics_of
 
-__all__ = ["KINDS", "Workshop", "answer_of", "catalogue_names"]
-
 KINDS = ("smooth", "singular", "nonsmooth", "inputs", "turns")
 BLOCK = 5
 """Scenes in a row share their system, which is derived and compiled once."""

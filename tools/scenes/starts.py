@@ -42,8 +42,6 @@ from scenes.scene import catalogue_names
 from voronec.equations.attitudes import with_attitude_charts
 from voronec.motion.singular_denominators import divisors
 
-__all__ = ["main"]
-
 RIGHT_ANGLES = (0.0, math.pi / 2, math.pi)
 ZERO = 1e-11
 """Below it, in units of its usual size, a function vanishes."""

@@ -7,8 +7,6 @@ import os
 import random
 from collections.abc import Iterable
 
-__all__ = ["campaign_parser", "read_campaign"]
-
 
 def campaign_parser(about: str | None, kinds: Iterable[str]) -> argparse.ArgumentParser:
     """The options that all campaigns have; the first line of ``about`` describes it."""

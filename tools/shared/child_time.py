@@ -8,8 +8,6 @@ import os
 import time
 from pathlib import Path
 
-__all__ = ["ChildClock"]
-
 
 class ChildClock:
     """Seconds that a child process works, from now on."""

@@ -6,8 +6,6 @@ import sys
 from collections.abc import Mapping
 from importlib import import_module
 
-__all__ = ["run"]
-
 PARSERS = {"argparse", "campaign_parser"}
 """What a module has by whose options ``--help`` is one; of others it prints what they do."""
 

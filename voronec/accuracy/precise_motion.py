@@ -29,15 +29,6 @@ from voronec.equations.program import taylor_extras, taylor_system
 from voronec.errors import EngineLimit, IntegrationError
 from voronec.motion.steppers.heyoka_stepper import heyoka
 
-__all__ = [
-    "PreciseIntegrator",
-    "PreciseMotion",
-    "condition_numbers",
-    "precise_integrator",
-    "sizes",
-    "times",
-]
-
 
 def sizes(problem: ProblemLevel, states: np.ndarray) -> np.ndarray:
     """X_i of the kept states (k, n): see the module; shape (n,)."""

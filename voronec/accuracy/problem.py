@@ -27,16 +27,6 @@ from voronec.motion import integrate
 from voronec.motion.inputs import drive
 from voronec.motion.request import Namespace, number, scene_of
 
-__all__ = [
-    "DIGITS",
-    "ProblemLevel",
-    "ReferenceProblem",
-    "level",
-    "lowest",
-    "precise_number",
-    "scene_problem",
-]
-
 DIGITS = 60
 """Digits of the initial data of a reference."""
 INSTANTS = 101

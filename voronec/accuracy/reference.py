@@ -21,8 +21,6 @@ from voronec.errors import DefinitionError, EngineLimit, IntegrationError, Voron
 from voronec.motion import integrate
 from voronec.motion.methods import METHODS
 
-__all__ = ["ACCURACY", "closed_form_reference", "closed_form_values", "reference", "taylor_values"]
-
 ACCURACY = 1e-13
 """The accuracy that a reference must have, relative to the size of each output."""
 DIGITS = (24, 32, 50)

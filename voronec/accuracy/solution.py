@@ -9,8 +9,6 @@ from typing import Any
 import mpmath
 import numpy as np
 
-__all__ = ["UNIT", "ReferenceSolution", "agreement", "difference", "output_sizes"]
-
 UNIT = 2.0**-53
 """The largest relative error of rounding to a double."""
 NOTHING = 1e-20

@@ -17,8 +17,6 @@ from voronec.algebra.memo import remember
 from voronec.algebra.normal import canonical
 from voronec.algebra.terms import atoms, summands
 
-__all__ = ["Angles", "holds_angles"]
-
 MOST = 6
 """The largest multiple of an angle that is written out."""
 

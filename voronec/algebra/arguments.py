@@ -15,29 +15,6 @@ from typing import Any, TypeVar, cast
 
 from voronec.errors import DefinitionError, VoronecError, did_you_mean, quote
 
-__all__ = [
-    "CALLABLE",
-    "COUNT",
-    "FLAG",
-    "MATRIX",
-    "PATH",
-    "POINT",
-    "REAL",
-    "SEQUENCE",
-    "SEVERAL",
-    "TEXT",
-    "TOLERANCE",
-    "VALUES",
-    "Kind",
-    "accepts",
-    "callback",
-    "instance",
-    "reads",
-    "require",
-    "require_digits",
-    "takes_fields",
-]
-
 Function = TypeVar("Function", bound=Callable[..., Any])
 Class = TypeVar("Class", bound=type)
 

@@ -14,8 +14,6 @@ from typing import Any
 
 from voronec.algebra.laurent import ACCELERATION, Alphabet, Factor, LetterProduct, Sum, negate
 
-__all__ = ["BracketDepth", "depth"]
-
 DEEP = 3
 """Brackets are not nested deeper."""
 

@@ -17,11 +17,6 @@ import symengine as se
 
 from voronec.algebra.terms import factors_of
 
-__all__ = [
-    "Choice", "Pair", "bracket", "factor_exponents", "nest_sums", "share_pairs", "term_pairs",
-    "with_term_pair",
-]  # fmt: skip
-
 Choice = Callable[..., Any]
 """``min`` or ``max``: which of several factors that are as frequent stands before a bracket."""
 Pair = tuple[Any, Any, Any]

@@ -26,19 +26,6 @@ from voronec.algebra.ring import Ring
 from voronec.algebra.simple_zeros import compose_on_section, has_simple_zeros
 from voronec.algebra.terms import rational
 
-__all__ = [
-    "BranchCut",
-    "Branches",
-    "Factorisation",
-    "bounds_of",
-    "branch_arguments",
-    "divisors_of",
-    "has_branches",
-    "is_branching",
-    "is_plain",
-    "product_of",
-]
-
 HALF_PI = se.pi / 2
 _ESSENTIAL = (
     se.sin, se.cos, se.tan, se.cot, se.sec, se.csc, se.sinh, se.cosh, se.tanh, se.coth,

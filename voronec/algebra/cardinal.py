@@ -41,9 +41,6 @@ from voronec.algebra.terms import (
     with_arguments,
 )
 
-__all__ = ["cardinal_all", "coefficient", "divides_sines_of_sums", "loses_quotients"]
-
-
 _Zero = tuple[Any, int, Callable[[Any], Any]]
 """(w, p, c) of a function that is c(w) w^p."""
 

@@ -21,8 +21,6 @@ from voronec.algebra.graphs import nodes
 from voronec.algebra.ring import Ring
 from voronec.errors import EngineLimit
 
-__all__ = ["Sign", "Signs"]
-
 _MEANT = {"<": ((-1,), True), ">": ((1,), True), "<=": ((-1, 0), False), ">=": ((1, 0), False)}
 _DEPTH = 8
 """How deep certificates may rest on others."""

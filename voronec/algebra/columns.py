@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-__all__ = ["columns"]
-
 
 def columns(rows: Iterable[Sequence[str]], indent: str = "") -> list[str]:
     """Rows of words as aligned lines, two blanks between columns."""

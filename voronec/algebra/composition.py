@@ -29,8 +29,6 @@ from voronec.algebra.tape import Tape
 from voronec.algebra.terms import factors_of
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["angles_of", "are_equal", "fold_angles", "positive_bases"]
-
 LARGEST = 400
 """Nodes of a graph beyond which no further form is tried."""
 INNER_WORK = 60_000

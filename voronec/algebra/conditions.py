@@ -20,16 +20,6 @@ from symengine.lib.symengine_wrapper import Boolean, BooleanAtom, Relational
 from voronec.algebra.tape import Tape
 from voronec.errors import DefinitionError
 
-__all__ = [
-    "Domain",
-    "comparisons",
-    "condition",
-    "domain_of",
-    "moved_hypotheses",
-    "split_hypotheses",
-    "substituted_conditions",
-]
-
 
 def split_hypotheses(hypotheses: Iterable[Any]) -> tuple[list[Any], list[Any]]:
     """The expressions that vanish, and the conditions that hold; a = b says that a - b vanishes,

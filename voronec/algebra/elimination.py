@@ -19,8 +19,6 @@ from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import decide_zero
 from voronec.errors import EngineLimit
 
-__all__ = ["LinearSolution", "independent_columns", "null_vectors", "solve_linear"]
-
 
 @dataclass(frozen=True)
 class LinearSolution:

@@ -18,8 +18,6 @@ import symengine as se
 
 from voronec.errors import EngineLimit
 
-__all__ = ["DEGREE", "ExponentBasis"]
-
 DEGREE = 60
 """Up to this degree exponentials are powers of others, or hyperbolic tangents quotients: tanh(20 t)
 beside exp(t/5) would be one of degree 200."""

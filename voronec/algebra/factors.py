@@ -11,8 +11,6 @@ import sympy as sp
 
 from voronec.errors import EngineLimit
 
-__all__ = ["fraction_factors", "in_factors", "irreducible_factors", "write_polynomial"]
-
 MOST_TERMS, MOST_DEGREE = 20_000, 2_000
 """flint takes less than a second for polynomials of this size; for x^n - 1 the square of n."""
 

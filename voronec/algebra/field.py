@@ -18,8 +18,6 @@ from voronec.algebra.groebner import groebner_basis, reduce_by
 from voronec.algebra.memo import remember
 from voronec.errors import EngineLimit
 
-__all__ = ["WORK_LIMIT", "Field", "Fraction"]
-
 WORK_LIMIT = 3_000_000
 """Term products a field may spend before it gives up with ``EngineLimit``: about a second."""
 LARGEST = 20_000_000

@@ -20,15 +20,6 @@ from voronec.algebra.graphs import is_atom, is_flat, nodes
 from voronec.algebra.terms import is_fraction, summands
 from voronec.errors import EngineLimit
 
-__all__ = [
-    "Generators",
-    "distance_powers",
-    "holds_far_multiples",
-    "linear_terms",
-    "prime_factors",
-    "splits_curved_angles",
-]
-
 TRIGONOMETRIC = (se.sin, se.cos, se.tan, se.cot, se.sec, se.csc)
 HYPERBOLIC = (se.sinh, se.cosh, se.tanh, se.coth)
 

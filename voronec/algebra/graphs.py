@@ -11,8 +11,6 @@ from voronec.algebra.numeric_functions import numeric_name
 from voronec.algebra.terms import subexpressions
 from voronec.errors import EngineLimit
 
-__all__ = ["bases", "derivative_at", "is_atom", "is_flat", "nodes", "rebuild"]
-
 
 def is_flat(expr: Any) -> bool:
     """Whether an expression is a derivative of a sign or a floor, zero where it exists."""

@@ -10,8 +10,6 @@ import flint
 
 from voronec.errors import EngineLimit
 
-__all__ = ["groebner_basis", "reduce_by"]
-
 
 def reduce_by(poly: Any, basis: Sequence[Any]) -> Any:
     """The remainder of a polynomial by a Groebner basis."""

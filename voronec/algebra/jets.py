@@ -22,8 +22,6 @@ from voronec.algebra.ring import MANY_FOLD
 from voronec.algebra.text import as_expression
 from voronec.errors import EngineLimit
 
-__all__ = ["Expansion", "FieldJet", "Span"]
-
 _T = sp.Symbol("t", real=True)
 Parts = list[Any]
 """Homogeneous parts, those of order 0 first."""

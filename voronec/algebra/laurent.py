@@ -19,19 +19,6 @@ import symengine as se
 from voronec.algebra.typeset import symbol_latex
 from voronec.errors import EngineLimit
 
-__all__ = [
-    "Alphabet",
-    "Factor",
-    "TermLetter",
-    "Terms",
-    "add",
-    "divide",
-    "mul",
-    "negate",
-    "over",
-    "times",
-]
-
 Rational = Any  # an int, else a Fraction
 Monomial = tuple[tuple[int, Rational], ...]
 """((letter, exponent), ...), sorted by letter."""

@@ -13,8 +13,6 @@ from voronec.algebra.precision import GENERIC
 from voronec.algebra.tape import Tape
 from voronec.errors import EngineLimit
 
-__all__ = ["determinant", "dot", "is_product"]
-
 
 def dot(one: Sequence[Any], other: Sequence[Any]) -> Any:
     """The scalar product of two vectors of one length."""

@@ -7,8 +7,6 @@ from functools import wraps
 from operator import attrgetter
 from typing import Any, TypeVar
 
-__all__ = ["Memo", "remember"]
-
 T = TypeVar("T")
 Owner = TypeVar("Owner")
 Key = TypeVar("Key")

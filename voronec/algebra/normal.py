@@ -20,8 +20,6 @@ from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.terms import atoms, is_exponential
 from voronec.errors import EngineLimit
 
-__all__ = ["Budget", "canonical", "canonical_for_numbers", "quotient", "shorten", "shortest"]
-
 JUMPS = (se.sign, se.Abs, se.floor)
 
 

@@ -21,12 +21,6 @@ import symengine as se
 
 from voronec.algebra.terms import subexpressions
 
-__all__ = [
-    "CASE", "CHOICE", "EXPM1", "EXPREL", "EXPREL_SLOPE", "FORMULAS", "HYPOT", "LOG1P",
-    "QUOTIENTS", "SINC", "SINC_SLOPE", "SINHC", "SINHC_SLOPE", "SIZE", "CardinalQuotient",
-    "elementary", "formula", "numeric_name",
-]  # fmt: skip
-
 SINC, SINHC, EXPREL = "cardinal sine", "hyperbolic cardinal sine", "relative exponential"
 EXPM1, LOG1P = "exponential less one", "logarithm beside one"
 HYPOT, SIZE = "length of sides", "size on equal sides"

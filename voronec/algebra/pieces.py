@@ -12,8 +12,6 @@ from voronec.algebra.branches import Branches, has_branches
 from voronec.algebra.graphs import is_flat, nodes
 from voronec.errors import EngineLimit
 
-__all__ = ["SpacePiece", "pieces_of"]
-
 MOST_PIECES = 64
 """Into so many pieces a space is cut, at most."""
 

@@ -17,8 +17,6 @@ from sympy.logic.boolalg import BooleanFunction
 
 from voronec.errors import DefinitionError
 
-__all__ = ["IN_PIECES", "written_with_signs"]
-
 HALF = sp.Rational(1, 2)
 
 

@@ -15,8 +15,6 @@ from voronec.algebra.precision import GENERIC
 from voronec.algebra.tape import Tape
 from voronec.errors import EngineLimit
 
-__all__ = ["consistent", "is_possible", "lift_point", "sample_evaluable", "sample_point"]
-
 DRAWS = 40
 """How many points are drawn, at most, for one at which conditions hold."""
 SEEDS = 12

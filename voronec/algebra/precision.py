@@ -6,8 +6,6 @@ where a search with more and more bits gives up stand where they are used.  ``el
 knows nothing of algebra, has a first try and bits for its doubles of its own.
 """
 
-__all__ = ["BRACKETS", "FIRST", "GENERIC", "PROOF", "SHARP"]
-
 FIRST = 64
 """A first try, hardly dearer than doubles, whose 53 bits it must hold with some to lose."""
 GENERIC = 192

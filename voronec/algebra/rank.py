@@ -12,8 +12,6 @@ from voronec.algebra.precision import GENERIC, SHARP
 from voronec.algebra.tape import Tape
 from voronec.errors import EngineLimit
 
-__all__ = ["generic_rank", "generic_rows", "independent_rows", "proved_rank"]
-
 
 def generic_rank(rows: Sequence[Sequence[Any]], relations: Sequence[Any] = ()) -> int:
     """The rank where relations vanish, at a generic point: the largest proved one among several.

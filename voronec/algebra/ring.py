@@ -31,8 +31,6 @@ from voronec.algebra.memo import remember
 from voronec.algebra.terms import is_exponential, summands
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Monomial", "Ring", "sparse_terms"]
-
 MANY_FOLD = 60
 """Multiples of an angle beyond this are not expanded."""
 

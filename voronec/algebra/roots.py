@@ -22,8 +22,6 @@ from voronec.algebra.ring import Ring
 from voronec.algebra.terms import factors_of, summands
 from voronec.errors import EngineLimit
 
-__all__ = ["Roots", "domain_conditions", "known_sign", "ring_over"]
-
 TERMS = 60
 """The sign of a factor with more terms is not asked for."""
 _STEPS = (se.sign, se.floor)

@@ -27,8 +27,6 @@ from voronec.algebra.ring import Ring, sparse_terms
 from voronec.algebra.terms import rational
 from voronec.errors import EngineLimit
 
-__all__ = ["Rotations"]
-
 Complex = tuple[Any, Any]
 """Real and imaginary part."""
 Weight = tuple[int, int]

@@ -24,9 +24,6 @@ from voronec.algebra.field import Fraction
 from voronec.algebra.ring import Monomial, Ring, sparse_terms
 from voronec.algebra.terms import is_exponential, rational, summands
 
-__all__ = ["TurnedPolynomial", "expand_element", "expression", "operations"]
-
-
 MANY = 30_000
 """Polynomials with more terms than this stay in the angles they are in."""
 FEW = 40

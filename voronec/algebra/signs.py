@@ -29,9 +29,6 @@ from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import PROOF_LIMIT, Verdict, Witness, decide_equal
 from voronec.errors import DefinitionError, EngineLimit, quote
 
-__all__ = ["RELATIONS", "Inequality", "prove_inequality"]
-
-
 _TIES = 60
 """How many points, at which balls cannot tell the sides apart, are looked at exactly."""
 

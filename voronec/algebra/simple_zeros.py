@@ -24,8 +24,6 @@ from voronec.algebra.groebner import groebner_basis
 from voronec.algebra.ring import Ring
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["compose_on_section", "has_simple_zeros", "random_line"]
-
 _TRIES = 2
 """How many sections are tried: all but a set of measure zero serve."""
 _MOST_BOUND = 4

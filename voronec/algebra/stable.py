@@ -33,8 +33,6 @@ from voronec.algebra.terms import (
     with_arguments,
 )
 
-__all__ = ["stable_all"]
-
 MOST_TERMS = 64
 """Products of sums of exponentials with more terms are not written out."""
 _Exponentials = dict[Any, Any]

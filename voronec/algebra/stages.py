@@ -37,18 +37,6 @@ from voronec.algebra.tape import Tape
 from voronec.algebra.terms import factors_of, summands
 from voronec.errors import EngineLimit
 
-__all__ = [
-    "Cyclic",
-    "StagedElimination",
-    "Stages",
-    "factor_sums",
-    "needed_stages",
-    "primitive",
-    "shared_sums",
-    "split_number",
-]
-
-
 WIDEST = 60
 """Sums with more terms than this are left alone."""
 

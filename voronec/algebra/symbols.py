@@ -10,10 +10,6 @@ from sympy.core.function import AppliedUndef
 from voronec.algebra.terms import subexpressions
 from voronec.errors import DefinitionError, quote
 
-__all__ = [
-    "functions_of_time", "is_symbolic_name", "names_in", "plain_name", "time", "velocity",
-]  # fmt: skip
-
 time = sp.Symbol("t")
 """The time ``t``; also the argument of ``sympy.physics.mechanics.dynamicsymbols``."""
 

@@ -26,8 +26,6 @@ from voronec.algebra.terms import factors_of, is_fraction
 from voronec.algebra.text import as_expression, quote
 from voronec.errors import DefinitionError
 
-__all__ = ["RATES", "NoValue", "SymPyBridge", "UnknownFunction"]
-
 
 class UnknownFunction(DefinitionError):
     """A function that has a meaning, and none in the engine."""

@@ -22,8 +22,6 @@ from voronec.algebra.graphs import is_atom, is_flat
 from voronec.algebra.text import exact_number
 from voronec.errors import DefinitionError, EngineLimit, quote
 
-__all__ = ["Tape", "as_ball"]
-
 _NO_VALUE = flint.arb("nan")
 _ALIKE = "sin cos tan cot asin acos atan sinh cosh tanh coth asinh acosh atanh log floor".split()
 _UNARY: dict[type, Callable[[Any], Any]] = {

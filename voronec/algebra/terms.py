@@ -9,11 +9,6 @@ from typing import Any
 import symengine as se
 from symengine.lib.symengine_wrapper import Boolean
 
-__all__ = [
-    "Rewriter", "atoms", "expand_short", "factors_of", "is_exponential", "is_fraction",
-    "ordered_terms", "rational", "rewrite_kinds", "subexpressions", "summands", "with_arguments",
-]  # fmt: skip
-
 
 def rational(number: Any) -> Any:
     """A rational number of flint or SymPy as one of symengine."""

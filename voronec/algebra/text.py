@@ -24,19 +24,6 @@ import sympy as sp
 
 from voronec.errors import DefinitionError, did_you_mean, quote
 
-__all__ = [
-    "FUNCTION_NAMES",
-    "NOT_REAL",
-    "NotAFormula",
-    "as_expression",
-    "doubles_of_parts",
-    "exact_number",
-    "formula",
-    "in_doubles",
-    "name_or_formula",
-    "read_sympy_text",
-]
-
 CHARACTERS = 20_000
 """How long a formula may be: the longest in print fill a page or two."""
 DEPTH = 100

@@ -13,8 +13,6 @@ from sympy.core.function import AppliedUndef
 from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
 from voronec.algebra.text import as_expression
 
-__all__ = ["caret_text", "html_table", "latex_of", "plain_text", "symbol_latex"]
-
 _GREEK = (
     "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau "
     "upsilon phi chi psi omega"

@@ -39,19 +39,6 @@ from voronec.algebra.text import as_expression, quote
 from voronec.algebra.typeset import html_table
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = [
-    "NUMBERS",
-    "Verdict",
-    "Witness",
-    "WitnessSearch",
-    "all_vanish",
-    "decide_equal",
-    "decide_zero",
-    "prove_equal",
-    "witness_at",
-]
-
-
 DIGITS = 30
 """Of the values of a witness that are told."""
 NUMBERS = "ball arithmetic"

@@ -22,9 +22,6 @@ from voronec.audit.sentence import Sentence
 from voronec.declaration.source_digest import closure, digest
 from voronec.declaration.whole_files import Store
 
-__all__ = ["Basis", "Cache"]
-
-
 DECIDER = "voronec.audit.paper_audit"
 """The module that decides what an audit says."""
 

@@ -21,8 +21,6 @@ from voronec.audit.study import Study
 from voronec.audit.transcript import assignments
 from voronec.errors import DefinitionError
 
-__all__ = ["FormulaComparison", "accelerations", "comparisons", "value_of"]
-
 
 @dataclass(frozen=True)
 class FormulaComparison:

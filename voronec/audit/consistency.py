@@ -10,8 +10,6 @@ from voronec.audit.latex.nodes import Call, Chain, Dot, Name, Variation, walk
 from voronec.audit.record import FormulaRecord
 from voronec.audit.study import name_or_nothing
 
-__all__ = ["Examination", "defined_name", "families", "with_uses"]
-
 
 @dataclass(frozen=True)
 class Examination:

@@ -13,8 +13,6 @@ from voronec.audit.sentence import Sentence
 from voronec.audit.study import Range, Study
 from voronec.errors import DefinitionError
 
-__all__ = ["Check", "Convention", "Display"]
-
 ROLES = ("claim", "definition", "condition", "cited", "words")
 
 

@@ -19,8 +19,6 @@ from voronec.audit.meaning import SENSELESS, evaluate
 from voronec.audit.study import Motion, Study, key_of
 from voronec.errors import DefinitionError
 
-__all__ = ["draft_system"]
-
 _BOUND = re.compile(
     r"constrain|slip|roll|nonholonomic|condition|knife|blade|skid|edge|vanish", re.IGNORECASE
 )

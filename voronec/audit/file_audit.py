@@ -60,8 +60,6 @@ from voronec.declaration.system import System
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 
-__all__ = ["PaperAudit", "PrintedClaim", "audit_paper", "claims_of"]
-
 _INTEGRAL = re.compile(
     r"\bintegrals?\b|constant|conserv|preserv|invariant|first integral", re.IGNORECASE
 )

@@ -11,8 +11,6 @@ from voronec.audit.latex.nodes import Chain
 from voronec.audit.latex.reader import read_tokens
 from voronec.audit.latex.vocabulary import LatexVocabulary
 
-__all__ = ["Formula", "source_of"]
-
 
 @dataclass(frozen=True)
 class Formula:

@@ -9,8 +9,6 @@ from typing import Any
 from voronec.declaration.plugin_files import failure
 from voronec.errors import DefinitionError, VoronecError
 
-__all__ = ["HookError", "call_hook"]
-
 
 class HookError(DefinitionError):
     """A function of the paper failed: its author must act, and no verdict can be given."""

@@ -60,8 +60,6 @@ from voronec.audit.wording import (
 )
 from voronec.errors import DefinitionError, did_you_mean
 
-__all__ = ["SectionContext", "judge_formula", "judge_sentence"]
-
 
 @dataclass(frozen=True)
 class SectionContext:

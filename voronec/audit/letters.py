@@ -30,16 +30,6 @@ from voronec.equations.motions import Motions
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, did_you_mean
 
-__all__ = [
-    "has_usual_words",
-    "letters_table",
-    "names_in",
-    "read_letters",
-    "study_of",
-    "unknown_names",
-    "with_words",
-]
-
 _USUAL_WORDS = {
     "T": r"kinetic|energ",
     "V": r"potential|energ",

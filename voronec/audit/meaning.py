@@ -55,17 +55,6 @@ from voronec.audit.structure import free_indices
 from voronec.audit.study import Study, UnknownRate, key_of, spell
 from voronec.errors import DefinitionError, VoronecError
 
-__all__ = [
-    "ELEMENTARY",
-    "SENSELESS",
-    "UnknownName",
-    "direction",
-    "evaluate",
-    "is_named",
-    "rate",
-]
-
-
 Where = Mapping[str, int]
 
 

@@ -10,8 +10,6 @@ from voronec.audit.display import Display
 from voronec.audit.sentence import Sentence
 from voronec.audit.study import Study
 
-__all__ = ["Paper", "Section"]
-
 
 @dataclass(frozen=True)
 class Section:

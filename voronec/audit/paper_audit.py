@@ -21,8 +21,6 @@ from voronec.audit.study import Study
 from voronec.audit.transcript import Transcript, formulas_by_label
 from voronec.errors import DefinitionError, did_you_mean
 
-__all__ = ["AuditItem", "Work", "audit_paper", "audit_section", "items"]
-
 Progress = Callable[[str, str], None]
 Stage = Callable[[str, Sequence[Record]], None]
 

@@ -6,8 +6,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-__all__ = ["VERDICTS", "Audit", "FormulaRecord", "Record", "designation_of", "worst"]
-
 VERDICTS = (
     "definition",
     "proved",

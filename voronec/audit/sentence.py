@@ -20,8 +20,6 @@ from voronec.algebra.verdicts import Verdict
 from voronec.audit.slots import KINDS, Labels, Slot
 from voronec.errors import DefinitionError, did_you_mean
 
-__all__ = ["Sentence"]
-
 _MARK = re.compile(r"@(\w+):(\w+)\{")
 EXCERPT = 40
 """Characters of a quotation that are shown where it reads otherwise than its pattern."""

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from voronec.audit.formula import Formula
     from voronec.audit.study import Study
 
-__all__ = ["KINDS", "Interval", "Labels", "Quoted", "Reference", "Slot", "one_of", "tight"]
-
 T = TypeVar("T")
 Labels = Mapping[str, Sequence["Formula"]]
 """The formulas of a paper by the label of what bears a number."""

@@ -28,23 +28,6 @@ from voronec.audit.latex.nodes import (
 from voronec.audit.study import Study, key_of, spell
 from voronec.errors import DefinitionError
 
-__all__ = [
-    "are_multiples",
-    "bare_letter",
-    "definitions_in",
-    "free_indices",
-    "free_names",
-    "holds_always",
-    "integrand",
-    "marks",
-    "mentions",
-    "names_constant",
-    "new_names",
-    "says_nothing",
-    "states_dependence",
-    "whole_name",
-]
-
 
 def free_names(node: Node, study: Study) -> Iterator[Name]:
     """The index letters of a formula that no sum binds, at each place where they stand."""

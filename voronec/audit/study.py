@@ -21,8 +21,6 @@ from voronec.audit.latex.reader import read_name
 from voronec.audit.latex.vocabulary import LatexVocabulary
 from voronec.errors import DefinitionError
 
-__all__ = ["Motion", "Range", "Study", "UnknownRate", "key_of", "name_or_nothing", "spell"]
-
 
 class UnknownRate(DefinitionError):
     """The study does not say how something changes in time: no fault of the print."""

@@ -15,8 +15,6 @@ from voronec.audit.structure import free_indices
 from voronec.audit.study import Study
 from voronec.errors import DefinitionError
 
-__all__ = ["Formula", "Transcript", "assignments", "formulas_by_label", "instance", "text_of"]
-
 
 @dataclass(frozen=True)
 class Transcript:

@@ -19,8 +19,6 @@ from voronec.audit.latex.nodes import Chain, Integral, Name, Number, walk
 from voronec.audit.structure import bare_letter, integrand, says_nothing
 from voronec.audit.study import Range, Study, key_of
 
-__all__ = ["SLACK", "FormulaOutcome", "by_range", "omission", "verify"]
-
 
 @dataclass(frozen=True)
 class FormulaOutcome:

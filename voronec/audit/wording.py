@@ -36,17 +36,6 @@ from voronec.audit.transcript import assignments, instance, text_of
 from voronec.audit.verify import FormulaOutcome
 from voronec.errors import EngineLimit
 
-__all__ = [
-    "derived_latex",
-    "loose_index",
-    "method_of",
-    "ranges_of",
-    "readable",
-    "with_note",
-    "witness_of",
-]
-
-
 _MARKUP = (
     (r"\\eqref\{([^}]*)\}", r"(\1)"),
     (r"\\ref\{([^}]*)\}", r"\1"),

@@ -19,9 +19,6 @@ from voronec.equations.printers import PRINTERS
 from voronec.errors import did_you_mean, printable
 from voronec.motion.methods import method_names
 
-__all__ = ["as_options", "command_parser"]
-
-
 SUMMARY = "Exact equations of nonholonomic systems, and the papers that print them."
 EXITS = "exit status: 0 good, 1 a check failed, 2 the input is wrong, 130 stopped by Ctrl-C"
 

@@ -18,8 +18,6 @@ from voronec.errors import DefinitionError
 if TYPE_CHECKING:
     from voronec.accuracy.bench import Bench, Measured, Point
 
-__all__ = ["execute", "report", "write"]
-
 TOLERANCE = 1e-9
 """That of the calls whose stages are shown, unless told."""
 

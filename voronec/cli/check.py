@@ -16,8 +16,6 @@ from voronec.errors import DefinitionError
 if TYPE_CHECKING:
     from voronec.proof.check import Finding, Report, Result
 
-__all__ = ["execute"]
-
 
 def execute(arguments: Namespace) -> int:
     """Check, print the table, tell the failures one by one; what Ctrl-C leaves is printed too."""

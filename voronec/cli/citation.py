@@ -8,8 +8,6 @@ from voronec.cli.declaration import declaration
 from voronec.cli.output import answer, warn
 from voronec.declaration.bibliography import bibtex
 
-__all__ = ["execute"]
-
 
 def execute(arguments: Namespace) -> int:
     """Print the entries in the order in which the system names them."""

@@ -14,8 +14,6 @@ from voronec.cli.subject import resolve
 if TYPE_CHECKING:
     from voronec.proof.comparison import Comparison, StoredDerivation
 
-__all__ = ["execute"]
-
 
 def execute(arguments: Namespace) -> int:
     """Print what is the same and where the two differ."""

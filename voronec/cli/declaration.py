@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from voronec.declaration.scene import Scene
     from voronec.declaration.system import System
 
-__all__ = ["declaration", "execute"]
-
 
 def _claims(system: System) -> list[dict[str, str]]:
     """Every claim: kind, name and statement; where corrected, what is printed and its source."""

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from voronec.equations.voronec_equations import VoronecEquations
     from voronec.proof.claims import Claim
 
-__all__ = ["execute"]
-
 
 def execute(arguments: Namespace) -> int:
     """Derive and print; the options of ``PRINTERS`` print source only."""
@@ -135,7 +133,7 @@ def _descent(eqs: VoronecEquations, reduction: Reduction | VoronecError | None) 
     if isinstance(reduction, VoronecError):
         verdict = "undecided" if isinstance(reduction, EngineLimit) else "refuted"
         return ["", f"descent to {', '.join(eqs.system.invariants)}: {verdict}", f"  {reduction}"]
-    from voronec.equations.voronec_equations import equation_rows
+    from voronec.equations.readable import equation_rows
 
     size = range(len(eqs.velocities))
     names = ", ".join(map(str, reduction.invariants))

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from voronec.audit.lessons.lesson import Lesson
     from voronec.motion.model import Model
 
-__all__ = ["execute"]
-
 PICTURES = (".svg", ".png")
 
 

@@ -11,8 +11,6 @@ from typing import Any
 from voronec.declaration.whole_files import replace_file, unwritable, workshop
 from voronec.errors import DefinitionError
 
-__all__ = ["create", "deliver", "refuse_file", "replace", "wanted_folder"]
-
 
 def deliver(folder: Path, write: Callable[[Path], Any], products: Iterable[str] = ()) -> list[Path]:
     """What ``write`` puts into a workshop is moved into ``folder`` when, and only when, all is

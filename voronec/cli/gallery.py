@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from voronec.declaration.scene import Scene
     from voronec.declaration.system import System
 
-__all__ = ["execute"]
-
 PAPER, FIRST_FIGURE = "Demchenko1924", 4
 """The paper draws the classes in the order of ``LABELS``, from this figure on."""
 SUFFIXES = (".svg", ".png", ".pdf")

@@ -17,8 +17,6 @@ from voronec.errors import DefinitionError
 if TYPE_CHECKING:
     from voronec.proof.check import Inventory
 
-__all__ = ["execute"]
-
 PICTURES = (".svg", ".png", ".pdf")
 
 

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     from voronec.accuracy.hard import CaseResult, HardCase
 
-__all__ = ["execute"]
-
 
 def execute(arguments: Namespace) -> int:
     """Run, print the rows of every case when they are there, and say whether all is well.

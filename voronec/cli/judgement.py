@@ -7,8 +7,6 @@ from argparse import Namespace
 from voronec.cli.output import answer
 from voronec.cli.subject import resolve
 
-__all__ = ["execute"]
-
 
 def execute(arguments: Namespace) -> int:
     """Print what was read, what was done and what came out; 1 unless it is proved."""

@@ -15,8 +15,6 @@ from voronec.declaration.catalogue import Entry, entries, names, papers
 if TYPE_CHECKING:
     from voronec.proof.check import Inventory, Trouble
 
-__all__ = ["execute"]
-
 
 def execute(arguments: Namespace) -> int:
     """Print the catalogue."""

@@ -7,8 +7,6 @@ from argparse import Namespace
 from voronec.cli.output import answer, progress_line
 from voronec.cli.subject import resolve
 
-__all__ = ["execute"]
-
 
 def execute(arguments: Namespace) -> int:
     """Print each method with its equations, then the proofs; 1 unless all are proved."""

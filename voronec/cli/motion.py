@@ -14,8 +14,6 @@ from voronec.cli.values import instants, motion_of, outputs_of, tolerance
 if TYPE_CHECKING:
     from voronec.motion import Trajectory
 
-__all__ = ["execute"]
-
 PRODUCTS = ("trajectory.csv", "plot.svg", "path.svg", "drawing.svg")
 """What a run may write."""
 

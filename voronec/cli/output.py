@@ -8,8 +8,6 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-__all__ = ["answer", "plain", "progress", "progress_line", "warn", "wrote"]
-
 
 def answer(as_json: bool, data: Callable[[], Any], lines: Iterable[Any]) -> None:
     """What a command says, to stdout: data as JSON, expressions and numbers of other libraries as

@@ -13,8 +13,6 @@ from voronec.cli.files import create, deliver, wanted_folder
 from voronec.cli.output import answer, progress, progress_line
 from voronec.cli.subject import resolve
 
-__all__ = ["execute"]
-
 
 def execute(arguments: Namespace) -> int:
     """Print the summary for a referee; a page, where a folder is given; without a system, a draft

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from voronec.audit import Audit
     from voronec.audit.record import Record
 
-__all__ = ["execute"]
-
 
 def execute(arguments: Namespace) -> int:
     """Audit, tell of each section when it is done and of the errors at the end, and write the

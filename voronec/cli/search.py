@@ -16,8 +16,6 @@ from voronec.errors import DefinitionError
 if TYPE_CHECKING:
     from voronec.proof.search import IntegralSearch
 
-__all__ = ["execute"]
-
 
 def execute(arguments: Namespace) -> int:
     """Search and print; stopped by Ctrl-C, print what was found until then."""

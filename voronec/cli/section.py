@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from voronec.equations.voronec_equations import VoronecEquations
     from voronec.motion import Section
 
-__all__ = ["execute"]
-
 LONGEST_LIST = 12
 """Starts that are not complete are listed up to so many."""
 DIRECTIONS = {"up": 1, "down": -1, "both": 0}

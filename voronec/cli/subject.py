@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from voronec.declaration.system import System
     from voronec.proof.check import Inventory
 
-__all__ = ["entry_of_name", "is_file", "name_in", "resolve"]
-
 
 def resolve(subject: str) -> tuple[System, Path | None]:
     """The system, and the folder of its file."""

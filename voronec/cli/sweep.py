@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from voronec.sweeps import Sweep
 
-__all__ = ["execute"]
-
 MOST = 10**9
 """Values of one name on a grid: more are a slip of the pen."""
 PICTURES = (".svg", ".png", ".pdf")

@@ -15,8 +15,6 @@ from voronec.cli.output import answer
 from voronec.declaration.catalogue import names
 from voronec.errors import DefinitionError
 
-__all__ = ["Mechanism", "execute"]
-
 
 def execute(arguments: Namespace) -> int:
     """Write the file into the current folder; an existing one is refused."""

@@ -16,18 +16,6 @@ from voronec.errors import DefinitionError, quote
 if TYPE_CHECKING:
     from voronec.declaration.system import System
 
-__all__ = [
-    "finite",
-    "input_values",
-    "instants",
-    "motion_of",
-    "outputs_of",
-    "pair",
-    "split_values",
-    "tolerance",
-]
-
-
 BETWEEN = r",(?![^()]*\))"
 """Commas that are not between the arguments of a function."""
 

@@ -8,8 +8,6 @@ from voronec.cli.files import deliver, wanted_folder
 from voronec.cli.output import answer, progress_line
 from voronec.cli.values import instants, motion_of
 
-__all__ = ["execute"]
-
 
 def execute(arguments: Namespace) -> int:
     """Integrate, write ``NAME.html`` or ``NAME-SCENE.html``, and say where it is."""

@@ -27,8 +27,6 @@ from voronec.algebra.verdicts import prove_equal
 from voronec.equations.program.dialect import execute
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["angle", "ball", "compile_expressions", "exact", "precise", "root", "vanishes"]
-
 _NAMES = "sin cos tan asin acos atan exp log sinh cosh tanh".split()
 _METHODS = {getattr(sp, name): name for name in _NAMES}
 

@@ -19,8 +19,6 @@ from voronec.closed.winding import winding_of
 from voronec.elliptic.solution import exact_time
 from voronec.errors import EngineLimit
 
-__all__ = ["enclose_state", "resting_values"]
-
 
 def _rotation_about(spin: Sequence[Any], t: Any) -> list[Any]:
     """exp(t Omega^) = I + t sinc(w t) Omega^ + t^2/2 sinc^2(w t/2) Omega^^2, row by row."""

@@ -36,9 +36,6 @@ from voronec.elliptic.doubles import LATEST
 from voronec.elliptic.many_times import Sample
 from voronec.errors import EngineLimit
 
-__all__ = ["TURN", "Clock", "MotionIntegral", "clock_of", "sample_in_own_time", "whole_turns_off"]
-
-
 STEP = 0.125
 """In z, of whose sine and cosine x is a quickly converging series."""
 POINTS = 8

@@ -36,8 +36,6 @@ from voronec.errors import DefinitionError
 if TYPE_CHECKING:
     from voronec.closed.classes.trace_classes import TraceClass
 
-__all__ = ["BLOCK", "ClosedForm"]
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ClosedForm(InvertedMotion):

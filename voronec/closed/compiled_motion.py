@@ -26,14 +26,6 @@ from voronec.declaration.quadratures import Quadratures
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError
 
-__all__ = [
-    "CompiledMotion",
-    "motion_of",
-    "prepare",
-    "reading_of",
-    "velocities_in_doubles",
-]
-
 DEGREE = 4
 """Of the square of the rate of the variable, at most."""
 

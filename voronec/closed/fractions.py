@@ -18,8 +18,6 @@ from voronec.algebra.text import as_expression
 from voronec.closed.arithmetic import Function, ball, compile_expressions, precise
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["PartialFractions", "ascending_coefficients", "partial_fractions"]
-
 MOST = 6
 """Of numerators and denominators of rates, at most."""
 NEAR = 2.0**-100

@@ -27,8 +27,6 @@ from voronec.declaration.quadratures import Quadratures
 from voronec.declaration.system import System
 from voronec.errors import EngineLimit
 
-__all__ = ["InvertedMotion", "Turn", "turn_of", "turns_of"]
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class InvertedMotion:

@@ -24,20 +24,6 @@ from voronec.elliptic.roots import OpenDecision
 from voronec.elliptic.theta_balls import moment_of
 from voronec.errors import EngineLimit
 
-__all__ = [
-    "MOST_BITS",
-    "CapPassage",
-    "CapPassages",
-    "CapTally",
-    "certain_floor_sum",
-    "first_doubt",
-    "floor",
-    "floor_sum",
-    "moving_passages",
-    "resting_passages",
-    "tally",
-]
-
 
 def floor_sum(count: int, first: int, step: int, unit: int) -> int:
     """The sum of ``floor((first + j step)/unit)`` over j = 0, ..., count - 1.

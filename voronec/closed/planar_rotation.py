@@ -14,8 +14,6 @@ from voronec.closed.compiled_motion import CompiledMotion
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.space import Attitude
 
-__all__ = ["place_on_grid", "rolled_in_balls", "steady_rates"]
-
 
 def steady_rates(form: InvertedMotion, bits: int) -> list[Any]:
     """The velocities of all coordinates at rest of the variable; of a motion that is turned in

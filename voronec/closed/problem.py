@@ -28,17 +28,6 @@ from voronec.declaration.reading import expression, fixed_mapping, quote, real_n
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 
-__all__ = [
-    "InversionProblem",
-    "known_parameters",
-    "nearest_whole",
-    "number",
-    "quadratures_of",
-    "read_parameters",
-    "squarefree",
-]
-
-
 Factors = tuple[tuple[tuple[Any, ...], int], ...]
 
 

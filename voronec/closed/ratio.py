@@ -26,19 +26,6 @@ from voronec.closed.fractions import ascending_coefficients
 from voronec.closed.inverted_motion import InvertedMotion
 from voronec.closed.problem import InversionProblem
 
-__all__ = [
-    "Bernstein",
-    "Polynomial",
-    "Ratio",
-    "RoundedConstants",
-    "bernstein",
-    "evaluate_form",
-    "inner",
-    "less_turns",
-    "ratios",
-    "rounded_constants",
-]
-
 
 @dataclass(frozen=True, eq=False)
 class Polynomial:

@@ -25,17 +25,6 @@ from voronec.closed.problem import InversionProblem, nearest_whole
 from voronec.declaration.quadratures import Space
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = [
-    "Attitude",
-    "FrameProduct",
-    "composition",
-    "product",
-    "rotation_to",
-    "times",
-    "transpose",
-    "turned_upright",
-]
-
 ACROSS = sp.ImmutableMatrix([[0, 0, 1], [1, 0, 0], [0, 1, 0]])
 """A position in which no coordinate of a contact is singular, for a vector that is zero."""
 

@@ -39,8 +39,6 @@ from voronec.elliptic.many_times import Sample
 from voronec.elliptic.roots import OpenDecision
 from voronec.errors import EngineLimit
 
-__all__ = ["NoWholeTurns", "Winding", "passed_poles", "winding_of"]
-
 FIRST, MOST = 192, 1 << 12
 """Bits at which turns are counted, at first and at most."""
 SURE = 0.49

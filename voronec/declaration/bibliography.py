@@ -10,8 +10,6 @@ from pathlib import Path
 
 from voronec.errors import DefinitionError
 
-__all__ = ["bibtex", "citation", "read_entries"]
-
 FILE = "references.bib"
 _NAME = re.compile(r"[,\s]*([\w-]+)\s*=\s*")
 _ACCENT = re.compile(r"\\(?P<sign>['`^\"~=.]|[uvcHk](?![A-Za-z]))\s*\{?(?P<letter>\\?[A-Za-z])\}?")

@@ -12,8 +12,6 @@ from voronec.algebra.arguments import takes_fields
 from voronec.declaration.reading import expression, several
 from voronec.errors import DefinitionError, quote
 
-__all__ = ["Body", "inertia_tensor"]
-
 
 @takes_fields
 @dataclass(frozen=True)

@@ -36,24 +36,6 @@ if TYPE_CHECKING:
     from voronec.declaration.relation import Relation, Square
     from voronec.declaration.system import System
 
-__all__ = [
-    "Entry",
-    "entries",
-    "entry_of",
-    "file_entry",
-    "is_file",
-    "load",
-    "load_file",
-    "load_paper",
-    "load_paper_file",
-    "members",
-    "names",
-    "no_collection",
-    "papers",
-    "registered_entries",
-    "require_suffix",
-]
-
 GROUP = "voronec.systems"
 OWN = "voronec"
 OWN_FOLDER = "voronec.systems"

@@ -17,8 +17,6 @@ from voronec.declaration.derivatives import derivative
 from voronec.declaration.reading import expression, fixed_mapping, quote, several
 from voronec.errors import DefinitionError
 
-__all__ = ["CHART_PARTS", "Chart"]
-
 CHART_PARTS = ("lagrangian", "constraints", "forces", "frame", "relations")
 """What may read differently in another chart."""
 
@@ -27,10 +25,12 @@ class Variables(Protocol):
     """Whatever has coordinates and velocities, as systems do."""
 
     @property
-    def coordinates(self) -> tuple[sp.Expr, ...]: ...
+    def coordinates(self) -> tuple[sp.Expr, ...]:
+        """The symbols of the coordinates, base and fibre."""
 
     @property
-    def velocities(self) -> tuple[sp.Expr, ...]: ...
+    def velocities(self) -> tuple[sp.Expr, ...]:
+        """The symbols of the velocities of the equations."""
 
 
 @takes_fields

@@ -19,25 +19,6 @@ from voronec.algebra.symbols import plain_name
 from voronec.declaration.reading import expression, fixed_mapping, quote, several
 from voronec.errors import DefinitionError
 
-__all__ = [
-    "KINDS",
-    "THEOREMS",
-    "Assertion",
-    "Case",
-    "Corrected",
-    "DeclaredClaim",
-    "Equation",
-    "Measure",
-    "Poisson",
-    "claim_names",
-    "declared_claims",
-    "expressions_of",
-    "read_claims",
-    "replace_symbols",
-    "right_of",
-    "without_claims",
-]
-
 ASSERTION, EQUATION = "Assertion(kind, expressions, decide)", "Equation(function, rate)"
 THEOREMS = ("Euler-Jacobi",)
 """What ``integrable`` may name."""

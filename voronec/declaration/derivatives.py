@@ -19,9 +19,6 @@ from voronec.algebra.symbols import names_in
 from voronec.declaration.reading import expression
 from voronec.errors import DefinitionError, quote
 
-__all__ = ["derivative"]
-
-
 _REAL_ONLY = (sp.Abs, sp.sign, sp.floor)
 
 

@@ -10,11 +10,6 @@ from contextlib import contextmanager
 from itertools import pairwise
 from typing import Any
 
-__all__ = [
-    "FAINT", "INK", "MARK", "NO_SPACE", "PALE", "SOFT", "STYLE", "WIDTH", "draw_arrow",
-    "figure_in_style",
-]  # fmt: skip
-
 INK, PALE, SOFT, FAINT, MARK = "#1b3a5c", "#a9b7c6", "#8a97a6", "#dfe4ea", "#b3361e"
 STYLE: Any = {
     "font.family": "serif",

@@ -26,8 +26,6 @@ from voronec.declaration.reading import (
 )
 from voronec.errors import DefinitionError
 
-__all__ = ["Fibration", "Frame", "along_coordinates", "moving_names"]
-
 
 @takes_fields
 @dataclass(frozen=True)

@@ -11,8 +11,6 @@ from typing import Any
 
 from voronec.errors import DefinitionError, VoronecError, file_errors
 
-__all__ = ["failure", "run_file"]
-
 
 def run_file(path: Path) -> dict[str, Any]:
     """The names that a Python file defines; ``DefinitionError`` where it fails, with the line."""

@@ -16,8 +16,6 @@ from voronec.algebra.symbols import names_in, plain_name
 from voronec.declaration.reading import expression, fixed_mapping, quote, several
 from voronec.errors import DefinitionError
 
-__all__ = ["Plane", "Quadratures", "Space", "Trace", "store"]
-
 
 @takes_fields
 @dataclass(frozen=True)

@@ -24,22 +24,6 @@ from voronec.algebra.text import (
 )
 from voronec.errors import DefinitionError, quote
 
-__all__ = [
-    "doubles",
-    "expression",
-    "fixed_mapping",
-    "instants",
-    "namesake_hint",
-    "quote",
-    "quote_number",
-    "real_number",
-    "real_text",
-    "require_known",
-    "several",
-    "texts_read",
-    "vanishing_expression",
-]
-
 DIGITS = 1000
 """Digits of an exact time in a motion of many digits: its tolerance is a double, above 1e-324."""
 

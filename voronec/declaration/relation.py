@@ -23,8 +23,6 @@ from voronec.algebra.symbols import plain_name, time
 from voronec.declaration.reading import expression, fixed_mapping, quote, several
 from voronec.errors import DefinitionError, did_you_mean
 
-__all__ = ["Limit", "Relation", "Square"]
-
 
 @takes_fields
 @dataclass(frozen=True)

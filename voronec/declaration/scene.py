@@ -21,8 +21,6 @@ from voronec.declaration.reading import (
 )
 from voronec.errors import DefinitionError
 
-__all__ = ["Parameter", "Scene"]
-
 
 @takes_fields
 @dataclass(frozen=True)

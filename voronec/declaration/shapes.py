@@ -12,8 +12,6 @@ from voronec.algebra.text import as_expression
 from voronec.declaration.reading import several
 from voronec.errors import DefinitionError, quote
 
-__all__ = ["MESH", "PLACEMENT", "ROLES", "Patch", "Shape", "turn_about"]
-
 MESH = a, b = sp.symbols("mesh_a mesh_b")
 """The two coordinates of every patch."""
 ROLES = "body", "ground"

@@ -19,8 +19,6 @@ from voronec.algebra.typeset import symbol_latex
 from voronec.declaration.figure_style import INK, MARK, SOFT
 from voronec.errors import DefinitionError
 
-__all__ = ["LOOKS", "Sketch", "Stroke", "polar"]
-
 Point = tuple[float, float]
 
 FILL = "#e8edf2"

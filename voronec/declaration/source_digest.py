@@ -21,17 +21,6 @@ from pathlib import Path
 from voronec.declaration.catalogue import entry_of, names
 from voronec.declaration.whole_files import Store
 
-__all__ = [
-    "closure",
-    "digest",
-    "engine_digest",
-    "engine_folder",
-    "modules_in",
-    "platform_text",
-    "room_modules",
-]
-
-
 LIBRARIES = ("sympy", "symengine", "python-flint", "mpmath", "numpy")
 PACKAGE = "voronec"
 ASIDE = ("systems", "docs")

@@ -53,8 +53,6 @@ from voronec.declaration.shapes import MESH, Shape
 from voronec.declaration.sketch import Sketch
 from voronec.errors import DefinitionError, did_you_mean
 
-__all__ = ["System", "bare", "require_possible", "require_system", "system_in"]
-
 
 @takes_fields
 @dataclass(frozen=True, repr=False)

@@ -37,8 +37,6 @@ from voronec.declaration.table_file import KINDS, read_table, require_table
 from voronec.declaration.text_file import Item, read_toml
 from voronec.errors import DefinitionError, did_you_mean, quote
 
-__all__ = ["read_system"]
-
 CLAIMS = ("integrals", "equations", "measure", "multiplier", "integrable")
 """What a system and a case claim alike."""
 FIELDS = (

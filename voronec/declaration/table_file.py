@@ -17,8 +17,6 @@ from pathlib import Path
 from voronec.algebra.text import exact_number
 from voronec.errors import DefinitionError, file_errors, quote
 
-__all__ = ["KINDS", "read_table", "require_table"]
-
 KINDS = {"held": 1, "linear": 2, "cubic": 4}
 """How a table goes on between two instants, and how many instants that needs at least."""
 BYTES = 100_000_000

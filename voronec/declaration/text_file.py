@@ -16,8 +16,6 @@ from typing import Any, NoReturn
 from voronec.algebra.text import NotAFormula
 from voronec.errors import DefinitionError, did_you_mean, file_errors, quote
 
-__all__ = ["Item", "read_toml"]
-
 CHARACTERS = 1_000_000
 """How long a file may be."""
 _STRING = re.compile(

@@ -28,22 +28,6 @@ from typing import Any
 
 from voronec.errors import DefinitionError
 
-__all__ = [
-    "Store",
-    "draft",
-    "has_foreign",
-    "keep_file",
-    "keep_with_digest",
-    "lock_file",
-    "make_private",
-    "make_room",
-    "read_with_digest",
-    "replace_file",
-    "unwritable",
-    "user_cache",
-    "workshop",
-]
-
 PREFIX = ".voronec-"
 LOCK = "lock"
 DIGEST = 64

@@ -15,8 +15,6 @@ from typing import Any
 
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["ProcessEnd", "Team", "Worker"]
-
 GUARD = (
     "several jobs are processes, which read the script that starts them: call what takes jobs "
     "under if __name__ == '__main__':"

@@ -36,8 +36,6 @@ from voronec.errors import DefinitionError, VoronecError
 if TYPE_CHECKING:
     from voronec.motion.storage import NamedArrays
 
-__all__ = ["Exponents", "exponents"]
-
 STRETCH = 100
 """Steps of the stretch whose length all others have."""
 COLLAPSED = 1000

@@ -39,8 +39,6 @@ from voronec.dynamics.variational import VariationalFlow
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, VoronecError, did_you_mean
 
-__all__ = ["Crossing", "OrbitFamily", "PeriodicOrbit", "periodic"]
-
 CLOSED = 1e-10
 """An orbit closes to this part of the sizes of its variables."""
 ITERATIONS = 40

@@ -26,8 +26,6 @@ from voronec.motion.state_probe import quantities
 from voronec.motion.steppers.units import units_of_many
 from voronec.motion.verify import is_proved
 
-__all__ = ["PhaseSpace"]
-
 RANK = 1e-9
 """Gradients depend on one another where they do so to this part of their size."""
 SAME = 1e-9

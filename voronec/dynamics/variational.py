@@ -23,8 +23,6 @@ from voronec.equations.program.jacobian import joint_block
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.steppers.kept_code import kept_library
 
-__all__ = ["VariationalFlow", "VariationalState", "variational_flow"]
-
 EVERY = 4
 """So many steps go between two orthogonalisations: in one step a column grows by no more than some
 powers of e, or the step were shorter."""

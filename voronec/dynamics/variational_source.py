@@ -15,8 +15,6 @@ from collections.abc import Sequence
 from voronec.motion.steppers.dop853_source import FIFTH, FIRST_GROWTH, NODES, STAGES, STEP, THIRD
 from voronec.motion.steppers.dop853_source import WEIGHTS as TABLE
 
-__all__ = ["DONE", "LIMIT", "NO_STEP", "flow_source"]
-
 DONE, LIMIT, NO_STEP = range(3)
 """Why ``drive`` came back: the end is reached, so many steps were made, or no step was short
 enough."""

@@ -27,8 +27,6 @@ from voronec.elliptic.roots import (
 from voronec.elliptic.theta_balls import moment_of
 from voronec.errors import DefinitionError
 
-__all__ = ["assemble", "at_rest", "degree", "description"]
-
 
 @dataclass(frozen=True)
 class Spot:

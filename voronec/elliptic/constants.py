@@ -38,8 +38,6 @@ from typing import Any
 
 from flint import acb, arb
 
-__all__ = ["Constants", "Integral", "LogTerm", "Numbers", "Pole", "Source", "ThetaPhase"]
-
 
 @dataclass(frozen=True)
 class Pole:

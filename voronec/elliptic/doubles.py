@@ -36,22 +36,6 @@ from voronec.elliptic.theta_polynomials import (
 )
 from voronec.errors import EngineLimit
 
-__all__ = [
-    "PIECE",
-    "Arguments",
-    "Doubles",
-    "QuarticReduction",
-    "Rows",
-    "SecularTerm",
-    "advance",
-    "horner",
-    "matrix",
-    "parts",
-    "turns",
-    "two_product",
-]
-
-
 BITS = 320
 """Of constants of which double doubles are made: what a late time magnifies is to be lost."""
 SWIFTEST = 2.0**58

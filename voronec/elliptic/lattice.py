@@ -15,8 +15,6 @@ from voronec.elliptic.constants import Numbers
 from voronec.elliptic.roots import Ends, OpenDecision, coefficients
 from voronec.elliptic.theta_balls import Sums
 
-__all__ = ["ALMOST", "Lattice", "Place", "carlson", "lattice_of", "time_from", "turn_of"]
-
 ALMOST = 1 - 2.0**-10
 """Choices between equals must not depend on rounding, hence on the number of bits: a start in the
 middle, a square lattice, a pole half way between the ends."""

@@ -26,8 +26,6 @@ from voronec.elliptic.doubles import (
 from voronec.elliptic.theta_polynomials import Angle
 from voronec.errors import DefinitionError
 
-__all__ = ["Sample", "TimeStretch"]
-
 FAR = 40.0
 """Where sinh is a power of e to the last bit, and at most two terms of a sum count."""
 

@@ -15,8 +15,6 @@ import numpy as np
 from voronec.elliptic.doubles import QuarticReduction, Rows, matrix
 from voronec.elliptic.many_times import TimeStretch
 
-__all__ = ["Panels"]
-
 COUNT = 12
 """Coefficients of a polynomial."""
 NODES, CHECKS = 16, 9

@@ -12,22 +12,6 @@ from flint import acb, acb_poly, arb, arb_poly, ctx
 from voronec.elliptic.constants import Numbers, Source
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = [
-    "Ends",
-    "OpenDecision",
-    "Root",
-    "all_roots",
-    "coefficients",
-    "ends_of",
-    "interval",
-    "isolations",
-    "power",
-    "resolve",
-    "show_ball",
-    "value_at",
-]
-
-
 ROOM = 40
 """Steps beyond those in which points that double their accuracy in each reach the precision."""
 

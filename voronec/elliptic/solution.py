@@ -18,8 +18,6 @@ from voronec.elliptic.roots import OpenDecision, ends_of, interval, resolve
 from voronec.elliptic.theta_balls import Moment, moment_of
 from voronec.errors import EngineLimit
 
-__all__ = ["Enclosed", "Solution", "accurate", "exact_time", "invert"]
-
 GUARD = 64
 """Bits beyond those asked for: inversions and logarithms lose some."""
 PEOPLE = 60

@@ -9,8 +9,6 @@ from flint import acb, arb
 from voronec.elliptic.constants import Constants, LogTerm, ThetaPhase
 from voronec.elliptic.roots import OpenDecision, power
 
-__all__ = ["Moment", "Sums", "moment_of", "nearest", "phase"]
-
 
 @dataclass(frozen=True)
 class Sums:

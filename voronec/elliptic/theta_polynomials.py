@@ -21,17 +21,6 @@ from flint import arb, arb_poly
 
 from voronec.elliptic.constants import Constants, LogTerm, ThetaPhase
 
-__all__ = [
-    "Angle",
-    "Weights",
-    "angle_of",
-    "period_of",
-    "periodic_terms_of",
-    "smooth",
-    "weights_of",
-    "with_series",
-]
-
 NEGLIGIBLE = 1e-18
 """Below half a unit in the last place of a double, even of sums of many terms."""
 MOST_TERMS = 12

@@ -43,8 +43,6 @@ from voronec.equations.definition import Definition
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import EngineLimit, VoronecError
 
-__all__ = ["EulerAngles", "angles_without_chart", "euler_angles", "with_attitude_charts"]
-
 SEED = 20
 """Of the points at which the kinetic energy is looked at."""
 DEGENERATE = 1e-9

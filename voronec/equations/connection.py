@@ -22,17 +22,6 @@ from voronec.algebra.verdicts import decide_zero
 from voronec.equations.group_frame import GroupFrame
 from voronec.errors import DefinitionError
 
-__all__ = [
-    "AffineForms",
-    "EhresmannConnection",
-    "FibreSolution",
-    "UndeterminedVelocities",
-    "coordinate_lift",
-    "dual_rows",
-    "framed_lift",
-    "solve_fibre",
-]
-
 Tidy = Callable[[Sequence[Any]], list[Any]]
 
 

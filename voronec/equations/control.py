@@ -47,8 +47,6 @@ from voronec.equations.flags import flag
 from voronec.equations.vector_field import VectorField, on_coordinates
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 
-__all__ = ["Accessibility", "Control", "control_form", "flatness"]
-
 Vector = tuple[Any, ...]
 DEGREES = 4, 6, 8, 10, 12
 """Brackets of these degrees are made at a point, one after the other, until they suffice."""

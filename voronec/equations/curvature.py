@@ -15,15 +15,6 @@ from voronec.algebra.typeset import caret_text, html_table
 from voronec.equations.definition import Definition
 from voronec.equations.derivation import Derivation
 
-__all__ = [
-    "Brackets",
-    "Curvature",
-    "bracket_parts",
-    "brackets_of",
-    "curvature_of",
-    "vertical_parts",
-]
-
 Outward = Callable[[Any], sp.Expr]
 LONGEST = 200
 """How many characters of a formula a notebook shows."""

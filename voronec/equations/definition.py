@@ -30,9 +30,6 @@ from voronec.equations.group_frame import GroupFrame, read_group
 from voronec.equations.jumps import require_no_jump, require_no_jump_of_lagrangian
 from voronec.errors import DefinitionError
 
-__all__ = ["Definition", "read"]
-
-
 Enter = Callable[[sp.Expr, str], Any]
 """From an expression of the user's, and what a message calls it, to the expression inside."""
 

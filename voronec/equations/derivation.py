@@ -30,9 +30,6 @@ from voronec.equations.definition import Definition
 from voronec.equations.relative_angles import RelativeAngles
 from voronec.errors import DefinitionError
 
-__all__ = ["Derivation", "FirstOrderForm"]
-
-
 FEW = 100
 """So many terms are written of any system."""
 

@@ -48,8 +48,6 @@ from voronec.equations.integrable import integrate
 from voronec.equations.staged_equations import staged_form
 from voronec.errors import EngineLimit
 
-__all__ = ["DerivedEquations"]
-
 SHORT = 1500
 """Normal forms that cost no more operations are taken without looking for a shorter form."""
 LARGE = 2000

@@ -23,8 +23,6 @@ from voronec.equations.definition import Definition
 from voronec.equations.flags import flag
 from voronec.errors import EngineLimit
 
-__all__ = ["BracketClosure", "Distribution", "FieldSpace", "along", "close_under_brackets", "grow"]
-
 Field = tuple[Any, ...]
 NODES = 15_000
 """Fields of more nodes are not bracketed again: symengine would not come to an end."""

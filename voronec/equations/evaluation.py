@@ -25,8 +25,6 @@ from voronec.equations.derivation import Derivation
 from voronec.equations.point_values import named_point
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["acceleration", "acceleration_tape", "check_added_mass", "check_inertia"]
-
 ON_RELATIONS = 1e-9
 """How far a point may lie off the relations between redundant coordinates."""
 

@@ -29,8 +29,6 @@ from voronec.algebra.matrices import dot
 from voronec.algebra.tape import Tape
 from voronec.errors import EngineLimit
 
-__all__ = ["flag"]
-
 Field = Sequence[Any]
 PRIME = 2**61 - 1
 FIRST = 3

@@ -23,8 +23,6 @@ from voronec.algebra.verdicts import decide_zero
 from voronec.declaration.geometry import Frame
 from voronec.errors import DefinitionError
 
-__all__ = ["GroupFrame", "read_group"]
-
 Vector = Sequence[Any]
 
 

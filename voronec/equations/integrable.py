@@ -27,8 +27,6 @@ from voronec.equations.definition import Definition
 from voronec.equations.distribution import FieldSpace
 from voronec.errors import EngineLimit
 
-__all__ = ["integrate"]
-
 Rows = list[list[Any]]
 Defects = Callable[[Rows, Rows], Rows]
 """Of rows and the fields that they annihilate: what vanishes, an entry for each row."""

@@ -25,9 +25,6 @@ from voronec.algebra.verdicts import decide_zero
 from voronec.equations.program.switches import plain_roots, radicands, switch_factors
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["AngleCut", "angle_cuts", "require_continuous", "require_no_jump",
-           "require_no_jump_of_lagrangian"]  # fmt: skip
-
 
 @dataclass(frozen=True)
 class AngleCut:

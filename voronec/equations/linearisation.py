@@ -45,8 +45,6 @@ from voronec.equations.evaluation import jets
 from voronec.equations.program.jacobian import weighted_sum
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 
-__all__ = ["Linearisation", "linearise"]
-
 FirstOrder = tuple[Any, dict[int, Any]]
 """The value, and the slopes along the variables by their positions where they do not vanish."""
 

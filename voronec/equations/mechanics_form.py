@@ -15,8 +15,6 @@ from voronec.equations.derived_equations import DerivedEquations
 from voronec.equations.linearisation import linearise
 from voronec.equations.vector_field import for_numbers
 
-__all__ = ["MechanicsForm"]
-
 
 @dataclass(frozen=True, repr=False)
 class MechanicsForm:

@@ -16,8 +16,6 @@ from voronec.equations.vector_field import VectorField, for_numbers, on_coordina
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
 
-__all__ = ["Motions"]
-
 
 @dataclass(frozen=True)
 class Motions:

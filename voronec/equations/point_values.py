@@ -12,8 +12,6 @@ from voronec.declaration.reading import quote
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError
 
-__all__ = ["named_point"]
-
 
 def named_point(
     system: System,

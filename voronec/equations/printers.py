@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from voronec.equations.voronec_equations import VoronecEquations
 
-__all__ = ["PRINTERS", "Printer"]
-
 
 class Printer(NamedTuple):
     """What is printed, in words, and the functions from equations to text: without the Jacobian

@@ -52,8 +52,6 @@ if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
     from voronec.equations.derived_equations import DerivedEquations
 
-__all__ = ["ReadableEquations", "readable"]
-
 WIDTH = 100
 """Characters of a line of text."""
 COLUMN = 56
@@ -462,6 +460,7 @@ class FormSearch:
         return sum(2 + sum(len(text(i)) + 2 * (e != 1) for i, e in m) for m in terms)
 
     def apply_rule(self, rule: Rule, terms: Terms) -> Terms:
+        """A sum in which the rule has put its value for what it names."""
         if not rule.head:
             quotient, rest = divide(terms, rule.terms)
             return add(mul(quotient, rule.value), rest) if quotient else terms

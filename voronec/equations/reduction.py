@@ -29,8 +29,6 @@ from voronec.declaration.system import System
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Reduction", "descend", "in_invariants"]
-
 
 @dataclass(frozen=True, repr=False)
 class Reduction:

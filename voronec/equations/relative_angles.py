@@ -28,8 +28,6 @@ from voronec.algebra.precision import GENERIC
 from voronec.algebra.tape import Tape
 from voronec.algebra.terms import atoms
 
-__all__ = ["RelativeAngles", "turn"]
-
 STEP = flint.fmpq(1, 2**40)
 """How far angles are moved for difference quotients, which are right to as many bits."""
 ZERO = 2.0**-25

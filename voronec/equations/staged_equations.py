@@ -34,8 +34,6 @@ from voronec.equations.definition import Definition
 from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.errors import EngineLimit
 
-__all__ = ["StagedMotion", "staged_form"]
-
 
 @dataclass(frozen=True)
 class StagedSystem:

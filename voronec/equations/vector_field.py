@@ -32,8 +32,6 @@ from voronec.equations.derivation import Derivation, FirstOrderForm
 from voronec.equations.derived_equations import DerivedEquations
 from voronec.errors import EngineLimit, quote
 
-__all__ = ["EquationsOfMotion", "VectorField", "for_numbers", "on_coordinates", "solved_form"]
-
 NO_POINT = "no point was found on the relations between the variables"
 
 

@@ -28,7 +28,6 @@ from voronec.equations.evaluation import check_added_mass, check_inertia
 from voronec.equations.readable import (
     break_lines,
     equation_lines,
-    equation_rows,
     readable,
     short_texts,
 )
@@ -40,8 +39,6 @@ if TYPE_CHECKING:
     from voronec.equations.mechanics_form import MechanicsForm
     from voronec.equations.program import Program
     from voronec.equations.readable import ReadableEquations
-
-__all__ = ["VoronecEquations", "derive", "distribution_lines", "equation_rows", "equations_lines"]
 
 
 def _latex(eqs: VoronecEquations, expr: sp.Expr) -> str:

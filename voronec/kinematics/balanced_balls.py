@@ -31,8 +31,6 @@ from voronec.kinematics.families import (
 from voronec.kinematics.rubber import RubberMotion
 from voronec.kinematics.vectors import Vector, cross, dot, matrix_product, three
 
-__all__ = ["BalancedBall", "BallMotion", "SymmetricBallMotion"]
-
 TRACES = {"on the ball": ("u", "v"), "on the sphere": ("u1", "v1")}
 
 

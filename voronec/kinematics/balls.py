@@ -21,8 +21,6 @@ from voronec.kinematics.sketches import ball_sketch
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import Vector, apply_matrix, cross, dot, three
 
-__all__ = ["RollingBall", "contact_momentum"]
-
 _U, _V, _THETA = sp.symbols("u v theta")
 OMEGA, GAMMA = sp.symbols("omega1:4"), sp.symbols("gamma1:4")
 """The names of omega and gamma along the axes of a body, in its equations."""

@@ -11,11 +11,6 @@ from voronec.declaration.bodies import inertia_tensor
 from voronec.declaration.reading import expression
 from voronec.kinematics.vectors import Vector, column, cross, dot, three
 
-__all__ = [
-    "axial_rotor", "kinetic_energy", "momentum_about_point", "momentum_rate_about_point",
-    "point_velocity", "uniform_field_energy",
-]  # fmt: skip
-
 
 def kinetic_energy(
     mass: Any, velocity: Sequence[Any], inertia: Any, omega: Sequence[Any]

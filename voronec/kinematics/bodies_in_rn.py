@@ -27,8 +27,6 @@ from voronec.kinematics.groups import (
 from voronec.kinematics.meanings import NORMAL, SPIN, vector_meanings
 from voronec.kinematics.sketches import pinned_sketch, rolling_sketch
 
-__all__ = ["BodyInRn"]
-
 DETERMINANT = sp.Symbol("Delta")
 SECOND_MOMENTS = ("0.4", "0.3", "0.1", "0.2", "0.5")
 """All different, so that no two axes are alike."""

@@ -34,8 +34,6 @@ from voronec.kinematics.rotations import Rotation
 from voronec.kinematics.sketches import contact_views, rolling_sketch, wheel_of
 from voronec.kinematics.vectors import column, cross, dot, three
 
-__all__ = ["CarriedContact"]
-
 CARRIED_VECTORS = (
     "place of the body's centre",
     "place of the contact from the body's centre",

@@ -12,8 +12,6 @@ from voronec.declaration.reading import expression
 from voronec.kinematics.bodies import momentum_about_point, momentum_rate_about_point
 from voronec.kinematics.vectors import apply_matrix, column, cross, three
 
-__all__ = ["ConvexBody"]
-
 
 @dataclass(frozen=True)
 class ConvexBody:

@@ -53,8 +53,6 @@ from voronec.kinematics.vectors import (
     three,
 )
 
-__all__ = ["RollingEllipsoid"]
-
 HEIGHT = sp.Symbol("height")
 SUPPORT = "distance of the centre from the tangent plane at the contact"
 

@@ -13,8 +13,6 @@ from voronec.declaration.scene import Parameter
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, quote
 
-__all__ = ["constants", "join_declarations"]
-
 Words = Mapping[sp.Expr, tuple[str, bool]]
 """Constant, or the number in its place -> what it is, and whether it is positive."""
 

@@ -18,8 +18,6 @@ from voronec.kinematics.rotations import distinct_names
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import Vector, cross, three
 
-__all__ = ["SurfaceForms", "two"]
-
 
 @dataclass(frozen=True)
 class SurfaceForms:

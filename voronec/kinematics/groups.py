@@ -25,15 +25,6 @@ from voronec.algebra.text import as_expression
 from voronec.declaration.reading import expression
 from voronec.errors import DefinitionError, quote
 
-__all__ = [
-    "BodyVelocity",
-    "product_form",
-    "product_moments",
-    "skew",
-    "skew_entries",
-    "wedge_square",
-]
-
 Pair = tuple[int, int]
 DIMENSIONS = range(2, 10)
 """Of spaces in which bodies turn: with one digit, so that names such as w12 are read one way."""

@@ -9,15 +9,6 @@ from voronec.algebra.arguments import reads
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.surfaces import Surface
 
-__all__ = [
-    "contact_meanings",
-    "euler_meanings",
-    "moving_meanings",
-    "place_meanings",
-    "sleigh_meanings",
-    "vector_meanings",
-]
-
 Meanings = dict[Any, str]
 ROUND = ("colatitude of the contact", "longitude of the contact")
 NTH = ("first", "second")

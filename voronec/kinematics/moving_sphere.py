@@ -32,8 +32,6 @@ from voronec.kinematics.rotations import Rotation
 from voronec.kinematics.sketches import rolling_sketch
 from voronec.kinematics.vectors import column, cross, dot, matrix_product, three
 
-__all__ = ["BallOnMovingSphere"]
-
 ANGLES = sp.symbols("phi theta psi")
 TURNS = sp.symbols("alpha beta chi")
 PLACE = sp.symbols("n1:4")

@@ -28,8 +28,6 @@ from voronec.kinematics.forms import SurfaceForms
 from voronec.kinematics.rolling import RollingContact
 from voronec.kinematics.surfaces import Surface
 
-__all__ = ["HALF_TURN", "turned_poles", "turned_sphere"]
-
 HALF_TURN = sp.ImmutableMatrix([[0, 0, 1], [0, -1, 0], [1, 0, 0]])
 """Exchanges the axes x and z."""
 

@@ -29,8 +29,6 @@ from voronec.declaration.reading import expression
 from voronec.errors import DefinitionError
 from voronec.kinematics.rotations import distinct_names
 
-__all__ = ["cartesian_chart"]
-
 
 def cartesian_chart(
     polar: Sequence[Any],

@@ -39,8 +39,6 @@ from voronec.kinematics.sketches import contact_views, rolling_sketch, wheel_of
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import column, cross, dot, matrix_product, three
 
-__all__ = ["BodyOfRevolution", "TorusOnEllipsoid"]
-
 ATTITUDE = Rotation.euler("zxz", *sp.symbols("phi chi psi"))
 """Neumann's theta is no angle of Euler's."""
 SPINS, PLACE = sp.symbols("s tau n"), sp.symbols("o1:4")

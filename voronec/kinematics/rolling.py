@@ -27,8 +27,6 @@ from voronec.kinematics.rotations import distinct_names
 from voronec.kinematics.surfaces import Surface
 from voronec.kinematics.vectors import Vector, apply_matrix, cross, matrix_product, three
 
-__all__ = ["RollingContact"]
-
 
 @dataclass(frozen=True)
 class RollingContact:

@@ -15,8 +15,6 @@ from voronec.declaration.shapes import turn_about
 from voronec.errors import DefinitionError
 from voronec.kinematics.vectors import Vector, apply_matrix, column, cross, dot, matrix_product
 
-__all__ = ["Rotation", "distinct_names"]
-
 SEQUENCES = tuple(
     "".join(axes) for axes in product("xyz", repeat=3) if axes[0] != axes[1] != axes[2]
 )

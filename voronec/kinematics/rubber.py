@@ -24,8 +24,6 @@ from voronec.kinematics.meanings import vector_meanings
 from voronec.kinematics.sketches import particle_sketch
 from voronec.kinematics.vectors import Vector, column, cross, dot, matrix_product
 
-__all__ = ["RubberMotion"]
-
 
 @dataclass(frozen=True)
 class RubberMotion:

@@ -18,16 +18,6 @@ from voronec.declaration.shapes import Shape
 from voronec.declaration.sketch import Point, Sketch, polar
 from voronec.kinematics.rolling import RollingContact
 
-__all__ = [
-    "ball_sketch",
-    "disc_sketch",
-    "particle_sketch",
-    "pinned_sketch",
-    "rolling_sketch",
-    "sleigh_shapes",
-    "sleigh_sketch",
-]
-
 CONTACT: Point = (0.0, -1.0)
 RADIUS = 1.35
 """Of the fixed sphere in the drawing."""

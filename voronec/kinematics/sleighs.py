@@ -20,8 +20,6 @@ from voronec.kinematics.families import constants, join_declarations
 from voronec.kinematics.meanings import sleigh_meanings
 from voronec.kinematics.sketches import sleigh_shapes, sleigh_sketch
 
-__all__ = ["Sleigh"]
-
 PLACE = X, Y = sp.symbols("x y")
 HEADING = sp.Symbol("phi")
 RATES = SPEED, TURN_RATE = sp.symbols("v w")

@@ -20,8 +20,6 @@ from voronec.errors import DefinitionError, EngineLimit
 from voronec.kinematics.rotations import distinct_names
 from voronec.kinematics.vectors import Vector, cross, dot, three
 
-__all__ = ["Surface"]
-
 HALF, WHOLE = (0, sp.pi), (0, 2 * sp.pi)
 
 

@@ -11,8 +11,6 @@ import sympy as sp
 from voronec.algebra.text import as_expression
 from voronec.errors import DefinitionError, quote
 
-__all__ = ["Vector", "apply_matrix", "column", "cross", "dot", "matrix_product", "three"]
-
 Vector = tuple[Any, Any, Any]
 EXPRESSIONS = (sp.Expr, se.Basic, int)
 """What vectors may have for entries as it stands."""

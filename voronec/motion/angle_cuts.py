@@ -17,8 +17,6 @@ from voronec.errors import IntegrationError
 from voronec.motion.request import Guard, Namespace
 from voronec.motion.trajectory import Trajectory
 
-__all__ = ["CutWatch"]
-
 CUT = "the cut of an angle"
 """Begins the names of events that nobody asked for."""
 

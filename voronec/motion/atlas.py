@@ -28,11 +28,6 @@ from voronec.motion.steppers.units import natural_units
 if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
 
-__all__ = [
-    "APART", "HOME", "LEAVE", "RETURN", "SIDE", "Atlas", "ChartProblem", "KeptChart", "kept_charts",
-    "whole_turns",
-]  # fmt: skip
-
 
 @dataclass(frozen=True)
 class KeptChart:

@@ -47,19 +47,6 @@ from voronec.motion.steppers.series_reach import (
 from voronec.motion.steppers.units import CHUNK, SHORT, TurnCount, units_of_many
 from voronec.motion.steppers.wide_batch import Place, WideBatch
 
-__all__ = [
-    "COLLAPSE_RATIO",
-    "SINGULAR_PLACE",
-    "Lanes",
-    "Look",
-    "StepSizes",
-    "StopRequest",
-    "along",
-    "break_error",
-    "choose_lanes",
-    "require_method",
-]
-
 REGISTERS = 2
 """A core is busier with two registers of lanes, whose instructions need not wait for one another;
 with more it is no faster, and compiling takes thrice as long."""

@@ -20,8 +20,6 @@ from voronec.motion.steppers.scipy_stepper import FINEST
 from voronec.motion.trajectory import Trajectory
 from voronec.motion.verify import CheckOfMany
 
-__all__ = ["CarriedBlock", "Carrier", "MotionBlock"]
-
 TOGETHER = 64
 """So many motions of a compiled loop go together: they are looked at together."""
 

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from voronec.equations.voronec_equations import VoronecEquations
     from voronec.motion.motion_start import InitialState
 
-__all__ = ["closed_form", "closed_form_of_start"]
-
 
 @accepts(parameters=VALUES, initial=VALUES)
 def closed_form(

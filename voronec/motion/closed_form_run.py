@@ -30,8 +30,6 @@ from voronec.motion.state_probe import quantities
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, LateTrajectory, Trajectory, make_trajectory
 
-__all__ = ["evaluated_motion"]
-
 REASONS = {
     "closed-form": "asked for",
     "auto": "auto: less work than so many steps, and no errors add up",

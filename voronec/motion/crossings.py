@@ -23,18 +23,6 @@ import numpy as np
 
 from voronec.motion.request import Guard
 
-__all__ = [
-    "NODES",
-    "SPECK",
-    "Levels",
-    "Pieces",
-    "StepCourse",
-    "crosses",
-    "crossings",
-    "find_crossings",
-    "roots",
-]  # fmt: skip
-
 DEGREE = 8
 """Of the polynomials that stand for functions on a step."""
 NODES = (1 - np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)) / 2

@@ -51,8 +51,6 @@ from voronec.motion.trajectory import Cost, Trajectory
 if TYPE_CHECKING:
     from voronec.motion.storage import NamedArrays
 
-__all__ = ["Ensemble", "ensemble"]
-
 FEW = 20
 """Rows of the table that a notebook shows."""
 BATCHES, REPORTS = 8, 8

@@ -32,8 +32,6 @@ from voronec.motion.request import Namespace, StartData, number, outputs_of, sce
 if TYPE_CHECKING:
     from voronec.motion.model import Role
 
-__all__ = ["KINDS", "explain", "model_text"]
-
 
 @accepts(outputs=SEVERAL, parameters=VALUES, inputs=VALUES, initial=VALUES)
 def explain(

@@ -29,24 +29,6 @@ from voronec.motion.tolerances import UNIT
 if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
 
-__all__ = [
-    "CONSISTENT",
-    "NO_VELOCITIES",
-    "NoFrame",
-    "Rates",
-    "Relations",
-    "Start",
-    "coordinates_of",
-    "independent",
-    "meet_conditions",
-    "note_of_velocities",
-    "numbers_of",
-    "parameter_values",
-    "start_of",
-    "starts_in_arrays",
-]
-
-
 STEPS = 500
 """How many steps towards the nearest point are tried."""
 DAMPINGS = (1.0, 0.3, 0.1)

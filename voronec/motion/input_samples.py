@@ -17,8 +17,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["SAMPLES", "breaks"]
-
 SAMPLES = 4096
 """Parts of a span at whose ends a function is asked: a power of two."""
 NODES = 9

@@ -41,8 +41,6 @@ from voronec.errors import DefinitionError, did_you_mean
 from voronec.motion.input_samples import SAMPLES, breaks
 from voronec.motion.steppers.run import Signal, Signals
 
-__all__ = ["Drive", "Table", "drive"]
-
 
 @dataclass(frozen=True)
 class Drive:

@@ -61,9 +61,6 @@ from voronec.motion.verify import Breach, SolutionCheck, Untold, require_branche
 if TYPE_CHECKING:
     from voronec.motion.transitions.modes import SwitchedIntegrator
 
-__all__ = ["MotionRequest", "Way", "first_success", "other_method"]
-
-
 MARGIN = 32
 """Bits beyond those of the tolerance with which outputs are computed from precise states."""
 

@@ -20,8 +20,6 @@ import numpy as np
 from voronec.equations.program import Program, compile_program
 from voronec.motion.steppers.run import Problem
 
-__all__ = ["FINER", "dop853_gain", "dop853_is_cheaper", "is_stiff", "order_of", "step_cost"]
-
 TAYLOR_STEP, TAYLOR = 0.5, 0.0088
 """Microseconds of a step of heyoka, which Python looks at now and then, and of each order of it and
 each product of moving quantities."""

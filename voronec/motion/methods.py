@@ -37,19 +37,6 @@ if TYPE_CHECKING:
     from voronec.equations.program import Program
     from voronec.motion.steppers.run import Integrator, Problem
 
-__all__ = [
-    "CLOSED_FORM",
-    "COMPILATION",
-    "METHODS",
-    "STAGES",
-    "Method",
-    "absent",
-    "choose",
-    "compiled_method",
-    "is_exact",
-    "method_names",
-]
-
 Loop = Callable[..., Callable[..., int]]
 IMPORT_ERRORS: dict[str, str] = {}
 """Libraries that are installed and could not be imported, and what is said of them."""

@@ -27,8 +27,6 @@ from voronec.motion.steppers import Integrator, Problem, Run
 from voronec.motion.steppers.event_states import narrow, widen
 from voronec.motion.steppers.run import restart
 
-__all__ = ["GUARD", "Mode", "ModeSet"]
-
 GUARD = 64
 """Bits beyond those of the tolerance, in high precision."""
 RIM = 100.0

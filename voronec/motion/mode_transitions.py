@@ -26,8 +26,6 @@ from voronec.motion.mode_set import GUARD, Mode, ModeSet
 from voronec.motion.modes import LevelSurface, SmoothBranch
 from voronec.motion.steppers.units import natural_units
 
-__all__ = ["NO_VALUE", "PAST", "TOUCH", "Crossroads"]
-
 NEAR = 6
 """A switching surface's function counts as zero where it is smaller than its terms by all bits but
 these."""

@@ -40,8 +40,6 @@ from voronec.errors import EngineLimit
 from voronec.motion.state_probe import quantities
 from voronec.motion.steppers.root_states import RootStates
 
-__all__ = ["LevelSurface", "Modes", "SmoothBranch", "is_length", "motion_along_surfaces"]
-
 STEEP = (se.log, se.asin, se.acos, se.acosh, se.atan2)
 """Functions whose slopes have no bound."""
 

@@ -28,8 +28,6 @@ from voronec.motion.state_probe import at_each, quantities, quiet, rates_along, 
 from voronec.motion.term_sizes import CANCELLATION, SMALL, term_slopes
 from voronec.motion.tolerances import LOOSE, UNIT
 
-__all__ = ["Drifts", "Many", "WorkingEquations", "ground", "many", "rates_in_arrays"]
-
 FASTEST = 1e-3
 """A divisor below this part of its usual size makes velocities of coordinates so many times larger
 than those that are given."""

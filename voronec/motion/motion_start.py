@@ -60,16 +60,6 @@ from voronec.motion.split_models import SplitContext
 from voronec.motion.state_probe import StateProbe, quantities, rates_program
 from voronec.motion.steppers.run import Signals
 
-__all__ = [
-    "FAST",
-    "Exactly",
-    "InitialState",
-    "WideStart",
-    "exact_number",
-    "rates_at",
-    "require_inertia",
-]
-
 
 def rates_at(
     equations: VoronecEquations, form: Any, constants: Mapping[str, float], time: float

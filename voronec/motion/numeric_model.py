@@ -21,8 +21,6 @@ from voronec.motion.request import Namespace, OutputTerms
 from voronec.motion.state_probe import StateProbe, mass_program, quantities
 from voronec.motion.steppers.run import Signals
 
-__all__ = ["ProgrammedModel", "make_model", "numbers_at", "whole"]
-
 
 @dataclass(frozen=True)
 class ProgrammedModel:

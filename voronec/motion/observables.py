@@ -19,17 +19,6 @@ from voronec.errors import DefinitionError
 from voronec.motion.reactions import Multipliers
 from voronec.motion.request import Namespace, OutputTerms
 
-__all__ = [
-    "AngleBranch",
-    "ObservedQuantities",
-    "evaluate_extras",
-    "evaluate_watch",
-    "jumps",
-    "shown_program",
-    "size_of_terms",
-    "watch_of",
-]
-
 
 @dataclass(frozen=True)
 class AngleBranch:

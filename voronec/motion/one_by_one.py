@@ -34,13 +34,6 @@ from voronec.motion.steppers import Problem, Run
 from voronec.motion.trajectory import Cost, Trajectory
 from voronec.motion.transitions.modes import is_switched
 
-__all__ = [
-    "LoneMotions",
-    "LoneStart",
-    "along_one",
-    "go_on_alone",
-]
-
 Passes = Callable[[np.ndarray, np.ndarray], bool]
 """Whether a motion with states (s, n) at times (s,) passes a place that makes it doubtful."""
 PLANE = "the plane of the section"

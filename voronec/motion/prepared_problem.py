@@ -39,9 +39,6 @@ from voronec.motion.request import (
 )
 from voronec.motion.trajectory import Cost, Trajectory
 
-__all__ = ["PreparedProblem", "integrate", "prepare"]
-
-
 FEW = 100
 """On grids with fewer points angles are integrated, not read off: branches could not be told."""
 FAR = 500.0

@@ -39,8 +39,6 @@ if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
     from voronec.equations.voronec_equations import VoronecEquations
 
-__all__ = ["Multipliers", "conditions_of", "drift", "reactions_of_state"]
-
 DEPENDENT = 1e-11
 """A singular value below this part of the largest counts as zero."""
 CANCELLATION = 1e4

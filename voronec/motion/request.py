@@ -37,30 +37,6 @@ if TYPE_CHECKING:
     from voronec.equations.definition import Definition
     from voronec.equations.voronec_equations import VoronecEquations
 
-__all__ = [
-    "Event",
-    "Guard",
-    "Namespace",
-    "OutputTerms",
-    "StartData",
-    "Starts",
-    "Values",
-    "begin_of",
-    "events_of",
-    "grid_of",
-    "held_name",
-    "kept_while_same",
-    "label",
-    "name_events",
-    "name_values",
-    "number",
-    "outputs_of",
-    "quantity",
-    "scene_of",
-    "spread_starts",
-]
-
-
 T = TypeVar("T")
 POINTS = 1001
 """How many points a scene's span is seen at."""

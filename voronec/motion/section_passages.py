@@ -33,17 +33,6 @@ from voronec.motion.steppers.step_loop import IntegratorFailure, Segment, Stride
 if TYPE_CHECKING:
     from voronec.motion.motion_pool import Many
 
-__all__ = [
-    "Paths",
-    "SectionPassages",
-    "SectionWatch",
-    "Zeros",
-    "pass_lanes",
-    "pass_one_by_one",
-    "zeros",
-]
-
-
 TOUCH = 1e-12
 """An extremum touches zero where states changed by this part of their size bring it there."""
 BESIDE = 1e-2

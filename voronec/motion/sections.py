@@ -74,15 +74,6 @@ from voronec.motion.verify import CheckOfMany
 if TYPE_CHECKING:
     from voronec.motion.storage import NamedArrays
 
-__all__ = [
-    "Section",
-    "SectionSurface",
-    "section",
-    "starts_alike",
-    "suggest_surface",
-]
-
-
 EQUAL = 1e-12
 """How far the integrals may differ, relative to their size."""
 TRIES = 40

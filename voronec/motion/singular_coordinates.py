@@ -30,23 +30,6 @@ from voronec.motion.split_models import SplitContext, numbers_of_chart
 from voronec.motion.state_probe import quantities, quiet
 from voronec.motion.steppers import Problem, Run, Termination
 
-__all__ = [
-    "LAST",
-    "POLE",
-    "CoordinatePole",
-    "NearPole",
-    "PoleGuard",
-    "PoleNotes",
-    "blind_directions",
-    "carried_directions",
-    "charted_directions",
-    "idle_directions",
-    "open_beyond",
-    "passage_notes",
-    "polar_directions",
-]
-
-
 NEAR_POLE = "a pole of the angles is near"
 """Begins the names of the events, one for each body."""
 LAST = se.Rational(1, 10**6)

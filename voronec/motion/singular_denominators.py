@@ -52,30 +52,6 @@ from voronec.motion.request import Guard, Namespace
 from voronec.motion.state_probe import usual_size
 from voronec.motion.steppers import Run
 
-__all__ = [
-    "CLEAR",
-    "DIGITS",
-    "FEW",
-    "GAIN",
-    "NEAR",
-    "Field",
-    "NearSingularDenominator",
-    "SingularDenominator",
-    "are_dependent",
-    "are_infinite",
-    "around",
-    "crossing_divisors",
-    "divisors",
-    "guard_events",
-    "has_limit",
-    "next_places",
-    "orthonormal_rows",
-    "places_beside",
-    "solution_rows",
-    "without_factors",
-    "without_guards",
-]
-
 SAMPLES, FEW = 1024, 128
 """So many random places tell whether a function changes its sign, and how large it is: its usual
 size is then known to a few hundredths, and other places would lead a run the same way.  Of zeros

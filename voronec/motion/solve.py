@@ -27,8 +27,6 @@ from voronec.motion.steppers.run import (
 )
 from voronec.motion.steppers.samples import StepSamples
 
-__all__ = ["DOUBLE", "Arrival", "Phase", "Progress", "Solver", "Transition"]
-
 DOUBLE = 53
 """Bits of a double."""
 WINDOW, CRAWL = 200, 1e-8

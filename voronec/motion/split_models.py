@@ -64,18 +64,6 @@ from voronec.motion.singular_denominators import (
 from voronec.motion.state_probe import quantities, usual_size
 from voronec.motion.steppers.run import Signals, constants_along
 
-__all__ = [
-    "Geometry",
-    "SplitContext",
-    "SplitModel",
-    "candidates",
-    "divisor_program",
-    "fresh_symbol",
-    "spell_out",
-    "split_charts",
-]
-
-
 SHARE = 0.1
 """A pivot is no smaller than this part of its row, at the point for which it is chosen."""
 DEPENDENT = 1e-9

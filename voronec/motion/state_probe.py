@@ -15,18 +15,6 @@ from voronec.equations.program import Program, compile_program, hoist
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.steppers.run import FAR, Signals, Suspect, Termination, values_along
 
-__all__ = [
-    "StateProbe",
-    "at_each",
-    "changes",
-    "mass_program",
-    "quantities",
-    "quiet",
-    "rates_along",
-    "rates_program",
-    "usual_size",
-]
-
 SINGULAR = 1e-13
 """A mass matrix with a smaller eigenvalue, in units of its diagonal, counts as singular."""
 DEPENDENT = 1e-6

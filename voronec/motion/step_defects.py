@@ -20,9 +20,6 @@ import numpy as np
 from voronec.equations.program import Program, compile_program
 from voronec.motion.steppers.samples import NODES, WIDTH, OwnedSamples, Rates, StepSamples
 
-__all__ = ["again", "program_rates", "strayed_rows", "wrong_steps"]
-
-
 RELATIVE, ROUNDING = 1e-6, 1e-7
 """A defect is looked into where it is larger than these parts of the way that a variable goes in
 the step, and of the state's size: less than a tenth of the first of the size counts never."""

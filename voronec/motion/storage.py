@@ -36,11 +36,6 @@ from voronec.errors import DefinitionError, file_errors, quote
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = [
-    "FORMAT", "NamedArrays", "array_key", "attributes_of", "header_of", "meanings_of", "of_motions",
-    "open", "plain_numbers", "require_library", "variables_of", "versions",
-]  # fmt: skip
-
 FORMAT = 1
 """The version of what a header says, and of how arrays are laid out."""
 HEADER = "voronec"

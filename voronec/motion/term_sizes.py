@@ -15,8 +15,6 @@ from voronec.equations.program import Program, compile_program
 from voronec.motion.state_probe import at_each
 from voronec.motion.steppers.units import balance
 
-__all__ = ["CANCELLATION", "SMALL", "term_slopes"]
-
 CANCELLATION = 1e-6
 """An integral less than this part of its terms counts as starting at zero."""
 SMALL = 1e-9

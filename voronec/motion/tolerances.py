@@ -4,8 +4,6 @@ Steps err with the same sign for long: what is asked for is that of a run, and a
 part of it alone.
 """
 
-__all__ = ["EXACT", "FINEST", "LOOSE", "UNIT", "dop853_tolerance", "taylor_tolerance"]
-
 EXACT = 1e-16
 """Doubles have nothing to offer below this tolerance."""
 FINEST = 2.3e-14

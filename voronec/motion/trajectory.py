@@ -34,15 +34,6 @@ if TYPE_CHECKING:
     from voronec.motion.storage import NamedArrays
     from voronec.motion.viewer.page import PageView
 
-__all__ = [
-    "Cost",
-    "Crossings",
-    "LateTrajectory",
-    "Trajectory",
-    "assemble_trajectory",
-    "make_trajectory",
-]
-
 WORTH, FAR_LARGER = 1e-3, 1e6
 """An integral has no value in doubles where its rounding is more than the first part of it, and its
 terms are so many times larger than at another instant."""

@@ -35,9 +35,6 @@ from voronec.motion.steppers.samples import OwnedSamples, Rates, StepSamples, by
 from voronec.motion.tolerances import LOOSE, UNIT
 from voronec.motion.trajectory import Trajectory
 
-__all__ = ["Breach", "CheckOfMany", "SolutionCheck", "Untold", "require_branches"]
-
-
 FREE = 10
 """So many steps are allowed to everybody."""
 ROWS = 200

@@ -42,8 +42,6 @@ from voronec.algebra.verdicts import Verdict, witness_at
 from voronec.equations.vector_field import VectorField
 from voronec.errors import DefinitionError, EngineLimit, quote
 
-__all__ = ["across_cuts", "beside_zeros", "flow_across_cuts", "not_vacuous", "positive_domain"]
-
 _SEEDS = 96
 """How many states are looked for on a cut, at most: a piece of it may be a sixteenth of all."""
 _FIRST = 16

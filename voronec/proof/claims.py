@@ -50,8 +50,6 @@ from voronec.proof.hamiltonian_form import decide_multiplier, decide_poisson
 from voronec.proof.measures import binding, chosen_variables, decide_measure, measured_field
 from voronec.proof.nondegeneracy import where_independent
 
-__all__ = ["Claim", "case_of", "check_claims", "decide_integral", "specialise"]
-
 
 def decide_integral(motions: Motions, function: sp.Expr) -> Decision:
     """dF/dt = 0 along the motion."""

@@ -19,8 +19,6 @@ from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
 from voronec.proof.decision import Decision
 
-__all__ = ["decide_essential", "foreign_rate"]
-
 
 def decide_essential(motions: Motions, variables: Sequence[Any]) -> Decision:
     """Whether the rates of some state variables depend on these, parameters and the time alone."""

@@ -29,18 +29,6 @@ from voronec.equations.reduction import descend
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, VoronecError, file_errors
 
-__all__ = [
-    "Comparison",
-    "Row",
-    "StoredDerivation",
-    "compare",
-    "is_general",
-    "random_point",
-    "read_derivation",
-    "read_expression",
-]
-
-
 POINT_DIGITS = 90
 """How well a point lies on the relations between redundant coordinates."""
 

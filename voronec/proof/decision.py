@@ -10,8 +10,6 @@ from voronec.algebra.sympy_bridge import UnknownFunction
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Decision", "all_zero", "verdict_of", "verdict_on_failure", "zero_everywhere"]
-
 
 @dataclass(frozen=True)
 class Decision:

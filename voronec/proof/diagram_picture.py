@@ -9,8 +9,6 @@ from typing import Any
 from voronec.declaration.figure_style import INK, MARK, PALE, SOFT, STYLE, draw_arrow
 from voronec.motion.pictures.layered_layout import Layout, layered_layout
 
-__all__ = ["LINES", "diagram_figure"]
-
 LINES: dict[str, Any] = {
     "specialisation": "solid",
     "change of coordinates": (0, (1, 1.2)),

@@ -44,8 +44,6 @@ from voronec.proof.branch_cuts import across_cuts, beside_zeros
 from voronec.proof.decision import Decision, all_zero, zero_everywhere
 from voronec.proof.nondegeneracy import where_independent, where_nonzero
 
-__all__ = ["decide_multiplier", "decide_poisson"]
-
 
 def decide_multiplier(motions: Motions, multiplier: sp.Expr) -> Decision:
     """Whether N is a reducing multiplier, dtau = N dt."""

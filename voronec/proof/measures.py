@@ -33,8 +33,6 @@ from voronec.proof.closure import foreign_rate
 from voronec.proof.decision import Decision, all_zero, zero_everywhere
 from voronec.proof.nondegeneracy import where_nonzero, where_of_one_sign
 
-__all__ = ["decide_measure", "defect", "divergence", "measured_field"]
-
 
 @accepts(flow=POINT)
 def divergence(density: Any, flow: Mapping[Any, Any]) -> sp.Expr:

@@ -27,8 +27,6 @@ from voronec.algebra.verdicts import Verdict
 from voronec.equations.vector_field import VectorField
 from voronec.errors import EngineLimit, quote
 
-__all__ = ["where_independent", "where_nonzero", "where_of_one_sign", "where_of_rank"]
-
 POINTS = 6
 """At how many points of a piece a rank is looked at."""
 LARGEST = 4

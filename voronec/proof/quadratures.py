@@ -35,9 +35,6 @@ from voronec.proof.branch_cuts import across_cuts, not_vacuous
 from voronec.proof.claims import Claim
 from voronec.proof.decision import all_zero, verdict_of
 
-__all__ = ["InSpace", "QuadratureGround", "check_motion", "statements"]
-
-
 LENGTH = se.Symbol("length of the vector")
 
 Residuals = list[tuple[str, Any]]

@@ -26,8 +26,6 @@ from voronec.equations.readable import readable
 from voronec.equations.voronec_equations import derive
 from voronec.proof.check import Finding, Result
 
-__all__ = ["index_page", "system_page"]
-
 LONG = 2500
 """Formulas whose source has more characters are left to ``voronec show``."""
 WIDE = 400

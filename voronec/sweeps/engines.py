@@ -28,8 +28,6 @@ from voronec.errors import DefinitionError, EngineLimit, VoronecError, quote
 from voronec.motion.storage import require_library
 from voronec.sweeps.records import ChunkResult, Task
 
-__all__ = ["OwnProcesses", "Portion", "compute_here", "dask_executor", "spread", "stop_reimport"]
-
 GUARD = "call vo.sweep under if __name__ == '__main__':, since its processes read the script"
 WINDOW = 128
 """So many chunks at most are with an executor at a time: they and their results take memory."""

@@ -26,8 +26,6 @@ from voronec.motion.storage import array_key, attributes_of, require_library
 from voronec.sweeps.plan import SweepPlan
 from voronec.sweeps.records import ChunkResult, RecordColumn
 
-__all__ = ["SweepFolder", "read_points", "require_room"]
-
 LOG = "log"
 STATUS, REASON = "finished", "reason"
 """The arrays that say of each motion whether it went well, and why not."""

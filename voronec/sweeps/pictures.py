@@ -12,8 +12,6 @@ from voronec.declaration.reading import several
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.sweeps.plan import START
 
-__all__ = ["plot_sweep"]
-
 PANELS = 6
 """Columns that are drawn where nobody names any."""
 BINS = 80

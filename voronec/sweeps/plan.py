@@ -22,8 +22,6 @@ from voronec.declaration.reading import doubles
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, quote
 
-__all__ = ["START", "Draws", "SweepPlan", "make_plan"]
-
 START = "start"
 """The axis of starts."""
 METHODS = ("sobol", "uniform", "level")

@@ -26,8 +26,6 @@ from voronec.motion.prepared_problem import integrate
 from voronec.motion.request import Namespace, quantity
 from voronec.motion.sections import section
 
-__all__ = ["ChunkResult", "RecordColumn", "Task", "read_records"]
-
 FORM = re.compile(r"(final|max|min|drift|time|section|class)(?:\((.*)\))?", re.DOTALL)
 EXTREMES: Mapping[str, Any] = {"max": np.fmax.reduce, "min": np.fmin.reduce}
 MOST_POINTS = 1000

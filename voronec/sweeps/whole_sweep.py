@@ -55,8 +55,6 @@ from voronec.sweeps.folder import SweepFolder, require_room
 from voronec.sweeps.plan import SweepPlan, make_plan
 from voronec.sweeps.records import EXTREMES, ChunkResult, RecordColumn, Task, read_records
 
-__all__ = ["Sweep", "sweep"]
-
 ROWS, LEAST, PARTS = 2**14, 64, 8
 """Motions of a chunk: as many as fill heyoka's lanes well; of a small sweep a part."""
 NUMBERS = 2**23

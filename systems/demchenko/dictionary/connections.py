@@ -13,8 +13,6 @@ from typing import Any
 
 import sympy as sp
 
-__all__ = ["Connection", "Field"]
-
 
 @dataclass(frozen=True)
 class Field:

@@ -10,8 +10,6 @@ import sympy as sp
 import voronec as vo
 from voronec.audit import shorten
 
-__all__ = ["density", "quadratic"]
-
 Flow = Mapping[sp.Expr, sp.Expr]
 
 

@@ -11,8 +11,6 @@ import sympy as sp
 import voronec as vo
 from voronec.audit import Motion
 
-__all__ = ["dalembert", "forced_motion", "lagrange"]
-
 
 def forced_motion(eqs: Any, variations: Sequence[sp.Symbol]) -> Motion:
     """The motion of a system with arbitrary forces: some of them give any accelerations."""

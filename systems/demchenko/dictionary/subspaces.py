@@ -9,8 +9,6 @@ import sympy as sp
 
 import voronec as vo
 
-__all__ = ["direct_sum", "leading_places", "null_space", "span"]
-
 
 def span(columns: sp.Matrix) -> sp.Matrix:
     """The one matrix of the subspace that some columns span."""

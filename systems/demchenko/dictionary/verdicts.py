@@ -8,8 +8,6 @@ from typing import Any
 import voronec as vo
 from voronec.audit import Verdict
 
-__all__ = ["all_equal", "all_zero", "worst"]
-
 
 def worst(verdicts: Iterable[Verdict]) -> Verdict:
     """The first verdict that is not a proof, and then no further one is made; else the last."""

@@ -14,25 +14,6 @@ from voronec.audit.latex.nodes import Call, Dot, Name, Variation
 from voronec.audit.meaning import evaluate
 from voronec.audit.transcript import assignments
 
-__all__ = [
-    "AXES",
-    "agreement",
-    "all_of",
-    "both_sides",
-    "constant",
-    "constraint_verdict",
-    "denial",
-    "equals",
-    "exists",
-    "holds",
-    "left_sides",
-    "relative_curvature",
-    "residuals",
-    "sides",
-    "value",
-    "values",
-]
-
 AXES = {r"\mathbf u": 0, r"\mathbf v": 1, r"\mathbf n": 2}
 """The axes at the contact point, by number."""
 CONSTANT = {

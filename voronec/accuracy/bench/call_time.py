@@ -25,15 +25,6 @@ from typing import Any
 
 from voronec.errors import DefinitionError
 
-__all__ = [
-    "STAGES",
-    "CallStages",
-    "SetupTime",
-    "import_everything",
-    "measure_calls",
-    "measure_setup",
-]
-
 STAGES = {
     "import": ("<frozen importlib",),
     "compilation": ("/heyoka/",),

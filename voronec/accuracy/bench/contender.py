@@ -12,8 +12,6 @@ import numpy as np
 from voronec.accuracy.problem import ReferenceProblem
 from voronec.errors import VoronecError
 
-__all__ = ["Contender", "NotHere", "Outcome", "Run", "repeat", "time_fastest"]
-
 ENOUGH = 0.25
 """Seconds of CPU over which a run is repeated; the best of the repetitions counts."""
 MOST = 25

@@ -17,9 +17,6 @@ from voronec.accuracy.bench.call_time import SetupTime
 from voronec.accuracy.problem import ReferenceProblem
 from voronec.accuracy.solution import ReferenceSolution
 
-__all__ = ["AT", "At", "Bench", "Measured", "Point", "at_error", "observed_order"]
-
-
 AT = (1e-6, 1e-9)
 """The errors at which methods are compared."""
 

@@ -25,8 +25,6 @@ from voronec.errors import DefinitionError, EngineLimit, VoronecError, did_you_m
 from voronec.motion import Trajectory, integrate
 from voronec.motion.methods import CLOSED_FORM, METHODS
 
-__all__ = ["OWN", "contenders", "measure"]
-
 LONGEST = 30.0
 """Seconds beyond which the method of many digits is left out."""
 TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12, 1e-14)

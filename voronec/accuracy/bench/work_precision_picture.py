@@ -9,8 +9,6 @@ from voronec.errors import DefinitionError
 if TYPE_CHECKING:
     from voronec.accuracy.bench import Bench, Measured
 
-__all__ = ["plot_work_precision"]
-
 COLOURS = ("#1b3a5c", "#b3361e", "#2f7d5b", "#b07d12", "#6b4a8a", "#3d8fb0", "#8a97a6", "#7a4a2b")
 MARKERS = "osD^vP*X"
 SIZE = (6.4, 4.4)

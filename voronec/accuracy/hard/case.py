@@ -19,8 +19,6 @@ from voronec.errors import DefinitionError, quote
 from voronec.motion.methods import METHODS
 from voronec.motion.request import Namespace
 
-__all__ = ["ARITHMETICS", "HardCase", "case_level"]
-
 ARITHMETICS = {"quadruple": 33, "extended": 19}
 """What a reference is computed in, with its decimal digits."""
 

@@ -16,8 +16,6 @@ from voronec.declaration.catalogue import entries
 from voronec.declaration.scene import Scene
 from voronec.errors import DefinitionError, did_you_mean
 
-__all__ = ["CASES", "QUICK", "every_case", "named_cases"]
-
 R = sp.Rational
 u, v, u1 = sp.symbols("u v u1")
 BALL = ("gamma1", "gamma2", "gamma3", "omega1", "omega2", "omega3")

@@ -13,8 +13,6 @@ from voronec.accuracy.hard.case import HardCase
 from voronec.accuracy.hard.trial import CaseResult, Trial
 from voronec.motion.methods import METHODS
 
-__all__ = ["cells", "data", "head", "lines", "page", "sections", "summary", "tally"]
-
 
 def sections(findings: Sequence[CaseResult]) -> dict[str, str]:
     """What a page shows, as Markdown: the table, the count of each method, what is hard."""

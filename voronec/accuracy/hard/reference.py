@@ -39,8 +39,6 @@ from voronec.errors import EngineLimit, IntegrationError
 from voronec.motion import Trajectory, integrate
 from voronec.motion.methods import METHODS
 
-__all__ = ["STORE", "changed_data_reference", "compute", "reference"]
-
 RETURN = 1e-18
 """How far the state may be from its start after one period."""
 ITERATIONS = 12

@@ -22,9 +22,6 @@ from voronec.motion import Trajectory, integrate
 from voronec.motion.methods import METHODS
 from voronec.motion.tolerances import EXACT
 
-__all__ = ["FLOOR", "CaseResult", "Trial", "attempt", "bound", "trials"]
-
-
 FLOOR = 1e-10
 """An error below this is good, whatever the condition."""
 ROUNDINGS = 100

@@ -21,17 +21,6 @@ from voronec.audit.study import Study
 from voronec.audit.transcript import Transcript
 from voronec.errors import DefinitionError
 
-__all__ = [
-    "Change",
-    "Piece",
-    "Spare",
-    "apply_pieces",
-    "close_brackets",
-    "repairs",
-    "single_changes",
-]
-
-
 Piece = tuple[int, int, str]
 """Replace the characters from, to by a text."""
 

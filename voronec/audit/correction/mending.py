@@ -60,9 +60,6 @@ from voronec.audit.transcript import assignments
 from voronec.audit.verify import verify
 from voronec.errors import VoronecError
 
-__all__ = ["Correction", "correct"]
-
-
 PROOFS = 250
 """How many changes that numbers allow are put to the proof."""
 ORDER = {**dict.fromkeys("< \\le \\leq".split(), -1), **dict.fromkeys("> \\ge \\geq".split(), 1)}

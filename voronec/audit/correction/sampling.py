@@ -40,9 +40,6 @@ from voronec.audit.meaning import SENSELESS, evaluate
 from voronec.audit.study import Study
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Sampler", "close"]
-
-
 Where = Mapping[str, int]
 BITS = GENERIC
 WORK = {Derivative: 60, Partial: 400}

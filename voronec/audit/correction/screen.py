@@ -23,9 +23,6 @@ from voronec.audit.structure import free_indices, names_constant, new_names, who
 from voronec.audit.study import Study
 from voronec.audit.transcript import assignments
 
-__all__ = ["Screen"]
-
-
 Where = dict[str, int]
 SEEDS = 12
 """Points at which a formula is tried: most letters are undefined at some, and a few suffice."""

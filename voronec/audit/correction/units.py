@@ -38,8 +38,6 @@ from voronec.audit.structure import integrand, names_constant
 from voronec.audit.study import Study
 from voronec.audit.transcript import assignments
 
-__all__ = ["Units"]
-
 Weight = tuple[flint.fmpq, ...]
 VARIATION = "variation"
 """The key of the small number that a variation bears."""

@@ -53,9 +53,6 @@ from voronec.audit.latex.tokens import (
 from voronec.audit.latex.vocabulary import LatexVocabulary
 from voronec.errors import DefinitionError
 
-__all__ = ["BETWEEN", "BREAKS", "CLOSERS", "DIRECTIONS", "STOP", "Reader", "function_argument"]
-
-
 CLOSERS = {")": "(", "]": "[", "}": "{", "\\}": "\\{"}
 _SIGNS = {"+": 1, "-": -1, "\\pm": 1, "\\mp": -1}
 STOP = {*CLOSERS, ",", "\\quad", "\\qquad"} | RELATIONS | set(_SIGNS)

@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from voronec.audit.latex.tokens import ELLIPSES, Token, tokenize
 from voronec.errors import DefinitionError
 
-__all__ = ["RELATIONS", "FormulaUnit", "Piece", "group_end", "script_ranges", "split_display"]
-
 _PLACES = {"\\in", "\\colon", "\\longmapsto", "\\mapsto"}
 RELATIONS = {"=", "<", ">", "\\ne", "\\neq", "\\le", "\\leq", "\\ge", "\\geq"} | _PLACES
 _OPENING = re.compile(r"\s*(?:\\begin\{([a-zA-Z]+\*?)\}|(\\\[)|(\$\$)|(\$))", re.DOTALL)

@@ -16,8 +16,6 @@ from voronec.audit.latex.displays import RELATIONS, FormulaUnit, Piece, split_di
 from voronec.audit.latex.tex_file import MarkedText, TexSource, read_tex
 from voronec.errors import DefinitionError
 
-__all__ = ["Document", "PrintedDisplay", "PrintedSection", "read_document"]
-
 _DISPLAYS = (
     "equation align gather multline eqnarray flalign alignat displaymath math dmath xalignat "
     "IEEEeqnarray empheq"

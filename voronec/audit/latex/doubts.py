@@ -11,15 +11,6 @@ from collections.abc import Sequence
 from voronec.audit.latex.tokens import ACCENTS, ELEMENTARY, GREEK, Token
 from voronec.audit.latex.vocabulary import LatexVocabulary
 
-__all__ = [
-    "fraction_of_numbers",
-    "function_without_backslash",
-    "instant",
-    "open_argument",
-    "single_name",
-    "starts_name",
-]
-
 _NUMERIC = re.compile(r"(?:\{\d+\}|\d)(?:\{\d+\}|\d)")
 _INSTANT = ("t", "+", "-", "/", "\\cdot", "\\pi")
 """What numbers stand beside where an instant is written."""

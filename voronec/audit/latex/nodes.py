@@ -10,33 +10,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, fields
 from typing import Any
 
-__all__ = [
-    "POINT",
-    "Bound",
-    "Call",
-    "Chain",
-    "Cross",
-    "Derivative",
-    "Differential",
-    "Dot",
-    "Dots",
-    "Elementary",
-    "Integral",
-    "Listing",
-    "Name",
-    "Node",
-    "Number",
-    "Partial",
-    "Power",
-    "Product",
-    "Quotient",
-    "Root",
-    "Sum",
-    "Variation",
-    "Wedge",
-    "walk",
-]
-
 Node = Any
 POINT = "\\mapsto"
 Place = tuple[int, int]

@@ -60,8 +60,6 @@ from voronec.audit.latex.tokens import (
 from voronec.audit.latex.vocabulary import CALL, LatexVocabulary
 from voronec.errors import DefinitionError
 
-__all__ = ["read", "read_name", "read_tokens"]
-
 
 def read(source: str, vocabulary: LatexVocabulary | None = None) -> Chain:
     """The tree of one formula; ``DefinitionError`` names the place of what is not understood."""

@@ -17,8 +17,6 @@ from typing import NoReturn
 
 from voronec.errors import DefinitionError, file_errors
 
-__all__ = ["MarkedText", "TexSource", "read_tex"]
-
 EXPANSIONS = 100_000
 """How many macros are carried out: many times what a long paper has."""
 CHARACTERS = 5_000_000

@@ -7,21 +7,6 @@ from dataclasses import dataclass
 
 from voronec.errors import DefinitionError
 
-__all__ = [
-    "ACCENTS",
-    "ELEMENTARY",
-    "ELLIPSES",
-    "FUNCTIONS",
-    "FUNCTION_NAMES",
-    "GREEK",
-    "Ambiguous",
-    "Misprint",
-    "Token",
-    "Unfamiliar",
-    "complain",
-    "tokenize",
-]
-
 ELEMENTARY = frozenset(
     r"\sin \cos \tan \cot \sec \csc \ln \log \exp \sinh \cosh \tanh \arcsin \arccos \arctan".split()
 )

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 from voronec.audit.latex.tokens import FUNCTIONS
 
-__all__ = ["CALL", "LatexVocabulary"]
-
 CALL = r"(\cdot)"
 r"""Ends the spelling of a name that is a function where a parenthesis follows it, and something
 else where none does: the dictionary holds ``\zeta`` and ``\zeta(\cdot)``."""

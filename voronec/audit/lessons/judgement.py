@@ -45,9 +45,6 @@ from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 from voronec.proof.branch_cuts import across_cuts, not_vacuous, positive_domain
 from voronec.proof.claims import decide_integral
 
-__all__ = ["CONSTANT", "Judgement", "Language", "judge"]
-
-
 GROUNDS = {
     "constraints": "it holds in every motion that the constraints admit, whatever the forces",
     "motion": "it follows from the equations of motion",

@@ -26,11 +26,10 @@ from voronec.algebra.verdicts import Verdict
 from voronec.audit.page.article import escape_text
 from voronec.audit.page.mathml import mathml
 from voronec.declaration.system import System
-from voronec.equations.voronec_equations import VoronecEquations, derive, equation_rows
+from voronec.equations.readable import equation_rows
+from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError
 from voronec.proof.decision import all_zero
-
-__all__ = ["Lesson", "LessonField", "LessonFormula", "LessonStep", "LessonWork", "lesson"]
 
 
 def lesson(system: System | VoronecEquations) -> Lesson:

@@ -29,20 +29,10 @@ from voronec.algebra.verdicts import Verdict
 from voronec.audit.lessons.newton_euler import FreeBodies
 from voronec.audit.lessons.statement import Statement, Vector
 from voronec.declaration.system import System
-from voronec.equations.voronec_equations import VoronecEquations, derive, equation_rows
+from voronec.equations.readable import equation_rows
+from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit
 from voronec.proof.decision import all_zero
-
-__all__ = [
-    "METHODS",
-    "Equality",
-    "MethodComparison",
-    "MethodEquations",
-    "Rows",
-    "Step",
-    "by_methods",
-    "compare_sides",
-]
 
 
 def first_principles(problem: Statement) -> MethodEquations:

@@ -27,8 +27,6 @@ from voronec.audit.lessons.statement import Statement, Vector
 from voronec.declaration.bodies import Body
 from voronec.errors import DefinitionError
 
-__all__ = ["FreeBodies"]
-
 NAMES = ("moment 1", "moment 2", "moment 3", "x", "y", "z")
 
 

@@ -15,8 +15,6 @@ from decimal import Decimal
 
 from voronec.audit.latex.tokens import ELEMENTARY, FUNCTION_NAMES, GREEK, Token, tokenize
 
-__all__ = ["BASE", "command_of", "spelling_of", "words_of"]
-
 BASE = "base of exponentials"
 """What the number e is called, which a letter e may not be."""
 

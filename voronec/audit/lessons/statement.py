@@ -18,8 +18,6 @@ from voronec.declaration.system import System
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError
 
-__all__ = ["LONGEST", "Statement"]
-
 Vector = list[Any]
 LONGEST = 600
 """How many characters a formula has that is printed whole."""

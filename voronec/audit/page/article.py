@@ -33,9 +33,6 @@ from voronec.audit.page.symbols import LETTERS, SIGNS
 from voronec.audit.record import VERDICTS, Audit, FormulaRecord, Record
 from voronec.errors import DefinitionError
 
-__all__ = ["audit_latex", "display", "escape_text", "inline", "own_commands"]
-
-
 _LABEL = re.compile(r"\\(?:label|tag)\s*\{[^}]*\}")
 _SPECIAL = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
 _SPECIAL |= {c: f"\\{c}" for c in "_&%#${}"}

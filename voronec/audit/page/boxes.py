@@ -32,19 +32,6 @@ from voronec.audit.page.symbols import (
 )
 from voronec.errors import DefinitionError
 
-__all__ = [
-    "BINARY",
-    "RELATIONS",
-    "Box",
-    "Marks",
-    "Word",
-    "is_closed",
-    "read_boxes",
-    "split_words",
-    "stretches",
-]
-
-
 _WORD = re.compile(
     r"(?P<space>\s+|%[^\n]*)|(?P<skip>\\(?:label|tag)\s*\{[^}]*\})"
     r"|(?P<begin>\\begin\s*\{(?:array\}\s*\{[^}]*|[a-zA-Z]+\*?)\})|(?P<end>\\end\s*\{[a-zA-Z]+\*?\})"

@@ -17,8 +17,6 @@ from voronec.audit.page.boxes import (
 from voronec.audit.page.phrases import typeset_words
 from voronec.errors import DefinitionError
 
-__all__ = ["mathml", "prose"]
-
 _SIDES = {"r": "right", "c": "center", "l": "left"}
 _CLOSING = frozenset(")]}|!⟩")
 _TALL = frozenset({"fraction", "table"})

@@ -13,29 +13,6 @@ from typing import Any
 from voronec.audit.page.symbols import FUNCTIONS, LETTERS
 from voronec.audit.record import VERDICTS, Audit, FormulaRecord, Record
 
-__all__ = [
-    "DIGITS",
-    "KINDS",
-    "MEANING",
-    "about",
-    "clauses",
-    "conventions_with_formulas",
-    "count_sentences",
-    "counts",
-    "end_sentence",
-    "faults",
-    "gist",
-    "group_ranges",
-    "plain",
-    "point",
-    "readable",
-    "short",
-    "typeset_words",
-    "values",
-    "with_verdict",
-]
-
-
 MEANING = {
     "proved": "the formula follows from the derived equations, exactly",
     "misprint": "it is false as printed; the correction, where one is given, is proved",

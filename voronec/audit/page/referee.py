@@ -7,8 +7,6 @@ from collections.abc import Iterator, Mapping
 
 from voronec.audit.record import Audit, Record
 
-__all__ = ["referee_lines", "referee_markdown"]
-
 _RIGHT = {
     "proved": "proved",
     "definition": "definitions and conditions, which claim nothing",

@@ -39,19 +39,6 @@ from voronec.audit.record import VERDICTS, Audit, FormulaRecord, Record
 from voronec.declaration.whole_files import replace_file
 from voronec.errors import DefinitionError
 
-__all__ = [
-    "Figure",
-    "anchors",
-    "audit_page",
-    "audit_summary",
-    "audit_table",
-    "conventions",
-    "errata",
-    "reasons_list",
-    "record_html",
-    "write_audit",
-]
-
 
 def write_audit(audit: Audit, folder: str | Path, figures: Sequence[Figure] = ()) -> list[Path]:
     """Write ``report.json``, ``report.html`` and ``report.tex``; return their paths.

@@ -2,21 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = [
-    "ACCENTS",
-    "ACCENTS_OF_WIDTH",
-    "BRACKETS",
-    "FONTS",
-    "FUNCTIONS",
-    "INVISIBLE",
-    "LETTERS",
-    "LIMITS",
-    "SIGNS",
-    "SIZES",
-    "SPACES",
-    "letter_in_font",
-]
-
 
 def _pairs(text: str) -> dict[str, str]:
     """Words in turn with what they show."""

@@ -13,8 +13,6 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-__all__ = ["UNIT", "BoundedNumber", "compile_with_bounds"]
-
 UNIT = 2.0**-52
 """Twice the rounding error of one operation: it covers that of the bound's own arithmetic."""
 LIBRARY = 8 * UNIT

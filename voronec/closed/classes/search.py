@@ -36,18 +36,6 @@ from voronec.declaration.scene import Scene
 from voronec.declaration.system import System, require_possible
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = [
-    "Conditions",
-    "conditions",
-    "elsewhere",
-    "exact_closed_form",
-    "fill",
-    "find",
-    "held_parameters",
-    "solutions",
-]
-
-
 ROOTS_OF_CLASS = {"B": 1, "C": 2, "C1": 2, "C2": 2, "D1": 1, "D2": 1, "D3": 2, "E1+E2": 2, "A|C": 2}
 """Roots that phi must have."""
 

@@ -36,19 +36,6 @@ from voronec.closed.problem import InversionProblem
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 
-__all__ = [
-    "Discs",
-    "Path",
-    "Survey",
-    "arrays",
-    "classify_many",
-    "degrees",
-    "discs",
-    "drifts",
-    "survey",
-]
-
-
 STEPS = (16, 48, 160, 640)
 """Steps over half a turn; the next only for what the one before leaves open."""
 SHARE = 0.75

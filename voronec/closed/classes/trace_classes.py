@@ -66,22 +66,6 @@ from voronec.declaration.quadratures import Quadratures, Trace
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = [
-    "LABELS",
-    "Curve",
-    "DeclaredTraces",
-    "Tally",
-    "TraceClass",
-    "classify",
-    "declared_traces",
-    "label_of",
-    "label_trace",
-    "remainder",
-    "tally",
-    "title",
-]
-
-
 LABELS = ("A", "B", "C1", "C2", "D1", "D2", "D3", "E1", "E2")
 """The classes of the paper's figures, 4 to 12 in this order."""
 REVERSALS = ("A", "B", "C")

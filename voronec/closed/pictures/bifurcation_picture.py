@@ -18,8 +18,6 @@ from voronec.errors import DefinitionError
 if TYPE_CHECKING:
     from voronec.closed.special.bifurcation import BifurcationSet
 
-__all__ = ["bifurcation_figure", "levels_of"]
-
 ONE, TWO, POLE = "#eaf0f6", "#c3d4e4", "#2f7d5b"
 Window = tuple[tuple[float, float], tuple[float, float]]
 

@@ -17,8 +17,6 @@ import sympy as sp
 from voronec.declaration.figure_style import INK, MARK, SOFT, figure_in_style
 from voronec.errors import DefinitionError
 
-__all__ = ["PhaseLevel", "phase_figure", "phase_levels"]
-
 THIN, BAND = "#7d93ab", "#e7edf4"
 
 

@@ -13,18 +13,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = [
-    "Arcs",
-    "View",
-    "best_view",
-    "great_arcs",
-    "is_resolved",
-    "meridian",
-    "on_sphere",
-    "parallel",
-    "smooth_arcs",
-]
-
 FINE = 2e-4
 """How far arcs may lie from the curve, in radii: 1/50 of a point on a sphere of 3 inches."""
 CLOSE = 0.03

@@ -32,9 +32,6 @@ from voronec.errors import DefinitionError
 if TYPE_CHECKING:
     from voronec.closed import ClosedForm
 
-__all__ = ["SphereTrace", "motion_traces", "shown_periods", "traces_figure"]
-
-
 DENSE = 600
 """Points for each period, of which the picture keeps what it needs."""
 FEW, FEWEST, MOST = 3, 5, 16

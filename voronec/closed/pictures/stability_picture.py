@@ -13,8 +13,6 @@ from voronec.errors import DefinitionError
 if TYPE_CHECKING:
     from voronec.closed.special.stability_chart import StabilityChart
 
-__all__ = ["FINE", "STABLE", "UNSTABLE", "stability_figure", "thin_line"]
-
 STABLE, UNSTABLE = "#e3ecf5", "#f3d9d2"
 """Told apart in print without colours, too: the second is hatched."""
 

@@ -25,9 +25,6 @@ from voronec.declaration.reading import expression, fixed_mapping, quote
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError
 
-__all__ = ["BifurcationSet", "LevelCurve", "LevelPoint", "bifurcation_set"]
-
-
 STEPS = (1 - np.cos(np.linspace(0, np.pi, 63))) / 2
 """Shares of an interval, dense towards its ends and with them."""
 

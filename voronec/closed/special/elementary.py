@@ -21,8 +21,6 @@ from voronec.closed.problem import quadratures_of, read_parameters
 from voronec.declaration.system import System
 from voronec.errors import EngineLimit
 
-__all__ = ["Elementary", "elementary"]
-
 
 @dataclass(frozen=True)
 class Elementary:

@@ -22,8 +22,6 @@ from voronec.closed.arithmetic import compile_expressions, precise
 from voronec.declaration.reading import quote
 from voronec.errors import EngineLimit
 
-__all__ = ["Strip", "critical", "sign_on", "strips"]
-
 SHARES = tuple(
     Fraction(round(2**40 * (1 - np.cos(a)) / 2), 2**40) for a in np.linspace(0, np.pi, 63)
 )

@@ -40,20 +40,6 @@ from voronec.declaration.system import System
 from voronec.equations.motions import Motions
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = [
-    "Branch",
-    "End",
-    "Precessions",
-    "at_rest",
-    "ends_of",
-    "essential_rates",
-    "linear_matrix",
-    "precessions",
-    "scene_of",
-    "short",
-    "upright",
-]
-
 
 def scene_of(
     family: Precessions, at: Mapping[Any, sp.Expr], aside: sp.Expr, times: tuple[float, float]

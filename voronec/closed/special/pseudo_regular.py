@@ -28,17 +28,6 @@ from voronec.declaration.reading import expression, fixed_mapping, quote
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = [
-    "PseudoRegular",
-    "around",
-    "half_width",
-    "inverse",
-    "product",
-    "pseudo_regular",
-    "quotient",
-]
-
-
 Series = Sequence[sp.Expr]
 
 

@@ -19,8 +19,6 @@ from voronec.algebra.verdicts import Verdict, prove_equal
 from voronec.closed.special.precessions import Precessions, essential_rates
 from voronec.errors import EngineLimit
 
-__all__ = ["Remarkable", "remarkable"]
-
 
 @dataclass(frozen=True)
 class Remarkable:

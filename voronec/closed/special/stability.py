@@ -21,8 +21,6 @@ from voronec.closed.arithmetic import ball, exact, precise
 from voronec.declaration.quadratures import Quadratures
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Stability", "decide_stability", "sign_of"]
-
 PRECISIONS = (FIRST, SHARP, 1024, 4096)
 """Bits at which a sign is looked for; after the second algebra is asked whether it is zero."""
 

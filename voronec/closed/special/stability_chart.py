@@ -22,8 +22,6 @@ from voronec.declaration.reading import quote
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError
 
-__all__ = ["Region", "StabilityChart", "chart_of"]
-
 
 @dataclass(frozen=True)
 class Region:

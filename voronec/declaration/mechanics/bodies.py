@@ -29,19 +29,6 @@ from voronec.algebra.terms import expand_short
 from voronec.algebra.verdicts import all_vanish
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = [
-    "Components",
-    "FreeBody",
-    "Places",
-    "Speeds",
-    "constraint_columns",
-    "constraint_rows",
-    "free_body",
-    "in_one_line",
-    "solve_speeds",
-    "vanish",
-]
-
 ZERO = se.Integer(0)
 
 

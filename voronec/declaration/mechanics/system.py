@@ -39,9 +39,6 @@ from voronec.declaration.scene import Parameter
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, EngineLimit, quote
 
-__all__ = ["MechanicsModel", "from_mechanics"]
-
-
 LONG = 120
 """Constraints whose coefficients have more nodes than this are not tried as redundant ones: what
 vanishes where they hold would take seconds to decide."""

@@ -21,8 +21,6 @@ from voronec.equations.program.dialect import (
 from voronec.equations.program.parts import TITLES, Part, arguments_of, groups_of, parts_of
 from voronec.equations.program.straight import Program
 
-__all__ = ["CHOICES", "C_DIALECT", "c_source", "conditional_quotients", "remark"]
-
 _KEYWORDS = (
     "auto break case char const continue default do double else enum extern float for goto if "
     "inline int long register restrict return short signed sizeof static struct switch typedef "

@@ -26,8 +26,6 @@ from voronec.algebra.stages import split_number
 from voronec.algebra.terms import factors_of, summands
 from voronec.equations.program.weight import operation_count
 
-__all__ = ["choose_sides", "holds_choices", "holds_switches"]
-
 LONGER = 8
 """An expression is not made so many times as long: choices in choices double what they hold."""
 SHORT = 60

@@ -16,23 +16,6 @@ from voronec.algebra import numeric_functions as numeric
 from voronec.equations.program.straight import Block
 from voronec.errors import EngineLimit, quote
 
-__all__ = [
-    "CARDINAL",
-    "FUNCTIONS",
-    "SLOPES",
-    "Dialect",
-    "code",
-    "decimal",
-    "execute",
-    "fits",
-    "identifiers",
-    "lines",
-    "rational",
-    "rewrite",
-    "series",
-    "text",
-]
-
 FUNCTIONS = (
     "sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh exp log sqrt Abs sign "
     "floor power"

@@ -20,8 +20,6 @@ from voronec.algebra.graphs import nodes
 from voronec.equations.program.straight import Block, Program, fresh_names, share_subexpressions
 from voronec.errors import EngineLimit
 
-__all__ = ["flow_derivative", "jacobian", "jacobian_columns", "joint_block", "weighted_sum"]
-
 
 def _slope_of(name: str, factor: int) -> Callable[[Any], tuple[Any]]:
     return lambda w: (factor * w * se.Function(name)(w),)

@@ -13,8 +13,6 @@ from voronec.equations.program.dialect import FUNCTIONS, identifiers, lines, tex
 from voronec.equations.program.parts import TITLES, Part, arguments_of, groups_of, parts_of
 from voronec.equations.program.straight import Program
 
-__all__ = ["javascript_source"]
-
 _KEYWORDS = (
     "arguments await break case catch class const continue debugger default delete do else enum "
     "eval export extends false finally for function if implements import in instanceof interface "

@@ -30,18 +30,6 @@ from voronec.algebra.terms import factors_of
 from voronec.equations.program.weight import taylor_weight
 from voronec.errors import DefinitionError, VoronecError
 
-__all__ = [
-    "LowRank",
-    "MassElimination",
-    "coupled_rows",
-    "eliminations",
-    "low_rank",
-    "names_into",
-    "solve_mass",
-    "solve_symmetric",
-]
-
-
 MOST = 12
 """Larger blocks, and blocks of longer entries than the next, are not looked at."""
 LONGEST = 200

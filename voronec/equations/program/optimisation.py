@@ -46,9 +46,6 @@ from voronec.equations.program.straight import (
 from voronec.equations.program.weight import operation_count
 from voronec.errors import EngineLimit
 
-__all__ = ["HoistedProgram", "hoist", "shorten_program"]
-
-
 LONG = 1000
 """Programs of more operations stay as they are: pairs are counted anew after every step."""
 MANY = 400

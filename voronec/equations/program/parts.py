@@ -8,8 +8,6 @@ from typing import Any, NamedTuple
 from voronec.equations.program.jacobian import jacobian, jacobian_columns
 from voronec.equations.program.straight import Block, Program
 
-__all__ = ["TITLES", "Part", "arguments_of", "groups_of", "parts_of"]
-
 TITLES = "rhs", "extras", "jacobian"
 """The names of the functions."""
 

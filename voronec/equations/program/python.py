@@ -33,19 +33,6 @@ from voronec.equations.program.parts import TITLES, Part, arguments_of, groups_o
 from voronec.equations.program.straight import Program
 from voronec.errors import DefinitionError
 
-__all__ = [
-    "casadi_function",
-    "casadi_source",
-    "compile_program",
-    "compiled_digits",
-    "jax_source",
-    "mpmath_source",
-    "precision",
-    "python_source",
-    "scalar_source",
-]
-
-
 Function = Callable[[Any, Any, Any], list[Any]]
 """``f(t, state, parameters)``."""
 

@@ -38,9 +38,6 @@ from voronec.equations.program.dialect import TERMS, execute, rational, rewrite
 from voronec.equations.program.straight import Program
 from voronec.errors import EngineLimit
 
-__all__ = ["Coefficients", "Recurrences", "fixed_point", "recurrences"]
-
-
 _CURVES = (se.sin, se.sinh, se.cos, se.cosh)
 
 

@@ -33,18 +33,6 @@ from voronec.errors import DefinitionError, EngineLimit
 if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
 
-__all__ = [
-    "Block",
-    "Program",
-    "fresh_names",
-    "prune",
-    "share_subexpressions",
-    "with_choices",
-    "with_plain_roots",
-    "without_stages",
-]
-
-
 LONGEST_TO_NEST = 1_000
 """Above this many operations sums stay as they are: to try both forms would take too long."""
 

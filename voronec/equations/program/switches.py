@@ -30,19 +30,6 @@ from voronec.algebra.roots import known_sign
 from voronec.algebra.terms import factors_of, is_exponential, rational, summands
 from voronec.errors import EngineLimit
 
-__all__ = [
-    "FLAT",
-    "SATURATION",
-    "Sides",
-    "Switch",
-    "has_switches",
-    "is_rough",
-    "plain_roots",
-    "radicands",
-    "switch_factors",
-    "write_roots_out",
-]
-
 SATURATION = se.Integer(17)
 """tanh w is flat to rounding for |w| a little beyond this: there a series knows nothing of what is
 to come, and a step as long as it allows would go over all of it."""

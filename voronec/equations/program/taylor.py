@@ -17,8 +17,6 @@ from voronec.equations.program.dialect import rational, rewrite
 from voronec.equations.program.straight import Block, Program
 from voronec.errors import EngineLimit
 
-__all__ = ["taylor_extras", "taylor_system"]
-
 NUMBER = "number"
 """Under this name the kind of numbers stands beside what is built."""
 LARGEST = 2**53

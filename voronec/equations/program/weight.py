@@ -15,8 +15,6 @@ import symengine as se
 
 from voronec.algebra.numeric_functions import formula
 
-__all__ = ["evaluation_weight", "operation_count", "taylor_weight"]
-
 SQUARE, QUOTIENT, ROOT, POWER = 0.5, 1.1, 1.2, 1.5
 """A square: half of the products in its convolution occur twice.  The others, and the functions
 below, in products of two moving quantities: measured with heyoka 7 at order 20."""

@@ -21,8 +21,6 @@ from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError
 
-__all__ = ["Names", "rate_names"]
-
 ORDERS = 4
 """Derivatives of an input that may occur: its rate in L, and what the equations make of it."""
 

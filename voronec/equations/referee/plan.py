@@ -29,9 +29,6 @@ from voronec.declaration.system import System
 from voronec.equations.referee.names import Names
 from voronec.errors import DefinitionError
 
-__all__ = ["ExpressionSequence", "Plan", "make_plan"]
-
-
 Operation = Callable[..., Any]
 
 _NAMES = (

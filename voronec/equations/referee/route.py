@@ -33,18 +33,6 @@ from voronec.equations.referee.names import rate_names
 from voronec.equations.referee.plan import Plan, make_plan
 from voronec.errors import DefinitionError
 
-__all__ = [
-    "Elimination",
-    "MultiplierSolution",
-    "Reactions",
-    "eliminate",
-    "multiplier_acceleration",
-    "negligible",
-    "reaction_forces",
-    "solve",
-]
-
-
 SLACK = 1e-9
 """How far a point may lie off its relations, and superfluous velocities off each other."""
 

@@ -46,8 +46,6 @@ from voronec.motion.request import Namespace, StartData
 from voronec.motion.split_models import fresh_symbol, spell_out, split_charts
 from voronec.motion.trajectory import Trajectory
 
-__all__ = ["Formulation", "ambient_formulation"]
-
 
 @dataclass(frozen=True)
 class Formulation:

@@ -40,23 +40,6 @@ from voronec.equations.reduction import in_invariants
 from voronec.equations.vector_field import EquationsOfMotion, VectorField
 from voronec.errors import EngineLimit, VoronecError
 
-__all__ = [
-    "AngleOutput",
-    "Level",
-    "blocks",
-    "closure",
-    "coordinates_level",
-    "cyclic",
-    "dependence",
-    "holds",
-    "invariants_level",
-    "is_finite",
-    "keep_relations",
-    "needed_variables",
-    "restrict",
-    "with_positive_denominators",
-]
-
 
 @dataclass(frozen=True)
 class AngleOutput:

@@ -31,8 +31,6 @@ from voronec.declaration.whole_files import (
     user_cache,
 )
 
-__all__ = ["DYNAMIC_FIELDS", "ModelCache", "spell"]
-
 T = TypeVar("T")
 FILES = 300
 """So many files stay; those that nobody used for longest give way."""

@@ -48,8 +48,6 @@ from voronec.motion.model.variables import momenta_level, relative_level
 if TYPE_CHECKING:
     import networkx as nx
 
-__all__ = ["Model", "ModelCandidate", "Role", "SmallestModels", "absent", "smallest_model"]
-
 
 def absent(level: Level, needed: set[Any], names: tuple[Any, ...]) -> Iterator[tuple[Any, str]]:
     """Which of the ``names`` are no variables of the level, and in which needed ones each stands.

@@ -26,16 +26,6 @@ from voronec.motion.model.level import (
     with_positive_denominators,
 )
 
-__all__ = [
-    "at_zero",
-    "by_integrals",
-    "constants",
-    "is_many_valued",
-    "level_of",
-    "vanish",
-    "without_parameters",
-]
-
 STEADY = {"sin", "cos", "exp", "sinh", "cosh", "tanh"}
 """Functions that are continuous wherever they are defined; a tangent's poles, for one, are not."""
 

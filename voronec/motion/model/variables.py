@@ -44,8 +44,6 @@ from voronec.equations.relative_angles import turn
 from voronec.errors import EngineLimit
 from voronec.motion.model.level import Level, closure, dependence
 
-__all__ = ["momenta_level", "relative_level"]
-
 
 def momenta_level(level: Level) -> Level | None:
     """The equations in momenta; None where their rates are no shorter so."""

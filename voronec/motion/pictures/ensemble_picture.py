@@ -15,8 +15,6 @@ from voronec.motion.pictures.run_pictures import quantity_label
 if TYPE_CHECKING:
     from voronec.motion.pictures.motion_record import MotionRecord
 
-__all__ = ["plot_ensemble"]
-
 CURVES = 12
 """So many motions are drawn one by one."""
 

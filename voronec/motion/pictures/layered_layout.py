@@ -12,8 +12,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-__all__ = ["Layout", "layered_layout"]
-
 Node = Any
 Point = tuple[float, float]
 

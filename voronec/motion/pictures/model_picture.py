@@ -17,8 +17,6 @@ from voronec.motion.model import Model
 from voronec.motion.model.level import Level, dependence
 from voronec.motion.pictures.layered_layout import Layout, layered_layout
 
-__all__ = ["ModelBox", "boxes", "model_figure"]
-
 
 @dataclass(frozen=True)
 class ModelBox:

@@ -9,8 +9,6 @@ import numpy as np
 
 from voronec.declaration.system import System
 
-__all__ = ["MotionRecord"]
-
 
 class MotionRecord(Protocol):
     """Quantities of one motion at instants; a ``Trajectory`` is one.

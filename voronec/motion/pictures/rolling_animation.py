@@ -25,9 +25,6 @@ if TYPE_CHECKING:
     from voronec.declaration.system import System
     from voronec.motion.pictures.motion_record import MotionRecord
 
-__all__ = ["Rolling", "check_film", "film", "film_strip", "rolling_of"]
-
-
 BALL, GROUND, NET, RIM = "#eaf1f8", "#f7f3ec", "#9fb2c6", "#5d6b7a"
 
 

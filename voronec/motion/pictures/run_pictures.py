@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 
     from voronec.motion.pictures.motion_record import MotionRecord
 
-__all__ = ["NotebookFigure", "drawing", "pictures", "plot_trajectory", "quantity_label", "save"]
-
 
 def pictures(trajectory: MotionRecord) -> dict[str, Any]:
     """Matplotlib figures by name.

@@ -13,8 +13,6 @@ from voronec.algebra.typeset import symbol_latex
 from voronec.declaration.figure_style import INK, MARK, figure_in_style
 from voronec.errors import DefinitionError
 
-__all__ = ["plot_section"]
-
 COLOURS = (
     INK, MARK, "#2f7d5b", "#8a5aa8", "#b8860b", "#3b8ea5", "#a0522d", "#6b7a1f", "#9b3d6a",
     "#4f5d95",

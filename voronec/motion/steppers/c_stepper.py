@@ -19,8 +19,6 @@ from voronec.equations.program import Program, c_source, hoist
 from voronec.motion.steppers.dop853_source import stepping_key, stepping_source
 from voronec.motion.steppers.kept_code import kept_library
 
-__all__ = ["c_loop"]
-
 ARRAYS = {
     "grid": "double *grid", "rows": "double (*rows)[N]", "clock": "double *clock",
     "counts": "integer *counts", "states": "double (*states)[N]", "bend": "double (*bend)[N]",

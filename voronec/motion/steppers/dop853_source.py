@@ -19,11 +19,6 @@ from voronec.motion import crossings
 from voronec.motion.crossings import BERNSTEIN, HIGHEST, NOISE
 from voronec.motion.crossings import NODES as PLACES
 
-__all__ = [
-    "END", "EVENT", "FIRST_GROWTH", "LIMIT", "NO_STEP", "growth", "kernel_source",
-    "stepping_key", "stepping_source",
-]  # fmt: skip
-
 END, LIMIT, EVENT, NO_STEP = range(4)
 """Why ``drive`` came back: the grid ended, so many trials were made, something may happen within
 the last step, or no step was short enough."""

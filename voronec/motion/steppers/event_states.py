@@ -22,8 +22,6 @@ from voronec.equations.program.straight import prune
 from voronec.errors import EngineLimit
 from voronec.motion.steppers.run import Integrator, Problem, Run
 
-__all__ = ["make_with_event_states", "narrow", "widen", "with_parts"]
-
 SMOOTH = (se.Add, se.Mul, se.sin, se.cos, se.sinh, se.cosh, se.tanh, se.atan, se.asinh)
 PERIODIC = (se.tan, se.cot, se.sec, se.csc)
 

@@ -52,16 +52,6 @@ from voronec.motion.steppers.series_reach import (
 from voronec.motion.steppers.step_loop import level_function
 from voronec.motion.steppers.units import CHUNK, LEAST, SHORT, TurnCount, natural_units
 
-__all__ = [
-    "COMPACT",
-    "LONG",
-    "heyoka",
-    "parameter_count",
-    "taylor",
-    "unit_parameters",
-]
-
-
 AHEAD = 100_000
 """Points of the grid that are handed over at a time, at most."""
 FEW = 1_000

@@ -21,8 +21,6 @@ from voronec.motion.steppers.series_reach import BLIND, FAITHFUL, HALVINGS, SHRI
 from voronec.motion.steppers.step_loop import IntegratorFailure, Stride, march
 from voronec.motion.steppers.units import SMALL, natural_units
 
-__all__ = ["GUARD", "DigitsStepper", "digit_levels", "digits", "units_of"]
-
 GUARD = 64
 """Bits beyond those of the tolerance."""
 NARROW = 24

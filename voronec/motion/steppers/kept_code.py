@@ -32,8 +32,6 @@ import numpy as np
 from voronec.declaration.whole_files import has_foreign, keep_file, make_room, user_cache
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["COMPILER", "kept_function", "kept_library", "sound_source", "write_list"]
-
 T = TypeVar("T")
 SOURCES = 200
 """How many sources keep their code; those that were made longest ago give way."""

@@ -34,8 +34,6 @@ from voronec.motion.steppers.step_loop import (
 from voronec.motion.steppers.units import natural_units
 from voronec.motion.tolerances import dop853_tolerance
 
-__all__ = ["PARTS", "Loop", "between", "compiled_dop853", "compiled_loop", "scales_of"]
-
 CHUNK = 4_000
 """Steps between two looks at the keyboard; what more of them keep leaves the processor's cache."""
 DENSE_CHUNK = 1_000

@@ -20,8 +20,6 @@ from voronec.motion.steppers.numba_stepper import PARTS, Loop, between, scales_o
 from voronec.motion.steppers.run import INFINITE, Integrator, Problem, Run
 from voronec.motion.steppers.step_loop import IntegratorFailure, level_function, march
 
-__all__ = ["operations_of_run", "python_dop853"]
-
 CHUNK = 200
 """Trials between two looks at the keyboard."""
 TRIAL = 12

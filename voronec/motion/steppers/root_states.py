@@ -31,8 +31,6 @@ from voronec.motion.steppers.run import COLLAPSE, Integrator, Problem, Run
 from voronec.motion.steppers.step_loop import IntegratorFailure, Stride, march
 from voronec.motion.steppers.units import natural_units
 
-__all__ = ["RootStates", "digits_through_roots"]
-
 FAR = 64
 """Bits of a way in s that no step goes."""
 LOOKS = 8

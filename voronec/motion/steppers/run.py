@@ -22,32 +22,6 @@ from voronec.errors import DefinitionError
 from voronec.motion.request import Guard
 from voronec.motion.steppers.samples import StepSamples
 
-__all__ = [
-    "COLLAPSE",
-    "DISTANT",
-    "ENDLESS",
-    "FAR",
-    "INFINITE",
-    "SINGULAR",
-    "WINDOW",
-    "Integrator",
-    "Log",
-    "Problem",
-    "Run",
-    "Signal",
-    "Signals",
-    "StallDetector",
-    "Termination",
-    "Ticker",
-    "constants_along",
-    "crossing_arrays",
-    "cut_at_singularity",
-    "in_kind",
-    "restart",
-    "values_along",
-]
-
-
 COLLAPSE = "the step size collapsed"
 ENDLESS = 1e10
 """A run that would take so many steps is ended: a day or more by any method."""

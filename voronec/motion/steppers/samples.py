@@ -13,11 +13,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = [
-    "NODES", "WIDTH", "OwnedSamples", "Rates", "StepSampler", "StepSamples", "burst", "by_owner",
-    "series_samples", "series_states", "spread",
-]  # fmt: skip
-
 _RIGHT = (0.3631174638261782, 0.6771862795107377, 0.8997579954114602, 1.0)
 NODES = (np.array([*(-x for x in reversed(_RIGHT)), 0.0, *_RIGHT]) + 1) / 2
 """Where states are looked at in a step, as parts of it; both ends are among them."""

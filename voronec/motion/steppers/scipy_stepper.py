@@ -22,8 +22,6 @@ from voronec.motion.steppers.step_loop import (
 from voronec.motion.steppers.units import natural_units
 from voronec.motion.tolerances import FINEST, dop853_tolerance
 
-__all__ = ["dop853", "dop853_steps", "estimated_steps", "lsoda"]
-
 PATIENCE = 300
 """So many evaluations in turn without a value lead nowhere; scipy would go on for ever."""
 SHORT = 0.95

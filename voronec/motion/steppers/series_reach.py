@@ -20,31 +20,6 @@ from voronec.equations.program import Program, compile_program
 if TYPE_CHECKING:
     from voronec.motion.steppers.wide_batch import LatestSteps
 
-__all__ = [
-    "BLIND",
-    "BRIEF",
-    "BRIEF_STRIDE",
-    "FAITHFUL",
-    "GROWTH",
-    "HALVINGS",
-    "MANY",
-    "PARTS",
-    "SHRINKS",
-    "STRIDE",
-    "Field",
-    "TaylorStep",
-    "blind_lanes",
-    "blind_reach",
-    "blind_steps",
-    "field_of",
-    "first_reach",
-    "overlong_lanes",
-    "reach",
-    "series_reach",
-    "uneven_steps",
-]
-
-
 SPARSE = 2.0
 """A step so many times longer than the other coefficients allow is not to be trusted."""
 STRIDE = 4.0

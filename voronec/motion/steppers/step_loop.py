@@ -27,16 +27,6 @@ from voronec.motion.steppers.run import (
 )
 from voronec.motion.steppers.samples import StepSampler, StepSamples
 
-__all__ = [
-    "IntegratorFailure",
-    "Segment",
-    "Stepper",
-    "Stride",
-    "level_function",
-    "march",
-]
-
-
 TINY = 1e-6
 """The part of a step over which slopes of functions are taken."""
 SUSPECTS = 512

@@ -32,21 +32,6 @@ from voronec.equations.program import Block, Program, compile_program
 from voronec.motion.steppers.run import Problem
 from voronec.motion.tolerances import taylor_tolerance
 
-__all__ = [
-    "CHUNK",
-    "LEAST",
-    "ORDINARY",
-    "SHORT",
-    "SMALL",
-    "TurnCount",
-    "angles_among",
-    "balance",
-    "natural_units",
-    "units_next_to",
-    "units_of_many",
-]
-
-
 SMALL, ORDINARY = 2.0**-24, 2.0**10
 """Sizes between these are ordinary: their unit is 1."""
 STILL = 2.0**-40

@@ -12,8 +12,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["LatestSteps", "Place", "WideBatch"]
-
 Place = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Where motions stand: the time, a sum of two doubles (width,) each, and the states (n, width)."""
 

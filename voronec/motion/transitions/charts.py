@@ -29,8 +29,6 @@ from voronec.motion.steppers import Integrator, Problem, Run
 if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm
 
-__all__ = ["through_charts"]
-
 TOUCH = 1e-12
 """So near to a singularity, doubles do not tell on which side of it a motion passes."""
 SOON = 1e-7

@@ -19,8 +19,6 @@ from voronec.motion.request import Guard
 from voronec.motion.solve import DOUBLE, Arrival, Phase, Progress, Solver
 from voronec.motion.steppers.run import Integrator, Problem, Run, Termination, exact_mpf
 
-__all__ = ["in_pieces"]
-
 BESIDE = 1e-9
 """An event that is closer than this part of a piece to its end happens there, or not at all."""
 

@@ -31,8 +31,6 @@ from voronec.motion.steppers.run import in_kind, until
 from voronec.motion.steppers.samples import Rates
 from voronec.motion.transitions.knots import in_pieces
 
-__all__ = ["SwitchedIntegrator", "is_switched", "through_switching_surfaces"]
-
 RIM = "the motion comes to rest where a root of velocities in its equations has no slope"
 
 

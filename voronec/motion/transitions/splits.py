@@ -38,8 +38,6 @@ from voronec.motion.transitions.charts import through_charts
 from voronec.motion.transitions.modes import through_switching_surfaces
 from voronec.motion.verify import SolutionCheck
 
-__all__ = ["SplitRun"]
-
 DEPENDENT = "the constraints become dependent"
 NOWHERE = "whichever velocities are independent, the equations divide by zero"
 LEAST = 1e-6

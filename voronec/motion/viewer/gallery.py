@@ -10,8 +10,6 @@ from voronec.declaration.catalogue import load
 from voronec.motion.prepared_problem import integrate
 from voronec.motion.viewer.page import Page
 
-__all__ = ["MOTIONS", "write_gallery"]
-
 MOTIONS = (
     ("demchenko", "default"), ("demchenko", "inner"), ("demchenko", "shell"),
     ("chaplygin-ball", "default"), ("gyroscopic-ball-on-sphere", "default"),

@@ -38,8 +38,6 @@ if TYPE_CHECKING:
     from voronec.motion.pictures.motion_record import MotionRecord
     from voronec.motion.request import Namespace
 
-__all__ = ["LARGEST", "Page", "PageView", "check_shapes", "view_of"]
-
 
 def page_program(namespace: Namespace, shapes: Sequence[Shape]) -> Program:
     """The whole equations on coordinates and velocities; its extra quantities place each

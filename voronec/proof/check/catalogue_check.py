@@ -27,15 +27,6 @@ if TYPE_CHECKING:
     from voronec.proof.check.work import Derivations
     from voronec.proof.relations.decision import CheckedRelation
 
-__all__ = [
-    "Examiner",
-    "check_catalogue",
-    "check_relation",
-    "known_results",
-    "trouble_result",
-    "user_store",
-]
-
 
 def check_relation(relation: Relation, systems: Iterable[System] = ()) -> CheckedRelation:
     """Prove or refute a relation, DPhi f = nu g(Phi) [Theory, eq. (15)].

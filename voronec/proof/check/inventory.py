@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from voronec.declaration.relation import Relation, Square
     from voronec.declaration.system import System
 
-__all__ = ["Edge", "Face", "Inventory", "Trouble", "around", "graph"]
-
 CATALOGUES = 8
 """Catalogues that are remembered: of a few environments, and of files, that share a home."""
 DECIDER = "voronec.proof.check.inventory"

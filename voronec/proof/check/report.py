@@ -7,8 +7,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-__all__ = ["Finding", "Report", "Result", "worst"]
-
 SEVERITY = ("broken", "refuted", "undecided", "numeric", "no claims", "proved")
 """Every status, the gravest first.  ``numeric`` is undecided, with numbers that agree."""
 

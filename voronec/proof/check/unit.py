@@ -10,8 +10,6 @@ from voronec.declaration.catalogue import Entry
 from voronec.declaration.source_digest import closure, digest
 from voronec.proof.check.inventory import Edge, Face, Inventory
 
-__all__ = ["Unit", "units_of"]
-
 DECIDER = "voronec.proof.check.work"
 """The module that decides what a check says."""
 

@@ -15,8 +15,6 @@ from voronec.proof.check.report import Finding, Result
 from voronec.proof.check.unit import Unit
 from voronec.proof.claims import Claim, check_claims
 
-__all__ = ["Derivations", "examine"]
-
 
 @dataclass
 class Derivations:

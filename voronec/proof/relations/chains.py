@@ -25,8 +25,6 @@ from voronec.proof.relations.orders import all_at_zero, at_zero
 from voronec.proof.relations.parameters import applications
 from voronec.proof.relations.statemap import StateMap
 
-__all__ = ["CheckedSquare", "check_square"]
-
 Find = Callable[[str], Motions]
 
 

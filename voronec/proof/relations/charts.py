@@ -33,8 +33,6 @@ from voronec.proof.relations.decision import decided_at_limit
 from voronec.proof.relations.parameters import applications
 from voronec.proof.relations.statemap import StateMap, is_period
 
-__all__ = ["check_charts"]
-
 
 def check_charts(motions: Motions) -> Iterator[Claim]:
     """A claim of kind ``chart`` for every chart of a system."""

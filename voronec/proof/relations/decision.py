@@ -51,16 +51,6 @@ from voronec.proof.relations.parameters import applications
 from voronec.proof.relations.possible import possible_values
 from voronec.proof.relations.statemap import StateMap
 
-__all__ = [
-    "CheckedRelation",
-    "check_relation",
-    "complete_velocities",
-    "corresponds",
-    "decided_at_limit",
-    "foreign",
-    "residuals",
-]
-
 
 def residuals(statemap: StateMap) -> Iterator[tuple[str, Any]]:
     """Rates of parameters, relations of the target, rates of its positions, its equations.

@@ -11,9 +11,6 @@ from voronec.declaration.relation import Relation, Square
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.proof.relations.families import Course
 
-__all__ = ["diagram", "squares_of"]
-
-
 Labels = tuple[str, ...]
 Ends = tuple[str, str]
 

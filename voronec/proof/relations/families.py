@@ -19,8 +19,6 @@ from voronec.algebra.verdicts import prove_equal
 from voronec.declaration.relation import Limit, Relation
 from voronec.proof.relations.parameters import by_name
 
-__all__ = ["Course", "carry_back"]
-
 Values = Mapping[str, sp.Expr]
 
 

@@ -17,8 +17,6 @@ from voronec.algebra.memo import remember
 from voronec.algebra.terms import subexpressions
 from voronec.errors import DefinitionError, EngineLimit
 
-__all__ = ["Functions", "Infinite", "formal", "substitute", "unknown_functions"]
-
 
 def unknown_functions(exprs: Iterable[Any]) -> set[Any]:
     """The unknown functions, such as E(u, v), that expressions hold, also under derivatives."""

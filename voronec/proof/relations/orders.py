@@ -13,8 +13,6 @@ from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.errors import EngineLimit
 from voronec.proof.relations.functions import Infinite, substitute
 
-__all__ = ["all_at_zero", "at_zero", "vanishes"]
-
 
 def vanishes(expr: Any, relations: Sequence[Any], small: Any = None, order: int = 1) -> Verdict:
     """Whether an expression is zero; with a small parameter, whether it is O(small^order).

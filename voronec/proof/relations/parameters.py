@@ -15,8 +15,6 @@ from voronec.equations.vector_field import VectorField
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.proof.relations.functions import formal, unknown_functions
 
-__all__ = ["applications", "by_name", "read_parameters", "refuse_unknown"]
-
 
 class ParameterReader(Protocol):
     """Reads expressions in the symbols of the source."""

@@ -16,8 +16,6 @@ from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.errors import quote
 from voronec.proof.relations.statemap import StateMap
 
-__all__ = ["possible_values"]
-
 
 def possible_values(statemap: StateMap) -> Verdict:
     """Proved on the domain where parameters meet the conditions of the target; refuted where none

@@ -26,8 +26,6 @@ from voronec.errors import DefinitionError, did_you_mean
 from voronec.proof.relations.functions import Functions
 from voronec.proof.relations.parameters import by_name, read_parameters, refuse_unknown
 
-__all__ = ["StateMap", "is_period"]
-
 NONE: Mapping[str, Any] = MappingProxyType({})
 
 

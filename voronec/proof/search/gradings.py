@@ -21,8 +21,6 @@ from voronec.equations.vector_field import VectorField
 from voronec.errors import EngineLimit
 from voronec.proof.search.residues import Array, kernel
 
-__all__ = ["Gradings"]
-
 JETS = 5
 """How often slopes of functions may bring in new functions."""
 

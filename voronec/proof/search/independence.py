@@ -24,8 +24,6 @@ from voronec.algebra.terms import factors_of
 from voronec.algebra.verdicts import decide_zero
 from voronec.errors import EngineLimit
 
-__all__ = ["Independence"]
-
 
 @dataclass(frozen=True)
 class Independence:

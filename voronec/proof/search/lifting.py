@@ -30,21 +30,6 @@ from voronec.proof.search.gradings import Gradings
 from voronec.proof.search.probe import Probe, Values
 from voronec.proof.search.residues import PRIMES, Array, fraction_of, free_columns, kernel
 
-__all__ = [
-    "SURPLUS",
-    "Kernel",
-    "KnownFunction",
-    "ModularIntegral",
-    "Normalization",
-    "RationalEntry",
-    "coefficients",
-    "investigate",
-    "products",
-    "rank_of",
-    "rational_functions",
-]
-
-
 LINE = 26
 """Values along a line: the degrees of numerator and denominator may add up to less than this."""
 UNKNOWN_LIMIT = 900

@@ -23,9 +23,6 @@ from voronec.errors import EngineLimit
 from voronec.proof.search.independence import Independence
 from voronec.proof.search.residues import PRIMES, Array, as_residue, inverse, root
 
-__all__ = ["Probe", "Values", "Variety"]
-
-
 SURPLUS = 40
 """Points drawn beyond those asked for; some fall out because a square root does not exist."""
 SIGNS = 40

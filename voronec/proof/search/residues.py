@@ -12,8 +12,6 @@ from typing import Any
 import flint
 import numpy as np
 
-__all__ = ["PRIMES", "as_residue", "fraction_of", "free_columns", "inverse", "kernel", "root"]
-
 PRIMES = (
     2147483579, 2147483123, 2147482763, 2147481563, 2147481143, 2147480927, 2147480327,
     2147479823, 2147479787, 2147478899, 2147478083, 2147477807, 2147477687, 2147477159,

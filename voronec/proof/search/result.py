@@ -11,8 +11,6 @@ import sympy as sp
 from voronec.algebra.typeset import html_table, latex_of, plain_text
 from voronec.algebra.verdicts import Verdict
 
-__all__ = ["FoundIntegral", "IntegralSearch"]
-
 
 @dataclass(frozen=True)
 class FoundIntegral:

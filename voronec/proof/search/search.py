@@ -59,8 +59,6 @@ from voronec.proof.search.probe import Probe, Values
 from voronec.proof.search.residues import Array
 from voronec.proof.search.result import FoundIntegral, IntegralSearch
 
-__all__ = ["Ansatz", "Letter", "SearchProblem", "search_integrals", "searches"]
-
 CLASS_LIMIT = 2000
 """How many monomials of one class are taken on, unless told otherwise."""
 PARTS, SMALL = 32, 1e-6

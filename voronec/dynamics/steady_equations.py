@@ -1,0 +1,297 @@
+"""What vanishes at a steady motion: the rates of the smallest formulation, and what binds it.
+
+    f(x, p) = 0,   r(x, p) = 0,   h(x, p) = c
+
+x are the variables on which the accelerations depend, cyclic coordinates left out, so that a
+relative equilibrium is a point; r are the relations of redundant variables; h are integrals of the
+constraints (leaf functions), and what a user holds.  Values and slopes are one straight-line
+program, evaluated in doubles or in balls.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import flint
+import numpy as np
+import symengine as se
+import sympy as sp
+
+from voronec.algebra.symbols import plain_name
+from voronec.algebra.tape import Tape, as_ball
+from voronec.algebra.text import name_or_formula
+from voronec.declaration.reading import expression, quote
+from voronec.equations.motions import Motions
+from voronec.equations.program import Block, Program, compile_program
+from voronec.equations.program.jacobian import jacobian
+from voronec.equations.program.straight import fresh_names, share_subexpressions
+from voronec.equations.voronec_equations import VoronecEquations
+from voronec.errors import DefinitionError, EngineLimit, VoronecError, did_you_mean
+from voronec.motion.model import SmallestModels
+from voronec.motion.model.level import Level, dependence, keep_relations, needed_variables, restrict
+from voronec.motion.model.special import constants
+from voronec.motion.request import Namespace, number
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyEquations:
+    """F(y) with its Jacobian: of each unknown's rate, then of relations, then of ``held``.
+
+    ``unknowns`` are the states, then parameters or inputs that are to be found; ``values`` are
+    those of all other constants, exact where they were given so; ``targets`` those of what is held.
+    """
+
+    level: Level
+    rates: Program
+    unknowns: tuple[Any, ...]
+    held: tuple[tuple[str, Any], ...]
+    values: Mapping[str, Any]
+    targets: Mapping[str, Any]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the unknowns."""
+        return tuple(map(str, self.unknowns))
+
+    @property
+    def size(self) -> int:
+        """How many states there are."""
+        return len(self.rates.state)
+
+    @property
+    def constants(self) -> tuple[str, ...]:
+        """The names of parameters and inputs that may be found or changed."""
+        frozen = {*map(str, constants_of(self.level))}
+        own = (*self.rates.parameters, *self.rates.inputs)
+        return tuple(str(p) for p in own if str(p) not in frozen)
+
+    def with_unknowns(self, names: Iterable[str]) -> SteadyEquations:
+        """Those in which further constants are to be found."""
+        more = tuple(se.Symbol(n) for n in names if n not in self.names)
+        return replace(self, unknowns=(*self.unknowns, *more)) if more else self
+
+    def holding(self, given: Mapping[str, tuple[Any, Any]]) -> SteadyEquations:
+        """Those in which further expressions have values: {name: (expression, value)}."""
+        more = {name: e for name, (e, _) in given.items()}
+        held = {**dict(self.held), **more}
+        values = {**self.targets, **{name: x for name, (_, x) in given.items()}}
+        return replace(self, held=tuple(held.items()), targets=values)
+
+    def with_values(self, changed: Mapping[str, Any]) -> SteadyEquations:
+        """Those with other values of constants."""
+        return replace(self, values={**self.values, **changed})
+
+    @cached_property
+    def _arguments(self) -> tuple[Any, ...]:
+        """The constants that are not to be found."""
+        own = (*self.rates.parameters, *self.rates.inputs)
+        return tuple(p for p in own if p not in self.unknowns)
+
+    @cached_property
+    def _block(self) -> Block:
+        """Values, then slopes row by row."""
+        derivative = self.rates.derivative
+        known = [self.rates.time, *self.rates.state, *self.rates.parameters, *self.rates.inputs]
+        fresh = fresh_names([*known, *(n for n, _ in derivative.assignments)], "h")
+        beside = [*self.level.relations, *(e for _, e in self.held)]
+        more = share_subexpressions(beside, fresh, self.level.stages)
+        rows = Block(
+            (*derivative.assignments, *more.assignments), (*derivative.results, *more.results)
+        )
+        states = self.rates.state
+        unknown = self.unknowns[len(states) :]
+        program = replace(self.rates, parameters=self._arguments, inputs=unknown, derivative=rows)
+        slopes = jacobian(program)
+        return _joined(rows, slopes, fresh_names(known, "k"))
+
+    @cached_property
+    def _function(self) -> Callable[[Any, Any, Any], list[Any]]:
+        blank = Block((), (se.Integer(0),) * len(self.unknowns))
+        names = tuple(f"entry {i}" for i in range(len(self._block.results)))
+        program = Program(self.rates.time, self.unknowns, (), self._arguments, blank, names,
+                          self._block)  # fmt: skip
+        return compile_program(program, scalar=True)[1]
+
+    @property
+    def _targets(self) -> list[Any]:
+        return [self.targets[name] for name, _ in self.held]
+
+    def at(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """F (m,) and its Jacobian (m, n) in doubles; not finite where there is no value."""
+        n, m = len(self.unknowns), self.size + len(self.level.relations) + len(self.held)
+        try:
+            found = np.array(self._function(0.0, y.tolist(), self._doubles), dtype=float)
+        except (ZeroDivisionError, ValueError, OverflowError, TypeError):
+            return np.full(m, np.nan), np.full((m, n), np.nan)
+        found[m - len(self.held) : m] -= np.array([float(x) for x in self._targets])
+        return found[:m], found[m:].reshape(m, n)
+
+    @cached_property
+    def _doubles(self) -> list[float]:
+        return [number(self.values[str(p)], f"parameter '{p}'") for p in self._arguments]
+
+    @cached_property
+    def _tapes(self) -> list[tuple[Any, Tape]]:
+        return [(name, Tape([e])) for name, e in self._block.assignments]
+
+    @cached_property
+    def _ends(self) -> Tape:
+        return Tape(self._block.results)
+
+    def balls(self, y: Sequence[Any], bits: int) -> tuple[list[Any], Any]:
+        """F and its Jacobian, an ``arb_mat``, enclosed at balls y.
+
+        ``EngineLimit`` where a function has no evaluation in balls.
+        """
+        with flint.ctx.workprec(bits):
+            known = {p: as_ball(self.values[str(p)]) for p in self._arguments}
+            known |= dict(zip(self.unknowns, map(flint.arb, y), strict=True))
+
+            def constant(c: Any) -> Any:
+                return c() if callable(c) else flint.arb(c)
+
+            for name, tape in self._tapes:
+                known[name] = tape.run(known, constant)[0]
+            found = self._ends.run(known, constant)
+            n, m = len(self.unknowns), self.size + len(self.level.relations) + len(self.held)
+            for i, target in enumerate(self._targets):
+                found[m - len(self.held) + i] -= as_ball(target)
+            return found[:m], flint.arb_mat(m, n, found[m:])
+
+
+def _joined(rows: Block, slopes: Block, names: Any) -> Block:
+    """Two blocks as one, whose names are told apart."""
+    new = {name: next(names) for name, _ in slopes.assignments}
+
+    def on(expr: Any) -> Any:
+        expr = se.sympify(expr)
+        return expr.xreplace({s: new[s] for s in expr.free_symbols if s in new})
+
+    renamed = tuple((new[n], on(e)) for n, e in slopes.assignments)
+    ends = (*rows.results, *map(on, slopes.results))
+    return Block((*rows.assignments, *renamed), ends)
+
+
+def constants_of(level: Level) -> tuple[Any, ...]:
+    """Parameters of a level that are constant variables."""
+    own = {p.name for p in level.system.parameters} | {plain_name(u) for u in level.system.inputs}
+    return tuple(p for p in level.parameters if str(p) not in own)
+
+
+def steady_level(equations: VoronecEquations) -> Level:
+    """The smallest level for the velocities: what accelerations do not depend on is left out,
+    constant variables are parameters.  It is kept with the equations."""
+    return equations.memo.once("steady level", lambda: _level(equations))
+
+
+def _level(equations: VoronecEquations) -> Level:
+    space = Namespace.of(equations)
+    wanted = space.read_outputs(equations.system.velocities).terms
+    integrals = {name: space.claims[name] for name in equations.system.integrals}
+    level = SmallestModels.of(Motions.of(equations), wanted, integrals).general.full
+    kept = needed_variables(level, dependence(level))
+    still = constants(level)
+    level = replace(level, parameters=(*level.parameters, *still))
+    return keep_relations(restrict(level, [x for x in kept if x not in still]))
+
+
+def is_leaf(level: Level, expr: Any) -> bool:
+    """Whether an integral is one of the constraints: a function of the positions alone, which the
+    motion cannot change."""
+    return bool(expr.free_symbols & {*level.positions}) and not (
+        expr.free_symbols & {*level.velocities}
+    )
+
+
+def steady_equations(
+    equations: VoronecEquations,
+    parameters: Mapping[str, Any],
+    start: Mapping[str, Any],
+) -> SteadyEquations:
+    """The equations with the values of all parameters and inputs; what has none stays open, and
+    ``start`` tells where leaf functions are read off.
+
+    ``DefinitionError`` where the system depends on the time.
+    """
+    level = steady_level(equations)
+    program = Program.of(level.form)
+    system = equations.system
+    if program.time in {s for e in program.derivative.expressions for s in e.free_symbols}:
+        raise DefinitionError(
+            f"system '{system.name}' depends on the time: it has no steady motions; make what moves "
+            "a coordinate, or an input"
+        )
+    values: dict[str, Any] = {p.name: p.value for p in system.parameters if p.value is not None}
+    values |= {str(x): start.get(str(x), 0) for x in constants_of(level)}
+    values |= parameters
+    leaves = {n: e for n, e in level.integrals.items() if is_leaf(level, e)}
+    found = SteadyEquations(level, program, program.state, (), values, {})
+    given = {n: (e, _value_there(n, e, {**start, **values})) for n, e in leaves.items()}
+    return found.holding({n: (e, x) for n, (e, x) in given.items() if x is not None})
+
+
+def _value_there(name: str, expr: Any, at: Mapping[str, Any]) -> Any:
+    """The value of a leaf function at the start, with coordinates that are not told zero; None
+    where that is no number."""
+    symbols = {s: as_symengine(at.get(str(s), 0)) for s in expr.free_symbols}
+    try:
+        value = sp.sympify(expr.xreplace(symbols))
+    except (RuntimeError, TypeError, ValueError):
+        return None
+    return value if value.is_number and value.is_finite else None
+
+
+def as_symengine(value: Any) -> Any:
+    """A value for an expression."""
+    return se.sympify(expression(value, "a value"))
+
+
+def read_quantity(equations: SteadyEquations, motions: Motions, key: Any) -> tuple[str, Any]:
+    """What a user names - a variable, an integral, a constant or a formula in these - as an
+    expression on the level."""
+    level, system = equations.level, equations.level.system
+    own = {str(x): x for x in (*level.variables, *level.parameters)}
+    own |= {str(x): x for x in equations.rates.inputs}
+    known = {**own, **level.integrals}
+    name = key if isinstance(key, str) else plain_name(key)
+    if name in known:
+        return name, known[name]
+    place = f"system '{system.name}': '{quote(name)}'"
+    read = name_or_formula(key, place) if isinstance(key, str) else expression(key, place)
+    if isinstance(read, str):
+        space = Namespace.of(motions.equations)
+        if read not in space.known:
+            raise DefinitionError(f"{place} is unknown{did_you_mean(read, [*known])}")
+        read = space.known[read]
+    try:
+        flow = motions.at("invariants" if level.name.startswith("invariants") else "coordinates")
+        expr = flow.read(read)
+    except VoronecError:
+        expr = motions.equations.bridge.inward(read)
+    if expr.free_symbols <= {*own.values()}:
+        return name, expr
+    raise DefinitionError(
+        f"{place} is no function of the variables of steady motions; name some of "
+        f"{', '.join(known)}, or a formula in them"
+    )
+
+
+def require_values(equations: SteadyEquations) -> None:
+    """``DefinitionError`` where a parameter or input has no value."""
+    system = equations.level.system
+    for p in (*equations.rates.parameters, *equations.rates.inputs):
+        if p not in equations.unknowns and equations.values.get(str(p)) is None:
+            raise DefinitionError(
+                f"system '{system.name}': '{p}' has no value; give parameters={{'{p}': number}}, "
+                f"or find it: free=('{p}',)"
+            )
+
+
+def require_balls(equations: SteadyEquations, y: np.ndarray) -> None:
+    """``EngineLimit`` where the equations have no evaluation in balls."""
+    values, _ = equations.balls(list(map(float, y)), 64)
+    if not all(v.is_finite() for v in values):
+        raise EngineLimit("the right side has no finite value there")
