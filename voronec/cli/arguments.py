@@ -237,8 +237,7 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
         "periodic", "find a periodic orbit, or a family, with its multipliers", SYSTEM, MOTION,
         Option("--period T", "a guess of the period (when the motion comes back near its start)"),
         VARIABLES,
-        Option("--hold A,B", "integrals that keep their values (of a family all but the one that "
-               "it is followed along)"),
+        Option("--hold A,B", "integrals that keep the values of the start"),
         Option("--along NAME=VALUE", "follow the family along an integral or a parameter up to "
                "this value"),
         _number("points", 21, "orbits of the family at most"),

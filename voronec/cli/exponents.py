@@ -7,6 +7,7 @@ from argparse import Namespace
 from voronec.cli.output import answer, progress_line, warn
 from voronec.cli.values import finite, motion_of, outputs_of, tolerance
 
+
 def execute(arguments: Namespace) -> int:
     """Follow the motion and report; 1 where an exponent has not settled."""
     tol = 1e-9 if arguments.tol is None else tolerance(arguments.tol)

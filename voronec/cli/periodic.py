@@ -13,6 +13,7 @@ from voronec.cli.values import BETWEEN, finite, motion_of, name_and_value, outpu
 if TYPE_CHECKING:
     from voronec.dynamics.periodic import PeriodicOrbit
 
+
 def execute(arguments: Namespace) -> int:
     """Look for the orbit near the start, follow its family, and report."""
     tol = tolerance(arguments.tol)

@@ -225,9 +225,7 @@ def exponents(
     began = perf_counter()
     if starts is not None and initial:
         raise DefinitionError("exponents: give initial, or starts, not both")
-    space = PhaseSpace.of(
-        system, scene, initial or starts, parameters, inputs, variables
-    )
+    space = PhaseSpace.of(system, scene, initial or starts, parameters, inputs, variables)
     n = len(space.names)
     k = n if count is None else count
     for name, value, good in (
@@ -237,7 +235,11 @@ def exponents(
         if not good:
             raise DefinitionError(f"exponents: {name}={value}: give a number above 0"
                                   + (f", up to {n}" if name == "count" else ""))  # fmt: skip
-    found, errors, interrupted = _Table.empty(len(space.motions), k), dict(space.motions.wrong), False
+    found, errors, interrupted = (
+        _Table.empty(len(space.motions), k),
+        dict(space.motions.wrong),
+        False,
+    )
     flow, asked = space.flow(k), 0.0
     for i in space.motions.sound:
         try:

@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -115,7 +116,9 @@ class PeriodicOrbit:
 
     def lines(self) -> list[str]:
         """What there is to say of the orbit, in words."""
-        point = ", ".join(f"{n} = {x:.10g}" for n, x in zip(self.variables, self.state, strict=True))
+        point = ", ".join(
+            f"{n} = {x:.10g}" for n, x in zip(self.variables, self.state, strict=True)
+        )
         kept = ", ".join(f"{n} = {x:.10g}" for n, x in self.constants.items())
         others = ", ".join(_number(z) for z in self.multipliers) or "none"
         return [
@@ -213,8 +216,8 @@ def periodic(
         the quantities that come back; what they depend on does too.  By default the velocities of
         the equations.
     hold
-        names of integrals whose values the orbit must have from the start; of a family by default
-        all but the one that it is followed along.
+        names of integrals whose values the orbit must have from the start.  By default none: of all
+        orbits the nearest is taken, and families go where what they are followed along grows most.
     along, to
         an integral or a parameter, and the value up to which the family is followed; then the
         family has ``points`` orbits at most, about evenly spaced in it.
@@ -241,8 +244,6 @@ def periodic(
         if name not in known:
             raise DefinitionError(f"hold: there is no proved integral '{name}' here"
                                   + did_you_mean(name, known))  # fmt: skip
-    if along is not None and not names:
-        names = tuple(n for n in known if n != along)
     shooting = _Shooting.of(space, tuple(names), along, period, segments, tol)
     unknowns = shooting.solve(shooting.guess, None)
     first = shooting.orbit(unknowns)
@@ -295,7 +296,7 @@ class _Shooting:
         if period is not None and not period > 0:
             raise DefinitionError(f"periodic: period={period}: give a time above 0")
         held = [i for i, n in enumerate(names)
-                if n in hold or (n.startswith("relation ") or n in space.moving) and n != along]  # fmt: skip
+                if n in hold or n in space.moving or n.startswith("relation ")]  # fmt: skip
         turning = space.angles()
         span = period or _return_time(flow, x, values, units, turning)
         if not space.is_driven:
@@ -394,10 +395,11 @@ class _Shooting:
         error = float(np.abs(here.off).max())
         for _ in range(ITERATIONS):
             left, sizes, right = np.linalg.svd(here.slopes, full_matrices=False)
-            parts, trusted = left.T @ here.off, sizes > SINGULAR * sizes[0]
+            rank = int((sizes > SINGULAR * sizes[0]).sum())
+            sizes, parts = sizes[:rank], left.T[:rank] @ here.off
             for damping in DAMPINGS:
                 weights = sizes / (sizes**2 + damping * sizes[0] ** 2)
-                trial = unknowns - right[trusted].T @ (weights * parts)[trusted]
+                trial = unknowns - right[:rank].T @ (weights * parts)
                 there = self._try(trial, aim)
                 if there is not None and np.abs(there.off).max() < 0.9 * error:
                     break
@@ -437,12 +439,14 @@ class _Shooting:
         constants, gradients = space.constants_at(x, self.values)
         rates, _ = self.flow.rates(x, self.values)
         flow = None if space.is_driven else rates
-        trivial, others = split_multipliers(monodromy, flow, gradients, self.units)
+        trivial, others = _split_multipliers(monodromy, flow, gradients, self.units)
         path, state = [x], self.flow.start(x)
         for t in np.linspace(0, period, 201)[1:]:
             self.flow.go(state, t, self.values, COARSE, 1)
             path.append(state.x.copy())
-        own = dict(zip(map(str, space.motions.program.parameters), self.values.tolist(), strict=True))
+        own = dict(
+            zip(map(str, space.motions.program.parameters), self.values.tolist(), strict=True)
+        )
         return PeriodicOrbit(
             space.system, space.names, x, period, self.turns(unknowns, path[-1]).astype(int),
             monodromy, trivial, others, dict(zip(space.constants, constants.tolist(), strict=True)),
@@ -454,9 +458,10 @@ class _Shooting:
         progress: Callable[[float], Any] | None,
     ) -> tuple[tuple[PeriodicOrbit, ...], tuple[Crossing, ...], str]:  # fmt: skip
         """The family up to the value ``to`` of what it is followed along."""
+        self = self.released()
         begin, orbits, crossings = self.value(unknowns), [first], list[Crossing]()
         way, ended = np.sign(to - begin), "complete"
-        tangent = self.tangent(unknowns, None) * way
+        tangent = self.tangent(unknowns, None, way)
         if not way:
             return (first,), (), "complete"
         step = (to - begin) / (max(points, 2) - 1)
@@ -475,7 +480,7 @@ class _Shooting:
                     break
                 continue
             crossings += anchored.crossed(unknowns, tangent, (orbits[-1], orbit), there)
-            unknowns, tangent = there, self.tangent(there, tangent)
+            unknowns, tangent = there, self.tangent(there, tangent, way)
             orbits.append(orbit)
             if progress is not None:
                 progress(min(len(orbits) / points, 1.0))
@@ -486,6 +491,11 @@ class _Shooting:
         else:
             ended = f"stopped after {points} orbits"
         return tuple(orbits), tuple(crossings), ended
+
+    def released(self) -> _Shooting:
+        """Without holding what the family is followed along."""
+        free = self.held != self.along
+        return replace(self, held=self.held[free], targets=self.targets[free])
 
     def _anchor(self, unknowns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         x = self.states(unknowns)[0]
@@ -506,12 +516,15 @@ class _Shooting:
     def _rise(self, unknowns: np.ndarray, tangent: np.ndarray) -> float:
         return float(self._slope(unknowns) @ tangent)
 
-    def tangent(self, unknowns: np.ndarray, before: np.ndarray | None) -> np.ndarray:
-        """The direction of the family: of length one, along ``before``, or upwards."""
+    def tangent(self, unknowns: np.ndarray, before: np.ndarray | None, way: float) -> np.ndarray:
+        """The direction of the family, of length one: of a single one on from ``before``, of more
+        that in which what it is followed along grows most, or falls most, by the sign of ``way``.
+        """
         anchored = replace(self, anchor=self._anchor(unknowns))
         _, sizes, rows = np.linalg.svd(anchored.linear(unknowns, None).slopes)
         free = rows[int((sizes > SINGULAR * sizes[0]).sum()) :]
-        guide = self._slope(unknowns) if before is None else before
+        alone = before is not None and len(free) == 1
+        guide = before if alone else way * self._slope(unknowns)
         found = free.T @ (free @ guide)
         if not np.linalg.norm(found) > SINGULAR * np.linalg.norm(guide):
             raise EngineLimit(
@@ -548,18 +561,20 @@ class _Shooting:
             if not ends[0] * ends[1] < 0 or min(map(abs, ends)) < MARGIN:
                 continue
 
-            def gap(stride: float, at: int = at) -> float:
-                if stride in (0.0, reach):
-                    return ends[stride > 0.0]
-                orbit = self.orbit(self.step(unknowns, tangent, stride))
-                return float(np.prod(orbit.multipliers - at).real)
-
-            stride = brentq(gap, 0.0, reach, xtol=1e-13, rtol=1e-13)
+            stride = brentq(partial(self._distance, unknowns, tangent, at), 0.0, reach,
+                            xtol=1e-13, rtol=1e-13)  # fmt: skip
             found = self.step(unknowns, tangent, stride)
             yield Crossing(at, self.value(found), self.orbit(found))
 
+    def _distance(
+        self, unknowns: np.ndarray, tangent: np.ndarray, at: int, stride: float
+    ) -> float:  # fmt: skip
+        """The product of all distances of multipliers from 1 or -1, a stride along the tangent."""
+        orbit = self.orbit(self.step(unknowns, tangent, stride))
+        return float(np.prod(orbit.multipliers - at).real)
 
-def split_multipliers(
+
+def _split_multipliers(
     monodromy: np.ndarray, rates: np.ndarray | None, gradients: np.ndarray, units: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """The multipliers of the flow and of the constants of the motion, and all others, by the blocks
@@ -580,9 +595,7 @@ def split_multipliers(
     return np.concatenate(trivial), others[np.argsort(-np.abs(others), kind="stable")]
 
 
-def _gap(
-    end: np.ndarray, x: np.ndarray, units: np.ndarray, turning: np.ndarray
-) -> np.ndarray:
+def _gap(end: np.ndarray, x: np.ndarray, units: np.ndarray, turning: np.ndarray) -> np.ndarray:
     """From a state to another in units, angles up to whole turns."""
     off = end - x
     off[turning] -= 2 * np.pi * np.round(off[turning] / (2 * np.pi))

@@ -102,7 +102,10 @@ class PhaseSpace:
                 f"along: '{name}' is neither a proved integral nor a parameter of the equations{near}"
             )
         i = known.index(name)
-        symbol, rest = program.parameters[i], (*program.parameters[:i], *program.parameters[i + 1 :])
+        symbol, rest = (
+            program.parameters[i],
+            (*program.parameters[:i], *program.parameters[i + 1 :]),
+        )
         still = Block(program.derivative.assignments, (*program.derivative.results, se.Integer(0)))
         wide = replace(
             program, velocities=(*program.velocities, symbol), parameters=rest, derivative=still
@@ -150,7 +153,9 @@ class PhaseSpace:
         """The constants of the motion (c,) and their gradients (c, n) at a state."""
         (program, places), own = self._gradients, self.motions.program
         given = dict(zip(map(str, (*own.state, *own.parameters)), (*x, *values), strict=True))
-        here = [[float(given[str(s)]) for s in part] for part in (program.state, program.parameters)]
+        here = [
+            [float(given[str(s)]) for s in part] for part in (program.state, program.parameters)
+        ]
         found = compile_program(program, scalar=True)[1](0.0, *here)
         count = len(self.constants)
         gradients = np.zeros((count, len(own.state)))

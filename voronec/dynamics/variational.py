@@ -18,7 +18,14 @@ from typing import Any
 import numpy as np
 
 from voronec.dynamics.variational_source import DONE, LIMIT, NO_STEP, flow_source
-from voronec.equations.program import Block, HoistedProgram, Program, c_source, compile_program, hoist
+from voronec.equations.program import (
+    Block,
+    HoistedProgram,
+    Program,
+    c_source,
+    compile_program,
+    hoist,
+)
 from voronec.equations.program.jacobian import joint_block
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.steppers.kept_code import kept_library
