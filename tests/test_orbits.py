@@ -259,3 +259,29 @@ def test_the_command_line_tells_orbits(capsys: pytest.CaptureFixture[str]) -> No
     assert "spectrally stable" in capsys.readouterr().out
     assert main(["periodic", "falling-disc", "--along", "radius=2"]) == 2
     assert "neither a proved integral nor a parameter" in capsys.readouterr().err
+
+
+def test_rotation_numbers_of_independent_oscillators_are_quotients() -> None:
+    """Between two passages of x through 0 the other oscillator turns by its frequency."""
+    root = sp.sqrt(2)
+    system = vo.System(
+        "oscillators", vo.Fibration(base=(x, y)), (vx**2 + vy**2 - x**2 - 2 * y**2) / 2
+    )
+    found = vo.section(
+        system, "x", ("y", "ydot"), starts=[{vx: 1.0, "y": 0.5}, {vx: 1.0}], crossings=400
+    )
+    numbers = vo.rotation_numbers(found)
+    # (y, y') turns clockwise, by a part 1 - (sqrt 2 - 1) from y to y'
+    assert numbers.values[0] == pytest.approx(1 - float(root - 1), abs=1e-8)
+    assert numbers.bars[0] < 1e-6
+    assert np.isnan(numbers.values[1])  # a single point has none
+
+
+def test_sweeps_record_exponents(tmp_path: Any) -> None:
+    found = vo.sweep(
+        pendulum(), {"x": [0.5, 1.0]}, record=["exponents(2)"], out=tmp_path / "run.zarr",
+        times=200.0, jobs=1, initial={"xdot": 0.1},
+    )  # fmt: skip
+    table = found.to_xarray()
+    assert (np.abs(table["exponent(1)"]) <= table["bar(1)"] + 1e-9).all()
+    assert (table["exponent(2)"] <= table["exponent(1)"]).all()

@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from voronec.dynamics.periodic import OrbitFamily as OrbitFamily
     from voronec.dynamics.periodic import PeriodicOrbit as PeriodicOrbit
     from voronec.dynamics.periodic import periodic as periodic
+    from voronec.dynamics.rotation import rotation_numbers as rotation_numbers
     from voronec.equations.linearisation import Linearisation as Linearisation
     from voronec.equations.linearisation import linearise as linearise
     from voronec.equations.reduction import Reduction as Reduction
@@ -125,6 +126,7 @@ _HOME = {
         "declaration.system": "System",
         "dynamics.exponents": "Exponents exponents",
         "dynamics.periodic": "OrbitFamily periodic PeriodicOrbit",
+        "dynamics.rotation": "rotation_numbers",
         "equations.linearisation": "Linearisation linearise",
         "equations.reduction": "descend Reduction",
         "equations.referee": "multiplier_acceleration reaction_forces",

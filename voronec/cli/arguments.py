@@ -247,7 +247,7 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
     "exponents": (
         "exponents", "compute Lyapunov exponents with error bars", SYSTEM, MOTION, VARIABLES,
         Option("--count N", "only the N largest", {"type": int}),
-        Option("--bar X", "the error bar at which to stop (a thousandth of the pace of the motion)"),
+        Option("--bar X", "the error bar at which to stop (a thousandth of the motion's pace)"),
         Option("--until T", "how long the motion is followed at most"),
         Option("--tol TOL", "the integrator's tolerance (1e-9)"),
     ),
@@ -261,8 +261,8 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
         Option("--sampling", "how: Sobol' points, uniformly, or on one level of all integrals",
                {"choices": ("sobol", "uniform", "level"), "default": "sobol"}),
         Option("--record A,B",
-               "final, drift, max(x), min(x), time(x=1), section(x=0), class, or quantities at the "
-               "end (final,drift)", {"default": "final,drift"}), MOTION,
+               "final, drift, max(x), min(x), time(x=1), section(x=0), class, exponents(2), or "
+               "quantities at the end (final,drift)", {"default": "final,drift"}), MOTION,
         Option("--times [START:]END[:N]", "the end, or instants, instead of those of the scene"),
         partial(_method, many=True), TOLERANCE,
         _number("seed", 1, "of random draws"),

@@ -46,8 +46,9 @@ def execute(arguments: Namespace) -> int:
                  f"largest multiplier {abs(orbit.multipliers).max(initial=0.0):.6g}"]
                 for orbit in found]  # fmt: skip
         lines = [repr(found), *columns(rows)]
-        lines += [f"a multiplier passes {c.at} at {along} = {c.value:.12g}"
-                  + (": the period doubles" if c.at == -1 else "") for c in found.crossings]  # fmt: skip
+        for c in found.crossings:
+            doubles = ": the period doubles" if c.at == -1 else ""
+            lines.append(f"a multiplier passes {c.at} at {along} = {c.value:.12g}{doubles}")
     answer(arguments.json, lambda: data, lines)
     return 0
 

@@ -6,10 +6,11 @@ with the columns made orthonormal on the way [BenettinEtAl1980; ShimadaNagashima
 the last half is taken for the value; its sixteenths tell how much the stretches differ, and the
 quarter before it how much the value still moves:
 
-    bar = 2 s / sqrt(16) + |lambda(T/2, T) - lambda(T/4, T/2)|
+    bar = 2 s / sqrt(16) + max(|lambda(T/2, T) - lambda(T/4, T/2)|, log 2/(T/2))
 
 For a regular motion Y grows like a power of t, lambda(a, b) like log(b/a)/(b - a): the second term
-is then as large as the value, so that zero lies within the bar.
+is then as large as the value, so that zero lies within the bar; the last is what linear growth
+gives, than which nothing is told better from zero in the time T.
 """
 
 from __future__ import annotations
@@ -24,8 +25,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from voronec.algebra.arguments import (
-    CALLABLE, COUNT, REAL, SEVERAL, TOLERANCE, VALUES, Kind, accepts,
-)  # fmt: skip
+    CALLABLE,
+    COUNT,
+    REAL,
+    SEVERAL,
+    TOLERANCE,
+    VALUES,
+    Kind,
+    accepts,
+)
 from voronec.algebra.typeset import html_table
 from voronec.declaration.system import System
 from voronec.dynamics.phase_space import PhaseSpace
@@ -39,7 +47,7 @@ if TYPE_CHECKING:
 STRETCH = 100
 """Steps of the stretch whose length all others have."""
 COLLAPSED = 1000
-"""A stretch that takes so many times more steps comes to a place where the equations are singular."""
+"""A stretch that takes so many times more steps comes to a singularity of the equations."""
 FIRST_LOOK, LATER = 64, 1.25
 """After so many stretches the exponents are looked at first, and then after so many times more."""
 PARTS = 16
@@ -67,7 +75,7 @@ class Exponents:
     divergence
         (s,): the mean of tr J, which the sum of all exponents equals.
     drift
-        (s,): the largest change of a constant of the motion, relative to its gradient and the state.
+        (s,): the largest change of a constant of the motion, relative to gradient and state.
     reversal
         the signs of ``variables`` that reverse the motions, or None: exponents of a motion that is
         its own mirror image, or comes near to it again and again, then come in pairs.
@@ -341,5 +349,6 @@ class _Stretches:
         quarter = told[-1 - most] - told[-1 - most - most // 2]
         mean = parts.mean(axis=0)
         spread = 2 * parts.std(axis=0, ddof=1) / np.sqrt(PARTS)
-        moved = np.abs(mean - quarter / (length * (most // 2)))
+        moved = np.maximum(np.abs(mean - quarter / (length * (most // 2))),
+                           np.log(2) / (length * most))  # fmt: skip
         return cls(mean[:-1], (spread + moved)[:-1], float(mean[-1]))

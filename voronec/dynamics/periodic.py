@@ -30,8 +30,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from voronec.algebra.arguments import (
-    CALLABLE, COUNT, REAL, SEVERAL, TEXT, TOLERANCE, VALUES, Kind, accepts,
-)  # fmt: skip
+    CALLABLE,
+    COUNT,
+    REAL,
+    SEVERAL,
+    TEXT,
+    TOLERANCE,
+    VALUES,
+    Kind,
+    accepts,
+)
 from voronec.algebra.typeset import html_table
 from voronec.declaration.reading import several
 from voronec.declaration.system import System
@@ -100,9 +108,9 @@ class PeriodicOrbit:
 
     @property
     def stability(self) -> str:
-        """``unstable`` where a multiplier lies outside of the unit circle, ``asymptotically stable``
-        where all but the trivial ones lie inside: on the level of the constants, as an orbit;
-        ``spectrally stable`` else, which is no stability."""
+        """``unstable`` where a multiplier lies outside of the unit circle; ``asymptotically
+        stable``, as an orbit on the level of the constants, where all but the trivial ones lie
+        inside; ``spectrally stable`` else, which is no stability."""
         sizes = np.abs(self.multipliers)
         if (sizes > 1 + MARGIN).any():
             return "unstable"

@@ -99,7 +99,7 @@ class PhaseSpace:
         if name not in known:
             near = did_you_mean(name, [*self.constants, *known])
             raise DefinitionError(
-                f"along: '{name}' is neither a proved integral nor a parameter of the equations{near}"
+                f"along: '{name}' is neither a proved integral nor a parameter here{near}"
             )
         i = known.index(name)
         symbol, rest = (
