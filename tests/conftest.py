@@ -16,7 +16,7 @@ from command_line import Answer, Call
 
 from voronec.cli import OBJECTS, main
 from voronec.errors import DefinitionError
-from voronec.motion.model import model_cache
+from voronec.motion.formulation import model_cache
 
 gc.set_threshold(OBJECTS)  # as commands do
 

@@ -16,7 +16,7 @@ import voronec as vo
 from voronec.declaration.claims import without_claims
 from voronec.equations.attitudes import with_attitude_charts
 from voronec.equations.motions import Motions
-from voronec.motion.model.level import with_positive_denominators
+from voronec.motion.formulation.formulation import with_positive_denominators
 from voronec.proof.relations.charts import check_charts
 
 pytestmark = pytest.mark.slow
@@ -294,7 +294,7 @@ def test_rates_keep_their_denominators_where_parameters_are_zero() -> None:
     inside = vo.integrate(ball, times=times, outputs=(), initial=start, method="heyoka")
     charted = vo.integrate(ball, times=times, outputs=(*angles, "reaction 1"), initial=start)
     # invariants with angles beside them, and, for the reaction, angles in another chart
-    assert (inside.cost.level, charted.cost.level) == ("invariants", "coordinates")
+    assert (inside.cost.formulation, charted.cost.formulation) == ("invariants", "coordinates")
     assert charted.cost.switches == 1
     for angle in angles:
         assert inside[angle] == pytest.approx(charted[angle], abs=1e-11)

@@ -238,8 +238,8 @@ def test_the_reduced_ball_and_its_coordinates_have_one_section():
     given = {"scene": "default", "crossings": 5}
     low = vo.section(equations, "gamma1", ("gamma2", "omega1"), **given)
     high = vo.section(equations, "gamma1", ("gamma2", "omega1", "u"), **given)
-    assert low.level.startswith("invariants")
-    assert high.level == "coordinates"
+    assert low.formulation.startswith("invariants")
+    assert high.formulation == "coordinates"
     assert low.t == pytest.approx(high.t, abs=1e-10)
     assert low.points == pytest.approx(high.points[:, :2], abs=1e-10)
 

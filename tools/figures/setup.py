@@ -58,7 +58,7 @@ def run(name: str) -> dict[str, Any]:
     motion = vo.integrate(system, times=grid)
     return {
         "seconds": _cpu_seconds() - begun - motion.cost.run,
-        "by": f"{motion.cost.method}, {motion.cost.level}",
+        "by": f"{motion.cost.method}, {motion.cost.formulation}",
     }
 
 

@@ -142,6 +142,13 @@ MOTION = (
     ),
 )
 """Which motion is meant."""
+STEADY = (
+    _several("--at NAME=VALUE", "a variable, an integral or a formula that has this value" + OFTEN),
+    _several("--set NAME=VALUE", "another value of a parameter, or an input's" + OFTEN),
+    Option("--free A,B", "parameters or inputs that are to be found"),
+    _number("starts", 100, "searches"), _number("seed", 1, "of the random starts"),
+)  # fmt: skip
+"""Which steady motions are meant."""
 COMMANDS: Mapping[str, tuple[Any, ...]] = {
     "list": (
         "listing", "list the systems and papers",
@@ -250,6 +257,17 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
         Option("--bar X", "the error bar at which to stop (a thousandth of the motion's pace)"),
         Option("--until T", "how long the motion is followed at most"),
         Option("--tol TOL", "the integrator's tolerance (1e-9)"),
+    ),
+    "steady": (
+        "steady", "find steady motions, with their spectra", SYSTEM, STEADY,
+    ),
+    "stability": (
+        "stability", "follow steady motions over a quantity: spectra, critical values", SYSTEM,
+        Option("--over NAME", "a parameter, a variable, or a formula", {"required": True}),
+        Option("--between A:B", "from where to where", {"required": True}),
+        Option("--hold A,B", "what keeps its value besides"), STEADY,
+        _number("count", 100, "steps"),
+        Option("--out FILE", "draw the family: a .svg, .png or .pdf"),
     ),
     "sweep": (
         "sweep", "compute many motions over grids, lists and draws, into a folder", SYSTEM,

@@ -1,1 +1,1 @@
-"""What motions do in the long run: periodic orbits with their multipliers, Lyapunov exponents."""
+"""What motions do in the long run: steady motions, their stability, periodic orbits, exponents."""

@@ -10,6 +10,7 @@ dI/dx_j is regular.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import flint
@@ -19,28 +20,32 @@ import symengine as se
 from voronec.dynamics.newton import RANK, polish
 from voronec.dynamics.spectrum import characteristic, root_on_right
 from voronec.dynamics.steady_equations import SteadyEquations
+from voronec.equations.motions import Motions
 from voronec.errors import EngineLimit
+from voronec.motion.verify import is_proved
 
 BITS = 160
 """At work: 48 digits."""
 
 
-def enclosed_on_right(equations: SteadyEquations, y: np.ndarray, near: complex) -> str | None:
+def enclosed_on_right(
+    motions: Motions, equations: SteadyEquations, y: np.ndarray, near: complex
+) -> str | None:
     """An eigenvalue enclosed right of the imaginary axis, of a steady motion whose existence is
     proved, as text; None where the proof does not succeed."""
     try:
         with flint.ctx.workprec(BITS):
-            box = enclose(equations, y)
+            box = enclose(motions, equations, y)
             if box is None:
                 return None
-            _, slopes = equations.balls(box, BITS)
+            slopes = equations.slopes_in_balls(box, BITS)
             found = root_on_right(characteristic(slopes, equations.size, 0), near, BITS)
             return None if found is None else f"an eigenvalue is {found.str(12)}"
     except EngineLimit:
         return None
 
 
-def enclose(equations: SteadyEquations, y: np.ndarray) -> list[Any] | None:
+def enclose(motions: Motions, equations: SteadyEquations, y: np.ndarray) -> list[Any] | None:
     """Balls that hold a steady motion, by proof; None where there is none."""
     zero = [i for i, x in enumerate(y) if x == 0]
     middle = polish(equations, y, BITS)
@@ -51,7 +56,7 @@ def enclose(equations: SteadyEquations, y: np.ndarray) -> list[Any] | None:
     chosen, bound = regular_block(slopes, rows, columns)
     box = krawczyk(equations, middle, chosen, bound)
     left = [i for i in rows if i not in chosen]
-    if box is None or (left and not _follow(equations, box, left)):
+    if box is None or (left and not _follow(motions, equations, box, left)):
         return None
     return box
 
@@ -70,7 +75,7 @@ def vanishing(equations: SteadyEquations, zero: Sequence[int]) -> list[bool]:
         if not found.args:
             values[name] = found
     rates = [on(e) == 0 for e in derivative.results]
-    relations = [se.expand(on(e)) == 0 for e in equations.level.relations]
+    relations = [se.expand(on(e)) == 0 for e in equations.formulation.relations]
     held = [on(e) == 0 and equations.targets[n] == 0 for n, e in equations.held]
     return [*rates, *relations, *held]
 
@@ -100,14 +105,14 @@ def krawczyk(
     if not rows:
         return [*middle]
     n = len(rows)
-    values, slopes = equations.balls(middle, BITS)
+    values, slopes = equations.balls(middle, BITS), equations.slopes_in_balls(middle, BITS)
     inverse = _block(slopes, rows, columns).mid().inv().mid()
     step = inverse * flint.arb_mat(n, 1, [values[i] for i in rows])
     reach = [4 * float(abs(e).upper()) + 2.0 ** (-BITS // 2) for e in step.entries()]
     box = [*middle]
     for j, r in zip(columns, reach, strict=True):
         box[j] = middle[j] + flint.arb(0, r)
-    around = _block(equations.balls(box, BITS)[1], rows, columns)
+    around = _block(equations.slopes_in_balls(box, BITS), rows, columns)
     unit = flint.arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)])
     off = flint.arb_mat(n, 1, [box[j] - middle[j] for j in columns])
     moved = (unit - inverse * around) * off - step
@@ -124,16 +129,25 @@ def _block(slopes: Any, rows: Sequence[int], columns: Sequence[int]) -> Any:
     return flint.arb_mat(len(rows), len(columns), entries)
 
 
-def _follow(equations: SteadyEquations, box: Sequence[Any], left: Sequence[int]) -> bool:
+def _follow(
+    motions: Motions, equations: SteadyEquations, box: Sequence[Any], left: Sequence[int]
+) -> bool:
     """Whether the equations left over, all of them rates, follow from relations, which the rates
-    keep."""
-    n, m = equations.size, len(equations.level.relations)
-    if any(i >= n for i in left) or m < len(left):
+    keep, and from integrals that are proved."""
+    n, m = equations.size, len(equations.formulation.relations)
+    if any(i >= n for i in left):
         return False
-    slopes = equations.balls(box, BITS)[1]
-    block = np.array([[float(slopes[n + k, j].mid()) for j in left] for k in range(m)])
-    chosen, _ = regular_block(block, [*range(m)], [*range(len(left))])
+    declared = motions.system.integrals
+    known = {
+        name: (e, 0)
+        for name, e in equations.formulation.integrals.items()
+        if is_proved(motions.equations, declared[name])
+    }
+    bare = replace(equations, held=())
+    slopes = bare.holding(known).slopes_in_balls(box, BITS)
+    count = m + len(known)
+    block = np.array([[float(slopes[n + k, j].mid()) for j in left] for k in range(count)])
+    chosen = regular_block(block, [*range(count)], [*range(len(left))])[0] if count else []
     if len(chosen) < len(left):
         return False
-    square = _block(slopes, [n + k for k in chosen], left)
-    return not square.det().contains(0)
+    return not _block(slopes, [n + k for k in chosen], left).det().contains(0)

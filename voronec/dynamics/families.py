@@ -29,13 +29,13 @@ from voronec.dynamics.spectrum import (
     Deflation,
     balance,
     characteristic,
+    conditions_in_doubles,
     discriminant,
     hurwitz,
     in_order,
-    is_even,
 )
 from voronec.dynamics.steady import SteadyMotion, pivots, to_mpf, unstable_count
-from voronec.dynamics.steady_equations import SteadyEquations, read_quantity
+from voronec.dynamics.steady_equations import SteadyEquations, is_leaf, read_quantity
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion.request import number
 
@@ -48,8 +48,10 @@ SHORTEST = 1e-6
 """A share of the usual step, below which a family is not followed any further."""
 TIMES = 20
 """A family has at most so many times the points that were asked for."""
-CRITICAL_BITS = 220
-"""At work on critical values: 40 digits of them are left where a determinant has twice the size."""
+CRITICAL_BITS = 200
+"""At work on critical values: 60 digits, of which a determinant leaves 30."""
+MOST_SECANTS = 8
+"""Secants from eight digits on reach thirty in three steps."""
 WAYS = {
     "real": "a real eigenvalue passes through zero",
     "pair": "a pair crosses the imaginary axis",
@@ -183,56 +185,57 @@ class SteadyFamily:
 
     def _critical(self, k: int) -> Critical | None:
         """That between the points k and k + 1; None where no condition changes its sign."""
-        a, b = self.values[k], self.values[k + 1]
-        if a == b:
-            return None
-        with mp.workprec(CRITICAL_BITS), flint.ctx.workprec(CRITICAL_BITS):
-            start = {mp.mpf(float(x)): y for x, y in zip((a, b), self.points[k : k + 2],
-                                                         strict=True)}  # fmt: skip
-            ends = [self._conditions(x, y) for x, y in start.items()]
-            below, above = int(self.unstable[k]), int(self.unstable[k + 1])
-            for way in ends[0].keys() & ends[1].keys():
-                odd = (below - above) % 2 == 1
-                if float(ends[0][way]) * float(ends[1][way]) < 0 and odd == (way == "real"):
-                    exact = self._root(way, a, b, self.points[k], ends)
-                    return Critical(float(exact), exact, way, below, above)
+        from scipy.optimize import brentq
+
+        a, b = sorted(map(float, self.values[k : k + 2]))
+        below, above = int(self.unstable[k]), int(self.unstable[k + 1])
+        near = self.points[k]
+        signs = [self._in_doubles(x, near) for x in (a, b)]
+        for way in signs[0].keys() & signs[1].keys():
+            if signs[0][way] * signs[1][way] < 0 and ((below - above) % 2 == 1) == (way == "real"):
+                rough = brentq(lambda x, way=way: self._in_doubles(x, near)[way], a, b, xtol=1e-14)
+                exact = self._in_digits(way, float(rough), near, 1e-7 * (b - a))
+                exact = exact if abs(exact) > 1e-14 * (b - a) else mp.mpf(0)
+                return Critical(float(exact), exact, way, below, above)
         return None
 
-    def _root(self, way: str, a: float, b: float, y: np.ndarray, ends: Any) -> mp.mpf:
-        """Where a condition vanishes, by Illinois' method of false position."""
-        left, right = mp.mpf(float(a)), mp.mpf(float(b))
-        low, high = (to_mpf(e[way]) for e in ends)
-        side = 0
-        for _ in range(100):
-            middle = (left * high - right * low) / (high - low)
-            value = to_mpf(self._conditions(middle, y)[way])
-            if value == 0 or abs(right - left) < mp.mpf(10) ** -34 * max(abs(left), abs(right), 1):
-                return middle
-            if value * high > 0:
-                right, high, low = middle, value, low / 2 if side == -1 else low
-                side = -1
-            else:
-                left, low, high = middle, value, high / 2 if side == 1 else high
-                side = 1
-            last = min(abs(middle - left), abs(right - middle))
-            if last == 0 and abs(value) < mp.mpf(10) ** -45 * max(abs(low), abs(high)):
-                return middle
-        return middle
-
-    def _conditions(self, value: mp.mpf, near: np.ndarray) -> dict[str, Any]:
-        """What changes its sign at critical values, at a value of the quantity."""
+    def _solved(self, value: Any, near: np.ndarray) -> tuple[Curve, np.ndarray]:
         curve = self.curve.at_value(value)
         y = solve(curve.function, near, curve.units)
         if y is None:
-            raise EngineLimit(f"the family is lost at {self.over} = {mp.nstr(value, 6)}")
+            raise EngineLimit(f"the family is lost at {self.over} = {float(value):g}")
+        return curve, y
+
+    def _in_doubles(self, value: float, near: np.ndarray) -> dict[str, float]:
+        """What changes its sign at critical values, at a value of the quantity."""
+        curve, y = self._solved(value, near)
+        n = curve.equations.size
+        return conditions_in_doubles(self.deflation.rest(curve.function(y)[1][:n, :n]))
+
+    def _in_digits(self, way: str, rough: float, near: np.ndarray, width: float) -> mp.mpf:
+        """Where a condition vanishes, by secants from what doubles tell."""
+        with mp.workprec(CRITICAL_BITS), flint.ctx.workprec(CRITICAL_BITS):
+            x = [mp.mpf(rough) - width, mp.mpf(rough)]
+            values = [self._exact_condition(way, value, near) for value in x]
+            for _ in range(MOST_SECANTS):
+                if values[-1] in (0, values[-2]):
+                    break
+                step = values[-1] * (x[-1] - x[-2]) / (values[-1] - values[-2])
+                x.append(x[-1] - step)
+                if abs(step) < mp.mpf(10) ** -28 * max(abs(x[-1]), 1):
+                    break
+                values.append(self._exact_condition(way, x[-1], near))
+            return x[-1]
+
+    def _exact_condition(self, way: str, value: mp.mpf, near: np.ndarray) -> mp.mpf:
+        curve, y = self._solved(value, near)
         exact = polish(curve.equations, y, CRITICAL_BITS)
-        slopes = curve.equations.balls(exact, CRITICAL_BITS)[1]
+        slopes = curve.equations.slopes_in_balls(exact, CRITICAL_BITS)
         found = characteristic(slopes, curve.equations.size, self.deflation.zeros)
         found = [c.mid() for c in found]
-        if is_even(found):
-            squares = found[::2]
-            return {"real": squares[0], "meeting": discriminant(squares)}
-        return {"real": found[0], "pair": hurwitz(found)}
+        if way == "real":
+            return to_mpf(found[0])
+        return to_mpf(hurwitz(found) if way == "pair" else discriminant(found[::2]))
 
     def at(self, value: Any) -> SteadyMotion:
         """The motion with a value of the quantity, on the curve nearest to its beginning."""
@@ -346,10 +349,13 @@ def follow(
     motion: SteadyMotion, over: Any, between: Sequence[Any], hold: Any, count: int
 ) -> SteadyFamily:
     """The family of a motion over a quantity, as ``SteadyMotion.along`` has it."""
+    if not isinstance(between, Sequence) or isinstance(between, str) or len(between) != 2:
+        raise DefinitionError("between: give the two ends of the span, such as between=(0, 10)")
     low, high = sorted(number(x, "between") for x in between)
     if not low < high or count < 2:
         raise DefinitionError("between: give two different values, and a count of two or more")
-    curve, start, held = _curve(motion, over, several(hold, "hold", "name"))
+    given = curve_of(motion, over, several(hold, "hold", "name"))
+    curve, start, held = given.curve, given.begin, given.held
     name = curve.equations.held[-1][0]
     begin = curve.value(start)
     if not low <= begin <= high:
@@ -362,24 +368,36 @@ def follow(
     return SteadyFamily(motion, name, held, curve, points, values, (first, last))
 
 
-def _curve(
-    motion: SteadyMotion, over: Any, hold: Sequence[Any]
-) -> tuple[Curve, np.ndarray, tuple[str, ...]]:
-    """The curve, its first point, and what is held on it."""
+@dataclass(frozen=True, eq=False)
+class CurveStart:
+    """A curve, its first point, and what is held on it."""
+
+    curve: Curve
+    begin: np.ndarray
+    held: tuple[str, ...]
+
+
+def curve_of(
+    motion: SteadyMotion, over: Any, hold: Sequence[Any], besides: Sequence[Any] = ()
+) -> CurveStart:
+    """The curve of a motion over a quantity; ``besides`` are held at its values, as those of
+    ``hold``, constants too."""
     equations, y, units = motion.equations, motion.y, motion.units
-    name = plain_name(over)
-    if name in equations.constants and name not in equations.names:
-        value = number(equations.values[name], f"parameter '{name}'")
-        equations = equations.with_unknowns([name])
-        y, units = np.append(y, value), np.append(units, abs(value) or 1.0)
+    for key in (over, *besides):
+        name = plain_name(key)
+        if name in equations.constants and name not in equations.names:
+            value = number(equations.values[name], f"parameter '{name}'")
+            equations = equations.with_unknowns([name])
+            y, units = np.append(y, value), np.append(units, abs(value) or 1.0)
     name, expr = read_quantity(equations, motion.motions, over)
-    released = {n: e for n, e in equations.held if n == name}
-    if released:
-        equations = replace(equations, held=tuple((n, e) for n, e in equations.held if n != name))
+    formulation = equations.formulation
+    leaves = {n for n, e in formulation.integrals.items() if is_leaf(formulation, e)} - {name}
+    kept = tuple((n, e) for n, e in equations.held if n in leaves)
+    equations = replace(equations, held=kept)
     held = dict[str, tuple[Any, Any]]()
-    for key in hold:
+    for key in (*hold, *besides):
         label, e = read_quantity(equations, motion.motions, key)
-        held[label] = (e, _value_of(equations, label, e, y))
+        held[label] = (e, float(equations.holding({label: (e, 0)}).at(y)[0][-1]))
     equations = equations.holding(held)
     curve = Curve(equations.holding({name: (expr, 0)}), units)
     space = null_space(curve.function(y)[1], units)
@@ -393,20 +411,16 @@ def _curve(
         main = space.T @ slope
         rest = space @ np.linalg.svd(main[None, :])[2][1:].T
         weights = np.where(y == 0, 4.0, 1.0) / units  # what is zero is held at zero rather
-        chosen = [i for i in pivots(rest * weights[:, None])]
-        more = {equations.names[i]: (equations.unknowns[i], float(y[i])) for i in chosen}
+        more = {
+            equations.names[i]: (equations.unknowns[i], float(y[i]))
+            for i in pivots(rest * weights[:, None])
+        }
         held |= more
         curve = Curve(equations.holding(more).holding({name: (expr, 0)}), units)
-    return curve, y, tuple(held)
+    return CurveStart(curve, y, tuple(held))
 
 
-def _value_of(equations: SteadyEquations, name: str, expr: Any, y: np.ndarray) -> float:
-    return float(equations.holding({name: (expr, 0)}).at(y)[0][-1])
-
-
-def _towards(
-    curve: Curve, start: np.ndarray, begin: float, target: float, name: str
-) -> np.ndarray:
+def _towards(curve: Curve, start: np.ndarray, begin: float, target: float, name: str) -> np.ndarray:
     """The first point of the curve in the span."""
     sign = 1.0 if target > begin else -1.0
     span = (min(begin, target), max(begin, target))

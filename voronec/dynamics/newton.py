@@ -89,7 +89,7 @@ def polish(equations: Any, y: np.ndarray, bits: int) -> list[Any]:
         found = flint.arb_mat(len(y), 1, y.tolist())
         last = float("inf")
         for _ in range(2 + bits // 20):
-            values, _ = equations.balls(found.entries(), bits)
+            values = equations.balls(found.entries(), bits)
             if not all(v.is_finite() for v in values):
                 raise EngineLimit("the right side has no finite value there")
             step = (exact * flint.arb_mat(len(values), 1, values)).mid()

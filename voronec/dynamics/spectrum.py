@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
 import flint
@@ -19,6 +20,9 @@ import numpy as np
 SMALL = 1e-7
 """Singular values, and real parts, below this share of the largest are taken for zero: a chain of
 two eigenvalues is known to the root of the rounding."""
+
+EVEN = 1e-10
+"""Odd coefficients below this, of a matrix of norm one, vanish."""
 
 
 @dataclass(frozen=True)
@@ -79,14 +83,19 @@ def characteristic(slopes: Any, size: int, zeros: int) -> list[Any]:
     return coefficients[zeros:]
 
 
-def is_even(coefficients: Sequence[Any]) -> bool:
-    """Whether with each eigenvalue its negative is one: odd coefficients vanish, to half of the
-    digits at work."""
-    size = max(float(abs(c.mid())) for c in coefficients)
-    small = size * 2.0 ** (-flint.ctx.prec / 2)
-    return len(coefficients) % 2 == 1 and all(
-        float(abs(c.mid())) <= small for c in coefficients[1::2]
-    )
+def conditions_in_doubles(matrix: np.ndarray) -> dict[str, float]:
+    """What changes its sign where an eigenvalue passes through zero (``real``), where a pair
+    crosses the imaginary axis (``pair``), and, where with each eigenvalue its negative is one,
+    where two pairs meet on it (``meeting``), scaled."""
+    scale = float(np.linalg.norm(matrix, 2)) if matrix.size else 1.0
+    values = np.linalg.eigvals(matrix / (scale or 1.0))
+    found = {"real": float(np.prod(values).real)}
+    coefficients = np.poly(matrix / (scale or 1.0))
+    if len(values) % 2 == 0 and np.abs(coefficients[1::2]).max(initial=0.0) < EVEN:
+        squares = np.roots(coefficients[::2])
+        gaps = [(a - b) ** 2 for a, b in combinations(squares, 2)]
+        return found | {"meeting": float(np.prod(gaps).real)}
+    return found | {"pair": float(np.prod([a + b for a, b in combinations(values, 2)]).real)}
 
 
 def hurwitz(coefficients: Sequence[Any]) -> Any:

@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING, Any
 import flint
 import mpmath as mp
 import numpy as np
+import symengine as se
 
 from voronec.algebra.arguments import COUNT, SEVERAL, VALUES, accepts
 from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import plain_name
-from voronec.declaration.reading import quote, several
+from voronec.declaration.reading import expression, quote, several
 from voronec.declaration.system import System, require_system
 from voronec.dynamics.enclosure import enclosed_on_right
 from voronec.dynamics.newton import null_space, polish, solve
@@ -32,9 +33,11 @@ from voronec.dynamics.steady_equations import (
 )
 from voronec.equations.motions import Motions
 from voronec.equations.voronec_equations import VoronecEquations, derive
-from voronec.errors import DefinitionError, EngineLimit, did_you_mean
+from voronec.errors import DefinitionError, did_you_mean
+from voronec.motion.request import number
 
 if TYPE_CHECKING:
+    from voronec.dynamics.charts import StabilityChart
     from voronec.dynamics.families import SteadyFamily
 
 NEAR = 1e-5
@@ -44,14 +47,13 @@ FAR = 1e3
 """Solutions beyond so many units are not told of: many functions vanish at infinity."""
 
 
+HALF = se.Rational(1, 2)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class SteadyMotion:
-    """One steady motion, or one of a family.
-
-    ``point`` has the values of the variables, and of what was to be found, by name; ``dimension``
-    is that of the family with the constants as they are; ``free`` names as many variables by which
-    its members are told apart, and ``zero`` those that vanish along it.
-    """
+    """One steady motion, or one of a family: ``y`` (n,) are the values of the unknowns of its
+    ``equations``, whose usual sizes are ``units`` (n,)."""
 
     motions: Motions = field(repr=False)
     equations: SteadyEquations = field(repr=False)
@@ -62,7 +64,7 @@ class SteadyMotion:
     @property
     def system(self) -> System:
         """The system."""
-        return self.equations.level.system
+        return self.equations.system
 
     @property
     def point(self) -> dict[str, float]:
@@ -94,7 +96,7 @@ class SteadyMotion:
     @property
     def is_rest(self) -> bool:
         """Whether nothing moves at all."""
-        moving = {str(v) for v in self.equations.level.velocities}
+        moving = {str(v) for v in self.equations.formulation.velocities}
         return all(x == 0 for name, x in self.point.items() if name in moving)
 
     @property
@@ -141,7 +143,7 @@ class SteadyMotion:
         # an eigenvalue of a chain of n loses so many digits
         bits = int(3.33 * (digits + 10)) * (max(self.deflation.counts, default=1) + 2) + 64
         y = polish(self.equations, self.y, bits)
-        slopes = self.equations.balls(y, bits)[1]
+        slopes = self.equations.slopes_in_balls(y, bits)
         with flint.ctx.workprec(bits):
             block = [flint.acb(slopes[i, j].mid()) for i in range(n) for j in range(n)]
             found = flint.acb_mat(n, n, block).eig(algorithm="approx")
@@ -150,22 +152,41 @@ class SteadyMotion:
         small = mp.mpf(10) ** -(digits + 2) * size
         with mp.workdps(digits):
             parts = [mp.mpc(*(x if abs(x) > small else 0 for x in pair)) for pair in pairs]
-            return sorted((+e for e in parts), key=lambda e: (mp.nstr(e.real, 12), e.imag)) and (
-                sorted((+e for e in parts), key=lambda e: (float(e.real), float(e.imag)))
-            )
+            return sorted((+e for e in parts), key=lambda e: (float(e.real), float(e.imag)))
 
     @cached_property
-    def stability(self) -> StabilityVerdict:
+    def verdict(self) -> StabilityVerdict:
         """What the linearisation says, in the words of mathematics."""
         return judge(self)
+
+    def stability(
+        self, over: Any = None, between: Any = None, hold: Any = (), count: int = 100
+    ) -> StabilityVerdict | SteadyFamily:
+        """The ``verdict``; with ``over`` the family over that quantity, with its critical values,
+        as ``along`` gives it."""
+        return self.verdict if over is None else self.along(over, between, hold, count)
 
     def along(
         self, over: Any, between: Sequence[Any], hold: Any = (), count: int = 100
     ) -> SteadyFamily:
-        """The family in which a quantity goes from one value to another: see ``SteadyFamily``."""
+        """The family in which a quantity ``over`` - a parameter, an input, a variable, an integral
+        or a formula in them - goes from one value to another, in some ``count`` steps.
+
+        What ``at`` gave to ``steady`` is held where ``hold`` names it; where the family has more
+        dimensions than one, variables are held besides, such as are zero first.  Functions of
+        integrable constraints are always held.  ``DefinitionError`` where the quantity is
+        constant along the family, or the family does not reach the span.
+        """
         from voronec.dynamics.families import follow
 
         return follow(self, over, between, hold, count)
+
+    def chart(self, x: Any, y: Any, count: int = 40, hold: Any = ()) -> StabilityChart:
+        """How many eigenvalues lie on the right over two quantities, ``(name, low, high)`` each, at
+        ``count`` values of both."""
+        from voronec.dynamics.charts import chart
+
+        return chart(self, x, y, count, hold)
 
     def __repr__(self) -> str:
         values = ", ".join(f"{n}={x:.6g}" for n, x in self.point.items())
@@ -181,8 +202,8 @@ class SteadyMotion:
             "zero": list(self.zero),
             "eigenvalues": [[float(e.real), float(e.imag)] for e in self.spectrum],
             "zeros": self.zeros,
-            "stability": str(self.stability),
-            "proved": self.stability.proved,
+            "stability": str(self.verdict),
+            "proved": self.verdict.proved,
         }
 
 
@@ -212,7 +233,7 @@ def judge(motion: SteadyMotion) -> StabilityVerdict:
     """The verdict on one steady motion."""
     values, count = motion.spectrum, unstable_count(motion.spectrum)
     if count:
-        witness = enclosed_on_right(motion.equations, motion.y, complex(values[-1]))
+        witness = enclosed_on_right(motion.motions, motion.equations, motion.y, complex(values[-1]))
         return StabilityVerdict("unstable", witness is not None, count, witness or "")
     size = float(np.abs(values).max(initial=0.0))
     left = len(values) and bool((values.real < -SMALL * size).all())
@@ -297,7 +318,7 @@ def steady(
     held = {}
     for key, value in (at or {}).items():
         name, expr = read_quantity(found, motions, key)
-        held[name] = (expr, value)
+        held[name] = (expr, expression(value, f"the value of '{name}'"))
     found = found.holding(held)
     return _search(motions, found, said, starts, seed)
 
@@ -312,7 +333,7 @@ def _require_constants(equations: SteadyEquations, names: Iterable[str]) -> None
     for name in names:
         if name not in known:
             raise DefinitionError(
-                f"system '{equations.level.system.name}': '{quote(name)}' is no parameter and no "
+                f"system '{equations.system.name}': '{quote(name)}' is no parameter and no "
                 f"input of the equations{did_you_mean(name, known)}"
             )
 
@@ -330,6 +351,7 @@ def _search(
         for name, value in equations.targets.items():
             if name in equations.names:
                 y[equations.names.index(name)] = float(value)
+        y[roots_of(equations)] = np.abs(y[roots_of(equations)])
         motion = settle(motions, equations, y, units)
         if motion is not None:
             solved += 1
@@ -337,23 +359,32 @@ def _search(
             found.setdefault((motion.dimension, motion.zero, place), motion)
     if not found:
         raise DefinitionError(
-            f"system '{equations.level.system.name}': none of {starts} starts leads to a steady "
+            f"system '{equations.system.name}': none of {starts} starts leads to a steady "
             "motion; hold fewer values, or take more starts"
         )
     order = sorted(found.values(), key=lambda m: (not m.is_rest, -len(m.zero), m.dimension))
-    return SteadyMotions(equations.level.system, tuple(order), starts, solved)
+    return SteadyMotions(equations.system, tuple(order), starts, solved)
 
 
 def sizes_of(equations: SteadyEquations, said: Mapping[str, Any]) -> np.ndarray:
     """The usual sizes of the unknowns: what scenes and values say of them, else one."""
-    values = {**said, **equations.values, **equations.targets}
-    system = equations.level.system
+    values = {
+        k: x for k, x in {**said, **equations.values, **equations.targets}.items() if x is not None
+    }
+    system = equations.system
     for scene in system.scenes.values():
         for key, value in scene.initial.items():
-            name = plain_name(key)
-            values[name] = max(values.get(name, 0), value, key=lambda x: abs(float(x)))
-    sizes = [abs(float(values.get(name) or 0)) for name in equations.names]
+            name, size = plain_name(key), abs(number(value, "a value of a scene"))
+            values[name] = max(abs(number(values.get(name, 0), "a value")), size)
+    sizes = [abs(number(values.get(name, 0), "a value")) for name in equations.names]
     return np.array([size or 1.0 for size in sizes])
+
+
+def roots_of(equations: SteadyEquations) -> list[int]:
+    """The positions of states that are square roots, and so never negative."""
+    start = equations.formulation.start
+    states = enumerate(equations.unknowns[: equations.size])
+    return [i for i, x in states if isinstance(e := start.get(x), se.Pow) and e.args[1] == HALF]
 
 
 def settle(
@@ -366,10 +397,7 @@ def settle(
     near = np.where(np.abs(found) < NEAR * units, 0.0, found)
     exact = solve(equations.at, near, units)
     found = exact if exact is not None else found
+    if any(found[i] < 0 for i in roots_of(equations)):
+        return None
     return SteadyMotion(motions, equations, np.where(np.abs(found) < 1e-12 * units, 0.0, found),
                         units)  # fmt: skip
-
-
-def require_limit(name: str, limit: EngineLimit) -> DefinitionError:
-    """What a user is told where digits are asked for that there are not."""
-    return DefinitionError(f"system '{name}': {limit}; ask for fewer digits")

@@ -11,7 +11,7 @@ program, evaluated in doubles or in balls.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -20,20 +20,31 @@ import numpy as np
 import symengine as se
 import sympy as sp
 
+from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape, as_ball
 from voronec.algebra.text import name_or_formula
 from voronec.declaration.reading import expression, quote
+from voronec.declaration.system import System
 from voronec.equations.motions import Motions
 from voronec.equations.program import Block, Program, compile_program
 from voronec.equations.program.jacobian import jacobian
 from voronec.equations.program.straight import fresh_names, share_subexpressions
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.errors import DefinitionError, EngineLimit, VoronecError, did_you_mean
-from voronec.motion.model import SmallestModels
-from voronec.motion.model.level import Level, dependence, keep_relations, needed_variables, restrict
-from voronec.motion.model.special import constants
+from voronec.errors import DefinitionError, VoronecError, did_you_mean
+from voronec.motion.formulation import SmallestModels
+from voronec.motion.formulation.formulation import (
+    Formulation,
+    dependence,
+    keep_relations,
+    needed_variables,
+    restrict,
+)
+from voronec.motion.formulation.special import constants
 from voronec.motion.request import Namespace, number
+
+RECENT = 64
+"""Values at so many points are kept: tangents and slopes ask for them again."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,12 +55,19 @@ class SteadyEquations:
     those of all other constants, exact where they were given so; ``targets`` those of what is held.
     """
 
-    level: Level
+    formulation: Formulation
     rates: Program
     unknowns: tuple[Any, ...]
     held: tuple[tuple[str, Any], ...]
     values: Mapping[str, Any]
     targets: Mapping[str, Any]
+    memo: Memo = field(default_factory=Memo, repr=False)
+
+    @property
+    def system(self) -> System:
+        """The system."""
+        found: System = self.formulation.system
+        return found
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -64,7 +82,7 @@ class SteadyEquations:
     @property
     def constants(self) -> tuple[str, ...]:
         """The names of parameters and inputs that may be found or changed."""
-        frozen = {*map(str, constants_of(self.level))}
+        frozen = {*map(str, constants_of(self.formulation))}
         own = (*self.rates.parameters, *self.rates.inputs)
         return tuple(str(p) for p in own if str(p) not in frozen)
 
@@ -90,76 +108,107 @@ class SteadyEquations:
         own = (*self.rates.parameters, *self.rates.inputs)
         return tuple(p for p in own if p not in self.unknowns)
 
-    @cached_property
-    def _block(self) -> Block:
-        """Values, then slopes row by row."""
+    def _once(self, what: str, make: Callable[[], Any]) -> Any:
+        """What does not depend on values is made once for all values."""
+        return self.memo.once((what, self.unknowns, self.held), make)
+
+    @property
+    def _blocks(self) -> tuple[Block, Block]:
+        """Values, and slopes row by row."""
+        blocks: tuple[Block, Block] = self._once("blocks", self._write)
+        return blocks
+
+    def _write(self) -> tuple[Block, Block]:
         derivative = self.rates.derivative
         known = [self.rates.time, *self.rates.state, *self.rates.parameters, *self.rates.inputs]
         fresh = fresh_names([*known, *(n for n, _ in derivative.assignments)], "h")
-        beside = [*self.level.relations, *(e for _, e in self.held)]
-        more = share_subexpressions(beside, fresh, self.level.stages)
+        beside = [*self.formulation.relations, *(e for _, e in self.held)]
+        more = share_subexpressions(beside, fresh, self.formulation.stages)
         rows = Block(
             (*derivative.assignments, *more.assignments), (*derivative.results, *more.results)
         )
-        states = self.rates.state
-        unknown = self.unknowns[len(states) :]
+        unknown = self.unknowns[self.size :]
         program = replace(self.rates, parameters=self._arguments, inputs=unknown, derivative=rows)
-        slopes = jacobian(program)
-        return _joined(rows, slopes, fresh_names(known, "k"))
+        return rows, jacobian(program)
 
     @cached_property
     def _function(self) -> Callable[[Any, Any, Any], list[Any]]:
+        function: Callable[[Any, Any, Any], list[Any]] = self._once("function", self._compile)
+        return function
+
+    def _compile(self) -> Callable[[Any, Any, Any], list[Any]]:
         blank = Block((), (se.Integer(0),) * len(self.unknowns))
-        names = tuple(f"entry {i}" for i in range(len(self._block.results)))
-        program = Program(self.rates.time, self.unknowns, (), self._arguments, blank, names,
-                          self._block)  # fmt: skip
+        block = _joined(*self._blocks, fresh_names([*self.unknowns, *self._arguments], "k"))
+        names = tuple(f"entry {i}" for i in range(len(block.results)))
+        program = Program(self.rates.time, self.unknowns, (), self._arguments, blank, names, block)
         return compile_program(program, scalar=True)[1]
 
-    @property
+    @cached_property
+    def _recent(self) -> dict[bytes, tuple[np.ndarray, np.ndarray]]:
+        """What was computed last, by the point."""
+        return {}
+
+    @cached_property
     def _targets(self) -> list[Any]:
         return [self.targets[name] for name, _ in self.held]
 
+    @cached_property
+    def _target_doubles(self) -> np.ndarray:
+        return np.array([number(x, "a value that is held") for x in self._targets])
+
     def at(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """F (m,) and its Jacobian (m, n) in doubles; not finite where there is no value."""
-        n, m = len(self.unknowns), self.size + len(self.level.relations) + len(self.held)
+        key = y.tobytes()
+        if key not in self._recent:
+            if len(self._recent) >= RECENT:
+                self._recent.clear()
+            self._recent[key] = self._at(y)
+        return self._recent[key]
+
+    def _at(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        n, m = len(self.unknowns), self.size + len(self.formulation.relations) + len(self.held)
         try:
             found = np.array(self._function(0.0, y.tolist(), self._doubles), dtype=float)
         except (ZeroDivisionError, ValueError, OverflowError, TypeError):
             return np.full(m, np.nan), np.full((m, n), np.nan)
-        found[m - len(self.held) : m] -= np.array([float(x) for x in self._targets])
+        found[m - len(self.held) : m] -= self._target_doubles
         return found[:m], found[m:].reshape(m, n)
 
     @cached_property
     def _doubles(self) -> list[float]:
         return [number(self.values[str(p)], f"parameter '{p}'") for p in self._arguments]
 
-    @cached_property
-    def _tapes(self) -> list[tuple[Any, Tape]]:
-        return [(name, Tape([e])) for name, e in self._block.assignments]
-
-    @cached_property
-    def _ends(self) -> Tape:
-        return Tape(self._block.results)
-
-    def balls(self, y: Sequence[Any], bits: int) -> tuple[list[Any], Any]:
-        """F and its Jacobian, an ``arb_mat``, enclosed at balls y.
-
-        ``EngineLimit`` where a function has no evaluation in balls.
-        """
+    def _run_in_balls(self, which: int, y: Sequence[Any], bits: int) -> list[Any]:
+        """The results of one of the blocks."""
+        steps, ends = self._once(("tapes", which), lambda: _record(self._blocks[which]))
         with flint.ctx.workprec(bits):
             known = {p: as_ball(self.values[str(p)]) for p in self._arguments}
             known |= dict(zip(self.unknowns, map(flint.arb, y), strict=True))
+            for name, tape in steps:
+                known[name] = tape.run(known, _constant)[0]
+            found: list[Any] = ends.run(known, _constant)
+            return found
 
-            def constant(c: Any) -> Any:
-                return c() if callable(c) else flint.arb(c)
+    def balls(self, y: Sequence[Any], bits: int) -> list[Any]:
+        """F enclosed at balls y.  ``EngineLimit`` where a function has no evaluation in balls."""
+        found = self._run_in_balls(0, y, bits)
+        with flint.ctx.workprec(bits):
+            for i, target in enumerate(self._targets, len(found) - len(self.held)):
+                found[i] -= as_ball(target)
+        return found
 
-            for name, tape in self._tapes:
-                known[name] = tape.run(known, constant)[0]
-            found = self._ends.run(known, constant)
-            n, m = len(self.unknowns), self.size + len(self.level.relations) + len(self.held)
-            for i, target in enumerate(self._targets):
-                found[m - len(self.held) + i] -= as_ball(target)
-            return found[:m], flint.arb_mat(m, n, found[m:])
+    def slopes_in_balls(self, y: Sequence[Any], bits: int) -> Any:
+        """The Jacobian of F enclosed at balls y, an ``arb_mat``."""
+        found = self._run_in_balls(1, y, bits)
+        return flint.arb_mat(len(found) // len(self.unknowns), len(self.unknowns), found)
+
+
+def _record(block: Block) -> tuple[list[tuple[Any, Tape]], Tape]:
+    return [(name, Tape([e])) for name, e in block.assignments], Tape(block.results)
+
+
+def _constant(c: Any) -> Any:
+    return c() if callable(c) else flint.arb(c)
 
 
 def _joined(rows: Block, slopes: Block, names: Any) -> Block:
@@ -175,34 +224,36 @@ def _joined(rows: Block, slopes: Block, names: Any) -> Block:
     return Block((*rows.assignments, *renamed), ends)
 
 
-def constants_of(level: Level) -> tuple[Any, ...]:
-    """Parameters of a level that are constant variables."""
-    own = {p.name for p in level.system.parameters} | {plain_name(u) for u in level.system.inputs}
-    return tuple(p for p in level.parameters if str(p) not in own)
+def constants_of(formulation: Formulation) -> tuple[Any, ...]:
+    """Parameters of a formulation that are constant variables."""
+    own = {p.name for p in formulation.system.parameters} | {
+        plain_name(u) for u in formulation.system.inputs
+    }
+    return tuple(p for p in formulation.parameters if str(p) not in own)
 
 
-def steady_level(equations: VoronecEquations) -> Level:
-    """The smallest level for the velocities: what accelerations do not depend on is left out,
+def steady_formulation(equations: VoronecEquations) -> Formulation:
+    """The smallest formulation for the velocities: what accelerations do not depend on is left out,
     constant variables are parameters.  It is kept with the equations."""
-    return equations.memo.once("steady level", lambda: _level(equations))
+    return equations.memo.once("steady formulation", lambda: _make(equations))
 
 
-def _level(equations: VoronecEquations) -> Level:
+def _make(equations: VoronecEquations) -> Formulation:
     space = Namespace.of(equations)
     wanted = space.read_outputs(equations.system.velocities).terms
     integrals = {name: space.claims[name] for name in equations.system.integrals}
-    level = SmallestModels.of(Motions.of(equations), wanted, integrals).general.full
-    kept = needed_variables(level, dependence(level))
-    still = constants(level)
-    level = replace(level, parameters=(*level.parameters, *still))
-    return keep_relations(restrict(level, [x for x in kept if x not in still]))
+    formulation = SmallestModels.of(Motions.of(equations), wanted, integrals).general.full
+    kept = needed_variables(formulation, dependence(formulation))
+    still = constants(formulation)
+    formulation = replace(formulation, parameters=(*formulation.parameters, *still))
+    return keep_relations(restrict(formulation, [x for x in kept if x not in still]))
 
 
-def is_leaf(level: Level, expr: Any) -> bool:
+def is_leaf(formulation: Formulation, expr: Any) -> bool:
     """Whether an integral is one of the constraints: a function of the positions alone, which the
     motion cannot change."""
-    return bool(expr.free_symbols & {*level.positions}) and not (
-        expr.free_symbols & {*level.velocities}
+    return bool(expr.free_symbols & {*formulation.positions}) and not (
+        expr.free_symbols & {*formulation.velocities}
     )
 
 
@@ -216,19 +267,24 @@ def steady_equations(
 
     ``DefinitionError`` where the system depends on the time.
     """
-    level = steady_level(equations)
-    program = Program.of(level.form)
+    formulation = steady_formulation(equations)
+    program = Program.of(formulation.form)
     system = equations.system
     if program.time in {s for e in program.derivative.expressions for s in e.free_symbols}:
         raise DefinitionError(
-            f"system '{system.name}' depends on the time: it has no steady motions; make what moves "
-            "a coordinate, or an input"
+            f"system '{system.name}' depends on the time: it has no steady motions; make what "
+            "moves a coordinate, or an input"
+        )
+    if program.is_rough:
+        raise DefinitionError(
+            f"system '{system.name}': its right side is not smooth (signs, steps or corners stand "
+            "in it), so that it has no Jacobian; replace what is not smooth"
         )
     values: dict[str, Any] = {p.name: p.value for p in system.parameters if p.value is not None}
-    values |= {str(x): start.get(str(x), 0) for x in constants_of(level)}
+    values |= {str(x): start.get(str(x), 0) for x in constants_of(formulation)}
     values |= parameters
-    leaves = {n: e for n, e in level.integrals.items() if is_leaf(level, e)}
-    found = SteadyEquations(level, program, program.state, (), values, {})
+    leaves = {n: e for n, e in formulation.integrals.items() if is_leaf(formulation, e)}
+    found = SteadyEquations(formulation, program, program.state, (), values, {})
     given = {n: (e, _value_there(n, e, {**start, **values})) for n, e in leaves.items()}
     return found.holding({n: (e, x) for n, (e, x) in given.items() if x is not None})
 
@@ -251,11 +307,11 @@ def as_symengine(value: Any) -> Any:
 
 def read_quantity(equations: SteadyEquations, motions: Motions, key: Any) -> tuple[str, Any]:
     """What a user names - a variable, an integral, a constant or a formula in these - as an
-    expression on the level."""
-    level, system = equations.level, equations.level.system
-    own = {str(x): x for x in (*level.variables, *level.parameters)}
+    expression on the formulation."""
+    formulation, system = equations.formulation, equations.system
+    own = {str(x): x for x in (*formulation.variables, *formulation.parameters)}
     own |= {str(x): x for x in equations.rates.inputs}
-    known = {**own, **level.integrals}
+    known = {**own, **formulation.integrals}
     name = key if isinstance(key, str) else plain_name(key)
     if name in known:
         return name, known[name]
@@ -267,7 +323,9 @@ def read_quantity(equations: SteadyEquations, motions: Motions, key: Any) -> tup
             raise DefinitionError(f"{place} is unknown{did_you_mean(read, [*known])}")
         read = space.known[read]
     try:
-        flow = motions.at("invariants" if level.name.startswith("invariants") else "coordinates")
+        flow = motions.at(
+            "invariants" if formulation.name.startswith("invariants") else "coordinates"
+        )
         expr = flow.read(read)
     except VoronecError:
         expr = motions.equations.bridge.inward(read)
@@ -281,17 +339,10 @@ def read_quantity(equations: SteadyEquations, motions: Motions, key: Any) -> tup
 
 def require_values(equations: SteadyEquations) -> None:
     """``DefinitionError`` where a parameter or input has no value."""
-    system = equations.level.system
+    system = equations.system
     for p in (*equations.rates.parameters, *equations.rates.inputs):
         if p not in equations.unknowns and equations.values.get(str(p)) is None:
             raise DefinitionError(
                 f"system '{system.name}': '{p}' has no value; give parameters={{'{p}': number}}, "
                 f"or find it: free=('{p}',)"
             )
-
-
-def require_balls(equations: SteadyEquations, y: np.ndarray) -> None:
-    """``EngineLimit`` where the equations have no evaluation in balls."""
-    values, _ = equations.balls(list(map(float, y)), 64)
-    if not all(v.is_finite() for v in values):
-        raise EngineLimit("the right side has no finite value there")

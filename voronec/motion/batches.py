@@ -38,9 +38,10 @@ from voronec.motion.steppers.series_reach import (
     PARTS,
     STRIDE,
     Field,
+    LongSteps,
     blind_lanes,
     field_of,
-    overlong_lanes,
+    long_steps,
     series_reach,
     uneven_steps,
 )
@@ -240,14 +241,18 @@ class Lanes:
             usual, suspect = uneven_steps(span, latest, self.steps.stride)
             suspect &= ta.alive
             if suspect.any():
-                there = ta.place
+                there, every = ta.place, np.arange(self.width)
                 ta.return_to(begin)
+                steps = list[LongSteps]()
                 for own in ta.loads(suspect):
-                    found[own] |= overlong_lanes(
-                        ta.batch, self.right_side(own), there[0][own], limits[own],
-                        int(latest.taken[own].max()), usual[own],
-                    )  # fmt: skip
+                    most = int(latest.taken[own].max())
+                    steps += long_steps(
+                        ta.batch, every[own], there[0][own], limits[own], most, usual[own]
+                    )
                 ta.return_to(there)
+                if steps:
+                    too_long = LongSteps.join(steps).overlong(self.right_side, ta.batch.tol)
+                    found[too_long] = True
         self.steps.overlong[found] = True
         return found
 

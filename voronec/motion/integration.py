@@ -320,7 +320,8 @@ class _Job:
         cost = Cost(
             **chosen, setup=ready - began + run.prepared,
             run=perf_counter() - ready - run.prepared, cpu=process_time() - busy,
-            steps=run.steps, evaluations=run.evaluations, switches=run.switches, level=made.level,
+            steps=run.steps, evaluations=run.evaluations, switches=run.switches,
+            formulation=made.formulation,
         )  # fmt: skip
         trajectory, halt = self._outcome(run, values, cost, switched is None)
         if halt is not None:
@@ -659,7 +660,7 @@ def _with_failures(trajectory: Trajectory, errors: list[IntegrationError]) -> Tr
         return trajectory
     times = [float(e.time) for e in errors if e.trajectory is not None]
     words = "; ".join(
-        f"{c.method} in {c.level} fails after t = {t:.6g}"
+        f"{c.method} in {c.formulation} fails after t = {t:.6g}"
         for c, t in zip(failed, times, strict=True)
     )
     cost = trajectory.cost

@@ -16,8 +16,8 @@ from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
+from voronec.motion.formulation import SmallestModels
 from voronec.motion.initial_conditions import parameter_values, start_of, starts_in_arrays
-from voronec.motion.model import SmallestModels
 from voronec.motion.motion_start import require_inertia
 from voronec.motion.observables import size_of_terms
 from voronec.motion.request import Namespace, Starts, name_values
@@ -37,12 +37,12 @@ than those that are given."""
 class WorkingEquations:
     """The equations in which motions run, and what is looked at, all in the engine's symbols.
 
-    ``level`` says in which variables they stand; ``start`` is what each of them is in coordinates
-    and velocities, and ``frozen`` what constants of the motion among the parameters are;
-    ``quantities`` and ``integrals`` are in the form's variables.
+    ``formulation`` says in which variables they stand; ``start`` is what each of them is in
+    coordinates and velocities, and ``frozen`` what constants of the motion among the parameters
+    are; ``quantities`` and ``integrals`` are in the form's variables.
     """
 
-    level: str
+    formulation: str
     form: Any
     start: tuple[Any, ...]
     frozen: Mapping[str, Any]
@@ -65,7 +65,7 @@ def ground(
     # an angle that is read off needs its branch followed along the motion
     if model is not None and model.start and wanted.keys() <= model.outputs.keys():
         return WorkingEquations(
-            level=model.level,
+            formulation=model.formulation,
             form=model.form,
             start=tuple(model.start.values()),
             frozen={str(symbol): e for symbol, e in model.frozen.items()},
@@ -73,7 +73,7 @@ def ground(
             integrals=model.integrals,
         )
     return WorkingEquations(
-        level="coordinates",
+        formulation="coordinates",
         form=own,
         start=(*own.coordinates, *own.velocities),
         frozen={},

@@ -273,8 +273,8 @@ class Section:
     crossings up to t = ...`` or ``failed``; ``errors`` has the failures by position, ``notes`` what
     is to be said of motions, as in ``Ensemble``.
     ``drift`` maps the integrals that the equations in use can express to their largest change up to
-    the last point, (starts,), relative as in ``Ensemble``; ``level`` names the variables of these
-    equations.
+    the last point, (starts,), relative as in ``Ensemble``; ``formulation`` names the variables of
+    these equations.
     """
 
     system: System
@@ -292,7 +292,7 @@ class Section:
     errors: Mapping[int, VoronecError]
     parameters: Mapping[str, np.ndarray]
     drift: Mapping[str, np.ndarray]
-    level: str
+    formulation: str
     cost: Cost
     interrupted: bool = False
     notes: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
@@ -336,7 +336,7 @@ class Section:
         return NamedArrays.of(
             self.system, "Section", variables_of(*points, each), ("point",), own, plane=self.plane,
             value=self.value, direction=self.direction, touches=[list(x) for x in self.touches],
-            level=self.level, interrupted=self.interrupted, cost=asdict(self.cost),
+            formulation=self.formulation, interrupted=self.interrupted, cost=asdict(self.cost),
             notes={str(i): list(told) for i, told in self.notes.items()},
         )  # fmt: skip
 
@@ -612,7 +612,7 @@ def _section(
             {n: x for n, x in motions.parameters.items() if n in system.parameter_names}
         ),
         drift=MappingProxyType(drift),
-        level=motions.ground.level,
+        formulation=motions.ground.formulation,
         cost=cost,
         interrupted=passages.interrupted,
         notes=MappingProxyType(passages.notes),

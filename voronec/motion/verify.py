@@ -26,7 +26,7 @@ from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import VoronecError
-from voronec.motion.model.special import is_many_valued
+from voronec.motion.formulation.special import is_many_valued
 from voronec.motion.observables import evaluate_extras
 from voronec.motion.state_probe import at_each, changes, usual_size
 from voronec.motion.step_defects import program_rates, strayed_rows, wrong_steps

@@ -159,9 +159,11 @@ class Drafts:
         columns = {**found.columns, STATUS: reasons == "", REASON: reasons}
         files = {}
         for name, array in self.arrays.items():
+            if name == REASON and columns[STATUS].all():
+                continue
             array[place] = columns[name].reshape(shape)
             shard = Path(array_key(name), "c", *at)
-            if (self.made / shard).exists():  # what is empty all over, as most reasons, has none
+            if (self.made / shard).exists():  # what is empty all over has none
                 files[str(shard)] = self._move(shard)
         for name, points in found.points.items():
             part = Path(array_key(name), f"{chunk:06d}.parquet")

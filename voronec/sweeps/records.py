@@ -178,7 +178,8 @@ class Task:
             for i in range(len(rows)):
                 row = {n: x[i].item() for n, x in columns.items()}
                 self._alone(alone, i, row, found, reasons)
-        told = np.array([reasons.get(i, "") for i in range(len(rows))], dtype=object)
+        told = np.full(len(rows), "", dtype=object)
+        told[[*reasons]] = [*reasons.values()]
         for column in found.values():
             column[told != ""] = "" if column.dtype == object else np.nan
         order = [r.column for r in self.records if not r.is_list]

@@ -5,9 +5,9 @@ from __future__ import annotations
 import inspect
 import os
 import platform
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import contextmanager
+from contextlib import closing
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
@@ -28,10 +28,11 @@ from voronec.algebra.arguments import (
     require,
 )
 from voronec.declaration.system import System, require_system
+from voronec.declaration.worker_processes import stop_reimport
 from voronec.errors import DefinitionError
 from voronec.motion.batches import require_method
+from voronec.motion.formulation.model_cache import DYNAMIC_FIELDS, spell
 from voronec.motion.inputs import drive
-from voronec.motion.model.model_cache import DYNAMIC_FIELDS, spell
 from voronec.motion.request import Namespace, grid_of, scene_of
 from voronec.motion.sections import starts_alike
 from voronec.motion.storage import (
@@ -45,11 +46,11 @@ from voronec.motion.storage import (
 from voronec.motion.storage import open as open_saved
 from voronec.motion.tolerances import EXACT
 from voronec.sweeps.engines import (
-    OwnProcesses,
     Portion,
     compute_here,
+    own_processes,
     spread,
-    stop_reimport,
+    submit_to,
 )
 from voronec.sweeps.folder import SweepFolder, require_room
 from voronec.sweeps.plan import SweepPlan, make_plan
@@ -202,9 +203,11 @@ def sweep(
     require_method(method)
     task = _task(declared, record, times, scene, parameters, initial, inputs, method, tol)
     plan = _plan(task, grid, starts, seed, chunk)
-    folder = _folder(target, plan, task, seed)
+    digests = _digests(plan, task, seed)
+    whole = sha256(repr(sorted(digests.items())).encode()).hexdigest()
+    folder = SweepFolder(target, plan, task.records, whole)
     header = header_of(
-        declared, "Sweep", digest=folder.digest, digests=_digests(plan, task, seed), seed=seed,
+        declared, "Sweep", digest=whole, digests=digests, seed=seed,
         record=[r.column for r in task.records], scene=task.scene, method=method, tolerance=tol,
         times=task.times.tolist(), parameters=str(task.parameters), initial=str(task.initial),
         machine=platform.machine(), lanes=_lanes(), chunk=list(plan.box),
@@ -214,7 +217,7 @@ def sweep(
     with folder.drafts(header, meanings_of(declared)) as drafts:
         work = _SweepWork(task, plan, folder.kept_chunks(), progress)
         try:
-            with _engine(work, executor, jobs) as results:
+            with closing(_results(work, executor, jobs)) as results:
                 for number, found in results:
                     drafts.keep(number, found)
                     work.tell(number)
@@ -281,8 +284,8 @@ def _digests(plan: SweepPlan, task: Task, seed: int) -> dict[str, str]:
     parts: dict[str, Any] = {
         "system": [system.name, spell([getattr(system, n) for n in DYNAMIC_FIELDS])],
         "scene": [task.scene, spell(scene)],
-        "grid": [(n, x.tobytes()) for n, x in plan.axes.items()],
-        "starts": [(n, x.tobytes()) for n, x in plan.starts.items()],
+        "grid": [(n, sha256(x.tobytes()).digest()) for n, x in plan.axes.items()],
+        "starts": [(n, sha256(x.tobytes()).digest()) for n, x in plan.starts.items()],
         "record": [(r.column, r.kind, r.value, _source(r)) for r in task.records],
         "times": task.times.tobytes(),
         "parameters": spell(task.parameters), "initial": spell(task.initial),
@@ -300,11 +303,6 @@ def _source(record: RecordColumn) -> str:
         return inspect.getsource(record.of)
     except (OSError, TypeError):
         return getattr(record.of, "__qualname__", type(record.of).__qualname__)
-
-
-def _folder(target: Path, plan: SweepPlan, task: Task, seed: int) -> SweepFolder:
-    said = repr(sorted(_digests(plan, task, seed).items()))
-    return SweepFolder(target, plan, task.records, sha256(said.encode()).hexdigest())
 
 
 class _SweepWork:
@@ -328,31 +326,29 @@ class _SweepWork:
             self._progress(min(1.0, self._done / len(self.plan) + share))
 
 
-@contextmanager
-def _engine(
-    work: _SweepWork, executor: Any, jobs: int | None
-) -> Iterator[Iterator[tuple[int, ChunkResult]]]:
+def _results(
+    work: _SweepWork, executor: Executor | None, jobs: int | None
+) -> Generator[tuple[int, ChunkResult], None, None]:
     """The results of the chunks that are left, from whoever computes them."""
     portions = work.portions()
     if executor is not None:
-        yield spread(work.task, portions, executor)
+        yield from spread(portions, submit_to(executor, work.task))
         return
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    own = OwnProcesses(min(jobs or cores or 1, max(1, len(work.left) - 1)))
-
-    def results() -> Iterator[tuple[int, ChunkResult]]:
-        each = work.plan.size / len(work.plan)
-        here = compute_here(work.task, portions, lambda share: work.tell(share=share * each))
-        began = perf_counter()
-        for done, found in enumerate(here, start=1):
-            yield found
-            spent = (perf_counter() - began) / done
-            # those of this process are in no hurry to be followed by others that have to start
-            if own.jobs > 1 and (jobs or spent * (len(work.left) - done) > WORTH):
-                yield from spread(work.task, portions, own)
-                return
-
+    own = min(jobs or cores or 1, max(1, len(work.left) - 1))
+    each = work.plan.size / len(work.plan)
+    here = compute_here(work.task, portions, lambda share: work.tell(share=share * each))
+    began = perf_counter()
+    for done, found in enumerate(here, start=1):
+        yield found
+        spent = (perf_counter() - began) / done
+        # those of this process are in no hurry to be followed by others that have to start
+        if own > 1 and (jobs or spent * (len(work.left) - done) > WORTH):
+            break
+    else:
+        return
+    team = own_processes(own, work.task)
     try:
-        yield results()
+        yield from spread(portions, team.submit)
     finally:
-        own.end()
+        team.end()
