@@ -48,7 +48,7 @@ BY_HAND = Path(__file__).with_name("exponents_by_hand.c")
 
 def main() -> int:
     """Print the figures that are asked for, or all of them."""
-    kinds = {"families": families, "speed": speed, "published": published}
+    kinds = {"families": families, "speed": speed, "published": published_values}
     for name in sys.argv[1:] or kinds:
         kinds[name]()
     return 0
@@ -137,7 +137,7 @@ def _by_hand(start: np.ndarray, values: np.ndarray) -> Callable[[float], np.ndar
     return run
 
 
-def published() -> None:
+def published_values() -> None:
     """Values beside those of books, and zeros."""
     x, y, z, tau = sp.symbols("x y z tau")
     v = vo.velocity

@@ -29,7 +29,7 @@ def execute(arguments: Namespace) -> int:
     data = {
         "system": system.name, "scene": given["scene"], "variables": list(found.variables),
         "exponents": found.values[0].tolist(), "bars": found.bars[0].tolist(),
-        "settled": bool(found.settled[0]), "bar_asked": found.bar,
+        "settled": bool(found.is_settled[0]), "bar_asked": found.bar,
         "zeros": int(found.zeros[0]), "zeros_at_least": int(found.least_zeros[0]),
         "constants": list(found.constants), "sum": float(found.values[0].sum()),
         "mean_divergence": float(found.divergence[0]), "drift": float(found.drift[0]),
@@ -38,7 +38,7 @@ def execute(arguments: Namespace) -> int:
     }  # fmt: skip
     lines = [f"{system.name}: exponents in {', '.join(found.variables)}", *found.lines(0)]
     answer(arguments.json, lambda: data, lines)
-    if not found.settled[0]:
+    if not found.is_settled[0]:
         warn("not all exponents have settled; give --until a longer time, or --bar a larger one")
         return 1
     return 0

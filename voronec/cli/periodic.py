@@ -33,11 +33,11 @@ def execute(arguments: Namespace) -> int:
             points=arguments.points, segments=arguments.segments, tol=tol,
             progress=lambda share: progress(f"{system.name}: {share:.0%} of the family"), **given,
         )  # fmt: skip
-    crossings = [{"multiplier": c.at, "value": c.value, "period": c.orbit.period}
-                 for c in found.crossings]  # fmt: skip
+    bifurcations = [{"multiplier": c.at, "value": c.value, "period": c.orbit.period}
+                 for c in found.bifurcations]  # fmt: skip
     data = {
         "system": system.name, "scene": given["scene"], "along": along, "ended": found.ended,
-        "orbits": [_data(orbit) for orbit in found], "crossings": crossings,
+        "orbits": [_data(orbit) for orbit in found], "bifurcations": bifurcations,
         "seconds": found.seconds,
     }  # fmt: skip
     lines = [f"{system.name}: a periodic orbit", *found.orbits[0].lines()]
@@ -46,7 +46,7 @@ def execute(arguments: Namespace) -> int:
                  f"largest multiplier {abs(orbit.multipliers).max(initial=0.0):.6g}"]
                 for orbit in found]  # fmt: skip
         lines = [repr(found), *columns(rows)]
-        for c in found.crossings:
+        for c in found.bifurcations:
             doubles = ": the period doubles" if c.at == -1 else ""
             lines.append(f"a multiplier passes {c.at} at {along} = {c.value:.12g}{doubles}")
     answer(arguments.json, lambda: data, lines)

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 
 STRETCH = 100
 """Steps of the stretch whose length all others have."""
-COLLAPSED = 1000
+LONGEST_STRETCH = 1000
 """A stretch that takes so many times more steps comes to a singularity of the equations."""
 FIRST_LOOK, LATER = 64, 1.25
 """After so many stretches the exponents are looked at first, and then after so many times more."""
@@ -67,7 +67,7 @@ class Exponents:
     values, bars
         (s, k), from the largest exponent downwards, for motions s, per unit of time: value and
         error bar (see the module).
-    settled
+    is_settled
         (s,): whether all bars are as small as was asked.
     least_zeros
         (s,): so many exponents vanish at least: one along the flow of a motion that is no
@@ -90,7 +90,7 @@ class Exponents:
     constants: tuple[str, ...]
     values: np.ndarray
     bars: np.ndarray
-    settled: np.ndarray
+    is_settled: np.ndarray
     least_zeros: np.ndarray
     divergence: np.ndarray
     drift: np.ndarray
@@ -138,7 +138,7 @@ class Exponents:
         ]
         known = ", ".join(["the flow", *self.constants]) if self.least_zeros[i] else "nothing known"
         told = [f"followed over a time of {self.time[i]:.6g}"]
-        if not self.settled[i]:
+        if not self.is_settled[i]:
             told[0] += f"; not settled: bars up to {self.bars[i].max():.2g}, {self.bar:.2g} asked"
         if self.is_whole:
             told.append(f"{self.zeros[i]} zeros, {self.least_zeros[i]} at least by {known}")
@@ -167,7 +167,7 @@ class Exponents:
         own: dict[str, Any] = {
             "exponent": (("motion", "place"), self.values),
             "bar": (("motion", "place"), self.bars),
-            "settled": (("motion",), self.settled),
+            "settled": (("motion",), self.is_settled),
             "divergence": (("motion",), self.divergence),
         }
         each = of_motions(len(self), self.errors, {}, drift={})
@@ -244,7 +244,7 @@ def exponents(
             raise DefinitionError(f"exponents: {name}={value}: give a number above 0"
                                   + (f", up to {n}" if name == "count" else ""))  # fmt: skip
     found, errors, interrupted = (
-        _Table.empty(len(space.motions), k),
+        _ExponentTable.empty(len(space.motions), k),
         dict(space.motions.wrong),
         False,
     )
@@ -262,26 +262,26 @@ def exponents(
     if len(space.motions) == 1 and errors:
         raise errors[0]
     return Exponents(
-        space.system, space.names, tuple(space.constants), found.values, found.bars, found.settled,
+        space.system, space.names, tuple(space.constants), found.values, found.bars, found.is_settled,
         found.least_zeros, found.divergence, found.drift, space.reversal(space.motions.sound[0]),
         found.time, errors, asked, perf_counter() - began, interrupted,
     )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
-class _Table:
+class _ExponentTable:
     """What is filled in motion by motion; the names are those of ``Exponents``."""
 
     values: np.ndarray
     bars: np.ndarray
-    settled: np.ndarray
+    is_settled: np.ndarray
     least_zeros: np.ndarray
     divergence: np.ndarray
     drift: np.ndarray
     time: np.ndarray
 
     @classmethod
-    def empty(cls, count: int, k: int) -> _Table:
+    def empty(cls, count: int, k: int) -> _ExponentTable:
         wide, none = np.full((2, count, k), np.nan), np.zeros((2, count), dtype=int)
         return cls(*wide, none[0].astype(bool), none[1], *np.full((3, count), np.nan))
 
@@ -299,7 +299,7 @@ class _Table:
         own = _Stretches.along(flow, state, values, tol, asked, latest)
         order = np.argsort(-own.value, kind="stable")
         self.values[i], self.bars[i] = own.value[order], own.bar[order]
-        self.settled[i] = bool((own.bar <= asked).all())
+        self.is_settled[i] = bool((own.bar <= asked).all())
         rates, _ = flow.rates(state.x, values)  # of a motion that has come to rest there are none
         moves = not space.is_driven and bool((np.abs(rates) > tol * pace * units).any())
         self.least_zeros[i] = space.rank(state.x, values) + moves
@@ -331,7 +331,7 @@ class _Stretches:
         told, look = [np.array([*state.logs, state.divergence])], FIRST_LOOK
         while True:
             end = begin + length * len(told)
-            if not flow.go(state, end, values, tol, EVERY, COLLAPSED * STRETCH):
+            if not flow.go(state, end, values, tol, EVERY, LONGEST_STRETCH * STRETCH):
                 raise flow.failure(state)
             told.append(np.array([*state.logs, state.divergence]))
             if len(told) > look or state.time >= latest:

@@ -48,7 +48,7 @@ from voronec.dynamics.variational import VariationalFlow
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, VoronecError, did_you_mean
 
-CLOSED = 1e-10
+CLOSURE = 1e-10
 """An orbit closes to this part of the sizes of its variables."""
 ITERATIONS = 40
 DAMPINGS = (0.0, 1e-6, 1e-4, 1e-3, 1e-2, 1e-1)
@@ -151,7 +151,7 @@ def _number(z: complex) -> str:
     return f"{z.real:.9g}{z.imag:+.9g}i"
 
 
-class Crossing(NamedTuple):
+class Bifurcation(NamedTuple):
     """Where a multiplier of a family passes ``at`` 1 or -1 (then the period doubles): the orbit
     there, and the value of what the family is followed along."""
 
@@ -163,11 +163,11 @@ class Crossing(NamedTuple):
 @dataclass(frozen=True, eq=False, repr=False)
 class OrbitFamily:
     """A family of periodic orbits ``along`` a constant of the motion or a parameter, with what was
-    found of it: ``crossings`` of multipliers through 1 and -1; ``ended`` says why it ends."""
+    found of it: ``bifurcations`` of multipliers through 1 and -1; ``ended`` says why it ends."""
 
     along: str
     orbits: tuple[PeriodicOrbit, ...]
-    crossings: tuple[Crossing, ...]
+    bifurcations: tuple[Bifurcation, ...]
     ended: str
     seconds: float
 
@@ -178,9 +178,9 @@ class OrbitFamily:
         return iter(self.orbits)
 
     @property
-    def doublings(self) -> tuple[Crossing, ...]:
+    def doublings(self) -> tuple[Bifurcation, ...]:
         """Where the period doubles."""
-        return tuple(c for c in self.crossings if c.at == -1)
+        return tuple(c for c in self.bifurcations if c.at == -1)
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A variable, a constant or ``period`` along the family."""
@@ -246,19 +246,19 @@ def periodic(
         raise DefinitionError("periodic: give along and to, both or none")
     known = [n for n in space.constants if not n.startswith("relation ")]
     if along is not None and along not in known:
-        space, known = space.with_moving(along), [*known, along]
+        space, known = space.with_variable(along), [*known, along]
     names = several(hold, "hold", "'energy'")
     for name in names:
         if name not in known:
             raise DefinitionError(f"hold: there is no proved integral '{name}' here"
                                   + did_you_mean(name, known))  # fmt: skip
-    shooting = _Shooting.of(space, tuple(names), along, period, segments, tol)
+    shooting = _OrbitEquations.of(space, tuple(names), along, period, segments, tol)
     unknowns = shooting.solve(shooting.guess, None)
     first = shooting.orbit(unknowns)
     if along is None or to is None:
         return OrbitFamily("period", (first,), (), "alone", perf_counter() - began)
-    orbits, crossings, ended = shooting.follow(unknowns, first, to, points, progress)
-    return OrbitFamily(along, orbits, crossings, ended, perf_counter() - began)
+    orbits, bifurcations, ended = shooting.follow(unknowns, first, to, points, progress)
+    return OrbitFamily(along, orbits, bifurcations, ended, perf_counter() - began)
 
 
 class _Linear(NamedTuple):
@@ -271,7 +271,7 @@ class _Linear(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class _Shooting:
+class _OrbitEquations:
     """The equations of a periodic orbit; unknowns are the states at the beginnings of the parts of
     the period, in ``units``, and the period in units of its guess."""
 
@@ -293,7 +293,7 @@ class _Shooting:
     def of(
         cls, space: PhaseSpace, hold: tuple[str, ...], along: str | None, period: float | None,
         segments: int | None, tol: float,
-    ) -> _Shooting:  # fmt: skip
+    ) -> _OrbitEquations:  # fmt: skip
         x, values, units = space.motions.states[0], space.motions.values[0], space.units(0)
         flow, names = space.flow(), [*space.constants]
         rates, matrix = flow.rates(x, values)
@@ -328,7 +328,7 @@ class _Shooting:
             count *= 2
         return made.in_parts(count)
 
-    def in_parts(self, count: int) -> _Shooting:
+    def in_parts(self, count: int) -> _OrbitEquations:
         """With so many parts, the guess along the motion from the start."""
         rows, state = [self.anchor[0]], self.flow.start(self.anchor[0], units=self.units)
         for i in range(1, count):
@@ -414,7 +414,7 @@ class _Shooting:
             else:
                 break
             unknowns, here, error = trial, there, float(np.abs(there.off).max())
-        if error > CLOSED:
+        if error > CLOSURE:
             raise DefinitionError(
                 f"no periodic orbit is found near the start: what is nearest fails to close by "
                 f"{error:.1e} after t = {self.period(unknowns):.6g}; give another start or period"
@@ -464,10 +464,10 @@ class _Shooting:
     def follow(
         self, unknowns: np.ndarray, first: PeriodicOrbit, to: float, points: int,
         progress: Callable[[float], Any] | None,
-    ) -> tuple[tuple[PeriodicOrbit, ...], tuple[Crossing, ...], str]:  # fmt: skip
+    ) -> tuple[tuple[PeriodicOrbit, ...], tuple[Bifurcation, ...], str]:  # fmt: skip
         """The family up to the value ``to`` of what it is followed along."""
-        self = self.released()
-        begin, orbits, crossings = self.value(unknowns), [first], list[Crossing]()
+        self = self.without_target()
+        begin, orbits, bifurcations = self.value(unknowns), [first], list[Bifurcation]()
         way, ended = np.sign(to - begin), "complete"
         tangent = self.tangent(unknowns, None, way)
         if not way:
@@ -487,7 +487,7 @@ class _Shooting:
                     ended = "ended: no orbit is found farther on"
                     break
                 continue
-            crossings += anchored.crossed(unknowns, tangent, (orbits[-1], orbit), there)
+            bifurcations += anchored.bifurcations(unknowns, tangent, (orbits[-1], orbit), there)
             unknowns, tangent = there, self.tangent(there, tangent, way)
             orbits.append(orbit)
             if progress is not None:
@@ -498,9 +498,9 @@ class _Shooting:
             stride = min(abs(step) / rise, 2 * stride) if rise > 0 else stride
         else:
             ended = f"stopped after {points} orbits"
-        return tuple(orbits), tuple(crossings), ended
+        return tuple(orbits), tuple(bifurcations), ended
 
-    def released(self) -> _Shooting:
+    def without_target(self) -> _OrbitEquations:
         """Without holding what the family is followed along."""
         free = self.held != self.along
         return replace(self, held=self.held[free], targets=self.targets[free])
@@ -556,10 +556,10 @@ class _Shooting:
         full = replace(self, held=held, targets=np.append(self.targets, to))
         return full.solve(guess, None)
 
-    def crossed(
+    def bifurcations(
         self, unknowns: np.ndarray, tangent: np.ndarray,
         orbits: tuple[PeriodicOrbit, PeriodicOrbit], there: np.ndarray,
-    ) -> Iterator[Crossing]:  # fmt: skip
+    ) -> Iterator[Bifurcation]:  # fmt: skip
         """Where multipliers pass -1 or 1 between two orbits of a family."""
         from scipy.optimize import brentq
 
@@ -572,7 +572,7 @@ class _Shooting:
             stride = brentq(partial(self._distance, unknowns, tangent, at), 0.0, reach,
                             xtol=1e-13, rtol=1e-13)  # fmt: skip
             found = self.step(unknowns, tangent, stride)
-            yield Crossing(at, self.value(found), self.orbit(found))
+            yield Bifurcation(at, self.value(found), self.orbit(found))
 
     def _distance(
         self, unknowns: np.ndarray, tangent: np.ndarray, at: int, stride: float

@@ -92,7 +92,7 @@ class PhaseSpace:
         """The variables."""
         return tuple(map(str, self.motions.program.state))
 
-    def with_moving(self, name: str) -> PhaseSpace:
+    def with_variable(self, name: str) -> PhaseSpace:
         """With a parameter among the variables; ``DefinitionError`` where there is none."""
         motions, program = self.motions, self.motions.program
         known = [str(p) for p in program.parameters]

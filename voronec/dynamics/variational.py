@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from voronec.dynamics.variational_source import DONE, LIMIT, NO_STEP, flow_source
+from voronec.dynamics.variational_source import ARRIVAL, LIMIT, NO_STEP, flow_source
 from voronec.equations.program import (
     Block,
     HoistedProgram,
@@ -112,7 +112,7 @@ class VariationalFlow:
         lost = outcome == NO_STEP or (limit is None and outcome == LIMIT)
         if lost or not np.isfinite(state.z).all():
             raise self.failure(state)
-        return outcome == DONE
+        return outcome == ARRIVAL
 
     def failure(self, state: VariationalState) -> IntegrationError:
         """Why there is no way on."""
@@ -214,6 +214,6 @@ def _drive_of_scipy(
                 state.columns[:] = q * np.sign(np.diag(r)) * state.units[:, None]
                 state.logs += np.log(np.abs(np.diag(r)))
                 stepper = None
-        return DONE if state.time == end else LIMIT
+        return ARRIVAL if state.time == end else LIMIT
 
     return run

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from voronec.motion.steppers.dop853_source import FIFTH, FIRST_GROWTH, NODES, STAGES, STEP, THIRD
 from voronec.motion.steppers.dop853_source import WEIGHTS as TABLE
 
-DONE, LIMIT, NO_STEP = range(3)
+ARRIVAL, LIMIT, NO_STEP = range(3)
 """Why ``drive`` came back: the end is reached, so many steps were made, or no step was short
 enough."""
 
@@ -38,7 +38,7 @@ def flow_source(right: str, n: int, k: int, places: Sequence[tuple[int, int]]) -
         "trace": trace, "rows": "\n".join(rows), "stages": "\n".join(stages),
         "step": _sum(STEP), "fifth": _sum(FIFTH), "third": _sum(THIRD),
         "slopes": str(STAGES + 1), "last": str(STAGES), "growth": repr(FIRST_GROWTH),
-        "DONE": str(DONE), "LIMIT": str(LIMIT), "NO_STEP": str(NO_STEP),
+        "ARRIVAL": str(ARRIVAL), "LIMIT": str(LIMIT), "NO_STEP": str(NO_STEP),
     }  # fmt: skip
     text = _SOURCE
     for name, piece in pieces.items():
@@ -109,7 +109,7 @@ long long drive(double *clock, double *z, const double *parameters, const double
         last = <growth>;
     }
     for (long long steps = 0; steps < limit;) {
-        if (t == end) { outcome = <DONE>; break; }
+        if (t == end) { outcome = <ARRIVAL>; break; }
         if (!(size > 4e-16*fabs(t) + 1e-300)) { outcome = <NO_STEP>; break; }
         double ahead = t + order*size, h, five = 0.0, three = 0.0;
         const int cut = order*(ahead - end) >= 0.0;
@@ -152,7 +152,7 @@ long long drive(double *clock, double *z, const double *parameters, const double
         } else
             for (int i = 0; i < M; i++) k[0][i] = k[<last>][i];
     }
-    if (t == end) outcome = <DONE>;
+    if (t == end) outcome = <ARRIVAL>;
     clock[0] = t;
     clock[1] = size;
     clock[2] = last;
