@@ -304,7 +304,6 @@ PEERS = (
     "heyoka-by-hand",
     "dop853-by-hand",
     "scipy",
-    "python",
 )
 
 

@@ -7,6 +7,7 @@ polynomial of the time, and its place the integral of their product.
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -27,6 +28,7 @@ START = {"phi": FIRST, "xdot": np.cos(FIRST), "phidot": SPIN}
 TOLERANCE = 1e-11
 
 
+@cache
 def skate(push: Any = 0, angle: Any = phi, inputs: Any = ()) -> vo.System:
     """A blade of unit mass and inertia, pushed along its ``angle``; its split, by x', is singular
     where it heads along y."""
@@ -147,6 +149,7 @@ def test_an_event_of_a_dependent_velocity_while_friction_holds(method: str) -> N
         assert run.events[name].t == pytest.approx(expected, abs=TOLERANCE)
 
 
+@cache
 def with_slider() -> vo.System:
     """A blade, and beside it a slider with dry friction that goes to and fro."""
     bare = skate()

@@ -165,6 +165,55 @@ def test_the_command_tells_right_from_wrong(tmp_path, call):
     assert data["counts"]["misprint"] == 3
 
 
+SPEEDS = r"Here $\dot v=a\omega^2$, $\dot x=v\cos\phi$, $\dot y=v\sin\phi$. "
+
+
+@pytest.mark.parametrize(
+    ("sentence", "verdict"),
+    [
+        (r"The quantity $mv^2+(J+ma^2)\omega^2$ is a first integral of the motion.", "proved"),
+        (r"The quantity $mv^2+(J+ma)\omega^2$ is a first integral.", "misprint"),
+        (r"Hence the quantities $v^2+\omega^2$ and $J\omega^2$ are constant.", "misprint"),
+        (r"Hence the speed $v$ is constant.", "unaudited"),
+        (r"In the case where $v^2+\omega^2$ is constant all is plain.", "unaudited"),
+        (r"It moves so that $v^2+\omega^2$ is constant.", "unaudited"),
+        (r"The path for which $v^2+\omega^2$ is constant.", "unaudited"),
+        (r"The energy \[ E=\tfrac12mv^2+\tfrac12(J+ma^2)\omega^2 \] is conserved.", "proved"),
+        (r"For $a=0$ the velocities $v$ and $\omega$ are constant.", "proved"),
+        (r"On a smooth plane $v$ is constant, and $\omega$ does not vanish.", "unaudited"),
+        (r"It is not true that $v$ is constant.", "unaudited"),
+        (r"We keep to motions on which $v$ is constant.", "unaudited"),
+        (r"The controller holds the sleigh so that $v$ is constant.", "unaudited"),
+        (r"The rate of the speed $\dot v$ equals $a\omega^2$.", "proved"),
+        (r"The rate of the speed $\dot v$ equals $2a\omega^2$.", "misprint"),
+        (r"In the limit $a\to0$ the rate $\dot v$ tends to $0$.", "proved"),
+        (r"In the limit $J\to0$ the rate $\dot v$ tends to $0$.", "unaudited"),
+        (r"The system has two degrees of freedom.", "proved"),
+        (r"The system has three degrees of freedom.", "proved"),
+        (r"The system has six degrees of freedom.", "unaudited"),
+        (r"The constraint is nonholonomic.", "proved"),
+        (r"The constraint is not integrable.", "proved"),
+        (r"The plane is touched; this constraint is holonomic.", "unaudited"),
+        (r"The sleigh is the simplest of all problems.", "unaudited"),
+    ],
+)
+def test_a_sentence_is_judged_by_an_exact_pattern_or_listed(tmp_path, sentence, verdict):
+    found = audit(tmp_path, SPEEDS + sentence)
+    said = [record for record in found.audit.records if record.decisive.says]
+    assert {record.verdict for record in said[1:]} == {verdict}
+    assert all(sentence.split("$")[0].split("\\")[0] in record.printed for record in said[1:])
+
+
+@pytest.mark.parametrize(("root", "verdict"), [(r"\sqrt", "proved"), ("", "unaudited")])
+def test_a_density_is_proved_in_the_variables_of_the_system(tmp_path, root, verdict):
+    text = rf"""Put $\rho={root}{{1-mR^2(\gamma_1^2/(I_1+mR^2)+\gamma_2^2/(I_2+mR^2)
+    +\gamma_3^2/(I_3+mR^2))}}$. There is an invariant measure of these equations with the
+    density $\rho$."""
+    (tmp_path / "ball.tex").write_text(text, "utf-8")
+    found = vo.audit_paper(tmp_path / "ball.tex", vo.load("chaplygin-ball"))
+    assert found.audit.records[-1].verdict == verdict
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 import pytest
@@ -26,6 +27,7 @@ PUSHES = {
 }
 
 
+@cache
 def block(push: sp.Expr) -> vo.System:
     return vo.System(
         name="block", fibration=vo.Fibration(base=(x,)), lagrangian=SPEED**2 / 2,
@@ -118,6 +120,7 @@ def test_friction_in_other_units(name: str, method: str) -> None:
 y = sp.Symbol("y")
 
 
+@cache
 def hopper(stiffness: int) -> vo.System:
     """A body that bounces, while the ground, where it is touched, rubs; a spring holds it."""
     load = 400 * sp.Max(-y, 0)

@@ -78,6 +78,7 @@ if TYPE_CHECKING:
     from voronec.motion import Ensemble as Ensemble
     from voronec.motion import Event as Event
     from voronec.motion import PreparedProblem as PreparedProblem
+    from voronec.motion import Sampled as Sampled
     from voronec.motion import Section as Section
     from voronec.motion import Table as Table
     from voronec.motion import Trajectory as Trajectory
@@ -144,10 +145,10 @@ _HOME = {
         "errors": "DefinitionError EngineLimit IntegrationError VoronecError",
         "kinematics": "kinematics",
         "motion": "Crossings Ensemble ensemble Event integrate prepare PreparedProblem Section "
-        "section Table Trajectory",
+        "Sampled section Table Trajectory",
         "motion.closed_form": "closed_form",
         "motion.explanation": "explain",
-        "motion.model": "Model",
+        "motion.formulation": "Model",
         "motion.storage": "open",
         "proof.check": "check_catalogue check_relation graph",
         "proof.claims": "check_claims Claim",

@@ -8,9 +8,9 @@ and there is a state at which it fails.  Everything else is listed apart, with t
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -18,11 +18,17 @@ import sympy as sp
 
 from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import prove_equal
+from voronec.audit.claims_in_words import CONSTANT_WORD, WordClaim, claims_in_words, last_side
 from voronec.audit.comparisons import value_of
 from voronec.audit.display import Check, Display
 from voronec.audit.formula import Formula
 from voronec.audit.judge import SectionContext, judge_formula
-from voronec.audit.latex.document import Document, PrintedDisplay, read_document
+from voronec.audit.latex.document import (
+    Document,
+    PrintedDisplay,
+    PrintedSentence,
+    read_document,
+)
 from voronec.audit.latex.nodes import (
     Chain,
     Derivative,
@@ -38,6 +44,7 @@ from voronec.audit.latex.nodes import (
     Sum,
     walk,
 )
+from voronec.audit.latex.tex_file import MarkedText
 from voronec.audit.lessons.judgement import GROUNDS
 from voronec.audit.letters import (
     has_usual_words,
@@ -87,9 +94,9 @@ _INTEGRALS = re.compile(r"\bintegrals?\b|conserv", re.IGNORECASE)
 _BEHIND = re.compile(r"\W*(?:for|if|when|provided|at|near|where)\b")
 """Words right behind a formula that restrict it."""
 _SOLUTION = re.compile(r"solution|integra|constant", re.IGNORECASE)
+_LIMIT = re.compile(r"\$\s*([^$=]+?)\s*\\(?:to|rightarrow)\s*(-?\d+)\s*\$")
+"""A limit at a number, as ``$k\to 0$``."""
 _AT_REST = re.compile(r"\bat rest\b", re.IGNORECASE)
-CONSTANT_WORD = r"\text{const}"
-"""What stands in the place of a free constant while an integral is judged."""
 _REACTIONS = re.compile(r"multiplier|reaction|constraint force|lagrange's equations", re.IGNORECASE)
 
 
@@ -123,15 +130,21 @@ class PrintedClaim:
 
 def claims_of(document: Document, study: Study) -> list[PrintedClaim]:
     """The formulas of a paper as they are read with a dictionary."""
-    found = []
+    found: list[PrintedClaim] = []
     for number, section in enumerate(document.sections):
         for display in section.displays:
-            for position, unit, piece in display.formulas:
-                own = Display(display.latex.text)
-                formula = Formula(own, unit, piece, position, display.kind)
-                at = document.source.place(display.latex.origins[piece.at[0]])
-                found.append(PrintedClaim(formula, display, number, at, *_tree(formula, study)))
+            found += _claims_in(document, number, display, study)
     return found
+
+
+def _claims_in(
+    document: Document, section: int, display: PrintedDisplay, study: Study
+) -> Iterator[PrintedClaim]:
+    """The formulas of a display of a section."""
+    for position, unit, piece in display.formulas:
+        formula = Formula(Display(display.latex.text), unit, piece, position, display.kind)
+        at = document.source.place(display.latex.origins[piece.at[0]])
+        yield PrintedClaim(formula, display, section, at, *_tree(formula, study))
 
 
 def _tree(formula: Formula, study: Study) -> tuple[Chain | None, str, str]:
@@ -149,7 +162,8 @@ def _tree(formula: Formula, study: Study) -> tuple[Chain | None, str, str]:
 @dataclass(frozen=True)
 class PaperAudit:
     """What came out of a paper: the records, with a line and a column each as their label, and
-    the letters that nothing explains, with their places."""
+    the letters that nothing explains, with their places.  Sentences that no pattern reads are
+    records too, of the verdict "unaudited"."""
 
     system: System
     audit: Audit
@@ -157,8 +171,8 @@ class PaperAudit:
 
     @property
     def records(self) -> tuple[Record, ...]:
-        """One for each formula, in the order of print."""
-        return self.audit.records
+        """One for each formula, in the order of print, and for each sentence that is audited."""
+        return tuple(r for r in self.audit.records if r.verdict != "unaudited")
 
     @property
     def errata(self) -> tuple[Record, ...]:
@@ -251,6 +265,11 @@ class _Work:
             printed, kind = claim.formula.printed, claim.display.kind
             records.append(Record(claim.where, section, number + 1, printed, (record,), kind))
         self._blame_definitions(records)
+        for sentence in self.document.sentences:
+            for quoted, record in self._in_words(sentence):
+                label = "line {1}, column {2}".format(*self._place(sentence))
+                count = len(records) + 1
+                records.append(Record(label, sentence.section, count, quoted, (record,), "text"))
         self._spare_strangers(records)
         title = self.document.title or name
         return PaperAudit(system, Audit(name, title, tuple(records)), self.unknown)
@@ -401,7 +420,7 @@ class _Work:
         wrong = [n for n, record in enumerate(records) if record.verdict == "misprint"]
         right = [
             claim
-            for claim, record in zip(self.claims, records, strict=True)
+            for claim, record in zip(self.claims, records, strict=False)
             if record.verdict == "proved" and claim.chain is not None
             and any(_moves(part, self.study) for part in claim.chain.parts)
         ]  # fmt: skip
@@ -411,6 +430,66 @@ class _Work:
             doubt = "more formulas disagree with the system than agree: is it that of the paper?"
             head = FormulaRecord(records[number].printed, "not read", doubt)
             records[number] = replace(records[number], formulas=(head,))
+
+    # -- sentences -------------------------------------------------------------------------
+
+    def _place(self, sentence: PrintedSentence) -> tuple[str, int, int]:
+        return self.document.source.place(self.document.body.origins[sentence.at])
+
+    def _in_words(self, sentence: PrintedSentence) -> Iterator[tuple[str, FormulaRecord]]:
+        """The records of a sentence: of its claims, or one that says that it is not audited."""
+        quoted = str(sentence)
+        found = claims_in_words(sentence, partial(self._density, sentence), self._side)
+        if not found:
+            yield quoted, FormulaRecord("", "unaudited", "no pattern reads it", says=quoted)
+        for claim in found:
+            record = self._judge_words(sentence, claim)
+            if record.verdict == "misprint" and not claim.alone:
+                doubt = "false in general, where its sentence says more than this"
+                record = FormulaRecord("", "unaudited", doubt)
+            elif record.verdict not in ("proved", "misprint", "unaudited"):
+                record = FormulaRecord("", "unaudited", f"{record.verdict}: {record.method}")
+            yield quoted, replace(record, says=quoted)
+
+    def _judge_words(self, sentence: PrintedSentence, claim: WordClaim) -> FormulaRecord:
+        """The verdict on a claim in words, by the formula that it makes if it makes one."""
+        if claim.decide is not None:
+            verdict, method = claim.decide(self.study.context)
+            return FormulaRecord("", verdict, method, source=self.study.origin)
+        made = self._made(sentence, claim.formula, claim.before, claim.after)
+        return FormulaRecord("", "not read", "a slot") if made is None else self._judge(made)
+
+    def _made(
+        self, sentence: PrintedSentence, latex: str, before: str = "", after: str = ""
+    ) -> PrintedClaim | None:
+        """A formula that stands in the words of a sentence, as a claim."""
+        marked = MarkedText(latex, (self.document.body.origins[sentence.at],) * len(latex))
+        display = PrintedDisplay(marked, "text", "", before, after, sentence.number)
+        titles = [section.title for section in self.document.sections]
+        section = titles.index(sentence.section) if sentence.section in titles else 0
+        found = [*_claims_in(self.document, section, display, self.study)]
+        return found[0] if len(found) == 1 else None
+
+    def _density(self, sentence: PrintedSentence, latex: str) -> Any:
+        """The value of a formula in the invariants of the system, else None."""
+        made = self._made(sentence, f"${latex}=0$")
+        if made is None or made.chain is None:
+            return None
+        invariants = self.study.context.system.invariants
+        inside = {value: sp.Symbol(name) for name, value in invariants.items()}
+        names = {
+            letter: value.applyfunc(lambda x: inside.get(x, x))
+            if isinstance(value, sp.MatrixBase)
+            else inside.get(value, value)
+            for letter, value in self.study.names.items()
+        }
+        study = replace(self.study, names=names)
+        return _value_or_none(value_of, made.chain.parts[0], study, {})
+
+    def _side(self, label: str) -> str:
+        """The last side of the formula with a number, empty where there are several or none."""
+        found = [c.formula.printed for c in self.claims if c.display.number == label]
+        return last_side(found[0]) if len(found) == 1 else ""
 
     # -- verdicts --------------------------------------------------------------------------
 
@@ -547,6 +626,11 @@ class _Work:
         words = claim.sentence
         if _AT_REST.search(words):
             found.append(("rest", dict.fromkeys(self.study.context.velocities, sp.S.Zero)))
+        for letter, value in _LIMIT.findall(words):
+            node = _value_or_none(self.study.tree, letter)
+            symbol = node and self.study.table.get(self.study.key(node))
+            if isinstance(symbol, sp.Symbol):
+                found.append((f"${letter}\\to {value}$", {symbol: sp.Integer(value)}))
         for other in self.claims:
             beside = other.display.sentence == claim.display.sentence and other is not claim
             if not beside or not other.chain or self._holds(other, study):

@@ -314,7 +314,7 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
         "hard", "try every integrator on numerically hard cases",
         Option("cases CASE", "only these cases (all)", {"nargs": "*"}),
         _several("--method M",
-                 "auto, heyoka, scipy, numba, c, python, lsoda, flint or closed-form" + OFTEN),
+                 "auto, heyoka, scipy, numba, c, lsoda, flint or closed-form" + OFTEN),
         Option("--quick", "a short selection of the cases"),
         Option("--list", "list the cases without running them"),
         Option("--out DIR", "write hard-cases.md and hard.json there"),

@@ -168,6 +168,12 @@ class MotionRequest:
             self._start_bits, self.began,
         ).trajectory()  # fmt: skip
 
+    def by_controllers(self, _: IntegrationError | None) -> Trajectory:
+        """On the coordinates, of which controllers are told, once: a controller that remembers
+        would be misled by a second try."""
+        made = whole(self.namespace, self.outputs, self.functions)
+        return self._integrate(made, self.method)
+
     def in_smallest(self, _: IntegrationError | None) -> Trajectory:
         """By the method asked for, in the smallest model; near poles of angles beyond them."""
         try:
@@ -285,6 +291,7 @@ class _Job:
         equations = self.namespace.equations
         probe = made.probe(equations.system.name, values, time, outset.changing)
         plain, poles = self._problem(state, values, probe), self._poles(method)
+        controlled = plain.measured is not None
         seen = poles.watch(plain, self)
         switched = self._switching_stepper(method, *seen)
         if switched is None and made.is_rough and equations.system.charts:
@@ -292,7 +299,7 @@ class _Job:
             seen = poles.watch(plain, self)
         if poles.guard is not None:
             poles.guard.check(state, values, time)
-        watched = self._watch_divisors(state, values)
+        watched = () if controlled else self._watch_divisors(state, values)
         if watched:
             seen = self._under_watch(*seen, watched)
         if switched is not None and watched:
@@ -351,8 +358,19 @@ class _Job:
         return Problem(
             made.program, state, values, self.tol, self.events, made.event_program, self.dense,
             probe.suspect(state), self.progress, self._exact, self.outset.changing,
-            marked=bool(made.watch.branches),
+            marked=bool(made.watch.branches), measured=self._measured(),
         )  # fmt: skip
+
+    def _measured(self) -> Program | None:
+        """What controllers are told beside the states: velocities that follow from these; None
+        where there are no controllers."""
+        changing, namespace = self.outset.changing, self.namespace
+        if changing is None or not changing.feedbacks:
+            return None
+        own = {*map(str, self.made.program.state)}
+        names = [name for name in namespace.rate_names if name not in own]
+        told = {name: namespace.inward(namespace.known[name]) for name in names}
+        return quantities(self.made.form, told)
 
     def _switching_stepper(
         self, method: str, problem: Problem, functions: Mapping[str, Any]
@@ -360,6 +378,13 @@ class _Job:
         """The integrator of a problem that is not smooth, watched; None where it is smooth."""
         if not problem.is_rough:
             return None
+        changing = problem.changing
+        followed = [f for f in changing.feedbacks if not f.is_sampled] if changing else ()
+        if followed:
+            raise EngineLimit(
+                f"the input '{followed[0].name}' is a function of the state, in equations that are "
+                "not smooth; give Sampled(controller, period)"
+            )
         from voronec.motion.transitions.modes import through_switching_surfaces
 
         return through_switching_surfaces(
@@ -426,7 +451,7 @@ class _Job:
     ) -> tuple[Integrator, dict[str, Any]]:
         """The integrator of a problem that is smooth, watched, and what ``Cost`` says of it."""
         equations, form = self.namespace.equations, self.made.form
-        if not equations.system.charts:
+        if not equations.system.charts or problem.measured is not None:
             return choose(method, problem, self.grid)
         return through_charts(method, problem, self.grid, equations, functions, form)
 
@@ -456,7 +481,8 @@ class _Job:
         """What watches the poles of coordinates; kept with the model for the constants."""
         outset, exact = self.outset, is_exact(method, self.tol)
         if outset.changing is not None:
-            return self._pole_watch(method)
+            alone = bool(outset.changing.feedbacks)
+            return _Poles(None, None) if alone else self._pole_watch(method)
         key = outset.constants_key, float(self.grid[0]), exact, self.near
         return self.made.memo.last("poles", key, lambda: self._pole_watch(method))
 

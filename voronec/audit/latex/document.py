@@ -10,8 +10,11 @@ import re
 from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 
+from voronec.audit.formula import source_of
 from voronec.audit.latex.displays import RELATIONS, FormulaUnit, Piece, split_display
 from voronec.audit.latex.tex_file import MarkedText, TexSource, read_tex
 from voronec.errors import DefinitionError
@@ -84,18 +87,46 @@ class PrintedSection:
 
 
 @dataclass(frozen=True)
+class PrintedSentence:
+    """A sentence of the text, with ``$0$``, ``$1$`` in its ``words`` for its formulas.
+
+    ``section`` is the title of its section, ``at`` its place in the body, ``number`` counts it as
+    the displays do.
+    """
+
+    words: str
+    formulas: tuple[str, ...]
+    section: str
+    at: int
+    number: int
+
+    def __str__(self) -> str:
+        return self.filled(self.words)
+
+    def filled(self, words: str) -> str:
+        """Some of its words with the formulas in their slots."""
+        return _NUMBERED.sub(lambda slot: f"${self.formulas[int(slot[1])]}$", words)
+
+
+@dataclass(frozen=True)
 class Document:
     """A paper as its file gives it."""
 
     source: TexSource
     title: str
     sections: tuple[PrintedSection, ...]
+    body: MarkedText
 
     @property
     def displays(self) -> Iterator[PrintedDisplay]:
         """All displays and formulas of the text, in the order of print."""
         for section in self.sections:
             yield from section.displays
+
+    @cached_property
+    def sentences(self) -> tuple[PrintedSentence, ...]:
+        """The sentences of the text, with what they say around formulas and in them."""
+        return tuple(_sentences(self.body))
 
 
 def read_document(path: str | Path) -> Document:
@@ -111,7 +142,7 @@ def read_document(path: str | Path) -> Document:
         raise DefinitionError(
             f"'{path}' holds no formula between $ or in a display of LaTeX; give the .tex file"
         )
-    return Document(source, "" if title is None else _words(title[1]), sections)
+    return Document(source, "" if title is None else _words(title[1]), sections, body)
 
 
 def _words(text: str) -> str:
@@ -141,6 +172,67 @@ def _sections(body: MarkedText) -> Iterator[PrintedSection]:
             found.append(display)
     if found:
         yield PrintedSection(title or "The paper", tuple(found))
+
+
+_NUMBERED = re.compile(r"\$(\d+)\$")
+_REFERENCE = re.compile(r"\(?\\(?:eq)?ref\s*\{([^{}]*)\}\)?")
+_ASIDE = re.compile(
+    r"\\(?:title|author|date|thanks|cite\w*|label|begin|end|email|affiliation)\*?"
+    r"(?:\[[^]]*\])?\{(?:[^{}]|\{[^{}]*\})*\}"
+)
+_LAST_STOP = re.compile(
+    r"\.\s*(?:\\(?:eqno|tag|label|nonumber|hbox)\S*\s*)*"
+    r"(?:\\end\{[^}]*\}\s*|\\right\s*\.|\\\]|\$\$?|\\eqno\S*\s*)*\Z"
+)
+"""A stop at the end of a display."""
+
+
+HIDDEN = r"\ldots"
+"""What a sentence quotes in the place of a display of several formulas."""
+
+
+def _alone(latex: str) -> str:
+    """The formula of a display that holds one."""
+    try:
+        pieces = [(unit, piece) for unit in split_display(latex) for piece in unit.pieces]
+    except DefinitionError:
+        return HIDDEN
+    return source_of(pieces[0][1], pieces[0][0].display) if len(pieces) == 1 else HIDDEN
+
+
+def _sentences(body: MarkedText) -> Iterator[PrintedSentence]:
+    """The text cut at its stops, headings and empty lines; a formula is a slot."""
+    text, title, words, position = body.text, "", "", 0
+    start, formulas = -1, list[str]()
+    ends = [m.end() for m in _END_OF_SENTENCE.finditer(text)]
+
+    def sentence() -> Iterator[PrintedSentence]:
+        nonlocal words, start, formulas
+        said = _words(_ASIDE.sub(" ", _REFERENCE.sub(r"(\1)", words)).replace("~", " "))
+        if re.search(r"[A-Za-z]{2}", said):
+            yield PrintedSentence(said, tuple(formulas), title, start, bisect_right(ends, start))
+        words, start, formulas = "", -1, []
+
+    for match in (*_PARTS.finditer(text), None):
+        if match is not None and match.lastgroup is None:
+            continue
+        gap = text[position : match.start() if match else len(text)]
+        cuts = [0, *(m.end() for m in _END_OF_SENTENCE.finditer(gap)), len(gap)]
+        for a, b in pairwise(cuts):
+            if start < 0:
+                start = position + a + len(gap[a:b]) - len(gap[a:b].lstrip())
+            words += gap[a:b]
+            if b < len(gap) or b in cuts[1:-1]:
+                yield from sentence()
+        if match is None or match.lastgroup in ("title", "skip"):
+            yield from sentence()
+            title = _words(match["title"]) if match and match["title"] is not None else title
+        else:
+            words += f" ${len(formulas)}$ "
+            formulas.append(_alone(_readable(body[match.start() : match.end()])[0].text))
+            if match["inline"] is match["round"] and _LAST_STOP.search(match[0]):
+                yield from sentence()
+        position = match.end() if match else position
 
 
 _NUMBER = re.compile(

@@ -18,11 +18,21 @@ _OPEN = {
     "not read": "not read",
 }
 """What is neither right nor wrong, by its verdict."""
-SENTENCES = "Sentences are not audited: what the text claims in words is left to the reader."
 
 
-def _several(number: int) -> str:
-    return f"{number} formula{'s' * (number != 1)}"
+def _several(audit: Audit) -> str:
+    """How many formulas and sentences were compared."""
+    number = sum(record.verdict != "unaudited" for record in audit.records)
+    words = sum(bool(r.decisive.says) and r.verdict != "unaudited" for r in audit.records)
+    said = f" and {words} sentence{'s' * (words != 1)}" if words else ""
+    return f"{number - words} formula{'s' * (number - words != 1)}{said}"
+
+
+def _unaudited(audit: Audit) -> str:
+    """How many sentences were not compared."""
+    number = sum(record.verdict == "unaudited" for record in audit.records)
+    what = "what the text claims in words is left to the reader"
+    return f"{number} sentence{'s are' if number != 1 else ' is'} not audited: {what}"
 
 
 def _groups(audit: Audit, kinds: Mapping[str, str]) -> Iterator[tuple[str, list[Record]]]:
@@ -42,12 +52,12 @@ def _state(record: Record) -> str:
 
 def referee_lines(audit: Audit, letters: Mapping[str, list[str]], system: str) -> list[str]:
     """The summary for a terminal."""
-    lines = [f"{audit.title}: {_several(len(audit.records))} beside the system '{system}'", "right"]
+    lines = [f"{audit.title}: {_several(audit)} beside the system '{system}'", "right"]
     lines += [f"  {len(found)} {words}" for words, found in _groups(audit, _RIGHT)]
     lines += [f"wrong: {len(audit.errata)}"]
     for record in audit.errata:
         head = record.decisive
-        lines += [f"  {record.label}", f"    for   {head.printed}"]
+        lines += [f"  {record.label}", f"    for   {head.says or head.printed}"]
         lines += [f"    read  {head.correction}"] if head.correction else []
         lines += [f"    {text}" for text in (_state(record) or head.method,)]
     lines += ["not decided"]
@@ -56,18 +66,18 @@ def referee_lines(audit: Audit, letters: Mapping[str, list[str]], system: str) -
         lines += [f"    {r.label}: {r.decisive.method}" for r in found]
     if letters:
         lines += [f"letters that nothing explains: {', '.join(letters)}"]
-    return [*lines, SENTENCES]
+    return [*lines, _unaudited(audit)]
 
 
 def referee_markdown(audit: Audit, letters: Mapping[str, list[str]], system: str) -> str:
     """The summary as Markdown."""
-    said = f"{_several(len(audit.records))}, compared with what follows from the Lagrangian and the"
+    said = f"{_several(audit)}, compared with what follows from the Lagrangian and the"
     lines = [f"# {audit.title}", "", f"{said} constraints of `{system}`.", "", "## Right", ""]
     lines += [f"- {len(found)} {words}" for words, found in _groups(audit, _RIGHT)]
     lines += ["", f"## Wrong: {len(audit.errata)}", ""]
     for number, record in enumerate(audit.errata, 1):
         head = record.decisive
-        lines += [f"{number}. {record.label}: for ${head.printed}$"]
+        lines += [f"{number}. {record.label}: for {head.says or f'${head.printed}$'}"]
         lines += [f"   read ${head.correction}$"] if head.correction else []
         lines += [f"   ({_state(record) or head.method})"]
     lines += ["", "## Not decided", ""]
@@ -75,4 +85,4 @@ def referee_markdown(audit: Audit, letters: Mapping[str, list[str]], system: str
         lines += [f"- {len(found)} {words}: {'; '.join(r.label or '' for r in found)}"]
     if letters:
         lines += ["- letters: " + ", ".join(f"${letter}$" for letter in letters)]
-    return "\n".join([*lines, f"- {SENTENCES}", ""])
+    return "\n".join([*lines, f"- {_unaudited(audit)}", ""])

@@ -1,0 +1,164 @@
+r"""What a sentence claims in words, by a few exact patterns; all other sentences are not audited.
+
+"A is a first integral", "A and B are constant" and "A equals B" become formulas, which are judged
+as those in print.  The number of degrees of freedom, "the constraints are nonholonomic" and an
+invariant measure with its density are decided for the system.  A sentence is accused only where it
+says nothing else: no negation, no second formula, no word behind its claim but of the motion.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from voronec.audit.latex.document import HIDDEN, PrintedSentence
+from voronec.declaration.claims import Measure
+from voronec.equations.motions import Motions
+from voronec.equations.voronec_equations import VoronecEquations
+from voronec.errors import DefinitionError, EngineLimit
+from voronec.proof.measures import decide_measure
+
+CONSTANT_WORD = r"\text{const}"
+"""What stands in the place of a constant while an integral is judged."""
+
+_LIST = r"(?P<all>\$\d+\$(?: ?,? (?:and )?\$\d+\$)*)"
+_CONSTANT = re.compile(
+    rf"{_LIST} ?,? (?:is|are|remains?|stays?)(?: both| all| also| thus| therefore)? (?:an? |the )?"
+    r"(?:(?:first )?integrals?(?: of (?:the )?motion)?|constants?(?: of (?:the )?motion)?"
+    r"|conserved(?: quantit(?:y|ies))?|preserved)\b",
+    re.IGNORECASE,
+)
+_EQUAL = re.compile(
+    rf"{_LIST} (?:equals|is equal to|coincides with|becomes|tends to|reduces to) "
+    r"(?:the right(?:-hand)? side of )?(?:\$(?P<value>\d+)\$|\((?P<label>[^()\s]+)\))"
+)
+_FREEDOM = re.compile(r"(?P<head>.*)\bhas (?P<count>\w+) degrees? of freedom\b")
+_BOUND = re.compile(
+    r"\bconstraints?(?: (?P<label>\([^()\s]+\)))? (?:is|are) (?P<no>not )?"
+    r"(?P<kind>non-?holonomic|holonomic|(?:non-?)?integrable)\b"
+)
+_MEASURE = re.compile(r"\bmeasure\b[^$]* with (?:the )?density (?:\w+ )?\$(?P<density>\d+)\$")
+_TURNED = re.compile(r"\b(?:not?|neither|nor|never|only|cannot|nothing|hardly|false)\b", re.I)
+_ALONG = re.compile(
+    r"(?: (?:along|of|for|during|on) (?:the |these |every |each |all )?(?:whole |reduced )?"
+    r"(?:motions?|solutions?|trajector(?:y|ies)|systems?|equations|problem|flow|constraints?))*\W*"
+)
+_SUBJECT = re.compile(
+    r"(?:[\d.]+ )?(?:(?:hence|thus|therefore|so|then|moreover|consequently|also|besides|indeed|here"
+    r"|it follows that|we see that|(?:the )?\w+(?: \w+)? is (?:preserved|conserved)) ?,? )*"
+    r"(?:(?:the|its|this) (?:(?!that|wh|case|for|with|such|control)[\w-]+ ){0,3}"
+    r"(?:(?:of|about|along) (?:the )?(?:(?!that|wh|case|for|with|such|control)[\w-]+ ){0,3})?)?",
+    re.IGNORECASE,
+)
+"""Words before a formula that say only what it is."""
+_COUNTS = "zero one two three four five six seven eight nine ten".split()
+
+
+@dataclass(frozen=True)
+class WordClaim:
+    """A claim in words: the ``formula`` that it makes, in LaTeX, with the words ``before`` it; or
+    what ``decide`` tells of the equations: a verdict and a method.
+
+    ``alone`` says whether the sentence holds nothing else that may restrict it.
+    """
+
+    alone: bool
+    before: str = ""
+    after: str = ""
+    formula: str = ""
+    decide: Callable[[VoronecEquations], tuple[str, str]] | None = None
+
+
+def claims_in_words(
+    sentence: PrintedSentence,
+    value_of: Callable[[str], Any],
+    side_of: Callable[[str], str],
+) -> list[WordClaim]:
+    """What a sentence claims by one of the patterns.
+
+    ``value_of`` gives the value of LaTeX, None where it has none; ``side_of`` the last side of the
+    formula with a label, empty where there is none.
+    """
+    words = sentence.words
+    if (match := _BOUND.search(words)) is not None:
+        positive = bool(match["no"]) == match["kind"].startswith("non")
+        return [WordClaim(True, decide=lambda equations: _integrable(equations, positive))]
+    if _TURNED.search(words):
+        return []
+    if (match := _FREEDOM.search(words)) is not None:
+        count = match["count"].lower()
+        number = _COUNTS.index(count) if count in _COUNTS else count
+        plain = re.fullmatch(r"(?:\w+, )?the (?:nonholonomic )?system ", match["head"], re.I)
+        alone = plain is not None and not words[match.end() :].strip(" .")
+        return [WordClaim(alone, decide=lambda equations: _freedom(equations, str(number)))]
+    if (match := _MEASURE.search(words)) is not None:
+        density = value_of(last_side(sentence.formulas[int(match["density"])]))
+        return [WordClaim(False, decide=lambda equations: _measure(equations, density))]
+    for pattern, constant in ((_CONSTANT, True), (_EQUAL, False)):
+        if (match := pattern.search(words)) is None:
+            continue
+        subjects = [sentence.formulas[int(i)] for i in re.findall(r"\d+", match["all"])]
+        before, after = words[: match.start()], words[match.end() :]
+        value = CONSTANT_WORD if constant else _value(match, sentence.formulas, side_of)
+        alone = all((_SUBJECT.fullmatch(before), _ALONG.fullmatch(after)))
+        return [
+            WordClaim(
+                alone, sentence.filled(before), sentence.filled(after), f"${subject}={value}$"
+            )
+            for subject in map(last_side, subjects)
+            if value and subject and subject != HIDDEN
+        ]
+    return []
+
+
+def _value(match: re.Match[str], formulas: Sequence[str], side_of: Callable[[str], str]) -> str:
+    """The LaTeX of what the subject of a sentence is said to equal."""
+    return side_of(match["label"]) if match["label"] else last_side(formulas[int(match["value"])])
+
+
+def last_side(formula: str) -> str:
+    r"""The last side of ``E = ...``; empty where it is not the longest, as in ``... = c_1``, which
+    is judged as a formula."""
+    sides = [side.strip() for side in re.split(r"=(?![^{]*\})", formula)]
+    return sides[-1] if sides[-1] == max(sides, key=len) else ""
+
+
+def _freedom(equations: VoronecEquations, stated: str) -> tuple[str, str]:
+    """A number of degrees of freedom is that of the velocities or that of the coordinates.
+
+    One between these is refuted; a larger one may count coordinates that the system does not have,
+    a smaller one may be that of a reduced system.
+    """
+    free, places = len(equations.velocities), len(equations.coordinates)
+    counts = f"{free} independent velocities, {places} coordinates"
+    if stated in (str(free), str(places)):
+        return "proved", counts
+    between = stated.isdigit() and free < int(stated) < places
+    return ("misprint" if between else "unaudited"), f"the system has {counts}"
+
+
+def _integrable(equations: VoronecEquations, stated: bool) -> tuple[str, str]:
+    """Whether the constraints are integrable, all of them together."""
+    if (equations.kind == "holonomic") == stated:
+        return "proved", "the curvature of the constraints " + (
+            "vanishes" if stated else "does not"
+        )
+    if stated:
+        return "unaudited", "the curvature of the system's constraints does not vanish; others do"
+    return "misprint", "the curvature of the constraints vanishes"
+
+
+def _measure(equations: VoronecEquations, density: Any) -> tuple[str, str]:
+    """Whether a density is that of an invariant measure, in the coordinates and velocities or in
+    the variables of the measure that the system declares."""
+    declared = getattr(equations.system.measure, "variables", ())
+    for variables in ((), declared) if density is not None else ():
+        try:
+            verdict = decide_measure(Motions.of(equations), Measure(density, variables)).verdict
+        except (DefinitionError, EngineLimit):
+            continue
+        if verdict.proved:
+            return "proved", "the divergence of density times velocity vanishes"
+    return "unaudited", "no measure of the system with this density is known; in other variables?"
