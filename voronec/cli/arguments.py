@@ -125,6 +125,9 @@ SYSTEM = Option(
     "system NAME|FILE", "a system's name, or a file: Python defining SYSTEM, or TOML"
 )  # fmt: skip
 OUTPUTS = Option("--outputs A,B", "what to compute: names or formulas (those of the scene)")
+VARIABLES = Option(
+    "--variables A,B", "what the equations are closed for (the velocities of the equations)"
+)
 TOLERANCE = Option("--tol TOL", "the integrator's tolerance (1e-13)")
 MOTION = (
     Option("--scene S", "the scene ('default')"),
@@ -237,6 +240,24 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
         Option("--until T", "give a motion up after this time"), partial(_method, many=True),
         TOLERANCE, Option("--out DIR", "folder for points.csv and section.svg (./NAME-section)"),
     ),
+    "periodic": (
+        "periodic", "find a periodic orbit, or a family, with its multipliers", SYSTEM, MOTION,
+        Option("--period T", "a guess of the period (when the motion comes back near its start)"),
+        VARIABLES,
+        Option("--hold A,B", "integrals that keep the values of the start"),
+        Option("--along NAME=VALUE", "follow the family along an integral or a parameter up to "
+               "this value"),
+        _number("points", 21, "orbits of the family at most"),
+        Option("--segments N", "parts of the period in multiple shooting", {"type": int}),
+        TOLERANCE,
+    ),
+    "exponents": (
+        "exponents", "compute Lyapunov exponents with error bars", SYSTEM, MOTION, VARIABLES,
+        Option("--count N", "only the N largest", {"type": int}),
+        Option("--bar X", "the error bar at which to stop (a thousandth of the motion's pace)"),
+        Option("--until T", "how long the motion is followed at most"),
+        Option("--tol TOL", "the integrator's tolerance (1e-9)"),
+    ),
     "steady": (
         "steady", "find steady motions, with their spectra", SYSTEM, STEADY,
     ),
@@ -258,8 +279,8 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
         Option("--sampling", "how: Sobol' points, uniformly, or on one level of all integrals",
                {"choices": ("sobol", "uniform", "level"), "default": "sobol"}),
         Option("--record A,B",
-               "final, drift, max(x), min(x), time(x=1), section(x=0), class, or quantities at the "
-               "end (final,drift)", {"default": "final,drift"}), MOTION,
+               "final, drift, max(x), min(x), time(x=1), section(x=0), class, exponents(2), or "
+               "quantities at the end (final,drift)", {"default": "final,drift"}), MOTION,
         Option("--times [START:]END[:N]", "the end, or instants, instead of those of the scene"),
         partial(_method, many=True), TOLERANCE,
         _number("seed", 1, "of random draws"),
