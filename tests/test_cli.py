@@ -142,7 +142,7 @@ def test_references_of_a_system_have_their_entries(call: Call, name: str) -> Non
 def test_derive_tells_kind_growth_equations_and_curvature(call: Call) -> None:
     lines = call("derive", "sleigh").out.splitlines()
     for line in (
-        "kind            chaplygin",
+        "kind                     chaplygin",
         "growth vector            (2, 3) of 3",
         "integrable combinations  none of 1",
         "  xdot   = v*cos(phi)",
