@@ -12,7 +12,7 @@ from voronec.errors import DefinitionError
 
 HERE = Path(__file__).parent
 NOTES = HERE.parent / "docs" / "notes"
-SYSTEMS = {"ball": "chaplygin-ball", "suslov": "suslov"}
+SYSTEMS = {"ball": "chaplygin-ball", "suslov": "suslov", "veselova": "veselova"}
 SLEIGH = """name = "sleigh-note"
 lagrangian = "m*((xdot - a*sin(phi)*phidot)^2 + (ydot + a*cos(phi)*phidot)^2)/2 + J*phidot^2/2"
 constraints = ["ydot*cos(phi) = xdot*sin(phi)"]
