@@ -77,7 +77,8 @@ _CONDITIONS = re.compile(
     r"|(?:special|particular) (?:cas|solution|motion|value)\w*|virtual"
     r"|unconstrained|would|as if|first order|rescal\w*|normali[sz]\w*"
     r"|dimensionless|nondimensional\w*|units|vakonomic|variational|remov\w*"
-    r"|free (?:body|motion)|holonomic case"
+    r"|free (?:body|motion)|holonomic case|substitutes? (?:the )?variables?|new variables?"
+    r"|(?:change|transformation) of (?:the )?variables?|by (?:the|a) substitution"
     r"|wrong\w*|erroneous\w*|incorrect\w*|false|misprint\w*|instead of|in (?:\w+ )?(?:book|paper)"
     r"|solution)\b",
     re.IGNORECASE,
