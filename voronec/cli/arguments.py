@@ -188,7 +188,7 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
     ),
     "audit": (
         "paper", "check the formulas of a LaTeX file against a system, or draft its system",
-        Option("paper FILE.tex", "the paper, as it is"),
+        Option("paper FILE.tex|NAME", "the paper, as it is; a paper of the catalogue by its name"),
         SYSTEM._replace(settings={"nargs": "?"}),
         Option("--dictionary FILE", "what letters of the paper are in the system, a TOML file; "
                "one that is not there is written, to be filled in"),
