@@ -11,6 +11,8 @@ import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
+from glob import escape, glob
+from os.path import isdir
 from types import MappingProxyType
 from typing import Any, NamedTuple, NoReturn
 
@@ -91,7 +93,21 @@ class Option(NamedTuple):
             settings["metavar"] = value
         elif "choices" not in settings:
             settings["action"] = "store_true"
-        parser.add_argument(name, help=self.meaning, **settings)
+        argument = parser.add_argument(name, help=self.meaning, **settings)
+        if "NAME" in value.split("|"):
+            argument.completer = _system_names
+
+
+def _system_names(prefix: str, **_: Any) -> list[str]:
+    """What a shell offers for a NAME or a FILE: systems, without running anybody's code, files of
+    systems, and folders."""
+    from voronec.declaration.catalogue import SUFFIXES, names
+
+    found = sorted(glob(f"{escape(prefix)}*"))
+    files = [path for path in found if path.endswith(SUFFIXES) or isdir(path)]
+    return [name for name in names() if name.startswith(prefix)] + [
+        f"{path}/" if isdir(path) else path for path in files
+    ]
 
 
 def _flatten(items: Iterable[Any]) -> Iterator[Option]:
