@@ -277,6 +277,11 @@ class Lanes:
                 late = np.abs(each - times[0]) > np.abs(self.output.times[-1] - times[0])
                 late &= ~ta.alive
                 np.moveaxis(states, 1, 2)[late] = np.nan
+        elif len(times) == 2:  # no instant lies between, where states would have to be read off
+            begin = ta.state.copy()
+            self.go_to(float(times[-1]), longest)
+            ends = ((ta.alive, begin), (ta.latest.end, ta.state))
+            states = np.stack([np.where(there, state, np.nan) for there, state in ends])
         else:
             states = ta.along_grid(times, longest, max_steps=self.size, **self.callback)
             self.note_steps()

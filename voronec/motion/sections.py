@@ -566,7 +566,9 @@ def _cut_unsound(motions: Many, passages: SectionPassages, cost: Cost) -> None:
         states = np.vstack([motions.states[i], *(part[1] for part in passages.parts[i])])
         ends = motions.time, float(t[-1])
         samples = by_owner(part.within(*ends) for part in passages.samples.get(i, ()))
-        breaches, notes = check.breaches(t, states[None], motions.values[i][None], steps, samples)
+        motion = t, states[None], motions.values[i][None]
+        series = motions.quantities_along(*motion)
+        breaches, notes = check.breaches(*motion, steps, samples, series)
         if notes:
             passages.notes[i] = (*passages.notes.get(i, ()), *notes[0])
         for breach in breaches.values():
