@@ -15,7 +15,7 @@ import voronec as vo
 from voronec.errors import IntegrationError
 from voronec.motion import methods
 from voronec.motion.request import Namespace
-from voronec.motion.steppers.dop853_source import BENDS, FIFTH, NODES, STEP, THIRD, WEIGHTS
+from voronec.motion.steppers.dop853_source import BENDS, FIFTH, STAGE_NODES, STEP, THIRD, WEIGHTS
 
 SLOW = pytest.mark.slow
 NO_COMPILER = pytest.mark.skipif(which("cc") is None, reason="there is no C compiler")
@@ -143,7 +143,7 @@ def test_coefficients_are_those_of_scipy() -> None:
     rows = [*DOP853.A, *DOP853.A_EXTRA, DOP853.B, DOP853.E5, DOP853.E3, *DOP853.D]
     for row, known in zip(rows, [*WEIGHTS, STEP, FIFTH, THIRD, *BENDS], strict=True):
         assert known == {i: float(x) for i, x in enumerate(row) if x}
-    assert list(NODES) == [*DOP853.C, *DOP853.C_EXTRA]
+    assert list(STAGE_NODES) == [*DOP853.C, *DOP853.C_EXTRA]
 
 
 def test_where_nothing_moves_there_are_no_steps() -> None:

@@ -25,7 +25,7 @@ import sympy as sp
 import voronec as vo
 from voronec.dynamics.phase_space import PhaseSpace
 from voronec.dynamics.variational import EVERY, variational_flow
-from voronec.motion.steppers.dop853_source import FIFTH, STEP, THIRD, WEIGHTS
+from voronec.motion.steppers import FIFTH, STEP, THIRD, WEIGHTS
 
 FAMILIES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("falling-disc", {"along": "energy", "to": 2.2}),

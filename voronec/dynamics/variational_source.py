@@ -12,8 +12,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from voronec.motion.steppers.dop853_source import FIFTH, FIRST_GROWTH, NODES, STAGES, STEP, THIRD
-from voronec.motion.steppers.dop853_source import WEIGHTS as TABLE
+from voronec.motion.steppers import FIFTH, FIRST_GROWTH, STAGE_NODES, STAGES, STEP, THIRD
+from voronec.motion.steppers import WEIGHTS as TABLE
 
 ARRIVAL, LIMIT, NO_STEP = range(3)
 """Why ``drive`` came back: the end is reached, so many steps were made, or no step was short
@@ -32,7 +32,7 @@ def flow_source(right: str, n: int, k: int, places: Sequence[tuple[int, int]]) -
     stages = []
     for s in range(1, STAGES):
         stages.append(_each(f"z1[i] = z[i] + h*({_sum(TABLE[s])})"))
-        stages.append(f"    slope(t + {NODES[s]!r}*h, z1, parameters, k[{s}]);")
+        stages.append(f"    slope(t + {STAGE_NODES[s]!r}*h, z1, parameters, k[{s}]);")
     pieces = {
         "right": right, "N": str(n), "K": str(k), "entries": str(n + len(places)),
         "trace": trace, "rows": "\n".join(rows), "stages": "\n".join(stages),

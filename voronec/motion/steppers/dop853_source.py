@@ -28,7 +28,7 @@ FIRST_GROWTH = 2.8
 
 
 # fmt: off
-NODES = (
+STAGE_NODES = (
     0.0, 0.05260015195876773, 0.0789002279381516, 0.1183503419072274, 0.2816496580927726,
     0.3333333333333333, 0.25, 0.3076923076923077, 0.6512820512820513, 0.6, 0.8571428571428571,
     1.0, 0.1, 0.2, 0.7777777777777778,
@@ -167,7 +167,7 @@ def _stage(number: int, n: int) -> str:
     begin = f"(y@ + h*({_weighted_sum(dict(known))}))" if known else "y@"
     # the rest is there before the latest slope is: a step takes as long as what waits for it
     trial = f"w = {last[1]!r}*h\n" + _each(f"z@ = {begin} + w*k{last[0]}@", n)
-    return f"{trial}\n{_slope(f'k{number}', f't + {NODES[number]!r}*h', 'z@', n)}"
+    return f"{trial}\n{_slope(f'k{number}', f't + {STAGE_NODES[number]!r}*h', 'z@', n)}"
 
 
 def _slope(target: str, time: str, place: str, n: int) -> str:
@@ -202,12 +202,12 @@ def _drive(n: int, m: int) -> str:
 
 def _bends(n: int) -> str:
     """The dense output of a step: three more stages, in loops since few steps need it."""
-    own, extra = f"for i in range({n}):", range(STAGES, len(NODES))
+    own, extra = f"for i in range({n}):", range(STAGES, len(STAGE_NODES))
     used = {j for row in (*WEIGHTS[STAGES:], *BENDS) for j in row if j <= STAGES}
     rows = [_each(f"slopes[#, {j}] = k{j}@", n) for j in sorted(used)]
     for s in extra:
         rows += [own, f"    z[i] = states[0, i] + h*({_weighted_sum(WEIGHTS[s], 'slopes[i, {}]')})"]
-        rows.append(_slope("g", f"t + {NODES[s]!r}*h", "z[#]", n))
+        rows.append(_slope("g", f"t + {STAGE_NODES[s]!r}*h", "z[#]", n))
         rows.append(_each(f"slopes[#, {s + 1}] = g@", n))
     rows += [_each(_CHANGES, n), own]
     for i, row in enumerate(BENDS):
