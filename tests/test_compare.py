@@ -29,6 +29,10 @@ STORED = Path(__file__).parent / "derivations"
 OWN = [e.name for e in catalogue.entries()[0] if e.distribution == catalogue.OWN]
 
 
+# a system with a rotor holds the one without, see the relations between them
+LARGEST = [name for name in OWN if f"gyroscopic-{name}" not in OWN]
+
+
 @cache
 def derived(name: str) -> StoredDerivation:
     return StoredDerivation.of(vo.derive(vo.load(name)))
@@ -44,7 +48,7 @@ def changed(name: str, group: str, entry: str, text: str) -> StoredDerivation:
 # -- every system --------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", OWN)
+@pytest.mark.parametrize("name", LARGEST)
 def test_every_system_is_derived_as_it_is_stored(name: str) -> None:
     """A rewriting that is proved equal passes, with a note."""
     file = STORED / f"{name}.json"
@@ -65,7 +69,7 @@ def test_every_system_is_derived_as_it_is_stored(name: str) -> None:
 
 def test_what_is_stored_is_small_and_nothing_else() -> None:
     files = [f for f in STORED.iterdir() if f.suffix == ".json"]
-    assert {f.stem for f in files} <= {*OWN}
+    assert {f.stem for f in files} == {*LARGEST}
     assert sum(f.stat().st_size for f in files) < 2_000_000
 
 

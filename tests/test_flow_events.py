@@ -363,7 +363,7 @@ def test_events_that_happen_more_often_than_steps_are_taken_are_all_found(method
     assert float(run.at([7.25])["x"][0]) == pytest.approx(7.35, abs=1e-11)
 
 
-@doubles
+@pytest.mark.parametrize("method", [m for m in DOUBLES if m != "lsoda"])
 @pytest.mark.parametrize("place", [0, 10_000])
 def test_zeros_of_third_order_are_passed_once(method: str, place: int) -> None:
     """Series have three zeros or none there, off by the cube root of rounding: each passage was

@@ -296,8 +296,7 @@ def test_the_drift_is_that_of_other_units(many: str) -> None:
             drift = {**found.drift, "wrong": np.ones(3)}  # it is equal at all crossings but one
         return [np.atleast_1d(drift[name]) for name in ("energy", "wrong")]
 
-    for mass, length, time in ((1e-20, 1, 1), (1e20, 1, 1), (1, 1e20, 1), (1e-20, 1e-20, 1),
-                               (1, 1, 1e-20), (1, 1, 1e20), (1e-20, 1e20, 1e20)):  # fmt: skip
+    for mass, length, time in ((1e-20, 1, 1), (1, 1e20, 1), (1, 1, 1e-20), (1e-20, 1e20, 1e20)):
         energy, wrong = drifts(mass, length, time)
         assert (energy > 1e-16).all() and (energy < 1e-8).all(), (mass, length, time)
         assert wrong == pytest.approx(np.ones(len(wrong)), abs=0.02)

@@ -137,7 +137,6 @@ def test_what_is_followed_back_to_a_pole_is_known_in_many_digits():
     ("name", "where", "outcomes"),
     [
         ("ball-on-turntable", "theta = 0", ["", ""]),
-        ("symmetric-body-on-sphere", "u = 0", ["", ""]),
         # of the velocities of a snakeboard none tells how fast it goes where its axles are in line
         ("snakeboard", "phi = 0", ["undetermined", ""]),
         ("falling-disc", "theta = 1.57", ["undefined", "undefined"]),

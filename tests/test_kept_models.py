@@ -61,18 +61,15 @@ def no_formulations(monkeypatch: pytest.MonkeyPatch):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", ["heyoka", "scipy"])
-def test_a_motion_from_the_disk_is_the_fresh_one_bit_for_bit(
-    shelf, no_formulations, method
-) -> None:
+def test_a_motion_from_the_disk_is_the_fresh_one_bit_for_bit(shelf, no_formulations) -> None:
     fresh = []
     for name, outputs, initial in MOTIONS:
         for file in shelf.glob("*"):
             file.unlink()  # nothing went before
-        fresh.append(motion(name, outputs, initial, method))
-    again = [motion(*each, method) for each in MOTIONS]  # the second ball finds the first one's
+        fresh.append(motion(name, outputs, initial))
+    again = [motion(*each) for each in MOTIONS]  # the second ball finds the first one's
     no_formulations()
-    kept = [motion(*each, method) for each in MOTIONS]
+    kept = [motion(*each) for each in MOTIONS]
     for one, two, three in zip(fresh, again, kept, strict=True):
         assert np.array_equal(one, two) and np.array_equal(one, three)
 

@@ -50,11 +50,25 @@ def solved(exprs: Any, unknown: Any, point: dict[sp.Expr, Any]) -> dict[sp.Expr,
 
 
 def valued(matrix: Any, point: dict[sp.Expr, Any]) -> mp.matrix:
-    """A matrix in numbers; derivatives are replaced as a whole."""
-    symbols = {k: sp.Dummy() for k in point}
-    plain = sp.Matrix(matrix).xreplace(symbols)
-    call = sp.lambdify([list(symbols.values())], plain.tolist(), "mpmath", cse=True)
-    return mp.matrix(call([point[k] for k in symbols]))
+    """A matrix in numbers, each part of its entries once; derivatives are replaced as a whole."""
+    known, powers = dict(point), {sp.Add: mp.fsum, sp.Mul: mp.fprod, sp.Pow: lambda p: p[0] ** p[1]}
+
+    def value(expr: sp.Expr) -> Any:
+        if expr not in known:
+            if not expr.args:
+                known[expr] = expr._to_mpmath(mp.mp.prec)
+            elif expr.func in powers:
+                known[expr] = powers[expr.func]([*map(value, expr.args)])
+            elif hasattr(mp, str(expr.func)):
+                known[expr] = getattr(mp, str(expr.func))(*map(value, expr.args))
+            else:  # in pieces
+                symbols = {k: sp.Dummy() for k in point}
+                call = sp.lambdify([*symbols.values()], expr.xreplace(symbols), "mpmath")
+                known[expr] = call(*(point[k] for k in symbols))
+        return known[expr]
+
+    plain = sp.Matrix(matrix)
+    return mp.matrix([[value(entry) for entry in row] for row in plain.tolist()])
 
 
 def is_closed(constraints: Any, point: dict[sp.Expr, Any]) -> bool:

@@ -196,7 +196,7 @@ def test_both_routes_agree_to_forty_digits(seed, shape):
 
 @pytest.mark.parametrize(
     ("seed", "framed", "bent"),
-    [(0, False, False), (0, True, True), (1, False, False), (1, True, False), (1, False, True)],
+    [(0, False, False), (0, True, True), (1, False, False), (1, False, True)],
 )
 def test_all_three_routes_agree(seed, framed, bent):
     made = make(seed + 100, 2, 1 + seed % 2, framed, bent)

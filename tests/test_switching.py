@@ -733,6 +733,12 @@ def by_small_steps(rate, start, end):
     ).y[0, -1]  # fmt: skip
 
 
+@cache
+def pulled_by_small_steps(pull):
+    """The end of a motion from x = 1, xdot = 2 after a time of 5; once for all methods."""
+    return by_small_steps(lambda s, z: -pull(s, z), (1, 2), 5)
+
+
 @pytest.mark.parametrize("method", ["heyoka", "scipy"])
 @pytest.mark.parametrize(
     ("force", "potential"),
@@ -777,7 +783,7 @@ def test_what_is_constant_in_pieces_is_no_constant(force, potential, method):
 )
 def test_inverse_functions_have_their_corners_and_jumps(force, rate, method):
     found = float(motion(mass_point(-force), (1, 2), 5, method)["x"][-1])
-    truth = by_small_steps(lambda s, z: -rate(s, z), (1, 2), 5)
+    truth = pulled_by_small_steps(rate)
     assert found == pytest.approx(truth, abs=1e-5)
     if method != "scipy":
         assert found == pytest.approx(
@@ -814,7 +820,7 @@ def test_a_window_narrower_than_rounding_of_a_square_is_seen(method):
     assert many["x"][0, -1] == pytest.approx(float(one["x"][-1]), abs=1e-9)
 
 
-@pytest.mark.parametrize("method", ["heyoka", "scipy", "c"])
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
 @pytest.mark.parametrize(
     ("root", "pull", "speed"),
     [

@@ -3,7 +3,8 @@
     python tools/build.py derivations [NAME ...]
 
 Writes ``tests/derivations/NAME.json`` for all systems of the catalogue, or for some, and says what
-is different from before; a file that is the same stays untouched.
+is different from before; a file that is the same stays untouched.  A body without a rotor is held
+by the one with it, and is left out.
 """
 
 from __future__ import annotations
@@ -35,12 +36,13 @@ def store(name: str) -> str:
 
 def main() -> int:
     """Store the systems named, or all, and forget those that are gone."""
-    arguments = sys.argv[1:]
-    for name in arguments or vo.names():
+    arguments, names = sys.argv[1:], vo.names()
+    largest = [name for name in names if f"gyroscopic-{name}" not in names]
+    for name in arguments or largest:
         print(f"{name}: {store(name)}", flush=True)
     if not arguments:
         for file in FOLDER.glob("*.json"):
-            if file.stem not in vo.names():
+            if file.stem not in largest:
                 file.unlink()
                 print(f"{file.stem}: gone")
     return 0
