@@ -99,9 +99,9 @@ def conditions_in_doubles(matrix: np.ndarray) -> dict[str, float]:
 
 
 def hurwitz(coefficients: Sequence[Any]) -> Any:
-    """The Hurwitz determinant of order n - 1, the product of all sums of two eigenvalues up to its
-    sign [Orlando's formula: Gantmacher1959, ch. XV]; it vanishes where a pair crosses the imaginary
-    axis."""
+    """The Hurwitz determinant of order n - 1.  By Orlando's formula it is the product of all sums of
+    two eigenvalues up to its sign [Gantmacher1959, ch. XV], and vanishes where a pair crosses the
+    imaginary axis."""
     n = len(coefficients) - 1
     down = [*reversed(coefficients)]
     rows = [
