@@ -50,11 +50,11 @@ if TYPE_CHECKING:
     from voronec.declaration.shapes import Shape as Shape
     from voronec.declaration.sketch import Sketch as Sketch
     from voronec.declaration.system import System as System
-    from voronec.dynamics.charts import StabilityChart as StabilityChart
+    from voronec.dynamics.charts import SteadyChart as SteadyChart
     from voronec.dynamics.families import SteadyFamily as SteadyFamily
-    from voronec.dynamics.stability import stability as stability
     from voronec.dynamics.steady import SteadyMotion as SteadyMotion
     from voronec.dynamics.steady import SteadyMotions as SteadyMotions
+    from voronec.dynamics.steady import stability as stability
     from voronec.dynamics.steady import steady as steady
     from voronec.equations.linearisation import Linearisation as Linearisation
     from voronec.equations.linearisation import linearise as linearise
@@ -125,10 +125,9 @@ _HOME = {
         "declaration.shapes": "Shape",
         "declaration.sketch": "Sketch",
         "declaration.system": "System",
-        "dynamics.charts": "StabilityChart",
+        "dynamics.charts": "SteadyChart",
         "dynamics.families": "SteadyFamily",
-        "dynamics.stability": "stability",
-        "dynamics.steady": "steady SteadyMotion SteadyMotions",
+        "dynamics.steady": "stability steady SteadyMotion SteadyMotions",
         "equations.linearisation": "Linearisation linearise",
         "equations.reduction": "descend Reduction",
         "equations.referee": "multiplier_acceleration reaction_forces",
