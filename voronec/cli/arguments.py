@@ -239,6 +239,7 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
     ),
     "steady": (
         "steady", "find steady motions, with their spectra", SYSTEM, STEADY,
+        Option("--exact", "also all families exactly, by elimination"),
     ),
     "stability": (
         "stability", "follow steady motions over a quantity: spectra, critical values", SYSTEM,

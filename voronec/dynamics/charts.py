@@ -65,7 +65,7 @@ def chart(motion: Any, x: Any, y: Any, count: int, hold: Any) -> SteadyChart:
     for i, j in order:
         near = [points[n] for n in ((i, j - 1), (i, j + 1), (i - 1, j), (i + 1, j)) if n in points]
         at = {x_name: float(xs[j]), y_name: float(ys[i])}
-        node = equations.with_held({name: (exprs[name], value) for name, value in at.items()})
+        node = equations.fix({name: (exprs[name], value) for name, value in at.items()})
         solution = solve(node.at, near[0] if near else begin, curve.units)
         if solution is None:
             continue

@@ -147,7 +147,7 @@ def _follow(
         if is_proved(motions.equations, declared[name])
     }
     bare = replace(equations, held=())
-    slopes = bare.with_held(known).slopes_in_balls(box, BITS)
+    slopes = bare.fix(known).slopes_in_balls(box, BITS)
     count = m + len(known)
     block = np.array([[float(slopes[n + k, j].mid()) for j in left] for k in range(count)])
     chosen = regular_block(block, [*range(count)], [*range(len(left))])[0] if count else []

@@ -348,7 +348,7 @@ class SolutionCurve:
     def at_value(self, value: Any) -> SolutionCurve:
         """The point of the curve at which the quantity has a value."""
         name, expr = self.equations.held[-1]
-        return SolutionCurve(self.equations.with_held({name: (expr, value)}), self.units, True)
+        return SolutionCurve(self.equations.fix({name: (expr, value)}), self.units, True)
 
 
 def follow(motion: Any, over: Any, between: Sequence[Any], hold: Any, count: int) -> SteadyFamily:
@@ -398,9 +398,9 @@ def curve_of(
     held = dict[str, tuple[Any, Any]]()
     for key in (*hold, *besides):
         label, e = read_quantity(equations, motion.motions, key)
-        held[label] = (e, float(equations.with_held({label: (e, 0)}).at(y)[0][-1]))
-    equations = equations.with_held(held)
-    curve = SolutionCurve(equations.with_held({name: (expr, 0)}), units)
+        held[label] = (e, float(equations.fix({label: (e, 0)}).at(y)[0][-1]))
+    equations = equations.fix(held)
+    curve = SolutionCurve(equations.fix({name: (expr, 0)}), units)
     space = null_space(curve.function(y)[1], units)
     slope = curve.slope(y)
     if np.abs(slope @ space).max(initial=0.0) < 1e-9 * np.abs(slope * units).max(initial=1e-300):
@@ -417,7 +417,7 @@ def curve_of(
             for i in pivots(rest * weights[:, None])
         }
         held |= more
-        curve = SolutionCurve(equations.with_held(more).with_held({name: (expr, 0)}), units)
+        curve = SolutionCurve(equations.fix(more).fix({name: (expr, 0)}), units)
     return CurveStart(curve, y, tuple(held))
 
 

@@ -8,7 +8,7 @@ rank tells of how many dimensions the family is to which each belongs.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -17,13 +17,14 @@ import mpmath as mp
 import numpy as np
 import symengine as se
 
-from voronec.algebra.arguments import COUNT, SEVERAL, VALUES, accepts
+from voronec.algebra.arguments import COUNT, FLAG, SEVERAL, VALUES, accepts
 from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import plain_name
 from voronec.declaration.reading import expression, quote, several
 from voronec.declaration.system import System, require_system
 from voronec.dynamics.charts import SteadyChart, chart
 from voronec.dynamics.enclosure import enclosed_on_right
+from voronec.dynamics.exact_families import ExactFamily, exact_families
 from voronec.dynamics.families import SteadyFamily, follow
 from voronec.dynamics.newton import null_space, pivots, polish, solve
 from voronec.dynamics.spectrum import (
@@ -246,12 +247,15 @@ def judge(motion: SteadyMotion) -> StabilityVerdict:
 @dataclass(frozen=True, eq=False, repr=False)
 class SteadyMotions(Sequence[SteadyMotion]):
     """The steady motions that were found: isolated ones, and one of each family, by which variables
-    vanish along it and by its dimension.  ``starts`` and ``solved`` tell of how many searches."""
+    vanish along it and by its dimension.  ``starts`` and ``solved`` tell of how many searches;
+    ``families`` are exact, where they were asked for, ``limit`` tells why there are none."""
 
     system: System
     motions: tuple[SteadyMotion, ...]
     starts: int
     solved: int
+    families: tuple[ExactFamily, ...] = ()
+    limit: str = ""
 
     def __len__(self) -> int:
         return len(self.motions)
@@ -269,10 +273,15 @@ class SteadyMotions(Sequence[SteadyMotion]):
             "starts": self.starts,
             "solved": self.solved,
             "motions": [m.as_dict() for m in self.motions],
+            "families": [
+                {"equations": [*map(str, f.equations)], "dimension": f.dimension}
+                for f in self.families
+            ],
+            "limit": self.limit,
         }
 
 
-@accepts(at=VALUES, parameters=VALUES, free=SEVERAL, starts=COUNT, seed=COUNT)
+@accepts(at=VALUES, parameters=VALUES, free=SEVERAL, starts=COUNT, seed=COUNT, exact=FLAG)
 def steady(
     system: System | VoronecEquations,
     at: Mapping[Any, Any] | None = None,
@@ -280,6 +289,7 @@ def steady(
     free: Any = (),
     starts: int = 100,
     seed: int = 1,
+    exact: bool = False,
 ) -> SteadyMotions:
     """The steady motions of a system, in numbers, from many starts.
 
@@ -287,6 +297,9 @@ def steady(
     them, that are to be met; ``parameters`` those of parameters and inputs, over their default
     values; ``free`` names parameters or inputs that are to be found, as in the trim of a driven
     system.  Functions that integrable constraints hold keep the values of the default scene.
+
+    With ``exact`` all ``families`` for general parameters besides, by elimination, where it is
+    within its budget; else ``limit`` tells why not.
 
     Raises ``DefinitionError`` for unknown names, a parameter without a value, a system that depends
     on the time, and where no start leads to a steady motion.
@@ -306,8 +319,14 @@ def steady(
     for key, value in (at or {}).items():
         name, expr = read_quantity(found, motions, key)
         held[name] = (expr, expression(value, f"the value of '{name}'"))
-    found = found.with_held(held)
-    return _search(motions, found, said, starts, seed)
+    found = found.fix(held)
+    motion = _search(motions, found, said, starts, seed)
+    if not exact:
+        return motion
+    try:
+        return replace(motion, families=exact_families(found))
+    except EngineLimit as limit:
+        return replace(motion, limit=str(limit))
 
 
 def _holds_rate(equations: VoronecEquations, u: Any) -> bool:

@@ -92,7 +92,7 @@ class SteadyEquations:
         more = tuple(se.Symbol(n) for n in names if n not in self.names)
         return replace(self, unknowns=(*self.unknowns, *more)) if more else self
 
-    def with_held(self, given: Mapping[str, tuple[Any, Any]]) -> SteadyEquations:
+    def fix(self, given: Mapping[str, tuple[Any, Any]]) -> SteadyEquations:
         """Those in which further expressions have values: {name: (expression, value)}."""
         more = {name: e for name, (e, _) in given.items()}
         held = {**dict(self.held), **more}
@@ -292,7 +292,7 @@ def steady_equations(
     values |= parameters
     found = SteadyEquations(formulation, program, program.state, (), values, {})
     given = {n: (e, _value_there(n, e, {**start, **values})) for n, e in found.leaves.items()}
-    return found.with_held({n: (e, x) for n, (e, x) in given.items() if x is not None})
+    return found.fix({n: (e, x) for n, (e, x) in given.items() if x is not None})
 
 
 def _value_there(name: str, expr: Any, at: Mapping[str, Any]) -> Any:
