@@ -13,6 +13,7 @@ prepared     runs of prepared problems beside equations by hand
 costs        what steps of heyoka and DOP853 cost: the constants by which `auto` chooses
 readable     the equations that are printed against those of books, and what the catalogue prints
 sweep        sweeps beside heyoka's lanes by hand, their memory, kills on a cluster of Dask
+dynamics     steady motions: families, spectra, critical values
 doubts       how often the check of runs doubts what is right, and notices what is wrong
 """
 
@@ -32,6 +33,7 @@ KINDS = {
     "costs": "figures.method_costs",
     "readable": "figures.readable",
     "doubts": "figures.doubts",
+    "dynamics": "figures.steady_motions",
     "sweep": "figures.sweeps",
 }
 """Kind -> the module that does it."""
