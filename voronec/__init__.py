@@ -51,7 +51,13 @@ if TYPE_CHECKING:
     from voronec.declaration.sketch import Sketch as Sketch
     from voronec.declaration.system import System as System
     from voronec.dynamics.charts import SteadyChart as SteadyChart
+    from voronec.dynamics.exponents import Exponents as Exponents
+    from voronec.dynamics.exponents import exponents as exponents
     from voronec.dynamics.families import SteadyFamily as SteadyFamily
+    from voronec.dynamics.periodic import OrbitFamily as OrbitFamily
+    from voronec.dynamics.periodic import PeriodicOrbit as PeriodicOrbit
+    from voronec.dynamics.periodic import periodic as periodic
+    from voronec.dynamics.rotation import rotation_numbers as rotation_numbers
     from voronec.dynamics.steady import SteadyMotion as SteadyMotion
     from voronec.dynamics.steady import SteadyMotions as SteadyMotions
     from voronec.dynamics.steady import stability as stability
@@ -126,7 +132,10 @@ _HOME = {
         "declaration.sketch": "Sketch",
         "declaration.system": "System",
         "dynamics.charts": "SteadyChart",
+        "dynamics.exponents": "Exponents exponents",
         "dynamics.families": "SteadyFamily",
+        "dynamics.periodic": "OrbitFamily periodic PeriodicOrbit",
+        "dynamics.rotation": "rotation_numbers",
         "dynamics.steady": "stability steady SteadyMotion SteadyMotions",
         "equations.linearisation": "Linearisation linearise",
         "equations.reduction": "descend Reduction",

@@ -33,15 +33,15 @@ from voronec.equations.program.jacobian import jacobian
 from voronec.equations.program.straight import fresh_names, share_subexpressions
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, VoronecError, did_you_mean
-from voronec.motion.formulation import SmallestModels
-from voronec.motion.formulation.formulation import (
+from voronec.motion.formulation import (
     Formulation,
+    SmallestModels,
+    constants,
     dependence,
     keep_relations,
     needed_variables,
     restrict,
 )
-from voronec.motion.formulation.special import constants
 from voronec.motion.request import Namespace, number
 
 RECENT = 64

@@ -192,6 +192,15 @@ class SmallestModels:
         self.model_cache.keep()
         return found
 
+    @cached_property
+    def without_integrals(self) -> Model:
+        """The model that holds for all starts, in which no integral stands in for an equation: its
+        variables are those of the phase space."""
+        whole = (_cut_down(self._motions, e, e, None, False) for e in self._formulations)
+        found = self.model_cache.once("without integrals", lambda: _cheapest([*whole]))
+        self.model_cache.keep()
+        return found
+
     def of_start(self, start: Mapping[Any, float]) -> ModelSearch:
         """The model of a start; starts of which nothing else is known than of another have its."""
         values = [_at_start(formulation, start) for formulation in self._formulations]
@@ -290,10 +299,11 @@ def _without_zeros(full: Formulation, known: _Particular) -> list[Formulation]:
 
 
 def _cut_down(
-    motions: Motions, full: Formulation, formulation: Formulation, known: _Particular | None
-) -> Model:
+    motions: Motions, full: Formulation, formulation: Formulation, known: _Particular | None,
+    shorten: bool = True,
+) -> Model:  # fmt: skip
     """One ``formulation``, equal to ``full`` for what is ``known``, cut down to what its outputs
-    need."""
+    need; made shorter by integrals where that is asked."""
     roles: dict[Any, Role] = {}
 
     def note(x: Any, kind: str, why: str) -> None:
@@ -303,7 +313,9 @@ def _cut_down(
     if known is not None:
         formulation = _on_plane(formulation, known, note)
     formulation, frozen = _without_constants(formulation, full, note)
-    formulation, told = _without_integrals(formulation, full, known or _Particular({}), note)
+    told = dict[Any, Any]()
+    if shorten:
+        formulation, told = _without_integrals(formulation, full, known or _Particular({}), note)
     _note_cycles(formulation, note)
     for name, angle in formulation.angles.items():
         words = f"atan2({angle.sine}, {angle.cosine}), up to the branch"
