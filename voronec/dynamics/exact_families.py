@@ -119,12 +119,12 @@ class ExactFamily:
         whole = (unknown * left - right).xreplace(zero)
         top = sp.fraction(sp.together(whole.det(method="berkowitz")))[0]
         poly = sp.Poly(sp.expand(top), unknown)
-        found = [self._reduced(c) for c in reversed(poly.all_coeffs())]
+        found = [self._modulo(c) for c in reversed(poly.all_coeffs())]
         while found and found[0] == 0:
             found.pop(0)
         return tuple(sp.factor(self.letters.write(c)) if c != 0 else sp.Integer(0) for c in found)
 
-    def _reduced(self, coefficient: sp.Expr) -> Any:
+    def _modulo(self, coefficient: sp.Expr) -> Any:
         return reduce_by(self.letters.read(se.sympify(coefficient)), self.basis)
 
     @cached_property
