@@ -169,6 +169,50 @@ def test_families_are_found_exactly_with_their_critical_values() -> None:
     assert family.equations == (I13 * w1 + I23 * w2,) and family.dimension == 1
 
 
+def routh_sphere() -> vo.System:
+    """A ball on a plane whose mass centre lies on its axis of inertia, a below its middle."""
+    x, y, phi, theta, psi = sp.symbols("x y phi theta psi")
+    m, g, R, a, A, C = sp.symbols("m g R a A C")
+    rotation = vo.kinematics.Rotation.euler("zxz", phi, theta, psi)
+    rates, gamma = rotation.body_rates, tuple(rotation.matrix.row(2))
+    arm = sp.Matrix([-R * gamma[0], -R * gamma[1], a - R * gamma[2]])
+    slip = -rotation.matrix * sp.Matrix(vo.kinematics.cross(rates, tuple(arm)))
+    height = R - a * gamma[2]
+    climb = sum(height.diff(q) * vo.velocity(q) for q in (theta, psi))
+    centre = (vo.velocity(x), vo.velocity(y), climb)
+    return vo.System(
+        name="routh-sphere",
+        fibration=vo.Fibration(base=(phi, theta, psi), fibre=(x, y)),
+        frame=vo.Frame.quasi(dict(zip(sp.symbols("omega1:4"), rates, strict=True))),
+        lagrangian=vo.kinematics.kinetic_energy(m, centre, sp.diag(A, A, C), rates)
+        - m * g * height,
+        constraints=(vo.velocity(x) - slip[0], vo.velocity(y) - slip[1]),
+        parameters=(
+            *(vo.Parameter(p, 1, positive=True) for p in (m, g, R)), vo.Parameter(a, "1/4"),
+            vo.Parameter(A, "1/2", positive=True), vo.Parameter(C, "2/5", positive=True),
+        ),
+        invariants=dict(zip(("gamma1", "gamma2", "gamma3"), gamma, strict=True)),
+    )  # fmt: skip
+
+
+@pytest.mark.slow
+def test_a_sphere_of_routh_stands_on_its_light_side_above_a_spin() -> None:
+    m, g, R, a, A, C, w = sp.symbols("m g R a A C omega3")
+    # (C + m R h)^2 w^2 = 4 m g a (A + m h^2) with the mass centre h = R + a above the plane
+    h = R + a
+    condition = (C + m * R * h) ** 2 * w**2 - 4 * m * g * a * (A + m * h**2)
+    system = routh_sphere()
+    at = {"gamma1": 0, "gamma2": 0, "omega3": 3}
+    motion = next(m for m in vo.steady(system, at=at, starts=40) if m.point["gamma3"] < 0)
+    (critical,) = motion.along("omega3", ("1/10", 6)).critical
+    assert critical.way == "meeting"
+    with mp.workdps(30):
+        assert abs(critical.exact**2 - mp.mpf("2.0625") / mp.mpf("1.65") ** 2) < 1e-20
+    found = vo.steady(system, at={"gamma1": 0, "gamma2": 0}, starts=10, exact=True)
+    top = next(f for f in found.families if sp.Symbol("gamma3") + 1 in f.equations)
+    assert sp.expand(condition) in {sp.expand(f) for f in top.conditions["meeting"]}
+
+
 def test_turns_about_an_axis_of_a_ball_lose_stability_where_moments_are_equal() -> None:
     found = vo.steady(vo.load("chaplygin-ball"), starts=20, exact=True)
     assert sorted(f.dimension for f in found.families) == [1, 1, 1, 1, 1, 1, 2]
