@@ -23,7 +23,9 @@ def family_figure(family: Any) -> Figure:
     with figure_in_style(WIDTH, 2.6) as figure:
         left, middle, right = figure.subplots(1, 3)
         _draw_states(left, family)
-        x, values = family.values, family.eigenvalues
+        x, values = family.values, family.eigenvalues.copy()
+        small = 1e-9 * float(np.abs(values).max(initial=0.0))
+        values.real[np.abs(values.real) < small] = 0.0
         middle.axhline(0, color=SOFT, linewidth=0.6)
         middle.plot(x, values.real, ".", color=INK, markersize=2)
         for critical in family.critical:
@@ -40,6 +42,9 @@ def family_figure(family: Any) -> Figure:
         )
         bar.set_label(_label(family.over), labelpad=-8)
         right.set(xlabel=r"$\mathrm{Re}\,\lambda$", ylabel=r"$\mathrm{Im}\,\lambda$")
+        if not values.real.any():
+            middle.set_ylim(-1, 1)
+            right.set_xlim(-1, 1)
         for panel in (left, middle, right):
             panel.tick_params(labelsize=8)
     return figure
