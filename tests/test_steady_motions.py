@@ -155,6 +155,77 @@ def test_what_drives_a_system_is_found() -> None:
         vo.steady(system, at={"xdot": 2})
 
 
+def test_families_are_found_exactly_with_their_critical_values() -> None:
+    m, g, R, A, C, s = sp.symbols("m g R A C s")
+    found = vo.steady(vo.load("falling-disc"), at={"gamma3": 0, "q": 0}, starts=20, exact=True)
+    spin = C * (C + m * R**2) * s**2
+    conditions = {sp.expand(f) for family in found.families for f in family.conditions["real"]}
+    for sign in (1, -1):  # upright on either side of the disc
+        assert sp.expand(spin + sign * m * g * R * A) in conditions
+    assert [family.dimension for family in found.families] == [1, 1]
+    suslov = vo.steady(vo.load("suslov"), starts=20, exact=True)
+    I13, I23, w1, w2 = sp.symbols("I13 I23 omega1 omega2")
+    (family,) = suslov.families
+    assert family.equations == (I13 * w1 + I23 * w2,) and family.dimension == 1
+
+
+def routh_sphere() -> vo.System:
+    """A ball on a plane whose mass centre lies on its axis of inertia, a below its middle."""
+    x, y, phi, theta, psi = sp.symbols("x y phi theta psi")
+    m, g, R, a, A, C = sp.symbols("m g R a A C")
+    rotation = vo.kinematics.Rotation.euler("zxz", phi, theta, psi)
+    rates, gamma = rotation.body_rates, tuple(rotation.matrix.row(2))
+    arm = sp.Matrix([-R * gamma[0], -R * gamma[1], a - R * gamma[2]])
+    slip = -rotation.matrix * sp.Matrix(vo.kinematics.cross(rates, tuple(arm)))
+    height = R - a * gamma[2]
+    climb = sum(height.diff(q) * vo.velocity(q) for q in (theta, psi))
+    centre = (vo.velocity(x), vo.velocity(y), climb)
+    return vo.System(
+        name="routh-sphere",
+        fibration=vo.Fibration(base=(phi, theta, psi), fibre=(x, y)),
+        frame=vo.Frame.quasi(dict(zip(sp.symbols("omega1:4"), rates, strict=True))),
+        lagrangian=vo.kinematics.kinetic_energy(m, centre, sp.diag(A, A, C), rates)
+        - m * g * height,
+        constraints=(vo.velocity(x) - slip[0], vo.velocity(y) - slip[1]),
+        parameters=(
+            *(vo.Parameter(p, 1, positive=True) for p in (m, g, R)), vo.Parameter(a, "1/4"),
+            vo.Parameter(A, "1/2", positive=True), vo.Parameter(C, "2/5", positive=True),
+        ),
+        invariants=dict(zip(("gamma1", "gamma2", "gamma3"), gamma, strict=True)),
+    )  # fmt: skip
+
+
+@pytest.mark.slow
+def test_a_sphere_of_routh_stands_on_its_light_side_above_a_spin() -> None:
+    m, g, R, a, A, C, w = sp.symbols("m g R a A C omega3")
+    # (C + m R h)^2 w^2 = 4 m g a (A + m h^2) with the mass centre h = R + a above the plane
+    h = R + a
+    condition = (C + m * R * h) ** 2 * w**2 - 4 * m * g * a * (A + m * h**2)
+    system = routh_sphere()
+    at = {"gamma1": 0, "gamma2": 0, "omega3": 3}
+    motion = next(m for m in vo.steady(system, at=at, starts=40) if m.point["gamma3"] < 0)
+    (critical,) = motion.along("omega3", ("1/10", 6)).critical
+    assert critical.way == "meeting"
+    with mp.workdps(30):
+        assert abs(critical.exact**2 - mp.mpf("2.0625") / mp.mpf("1.65") ** 2) < 1e-20
+    found = vo.steady(system, at={"gamma1": 0, "gamma2": 0}, starts=10, exact=True)
+    top = next(f for f in found.families if sp.Symbol("gamma3") + 1 in f.equations)
+    assert sp.expand(condition) in {sp.expand(f) for f in top.conditions["meeting"]}
+
+
+def test_turns_about_an_axis_of_a_ball_lose_stability_where_moments_are_equal() -> None:
+    found = vo.steady(vo.load("chaplygin-ball"), starts=20, exact=True)
+    assert sorted(f.dimension for f in found.families) == [1, 1, 1, 1, 1, 1, 2]
+    I1, I2, I3 = sp.symbols("I1 I2 I3")
+    (about, _) = (f for f in found.families if f.zero == ("gamma1", "gamma2", "omega1", "omega2"))
+    assert {*about.conditions["real"]} == {I1 - I3, I2 - I3}
+
+
+def test_an_elimination_beyond_its_budget_leaves_numbers(call: Call) -> None:
+    answer = call("steady", "rattleback", "--exact", "--starts", "20", "--at", "omega3=1")
+    assert answer.status == 0 and "the steady motions are known in numbers" in answer.err
+
+
 MASS = ((80.81722, 2.31941332208709), (2.31941332208709, 0.29784188199686))
 STILL = ((-80.95, -2.59951685249872), (-2.59951685249872, -0.80329488458618))
 FAST = ((0.0, 76.59734589573222), (0.0, 2.65431523794604))
