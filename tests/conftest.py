@@ -28,6 +28,11 @@ with suppress(ImportError):
 collect_ignore = ["plugin_package"]
 
 
+def pytest_sessionfinish() -> None:
+    """What is left ends with the process, and pytest need not look through it five times."""
+    gc.freeze()
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call() -> Generator[None]:
     """Where heyoka does not install, as on macOS and Windows, what asks for it is left out."""

@@ -111,7 +111,7 @@ def test_a_blade_is_steered_by_a_table(method: str) -> None:
     assert abs(complex(run["x"][-1], run["y"][-1]) - along(0, 1, 0, 4)) < TOLERANCE
 
 
-@pytest.mark.parametrize("method", ["heyoka", "scipy", "lsoda", "c"])
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
 @pytest.mark.parametrize("turn", [1.5, 0.0])
 @pytest.mark.parametrize("mu", [0, 0.125])
 def test_the_time_turns_a_blade(method: str, turn: float, mu: float) -> None:
@@ -162,7 +162,7 @@ def with_slider() -> vo.System:
     )
 
 
-@pytest.mark.parametrize("method", ["heyoka", "scipy", "c"])
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
 def test_many_motions_with_switches_go_on_in_other_splits(method: str) -> None:
     headings = np.array([FIRST, 0.75, 1.5, 1.5703125])
     many = vo.ensemble(

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import warnings
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -94,6 +95,13 @@ print(run.state.tobytes().hex(), sorted(run.drift.items()), run.notes)
 """
 
 
+@cache
+def alone(*words: str) -> str:
+    """What a fresh process prints."""
+    done = subprocess.run([sys.executable, "-c", ALONE, *words], capture_output=True, check=True)
+    return done.stdout.decode().strip()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
 def test_prepared_problems_give_each_start_what_a_fresh_process_does_bit_for_bit(name) -> None:
@@ -103,9 +111,7 @@ def test_prepared_problems_give_each_start_what_a_fresh_process_does_bit_for_bit
         for initial, parameters, end in KINDS[name][:: 1 - 2 * turn]:
             run = prepared.run(initial, parameters, np.linspace(0, end, 120))
             here = f"{run.state.tobytes().hex()} {sorted(run.drift.items())} {run.notes}"
-            words = [sys.executable, "-c", ALONE, name, repr((initial, parameters, end, tol))]
-            alone = subprocess.run(words, capture_output=True, text=True, check=True)
-            assert alone.stdout.strip() == here, (initial, parameters)
+            assert alone(name, repr((initial, parameters, end, tol))) == here, (initial, parameters)
 
 
 def test_a_prepared_problem_runs_as_integrate_does() -> None:

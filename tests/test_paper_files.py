@@ -12,7 +12,7 @@ from voronec.errors import DefinitionError
 
 HERE = Path(__file__).parent
 NOTES = HERE.parent / "docs" / "notes"
-SYSTEMS = {"ball": "chaplygin-ball", "suslov": "suslov"}
+SYSTEMS = {"ball": "chaplygin-ball", "suslov": "suslov", "veselova": "veselova"}
 SLEIGH = """name = "sleigh-note"
 lagrangian = "m*((xdot - a*sin(phi)*phidot)^2 + (ydot + a*cos(phi)*phidot)^2)/2 + J*phidot^2/2"
 constraints = ["ydot*cos(phi) = xdot*sin(phi)"]
@@ -100,6 +100,7 @@ TRUE = r"Here $\dot v=a\omega^2$ and $\dot x=v\cos\phi$. "
         (r"The ratio is $\dot v/\omega=a\omega$.", "proved"),
         (r"One has $\{v,\omega\}=\frac{a}{}$.", "not read"),
         (r"Without the constraint $\dot v=0$.", "not read"),
+        (r"One substitutes the variable $v=\omega+\phi$.", "not read"),
     ],
 )
 def test_what_is_printed_has_its_verdict(tmp_path, text, verdict):
@@ -212,6 +213,12 @@ def test_a_density_is_proved_in_the_variables_of_the_system(tmp_path, root, verd
     (tmp_path / "ball.tex").write_text(text, "utf-8")
     found = vo.audit_paper(tmp_path / "ball.tex", vo.load("chaplygin-ball"))
     assert found.audit.records[-1].verdict == verdict
+
+
+def test_a_paper_of_the_catalogue_is_audited_by_its_name(call):
+    done = call("audit", "chaplygin-ball", "--json")
+    assert done.status == 0
+    assert json.loads(done.out) == json.loads(call("regenerate", "chaplygin-ball", "--json").out)
 
 
 @pytest.mark.parametrize(

@@ -11,10 +11,9 @@ import pytest
 import sympy as sp
 from scipy.integrate import solve_ivp
 from scipy.special import ellipk
+from without_claims import bare
 
 import voronec as vo
-from voronec.algebra.sympy_bridge import SymPyBridge
-from voronec.declaration.system import bare
 from voronec.equations.program import Program
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 
@@ -521,24 +520,6 @@ def test_what_users_call_their_events_is_theirs(name):
                     stop=True), events[1]))  # fmt: skip
     assert halted.stopped == name and not len(halted.events["x - 2/5"])
     assert abs(halted.t[-1] - 1 + np.sqrt(0.4)) < 1e-12
-
-
-CASES = [
-    sp.Heaviside(x), sp.Heaviside(x, 1), sp.Max(x, y, 1), sp.Min(x, y), sp.floor(x), sp.frac(x),
-    sp.ceiling(x), sp.Mod(x, sp.Rational(3, 2)), sp.Piecewise((x**2, x < 1), (y, x > 1), (7, True)),
-    sp.Piecewise((1, (x > 0) & (y <= 1) | sp.Eq(x, -1)), (x, ~(x < 0)), (y, True)),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize("expr", CASES, ids=str)
-def test_functions_in_pieces_keep_their_values_on_the_switches_too(expr):
-    bridge = SymPyBridge()
-    back = bridge.outward(bridge.inward(expr))
-    places = [sp.Rational(n, 2) for n in range(-4, 5)]
-    for a in places:
-        for b in (0, 1, sp.Rational(5, 2)):
-            at = {x: a, y: b}
-            assert back.subs(at).doit() == expr.subs(at).doit()
 
 
 REFEREED = [

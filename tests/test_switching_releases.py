@@ -18,7 +18,7 @@ pytestmark = pytest.mark.slow
 x = sp.Symbol("x")
 SPEED, t = vo.velocity(x), vo.time
 R = sp.Rational
-METHODS = {"heyoka": 1e-13, "scipy": 1e-13, "c": 1e-13, "lsoda": 1e-13, "flint": 1e-20}
+METHODS = {"heyoka": 1e-13, "scipy": 1e-13, "c": 1e-13, "flint": 1e-20}
 FRICTION = R(3, 10)
 PUSHES = {
     "a short push": (1 / (1 + 100 * (t - 20) ** 2), 20.0, 40.0),

@@ -27,7 +27,7 @@ from voronec.accuracy.problem import DIGITS, ProblemFormulation
 from voronec.accuracy.solution import output_sizes
 from voronec.equations.program import taylor_extras, taylor_system
 from voronec.errors import EngineLimit, IntegrationError
-from voronec.motion.steppers.heyoka_stepper import heyoka
+from voronec.motion.steppers import heyoka
 
 
 def sizes(problem: ProblemFormulation, states: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from voronec.audit.latex.document import HIDDEN, PrintedSentence
+from voronec.audit.latex.document import ELLIPSIS, PrintedSentence
 from voronec.declaration.claims import Measure
 from voronec.equations.motions import Motions
 from voronec.equations.voronec_equations import VoronecEquations
@@ -40,7 +40,7 @@ _BOUND = re.compile(
     r"(?P<kind>non-?holonomic|holonomic|(?:non-?)?integrable)\b"
 )
 _MEASURE = re.compile(r"\bmeasure\b[^$]* with (?:the )?density (?:\w+ )?\$(?P<density>\d+)\$")
-_TURNED = re.compile(r"\b(?:not?|neither|nor|never|only|cannot|nothing|hardly|false)\b", re.I)
+_NEGATION = re.compile(r"\b(?:not?|neither|nor|never|only|cannot|nothing|hardly|false)\b", re.I)
 _ALONG = re.compile(
     r"(?: (?:along|of|for|during|on) (?:the |these |every |each |all )?(?:whole |reduced )?"
     r"(?:motions?|solutions?|trajector(?:y|ies)|systems?|equations|problem|flow|constraints?))*\W*"
@@ -85,7 +85,7 @@ def claims_in_words(
     if (match := _BOUND.search(words)) is not None:
         positive = bool(match["no"]) == match["kind"].startswith("non")
         return [WordClaim(True, decide=lambda equations: _integrable(equations, positive))]
-    if _TURNED.search(words):
+    if _NEGATION.search(words):
         return []
     if (match := _FREEDOM.search(words)) is not None:
         count = match["count"].lower()
@@ -100,15 +100,14 @@ def claims_in_words(
         if (match := pattern.search(words)) is None:
             continue
         subjects = [sentence.formulas[int(i)] for i in re.findall(r"\d+", match["all"])]
-        before, after = words[: match.start()], words[match.end() :]
+        head, tail = words[: match.start()], words[match.end() :]
         value = CONSTANT_WORD if constant else _value(match, sentence.formulas, side_of)
-        alone = all((_SUBJECT.fullmatch(before), _ALONG.fullmatch(after)))
+        alone = all((_SUBJECT.fullmatch(head), _ALONG.fullmatch(tail)))
+        before, after = sentence.with_formulas(head), sentence.with_formulas(tail)
         return [
-            WordClaim(
-                alone, sentence.filled(before), sentence.filled(after), f"${subject}={value}$"
-            )
+            WordClaim(alone, before, after, f"${subject}={value}$")
             for subject in map(last_side, subjects)
-            if value and subject and subject != HIDDEN
+            if value and subject and subject != ELLIPSIS
         ]
     return []
 

@@ -77,7 +77,8 @@ _CONDITIONS = re.compile(
     r"|(?:special|particular) (?:cas|solution|motion|value)\w*|virtual"
     r"|unconstrained|would|as if|first order|rescal\w*|normali[sz]\w*"
     r"|dimensionless|nondimensional\w*|units|vakonomic|variational|remov\w*"
-    r"|free (?:body|motion)|holonomic case"
+    r"|free (?:body|motion)|holonomic case|substitutes? (?:the )?variables?|new variables?"
+    r"|(?:change|transformation) of (?:the )?variables?|by (?:the|a) substitution"
     r"|wrong\w*|erroneous\w*|incorrect\w*|false|misprint\w*|instead of|in (?:\w+ )?(?:book|paper)"
     r"|solution)\b",
     re.IGNORECASE,
@@ -456,10 +457,10 @@ class _Work:
         if claim.decide is not None:
             verdict, method = claim.decide(self.study.context)
             return FormulaRecord("", verdict, method, source=self.study.origin)
-        made = self._made(sentence, claim.formula, claim.before, claim.after)
+        made = self._claim_of(sentence, claim.formula, claim.before, claim.after)
         return FormulaRecord("", "not read", "a slot") if made is None else self._judge(made)
 
-    def _made(
+    def _claim_of(
         self, sentence: PrintedSentence, latex: str, before: str = "", after: str = ""
     ) -> PrintedClaim | None:
         """A formula that stands in the words of a sentence, as a claim."""
@@ -472,7 +473,7 @@ class _Work:
 
     def _density(self, sentence: PrintedSentence, latex: str) -> Any:
         """The value of a formula in the invariants of the system, else None."""
-        made = self._made(sentence, f"${latex}=0$")
+        made = self._claim_of(sentence, f"${latex}=0$")
         if made is None or made.chain is None:
             return None
         invariants = self.study.context.system.invariants

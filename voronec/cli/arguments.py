@@ -11,6 +11,8 @@ import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
+from glob import escape, glob
+from os.path import isdir
 from types import MappingProxyType
 from typing import Any, NamedTuple, NoReturn
 
@@ -91,7 +93,21 @@ class Option(NamedTuple):
             settings["metavar"] = value
         elif "choices" not in settings:
             settings["action"] = "store_true"
-        parser.add_argument(name, help=self.meaning, **settings)
+        argument = parser.add_argument(name, help=self.meaning, **settings)
+        if "NAME" in value.split("|"):
+            argument.completer = _system_names
+
+
+def _system_names(prefix: str, **_: Any) -> list[str]:
+    """What a shell offers for a NAME or a FILE: systems, without running anybody's code, files of
+    systems, and folders."""
+    from voronec.declaration.catalogue import SUFFIXES, names
+
+    found = sorted(glob(f"{escape(prefix)}*"))
+    files = [path for path in found if path.endswith(SUFFIXES) or isdir(path)]
+    return [name for name in names() if name.startswith(prefix)] + [
+        f"{path}/" if isdir(path) else path for path in files
+    ]
 
 
 def _flatten(items: Iterable[Any]) -> Iterator[Option]:
@@ -188,7 +204,7 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
     ),
     "audit": (
         "paper", "check the formulas of a LaTeX file against a system, or draft its system",
-        Option("paper FILE.tex", "the paper, as it is"),
+        Option("paper FILE.tex|NAME", "the paper, as it is; a paper of the catalogue by its name"),
         SYSTEM._replace(settings={"nargs": "?"}),
         Option("--dictionary FILE", "what letters of the paper are in the system, a TOML file; "
                "one that is not there is written, to be filled in"),

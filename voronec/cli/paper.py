@@ -1,4 +1,5 @@
-"""``voronec audit``: any paper as its file stands, beside a system.
+"""``voronec audit``: any paper as its file stands, beside a system; a paper of the catalogue by its
+name, as ``voronec regenerate`` does it.
 
 The exit status is 1 where a formula is refuted.
 """
@@ -9,15 +10,20 @@ import re
 from argparse import Namespace
 from pathlib import Path
 
+from voronec.cli import regeneration
 from voronec.cli.files import create, deliver, wanted_folder
 from voronec.cli.output import answer, progress, progress_line
-from voronec.cli.subject import resolve
+from voronec.cli.subject import is_file, resolve
+from voronec.declaration.catalogue import papers
 
 
 def execute(arguments: Namespace) -> int:
     """Print the summary for a referee; a page, where a folder is given; without a system, a draft
     of its file."""
     path = Path(arguments.paper)
+    if arguments.system is None and not is_file(arguments.paper) and arguments.paper in papers():
+        options = {**vars(arguments), "label": None, "details": False, "fresh": False}
+        return regeneration.execute(Namespace(**options))
     if arguments.system is None:
         return _draft(path, arguments.json)
     from voronec.audit.file_audit import audit_paper

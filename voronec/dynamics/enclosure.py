@@ -19,7 +19,7 @@ import symengine as se
 
 from voronec.dynamics.newton import RANK, polish
 from voronec.dynamics.spectrum import characteristic, root_on_right
-from voronec.dynamics.steady_equations import SteadyEquations
+from voronec.dynamics.steady_equations import SteadyEquations, as_symengine
 from voronec.equations.motions import Motions
 from voronec.errors import EngineLimit
 from voronec.motion.verify import is_proved
@@ -35,6 +35,7 @@ def enclosed_on_right(
     proved, as text; None where the proof does not succeed."""
     try:
         with flint.ctx.workprec(BITS):
+            equations = equations.only_leaves()
             box = enclose(motions, equations, y)
             if box is None:
                 return None
@@ -76,7 +77,9 @@ def vanishing(equations: SteadyEquations, zero: Sequence[int]) -> list[bool]:
             values[name] = found
     rates = [on(e) == 0 for e in derivative.results]
     relations = [se.expand(on(e)) == 0 for e in equations.formulation.relations]
-    held = [on(e) == 0 and equations.targets[n] == 0 for n, e in equations.held]
+    known = {se.Symbol(n): as_symengine(x) for n, x in equations.values.items() if x is not None}
+    held = [se.expand(on(e).xreplace(known) - as_symengine(equations.targets[n])) == 0
+            for n, e in equations.held]  # fmt: skip
     return [*rates, *relations, *held]
 
 

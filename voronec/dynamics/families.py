@@ -12,7 +12,7 @@ is where the number of eigenvalues right of the imaginary axis changes.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -35,7 +35,7 @@ from voronec.dynamics.spectrum import (
     in_order,
 )
 from voronec.dynamics.steady import SteadyMotion, pivots, to_mpf, unstable_count
-from voronec.dynamics.steady_equations import SteadyEquations, is_leaf, read_quantity
+from voronec.dynamics.steady_equations import SteadyEquations, read_quantity
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion.request import number
 
@@ -50,6 +50,8 @@ TIMES = 20
 """A family has at most so many times the points that were asked for."""
 CRITICAL_BITS = 200
 """At work on critical values: 60 digits, of which a determinant leaves 30."""
+FLAT = 1e-4
+"""Where the quantity changes by less than this along the curve, in the units, there is a fold."""
 MOST_SECANTS = 8
 """Secants from eight digits on reach thirty in three steps."""
 WAYS = {
@@ -187,15 +189,18 @@ class SteadyFamily:
         """That between the points k and k + 1; None where no condition changes its sign."""
         from scipy.optimize import brentq
 
-        a, b = sorted(map(float, self.values[k : k + 2]))
+        a, b = self.points[k : k + 2]
         below, above = int(self.unstable[k]), int(self.unstable[k + 1])
-        near = self.points[k]
-        signs = [self._in_doubles(x, near) for x in (a, b)]
-        for way in signs[0].keys() & signs[1].keys():
-            if signs[0][way] * signs[1][way] < 0 and ((below - above) % 2 == 1) == (way == "real"):
-                rough = brentq(lambda x, way=way: self._in_doubles(x, near)[way], a, b, xtol=1e-14)
-                exact = self._in_digits(way, float(rough), near, 1e-7 * (b - a))
-                exact = exact if abs(exact) > 1e-14 * (b - a) else mp.mpf(0)
+        ends = [self._in_doubles(y) for y in (a, b)]
+        for way in ends[0].keys() & ends[1].keys():
+            if ends[0][way] * ends[1][way] < 0 and ((below - above) % 2 == 1) == (way == "real"):
+
+                def at(share: float, way: str = way) -> float:
+                    return self._in_doubles(self.curve.between(a, b, share))[way]
+
+                y = self.curve.between(a, b, brentq(at, 0.0, 1.0, xtol=1e-13))
+                exact, size = self._in_digits(way, y, a, b), float(np.ptp(self.values))
+                exact = exact if abs(exact) > 1e-14 * size else mp.mpf(0)
                 return Critical(float(exact), exact, way, below, above)
         return None
 
@@ -206,14 +211,19 @@ class SteadyFamily:
             raise EngineLimit(f"the family is lost at {self.over} = {float(value):g}")
         return curve, y
 
-    def _in_doubles(self, value: float, near: np.ndarray) -> dict[str, float]:
-        """What changes its sign at critical values, at a value of the quantity."""
-        curve, y = self._solved(value, near)
-        n = curve.equations.size
-        return conditions_in_doubles(self.deflation.rest(curve.function(y)[1][:n, :n]))
+    def _in_doubles(self, y: np.ndarray) -> dict[str, float]:
+        """What changes its sign at critical values, at a point of the curve."""
+        n = self.curve.equations.size
+        return conditions_in_doubles(self.deflation.rest(self.curve.function(y)[1][:n, :n]))
 
-    def _in_digits(self, way: str, rough: float, near: np.ndarray, width: float) -> mp.mpf:
-        """Where a condition vanishes, by secants from what doubles tell."""
+    def _in_digits(self, way: str, near: np.ndarray, a: np.ndarray, b: np.ndarray) -> mp.mpf:
+        """Where a condition vanishes, by secants from what doubles tell; at a fold, where the
+        quantity is no coordinate of the curve, it is as exact as doubles are."""
+        rough, along = self.curve.value(near), self.curve.oriented(near, b - a)
+        rate = abs(float(self.curve.slope(near) @ along))
+        if rate < FLAT * float(np.abs(self.curve.slope(near) * self.curve.units).max()):
+            return mp.mpf(rough)
+        width = 1e-7 * abs(self.curve.value(b) - self.curve.value(a))
         with mp.workprec(CRITICAL_BITS), flint.ctx.workprec(CRITICAL_BITS):
             x = [mp.mpf(rough) - width, mp.mpf(rough)]
             values = [self._exact_condition(way, value, near) for value in x]
@@ -390,10 +400,7 @@ def curve_of(
             equations = equations.with_unknowns([name])
             y, units = np.append(y, value), np.append(units, abs(value) or 1.0)
     name, expr = read_quantity(equations, motion.motions, over)
-    formulation = equations.formulation
-    leaves = {n for n, e in formulation.integrals.items() if is_leaf(formulation, e)} - {name}
-    kept = tuple((n, e) for n, e in equations.held if n in leaves)
-    equations = replace(equations, held=kept)
+    equations = equations.only_leaves(but=(name,))
     held = dict[str, tuple[Any, Any]]()
     for key in (*hold, *besides):
         label, e = read_quantity(equations, motion.motions, key)

@@ -38,7 +38,9 @@ def family_figure(family: SteadyFamily) -> Figure:
         dots = right.scatter(values.real.ravel(), values.imag.ravel(), c=spread, s=3, vmin=0,
                              vmax=1, cmap="cividis")  # fmt: skip
         bar = figure.colorbar(dots, ax=right, ticks=[0, 1], pad=0.02)
-        bar.ax.set_yticklabels([f"{x.min():.3g}", f"{x.max():.3g}"], fontsize=7)
+        bar.ax.set_yticklabels(
+            [f"{round(float(end), 9):.3g}" for end in (x.min(), x.max())], fontsize=7
+        )
         bar.set_label(_label(family.over), labelpad=-8)
         right.set(xlabel=r"$\mathrm{Re}\,\lambda$", ylabel=r"$\mathrm{Im}\,\lambda$")
         for panel in (left, middle, right):
@@ -62,6 +64,8 @@ def _draw_states(panel: Any, family: SteadyFamily) -> None:
         panel.plot([], [], style, color="black", linewidth=1.1, label=_label(family.names[i]))
     for count in sorted(set(family.unstable.tolist())):
         panel.plot([], [], "s", color=COLOURS[min(count, 4)], label=f"{count} unstable")
+    if not moves:
+        panel.set_ylim(-1, 1)
     panel.set(xlabel=_label(family.over))
     panel.legend(fontsize=6, frameon=False, handlelength=1.6, labelspacing=0.3)
 

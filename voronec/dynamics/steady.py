@@ -32,8 +32,9 @@ from voronec.dynamics.steady_equations import (
     steady_equations,
 )
 from voronec.equations.motions import Motions
-from voronec.equations.voronec_equations import VoronecEquations, derive
-from voronec.errors import DefinitionError, did_you_mean
+from voronec.equations.voronec_equations import VoronecEquations
+from voronec.errors import DefinitionError, EngineLimit, did_you_mean
+from voronec.motion.inputs import drive
 from voronec.motion.request import number
 
 if TYPE_CHECKING:
@@ -133,16 +134,23 @@ class SteadyMotion:
 
         ``EngineLimit`` where the equations are degenerate there, or have no evaluation in balls.
         """
-        found = polish(self.equations, self.y, int(3.33 * digits) + 40)
+        found = self._polished(int(3.33 * digits) + 40)
         with mp.workdps(digits):
             return {n: +to_mpf(x) for n, x in zip(self.equations.names, found, strict=True)}
+
+    def _polished(self, bits: int) -> list[Any]:
+        """The point in balls; what is held may touch the family, and then its nearest point."""
+        try:
+            return polish(self.equations, self.y, bits)
+        except EngineLimit:
+            return polish(self.equations.only_leaves(), self.y, bits)
 
     def eigenvalues(self, digits: int = 40) -> list[mp.mpc]:
         """All eigenvalues, zeros among them, to so many digits, by real and imaginary part."""
         n = self.equations.size
         # an eigenvalue of a chain of n loses so many digits
         bits = int(3.33 * (digits + 10)) * (max(self.deflation.counts, default=1) + 2) + 64
-        y = polish(self.equations, self.y, bits)
+        y = self._polished(bits)
         slopes = self.equations.slopes_in_balls(y, bits)
         with flint.ctx.workprec(bits):
             block = [flint.acb(slopes[i, j].mid()) for i in range(n) for j in range(n)]
@@ -305,10 +313,11 @@ def steady(
     Raises ``DefinitionError`` for unknown names, a parameter without a value, a system that depends
     on the time, and where no start leads to a steady motion.
     """
-    equations = system if isinstance(system, VoronecEquations) else derive(require_system(system))
-    motions, own = Motions.of(equations), equations.system
-    said = _scene_values(own)
-    given = {plain_name(k): x for k, x in (parameters or {}).items()}
+    own = system.system if isinstance(system, VoronecEquations) else require_system(system)
+    equations = drive(system, unknown=True).equations
+    motions, said = Motions.of(equations), _scene_values(own)
+    given = {f"{plain_name(u)}dot": 0 for u in own.inputs if _holds_rate(equations, u)}
+    given |= {plain_name(k): x for k, x in (parameters or {}).items()}
     found = steady_equations(equations, given, said)
     _require_constants(found, given)
     unknown = [plain_name(k) for k in several(free, "free", "name")]
@@ -321,6 +330,11 @@ def steady(
         held[name] = (expr, expression(value, f"the value of '{name}'"))
     found = found.holding(held)
     return _search(motions, found, said, starts, seed)
+
+
+def _holds_rate(equations: VoronecEquations, u: Any) -> bool:
+    """Whether the rate of an input is a parameter; it is zero in a steady motion."""
+    return f"{plain_name(u)}dot" in equations.system.parameter_names
 
 
 def _scene_values(system: System) -> dict[str, Any]:

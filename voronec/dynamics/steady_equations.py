@@ -10,7 +10,7 @@ program, evaluated in doubles or in balls.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -24,6 +24,7 @@ from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import Tape, as_ball
 from voronec.algebra.text import name_or_formula
+from voronec.declaration.claims import right_of
 from voronec.declaration.reading import expression, quote
 from voronec.declaration.system import System
 from voronec.equations.motions import Motions
@@ -32,15 +33,15 @@ from voronec.equations.program.jacobian import jacobian
 from voronec.equations.program.straight import fresh_names, share_subexpressions
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, VoronecError, did_you_mean
-from voronec.motion.formulation import SmallestModels
-from voronec.motion.formulation.formulation import (
+from voronec.motion.formulation import (
     Formulation,
+    SmallestModels,
+    constants,
     dependence,
     keep_relations,
     needed_variables,
     restrict,
 )
-from voronec.motion.formulation.special import constants
 from voronec.motion.request import Namespace, number
 
 RECENT = 64
@@ -98,9 +99,17 @@ class SteadyEquations:
         values = {**self.targets, **{name: x for name, (_, x) in given.items()}}
         return replace(self, held=tuple(held.items()), targets=values)
 
-    def with_values(self, changed: Mapping[str, Any]) -> SteadyEquations:
-        """Those with other values of constants."""
-        return replace(self, values={**self.values, **changed})
+    def only_leaves(self, but: Collection[str] = ()) -> SteadyEquations:
+        """Those in which leaf functions alone are held, but for some."""
+        held = (pair for pair in self.held if pair[0] in self.leaves and pair[0] not in but)
+        return replace(self, held=tuple(held))
+
+    @property
+    def leaves(self) -> dict[str, Any]:
+        """Integrals of the constraints: functions of the coordinates alone."""
+        still = {*self.system.coordinates, *(p.symbol for p in self.system.parameters)}
+        integrals = self.formulation.integrals.items()
+        return {n: e for n, e in integrals if _is_of(self.system.integrals[n], still)}
 
     @cached_property
     def _arguments(self) -> tuple[Any, ...]:
@@ -203,6 +212,12 @@ class SteadyEquations:
         return flint.arb_mat(len(found) // len(self.unknowns), len(self.unknowns), found)
 
 
+def _is_of(integral: Any, symbols: Collection[Any]) -> bool:
+    """Whether a claimed integral holds these symbols alone."""
+    function = right_of(integral)
+    return bool(function.free_symbols <= {*symbols}) and not function.has(sp.Derivative)
+
+
 def _record(block: Block) -> tuple[list[tuple[Any, Tape]], Tape]:
     return [(name, Tape([e])) for name, e in block.assignments], Tape(block.results)
 
@@ -249,14 +264,6 @@ def _make(equations: VoronecEquations) -> Formulation:
     return keep_relations(restrict(formulation, [x for x in kept if x not in still]))
 
 
-def is_leaf(formulation: Formulation, expr: Any) -> bool:
-    """Whether an integral is one of the constraints: a function of the positions alone, which the
-    motion cannot change."""
-    return bool(expr.free_symbols & {*formulation.positions}) and not (
-        expr.free_symbols & {*formulation.velocities}
-    )
-
-
 def steady_equations(
     equations: VoronecEquations,
     parameters: Mapping[str, Any],
@@ -283,9 +290,8 @@ def steady_equations(
     values: dict[str, Any] = {p.name: p.value for p in system.parameters if p.value is not None}
     values |= {str(x): start.get(str(x), 0) for x in constants_of(formulation)}
     values |= parameters
-    leaves = {n: e for n, e in formulation.integrals.items() if is_leaf(formulation, e)}
     found = SteadyEquations(formulation, program, program.state, (), values, {})
-    given = {n: (e, _value_there(n, e, {**start, **values})) for n, e in leaves.items()}
+    given = {n: (e, _value_there(n, e, {**start, **values})) for n, e in found.leaves.items()}
     return found.holding({n: (e, x) for n, (e, x) in given.items() if x is not None})
 
 

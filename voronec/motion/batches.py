@@ -23,30 +23,38 @@ from voronec.motion.methods import (
     compiled_method,
     method_names,
 )
-from voronec.motion.steppers.heyoka_stepper import (
+from voronec.motion.steppers import (
+    CHUNK,
+    COLLAPSE,
     COMPACT,
+    INFINITE,
     LONG,
-    heyoka,
-    parameter_count,
-    unit_parameters,
-)
-from voronec.motion.steppers.run import COLLAPSE, INFINITE, WINDOW, Problem, StallDetector
-from voronec.motion.steppers.samples import OwnedSamples, StepSamples, series_samples
-from voronec.motion.steppers.scipy_stepper import estimated_steps
-from voronec.motion.steppers.series_reach import (
     MANY,
     PARTS,
+    SHORT,
     STRIDE,
+    WINDOW,
     Field,
     LongSteps,
+    OwnedSamples,
+    Place,
+    Problem,
+    StallDetector,
+    StepSamples,
+    TurnCount,
+    WideBatch,
     blind_lanes,
+    estimated_steps,
     field_of,
+    heyoka,
     long_steps,
-    series_reach,
+    parameter_count,
+    reach_of_series,
+    series_samples,
     uneven_steps,
+    unit_parameters,
+    units_of_many,
 )
-from voronec.motion.steppers.units import CHUNK, SHORT, TurnCount, units_of_many
-from voronec.motion.steppers.wide_batch import Place, WideBatch
 
 REGISTERS = 2
 """A core is busier with two registers of lanes, whose instructions need not wait for one another;
@@ -216,7 +224,7 @@ class Lanes:
         for parts, own in ((1, ta.alive & ~whole), (PARTS, ta.alive & whole)):
             if own.any():
                 right, rows = self.right_side(own), series[:, :, own]
-                found[own] = series_reach(right, rows, taken[own], ta.high[own], parts, tol)
+                found[own] = reach_of_series(right, rows, taken[own], ta.high[own], parts, tol)
         self.steps.stride[found < np.inf] = 1.0
         ahead = np.copysign(np.minimum(np.abs(taken), found), spans)
         self.ahead = ahead, series
@@ -269,6 +277,11 @@ class Lanes:
                 late = np.abs(each - times[0]) > np.abs(self.output.times[-1] - times[0])
                 late &= ~ta.alive
                 np.moveaxis(states, 1, 2)[late] = np.nan
+        elif len(times) == 2:  # no instant lies between, where states would have to be read off
+            begin = ta.state.copy()
+            self.go_to(float(times[-1]), longest)
+            ends = ((ta.alive, begin), (ta.latest.end, ta.state))
+            states = np.stack([np.where(there, state, np.nan) for there, state in ends])
         else:
             states = ta.along_grid(times, longest, max_steps=self.size, **self.callback)
             self.note_steps()

@@ -42,8 +42,7 @@ from voronec.equations.jumps import require_continuous
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.motion.input_samples import SAMPLES, breaks
-from voronec.motion.steppers.feedback import Feedback
-from voronec.motion.steppers.run import Signal, Signals
+from voronec.motion.steppers import Feedback, Signal, Signals
 
 
 @dataclass(frozen=True)

@@ -51,15 +51,14 @@ from voronec.motion.singular_denominators import (
 )
 from voronec.motion.split_models import divisor_program
 from voronec.motion.state_probe import StateProbe, quantities
-from voronec.motion.steppers import Integrator, Problem, Run, Termination
-from voronec.motion.steppers.run import Signals, constants_along
+from voronec.motion.steppers import Integrator, Problem, Run, Signals, Termination, constants_along
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Crossings, Trajectory, make_trajectory
-from voronec.motion.transitions.charts import through_charts
+from voronec.motion.transitions import through_charts
 from voronec.motion.verify import Breach, SolutionCheck, Untold, require_branches
 
 if TYPE_CHECKING:
-    from voronec.motion.transitions.modes import SwitchedIntegrator
+    from voronec.motion.transitions import SwitchedIntegrator
 
 MARGIN = 32
 """Bits beyond those of the tolerance with which outputs are computed from precise states."""
@@ -110,7 +109,7 @@ class MotionRequest:
 
     def in_ambient(self) -> Trajectory | None:
         """In the ambient formulation; None where there is none, or where it leads no farther."""
-        from voronec.motion.formulation.ambient import ambient_formulation  # few motions need it
+        from voronec.motion.ambient import ambient_formulation  # few motions need it
 
         home, time = self.namespace, float(self.grid[0])
         wanted = home.read_outputs(self.outputs)
@@ -145,7 +144,7 @@ class MotionRequest:
     def through_splits(self) -> Trajectory:
         """On the coordinates, in one split of the velocities after another."""
         # few motions need it, nor what is rough
-        from voronec.motion.transitions.splits import SplitRun
+        from voronec.motion.transitions import SplitRun
 
         own = self.namespace.equations
         exact = is_exact(self.method, self.tol)
@@ -385,7 +384,7 @@ class _Job:
                 f"the input '{followed[0].name}' is a function of the state, in equations that are "
                 "not smooth; give Sampled(controller, period)"
             )
-        from voronec.motion.transitions.modes import through_switching_surfaces
+        from voronec.motion.transitions import through_switching_surfaces
 
         return through_switching_surfaces(
             method, problem, self.grid, self.made.moving_form, functions

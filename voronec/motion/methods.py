@@ -35,8 +35,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from voronec.equations.program import Program
-    from voronec.motion.steppers.held_steps import Leap
-    from voronec.motion.steppers.run import Integrator, Problem, Run
+    from voronec.motion.steppers import Integrator, Leap, Problem, Run
 
 Loop = Callable[..., Callable[..., int]]
 IMPORT_ERRORS: dict[str, str] = {}
@@ -119,56 +118,55 @@ def _find_spec(library: str) -> Any:
 
 
 def _taylor(problem: Problem) -> Integrator:
-    from voronec.motion.steppers.heyoka_stepper import taylor
+    from voronec.motion.steppers import taylor
 
     return taylor(problem)
 
 
 def _dop853(problem: Problem) -> Integrator:
-    from voronec.motion.steppers.scipy_stepper import dop853
+    from voronec.motion.steppers import dop853
 
     return dop853(problem)
 
 
 def _numba_loop(program: Program, levels: Program | None = None) -> Callable[..., int]:
-    from voronec.motion.steppers.numba_stepper import compiled_loop
+    from voronec.motion.steppers import compiled_loop
 
     return compiled_loop(program, levels)
 
 
 def _c_loop(program: Program, levels: Program | None = None) -> Callable[..., int]:
-    from voronec.motion.steppers.c_stepper import c_loop
+    from voronec.motion.steppers import c_loop
 
     return c_loop(program, levels)
 
 
 def _compiled_stepper(problem: Problem, loop: Loop) -> Integrator:
-    from voronec.motion.steppers.numba_stepper import compiled_dop853
+    from voronec.motion.steppers import compiled_dop853
 
     return compiled_dop853(problem, loop)
 
 
 def _taylor_leap(problem: Problem) -> AbstractContextManager[Leap]:
-    from voronec.motion.steppers.heyoka_stepper import taylor_leap
+    from voronec.motion.steppers import taylor_leap
 
     return taylor_leap(problem)
 
 
 def _compiled_leap(problem: Problem, loop: Loop) -> AbstractContextManager[Leap]:
-    from voronec.motion.steppers.numba_stepper import dop853_leap
+    from voronec.motion.steppers import dop853_leap
 
     return dop853_leap(problem, loop)
 
 
 def _lsoda(problem: Problem) -> Integrator:
-    from voronec.motion.steppers.scipy_stepper import lsoda
+    from voronec.motion.steppers import lsoda
 
     return lsoda(problem)
 
 
 def _digits(problem: Problem) -> Integrator:
-    from voronec.motion.steppers.integer_taylor import digits
-    from voronec.motion.steppers.root_states import digits_through_roots
+    from voronec.motion.steppers import digits, digits_through_roots
 
     return digits(problem) if problem.roots is None else digits_through_roots(problem)
 
@@ -324,7 +322,7 @@ def _usual(problem: Problem, grid: np.ndarray, compiled: str) -> tuple[str, str]
         return "heyoka", "heyoka is installed"
     if not there and (soon or not compiled):
         return compiled or "scipy", absence
-    from voronec.motion.steppers.scipy_stepper import TRIAL, estimated_steps
+    from voronec.motion.steppers import TRIAL, estimated_steps
 
     cost = STAGES * (problem.program.operations + 1)
     # each part of a run through splits is compiled for, and may end at once
@@ -345,14 +343,14 @@ def _usual(problem: Problem, grid: np.ndarray, compiled: str) -> tuple[str, str]
 
 
 def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Integrator, dict[str, Any]]:
-    from voronec.motion.steppers.held_steps import held_integrator
-    from voronec.motion.transitions.knots import in_pieces
+    from voronec.motion.input_knots import in_pieces
+    from voronec.motion.steppers import held_integrator
 
     made = METHODS[method]
     make = made.make
     assert make is not None
     if problem.levels is not None and not made.follows_events:
-        from voronec.motion.steppers.event_states import make_with_event_states
+        from voronec.motion.steppers import make_with_event_states
 
         make = partial(make_with_event_states, make)
     if problem.tol < made.finest:

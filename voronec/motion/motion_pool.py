@@ -207,6 +207,14 @@ class Many:
         """``extras(t, columns, values)`` computes what ``program.names`` says."""
         return compile_program(self.program)[1]
 
+    def quantities_along(
+        self, t: np.ndarray, states: np.ndarray, values: np.ndarray
+    ) -> dict[str, np.ndarray]:
+        """Outputs and integrals (m, k) at instants (k,) of motions with states (m, k, n) and
+        parameters (m, p)."""
+        each = np.broadcast_to(values[:, None, :], (*states.shape[:2], values.shape[-1]))
+        return at_each(self.extras, self.program.names, t, states, each)
+
     @property
     def sound(self) -> list[int]:
         """Positions of the starts from which a motion goes."""

@@ -19,7 +19,7 @@ from voronec.motion.formulation import Model, SmallestModels
 from voronec.motion.observables import AngleBranch, ObservedQuantities, watch_of
 from voronec.motion.request import Namespace, OutputTerms
 from voronec.motion.state_probe import StateProbe, mass_program, quantities
-from voronec.motion.steppers.run import Signals
+from voronec.motion.steppers import Signals
 
 
 @dataclass(frozen=True)

@@ -64,10 +64,8 @@ from voronec.motion.section_passages import (
     pass_one_by_one,
 )
 from voronec.motion.state_probe import at_each, changes
-from voronec.motion.steppers.event_states import with_parts
-from voronec.motion.steppers.samples import by_owner
-from voronec.motion.steppers.scipy_stepper import FINEST
-from voronec.motion.tolerances import EXACT
+from voronec.motion.steppers import by_owner, with_parts
+from voronec.motion.tolerances import EXACT, FINEST
 from voronec.motion.trajectory import Cost
 from voronec.motion.verify import CheckOfMany
 
@@ -568,7 +566,9 @@ def _cut_unsound(motions: Many, passages: SectionPassages, cost: Cost) -> None:
         states = np.vstack([motions.states[i], *(part[1] for part in passages.parts[i])])
         ends = motions.time, float(t[-1])
         samples = by_owner(part.within(*ends) for part in passages.samples.get(i, ()))
-        breaches, notes = check.breaches(t, states[None], motions.values[i][None], steps, samples)
+        motion = t, states[None], motions.values[i][None]
+        series = motions.quantities_along(*motion)
+        breaches, notes = check.breaches(*motion, steps, samples, series)
         if notes:
             passages.notes[i] = (*passages.notes.get(i, ()), *notes[0])
         for breach in breaches.values():

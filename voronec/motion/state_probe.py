@@ -13,7 +13,7 @@ import numpy as np
 from voronec.algebra.memo import Memo
 from voronec.equations.program import Program, compile_program, hoist
 from voronec.errors import DefinitionError, IntegrationError
-from voronec.motion.steppers.run import FAR, Signals, Suspect, Termination, values_along
+from voronec.motion.steppers import FAR, Signals, Suspect, Termination, values_along
 
 SINGULAR = 1e-13
 """A mass matrix with a smaller eigenvalue, in units of its diagonal, counts as singular."""

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from voronec.equations.program import Program, compile_program
-from voronec.motion.steppers.samples import NODES, WIDTH, OwnedSamples, Rates, StepSamples
+from voronec.motion.steppers import NODES, WIDTH, OwnedSamples, Rates, StepSamples
 
 RELATIVE, ROUNDING = 1e-6, 1e-7
 """A defect is looked into where it is larger than these parts of the way that a variable goes in

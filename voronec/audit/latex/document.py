@@ -101,11 +101,11 @@ class PrintedSentence:
     number: int
 
     def __str__(self) -> str:
-        return self.filled(self.words)
+        return self.with_formulas(self.words)
 
-    def filled(self, words: str) -> str:
+    def with_formulas(self, words: str) -> str:
         """Some of its words with the formulas in their slots."""
-        return _NUMBERED.sub(lambda slot: f"${self.formulas[int(slot[1])]}$", words)
+        return _SLOT.sub(lambda slot: f"${self.formulas[int(slot[1])]}$", words)
 
 
 @dataclass(frozen=True)
@@ -174,7 +174,7 @@ def _sections(body: MarkedText) -> Iterator[PrintedSection]:
         yield PrintedSection(title or "The paper", tuple(found))
 
 
-_NUMBERED = re.compile(r"\$(\d+)\$")
+_SLOT = re.compile(r"\$(\d+)\$")
 _REFERENCE = re.compile(r"\(?\\(?:eq)?ref\s*\{([^{}]*)\}\)?")
 _ASIDE = re.compile(
     r"\\(?:title|author|date|thanks|cite\w*|label|begin|end|email|affiliation)\*?"
@@ -187,7 +187,7 @@ _LAST_STOP = re.compile(
 """A stop at the end of a display."""
 
 
-HIDDEN = r"\ldots"
+ELLIPSIS = r"\ldots"
 """What a sentence quotes in the place of a display of several formulas."""
 
 
@@ -196,8 +196,8 @@ def _alone(latex: str) -> str:
     try:
         pieces = [(unit, piece) for unit in split_display(latex) for piece in unit.pieces]
     except DefinitionError:
-        return HIDDEN
-    return source_of(pieces[0][1], pieces[0][0].display) if len(pieces) == 1 else HIDDEN
+        return ELLIPSIS
+    return source_of(pieces[0][1], pieces[0][0].display) if len(pieces) == 1 else ELLIPSIS
 
 
 def _sentences(body: MarkedText) -> Iterator[PrintedSentence]:

@@ -309,7 +309,9 @@ class Language:
         known = (*system.coordinates, *self.equations.velocities, *system.inputs)
         found: dict[str, Any] = {plain_name(x): x for x in known}
         found |= {p.name: p.symbol for p in system.parameters}
-        found |= {name: value for name, value in system.invariants.items() if name not in found}
+        beside = system.frame.beside if system.frame else {}
+        more = {plain_name(w): value for w, value in beside.items()} | dict(system.invariants)
+        found |= {name: value for name, value in more.items() if name not in found}
         found.setdefault(plain_name(time), time)
         for name, value in system.conserved.items():  # energy = const
             if name.isalpha() and len(name) > 1:

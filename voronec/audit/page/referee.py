@@ -28,7 +28,7 @@ def _several(audit: Audit) -> str:
     return f"{number - words} formula{'s' * (number - words != 1)}{said}"
 
 
-def _unaudited(audit: Audit) -> str:
+def _left_aside(audit: Audit) -> str:
     """How many sentences were not compared."""
     number = sum(record.verdict == "unaudited" for record in audit.records)
     what = "what the text claims in words is left to the reader"
@@ -66,7 +66,7 @@ def referee_lines(audit: Audit, letters: Mapping[str, list[str]], system: str) -
         lines += [f"    {r.label}: {r.decisive.method}" for r in found]
     if letters:
         lines += [f"letters that nothing explains: {', '.join(letters)}"]
-    return [*lines, _unaudited(audit)]
+    return [*lines, _left_aside(audit)]
 
 
 def referee_markdown(audit: Audit, letters: Mapping[str, list[str]], system: str) -> str:
@@ -85,4 +85,4 @@ def referee_markdown(audit: Audit, letters: Mapping[str, list[str]], system: str
         lines += [f"- {len(found)} {words}: {'; '.join(r.label or '' for r in found)}"]
     if letters:
         lines += ["- letters: " + ", ".join(f"${letter}$" for letter in letters)]
-    return "\n".join([*lines, f"- {_unaudited(audit)}", ""])
+    return "\n".join([*lines, f"- {_left_aside(audit)}", ""])

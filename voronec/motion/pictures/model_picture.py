@@ -13,8 +13,7 @@ from typing import Any
 
 from voronec.algebra.typeset import symbol_latex
 from voronec.declaration.figure_style import FAINT, INK, PALE, SOFT, draw_arrow, figure_in_style
-from voronec.motion.formulation import Model
-from voronec.motion.formulation.formulation import Formulation, dependence
+from voronec.motion.formulation import Formulation, Model, dependence
 from voronec.motion.pictures.layered_layout import Layout, layered_layout
 
 

@@ -107,7 +107,7 @@ def first_reach(
         if which:
             taken, begin = np.array([(steps[i].taken, steps[i].begin) for i in which]).T
             coefficients = np.stack([steps[i].coefficients for i in which], axis=2)
-            lengths[which] = series_reach(field, coefficients, taken, begin, parts, tol)
+            lengths[which] = reach_of_series(field, coefficients, taken, begin, parts, tol)
     first = int(np.argmin(lengths == np.inf))
     return (first, float(lengths[first])) if lengths[first] < np.inf else None
 
@@ -239,7 +239,7 @@ def blind_reach(integrator: Any, field: Field, output: Any, step: int) -> np.nda
     return _Series(field, rows, np.atleast_1d(lengths), begin, 1, integrator.tol).reach()
 
 
-def series_reach(
+def reach_of_series(
     field: Field, coefficients: np.ndarray, taken: np.ndarray, begin: np.ndarray, parts: int,
     tol: float,
 ) -> np.ndarray:  # fmt: skip
@@ -301,7 +301,7 @@ class LongSteps:
         for parts, own in ((1, ~far), (PARTS, far)):
             if own.any():
                 right, rows = field(self.which[own]), self.coefficients[:, :, own]
-                lengths = series_reach(right, rows, self.taken[own], self.begin[own], parts, tol)
+                lengths = reach_of_series(right, rows, self.taken[own], self.begin[own], parts, tol)
                 found[own] = lengths < np.inf
         return self.which[found]
 

@@ -17,8 +17,15 @@ import numpy as np
 from voronec.equations.program import compile_program
 from voronec.motion.request import Guard
 from voronec.motion.solve import DOUBLE, Arrival, Phase, Progress, Solver
-from voronec.motion.steppers.feedback import MEND, ControllerFailure
-from voronec.motion.steppers.run import Integrator, Problem, Run, Termination, exact_mpf
+from voronec.motion.steppers import (
+    MEND,
+    ControllerFailure,
+    Integrator,
+    Problem,
+    Run,
+    Termination,
+    exact_mpf,
+)
 
 BESIDE = 1e-9
 """An event that is closer than this part of a piece to its end happens there, or not at all."""
