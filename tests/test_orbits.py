@@ -136,6 +136,23 @@ def test_periods_double_where_mathieu_functions_say() -> None:
         assert abs(np.prod(orbit.multipliers) - 1) < 1e-9  # areas are preserved
 
 
+def test_a_driven_oscillator_has_the_multipliers_of_its_damping() -> None:
+    """x'' + 2 c x' + x = cos(w t): after a period T exp(-c T) exp(+-i sqrt(1 - c^2) T)."""
+    c, w = 0.1, 1.3
+    force = sp.cos(sp.Float(w) * vo.time) - 2 * c * vx
+    system = vo.System("driven", vo.Fibration(base=(x,)), vx**2 / 2 - x**2 / 2, forces={x: force})
+    span = 2 * np.pi / w
+    (orbit,) = vo.periodic(system, initial={"x": 0.3}, period=span, variables=("x",))
+    steady = 1 / (1 - w**2 + 2j * c * w)
+    assert orbit["x"] == pytest.approx(steady.real, abs=1e-10)
+    assert orbit.stability == "asymptotically stable"
+    expected = np.exp((-c + 1j * np.sqrt(1 - c**2)) * span)
+    assert np.abs(orbit.multipliers - expected).min() < 1e-9
+    assert len(orbit.trivial) == 0
+    with pytest.raises(vo.DefinitionError, match="give the period"):
+        vo.periodic(system, initial={"x": 0.3}, variables=("x",))
+
+
 def test_multiple_shooting_finds_what_single_shooting_does() -> None:
     one, five = (
         vo.periodic(henon_heiles(), initial={"y": 0.3}, variables=("x", "y"), hold=("energy",),
@@ -212,6 +229,7 @@ def test_multipliers_of_a_ball_are_differences_in_many_digits() -> None:
         ({"initial": {"x": 1.0}, "variables": ("x",), "along": "g", "to": 1.0}, "neither"),
         ({"initial": {"x": 1.0}, "variables": ("x",), "along": "energy"}, "both or none"),
         ({"initial": {"x": 1.0}, "variables": ("x",), "segments": 0}, "1 to"),
+        ({"initial": {"x": 1.0}, "variables": ("x",), "points": 1}, "2 orbits"),
     ],
 )
 def test_a_guess_that_makes_no_sense_is_refused(given: dict[str, Any], words: str) -> None:

@@ -262,9 +262,10 @@ def exponents(
     if len(space.motions) == 1 and errors:
         raise errors[0]
     return Exponents(
-        space.system, space.names, tuple(space.constants), found.values, found.bars, found.is_settled,
-        found.least_zeros, found.divergence, found.drift, space.reversal(space.motions.sound[0]),
-        found.time, errors, asked, perf_counter() - began, interrupted,
+        space.system, space.names, tuple(space.constants), found.values, found.bars,
+        found.is_settled, found.least_zeros, found.divergence, found.drift,
+        space.reversal(space.motions.sound[0]), found.time, errors, asked, perf_counter() - began,
+        interrupted,
     )  # fmt: skip
 
 

@@ -244,6 +244,8 @@ def periodic(
         raise DefinitionError("periodic: give one start; families are followed by along=, to=")
     if (along is None) != (to is None):
         raise DefinitionError("periodic: give along and to, both or none")
+    if points < 2:
+        raise DefinitionError(f"periodic: points={points}: give 2 orbits or more")
     known = [n for n in space.constants if not n.startswith("relation ")]
     if along is not None and along not in known:
         space, known = space.with_variable(along), [*known, along]
