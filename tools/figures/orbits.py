@@ -28,7 +28,7 @@ import sympy as sp
 import voronec as vo
 from voronec.dynamics.phase_space import PhaseSpace
 from voronec.dynamics.variational import EVERY, variational_flow
-from voronec.motion.steppers.dop853_source import FIFTH, STEP, THIRD, WEIGHTS
+from voronec.motion.steppers import DOP853
 
 FAMILIES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("falling-disc", {"along": "energy", "to": 2.2}),
@@ -130,10 +130,11 @@ def _by_hand(start: np.ndarray, values: np.ndarray) -> Callable[[float], np.ndar
     function = ctypes.CDLL(str(Path(folder) / "hand.so")).by_hand
     function.argtypes = [ctypes.c_void_p] * 6 + [ctypes.c_double] * 2
     rows = np.zeros((13, 12))
-    for s, row in enumerate((*WEIGHTS[:12], STEP)):
+    for s, row in enumerate((*DOP853.weights, DOP853.step)):
         rows[s, list(row)] = list(row.values())
     fifth, third = np.zeros(12), np.zeros(12)
-    fifth[list(FIFTH)], third[list(THIRD)] = list(FIFTH.values()), list(THIRD.values())
+    for target, row in ((fifth, DOP853.fifth), (third, DOP853.third)):
+        target[list(row)] = list(row.values())
     given = np.ascontiguousarray(values)
 
     def run(tol: float) -> np.ndarray:

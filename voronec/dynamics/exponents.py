@@ -283,8 +283,9 @@ class _ExponentTable:
 
     @classmethod
     def empty(cls, count: int, k: int) -> _ExponentTable:
-        wide, none = np.full((2, count, k), np.nan), np.zeros((2, count), dtype=int)
-        return cls(*wide, none[0].astype(bool), none[1], *np.full((3, count), np.nan))
+        wide, row = np.full((count, k), np.nan), np.full(count, np.nan)
+        flags, zeros = np.zeros(count, dtype=bool), np.zeros(count, dtype=int)
+        return cls(wide, wide.copy(), flags, zeros, row, row.copy(), row.copy())
 
     def fill(
         self, i: int, space: PhaseSpace, flow: VariationalFlow, bar: float | None,

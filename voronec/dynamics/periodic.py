@@ -533,8 +533,7 @@ class _OrbitEquations:
         anchored = replace(self, anchor=self._anchor(unknowns))
         _, sizes, rows = np.linalg.svd(anchored.linear(unknowns, None).slopes)
         free = rows[int((sizes > SINGULAR * sizes[0]).sum()) :]
-        alone = before is not None and len(free) == 1
-        guide = before if alone else way * self._slope(unknowns)
+        guide = way * self._slope(unknowns) if before is None or len(free) > 1 else before
         found = free.T @ (free @ guide)
         if not np.linalg.norm(found) > SINGULAR * np.linalg.norm(guide):
             raise EngineLimit(
@@ -618,7 +617,7 @@ def _return_time(
     """When a motion comes back next to its start, roughly."""
     state, gaps, farthest = flow.start(x, units=units), [0.0], 0.0
     _, matrix = flow.rates(x, values)
-    step = 0.1 / (np.linalg.norm(matrix * units / units[:, None], 2) or 1.0)
+    step = 0.1 / (float(np.linalg.norm(matrix * units / units[:, None], 2)) or 1.0)
     for i in range(1, SEARCH):
         flow.go(state, i * step, values, COARSE, 1)
         gaps.append(float(np.linalg.norm(_gap(state.x, x, units, turning))))

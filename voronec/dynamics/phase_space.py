@@ -23,7 +23,7 @@ from voronec.motion.inputs import drive
 from voronec.motion.motion_pool import Many, many
 from voronec.motion.request import Namespace, quantity, scene_of, spread_starts
 from voronec.motion.state_probe import quantities
-from voronec.motion.steppers.units import units_of_many
+from voronec.motion.steppers import units_of_many
 from voronec.motion.verify import is_proved
 
 RANK = 1e-9

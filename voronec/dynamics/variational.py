@@ -28,7 +28,7 @@ from voronec.equations.program import (
 )
 from voronec.equations.program.jacobian import joint_block
 from voronec.errors import DefinitionError, IntegrationError
-from voronec.motion.steppers.kept_code import kept_library
+from voronec.motion.steppers import kept_library
 
 EVERY = 4
 """So many steps go between two orthogonalisations: in one step a column grows by no more than some

@@ -1,6 +1,7 @@
 """The integrators behind one shape: a problem and a grid of times in, a run out."""
 
 from voronec.motion.steppers.c_stepper import c_loop
+from voronec.motion.steppers.dop853_source import DOP853, FIRST_GROWTH
 from voronec.motion.steppers.event_states import make_with_event_states, narrow, widen, with_parts
 from voronec.motion.steppers.feedback import MEND, ControllerFailure, Feedback
 from voronec.motion.steppers.held_steps import Leap, held_integrator
@@ -14,6 +15,7 @@ from voronec.motion.steppers.heyoka_stepper import (
     unit_parameters,
 )
 from voronec.motion.steppers.integer_taylor import digits
+from voronec.motion.steppers.kept_code import kept_library
 from voronec.motion.steppers.numba_stepper import (
     Loop,
     compiled_dop853,
@@ -90,17 +92,17 @@ from voronec.motion.steppers.units import (
 from voronec.motion.steppers.wide_batch import Place, WideBatch
 
 __all__ = [
-    "CHUNK", "COLLAPSE", "COMPACT", "DISTANT", "FAR", "INFINITE", "LONG", "MANY", "MEND", "NODES",
-    "PARTS", "SHORT", "STRIDE", "TRIAL", "WIDTH", "WINDOW", "ControllerFailure", "Feedback",
-    "Field", "Integrator", "IntegratorFailure", "Leap", "LongSteps", "Loop", "OwnedSamples",
-    "Place", "Problem", "Rates", "RootStates", "Run", "Segment", "Signal", "Signals",
-    "StallDetector", "StepSampler", "StepSamples", "Stride", "Suspect", "Termination", "Ticker",
-    "TurnCount", "WideBatch", "balance", "blind_lanes", "by_owner", "c_loop", "compiled_dop853",
-    "compiled_loop", "constants_along", "crossing_arrays", "cut_at_singularity", "digits",
-    "digits_through_roots", "dop853", "dop853_leap", "dop853_steps", "estimated_steps", "exact_mpf",
-    "field_of", "held_integrator", "heyoka", "in_kind", "in_parts", "long_steps", "lsoda",
-    "make_with_event_states", "narrow", "natural_units", "parameter_count", "part_at",
-    "reach_of_series", "restart", "scales_of", "series_samples", "spread", "taylor", "taylor_leap",
-    "uneven_steps", "unit_parameters", "units_of_many", "until", "values_along", "widen",
-    "with_parts",
+    "CHUNK", "COLLAPSE", "COMPACT", "DISTANT", "DOP853", "FAR", "FIRST_GROWTH", "INFINITE", "LONG",
+    "MANY", "MEND", "NODES", "PARTS", "SHORT", "STRIDE", "TRIAL", "WIDTH", "WINDOW",
+    "ControllerFailure", "Feedback", "Field", "Integrator", "IntegratorFailure", "Leap",
+    "LongSteps", "Loop", "OwnedSamples", "Place", "Problem", "Rates", "RootStates", "Run",
+    "Segment", "Signal", "Signals", "StallDetector", "StepSampler", "StepSamples", "Stride",
+    "Suspect", "Termination", "Ticker", "TurnCount", "WideBatch", "balance", "blind_lanes",
+    "by_owner", "c_loop", "compiled_dop853", "compiled_loop", "constants_along", "crossing_arrays",
+    "cut_at_singularity", "digits", "digits_through_roots", "dop853", "dop853_leap", "dop853_steps",
+    "estimated_steps", "exact_mpf", "field_of", "held_integrator", "heyoka", "in_kind", "in_parts",
+    "kept_library", "long_steps", "lsoda", "make_with_event_states", "narrow", "natural_units",
+    "parameter_count", "part_at", "reach_of_series", "restart", "scales_of", "series_samples",
+    "spread", "taylor", "taylor_leap", "uneven_steps", "unit_parameters", "units_of_many", "until",
+    "values_along", "widen", "with_parts",
 ]  # fmt: skip
