@@ -261,7 +261,7 @@ def test_relations_are_checked_at_the_start_and_watched() -> None:
         ({"times": [0, np.inf]}, "finite"),
         (
             {"method": "euler"},
-            "no method 'euler'; methods are auto, heyoka, scipy, numba, c, python, lsoda, flint",
+            "no method 'euler'; methods are auto, heyoka, scipy, numba, c, lsoda, flint",
         ),
         ({"tol": 0}, "tol = 0 is not a number between 0 and 1"),
     ],
