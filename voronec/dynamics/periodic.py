@@ -43,6 +43,7 @@ from voronec.algebra.arguments import (
 from voronec.algebra.typeset import html_table
 from voronec.declaration.reading import several
 from voronec.declaration.system import System
+from voronec.dynamics.newton import null_space
 from voronec.dynamics.phase_space import PhaseSpace
 from voronec.dynamics.variational import VariationalFlow
 from voronec.equations.voronec_equations import VoronecEquations
@@ -538,8 +539,7 @@ class _OrbitEquations:
         that in which what it is followed along grows most, or falls most, by the sign of ``way``.
         """
         anchored = replace(self, anchor=self._anchor(unknowns))
-        _, sizes, rows = np.linalg.svd(anchored.linear(unknowns, None).slopes)
-        free = rows[int((sizes > SINGULAR * sizes[0]).sum()) :]
+        free = null_space(anchored.linear(unknowns, None).slopes, np.ones(len(unknowns))).T
         guide = way * self._slope(unknowns) if before is None or len(free) > 1 else before
         found = free.T @ (free @ guide)
         if not np.linalg.norm(found) > SINGULAR * np.linalg.norm(guide):
