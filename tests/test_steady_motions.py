@@ -155,6 +155,33 @@ def test_what_drives_a_system_is_found() -> None:
         vo.steady(system, at={"xdot": 2})
 
 
+def test_families_are_found_exactly_with_their_critical_values() -> None:
+    m, g, R, A, C, s = sp.symbols("m g R A C s")
+    found = vo.steady(vo.load("falling-disc"), at={"gamma3": 0, "q": 0}, starts=20, exact=True)
+    spin = C * (C + m * R**2) * s**2
+    conditions = {sp.expand(f) for family in found.families for f in family.conditions["real"]}
+    for sign in (1, -1):  # upright on either side of the disc
+        assert sp.expand(spin + sign * m * g * R * A) in conditions
+    assert [family.dimension for family in found.families] == [1, 1]
+    suslov = vo.steady(vo.load("suslov"), starts=20, exact=True)
+    I13, I23, w1, w2 = sp.symbols("I13 I23 omega1 omega2")
+    (family,) = suslov.families
+    assert family.equations == (I13 * w1 + I23 * w2,) and family.dimension == 1
+
+
+def test_turns_about_an_axis_of_a_ball_lose_stability_where_moments_are_equal() -> None:
+    found = vo.steady(vo.load("chaplygin-ball"), starts=20, exact=True)
+    assert sorted(f.dimension for f in found.families) == [1, 1, 1, 1, 1, 1, 2]
+    I1, I2, I3 = sp.symbols("I1 I2 I3")
+    (about, _) = (f for f in found.families if f.zero == ("gamma1", "gamma2", "omega1", "omega2"))
+    assert {*about.conditions["real"]} == {I1 - I3, I2 - I3}
+
+
+def test_an_elimination_beyond_its_budget_leaves_numbers(call: Call) -> None:
+    answer = call("steady", "rattleback", "--exact", "--starts", "20", "--at", "omega3=1")
+    assert answer.status == 0 and "the steady motions are known in numbers" in answer.err
+
+
 MASS = ((80.81722, 2.31941332208709), (2.31941332208709, 0.29784188199686))
 STILL = ((-80.95, -2.59951685249872), (-2.59951685249872, -0.80329488458618))
 FAST = ((0.0, 76.59734589573222), (0.0, 2.65431523794604))

@@ -14,6 +14,7 @@ costs        what steps of heyoka and DOP853 cost: the constants by which `auto`
 readable     the equations that are printed against those of books, and what the catalogue prints
 orbits       families of periodic orbits; Lyapunov exponents beside C by hand and published values
 sweep        sweeps beside heyoka's lanes by hand, their memory, kills on a cluster of Dask
+dynamics     steady motions: families, spectra, critical values
 doubts       how often the check of runs doubts what is right, and notices what is wrong
 """
 
@@ -33,6 +34,7 @@ KINDS = {
     "costs": "figures.method_costs",
     "readable": "figures.readable",
     "doubts": "figures.doubts",
+    "dynamics": "figures.steady_motions",
     "orbits": "figures.orbits",
     "sweep": "figures.sweeps",
 }

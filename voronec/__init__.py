@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from voronec.declaration.shapes import Shape as Shape
     from voronec.declaration.sketch import Sketch as Sketch
     from voronec.declaration.system import System as System
-    from voronec.dynamics.charts import StabilityChart as StabilityChart
+    from voronec.dynamics.charts import SteadyChart as SteadyChart
     from voronec.dynamics.exponents import Exponents as Exponents
     from voronec.dynamics.exponents import exponents as exponents
     from voronec.dynamics.families import SteadyFamily as SteadyFamily
@@ -58,9 +58,9 @@ if TYPE_CHECKING:
     from voronec.dynamics.periodic import PeriodicOrbit as PeriodicOrbit
     from voronec.dynamics.periodic import periodic as periodic
     from voronec.dynamics.rotation import rotation_numbers as rotation_numbers
-    from voronec.dynamics.stability import stability as stability
     from voronec.dynamics.steady import SteadyMotion as SteadyMotion
     from voronec.dynamics.steady import SteadyMotions as SteadyMotions
+    from voronec.dynamics.steady import stability as stability
     from voronec.dynamics.steady import steady as steady
     from voronec.equations.linearisation import Linearisation as Linearisation
     from voronec.equations.linearisation import linearise as linearise
@@ -131,13 +131,12 @@ _HOME = {
         "declaration.shapes": "Shape",
         "declaration.sketch": "Sketch",
         "declaration.system": "System",
-        "dynamics.charts": "StabilityChart",
+        "dynamics.charts": "SteadyChart",
         "dynamics.exponents": "Exponents exponents",
         "dynamics.families": "SteadyFamily",
         "dynamics.periodic": "OrbitFamily periodic PeriodicOrbit",
         "dynamics.rotation": "rotation_numbers",
-        "dynamics.stability": "stability",
-        "dynamics.steady": "steady SteadyMotion SteadyMotions",
+        "dynamics.steady": "stability steady SteadyMotion SteadyMotions",
         "equations.linearisation": "Linearisation linearise",
         "equations.reduction": "descend Reduction",
         "equations.referee": "multiplier_acceleration reaction_forces",

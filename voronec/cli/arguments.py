@@ -276,6 +276,7 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
     ),
     "steady": (
         "steady", "find steady motions, with their spectra", SYSTEM, STEADY,
+        Option("--exact", "also all families exactly, by elimination"),
     ),
     "stability": (
         "stability", "follow steady motions over a quantity: spectra, critical values", SYSTEM,
@@ -283,7 +284,7 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
         Option("--between A:B", "from where to where", {"required": True}),
         Option("--hold A,B", "what keeps its value besides"), STEADY,
         _number("count", 100, "steps"),
-        Option("--out FILE", "draw the family: a .svg, .png or .pdf"),
+        Option("--out DIR", "folder for family.csv and family.svg"),
     ),
     "sweep": (
         "sweep", "compute many motions over grids, lists and draws, into a folder", SYSTEM,

@@ -29,7 +29,7 @@ def execute(arguments: Namespace) -> int:
         raise DefinitionError(f"--count {arguments.count}: give a number from 2 on")
     folder = None if arguments.out is None else wanted_folder(arguments.out)
     system, _ = resolve(arguments.system)
-    from voronec.dynamics.stability import stability
+    from voronec.dynamics.steady import stability
 
     with progress_line(f"{system.name}: steady motions over {arguments.over} ..."):
         hold = tuple(map(str, outputs_of(arguments.hold)))

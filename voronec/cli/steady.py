@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.columns import columns
 from voronec.algebra.text import exact_number
-from voronec.cli.output import answer, progress_line
+from voronec.cli.output import answer, plain, progress_line, warn
 from voronec.cli.subject import resolve
 from voronec.cli.values import name_and_value, outputs_of
 from voronec.errors import DefinitionError
@@ -23,10 +23,16 @@ def execute(arguments: Namespace) -> int:
     from voronec.dynamics.steady import steady
 
     with progress_line(f"{system.name}: steady motions ..."):
-        found = steady(system, **given)
+        found = steady(system, **given, exact=arguments.exact)
         lines = [] if arguments.json else [line for m in found for line in lines_of(m)]
         data = found.as_dict() if arguments.json else None
     head = f"{system.name}: {found.solved} of {found.starts} starts lead to a steady motion"
+    for family in found.families:
+        lines.append(
+            f"exactly, dimension {family.dimension}: {', '.join(map(plain, family.equations))}"
+        )
+    if found.limit:
+        warn(f"{found.limit}; the steady motions are known in numbers")
     answer(arguments.json, lambda: data, [head, *lines])
     return 0
 

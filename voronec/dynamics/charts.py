@@ -13,8 +13,7 @@ from voronec.declaration.reading import several
 from voronec.declaration.system import System
 from voronec.dynamics.families import curve_of
 from voronec.dynamics.newton import solve
-from voronec.dynamics.spectrum import Deflation, balance
-from voronec.dynamics.steady import SteadyMotion, unstable_count
+from voronec.dynamics.spectrum import Deflation, balance, unstable_count
 from voronec.errors import DefinitionError
 from voronec.motion.request import number
 
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class StabilityChart:
+class SteadyChart:
     """How many eigenvalues lie right of the imaginary axis, ``unstable`` (rows of y, columns of x),
     at ``xs`` and ``ys``; -1 where there is no motion of the family."""
 
@@ -37,7 +36,7 @@ class StabilityChart:
 
     def __repr__(self) -> str:
         rows, columns = self.unstable.shape
-        return f"StabilityChart({self.system.name!r}, {columns} of {self.x} by {rows} of {self.y})"
+        return f"SteadyChart({self.system.name!r}, {columns} of {self.x} by {rows} of {self.y})"
 
     def plot(self) -> Figure:
         """The chart, a colour for each number."""
@@ -46,7 +45,7 @@ class StabilityChart:
         return chart_figure(self)
 
 
-def chart(motion: SteadyMotion, x: Any, y: Any, count: int, hold: Any) -> StabilityChart:
+def chart(motion: Any, x: Any, y: Any, count: int, hold: Any) -> SteadyChart:
     """The chart about one motion, as ``SteadyMotion.chart`` has it: from the node that is nearest
     to it each node is reached from a neighbour."""
     (x_name, xs), (y_name, ys) = _axis(x, "x", count), _axis(y, "y", count)
@@ -66,7 +65,7 @@ def chart(motion: SteadyMotion, x: Any, y: Any, count: int, hold: Any) -> Stabil
     for i, j in order:
         near = [points[n] for n in ((i, j - 1), (i, j + 1), (i - 1, j), (i + 1, j)) if n in points]
         at = {x_name: float(xs[j]), y_name: float(ys[i])}
-        node = equations.holding({name: (exprs[name], value) for name, value in at.items()})
+        node = equations.fix({name: (exprs[name], value) for name, value in at.items()})
         solution = solve(node.at, near[0] if near else begin, curve.units)
         if solution is None:
             continue
@@ -74,9 +73,9 @@ def chart(motion: SteadyMotion, x: Any, y: Any, count: int, hold: Any) -> Stabil
         matrix = node.at(solution)[1][: node.size, : node.size]
         own = Deflation.of(matrix)
         shape = own if shape is None or own.zeros < shape.zeros else shape
-        values = np.linalg.eigvals(balance(shape.rest(matrix)))
+        values = np.linalg.eigvals(balance(shape.remainder(matrix)))
         found[i, j] = unstable_count(values)
-    return StabilityChart(motion.system, x_name, y_name, xs, ys, found, given.held)
+    return SteadyChart(motion.system, x_name, y_name, xs, ys, found, given.held)
 
 
 def _axis(given: Any, which: str, count: int) -> tuple[str, np.ndarray]:

@@ -51,7 +51,7 @@ def enclose(motions: Motions, equations: SteadyEquations, y: np.ndarray) -> list
     zero = [i for i, x in enumerate(y) if x == 0]
     middle = polish(equations, y, BITS)
     middle = [flint.arb(0) if i in zero else x for i, x in enumerate(middle)]
-    rows = [i for i, gone in enumerate(vanishing(equations, zero)) if not gone]
+    rows = [i for i, gone in enumerate(identical_zeros(equations, zero)) if not gone]
     columns = [i for i in range(len(y)) if i not in zero]
     slopes = equations.at(y)[1]
     chosen, bound = regular_block(slopes, rows, columns)
@@ -62,7 +62,7 @@ def enclose(motions: Motions, equations: SteadyEquations, y: np.ndarray) -> list
     return box
 
 
-def vanishing(equations: SteadyEquations, zero: Sequence[int]) -> list[bool]:
+def identical_zeros(equations: SteadyEquations, zero: Sequence[int]) -> list[bool]:
     """Which of the rates, relations and held expressions vanish identically with these unknowns."""
     values: dict[Any, Any] = {equations.unknowns[i]: se.Integer(0) for i in zero}
 
@@ -147,7 +147,7 @@ def _follow(
         if is_proved(motions.equations, declared[name])
     }
     bare = replace(equations, held=())
-    slopes = bare.holding(known).slopes_in_balls(box, BITS)
+    slopes = bare.fix(known).slopes_in_balls(box, BITS)
     count = m + len(known)
     block = np.array([[float(slopes[n + k, j].mid()) for j in left] for k in range(count)])
     chosen = regular_block(block, [*range(count)], [*range(len(left))])[0] if count else []

@@ -12,7 +12,7 @@ is where the number of eigenvalues right of the imaginary axis changes.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +24,7 @@ from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import plain_name
 from voronec.declaration.reading import several
 from voronec.declaration.system import System
-from voronec.dynamics.newton import null_space, polish, solve
+from voronec.dynamics.newton import null_space, pivots, polish, solve
 from voronec.dynamics.spectrum import (
     Deflation,
     balance,
@@ -33,8 +33,9 @@ from voronec.dynamics.spectrum import (
     discriminant,
     hurwitz,
     in_order,
+    to_mpf,
+    unstable_count,
 )
-from voronec.dynamics.steady import SteadyMotion, pivots, to_mpf, unstable_count
 from voronec.dynamics.steady_equations import SteadyEquations, read_quantity
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 from voronec.motion.request import number
@@ -81,15 +82,15 @@ class Critical:
 class SteadyFamily:
     """Steady motions in which a quantity ``over`` changes, ``held`` ones do not.
 
-    ``values`` (k,) are those of the quantity, ``points`` (k, n) those of ``names``, in the order of
-    the curve; ``folds`` and ``branch_points`` those of the quantity there.  ``ends`` tells why the
-    curve ends where it does.
+    ``motion`` is the one from which it was followed.  ``values`` (k,) are those of the quantity,
+    ``points`` (k, n) those of ``names``, in the order of the curve; ``folds`` and
+    ``branch_points`` those of the quantity there.  ``ends`` tells why the curve ends where it does.
     """
 
-    motion: SteadyMotion
+    motion: Any
     over: str
     held: tuple[str, ...]
-    curve: Curve = field(repr=False)
+    curve: SolutionCurve = field(repr=False)
     points: np.ndarray
     values: np.ndarray
     ends: tuple[str, str]
@@ -141,7 +142,7 @@ class SteadyFamily:
         return np.array([in_order(self._spectrum(matrix)) for matrix in self.matrices])
 
     def _spectrum(self, matrix: np.ndarray) -> np.ndarray:
-        found: np.ndarray = np.linalg.eigvals(balance(self.deflation.rest(matrix)))
+        found: np.ndarray = np.linalg.eigvals(balance(self.deflation.remainder(matrix)))
         return found
 
     @cached_property
@@ -152,20 +153,22 @@ class SteadyFamily:
     @cached_property
     def folds(self) -> tuple[float, ...]:
         """The values at which the quantity turns back."""
-        return tuple(self._located(lambda y, _: float(self.curve.slope(y) @ self.curve.tangent(y))))
+        return tuple(
+            self._sign_changes(lambda y, _: float(self.curve.slope(y) @ self.curve.tangent(y)))
+        )
 
     @cached_property
     def branch_points(self) -> tuple[float, ...]:
         """The values at which other families branch off."""
-        return tuple(self._located(self.curve.regularity))
+        return tuple(self._sign_changes(self.curve.regularity))
 
-    def _located(self, measure: Callable[[np.ndarray, np.ndarray], float]) -> Iterator[float]:
+    def _sign_changes(self, measure: Callable[[np.ndarray, np.ndarray], float]) -> Iterator[float]:
         """Where a function of a point, seen from the one before, changes its sign."""
         from scipy.optimize import brentq
 
         curve = self.curve
         for a, b in zip(self.points[:-1], self.points[1:], strict=True):
-            ahead = curve.oriented(a, b - a)
+            ahead = curve.tangent_ahead(a, b - a)
 
             def at(share: float, a: np.ndarray = a, b: np.ndarray = b,
                    ahead: np.ndarray = ahead) -> float:  # fmt: skip
@@ -204,7 +207,7 @@ class SteadyFamily:
                 return Critical(float(exact), exact, way, below, above)
         return None
 
-    def _solved(self, value: Any, near: np.ndarray) -> tuple[Curve, np.ndarray]:
+    def _solution_at(self, value: Any, near: np.ndarray) -> tuple[SolutionCurve, np.ndarray]:
         curve = self.curve.at_value(value)
         y = solve(curve.function, near, curve.units)
         if y is None:
@@ -214,12 +217,12 @@ class SteadyFamily:
     def _in_doubles(self, y: np.ndarray) -> dict[str, float]:
         """What changes its sign at critical values, at a point of the curve."""
         n = self.curve.equations.size
-        return conditions_in_doubles(self.deflation.rest(self.curve.function(y)[1][:n, :n]))
+        return conditions_in_doubles(self.deflation.remainder(self.curve.function(y)[1][:n, :n]))
 
     def _in_digits(self, way: str, near: np.ndarray, a: np.ndarray, b: np.ndarray) -> mp.mpf:
         """Where a condition vanishes, by secants from what doubles tell; at a fold, where the
         quantity is no coordinate of the curve, it is as exact as doubles are."""
-        rough, along = self.curve.value(near), self.curve.oriented(near, b - a)
+        rough, along = self.curve.value(near), self.curve.tangent_ahead(near, b - a)
         rate = abs(float(self.curve.slope(near) @ along))
         if rate < FLAT * float(np.abs(self.curve.slope(near) * self.curve.units).max()):
             return mp.mpf(rough)
@@ -238,7 +241,7 @@ class SteadyFamily:
             return x[-1]
 
     def _exact_condition(self, way: str, value: mp.mpf, near: np.ndarray) -> mp.mpf:
-        curve, y = self._solved(value, near)
+        curve, y = self._solution_at(value, near)
         exact = polish(curve.equations, y, CRITICAL_BITS)
         slopes = curve.equations.slopes_in_balls(exact, CRITICAL_BITS)
         found = characteristic(slopes, curve.equations.size, self.deflation.zeros)
@@ -247,7 +250,7 @@ class SteadyFamily:
             return to_mpf(found[0])
         return to_mpf(hurwitz(found) if way == "pair" else discriminant(found[::2]))
 
-    def at(self, value: Any) -> SteadyMotion:
+    def at(self, value: Any) -> Any:
         """The motion with a value of the quantity, on the curve nearest to its beginning."""
         x = number(value, f"the value of '{self.over}'")
         inside = (self.values[:-1] - x) * (self.values[1:] - x) <= 0
@@ -260,7 +263,7 @@ class SteadyFamily:
         y = solve(curve.function, near, curve.units)
         if y is None:
             raise IntegrationError(f"the family is lost at {self.over} = {x:g}", x, near)
-        return SteadyMotion(self.motion.motions, curve.equations, y, curve.units)
+        return replace(self.motion, equations=curve.equations, y=y, units=curve.units)
 
     def plot(self) -> Figure:
         """The family over its quantity, with stability in colours, and its eigenvalues."""
@@ -286,17 +289,18 @@ class SteadyFamily:
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class SolutionCurve:
     """A curve of solutions: ``equations``, the last of whose held expressions is the quantity over
-    which it goes, which is not held on it."""
+    which it goes; ``is_point`` where that is held, too."""
 
     equations: SteadyEquations
     units: np.ndarray
+    is_point: bool = False
 
     def function(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """F and its Jacobian, without the quantity."""
+        """F and its Jacobian, without the quantity but where it is held."""
         value, slopes = self.equations.at(y)
-        return value[:-1], slopes[:-1]
+        return (value, slopes) if self.is_point else (value[:-1], slopes[:-1])
 
     def value(self, y: np.ndarray) -> float:
         """The quantity."""
@@ -312,7 +316,7 @@ class Curve:
         found: np.ndarray = null_space(self.function(y)[1], self.units, 1)[:, 0]
         return found
 
-    def oriented(self, y: np.ndarray, ahead: np.ndarray) -> np.ndarray:
+    def tangent_ahead(self, y: np.ndarray, ahead: np.ndarray) -> np.ndarray:
         """The tangent that goes ahead."""
         t = self.tangent(y)
         return t if (t / self.units) @ (ahead / self.units) >= 0 else -t
@@ -341,23 +345,13 @@ class Curve:
             raise EngineLimit("a family cannot be followed between two of its points")
         return found
 
-    def at_value(self, value: Any) -> Curve:
-        """The equations with the quantity held at a value, as ``equations.at`` has them."""
+    def at_value(self, value: Any) -> SolutionCurve:
+        """The point of the curve at which the quantity has a value."""
         name, expr = self.equations.held[-1]
-        return _HeldCurve(self.equations.holding({name: (expr, value)}), self.units)
+        return SolutionCurve(self.equations.fix({name: (expr, value)}), self.units, True)
 
 
-class _HeldCurve(Curve):
-    """A point of a curve: the quantity is held."""
-
-    def function(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """F and its Jacobian."""
-        return self.equations.at(y)
-
-
-def follow(
-    motion: SteadyMotion, over: Any, between: Sequence[Any], hold: Any, count: int
-) -> SteadyFamily:
+def follow(motion: Any, over: Any, between: Sequence[Any], hold: Any, count: int) -> SteadyFamily:
     """The family of a motion over a quantity, as ``SteadyMotion.along`` has it."""
     if not isinstance(between, Sequence) or isinstance(between, str) or len(between) != 2:
         raise DefinitionError("between: give the two ends of the span, such as between=(0, 10)")
@@ -382,13 +376,13 @@ def follow(
 class CurveStart:
     """A curve, its first point, and what is held on it."""
 
-    curve: Curve
+    curve: SolutionCurve
     begin: np.ndarray
     held: tuple[str, ...]
 
 
 def curve_of(
-    motion: SteadyMotion, over: Any, hold: Sequence[Any], besides: Sequence[Any] = ()
+    motion: Any, over: Any, hold: Sequence[Any], besides: Sequence[Any] = ()
 ) -> CurveStart:
     """The curve of a motion over a quantity; ``besides`` are held at its values, as those of
     ``hold``, constants too."""
@@ -404,9 +398,9 @@ def curve_of(
     held = dict[str, tuple[Any, Any]]()
     for key in (*hold, *besides):
         label, e = read_quantity(equations, motion.motions, key)
-        held[label] = (e, float(equations.holding({label: (e, 0)}).at(y)[0][-1]))
-    equations = equations.holding(held)
-    curve = Curve(equations.holding({name: (expr, 0)}), units)
+        held[label] = (e, float(equations.fix({label: (e, 0)}).at(y)[0][-1]))
+    equations = equations.fix(held)
+    curve = SolutionCurve(equations.fix({name: (expr, 0)}), units)
     space = null_space(curve.function(y)[1], units)
     slope = curve.slope(y)
     if np.abs(slope @ space).max(initial=0.0) < 1e-9 * np.abs(slope * units).max(initial=1e-300):
@@ -423,11 +417,13 @@ def curve_of(
             for i in pivots(rest * weights[:, None])
         }
         held |= more
-        curve = Curve(equations.holding(more).holding({name: (expr, 0)}), units)
+        curve = SolutionCurve(equations.fix(more).fix({name: (expr, 0)}), units)
     return CurveStart(curve, y, tuple(held))
 
 
-def _towards(curve: Curve, start: np.ndarray, begin: float, target: float, name: str) -> np.ndarray:
+def _towards(
+    curve: SolutionCurve, start: np.ndarray, begin: float, target: float, name: str
+) -> np.ndarray:
     """The first point of the curve in the span."""
     sign = 1.0 if target > begin else -1.0
     span = (min(begin, target), max(begin, target))
@@ -441,7 +437,12 @@ def _towards(curve: Curve, start: np.ndarray, begin: float, target: float, name:
 
 
 def _half(
-    curve: Curve, start: np.ndarray, sign: float, span: tuple[float, float], step: float, most: int
+    curve: SolutionCurve,
+    start: np.ndarray,
+    sign: float,
+    span: tuple[float, float],
+    step: float,
+    most: int,
 ) -> tuple[list[np.ndarray], str]:
     """Points from the start on, as long as the quantity is in the span, and why they end."""
     slope, t = curve.slope(start), curve.tangent(start)
@@ -451,7 +452,7 @@ def _half(
         rate = abs(float(curve.slope(y) @ t))
         length = share * min(LONGEST, step / rate if rate > 0 else LONGEST)
         ahead = curve.onto(y + length * t, t)
-        new = None if ahead is None else curve.oriented(ahead, t)
+        new = None if ahead is None else curve.tangent_ahead(ahead, t)
         if ahead is None or new is None or (new / curve.units) @ (t / curve.units) < 0.9:
             share /= 2
             if share < SHORTEST:

@@ -36,7 +36,7 @@ def solve(function: Function, y: np.ndarray, units: np.ndarray) -> np.ndarray | 
     for _ in range(STEPS):
         matrix, rest = slopes * units / rows[:, None], value / rows
         size = float(np.linalg.norm(rest))
-        step = units * _damped(matrix, rest, damping * min(size, 1.0) ** 2)
+        step = units * _weighted_step(matrix, rest, damping * min(size, 1.0) ** 2)
         ahead = y - step
         new_value, new_slopes = function(ahead)
         new = np.linalg.norm(new_value / rows)
@@ -60,7 +60,7 @@ def _row_sizes(matrix: np.ndarray) -> np.ndarray:
     return np.maximum(sizes, 1e-3 * longest)
 
 
-def _damped(matrix: np.ndarray, rest: np.ndarray, weight: float) -> np.ndarray:
+def _weighted_step(matrix: np.ndarray, rest: np.ndarray, weight: float) -> np.ndarray:
     left, sizes, right = np.linalg.svd(matrix, full_matrices=False)
     share = sizes / np.maximum(sizes**2 + weight, 1e-300)
     share[sizes < 1e-14] = 0.0
@@ -104,3 +104,13 @@ def polish(equations: Any, y: np.ndarray, bits: int) -> list[Any]:
                 "there"
             )
         return found.entries()
+
+
+def pivots(directions: np.ndarray) -> list[int]:
+    """As many rows as there are columns, in which the columns are well independent."""
+    if not directions.shape[1]:
+        return []
+    from scipy.linalg import qr
+
+    order = qr(directions.T, pivoting=True, mode="r")[1]
+    return sorted(int(i) for i in order[: directions.shape[1]])

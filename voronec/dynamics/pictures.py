@@ -11,16 +11,13 @@ from voronec.declaration.figure_style import FAINT, INK, MARK, PALE, SOFT, WIDTH
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from voronec.dynamics.charts import StabilityChart
-    from voronec.dynamics.families import SteadyFamily
-
 COLOURS = (INK, MARK, "#d98c5f", "#7a5195", SOFT)
 """Of no, one, two, ... unstable eigenvalues."""
 STATES = 3
 """So many variables are drawn: those that change most."""
 
 
-def family_figure(family: SteadyFamily) -> Figure:
+def family_figure(family: Any) -> Figure:
     """Variables over the quantity, unstable motions in other colours; real parts of the eigenvalues
     over it, and the root locus."""
     with figure_in_style(WIDTH, 2.6) as figure:
@@ -48,7 +45,7 @@ def family_figure(family: SteadyFamily) -> Figure:
     return figure
 
 
-def _draw_states(panel: Any, family: SteadyFamily) -> None:
+def _draw_states(panel: Any, family: Any) -> None:
     points, x = family.points, family.values
     own = [i for i, n in enumerate(family.names) if n != family.over]
     moves = sorted((i for i in own if np.ptp(points[:, i]) > 1e-9), key=lambda i:
@@ -76,7 +73,7 @@ def _label(name: str) -> str:
     return f"${sp.latex(sp.Symbol(name))}$" if name.isidentifier() else name
 
 
-def chart_figure(chart: StabilityChart) -> Figure:
+def chart_figure(chart: Any) -> Figure:
     """A colour for each number of unstable eigenvalues; grey where there is no motion."""
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch

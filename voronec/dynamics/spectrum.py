@@ -15,6 +15,7 @@ from itertools import combinations
 from typing import Any
 
 import flint
+import mpmath as mp
 import numpy as np
 
 SMALL = 1e-7
@@ -51,7 +52,7 @@ class Deflation:
             matrix = kept @ matrix @ kept.T
         return cls(tuple(counts))
 
-    def rest(self, matrix: np.ndarray) -> np.ndarray:
+    def remainder(self, matrix: np.ndarray) -> np.ndarray:
         """What is left of a matrix without so many zeros."""
         for zeros in self.counts:
             _, sizes, right = np.linalg.svd(matrix)
@@ -99,9 +100,9 @@ def conditions_in_doubles(matrix: np.ndarray) -> dict[str, float]:
 
 
 def hurwitz(coefficients: Sequence[Any]) -> Any:
-    """The Hurwitz determinant of order n - 1, the product of all sums of two eigenvalues up to its
-    sign [Orlando's formula: Gantmacher1959, ch. XV]; it vanishes where a pair crosses the imaginary
-    axis."""
+    """The Hurwitz determinant of order n - 1.  By Orlando's formula it is, up to its sign, the
+    product of all sums of two eigenvalues [Gantmacher1959, ch. XV]; it vanishes where a pair
+    crosses the imaginary axis."""
     n = len(coefficients) - 1
     down = [*reversed(coefficients)]
     rows = [
@@ -153,3 +154,16 @@ def root_on_right(coefficients: Sequence[Any], near: complex, bits: int) -> Any 
             return None
         found = middle - poly(middle) / slope(ball)
         return found if ball.contains(found) and found.real > 0 else None
+
+
+def unstable_count(values: np.ndarray) -> int:
+    """How many eigenvalues lie right of the imaginary axis, beyond rounding."""
+    size = float(np.abs(values).max(initial=0.0))
+    return int((values.real > SMALL * size).sum())
+
+
+def to_mpf(ball: Any) -> mp.mpf:
+    """The middle of a ball, exactly."""
+    mantissa, exponent = (int(part) for part in ball.mid().man_exp())
+    with mp.workprec(max(53, mantissa.bit_length() + 1)):
+        return mp.ldexp(mp.mpf(mantissa), exponent)

@@ -8,23 +8,33 @@ rank tells of how many dimensions the family is to which each belongs.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import flint
 import mpmath as mp
 import numpy as np
 import symengine as se
 
-from voronec.algebra.arguments import COUNT, SEVERAL, VALUES, accepts
+from voronec.algebra.arguments import COUNT, FLAG, SEVERAL, VALUES, accepts
 from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import plain_name
 from voronec.declaration.reading import expression, quote, several
 from voronec.declaration.system import System, require_system
+from voronec.dynamics.charts import SteadyChart, chart
 from voronec.dynamics.enclosure import enclosed_on_right
-from voronec.dynamics.newton import null_space, polish, solve
-from voronec.dynamics.spectrum import SMALL, Deflation, balance, in_order
+from voronec.dynamics.exact_families import ExactFamily, exact_families
+from voronec.dynamics.families import SteadyFamily, follow
+from voronec.dynamics.newton import null_space, pivots, polish, solve
+from voronec.dynamics.spectrum import (
+    SMALL,
+    Deflation,
+    balance,
+    in_order,
+    to_mpf,
+    unstable_count,
+)
 from voronec.dynamics.steady_equations import (
     SteadyEquations,
     read_quantity,
@@ -36,10 +46,6 @@ from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
 from voronec.motion.inputs import drive
 from voronec.motion.request import number
-
-if TYPE_CHECKING:
-    from voronec.dynamics.charts import StabilityChart
-    from voronec.dynamics.families import SteadyFamily
 
 NEAR = 1e-5
 """Entries below this, in their units, are tried as zero: Newton's method comes no nearer to
@@ -121,7 +127,7 @@ class SteadyMotion:
     def spectrum(self) -> np.ndarray:
         """The eigenvalues (n - k,) that do not vanish for all motions of the family, complex, by
         real part, then imaginary part."""
-        return in_order(np.linalg.eigvals(balance(self.deflation.rest(self.matrix))))
+        return in_order(np.linalg.eigvals(balance(self.deflation.remainder(self.matrix))))
 
     @property
     def zeros(self) -> int:
@@ -134,11 +140,11 @@ class SteadyMotion:
 
         ``EngineLimit`` where the equations are degenerate there, or have no evaluation in balls.
         """
-        found = self._polished(int(3.33 * digits) + 40)
+        found = self._exact_point(int(3.33 * digits) + 40)
         with mp.workdps(digits):
             return {n: +to_mpf(x) for n, x in zip(self.equations.names, found, strict=True)}
 
-    def _polished(self, bits: int) -> list[Any]:
+    def _exact_point(self, bits: int) -> list[Any]:
         """The point in balls; what is held may touch the family, and then its nearest point."""
         try:
             return polish(self.equations, self.y, bits)
@@ -150,7 +156,7 @@ class SteadyMotion:
         n = self.equations.size
         # an eigenvalue of a chain of n loses so many digits
         bits = int(3.33 * (digits + 10)) * (max(self.deflation.counts, default=1) + 2) + 64
-        y = self._polished(bits)
+        y = self._exact_point(bits)
         slopes = self.equations.slopes_in_balls(y, bits)
         with flint.ctx.workprec(bits):
             block = [flint.acb(slopes[i, j].mid()) for i in range(n) for j in range(n)]
@@ -185,15 +191,11 @@ class SteadyMotion:
         integrable constraints are always held.  ``DefinitionError`` where the quantity is
         constant along the family, or the family does not reach the span.
         """
-        from voronec.dynamics.families import follow
-
         return follow(self, over, between, hold, count)
 
-    def chart(self, x: Any, y: Any, count: int = 40, hold: Any = ()) -> StabilityChart:
+    def chart(self, x: Any, y: Any, count: int = 40, hold: Any = ()) -> SteadyChart:
         """How many eigenvalues lie on the right over two quantities, ``(name, low, high)`` each, at
         ``count`` values of both."""
-        from voronec.dynamics.charts import chart
-
         return chart(self, x, y, count, hold)
 
     def __repr__(self) -> str:
@@ -231,12 +233,6 @@ class StabilityVerdict:
         return f"{self.word}, proved: {self.witness}" if self.proved else f"{self.word}, in numbers"
 
 
-def unstable_count(values: np.ndarray) -> int:
-    """How many eigenvalues lie right of the imaginary axis, beyond rounding."""
-    size = float(np.abs(values).max(initial=0.0))
-    return int((values.real > SMALL * size).sum())
-
-
 def judge(motion: SteadyMotion) -> StabilityVerdict:
     """The verdict on one steady motion."""
     values, count = motion.spectrum, unstable_count(motion.spectrum)
@@ -248,32 +244,18 @@ def judge(motion: SteadyMotion) -> StabilityVerdict:
     return StabilityVerdict("linearly attracting" if left else "spectrally stable", False, 0)
 
 
-def to_mpf(ball: Any) -> mp.mpf:
-    """The middle of a ball, exactly."""
-    mantissa, exponent = (int(part) for part in ball.mid().man_exp())
-    with mp.workprec(max(53, mantissa.bit_length() + 1)):
-        return mp.ldexp(mp.mpf(mantissa), exponent)
-
-
-def pivots(directions: np.ndarray) -> list[int]:
-    """As many rows as there are columns, in which the columns are well independent."""
-    if not directions.shape[1]:
-        return []
-    from scipy.linalg import qr
-
-    order = qr(directions.T, pivoting=True, mode="r")[1]
-    return sorted(int(i) for i in order[: directions.shape[1]])
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class SteadyMotions(Sequence[SteadyMotion]):
     """The steady motions that were found: isolated ones, and one of each family, by which variables
-    vanish along it and by its dimension.  ``starts`` and ``solved`` tell of how many searches."""
+    vanish along it and by its dimension.  ``starts`` and ``solved`` tell of how many searches;
+    ``families`` are exact, where they were asked for, ``limit`` tells why there are none."""
 
     system: System
     motions: tuple[SteadyMotion, ...]
     starts: int
     solved: int
+    families: tuple[ExactFamily, ...] = ()
+    limit: str = ""
 
     def __len__(self) -> int:
         return len(self.motions)
@@ -291,10 +273,15 @@ class SteadyMotions(Sequence[SteadyMotion]):
             "starts": self.starts,
             "solved": self.solved,
             "motions": [m.as_dict() for m in self.motions],
+            "families": [
+                {"equations": [*map(str, f.equations)], "dimension": f.dimension}
+                for f in self.families
+            ],
+            "limit": self.limit,
         }
 
 
-@accepts(at=VALUES, parameters=VALUES, free=SEVERAL, starts=COUNT, seed=COUNT)
+@accepts(at=VALUES, parameters=VALUES, free=SEVERAL, starts=COUNT, seed=COUNT, exact=FLAG)
 def steady(
     system: System | VoronecEquations,
     at: Mapping[Any, Any] | None = None,
@@ -302,6 +289,7 @@ def steady(
     free: Any = (),
     starts: int = 100,
     seed: int = 1,
+    exact: bool = False,
 ) -> SteadyMotions:
     """The steady motions of a system, in numbers, from many starts.
 
@@ -309,6 +297,9 @@ def steady(
     them, that are to be met; ``parameters`` those of parameters and inputs, over their default
     values; ``free`` names parameters or inputs that are to be found, as in the trim of a driven
     system.  Functions that integrable constraints hold keep the values of the default scene.
+
+    With ``exact`` all ``families`` for general parameters besides, by elimination, where it is
+    within its budget; else ``limit`` tells why not.
 
     Raises ``DefinitionError`` for unknown names, a parameter without a value, a system that depends
     on the time, and where no start leads to a steady motion.
@@ -328,8 +319,14 @@ def steady(
     for key, value in (at or {}).items():
         name, expr = read_quantity(found, motions, key)
         held[name] = (expr, expression(value, f"the value of '{name}'"))
-    found = found.holding(held)
-    return _search(motions, found, said, starts, seed)
+    found = found.fix(held)
+    motion = _search(motions, found, said, starts, seed)
+    if not exact:
+        return motion
+    try:
+        return replace(motion, families=exact_families(found))
+    except EngineLimit as limit:
+        return replace(motion, limit=str(limit))
 
 
 def _holds_rate(equations: VoronecEquations, u: Any) -> bool:
@@ -415,3 +412,27 @@ def settle(
         return None
     return SteadyMotion(motions, equations, np.where(np.abs(found) < 1e-12 * units, 0.0, found),
                         units)  # fmt: skip
+
+
+@accepts(at=VALUES, parameters=VALUES, free=SEVERAL, count=COUNT, starts=COUNT, seed=COUNT)
+def stability(
+    system: System | VoronecEquations,
+    over: Any,
+    between: Any,
+    at: Mapping[Any, Any] | None = None,
+    parameters: Mapping[Any, Any] | None = None,
+    free: Any = (),
+    hold: Any = (),
+    count: int = 100,
+    starts: int = 100,
+    seed: int = 1,
+) -> SteadyFamily:
+    """Spectra and critical values of a family of steady motions over a quantity.
+
+    The motion that ``steady`` finds with ``at``, ``parameters`` and ``free`` - one that moves,
+    where there is one - is followed over ``over`` as ``SteadyMotion.along`` does; all arguments,
+    and what is raised, are those of the two.
+    """
+    found = steady(system, at, parameters, free, starts, seed)
+    motion = next((m for m in found if not m.is_rest), found[0])
+    return motion.along(over, between, hold, count)

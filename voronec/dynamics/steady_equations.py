@@ -92,7 +92,7 @@ class SteadyEquations:
         more = tuple(se.Symbol(n) for n in names if n not in self.names)
         return replace(self, unknowns=(*self.unknowns, *more)) if more else self
 
-    def holding(self, given: Mapping[str, tuple[Any, Any]]) -> SteadyEquations:
+    def fix(self, given: Mapping[str, tuple[Any, Any]]) -> SteadyEquations:
         """Those in which further expressions have values: {name: (expression, value)}."""
         more = {name: e for name, (e, _) in given.items()}
         held = {**dict(self.held), **more}
@@ -117,7 +117,7 @@ class SteadyEquations:
         own = (*self.rates.parameters, *self.rates.inputs)
         return tuple(p for p in own if p not in self.unknowns)
 
-    def _once(self, what: str, make: Callable[[], Any]) -> Any:
+    def _once(self, what: Any, make: Callable[[], Any]) -> Any:
         """What does not depend on values is made once for all values."""
         return self.memo.once((what, self.unknowns, self.held), make)
 
@@ -147,7 +147,7 @@ class SteadyEquations:
 
     def _compile(self) -> Callable[[Any, Any, Any], list[Any]]:
         blank = Block((), (se.Integer(0),) * len(self.unknowns))
-        block = _joined(*self._blocks, fresh_names([*self.unknowns, *self._arguments], "k"))
+        block = _join(*self._blocks, fresh_names([*self.unknowns, *self._arguments], "k"))
         names = tuple(f"entry {i}" for i in range(len(block.results)))
         program = Program(self.rates.time, self.unknowns, (), self._arguments, blank, names, block)
         return compile_program(program, scalar=True)[1]
@@ -226,7 +226,7 @@ def _constant(c: Any) -> Any:
     return c() if callable(c) else flint.arb(c)
 
 
-def _joined(rows: Block, slopes: Block, names: Any) -> Block:
+def _join(rows: Block, slopes: Block, names: Any) -> Block:
     """Two blocks as one, whose names are told apart."""
     new = {name: next(names) for name, _ in slopes.assignments}
 
@@ -292,7 +292,7 @@ def steady_equations(
     values |= parameters
     found = SteadyEquations(formulation, program, program.state, (), values, {})
     given = {n: (e, _value_there(n, e, {**start, **values})) for n, e in found.leaves.items()}
-    return found.holding({n: (e, x) for n, (e, x) in given.items() if x is not None})
+    return found.fix({n: (e, x) for n, (e, x) in given.items() if x is not None})
 
 
 def _value_there(name: str, expr: Any, at: Mapping[str, Any]) -> Any:

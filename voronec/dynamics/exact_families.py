@@ -1,0 +1,265 @@
+"""Families of steady motions exactly, with their parameters, and their conditions of stability.
+
+    R(q, v) = 0,   F(q, v) = 0,   relations,   what is held
+
+are polynomials once sines are letters.  Each is taken apart into irreducible factors, a branch for
+each; Groebner bases tell which branches are empty, of how many dimensions the others are, and which
+lie in others.  With F = 0 the linearisation is M dv' = F_q dq + F_v dv, so that
+
+    det(lambda diag(1, M) - (R_x; F_x)) = 0
+
+has polynomials as coefficients.  What holds for special values of parameters alone is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+from typing import Any
+
+import flint
+import symengine as se
+import sympy as sp
+
+from voronec.algebra.factors import irreducible_factors
+from voronec.algebra.groebner import groebner_basis, reduce_by
+from voronec.algebra.normal import quotient
+from voronec.algebra.terms import atoms
+from voronec.dynamics.steady_equations import SteadyEquations
+from voronec.equations.program.straight import without_stages
+from voronec.errors import EngineLimit
+
+BRANCHES = 500
+"""So many branches are looked at."""
+TERMS = 150
+"""Equations of more terms in all are left to numbers."""
+SIZE = 8
+"""Of matrices with more rows no characteristic polynomial is written."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Letters:
+    """A ring of polynomials: states, sines and cosines of states, then constants."""
+
+    ring: Any
+    states: tuple[str, ...]
+    constants: tuple[str, ...]
+    names: Mapping[Any, Any]
+
+    @classmethod
+    def of(cls, exprs: Sequence[Any], states: Sequence[Any]) -> _Letters:
+        """The ring of expressions.  ``EngineLimit`` where they are no polynomials in it."""
+        names: dict[Any, Any] = {}
+        for f in atoms(exprs, se.sin, se.cos):
+            if f.args[0] in states:
+                names[f] = se.Symbol(f"{type(f).__name__}_{f.args[0]}")
+        letters = {x for e in exprs for x in e.xreplace(names).free_symbols}
+        moving = [str(x) for x in (*states, *names.values()) if x in letters]
+        still = sorted({str(x) for x in letters} - {*moving})
+        ring = flint.fmpq_mpoly_ctx.get([*moving, *still], flint.Ordering.degrevlex)
+        return cls(ring, tuple(moving), tuple(still), names)
+
+    def read(self, expr: Any) -> Any:
+        """A polynomial of the ring."""
+        letters = [sp.Symbol(n) for n in self.ring.names()]
+        try:
+            poly = sp.Poly(sp.sympify(expr.xreplace(self.names)), *letters, domain="QQ")
+        except (sp.PolynomialError, sp.CoercionFailed):
+            raise EngineLimit(f"'{expr}' is no polynomial in sines, states and constants") from None
+        terms = {m: flint.fmpq(int(c.p), int(c.q)) for m, c in poly.as_dict().items()}
+        return self.ring.from_dict(terms)
+
+    def write(self, poly: Any) -> sp.Expr:
+        """An expression in SymPy's symbols, sines written out."""
+        back = {sp.Symbol(str(x)): sp.sympify(f) for f, x in self.names.items()}
+        letters = [back.get(s, s) for s in map(sp.Symbol, self.ring.names())]
+        terms = poly.to_dict().items()
+        found = sp.Integer(0)
+        for m, c in terms:
+            powers = [x**k for x, k in zip(letters, m, strict=True)]
+            found += sp.Rational(int(c.p), int(c.q)) * sp.Mul(*powers)
+        return found
+
+    def moves(self, poly: Any) -> bool:
+        """Whether a polynomial holds states."""
+        count = len(self.states)
+        return any(any(m[:count]) for m in poly.monoms())
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ExactFamily:
+    """A family of steady motions: ``equations`` that vanish on it, in variables and parameters, and
+    of how many dimensions it is for general parameters."""
+
+    system_name: str
+    equations: tuple[sp.Expr, ...]
+    dimension: int
+    letters: _Letters
+    basis: tuple[Any, ...]
+    matrices: tuple[sp.Matrix, sp.Matrix] | None
+
+    def __repr__(self) -> str:
+        text = ", ".join(map(str, self.equations))
+        return f"ExactFamily({self.system_name!r}, dimension {self.dimension}: {text})"
+
+    @cached_property
+    def characteristic(self) -> tuple[sp.Expr, ...]:
+        """The coefficients of the characteristic polynomial from the constant on, without those
+        that vanish on the whole family, up to a common factor.
+
+        ``EngineLimit`` where its matrix is too long to be written.
+        """
+        if self.matrices is None:
+            raise EngineLimit("the matrix of the linearisation is too long to be written")
+        left, right = self.matrices
+        unknown = sp.Symbol("lambda")
+        zero = {sp.Symbol(n): 0 for n in self.zero}
+        whole = (unknown * left - right).xreplace(zero)
+        top = sp.fraction(sp.together(whole.det(method="berkowitz")))[0]
+        poly = sp.Poly(sp.expand(top), unknown)
+        found = [self._modulo(c) for c in reversed(poly.all_coeffs())]
+        while found and found[0] == 0:
+            found.pop(0)
+        return tuple(sp.factor(self.letters.write(c)) if c != 0 else sp.Integer(0) for c in found)
+
+    def _modulo(self, coefficient: sp.Expr) -> Any:
+        return reduce_by(self.letters.read(se.sympify(coefficient)), self.basis)
+
+    @cached_property
+    def zero(self) -> tuple[str, ...]:
+        """Variables that vanish on it."""
+        ring = self.letters.ring
+        variables = zip(self.letters.states, ring.gens(), strict=False)
+        return tuple(name for name, x in variables if reduce_by(x, self.basis) == 0)
+
+    @cached_property
+    def conditions(self) -> dict[str, tuple[sp.Expr, ...]]:
+        """The irreducible factors of what vanishes at critical values: ``real`` of the constant
+        coefficient, ``pair`` of the Hurwitz determinant, or, where all eigenvalues come in pairs
+        of opposite signs, ``meeting`` of the discriminant."""
+        c = self.characteristic
+        if len(c) < 2:
+            return {}
+        found = {"real": c[0]}
+        x = sp.Symbol("lambda")
+        if all(e == 0 for e in c[1::2]):
+            squares = sp.Poly([*reversed(c[::2])], x)
+            found["meeting"] = squares.discriminant() if squares.degree() > 1 else sp.Integer(1)
+        else:
+            n, down = len(c) - 1, [*reversed(c)]
+            found["pair"] = sp.Matrix(n - 1, n - 1, lambda i, j: down[2 * (j + 1) - i - 1]
+                                      if 0 <= 2 * (j + 1) - i - 1 <= n else 0).det()  # fmt: skip
+        return {way: tuple(self._factors(e)) for way, e in found.items()}
+
+    def _factors(self, expr: sp.Expr) -> Iterator[sp.Expr]:
+        poly = reduce_by(self.letters.read(se.sympify(sp.together(expr).as_numer_denom()[0])),
+                         self.basis)  # fmt: skip
+        for factor, _ in irreducible_factors(poly)[1] if poly != 0 else ():
+            if len(factor.monoms()) > 1:
+                yield self.letters.write(factor)
+
+
+def exact_families(equations: SteadyEquations) -> tuple[ExactFamily, ...]:
+    """All families of steady motions for general parameters, those of most dimensions first.
+
+    ``EngineLimit`` where the equations are no polynomials, or elimination grows too large.
+    """
+    form = equations.formulation
+    if form.stages:
+        plain, _ = without_stages(form.form, {})
+        mass, rates, force = plain.mass, plain.rates, plain.force
+    else:
+        mass, rates, force = form.mass, form.rates, form.force
+    held = [e - se.sympify(equations.targets[n]) for n, e in equations.held]
+    fractions = [quotient(e, form.relations) for e in (*rates, *force)]
+    tops = [f[0] for f in fractions] + [*form.relations, *held]
+    states = equations.unknowns
+    wide = [e for row in mass for e in row]
+    letters = _Letters.of([*tops, *wide, *(f[1] for f in fractions)], states)
+    circles = [letters.read(se.Integer(-1) + f**2 + se.cos(f.args[0]) ** 2)
+               for f in letters.names if isinstance(f, se.sin)
+               and se.cos(f.args[0]) in letters.names]  # fmt: skip
+    divisors = [letters.read(f[1]) for f in fractions if f[1].free_symbols]
+    start = [letters.read(e) for e in tops] + circles
+    if sum(len(p.monoms()) for p in start) > TERMS:
+        raise EngineLimit(f"the equations of steady motions have more than {TERMS} terms")
+    found = [
+        (basis, dimension)
+        for basis in _branches(start, letters)
+        if (dimension := _dimension(basis, letters)) is not None
+        and not any(reduce_by(d, basis) == 0 for d in divisors)
+    ]
+    found.sort(key=lambda pair: -pair[1])
+    kept: list[tuple[list[Any], int]] = []
+    for basis, dimension in found:
+        if not any(all(reduce_by(p, basis) == 0 for p in other) for other, _ in kept):
+            kept.append((basis, dimension))
+    matrices = _matrices(rates, force, mass, states, equations.size)
+    name = equations.system.name
+    return tuple(
+        ExactFamily(name, tuple(sp.factor(letters.write(p)) for p in basis), dimension, letters,
+                    tuple(basis), matrices)
+        for basis, dimension in kept
+    )  # fmt: skip
+
+
+def _branches(start: Sequence[Any], letters: _Letters) -> Iterator[list[Any]]:
+    """Groebner bases of branches that together hold all solutions for general parameters."""
+    todo, count, seen = [[p for p in start if p != 0]], 0, set[Any]()
+    while todo:
+        polys = todo.pop()
+        count += 1
+        if count > BRANCHES:
+            raise EngineLimit(f"the steady motions fall into more than {BRANCHES} branches")
+        basis = groebner_basis(polys, letters.ring)
+        key = frozenset(map(str, basis))
+        if key in seen:
+            continue
+        seen.add(key)
+        if any(not letters.moves(p) for p in basis):
+            continue  # empty, or for special parameters alone
+        split = next((f for f in (_moving_factors(p, letters) for p in basis) if f[1]), None)
+        if split is None:
+            yield basis
+        else:
+            todo += [[*basis, factor] for factor in split[0]]
+
+
+def _moving_factors(poly: Any, letters: _Letters) -> tuple[list[Any], bool]:
+    """The irreducible factors that hold states, and whether they are simpler than the whole."""
+    factors = irreducible_factors(poly)[1]
+    moving = [f for f, _ in factors if letters.moves(f)]
+    return moving, len(factors) > 1 or any(power > 1 for _, power in factors)
+
+
+def _dimension(basis: Sequence[Any], letters: _Letters) -> int | None:
+    """How many states are independent of one another and of all constants, by leading monomials."""
+    count = len(letters.states)
+    leading = [p.leading_monomial() if hasattr(p, "leading_monomial") else p.monoms()[0]
+               for p in basis]  # fmt: skip
+    held = [{i for i, k in enumerate(tuple(m)[:count]) if k} for m in leading]
+    if any(not h for h in held):
+        return None
+    for size in range(count, -1, -1):
+        for chosen in combinations(range(count), size):
+            if not any(h <= {*chosen} for h in held):
+                return size
+    return 0
+
+
+def _matrices(
+    rates: Sequence[Any], force: Sequence[Any], mass: Any, states: Sequence[Any], size: int
+) -> tuple[sp.Matrix, sp.Matrix] | None:
+    """diag(1, M) and (R_x; F_x); None where they are large."""
+    if size > SIZE or any(atoms([e], se.sin, se.cos) for e in (*rates, *force)):
+        return None
+    k, n = len(rates), len(force)
+    left = sp.eye(k + n)
+    for i in range(n):
+        for j in range(n):
+            left[k + i, k + j] = sp.sympify(mass[i][j])
+    own = states[:size]
+    slopes = [[sp.sympify(e.diff(x)) for x in own] for e in (*rates, *force)]
+    return left, sp.Matrix(slopes)
